@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "leaflight/bake/radiance_grid.h"
+#include "leaflight/math/progress.h"
+
+namespace leaflight {
+
+// Lights every leaf of the scene's window at once. The result is the same, bit for bit, for any
+// number of threads. Throws Error for a bad scene or settings, Cancelled within half a second of
+// progress.cancel().
+RadianceGrid bake(const Scene& scene, const BakeSettings& settings, Progress& progress);
+
+// The same with a plan of the caller's.
+RadianceGrid bake(const Scene& scene, const BakeSettings& settings, const Plan& plan,
+                  Progress& progress);
+
+}  // namespace leaflight

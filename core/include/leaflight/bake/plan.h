@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "leaflight/bake/settings.h"
+#include "leaflight/scene/scene.h"
+
+namespace leaflight {
+
+struct SkippedPass {
+  std::string pass;
+  std::string reason;
+};
+
+// Which passes a bake needs. Each pass that is left out is listed with its reason.
+struct Plan {
+  bool indirect = true;            // light that has bounced before it reaches the texel
+  bool photons = true;             // photon tracing into the caches
+  bool surroundings_cache = true;  // radiance of the surroundings over (u, v, c)
+  bool inner_side = true;          // photons on the inside of leaves
+  std::vector<SkippedPass> skipped;
+};
+
+Plan make_plan(const Scene& scene, EstimatorName estimator);
+
+}  // namespace leaflight

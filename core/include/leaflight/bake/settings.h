@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "leaflight/math/vector.h"
+
+namespace leaflight {
+
+enum class EstimatorName { volumetric, gather, path };
+
+// "volumetric", "gather" or "path"; throws Error for any other name.
+EstimatorName estimator_from(const std::string& name);
+
+struct BakeSettings {
+  Index<3> resolution{0, 0, 0};  // texels; all zero: one per voxel
+  int samples = 32;              // per texel, each one shadow ray and one gather ray
+  std::uint64_t photons = 2'000'000;
+  EstimatorName estimator = EstimatorName::gather;
+  std::uint64_t seed = 0;
+  int threads = 0;  // 0: all
+};
+
+// Throws Error for counts that make no sense.
+void validate(const BakeSettings& settings);
+
+}  // namespace leaflight

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+
+#include "leaflight/field/interval_pyramid.h"
+#include "leaflight/math/affine.h"
+
+namespace leaflight {
+
+// A scalar grid h with voxel i at index_to_world(i), trilinear (bilinear) in between. A cell with a
+// NaN at one of its corners is masked: h is undefined there and no leaf passes.
+template <int D>
+struct Field {
+  std::shared_ptr<const void> owner;  // keeps the values alive
+  const float* values = nullptr;      // axis 0 fastest
+  Index<D> dims{};
+  Affine<D> index_to_world;
+  Affine<D> world_to_index;
+  float min = 0;
+  float max = 0;
+  bool masked = false;
+  IntervalPyramid<D> pyramid;
+
+  std::size_t offset(const Index<D>& i) const {
+    std::size_t o = i[D - 1];
+    for (int a = D - 2; a >= 0; --a) o = o * dims[a] + i[a];
+    return o;
+  }
+  std::size_t voxels() const {
+    std::size_t n = 1;
+    for (int a = 0; a < D; ++a) n *= dims[a];
+    return n;
+  }
+};
+
+// Checks the values (at least two voxels along each axis, finite or NaN, not constant) and the
+// transform (invertible), and builds the interval pyramid. `values` must live as long as `owner`.
+template <int D>
+Field<D> make_field(const float* values, const Index<D>& dims, const Affine<D>& index_to_world,
+                    std::shared_ptr<const void> owner);
+
+// A point of the domain: a cell and the coordinates in [0,1]^D within it.
+template <int D>
+struct CellPoint {
+  Index<D> cell{};
+  Vec<D> local{0.0};
+
+  Vec<D> index_position() const { return to_vector<D>(cell) + local; }
+};
+
+// The cell point of an index position, clamped to the domain.
+template <int D>
+CellPoint<D> locate(const Field<D>& field, const Vec<D>& index_position);
+
+template <int D>
+bool inside(const Field<D>& field, const Vec<D>& index_position) {
+  for (int a = 0; a < D; ++a) {
+    if (!(index_position[a] >= 0 && index_position[a] <= field.dims[a] - 1)) return false;
+  }
+  return true;
+}
+
+// The values at the corners of a cell; bit a of a corner's number is its offset along axis a.
+template <int D>
+struct CellCorners {
+  std::array<double, 1 << D> h;
+};
+
+template <int D>
+CellCorners<D> load_corners(const Field<D>& field, const Index<D>& cell) {
+  CellCorners<D> corners;
+  const float* base = field.values + field.offset(cell);
+  const std::size_t row = field.dims[0];
+  if constexpr (D == 2) {
+    corners.h = {base[0], base[1], base[row], base[row + 1]};
+  } else {
+    const std::size_t slice = row * field.dims[1];
+    corners.h = {base[0],     base[1],         base[row],         base[row + 1],
+                 base[slice], base[slice + 1], base[slice + row], base[slice + row + 1]};
+  }
+  return corners;
+}
+
+// NaN in a masked cell.
+template <int D>
+double interpolate(const CellCorners<D>& corners, const Vec<D>& local);
+
+// Derivative of the trilinear interpolant with respect to the index coordinates: the normal of the
+// traced surface. It jumps at the faces of cells.
+template <int D>
+Vec<D> geometric_gradient(const CellCorners<D>& corners, const Vec<D>& local);
+
+// Central differences at the voxels, interpolated: continuous, in index coordinates. Used for the
+// cosine of shading and the normals of meshes.
+template <int D>
+Vec<D> shading_gradient(const Field<D>& field, const CellPoint<D>& point);
+
+}  // namespace leaflight

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+
+namespace leaflight {
+
+// Thrown out of a computation whose progress was cancelled.
+class Cancelled : public std::runtime_error {
+ public:
+  Cancelled() : std::runtime_error("The computation was cancelled.") {}
+};
+
+// Shared between a computation and whoever watches it from another thread.
+class Progress {
+ public:
+  void cancel() { cancelled_ = true; }
+  bool cancelled() const { return cancelled_; }
+  double fraction() const { return std::min(1.0, done_.load() / total_); }
+  std::string stage() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return stage_;
+  }
+
+  // Work is measured in rays, roughly.
+  void expect(double total) { total_ = total > 0 ? total : 1; }
+  void begin(const std::string& stage) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stage_ = stage;
+  }
+  void advance(double work) {
+    double done = done_.load();
+    while (!done_.compare_exchange_weak(done, done + work)) {
+    }
+  }
+  void check() const {
+    if (cancelled()) throw Cancelled();
+  }
+
+ private:
+  std::atomic<bool> cancelled_{false};
+  std::atomic<double> done_{0};
+  std::atomic<double> total_{1};
+  mutable std::mutex mutex_;
+  std::string stage_;
+};
+
+}  // namespace leaflight

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "leaflight/math/vector.h"
+
+namespace leaflight {
+
+// Sums of photon flux in 64-bit fixed point: integers add up alike in any order, so the sums are
+// the same for any number of threads.
+class FluxAccumulator {
+ public:
+  // `photon_flux`: the largest flux with which a photon starts; `photons`: how many there are.
+  FluxAccumulator(std::size_t cells, double photon_flux, std::uint64_t photons)
+      : sums_(3 * cells),
+        // All photons may fall into one cell, each with up to `most` times its first flux.
+        unit_(photon_flux * most * static_cast<double>(photons) / 0x1p62),
+        limit_(photon_flux * most) {}
+
+  void add(std::size_t cell, const Rgb& flux) {
+    for (int i = 0; i < 3; ++i) {
+      const double f = std::min(static_cast<double>(flux[i]), limit_);
+      sums_[3 * cell + i].fetch_add(std::llrint(f / unit_), std::memory_order_relaxed);
+    }
+  }
+  double flux(std::size_t cell, int channel) const {
+    return static_cast<double>(sums_[3 * cell + channel].load(std::memory_order_relaxed)) * unit_;
+  }
+  bool empty() const { return sums_.empty(); }
+
+ private:
+  // Only the factor of shading normals lets a photon's flux exceed the one with which it started.
+  static constexpr double most = 64;
+
+  std::vector<std::atomic<std::int64_t>> sums_;
+  double unit_;
+  double limit_;
+};
+
+}  // namespace leaflight

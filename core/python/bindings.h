@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace leaflight::python {
+
+void bind_field(pybind11::module_& module);
+void bind_scene(pybind11::module_& module);
+void bind_bake(pybind11::module_& module);
+void bind_surface(pybind11::module_& module);
+void bind_io(pybind11::module_& module);
+
+}  // namespace leaflight::python

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/field/field.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "leaflight/math/error.h"
+
+namespace leaflight {
+namespace {
+
+struct Survey {
+  float min = std::numeric_limits<float>::infinity();
+  float max = -std::numeric_limits<float>::infinity();
+  bool masked = false;
+  bool infinite = false;
+};
+
+Survey survey(const float* values, std::size_t n) {
+  return tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, n, 1 << 16), Survey{},
+      [&](const auto& range, Survey s) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+          const float h = values[i];
+          s.masked |= std::isnan(h);
+          s.infinite |= std::isinf(h);
+          s.min = std::min(s.min, std::isnan(h) ? s.min : h);
+          s.max = std::max(s.max, std::isnan(h) ? s.max : h);
+        }
+        return s;
+      },
+      [](const Survey& a, const Survey& b) {
+        return Survey{std::min(a.min, b.min), std::max(a.max, b.max), a.masked || b.masked,
+                      a.infinite || b.infinite};
+      });
+}
+
+}  // namespace
+
+template <int D>
+Field<D> make_field(const float* values, const Index<D>& dims, const Affine<D>& index_to_world,
+                    std::shared_ptr<const void> owner) {
+  for (int a = 0; a < D; ++a) {
+    if (dims[a] < 2) {
+      throw Error("The volume has " + std::to_string(dims[a]) + " voxel(s) along axis " + "xyz"[a] +
+                  std::string("; give one with at least 2 along each axis."));
+    }
+  }
+  const double volume = determinant(index_to_world);
+  if (!std::isfinite(volume) || volume == 0.0 || !std::isfinite(index_to_world.origin.length())) {
+    throw Error(
+        "The volume's index-to-world transform cannot be inverted; check its spacing and axes.");
+  }
+  Field<D> field;
+  field.owner = std::move(owner);
+  field.values = values;
+  field.dims = dims;
+  field.index_to_world = index_to_world;
+  field.world_to_index = inverse(index_to_world);
+  const Survey s = survey(values, field.voxels());
+  if (s.infinite) {
+    throw Error("The volume contains infinite values; replace them by NaN or by finite numbers.");
+  }
+  if (s.min > s.max) {
+    throw Error("All voxels of the volume are NaN, so it has no isosurface; check the file.");
+  }
+  if (s.min == s.max) {
+    throw Error("All voxels of the volume have the same value " + std::to_string(s.min) +
+                ", so it has no isosurface; check the file.");
+  }
+  field.min = s.min;
+  field.max = s.max;
+  field.masked = s.masked;
+  field.pyramid = build_pyramid<D>(values, dims);
+  return field;
+}
+
+template <int D>
+CellPoint<D> locate(const Field<D>& field, const Vec<D>& index_position) {
+  CellPoint<D> point;
+  for (int a = 0; a < D; ++a) {
+    const double x = std::clamp(index_position[a], 0.0, static_cast<double>(field.dims[a] - 1));
+    point.cell[a] = std::min(static_cast<int>(x), field.dims[a] - 2);
+    point.local[a] = x - point.cell[a];
+  }
+  return point;
+}
+
+template <int D>
+double interpolate(const CellCorners<D>& corners, const Vec<D>& local) {
+  std::array<double, 1 << D> h = corners.h;
+  for (int a = D - 1; a >= 0; --a) {
+    for (int i = 0; i < (1 << a); ++i) h[i] += local[a] * (h[i + (1 << a)] - h[i]);
+  }
+  return h[0];
+}
+
+template <int D>
+Vec<D> geometric_gradient(const CellCorners<D>& corners, const Vec<D>& local) {
+  Vec<D> gradient;
+  for (int axis = 0; axis < D; ++axis) {
+    double sum = 0;
+    for (int corner = 0; corner < (1 << D); ++corner) {
+      if ((corner >> axis) & 1) continue;
+      double weight = 1;
+      for (int a = 0; a < D; ++a) {
+        if (a != axis) weight *= ((corner >> a) & 1) ? local[a] : 1 - local[a];
+      }
+      sum += weight * (corners.h[corner | (1 << axis)] - corners.h[corner]);
+    }
+    gradient[axis] = sum;
+  }
+  return gradient;
+}
+
+template <int D>
+Vec<D> shading_gradient(const Field<D>& field, const CellPoint<D>& point) {
+  Vec<D> gradient(0.0);
+  for (int corner = 0; corner < (1 << D); ++corner) {
+    double weight = 1;
+    Index<D> i;
+    for (int a = 0; a < D; ++a) {
+      const int bit = (corner >> a) & 1;
+      weight *= bit ? point.local[a] : 1 - point.local[a];
+      i[a] = point.cell[a] + bit;
+    }
+    const float* h = field.values + field.offset(i);
+    std::size_t stride = 1;
+    for (int a = 0; a < D; stride *= field.dims[a], ++a) {
+      // One-sided at the border of the domain and beside masked voxels.
+      double low = i[a] > 0 ? h[-static_cast<std::ptrdiff_t>(stride)] : h[0];
+      double high = i[a] < field.dims[a] - 1 ? h[stride] : h[0];
+      double span = (i[a] > 0) + (i[a] < field.dims[a] - 1);
+      if (field.masked) {
+        if (std::isnan(low)) low = h[0], span -= 1;
+        if (std::isnan(high)) high = h[0], span -= 1;
+        if (span <= 0) continue;
+      }
+      gradient[a] += weight * (high - low) / span;
+    }
+  }
+  return gradient;
+}
+
+template Field<2> make_field<2>(const float*, const Index<2>&, const Affine<2>&,
+                                std::shared_ptr<const void>);
+template Field<3> make_field<3>(const float*, const Index<3>&, const Affine<3>&,
+                                std::shared_ptr<const void>);
+template CellPoint<2> locate<2>(const Field<2>&, const Vec<2>&);
+template CellPoint<3> locate<3>(const Field<3>&, const Vec<3>&);
+template double interpolate<2>(const CellCorners<2>&, const Vec<2>&);
+template double interpolate<3>(const CellCorners<3>&, const Vec<3>&);
+template Vec<2> geometric_gradient<2>(const CellCorners<2>&, const Vec<2>&);
+template Vec<3> geometric_gradient<3>(const CellCorners<3>&, const Vec<3>&);
+template Vec<2> shading_gradient<2>(const Field<2>&, const CellPoint<2>&);
+template Vec<3> shading_gradient<3>(const Field<3>&, const CellPoint<3>&);
+
+}  // namespace leaflight

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/field/interval_pyramid.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+#include <limits>
+
+namespace leaflight {
+namespace {
+
+constexpr Interval empty{std::numeric_limits<float>::infinity(),
+                         -std::numeric_limits<float>::infinity()};
+
+Interval merge(const Interval& a, const Interval& b) {
+  return {std::min(a.min, b.min), std::max(a.max, b.max)};
+}
+
+template <int D>
+std::size_t count(const Index<D>& dims) {
+  std::size_t n = 1;
+  for (int a = 0; a < D; ++a) n *= dims[a];
+  return n;
+}
+
+template <int D>
+Index<D> unflatten(std::size_t offset, const Index<D>& dims) {
+  Index<D> index;
+  for (int a = 0; a < D; ++a) {
+    index[a] = static_cast<int>(offset % dims[a]);
+    offset /= dims[a];
+  }
+  return index;
+}
+
+// Calls visit(index) for each index in [low, high).
+template <int D, class Visit>
+void for_each_in(const Index<D>& low, const Index<D>& high, Visit visit) {
+  for (int a = 0; a < D; ++a) {
+    if (low[a] >= high[a]) return;
+  }
+  Index<D> i = low;
+  for (;;) {
+    visit(i);
+    int a = 0;
+    while (a < D && ++i[a] == high[a]) i[a] = low[a], ++a;
+    if (a == D) return;
+  }
+}
+
+template <int D>
+Interval cell_interval(const float* values, const Index<D>& dims, const Index<D>& cell) {
+  Interval interval = empty;
+  for (int corner = 0; corner < (1 << D); ++corner) {
+    std::size_t offset = 0;
+    for (int a = D - 1; a >= 0; --a) offset = offset * dims[a] + cell[a] + ((corner >> a) & 1);
+    const float h = values[offset];
+    if (std::isnan(h)) return empty;
+    interval = merge(interval, {h, h});
+  }
+  return interval;
+}
+
+template <int D>
+Interval brick_interval(const float* values, const Index<D>& dims, const Index<D>& brick) {
+  Index<D> low, high;
+  for (int a = 0; a < D; ++a) {
+    low[a] = brick[a] << IntervalPyramid<D>::log2_brick;
+    high[a] = std::min(low[a] + (1 << IntervalPyramid<D>::log2_brick), dims[a] - 1);
+    if (low[a] >= high[a]) return empty;
+  }
+  // Without masked voxels the cells' interval is that of the voxels: one load each, not 2^D.
+  Index<D> high_voxel = high;
+  for (int a = 0; a < D; ++a) ++high_voxel[a];
+  Interval interval = empty;
+  bool masked = false;
+  for_each_in<D>(low, high_voxel, [&](const Index<D>& i) {
+    std::size_t offset = 0;
+    for (int a = D - 1; a >= 0; --a) offset = offset * dims[a] + i[a];
+    const float h = values[offset];
+    masked |= std::isnan(h);
+    interval = merge(interval, {h, h});
+  });
+  if (!masked) return interval;
+  interval = empty;
+  for_each_in<D>(low, high, [&](const Index<D>& cell) {
+    interval = merge(interval, cell_interval<D>(values, dims, cell));
+  });
+  return interval;
+}
+
+}  // namespace
+
+template <int D>
+IntervalPyramid<D> build_pyramid(const float* values, const Index<D>& dims) {
+  constexpr int size = 1 << IntervalPyramid<D>::log2_brick;
+  IntervalPyramid<D> pyramid;
+  Index<D> level_dims = dims;
+  do {
+    typename IntervalPyramid<D>::Level level;
+    for (int a = 0; a < D; ++a) level.dims[a] = (level_dims[a] + size - 1) / size;
+    level.bricks.resize(count<D>(level.dims));
+    const auto* finer = pyramid.levels.empty() ? nullptr : &pyramid.levels.back();
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, level.bricks.size(), 256), [&](auto range) {
+          for (std::size_t b = range.begin(); b != range.end(); ++b) {
+            const Index<D> brick = unflatten<D>(b, level.dims);
+            if (!finer) {
+              level.bricks[b] = brick_interval<D>(values, dims, brick);
+              continue;
+            }
+            Index<D> low, high;
+            for (int a = 0; a < D; ++a) {
+              low[a] = brick[a] * size;
+              high[a] = std::min(low[a] + size, finer->dims[a]);
+            }
+            Interval interval = empty;
+            for_each_in<D>(low, high,
+                           [&](const Index<D>& i) { interval = merge(interval, finer->at(i)); });
+            level.bricks[b] = interval;
+          }
+        });
+    level_dims = level.dims;
+    pyramid.levels.push_back(std::move(level));
+  } while (count<D>(level_dims) > 1);
+  return pyramid;
+}
+
+template IntervalPyramid<2> build_pyramid<2>(const float*, const Index<2>&);
+template IntervalPyramid<3> build_pyramid<3>(const float*, const Index<3>&);
+
+}  // namespace leaflight

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/io/exr.h"
+
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfInputFile.h>
+#include <OpenEXR/ImfOutputFile.h>
+
+#include <array>
+
+#include "leaflight/io/files.h"
+#include "leaflight/math/error.h"
+
+namespace leaflight {
+namespace {
+
+constexpr std::array<const char*, 4> channel_names{"R", "G", "B", "A"};
+
+Imf::FrameBuffer frame_buffer(float* pixels, const Imath::Box2i& window, int channels) {
+  const std::size_t width = window.max.x - window.min.x + 1;
+  const std::size_t x_stride = channels * sizeof(float), y_stride = width * x_stride;
+  Imf::FrameBuffer buffer;
+  for (int c = 0; c < channels; ++c) {
+    buffer.insert(channel_names[c], Imf::Slice::Make(Imf::FLOAT, pixels + c, window, x_stride,
+                                                     y_stride, 1, 1, c == 3 ? 1.0 : 0.0));
+  }
+  return buffer;
+}
+
+}  // namespace
+
+void write_exr(const std::string& path, const float* pixels, int width, int height, int channels) {
+  if (width < 1 || height < 1 || channels < 3 || channels > 4) {
+    throw Error("An image of " + std::to_string(width) + " x " + std::to_string(height) + " with " +
+                std::to_string(channels) + " channels cannot be written as EXR; give RGB or RGBA.");
+  }
+  write_atomically(path, [&](const std::string& temporary) {
+    Imf::Header header(width, height);
+    header.compression() = Imf::ZIP_COMPRESSION;
+    for (int c = 0; c < channels; ++c) {
+      header.channels().insert(channel_names[c], Imf::Channel(Imf::FLOAT));
+    }
+    Imf::OutputFile file(temporary.c_str(), header);
+    file.setFrameBuffer(frame_buffer(const_cast<float*>(pixels), header.dataWindow(), channels));
+    file.writePixels(height);
+  });
+}
+
+Image read_exr(const std::string& path) {
+  require_file(path);
+  try {
+    Imf::InputFile file(path.c_str());
+    const Imath::Box2i window = file.header().dataWindow();
+    const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
+    const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
+    if (width < 1 || height < 1 || width * height > (std::int64_t{1} << 28)) {
+      throw Error("The image '" + path + "' claims " + std::to_string(width) + " x " +
+                  std::to_string(height) + " pixels; give one of at most 2^28 pixels.");
+    }
+    Image image;
+    image.width = static_cast<int>(width);
+    image.height = static_cast<int>(height);
+    image.channels = file.header().channels().findChannel("A") ? 4 : 3;
+    image.pixels.resize(static_cast<std::size_t>(width * height) * image.channels);
+    file.setFrameBuffer(frame_buffer(image.pixels.data(), window, image.channels));
+    file.readPixels(window.min.y, window.max.y);
+    return image;
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& problem) {
+    throw Error("'" + path + "' is not a readable EXR image (" + brief(problem.what()) +
+                "); check that it is complete.");
+  }
+}
+
+}  // namespace leaflight

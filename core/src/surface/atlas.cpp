@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/surface/atlas.h"
+
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+
+namespace leaflight {
+namespace {
+
+// The radiance of a texel, or the mean over its active neighbours, or black.
+Vec<3, float> filled(const RadianceGrid& grid, const Index<3>& texel) {
+  const TexelLattice& lattice = grid.lattice;
+  const std::int32_t own = lattice.slot[lattice.linear(texel)];
+  if (own != TexelLattice::inactive) return grid.radiance[own];
+  Vec<3, float> sum(0);
+  int count = 0;
+  Index<3> low, high, i;
+  for (int a = 0; a < 3; ++a) {
+    low[a] = std::max(0, texel[a] - 1);
+    high[a] = std::min(lattice.resolution[a] - 1, texel[a] + 1);
+  }
+  for (i[2] = low[2]; i[2] <= high[2]; ++i[2]) {
+    for (i[1] = low[1]; i[1] <= high[1]; ++i[1]) {
+      for (i[0] = low[0]; i[0] <= high[0]; ++i[0]) {
+        const std::int32_t slot = lattice.slot[lattice.linear(i)];
+        if (slot == TexelLattice::inactive) continue;
+        sum += grid.radiance[slot];
+        ++count;
+      }
+    }
+  }
+  return count > 0 ? sum / static_cast<float>(count) : sum;
+}
+
+}  // namespace
+
+Atlas make_atlas(const RadianceGrid& grid) {
+  const Index<3>& n = grid.lattice.resolution;
+  Atlas atlas;
+  // As square as possible, since the longer side limits what a graphics card takes.
+  atlas.columns = std::max(
+      1, static_cast<int>(std::lround(std::sqrt(static_cast<double>(n[2]) * n[1] / n[0]))));
+  atlas.columns = std::min(atlas.columns, n[2]);
+  atlas.rows = (n[2] + atlas.columns - 1) / atlas.columns;
+  atlas.width = atlas.columns * n[0];
+  atlas.height = atlas.rows * n[1];
+  atlas.pixels.assign(static_cast<std::size_t>(atlas.width) * atlas.height * 4, 0.0f);
+  tbb::parallel_for(0, n[2], [&](int z) {
+    const int left = (z % atlas.columns) * n[0], bottom = (z / atlas.columns) * n[1];
+    for (int y = 0; y < n[1]; ++y) {
+      float* row =
+          atlas.pixels.data() + (static_cast<std::size_t>(bottom + y) * atlas.width + left) * 4;
+      for (int x = 0; x < n[0]; ++x) {
+        const Vec<3, float> radiance = filled(grid, {x, y, z});
+        for (int c = 0; c < 3; ++c) row[4 * x + c] = radiance[c];
+        row[4 * x + 3] = 1;
+      }
+    }
+  });
+  return atlas;
+}
+
+}  // namespace leaflight

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/bake/bake.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstring>
+#include <thread>
+
+#include "leaflight/math/error.h"
+#include "leaflight/surface/atlas.h"
+#include "scenes.h"
+
+namespace leaflight {
+namespace {
+
+BakeSettings quick() {
+  BakeSettings settings;
+  settings.samples = 4;
+  settings.photons = 50'000;
+  return settings;
+}
+
+Scene small_scene() { return test::cornell(test::ball<3>(25), {0.6, 0.9}); }
+
+template <class T>
+bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() &&
+         std::memcmp(static_cast<const void*>(a.data()), static_cast<const void*>(b.data()),
+                     a.size() * sizeof(T)) == 0;
+}
+
+bool same_bits(const RadianceGrid& a, const RadianceGrid& b) {
+  return a.lattice.active == b.lattice.active && same_bits(a.radiance, b.radiance) &&
+         same_bits(a.radiance_indirect, b.radiance_indirect) &&
+         same_bits(a.radiance_error, b.radiance_error);
+}
+
+TEST(Bake, IsTheSameForAnyNumberOfThreads) {
+  const Scene scene = small_scene();
+  for (const EstimatorName estimator :
+       {EstimatorName::gather, EstimatorName::volumetric, EstimatorName::path}) {
+    BakeSettings settings = quick();
+    settings.estimator = estimator;
+    std::vector<RadianceGrid> grids;
+    for (const int threads : {1, 2, 5}) {
+      settings.threads = threads;
+      Progress progress;
+      grids.push_back(bake(scene, settings, progress));
+      EXPECT_EQ(grids.back().statistics.rays, grids.front().statistics.rays);
+    }
+    EXPECT_TRUE(same_bits(grids[0], grids[1]));
+    EXPECT_TRUE(same_bits(grids[0], grids[2]));
+  }
+}
+
+TEST(Bake, DependsOnTheSeed) {
+  const Scene scene = small_scene();
+  BakeSettings settings = quick();
+  Progress first, second;
+  const RadianceGrid a = bake(scene, settings, first);
+  settings.seed = 1;
+  const RadianceGrid b = bake(scene, settings, second);
+  EXPECT_FALSE(same_bits(a, b));
+}
+
+TEST(Bake, CancelsWithinHalfASecond) {
+  const Scene scene = test::cornell(test::ball<3>(65), {0.3, 0.9});
+  for (const EstimatorName estimator : {EstimatorName::gather, EstimatorName::path}) {
+    BakeSettings settings = quick();
+    settings.samples = 4096;
+    settings.estimator = estimator;
+    Progress progress;
+    std::chrono::steady_clock::time_point asked;
+    std::thread canceller([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(300));
+      asked = std::chrono::steady_clock::now();
+      progress.cancel();
+    });
+    EXPECT_THROW(bake(scene, settings, progress), Cancelled);
+    canceller.join();
+    const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - asked;
+    EXPECT_LT(waited.count(), 0.5);
+  }
+}
+
+TEST(Bake, ReportsProgress) {
+  Progress progress;
+  EXPECT_EQ(progress.fraction(), 0);
+  bake(small_scene(), quick(), progress);
+  EXPECT_GT(progress.fraction(), 0.5);
+  EXPECT_FALSE(progress.stage().empty());
+}
+
+TEST(Bake, StoresOnlyTexelsThatALeafReaches) {
+  const Scene scene = test::cornell(test::ball<3>(49), {0.85, 0.9});
+  Progress progress;
+  const RadianceGrid grid = bake(scene, quick(), progress);
+  EXPECT_GT(grid.lattice.active.size(), 200u);
+  EXPECT_LT(grid.lattice.active.size(), grid.lattice.texels() / 20);
+}
+
+TEST(Bake, OtherResolutionsThanTheField) {
+  const Scene scene = small_scene();
+  for (const Index<3>& resolution : {Index<3>{13, 17, 40}, Index<3>{49, 49, 49}}) {
+    BakeSettings settings = quick();
+    settings.samples = 32;
+    settings.resolution = resolution;
+    Progress progress;
+    const RadianceGrid grid = bake(scene, settings, progress);
+    EXPECT_EQ(grid.lattice.resolution, resolution);
+    // The top of the ball, in index coordinates of the field: lit by the lamp above it.
+    EXPECT_GT(lookup(grid, {12, 12, 12 + 24 * 0.28}).y, 0.3);
+  }
+}
+
+TEST(Plan, SaysWhatItSkipsAndWhy) {
+  Scene scene = small_scene();
+  const Plan all = make_plan(scene, EstimatorName::gather);
+  ASSERT_EQ(all.skipped.size(), 1u);
+  EXPECT_EQ(all.skipped[0].pass, "inner side");
+  EXPECT_FALSE(all.inner_side);
+
+  const Plan path = make_plan(scene, EstimatorName::path);
+  EXPECT_FALSE(path.photons);
+  EXPECT_TRUE(path.indirect);
+
+  scene.meshes.clear();
+  EXPECT_FALSE(make_plan(scene, EstimatorName::gather).surroundings_cache);
+  EXPECT_TRUE(make_plan(scene, EstimatorName::gather).photons);
+
+  scene.leaf_albedo = Rgb(0);
+  const Plan black = make_plan(scene, EstimatorName::gather);
+  EXPECT_FALSE(black.indirect);
+  EXPECT_FALSE(black.photons);
+  EXPECT_EQ(black.skipped.size(), 4u);
+}
+
+TEST(Plan, InnerSideIsNeededWhereALeafIsOpen) {
+  Scene open = small_scene();
+  open.window = {0.1, 0.9};  // the lowest leaves meet the border of the domain
+  EXPECT_TRUE(make_plan(open, EstimatorName::gather).inner_side);
+  Scene lit_inside = small_scene();
+  lit_inside.lights.push_back({"inner lamp", {0.5, 0.5, 0.5}, {0.1, 0, 0}, {0, 0.1, 0}, Rgb(1)});
+  EXPECT_TRUE(make_plan(lit_inside, EstimatorName::gather).inner_side);
+}
+
+TEST(Plan, ForcingASkippedPassChangesNothing) {
+  const Scene scene = small_scene();
+  Plan forced = make_plan(scene, EstimatorName::gather);
+  forced.inner_side = true;
+  Progress first, second;
+  EXPECT_TRUE(same_bits(bake(scene, quick(), first), bake(scene, quick(), forced, second)));
+}
+
+TEST(Bake, RefusesBadScenes) {
+  const auto message = [](const Scene& scene) -> std::string {
+    Progress progress;
+    try {
+      bake(scene, quick(), progress);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  Scene scene = small_scene();
+  scene.lights.clear();
+  EXPECT_NE(message(scene).find("no light"), std::string::npos);
+  scene = small_scene();
+  scene.lights[0].edge_u = Vec3(0.0);
+  EXPECT_NE(message(scene).find("'lamp' has no area"), std::string::npos);
+  scene = small_scene();
+  scene.lights[0].radiance = Rgb(-1);
+  EXPECT_NE(message(scene).find("'lamp'"), std::string::npos);
+  scene = small_scene();
+  scene.meshes[2].albedo = Rgb(1.5f);
+  EXPECT_NE(message(scene).find("wall 3"), std::string::npos);
+  scene = small_scene();
+  scene.meshes[0].vertices[1].x = std::nanf("");
+  EXPECT_NE(message(scene).find("wall 0"), std::string::npos);
+  scene = small_scene();
+  scene.meshes[0].triangles[0][0] = 99;
+  EXPECT_NE(message(scene).find("vertex 99"), std::string::npos);
+  scene = small_scene();
+  scene.window = {0.9, 0.6};
+  EXPECT_NE(message(scene).find("is empty"), std::string::npos);
+  scene = small_scene();
+  scene.window = {2, 3};
+  EXPECT_NE(message(scene).find("outside the data"), std::string::npos);
+}
+
+TEST(Atlas, HoldsTheTexels) {
+  Progress progress;
+  const RadianceGrid grid = bake(small_scene(), quick(), progress);
+  const Atlas atlas = make_atlas(grid);
+  const Index<3>& n = grid.lattice.resolution;
+  EXPECT_EQ(atlas.width, atlas.columns * n[0]);
+  EXPECT_EQ(atlas.height, atlas.rows * n[1]);
+  EXPECT_GE(atlas.columns * atlas.rows, n[2]);
+  for (std::size_t s = 0; s < grid.lattice.active.size(); ++s) {
+    const Index<3> t = grid.lattice.texel(grid.lattice.active[s]);
+    const int column = (t[2] % atlas.columns) * n[0] + t[0];
+    const int row = (t[2] / atlas.columns) * n[1] + t[1];
+    const float* pixel = &atlas.pixels[4 * (static_cast<std::size_t>(row) * atlas.width + column)];
+    ASSERT_EQ(pixel[0], grid.radiance[s].x);
+    ASSERT_EQ(pixel[2], grid.radiance[s].z);
+  }
+}
+
+}  // namespace
+}  // namespace leaflight

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/field/field.h"
+
+#include <gtest/gtest.h>
+
+#include "fields.h"
+#include "leaflight/field/bump_box.h"
+#include "leaflight/field/texel_lattice.h"
+#include "leaflight/math/error.h"
+
+namespace leaflight {
+namespace {
+
+// Thesis Eq. 2.1 and Table 2.1, written out again.
+double bump_box_at(const std::vector<double>& x) {
+  const double table[5][5] = {{0.0125, 0.036, 0.75, 0.60, 0.5},
+                              {0.0200, 0.036, 0.60, 0.51, 0.5},
+                              {0.0330, 0.036, 0.40, 0.50, 0.5},
+                              {0.1670, 0.090, 0.50, 0.90, 0.5},
+                              {1.6670, 1.350, 0.50, 1.50, 0.5}};
+  double sum = 0;
+  for (const auto& row : table) {
+    double d2 = 0;
+    for (std::size_t a = 0; a < x.size(); ++a) d2 += std::pow(x[a] - row[2 + a], 2);
+    sum += row[0] / (row[1] * std::sqrt(2 * 3.14159265358979)) *
+           std::exp(-d2 / std::pow(2 * row[1], 2));
+  }
+  return sum;
+}
+
+TEST(BumpBox, IsTheThesisFunction) {
+  const auto values = bump_box<3>(21);
+  // The raw range on a fine grid is 0.3378..1.209; here the grid's own extremes are mapped.
+  double low = 1e9, high = -1e9;
+  std::vector<double> raw;
+  for (int z = 0; z < 21; ++z) {
+    for (int y = 0; y < 21; ++y) {
+      for (int x = 0; x < 21; ++x) {
+        raw.push_back(bump_box_at({x / 20.0, y / 20.0, z / 20.0}));
+        low = std::min(low, raw.back());
+        high = std::max(high, raw.back());
+      }
+    }
+  }
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    ASSERT_NEAR(values[i], (raw[i] - low) / (high - low) * 255, 1e-4);
+  }
+  EXPECT_NEAR(bump_box_at({0, 0, 0}), 0.3378, 5e-4);
+  const auto flat = bump_box<2>(101);
+  const auto peak = flat[50 * 101 + 40];  // the third bump, at (0.4, 0.5)
+  EXPECT_GT(peak, flat[50 * 101 + 50]);
+}
+
+TEST(IntervalPyramid, BoundsEveryBrick) {
+  const Field<3> field = test::noise<3>(23, 3, 0.5);
+  for (std::size_t level = 0; level < field.pyramid.levels.size(); ++level) {
+    const auto& bricks = field.pyramid.levels[level];
+    const int size = 1 << (2 * (static_cast<int>(level) + 1));
+    Index<3> b;
+    for (b[2] = 0; b[2] < bricks.dims[2]; ++b[2]) {
+      for (b[1] = 0; b[1] < bricks.dims[1]; ++b[1]) {
+        for (b[0] = 0; b[0] < bricks.dims[0]; ++b[0]) {
+          float low = 1e9f, high = -1e9f;
+          for (int z = b[2] * size; z <= std::min(22, (b[2] + 1) * size); ++z) {
+            for (int y = b[1] * size; y <= std::min(22, (b[1] + 1) * size); ++y) {
+              for (int x = b[0] * size; x <= std::min(22, (b[0] + 1) * size); ++x) {
+                low = std::min(low, field.values[field.offset({x, y, z})]);
+                high = std::max(high, field.values[field.offset({x, y, z})]);
+              }
+            }
+          }
+          if (bricks.at(b).min > bricks.at(b).max) continue;  // no cells
+          ASSERT_EQ(bricks.at(b).min, low);
+          ASSERT_EQ(bricks.at(b).max, high);
+        }
+      }
+    }
+  }
+  EXPECT_EQ(field.pyramid.levels.back().bricks.size(), 1u);
+}
+
+TEST(Field, GradientsOfALinearFunctionAreExact) {
+  const Field<3> field =
+      test::sampled<3>(9, [](const Vec3& x) { return 8 * (2 * x.x - 3 * x.y + 0.5 * x.z); });
+  const CellPoint<3> p = locate(field, {0.3, 4.9, 8.0});
+  for (const Vec3& g :
+       {geometric_gradient(load_corners(field, p.cell), p.local), shading_gradient(field, p)}) {
+    EXPECT_LT((g - Vec3(2, -3, 0.5)).length(), 1e-5);
+  }
+}
+
+TEST(Field, ShadingGradientIsContinuousAcrossFaces) {
+  const Field<3> field = test::noise<3>(9, 1, 0.5);
+  const CellPoint<3> below{{3, 4, 4}, {1.0, 0.3, 0.6}}, above{{4, 4, 4}, {0.0, 0.3, 0.6}};
+  EXPECT_LT((shading_gradient(field, below) - shading_gradient(field, above)).length(), 1e-12);
+}
+
+TEST(Field, RefusesWhatHasNoIsosurface) {
+  const auto message = [](std::vector<float> values, const Index<3>& dims,
+                          const Affine<3>& transform) -> std::string {
+    try {
+      test::field_from<3>(std::move(values), dims, transform);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const Affine<3> m = test::unit_cube<3>(2);
+  std::vector<float> ramp{0, 1, 2, 3, 4, 5, 6, 7};
+  EXPECT_EQ(message(ramp, {2, 2, 2}, m), "");
+  EXPECT_NE(message(std::vector<float>(8, 3), {2, 2, 2}, m).find("same value"), std::string::npos);
+  EXPECT_NE(message(std::vector<float>(8, std::nanf("")), {2, 2, 2}, m).find("NaN"),
+            std::string::npos);
+  ramp[3] = std::numeric_limits<float>::infinity();
+  EXPECT_NE(message(ramp, {2, 2, 2}, m).find("infinite"), std::string::npos);
+  EXPECT_NE(message(ramp, {8, 1, 1}, m).find("axis y"), std::string::npos);
+  Affine<3> flat = m;
+  flat.column[2] = Vec3(0.0);
+  ramp[3] = 3;
+  EXPECT_NE(message(ramp, {2, 2, 2}, flat).find("inverted"), std::string::npos);
+}
+
+TEST(TexelLattice, HoldsEveryTexelThatALookupNeeds) {
+  const Field<3> field = test::ball<3>(21);
+  const TexelLattice lattice = make_lattice(field, {21, 21, 21}, 0.7, 0.8);
+  Random random(3);
+  for (int i = 0; i < 20'000; ++i) {
+    const Vec3 p(20 * random.uniform(), 20 * random.uniform(), 20 * random.uniform());
+    const CellPoint<3> point = locate(field, p);
+    const double h = interpolate(load_corners(field, point.cell), point.local);
+    if (h < 0.7 || h > 0.8) continue;
+    for (const std::int32_t slot : trilinear_weights(lattice, p).slot) {
+      ASSERT_NE(slot, TexelLattice::inactive);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace leaflight

@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/trace/leaf_ray.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "fields.h"
+
+namespace leaflight {
+namespace {
+
+using test::ball;
+using test::noise;
+
+template <int D>
+double value_at(const Field<D>& field, const Vec<D>& index) {
+  const CellPoint<D> p = locate(field, index);
+  return interpolate(load_corners(field, p.cell), p.local);
+}
+
+template <int D>
+Vec<D> random_unit(Random& random) {
+  Vec<D> d;
+  do {
+    for (int a = 0; a < D; ++a) d[a] = 2 * random.uniform() - 1;
+  } while (d.length() > 1 || d.length() < 0.1);
+  return d.normalized();
+}
+
+// The first sign change found by stepping finely, without pyramid and polynomials.
+template <int D>
+double marched(const Field<D>& field, const LeafRay<D>& ray, double step) {
+  bool known = false, above = false;
+  for (double t = 0; t < 1000 && t <= ray.t_max; t += step) {
+    const Vec<D> p = ray.position + ray.direction * t;
+    if (!inside(field, p)) {
+      if (known) return -1;
+      continue;
+    }
+    const bool now = value_at(field, p) >= ray.isovalue;
+    if (known && now != above) return t;
+    known = true;
+    above = now;
+  }
+  return -1;
+}
+
+template <int D>
+void expect_agreement_with_marching(const Field<D>& field, double c, double step, int rays) {
+  Random random(11);
+  int hits = 0, disagreements = 0;
+  for (int i = 0; i < rays; ++i) {
+    LeafRay<D> ray;
+    for (int a = 0; a < D; ++a) ray.position[a] = (random.uniform() * 2 - 0.5) * field.dims[a];
+    ray.direction = random_unit<D>(random);
+    ray.isovalue = c;
+    const auto hit = intersect(field, ray);
+    const double expected = marched(field, ray, step);
+    if (hit) {
+      ++hits;
+      // The hit lies on the leaf, wherever it is.
+      EXPECT_NEAR(value_at(field, ray.position + ray.direction * hit->t), c, 1e-9);
+    }
+    // Marching may step over a sliver; it never sees a crossing that is not there.
+    const bool agrees = expected < 0 ? !hit || marched(field, ray, step / 64) >= 0
+                                     : hit && hit->t <= expected + 1e-9 &&
+                                           (hit->t > expected - step - 1e-9 ||
+                                            marched(field, ray, step / 64) < expected - step / 2);
+    disagreements += !agrees;
+  }
+  EXPECT_GT(hits, rays / 50);
+  EXPECT_EQ(disagreements, 0);
+}
+
+TEST(LeafRay, AgreesWithMarchingOnNoise) {
+  expect_agreement_with_marching<3>(noise<3>(9, 1, 0.0), 0.5, 1e-2, 1000);
+  expect_agreement_with_marching<2>(noise<2>(17, 2, 0.0), 0.5, 1e-2, 1000);
+}
+
+TEST(LeafRay, AgreesWithMarchingOnSmoothField) {
+  expect_agreement_with_marching<3>(ball<3>(33), 0.7, 1e-2, 500);
+  expect_agreement_with_marching<2>(ball<2>(33), 0.7, 1e-2, 1000);
+}
+
+template <int D>
+void expect_watertight(const Field<D>& field, double c, const Vec<D>& from, int rays) {
+  Random random(3);
+  const bool above = value_at(field, from) >= c;
+  ASSERT_TRUE(above);
+  for (int i = 0; i < rays; ++i) {
+    LeafRay<D> ray;
+    ray.position = from;
+    ray.direction = random_unit<D>(random);
+    ray.isovalue = c;
+    const auto hit = intersect(field, ray);
+    ASSERT_TRUE(hit) << "ray " << i << " left a closed leaf";
+    ASSERT_TRUE(hit->from_above);
+  }
+}
+
+TEST(LeafRay, ClosedLeafHoldsRays) {
+  expect_watertight<3>(ball<3>(24), 0.61, {14.37, 9.71, 12.2}, 200'000);
+  expect_watertight<2>(ball<2>(24), 0.61, {14.37, 9.71}, 200'000);
+}
+
+TEST(LeafRay, NoisyClosedLeafHoldsRays) {
+  Field<3> field = noise<3>(12, 5, -1.0);
+  Random random(17);
+  int started = 0;
+  for (int i = 0; i < 100'000; ++i) {
+    LeafRay<3> ray;
+    for (int a = 0; a < 3; ++a) ray.position[a] = 11 * random.uniform();
+    ray.isovalue = 0.5;
+    ray.direction = test::random_direction(random);
+    if (value_at(field, ray.position) < 0.5) continue;
+    ++started;
+    ASSERT_TRUE(intersect(field, ray));
+  }
+  EXPECT_GT(started, 10'000);
+}
+
+// Crossings alternate between the sides, and a ray from outside through a closed leaf crosses it an
+// even number of times: restarting at each hit neither repeats nor skips one.
+TEST(LeafRay, RestartingVisitsEachCrossingOnce) {
+  const Field<3> field = noise<3>(12, 6, -1.0);
+  Random random(23);
+  int crossings = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    LeafRay<3> ray;
+    const Vec3 target(11 * random.uniform(), 11 * random.uniform(), 11 * random.uniform());
+    ray.direction = test::random_direction(random);
+    ray.position = target - ray.direction * 40;
+    ray.isovalue = 0.5;
+    bool above = false;
+    double last = -1;
+    for (;;) {
+      const auto hit = intersect(field, ray);
+      if (!hit) break;
+      ++crossings;
+      ASSERT_EQ(hit->from_above, above) << "ray " << i;
+      const Vec3 position = hit->point.index_position();
+      const double along = (position - target).dot(ray.direction);
+      ASSERT_GT(along, last < 0 ? -100 : last - 1e-9);
+      last = along;
+      above = !above;
+      ray.starts_on_leaf = true;
+      ray.starts_above = above;
+      ray.origin = hit->point;
+      ray.position = position;
+    }
+    ASSERT_FALSE(above) << "ray " << i << " ended inside a closed leaf";
+  }
+  EXPECT_GT(crossings, 50'000);
+}
+
+TEST(LeafRay, ConvexLeafIsNeverHitAgainFromOutside) {
+  const Field<3> field = ball<3>(40);
+  Random random(29);
+  int left = 0;
+  for (int i = 0; i < 50'000; ++i) {
+    LeafRay<3> ray;
+    ray.direction = test::random_direction(random);
+    ray.position = Vec3(19.5) - ray.direction * 60 + test::random_direction(random) * 10;
+    ray.isovalue = 0.6;
+    const auto hit = intersect(field, ray);
+    if (!hit) continue;
+    const CellCorners<3> corners = load_corners(field, hit->point.cell);
+    const Vec3 outward = -geometric_gradient(corners, hit->point.local);
+    LeafRay<3> next;
+    next.starts_on_leaf = true;
+    next.origin = hit->point;
+    next.position = hit->point.index_position();
+    next.isovalue = 0.6;
+    next.direction = test::random_direction(random);
+    if (next.direction.dot(outward.normalized()) < 0.1) continue;  // clear of the facets
+    ++left;
+    ASSERT_FALSE(intersect(field, next)) << "ray " << i;
+  }
+  EXPECT_GT(left, 10'000);
+}
+
+TEST(LeafRay, IntegerDataAtIntegerIsovalue) {
+  // A slab of value 2 in a field of 1: at isovalue 2 the leaf lies on the slab's own voxels.
+  const Field<3> field =
+      test::sampled<3>(9, [](const Vec3& x) { return x.z > 0.4 && x.z < 0.6 ? 2.0 : 1.0; });
+  LeafRay<3> ray;
+  ray.position = {4.3, 4.6, -5};
+  ray.direction = {0, 0, 1};
+  ray.isovalue = 2;
+  const auto hit = intersect(field, ray);
+  ASSERT_TRUE(hit);
+  EXPECT_NEAR(hit->t, 9, 1e-12);
+  EXPECT_FALSE(hit->from_above);
+  // From there outwards nothing is met; inwards the other side of the slab, which is h == 2 on one
+  // layer of voxels only.
+  LeafRay<3> back;
+  back.starts_on_leaf = true;
+  back.origin = hit->point;
+  back.position = hit->point.index_position();
+  back.direction = {0, 0, -1};
+  back.isovalue = 2;
+  EXPECT_FALSE(intersect(field, back));
+}
+
+TEST(LeafRay, AxisParallelAndDegenerateDirections) {
+  const Field<3> field = ball<3>(21);
+  for (const double tiny : {0.0, 5e-324, 1e-310, 1e-30}) {
+    LeafRay<3> ray;
+    ray.position = {10, 10, -3};  // through voxels, along cell edges
+    ray.direction = {tiny, -tiny, 1};
+    ray.isovalue = 0.75;
+    const auto hit = intersect(field, ray);
+    ASSERT_TRUE(hit);
+    EXPECT_NEAR(hit->t, 3 + 5, 0.1);
+    ray.position = {10, 10, 23};
+    ray.direction = {tiny, tiny, -1};
+    const auto from_other_end = intersect(field, ray);
+    ASSERT_TRUE(from_other_end);
+    EXPECT_NEAR(from_other_end->t, 3 + 5, 0.1);
+  }
+}
+
+TEST(LeafRay, MaskedCellsHaveNoLeaf) {
+  // h = x, with the layer of cells that holds the leaf masked.
+  std::vector<float> values(8 * 8 * 8);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const int x = static_cast<int>(i % 8);
+    values[i] = x == 4 ? std::nanf("") : static_cast<float>(x);
+  }
+  const auto field = test::field_from<3>(values, {8, 8, 8}, test::unit_cube<3>(8));
+  LeafRay<3> ray;
+  ray.position = {-1, 3.3, 3.3};
+  ray.direction = {1, 0, 0};
+  ray.isovalue = 4.2;
+  EXPECT_FALSE(intersect(field, ray));
+  ray.isovalue = 2.5;
+  const auto hit = intersect(field, ray);
+  ASSERT_TRUE(hit);
+  EXPECT_NEAR(hit->t, 3.5, 1e-12);
+  ray.isovalue = 5.5;
+  ASSERT_TRUE(intersect(field, ray));
+}
+
+TEST(LeafRay, EndsAtItsMaximum) {
+  const Field<3> field = ball<3>(21);
+  LeafRay<3> ray;
+  ray.position = {10, 10, -3};
+  ray.direction = {0, 0, 1};
+  ray.isovalue = 0.75;
+  ray.t_max = 7.5;
+  EXPECT_FALSE(intersect(field, ray));
+  ray.t_max = 8.5;
+  EXPECT_TRUE(intersect(field, ray));
+}
+
+}  // namespace
+}  // namespace leaflight

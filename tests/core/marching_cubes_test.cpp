@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/surface/marching_cubes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "fields.h"
+#include "leaflight/math/sampling.h"
+
+namespace leaflight {
+namespace {
+
+using EdgeCount = std::map<std::pair<int, int>, int>;
+
+EdgeCount directed_edges(const IsosurfaceMesh& mesh) {
+  EdgeCount edges;
+  for (const auto& t : mesh.triangles) {
+    for (int k = 0; k < 3; ++k) ++edges[{t[k], t[(k + 1) % 3]}];
+  }
+  return edges;
+}
+
+// Each edge is used as often in one direction as in the other.
+bool closed(const IsosurfaceMesh& mesh) {
+  const EdgeCount edges = directed_edges(mesh);
+  for (const auto& [edge, count] : edges) {
+    const auto opposite = edges.find({edge.second, edge.first});
+    if (opposite == edges.end() || opposite->second != count) return false;
+  }
+  return true;
+}
+
+int euler_characteristic(const IsosurfaceMesh& mesh) {
+  std::set<std::pair<int, int>> edges;
+  for (const auto& [edge, count] : directed_edges(mesh)) {
+    edges.insert(std::minmax(edge.first, edge.second));
+  }
+  return static_cast<int>(mesh.vertices.size()) - static_cast<int>(edges.size()) +
+         static_cast<int>(mesh.triangles.size());
+}
+
+double signed_volume(const IsosurfaceMesh& mesh) {
+  double volume = 0;
+  for (const auto& t : mesh.triangles) {
+    volume +=
+        Vec3(mesh.vertices[t[0]]).dot(Vec3(mesh.vertices[t[1]]).cross(Vec3(mesh.vertices[t[2]]))) /
+        6;
+  }
+  return volume;
+}
+
+TEST(MarchingCubes, Sphere) {
+  const Field<3> field = test::ball<3>(41);
+  const IsosurfaceMesh mesh = contour(field, 0.7);
+  EXPECT_TRUE(closed(mesh));
+  EXPECT_EQ(euler_characteristic(mesh), 2);
+  // An inscribed polyhedron lacks about (voxel / radius)^2 of the volume.
+  EXPECT_NEAR(signed_volume(mesh), 4.0 / 3 * pi * 0.027, 8e-4);
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    const Vec3 p = Vec3(mesh.vertices[v]) - Vec3(0.5);
+    EXPECT_NEAR(p.length(), 0.3, 1e-3);
+    EXPECT_GT(p.normalized().dot(Vec3(mesh.normals[v])), 0.995);
+  }
+}
+
+TEST(MarchingCubes, Torus) {
+  const IsosurfaceMesh mesh = contour(test::torus(50), 0.9);
+  EXPECT_TRUE(closed(mesh));
+  EXPECT_EQ(euler_characteristic(mesh), 0);
+  EXPECT_NEAR(signed_volume(mesh), 2 * pi * pi * 0.25 * 0.01, 1e-3);
+}
+
+// Every sign pattern and every ambiguous face occurs here many times.
+TEST(MarchingCubes, NoiseHasNoCracks) {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const IsosurfaceMesh mesh = contour(test::noise<3>(18, seed, -1.0), 0.5);
+    EXPECT_GT(mesh.triangles.size(), 5000u);
+    EXPECT_TRUE(closed(mesh)) << "seed " << seed;
+    EXPECT_GT(signed_volume(mesh), 0) << "seed " << seed;
+  }
+}
+
+// Integer data at an integer isovalue: vertices coincide, but the topology stays closed.
+TEST(MarchingCubes, IntegerDataAtIntegerIsovalue) {
+  Random random(4);
+  const Field<3> field = test::sampled<3>(16, [&](const Vec3& x) {
+    const double h = std::floor(4 * random.uniform());
+    for (int a = 0; a < 3; ++a) {
+      if (x[a] == 0 || x[a] == 1) return -1.0;
+    }
+    return h;
+  });
+  for (const double c : {0.0, 1.0, 2.0, 3.0}) {
+    const IsosurfaceMesh mesh = contour(field, c);
+    EXPECT_TRUE(closed(mesh)) << "isovalue " << c;
+    for (const auto& v : mesh.vertices) EXPECT_TRUE(std::isfinite(v.x + v.y + v.z));
+  }
+}
+
+TEST(MarchingCubes, MirroredTransformKeepsOutwardOrientation) {
+  Field<3> field = test::ball<3>(21);
+  Affine<3> mirrored = field.index_to_world;
+  mirrored.column[0] = -mirrored.column[0];
+  const auto copy = make_field<3>(field.values, field.dims, mirrored, field.owner);
+  const IsosurfaceMesh mesh = contour(copy, 0.7);
+  EXPECT_NEAR(signed_volume(mesh), 4.0 / 3 * pi * 0.027, 3.2e-3);
+}
+
+TEST(MarchingCubes, MaskedCellsLeaveAHole) {
+  const Field<3> whole = test::ball<3>(21);
+  std::vector<float> values(whole.values, whole.values + whole.voxels());
+  for (int z = 0; z < 21; ++z) values[whole.offset({10, 10, z})] = std::nanf("");
+  const auto field = test::field_from<3>(values, whole.dims, whole.index_to_world);
+  const IsosurfaceMesh mesh = contour(field, 0.7);
+  EXPECT_LT(mesh.triangles.size(), contour(whole, 0.7).triangles.size());
+  EXPECT_FALSE(closed(mesh));
+  std::set<int> used;
+  for (const auto& t : mesh.triangles) used.insert(t.begin(), t.end());
+  EXPECT_EQ(used.size(), mesh.vertices.size());
+}
+
+TEST(MarchingCubes, NothingOutsideTheData) {
+  EXPECT_TRUE(contour(test::ball<3>(9), 5.0).triangles.empty());
+}
+
+}  // namespace
+}  // namespace leaflight

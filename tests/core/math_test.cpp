@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "fields.h"
+#include "leaflight/math/low_discrepancy.h"
+#include "leaflight/math/sampling.h"
+
+namespace leaflight {
+namespace {
+
+// Any 2^k first points hold one point in each elementary interval of area 2^-k.
+TEST(Sobol, IsAZeroTwoSequence) {
+  for (std::uint64_t seed : {1ull, 99ull, 0x123456789abcdefull}) {
+    for (int log2_n = 0; log2_n <= 10; ++log2_n) {
+      for (int split = 0; split <= log2_n; ++split) {
+        std::set<std::pair<int, int>> boxes;
+        for (std::uint32_t i = 0; i < (1u << log2_n); ++i) {
+          const auto p = sobol_point(i, seed);
+          boxes.insert({static_cast<int>(p[0] * (1 << split)),
+                        static_cast<int>(p[1] * (1 << (log2_n - split)))});
+        }
+        ASSERT_EQ(boxes.size(), std::size_t{1} << log2_n);
+      }
+    }
+  }
+}
+
+// chi-square over 8 x 8 equal bins of (cos^2, phi); 63 degrees of freedom, 99.99 % quantile 113.5.
+TEST(CosineHemisphere, HasItsDensity) {
+  Random random(1);
+  const Vec3 n = Vec3(-0.3, 0.5, -0.8).normalized();
+  const Vec3 t = n.cross(Vec3(1, 0, 0)).normalized(), b = n.cross(t);
+  std::array<int, 64> bins{};
+  constexpr int samples = 64'000;
+  for (int i = 0; i < samples; ++i) {
+    const Vec3 d = sample_cosine_hemisphere(n, {random.uniform(), random.uniform()});
+    ASSERT_NEAR(d.length(), 1, 1e-12);
+    const double cosine = d.dot(n), phi = std::atan2(d.dot(b), d.dot(t)) / (2 * pi) + 0.5;
+    ASSERT_GE(cosine, 0);
+    ++bins[8 * std::min(7, static_cast<int>(cosine * cosine * 8)) +
+           std::min(7, static_cast<int>(phi * 8))];
+  }
+  double chi2 = 0;
+  for (const int count : bins) chi2 += std::pow(count - samples / 64.0, 2) / (samples / 64.0);
+  EXPECT_LT(chi2, 113.5);
+}
+
+TEST(Affine, InverseUndoesIt) {
+  Affine<3> m;
+  m.column = {Vec3(2, 0.5, 0), Vec3(-1, 3, 0.2), Vec3(0, 0.1, -0.7)};
+  m.origin = Vec3(100, -20, 3);
+  const Vec3 p(0.3, -4, 7);
+  EXPECT_LT((inverse(m).point(m.point(p)) - p).length(), 1e-12);
+  EXPECT_LT((compose(inverse(m), m).point(p) - p).length(), 1e-12);
+  Affine<2> flat;
+  flat.column = {Vec<2>(2, 1), Vec<2>(-1, 3)};
+  flat.origin = Vec<2>(5, 6);
+  EXPECT_LT((inverse(flat).point(flat.point({0.3, -4})) - Vec<2>(0.3, -4)).length(), 1e-12);
+}
+
+}  // namespace
+}  // namespace leaflight

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "fields.h"
+#include "leaflight/scene/scene.h"
+
+namespace leaflight::test {
+
+// A rectangle as two triangles.
+inline Mesh wall(const std::string& name, const Vec3& corner, const Vec3& u, const Vec3& v,
+                 const Rgb& albedo) {
+  Mesh mesh;
+  mesh.name = name;
+  for (const Vec3& p : {corner, corner + u, corner + u + v, corner + v}) {
+    mesh.vertices.emplace_back(p);
+  }
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.albedo = albedo;
+  return mesh;
+}
+
+// The six walls of the cube [low, high]^3, each as corner and edges with edge_u x edge_v inwards.
+struct Side {
+  Vec3 corner, u, v;
+};
+inline std::vector<Side> cube_sides(double low, double high) {
+  const double s = high - low;
+  const Vec3 x(s, 0, 0), y(0, s, 0), z(0, 0, s), a(low), b(high);
+  return {{a, y, z}, {a, z, x}, {a, x, y}, {b, -z, -y}, {b, -x, -z}, {b, -y, -x}};
+}
+
+// A closed box whose walls emit `emission` and reflect `albedo`, around a field of the unit cube:
+// everything in it, if the leaves are white, has the radiance emission / (1 - albedo).
+inline Scene furnace(Field<3> field, const IsovalueWindow& window, Real emission, Real albedo) {
+  Scene scene{std::move(field), Rgb(1), {}, {}, window};
+  for (const Side& side : cube_sides(-0.3, 1.3)) {
+    scene.meshes.push_back(wall("wall", side.corner, side.u, side.v, Rgb(albedo)));
+    scene.lights.push_back({"glow", side.corner, side.u, side.v, Rgb(emission)});
+  }
+  return scene;
+}
+
+// A box open towards -y with a coloured wall on each side and a lamp below its ceiling.
+inline Scene cornell(Field<3> field, const IsovalueWindow& window) {
+  Scene scene{std::move(field), Rgb(0.75f), {}, {}, window};
+  const std::vector<Side> sides = cube_sides(-0.3, 1.3);
+  const std::vector<Rgb> albedos{Rgb(0.63f, 0.06f, 0.05f), Rgb(0),    Rgb(0.7f),
+                                 Rgb(0.14f, 0.45f, 0.09f), Rgb(0.7f), Rgb(0.7f)};
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    if (i == 1) continue;  // open
+    scene.meshes.push_back(
+        wall("wall " + std::to_string(i), sides[i].corner, sides[i].u, sides[i].v, albedos[i]));
+  }
+  scene.lights.push_back({"lamp", {0.2, 0.2, 1.28}, {0, 0.6, 0}, {0.6, 0, 0}, Rgb(3.0f)});
+  return scene;
+}
+
+}  // namespace leaflight::test

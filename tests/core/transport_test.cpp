@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "leaflight/bake/bake.h"
+#include "leaflight/math/sampling.h"
+#include "leaflight/surface/marching_cubes.h"
+#include "leaflight/surface/project.h"
+#include "leaflight/transport/reference.h"
+#include "scenes.h"
+
+namespace leaflight {
+namespace {
+
+constexpr double c = 0.72;
+
+// Every `step`-th vertex of the leaf, moved off the grid's edges and back onto the leaf.
+std::vector<Vec3> leaf_points(const Field<3>& field, double isovalue, std::size_t step) {
+  const IsosurfaceMesh mesh = contour(field, isovalue);
+  std::vector<Vec3> points;
+  for (std::size_t t = 0; t < mesh.triangles.size(); t += step) {
+    Vec3 centre(0.0);
+    for (const int v : mesh.triangles[t]) centre += Vec3(mesh.vertices[v]) / 3;
+    points.push_back(project_to_leaf(field, centre, isovalue));
+  }
+  return points;
+}
+
+double mean_of(const std::vector<ReferenceRadiance>& reference) {
+  double sum = 0;
+  for (const auto& r : reference) sum += average(r.radiance);
+  return sum / static_cast<double>(reference.size());
+}
+
+class Furnace : public testing::TestWithParam<double> {};
+
+// Radiance in a closed box is E / (1 - albedo) everywhere (nori's furnace test).
+TEST_P(Furnace, PathTracerIsExact) {
+  const double albedo = GetParam();
+  const Scene scene = test::furnace(test::ball<3>(33), {0.55, 0.9}, 1, static_cast<Real>(albedo));
+  Progress progress;
+  const auto reference =
+      reference_radiance(scene, leaf_points(scene.field, c, 40), c, 8192, 1, progress);
+  ASSERT_GT(reference.size(), 50u);
+  EXPECT_NEAR(mean_of(reference) * (1 - albedo), 1, 0.01);
+  for (const auto& r : reference) {
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_NEAR(r.radiance[k], 1 / (1 - albedo),
+                  5.5 * r.standard_error[k] + 0.005 / (1 - albedo));
+    }
+  }
+}
+
+TEST_P(Furnace, BakesAreExact) {
+  const double albedo = GetParam();
+  const Scene scene = test::furnace(test::ball<3>(33), {0.55, 0.9}, 1, static_cast<Real>(albedo));
+  for (const EstimatorName estimator : {EstimatorName::gather, EstimatorName::volumetric}) {
+    BakeSettings settings;
+    settings.samples = 64;
+    settings.photons = 1'000'000;
+    settings.estimator = estimator;
+    Progress progress;
+    const RadianceGrid grid = bake(scene, settings, progress);
+    double sum = 0;
+    const std::vector<Vec3> points = leaf_points(scene.field, c, 7);
+    for (const Vec3& p : points) {
+      sum += lookup(grid, scene.field.world_to_index.point(p)).x;
+    }
+    EXPECT_NEAR(sum / static_cast<double>(points.size()) * (1 - albedo), 1, 0.01)
+        << (estimator == EstimatorName::gather ? "gather" : "volumetric");
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Albedos, Furnace, testing::Values(0.5, 0.8));
+
+// Irradiance of a plane with normal n at p from a polygon of radiance 1 wholly above it (Lambert).
+double lambert_irradiance(const Vec3& p, const Vec3& n, const std::vector<Vec3>& polygon) {
+  double sum = 0;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vec3 a = (polygon[i] - p).normalized();
+    const Vec3 b = (polygon[(i + 1) % polygon.size()] - p).normalized();
+    sum += std::acos(a.dot(b)) * a.cross(b).normalized().dot(n);
+  }
+  return std::abs(sum) / 2;
+}
+
+TEST(DirectLight, RectangleOverPlaneHasTheClosedForm) {
+  // h = z: the leaves are planes whose outside faces -z, towards a lamp below.
+  Scene scene{
+      test::sampled<3>(25, [](const Vec3& x) { return x.z; }), Rgb(0.8f), {}, {}, {0.2, 0.8}};
+  const RectangleLight lamp{"lamp", {0.1, 0.3, -0.4}, {0.5, 0, 0}, {0, 0.3, 0}, Rgb(2, 1, 4)};
+  scene.lights = {lamp};
+  BakeSettings settings;
+  settings.samples = 256;
+  Progress progress;
+  const RadianceGrid grid = bake(scene, settings, progress);
+  const std::vector<Vec3> polygon{lamp.point(0, 0), lamp.point(1, 0), lamp.point(1, 1),
+                                  lamp.point(0, 1)};
+  Random random(5);
+  std::vector<Vec3> points;
+  for (int i = 0; i < 200; ++i) {
+    points.emplace_back(0.1 + 0.8 * random.uniform(), 0.1 + 0.8 * random.uniform(), 0.5);
+  }
+  const auto reference = reference_radiance(scene, points, 0.5, 1024, 2, progress);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double expected = 0.8 / pi * lambert_irradiance(points[i], {0, 0, -1}, polygon);
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_NEAR(reference[i].radiance[k], expected * lamp.radiance[k],
+                  5.5 * reference[i].standard_error[k] + 1e-5);
+    }
+    // The texel's average over a small box curves the closed form a little.
+    const auto baked = lookup(grid, scene.field.world_to_index.point(points[i]));
+    EXPECT_NEAR(baked.x, expected * 2, 0.02 * expected * 2);
+  }
+}
+
+struct Agreement {
+  double mean_ratio, relative_rms;
+};
+
+Agreement agreement_with_paths(const Scene& scene, double isovalue, EstimatorName estimator,
+                               int samples, std::uint64_t photons) {
+  BakeSettings settings;
+  settings.samples = samples;
+  settings.photons = photons;
+  settings.estimator = estimator;
+  Progress progress;
+  const RadianceGrid grid = bake(scene, settings, progress);
+  const std::vector<Vec3> points = leaf_points(scene.field, isovalue, 17);
+  const auto reference = reference_radiance(scene, points, isovalue, 1024, 3, progress);
+  double baked = 0, truth = 0, square = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto radiance = lookup(grid, scene.field.world_to_index.point(points[i]));
+    for (int k = 0; k < 3; ++k) {
+      baked += radiance[k];
+      truth += reference[i].radiance[k];
+      square += std::pow(radiance[k] - reference[i].radiance[k], 2);
+    }
+  }
+  const double n = 3 * static_cast<double>(points.size());
+  return {baked / truth, std::sqrt(square / n) / (truth / n)};
+}
+
+TEST(Estimators, AgreeWithThePathTracer) {
+  const Scene scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
+  const Agreement gather = agreement_with_paths(scene, c, EstimatorName::gather, 64, 500'000);
+  EXPECT_NEAR(gather.mean_ratio, 1, 0.01);
+  EXPECT_LT(gather.relative_rms, 0.06);
+  const Agreement path = agreement_with_paths(scene, c, EstimatorName::path, 64, 1);
+  EXPECT_NEAR(path.mean_ratio, 1, 0.01);
+  EXPECT_LT(path.relative_rms, 0.08);
+}
+
+TEST(Estimators, PhotonDensityAgreesWithThePathTracer) {
+  const Scene scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
+  const Agreement photons =
+      agreement_with_paths(scene, c, EstimatorName::volumetric, 64, 4'000'000);
+  EXPECT_NEAR(photons.mean_ratio, 1, 0.01);
+  EXPECT_LT(photons.relative_rms, 0.06);
+}
+
+// A sheet that meets the domain's border: light reaches its back, and returns through the box.
+TEST(Estimators, AgreeOnAnOpenLeaf) {
+  Scene scene = test::cornell(
+      test::sampled<3>(
+          33, [](const Vec3& x) { return 1 - x.z + 0.1 * std::sin(9 * x.x) * std::cos(7 * x.y); }),
+      {0.2, 0.8});
+  const Agreement gather = agreement_with_paths(scene, 0.5, EstimatorName::gather, 64, 1'000'000);
+  EXPECT_NEAR(gather.mean_ratio, 1, 0.015);
+  EXPECT_LT(gather.relative_rms, 0.08);
+}
+
+}  // namespace
+}  // namespace leaflight
