@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t photons_per_piece = 4096;
 constexpr std::size_t texels_per_piece = 64;
-constexpr int surroundings_samples = 16;
+constexpr int surroundings_samples = 8;
 // Progress is counted in rays; photons bounce a few times, paths more often.
 constexpr double rays_per_photon = 3, rays_per_gather = 1, rays_per_path = 6;
 

@@ -58,7 +58,9 @@ std::uintmax_t require_file(const std::string& path) {
 }
 
 std::string brief(const std::string& message) {
-  return message.substr(0, std::min<std::size_t>(200, message.find('\n')));
+  std::string line = message.substr(0, std::min<std::size_t>(200, message.find('\n')));
+  for (char& c : line) c = static_cast<unsigned char>(c) < 0x80 ? c : '?';
+  return line;
 }
 
 }  // namespace leaflight

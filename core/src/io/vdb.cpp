@@ -148,14 +148,14 @@ bool read_as(const openvdb::GridBase::Ptr& base, const std::string& path, DenseV
   if (!grid) return false;
   const openvdb::CoordBBox box = grid->evalActiveVoxelBoundingBox();
   if (box.empty()) {
-    throw Error("The grid '" + grid->getName() + "' of '" + path +
+    throw Error("The grid '" + brief(grid->getName()) + "' of '" + path +
                 "' has no active voxels; choose another grid.");
   }
   std::uint64_t voxels = 1;
   for (int a = 0; a < 3; ++a) {
     const std::int64_t n = std::int64_t{box.max()[a]} - box.min()[a] + 1;
     if (n > 65535 || (voxels *= n) > std::numeric_limits<std::int32_t>::max()) {
-      throw Error("The grid '" + grid->getName() + "' of '" + path +
+      throw Error("The grid '" + brief(grid->getName()) + "' of '" + path +
                   "' is too large for a dense volume; crop or resample it.");
     }
     volume.dims[a] = static_cast<int>(n);
@@ -163,7 +163,7 @@ bool read_as(const openvdb::GridBase::Ptr& base, const std::string& path, DenseV
   volume.values.resize(voxels);
   DenseView<float> dense(box, volume.values.data());
   openvdb::tools::copyToDense(*grid, dense);
-  volume.name = grid->getName();
+  volume.name = brief(grid->getName());
   volume.index_to_world = to_affine(grid->transform(), path);
   volume.index_to_world.origin =
       volume.index_to_world.point(Vec3(box.min().x(), box.min().y(), box.min().z()));
@@ -222,7 +222,7 @@ StoredBake read_bake(const std::string& path) {
 
     bake.field.dims = dims_from(*values, path);
     bake.field.index_to_world = to_affine(values->transform(), path);
-    bake.field.name = values->getName();
+    bake.field.name = field_name;
     std::size_t voxels = 1;
     for (const int n : bake.field.dims) voxels *= n;
     bake.field.values.resize(voxels);

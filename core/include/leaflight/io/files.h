@@ -15,7 +15,8 @@ void write_atomically(const std::string& path,
 // Throws Error when there is no readable file at `path`; returns its size in bytes.
 std::uintmax_t require_file(const std::string& path);
 
-// The first line of a library's message, at most 200 characters: file contents can end up in them.
+// The first line of a text from a library or a file, at most 200 characters of ASCII: a damaged
+// file can put anything there.
 std::string brief(const std::string& message);
 
 }  // namespace leaflight

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Leaflight: bakes the light on every isosurface of a volume at once; the isovalue is then free."""
+
+from . import (
+    bake,
+    cornell_box,
+    handlers,
+    import_volume,
+    panels,
+    properties,
+    render_comparison,
+)
+
+bl_info = {
+    "name": "Leaflight",
+    "author": "The Leaflight authors",
+    "version": (0, 1, 0),
+    "blender": (3, 4, 0),
+    "location": "File > Import, and 3D Viewport > Sidebar > Leaflight",
+    "description": "Global illumination for every isosurface of a volume, baked once",
+    "category": "Render",
+}
+
+# In the order of registration: the properties are what all others draw and edit.
+_MODULES = (
+    properties,
+    import_volume,
+    cornell_box,
+    bake,
+    render_comparison,
+    panels,
+    handlers,
+)
+
+
+def register():
+    for module in _MODULES:
+        module.register()
+
+
+def unregister():
+    for module in reversed(_MODULES):
+        module.unregister()

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Keeps every surface at its isovalue: after slider, keyframe, driver, undo and loading a file."""
+
+import bpy
+from bpy.app.handlers import persistent
+
+from . import bake, cache, panels, surface_object
+
+
+@persistent
+def _after_evaluation(scene, depsgraph):
+    """Updates surfaces whose evaluated isovalue has changed.
+
+    Only the evaluated object has the animated value: in a render the original lags behind.
+    """
+    for obj in scene.objects:
+        if not obj.leaflight.is_volume or obj.mode != "OBJECT":
+            continue
+        settings = obj.evaluated_get(depsgraph).leaflight
+        surface_object.update(obj, settings.isovalue)
+
+
+@persistent
+def _after_change(scene, depsgraph):
+    _after_evaluation(scene, depsgraph)
+    own = {obj.data.name for obj in scene.objects if obj.leaflight.is_volume}
+    own |= {obj.name for obj in scene.objects if obj.leaflight.is_volume}
+    for update in depsgraph.updates:
+        moved = update.is_updated_transform or update.is_updated_shading
+        if moved or (update.is_updated_geometry and update.id.name not in own):
+            panels.staleness.clear()
+            return
+
+
+@persistent
+def _after_undo(scene, _depsgraph):
+    """Undo may bring back an isovalue without its surface, made after the step was stored."""
+    panels.staleness.clear()
+    _after_evaluation(scene, bpy.context.evaluated_depsgraph_get())
+
+
+@persistent
+def _before_load(*_):
+    bake.cancel_running()
+    cache.clear()
+    surface_object.problems.clear()
+    panels.staleness.clear()
+
+
+@persistent
+def _after_load(*_):
+    for scene in bpy.data.scenes:
+        if any(obj.leaflight.is_volume for obj in scene.objects):
+            lock_interface(scene)
+
+
+def lock_interface(scene):
+    """Surfaces change while an animation renders, and the viewport must not draw them then."""
+    scene.render.use_lock_interface = True
+
+
+_HANDLERS = (
+    ("frame_change_post", _after_evaluation),
+    ("depsgraph_update_post", _after_change),
+    ("undo_post", _after_undo),
+    ("redo_post", _after_undo),
+    ("load_pre", _before_load),
+    ("load_post", _after_load),
+)
+
+
+def register():
+    for event, handler in _HANDLERS:
+        getattr(bpy.app.handlers, event).append(handler)
+
+
+def unregister():
+    for event, handler in _HANDLERS:
+        getattr(bpy.app.handlers, event).remove(handler)
+    bake.cancel_running()
+    cache.clear()

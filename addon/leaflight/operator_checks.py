@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Conditions that several operators share, each with the reason that a greyed button shows."""
+
+
+def has_volume(operator, context):
+    obj = context.object
+    if obj is None or not obj.leaflight.is_volume:
+        operator.poll_message_set(
+            "Select a Leaflight volume first (File > Import > Volume for Leaflight)"
+        )
+        return False
+    if obj.mode != "OBJECT":
+        operator.poll_message_set("Leave Edit Mode first")
+        return False
+    return True
+
+
+def has_bake(operator, context):
+    if not has_volume(operator, context):
+        return False
+    if not context.object.leaflight.bake_path:
+        operator.poll_message_set("Bake the flattened illumination first")
+        return False
+    return True

@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Leaflight tab of the 3D viewport's sidebar."""
+
+import textwrap
+
+import bpy
+
+from . import bake, cornell_box, core, import_volume, render_comparison, scene_export
+from . import surface_object
+
+# Object name -> what has changed since its bake, found when a panel first asks after a change.
+staleness = {}
+
+
+class _LeaflightPanel:
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Leaflight"
+
+
+class LEAFLIGHT_PT_volume(_LeaflightPanel, bpy.types.Panel):
+    bl_label = "Leaflight"
+
+    def draw(self, context):
+        layout = self.layout
+        obj = context.object
+        if obj is None or not obj.leaflight.is_volume:
+            layout.label(text="No Leaflight volume is selected")
+            layout.operator(import_volume.LEAFLIGHT_OT_import_volume.bl_idname, icon="IMPORT")
+            return
+        layout.label(text=obj.name, icon="VOLUME_DATA")
+        layout.prop(obj.leaflight, '["isovalue"]', text="Isovalue", slider=True)
+        problem = surface_object.problems.get(obj.name)
+        if problem:
+            _sentence(context, layout, problem, icon="ERROR")
+
+
+class _VolumePanel(_LeaflightPanel):
+    bl_parent_id = "LEAFLIGHT_PT_volume"
+
+    @classmethod
+    def poll(cls, context):
+        return context.object is not None and context.object.leaflight.is_volume
+
+
+class LEAFLIGHT_PT_surroundings(_VolumePanel, bpy.types.Panel):
+    bl_label = "Surroundings"
+
+    def draw(self, context):
+        self.layout.operator(cornell_box.LEAFLIGHT_OT_build_cornell_box.bl_idname, icon="CUBE")
+
+
+class LEAFLIGHT_PT_bake(_VolumePanel, bpy.types.Panel):
+    bl_label = "Bake"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        settings = context.object.leaflight
+        column = layout.column(align=True)
+        column.prop(settings, "low", text="Lowest")
+        column.prop(settings, "high", text="Highest")
+        layout.prop(settings, "leaf_albedo")
+        column = layout.column(align=True)
+        column.prop(settings, "resolution")
+        column.prop(settings, "samples")
+        column.prop(settings, "photons")
+        layout.prop(settings, "estimator")
+        layout.prop(settings, "seed")
+        layout.prop(settings, "output")
+        layout.operator(bake.LEAFLIGHT_OT_bake.bl_idname, icon="LIGHT_AREA")
+        job = bake.running()
+        if job is not None:
+            layout.label(text=f"{job.status()}, Esc cancels", icon="TIME")
+        elif settings.bake_path:
+            self._draw_result(context, settings)
+
+    def _draw_result(self, context, settings):
+        layout = self.layout
+        change = change_since_bake(context, context.object)
+        if change:
+            _sentence(context, layout, change, icon="ERROR")
+        else:
+            layout.label(text=f"Baked in {settings.bake_seconds:.0f} s", icon="CHECKMARK")
+        layout.prop(settings, "shading")
+        _, reason = surface_object.shading_in_use(settings)
+        if reason:
+            _sentence(context, layout, reason, icon="INFO")
+
+
+class LEAFLIGHT_PT_comparison(_VolumePanel, bpy.types.Panel):
+    bl_label = "Comparison"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.operator(
+            render_comparison.LEAFLIGHT_OT_render_comparison.bl_idname, icon="RENDER_STILL"
+        )
+        comparison = context.object.leaflight.comparison
+        if comparison:
+            _sentence(context, layout, comparison, icon="NONE")
+
+
+def change_since_bake(context, obj):
+    """A sentence when the scene is no longer the one that was baked, or an empty text."""
+    if obj.name not in staleness:
+        settings = obj.leaflight
+        try:
+            description, _ = scene_export.export_scene(context, obj)
+            same = scene_export.fingerprint(obj, description) == settings.bake_fingerprint
+            staleness[obj.name] = "" if same else "The scene has changed since the bake: bake again"
+        except core.LeaflightError as error:
+            staleness[obj.name] = f"The scene has changed since the bake: {error}"
+    return staleness[obj.name]
+
+
+def _sentence(context, layout, text, icon):
+    """Labels do not wrap by themselves."""
+    scale = context.preferences.system.ui_scale
+    width = max(20, int(context.region.width / (7.5 * scale)) - 6)
+    column = layout.column(align=True)
+    for line in textwrap.wrap(text, width):
+        column.label(text=line, icon=icon)
+        icon = "BLANK1"
+
+
+_CLASSES = (
+    LEAFLIGHT_PT_volume,
+    LEAFLIGHT_PT_surroundings,
+    LEAFLIGHT_PT_bake,
+    LEAFLIGHT_PT_comparison,
+)
+
+
+def register():
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# flake8: noqa: F722,F821  (Blender declares properties as annotations)
+"""What an object remembers about its volume and its bake: Object.leaflight."""
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    IntVectorProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+from . import surface_object
+
+VALUE_TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")
+
+# Drivers and keyframes use this path, seen from the object.
+ISOVALUE_PATH = 'leaflight["isovalue"]'
+
+
+VALUE_TYPE_ITEMS = [(name, name, f"Values of type {name}") for name in VALUE_TYPES]
+ENDIAN_ITEMS = [
+    ("little", "Little Endian", "Least significant byte first"),
+    ("big", "Big Endian", "Most significant byte first"),
+]
+
+
+def _shading_changed(settings, _context):
+    if settings.is_volume:
+        surface_object.shade(settings.id_data)
+
+
+class LeaflightSettings(bpy.types.PropertyGroup):
+    """The volume of an object, how it is baked, and the bake that lights it.
+
+    The isovalue is an ID property, because only these take their limits from the data; `isovalue`
+    reads and writes it in scripts, ISOVALUE_PATH animates it.
+    """
+
+    source: StringProperty(
+        name="Volume", description="File that the volume was read from", subtype="FILE_PATH"
+    )
+    dims: IntVectorProperty(name="Dimensions", size=3, min=0)
+    value_type: EnumProperty(name="Type", items=VALUE_TYPE_ITEMS)
+    endian: EnumProperty(name="Byte Order", items=ENDIAN_ITEMS)
+    spacing: FloatVectorProperty(name="Voxel Size", size=3, default=(1.0, 1.0, 1.0))
+    frame: IntProperty(name="Frame", default=-1, min=-1)
+
+    low: FloatProperty(
+        name="Lowest Isovalue", description="Lowest isovalue that the bake shall light"
+    )
+    high: FloatProperty(
+        name="Highest Isovalue", description="Highest isovalue that the bake shall light"
+    )
+    leaf_albedo: FloatVectorProperty(
+        name="Albedo",
+        description="Share of the light that the isosurfaces reflect",
+        subtype="COLOR",
+        default=(0.8, 0.8, 0.8),
+        min=0.0,
+        max=1.0,
+        update=_shading_changed,
+    )
+    resolution: IntProperty(
+        name="Resolution",
+        description="Texels along the longest side of the volume; 0 takes one texel per voxel",
+        default=0,
+        min=0,
+        soft_max=1024,
+    )
+    samples: IntProperty(
+        name="Samples",
+        description="Rays per texel for the direct light and for the final gather",
+        default=32,
+        min=1,
+        soft_max=1024,
+    )
+    photons: IntProperty(
+        name="Photons",
+        description="Photons that carry the indirect light",
+        default=2_000_000,
+        min=0,
+        soft_max=100_000_000,
+    )
+    estimator: EnumProperty(
+        name="Estimator",
+        items=[
+            ("gather", "Final Gather", "Photon density, smoothed by one final gather"),
+            ("volumetric", "Photon Density", "Photon density alone: faster, with more noise"),
+            ("path", "Path Tracing", "Unbiased path tracing per texel: slow, the reference"),
+        ],
+    )
+    seed: IntProperty(name="Seed", description="Seed of the random numbers", min=0)
+    output: StringProperty(
+        name="Output",
+        description="OpenVDB file that keeps the bake; the scene loads it again when it is opened",
+        subtype="FILE_PATH",
+    )
+
+    shading: EnumProperty(
+        name="Shading",
+        description="How the surface is coloured with the baked radiance",
+        items=[
+            ("ATLAS", "Volume Texture", "Look up the baked texels at every pixel"),
+            ("ATTRIBUTE", "Vertex Attribute", "Interpolate the radiance at the mesh's vertices"),
+        ],
+        update=_shading_changed,
+    )
+
+    bake_path: StringProperty(name="Bake", subtype="FILE_PATH")
+    bake_matrix: FloatVectorProperty(name="Transform at the Bake, Row by Row", size=16)
+    bake_fingerprint: StringProperty(name="Scene at the Bake")
+    bake_id: StringProperty(name="Bake Identifier")
+    bake_seconds: FloatProperty(name="Bake Time")
+    comparison: StringProperty(name="Last Comparison")
+    atlas_columns: IntProperty(name="Columns of the Atlas, 0 if It Would Be Too Large")
+    leaf_material: PointerProperty(type=bpy.types.Material)
+    baked_material: PointerProperty(type=bpy.types.Material)
+
+    is_volume: BoolProperty(name="Leaflight Volume")
+
+    @property
+    def isovalue(self):
+        """The isovalue in data units; of an evaluated object, with its animation applied."""
+        return self["isovalue"]
+
+    @isovalue.setter
+    def isovalue(self, value):
+        self["isovalue"] = float(value)
+        self.id_data.update_tag()
+        surface_object.update(self.id_data, float(value))
+
+    def limit_isovalue(self, data_range, window, default):
+        """Limits the slider to the range of the data, and softly to the window."""
+        low, high = data_range
+        self.id_properties_ui("isovalue").update(
+            description="Isovalue of the displayed surface, in data units",
+            min=low,
+            max=high,
+            soft_min=max(low, window[0]),
+            soft_max=min(high, window[1]),
+            default=default,
+            step=max((high - low) / 255.0, 1e-6),
+            precision=3 if high - low > 1.0 else 6,
+        )
+
+
+def register():
+    bpy.utils.register_class(LeaflightSettings)
+    bpy.types.Object.leaflight = PointerProperty(type=LeaflightSettings)
+
+
+def unregister():
+    del bpy.types.Object.leaflight
+    bpy.utils.unregister_class(LeaflightSettings)

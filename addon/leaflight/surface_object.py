@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The mesh object that shows one isosurface of its volume, lit by its bake.
+
+The mesh remembers which surface it holds, so that a stale one is noticed after undo, redo and
+loading a file: they bring back mesh and memory together.
+"""
+
+import os
+
+import bpy
+import numpy as np
+
+from . import cache, core, shader
+from .core import _core
+
+LeaflightError = core.LeaflightError
+
+RADIANCE = "radiance"
+_SHOWN = "leaflight_shown"
+_BUILT = "leaflight_built"
+
+# Object name -> why its surface could not be shown, for the panel.
+problems = {}
+
+
+def create(context, volume, size):
+    """A mesh object in the active collection for the volume, its longest side `size` units long.
+
+    The object's transform alone scales and places it: centred on the grid floor.
+    """
+    mesh = bpy.data.meshes.new(volume.name)
+    obj = bpy.data.objects.new(volume.name, mesh)
+    low, high = np.asarray(volume.field().bounds, np.float64)
+    scale = size / float((high - low).max())
+    centre = 0.5 * (low + high)
+    obj.scale = (scale, scale, scale)
+    obj.location = (-scale * centre[0], -scale * centre[1], -scale * low[2])
+    context.collection.objects.link(obj)
+    return obj
+
+
+def update(obj, isovalue):
+    """Shows the isosurface, unless the mesh holds it already. A failure goes to `problems`."""
+    label = _label(obj.leaflight, isovalue)
+    if obj.data.get(_SHOWN) == label:
+        return
+    problems.pop(obj.name, None)
+    vertices, triangles, radiance = np.empty((0, 3)), np.empty((0, 3)), None
+    try:
+        vertices, _, triangles = contour(obj, isovalue)
+        if is_lit(obj, isovalue):
+            radiance = radiance_at(obj, vertices)
+    except LeaflightError as error:
+        problems[obj.name] = str(error)
+    fill(obj.data, vertices, triangles, radiance)
+    obj.data[_SHOWN] = label
+    shade(obj)
+
+
+def contour(obj, isovalue):
+    """(vertices, normals, triangles) in local coordinates. Raises LeaflightError."""
+    field = cache.volume_of(obj).field()
+    low, high = field.range
+    if not low < isovalue <= high:
+        raise LeaflightError(
+            f"Isovalue {isovalue:g} lies outside the data, whose values are {low:g} to {high:g}: "
+            "choose one inside."
+        )
+    return _core.contour(field, isovalue)
+
+
+def radiance_at(obj, points):
+    """Baked radiance (n, 3) at points (n, 3) in local coordinates. Raises LeaflightError."""
+    # The texels belong to the volume's index space, wherever the object has moved since.
+    return cache.bake_of(obj).grid.lookup(cache.volume_of(obj).field(), points)
+
+
+def is_lit(obj, isovalue):
+    """Whether the bake holds the radiance of this isovalue. Raises LeaflightError."""
+    bake = cache.bake_of(obj)
+    return bake is not None and bake.isovalues[0] <= isovalue <= bake.isovalues[1]
+
+
+def fill(mesh, vertices, triangles, radiance):
+    """Replaces the geometry: vertices (n, 3), triangles (m, 3), radiance (n, 3) or None."""
+    mesh.clear_geometry()
+    count = len(triangles)
+    if count:
+        mesh.vertices.add(len(vertices))
+        mesh.vertices.foreach_set("co", np.ascontiguousarray(vertices, np.float32).ravel())
+        mesh.loops.add(3 * count)
+        mesh.loops.foreach_set("vertex_index", np.ascontiguousarray(triangles, np.int32).ravel())
+        mesh.polygons.add(count)
+        mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * count, 3, dtype=np.int32))
+        if not bpy.types.MeshPolygon.bl_rna.properties["loop_total"].is_readonly:
+            mesh.polygons.foreach_set("loop_total", np.full(count, 3, np.int32))
+        mesh.polygons.foreach_set("use_smooth", np.ones(count, bool))
+    mesh.update(calc_edges=True)
+    if radiance is not None and len(vertices):
+        colours = np.ones((len(vertices), 4), np.float32)
+        colours[:, :3] = radiance
+        attribute = mesh.attributes.new(RADIANCE, "FLOAT_COLOR", "POINT")
+        attribute.data.foreach_set("color", colours.ravel())
+
+
+def mark_shown(mesh, other):
+    """Marks a mesh as showing what the other shows, so that it is left alone."""
+    mesh[_SHOWN] = other[_SHOWN]
+
+
+def shade(obj):
+    """Gives the object the material of its state: baked radiance, or plain and unlit by the bake.
+
+    A material that the user put there instead stays. A failure goes to `problems`.
+    """
+    try:
+        _assign_material(obj)
+    except LeaflightError as error:
+        problems[obj.name] = str(error)
+
+
+def _assign_material(obj):
+    settings = obj.leaflight
+    current = obj.data.materials[0] if obj.data.materials else None
+    if current not in (None, settings.leaf_material, settings.baked_material):
+        return
+    if RADIANCE in obj.data.attributes:
+        material = _baked_material(obj)
+    else:
+        material = leaf_material(obj)
+    set_material(obj, material)
+
+
+def set_material(obj, material):
+    if not obj.data.materials:
+        obj.data.materials.append(material)
+    elif obj.data.materials[0] != material:
+        obj.data.materials[0] = material
+
+
+def leaf_material(obj):
+    """The Lambertian material of the leaf, as the bake assumes it."""
+    albedo = tuple(obj.leaflight.leaf_albedo)
+
+    def build(material):
+        shader.build_lambertian(material, albedo)
+
+    return _material(obj, "leaf_material", f"lambertian {albedo}", build)
+
+
+def shading_in_use(settings):
+    """(the shading mode, the reason when it is not the one chosen or an empty text)."""
+    if settings.shading == "ATLAS" and settings.bake_id and settings.atlas_columns == 0:
+        size = shader.LARGEST_ATLAS
+        reason = f"Vertex attribute: a volume texture would exceed {size} x {size} pixels"
+        return "ATTRIBUTE", reason
+    return settings.shading, ""
+
+
+def _baked_material(obj):
+    settings = obj.leaflight
+    mode, _ = shading_in_use(settings)
+    albedo = tuple(settings.leaf_albedo)
+
+    def build(material):
+        # Paths find the surface by themselves; as a light of many triangles it would add noise.
+        material.cycles.sample_as_light = False
+        if mode == "ATTRIBUTE":
+            shader.build_attribute(material, RADIANCE, albedo)
+            return
+        grid = cache.bake_of(obj).grid
+        path = shader.atlas_path(settings.bake_path)
+        if not os.path.exists(bpy.path.abspath(path)):
+            shader.write_atlas(grid, bpy.path.abspath(path))
+        matrix = shader.texel_from_object(cache.volume_of(obj), grid.resolution)
+        image = shader.load_image(path)
+        columns = settings.atlas_columns
+        shader.build_atlas(material, image, grid.resolution, columns, matrix, albedo)
+
+    return _material(obj, "baked_material", f"{mode} {settings.bake_id} {albedo}", build)
+
+
+def _material(obj, slot, label, build):
+    """The material in a slot of the settings, built only when it is not yet what the label says.
+
+    Each build compiles the shader anew. A duplicate of the object gets a material of its own then.
+    """
+    settings = obj.leaflight
+    material = getattr(settings, slot)
+    if material is not None and material.get(_BUILT) == label:
+        return material
+    others = (other.leaflight for other in bpy.data.objects if other != obj)
+    if material is None or any(getattr(other, slot) == material for other in others):
+        material = bpy.data.materials.new(f"{obj.name} {slot.partition('_')[0].title()}")
+        setattr(settings, slot, material)
+    build(material)
+    material[_BUILT] = label
+    return material
+
+
+def _label(settings, isovalue):
+    return f"{isovalue!r} of {settings.source} {settings.frame} lit by {settings.bake_id}"

@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Global illumination for every isosurface of a scalar volume, baked once.
+
+    import leaflight
+
+    volume = leaflight.read_volume("brain.nii.gz")
+    bake = leaflight.bake(volume)
+    surface = bake.surface(45.5)       # vertices, triangles and their radiance
+    bake.save("brain.vdb")
+"""
+
+from ._core import Cancelled, LeaflightError, Progress
+from .bake import Bake, Surface, bake, load_bake
+from .compare import compare
+from .readers import read_volume
+from .scene import cornell_box, fit_scene, load_scene
+from .version import __version__
+from .volume import Volume, bump_box, default_isovalue, default_window
+
+__all__ = [
+    "Bake",
+    "Cancelled",
+    "LeaflightError",
+    "Progress",
+    "Surface",
+    "Volume",
+    "__version__",
+    "bake",
+    "bump_box",
+    "compare",
+    "cornell_box",
+    "default_isovalue",
+    "default_window",
+    "fit_scene",
+    "load_bake",
+    "load_scene",
+    "read_volume",
+]

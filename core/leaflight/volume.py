@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A scalar volume in memory and the isovalues to begin with."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from . import _core
+from ._core import LeaflightError
+
+# Above this share of the voxels, a value at an end of the range is padding around the object.
+BACKGROUND_SHARE = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Volume:
+    """Samples of a scalar field at the nodes of a grid.
+
+    values: float32, shape (nz, ny, nx), x fastest, in data units; NaN where there is no data.
+    index_to_world: float64, shape (4, 4), takes the node (i, j, k, 1) to world coordinates.
+    name: short name for people; source: the file or the function the values came from.
+    """
+
+    values: np.ndarray
+    index_to_world: np.ndarray
+    name: str
+    source: str = ""
+
+    @cached_property
+    def _field(self):
+        try:
+            return _core.Field(
+                np.ascontiguousarray(self.values, dtype=np.float32),
+                np.ascontiguousarray(self.index_to_world, dtype=np.float64),
+            )
+        except LeaflightError as error:
+            raise LeaflightError(f"{self.source or self.name}: {error}") from None
+
+    def field(self):
+        """The core's view of the volume, made at the first call.
+
+        Raises LeaflightError when no isosurface can exist: all values equal or NaN, infinite ones,
+        fewer than 2 nodes along an axis, a singular index_to_world.
+        """
+        return self._field
+
+
+def bump_box(n=100):
+    """The 3D bump box (thesis Eq. 2.1 and Table 2.1): n^3 nodes on the unit cube, values 0..255."""
+    if n < 2:
+        raise LeaflightError(
+            f"bump_box: --dims is {n}, but a volume needs at least 2 nodes a side."
+        )
+    step = 1.0 / (n - 1)
+    return Volume(_core.bump_box(n), np.diag([step, step, step, 1.0]), "bump_box", "bump_box")
+
+
+def default_window(volume):
+    """Isovalues (lo, hi) worth baking: the middle 99 % of the values that are not background."""
+    lo, hi = _quantiles(volume, (0.005, 0.995))
+    low, high = volume.field().range
+    if not lo < hi:
+        # Nearly all values are equal: only the whole range surely holds a surface.
+        lo, hi = low, high
+    return float(lo), float(hi)
+
+
+def default_isovalue(volume):
+    """An isovalue that shows the outer shape: the first quartile of what is not background."""
+    (isovalue,) = _quantiles(volume, (0.25,))
+    lo, hi = default_window(volume)
+    return float(isovalue) if lo < isovalue < hi else 0.5 * (lo + hi)
+
+
+def _quantiles(volume, shares):
+    """Quantiles of the values outside the background; half-integers for integer data.
+
+    An integer isovalue of integer data passes through grid nodes and shows the quantisation.
+    """
+    low, high = volume.field().range
+    values = volume.values
+    if volume.field().masked:
+        values = values[np.isfinite(values)]
+    values = values.ravel()
+    for end in (low, high):
+        inside = values != end
+        if np.count_nonzero(inside) < (1.0 - BACKGROUND_SHARE) * values.size:
+            values = values[inside]
+    if values.size == 0:
+        return [0.5 * (low + high)] * len(shares)
+    ranks = [int(share * (values.size - 1)) for share in shares]
+    quantiles = np.partition(values, ranks)[ranks].astype(np.float64)
+    if high - low >= 4 and np.array_equal(values, np.rint(values)):
+        quantiles = np.floor(quantiles) + 0.5
+    return list(np.clip(quantiles, low, high))

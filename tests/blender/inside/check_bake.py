@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bake Flattened Illumination and what it leaves behind."""
+
+import os
+import time
+
+import bpy
+import numpy as np
+import pytest
+from leaflight import bake, cache, core, shader, surface_object
+from tools import assert_shows, close, error_of, mesh_arrays
+
+
+def _state():
+    """All that a cancelled or failed bake must leave alone."""
+    obj = bpy.context.object
+    return {
+        "objects": sorted(o.name for o in bpy.data.objects),
+        "materials": sorted(m.name for m in bpy.data.materials),
+        "images": sorted(i.name for i in bpy.data.images),
+        "material": obj.data.materials[0].name,
+        "bake": obj.leaflight.bake_path,
+        "vertices": mesh_arrays(obj)[0].tobytes(),
+        "isovalue": obj.leaflight.isovalue,
+    }
+
+
+def check_the_surface_shows_the_radiance_of_the_bake(baked):
+    isovalue = baked.leaflight.isovalue
+    assert_shows(baked, isovalue)
+    _, _, radiance = mesh_arrays(baked)
+    assert radiance.max() > 0.01
+    attribute = baked.data.attributes["radiance"]
+    assert (attribute.data_type, attribute.domain) == ("FLOAT_COLOR", "POINT")
+
+
+def check_the_bake_is_the_one_the_python_package_makes(baked):
+    settings = baked.leaflight
+    ours = cache.bake_of(baked)
+    same = core.bake(
+        cache.world_volume(baked),
+        ours.scene,
+        isovalues=(settings.low, settings.high),
+        samples=settings.samples,
+        photons=settings.photons,
+    )
+    np.testing.assert_array_equal(same.grid.dense("radiance"), ours.grid.dense("radiance"))
+    matrix = np.array(baked.matrix_world) @ cache.volume_of(baked).index_to_world
+    close(ours.volume.index_to_world, matrix, 1e-6)
+
+
+def check_a_turned_and_scaled_volume_is_baked_where_it_stands(boxed):
+    boxed.rotation_euler = (0.2, 0.1, 0.7)
+    boxed.scale = boxed.scale * 0.7
+    bpy.context.view_layer.update()
+    bpy.ops.leaflight.bake()
+    ours = cache.bake_of(boxed)
+    isovalue = boxed.leaflight.isovalue
+    vertices, _, radiance = mesh_arrays(boxed)
+    matrix = np.array(boxed.matrix_world, np.float64)
+    world = vertices @ matrix[:3, :3].T + matrix[:3, 3]
+    surface = ours.surface(isovalue)
+    close(world, surface.vertices, 1e-5)
+    close(radiance, surface.radiance, 1e-3 * radiance.max())
+
+
+def check_the_file_is_a_bake_of_the_python_package(baked):
+    loaded = core.load_bake(bpy.path.abspath(baked.leaflight.bake_path))
+    points = cache.bake_of(baked).surface(baked.leaflight.isovalue).vertices
+    ours = cache.bake_of(baked).radiance(points)
+    close(loaded.radiance(points), ours, 2e-3 * ours.max())
+
+
+def check_outside_its_window_the_surface_is_plain(baked):
+    settings = baked.leaflight
+    settings.low, settings.high = 40.0, 60.0
+    settings.isovalue = 50.0
+    bpy.ops.leaflight.bake()
+    limits = settings.id_properties_ui("isovalue").as_dict()
+    close([limits["soft_min"], limits["soft_max"]], [40, 60], 1e-4)
+    assert baked.data.materials[0] == settings.baked_material
+    settings.isovalue = 80.0
+    assert baked.data.materials[0] == settings.leaf_material
+    assert "radiance" not in baked.data.attributes
+    settings.isovalue = 59.0
+    assert baked.data.materials[0] == settings.baked_material
+
+
+def check_too_large_an_atlas_gives_the_vertex_attribute_with_the_reason(boxed, monkeypatch):
+    monkeypatch.setattr(shader, "LARGEST_ATLAS", 64)
+    bpy.ops.leaflight.bake()
+    settings = boxed.leaflight
+    assert settings.shading == "ATLAS"
+    mode, reason = surface_object.shading_in_use(settings)
+    assert mode == "ATTRIBUTE" and "64 x 64" in reason
+    kinds = {node.type for node in settings.baked_material.node_tree.nodes}
+    assert "ATTRIBUTE" in kinds and "TEX_IMAGE" not in kinds
+    assert not os.path.exists(shader.atlas_path(settings.bake_path))
+
+
+def check_a_cancelled_bake_leaves_scene_and_disk_alone(boxed):
+    boxed.leaflight.samples = 4096
+    boxed.leaflight.photons = 1_000_000_000
+    before = _state()
+    work = bake.BackgroundWork(bake.BakeJob(bpy.context, boxed).run)
+    time.sleep(1.0)
+    assert work.is_alive() and work.progress.fraction > 0
+    start = time.perf_counter()
+    work.cancel()
+    with pytest.raises(core.Cancelled):
+        work.result()
+    assert time.perf_counter() - start < 1.0
+    assert _state() == before
+    assert not os.path.exists(boxed.leaflight.output)
+
+
+def check_a_bake_of_an_object_that_was_deleted_meanwhile_says_so(boxed):
+    job = bake.BakeJob(bpy.context, boxed)
+    job.run(core.Progress())
+    name = boxed.name
+    bpy.data.objects.remove(boxed)
+    with pytest.raises(core.LeaflightError, match=name):
+        job.apply()
+
+
+@pytest.mark.parametrize(
+    "setting, value, expected",
+    [
+        ("output", "/proc/nowhere/x.vdb", "/proc/nowhere"),
+        ("output", "/proc/x.vdb", "/proc"),
+        ("output", "/tmp/x.txt", ".vdb"),
+        ("high", -5.0, "window"),
+    ],
+)
+def check_bad_settings_give_one_sentence_and_change_nothing(boxed, setting, value, expected):
+    setattr(boxed.leaflight, setting, value)
+    before = _state()
+    sentence = error_of(bpy.ops.leaflight.bake)
+    assert expected in sentence and "\n" not in sentence
+    assert _state() == before
+
+
+def check_a_duplicate_is_lit_by_its_own_bake(baked, tmp_path):
+    bpy.ops.object.select_all(action="DESELECT")
+    baked.select_set(True)
+    bpy.context.view_layer.objects.active = baked
+    bpy.ops.object.duplicate()
+    copy = bpy.context.object
+    baked.hide_render = True
+    assert copy != baked and f'"{baked.name}"' in error_of(bpy.ops.leaflight.bake)
+    copy.leaflight.output = str(tmp_path / "copy.vdb")
+    bpy.data.objects["lamp"].data.energy *= 2.0
+    bpy.context.view_layer.update()
+    bpy.ops.leaflight.bake()
+    assert copy.data.materials[0] != baked.data.materials[0]
+    assert_shows(copy, copy.leaflight.isovalue)
+    assert mesh_arrays(copy)[2].mean() > 1.5 * mesh_arrays(baked)[2].mean()
+
+
+def check_a_lost_bake_is_explained_and_the_surface_stays_plain(baked, tmp_path):
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
+    os.remove(baked.leaflight.bake_path)
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
+    (obj,) = [o for o in bpy.data.objects if o.leaflight.is_volume]
+    obj.leaflight.isovalue = 77.0
+    assert "bumps.vdb" in surface_object.problems[obj.name]
+    assert len(obj.data.vertices) > 100 and "radiance" not in obj.data.attributes
+    assert obj.data.materials[0] == obj.leaflight.leaf_material
+
+
+def check_a_scene_without_light_is_refused(boxed):
+    bpy.data.objects.remove(bpy.data.objects["lamp"])
+    assert "Area light" in error_of(bpy.ops.leaflight.bake)
+
+
+def check_baking_needs_a_volume():
+    with pytest.raises(RuntimeError, match="Select a Leaflight volume"):
+        bpy.ops.leaflight.bake()
+
+
+def check_the_default_output_is_beside_a_saved_file_and_never_inside_the_addon(bumps, tmp_path):
+    import leaflight
+
+    unsaved = bake.default_output(bumps)
+    assert os.path.isabs(unsaved) and unsaved.endswith(".vdb")
+    assert os.path.dirname(leaflight.__file__) not in unsaved
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
+    bumps = bpy.data.objects[bumps.name]
+    assert bpy.path.abspath(bake.default_output(bumps)).startswith(str(tmp_path))

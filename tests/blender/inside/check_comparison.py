@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Render Comparison: images, figures, and the scene as it was before."""
+
+import json
+
+import bpy
+import numpy as np
+import pytest
+from leaflight import render_comparison
+from leaflight.core import _core
+from tools import close, error_of
+
+
+def _render_settings():
+    scene = bpy.context.scene
+    owners = (scene.render, scene.render.image_settings, scene.cycles, scene.view_settings)
+    settings = []
+    for owner in owners:
+        for prop in owner.bl_rna.properties:
+            if not prop.is_readonly and prop.type in {"BOOLEAN", "INT", "FLOAT", "ENUM", "STRING"}:
+                value = getattr(owner, prop.identifier)
+                settings.append(
+                    (prop.identifier, tuple(value) if getattr(prop, "is_array", False) else value)
+                )
+    shown = [(o.name, o.data.name if o.data else "", o.is_holdout) for o in bpy.data.objects]
+    images = [image.name for image in bpy.data.images if image.type != "RENDER_RESULT"]
+    return settings, shown, [mesh.name for mesh in bpy.data.meshes], images
+
+
+@pytest.fixture
+def small_frame():
+    scene = bpy.context.scene
+    scene.render.resolution_x = scene.render.resolution_y = 80
+    scene.render.resolution_percentage = 100
+
+
+def check_images_and_figures(boxed, small_frame, tmp_path):
+    boxed.leaflight.samples = 64
+    boxed.leaflight.photons = 1_000_000
+    boxed.leaflight.resolution = 48
+    boxed.leaflight.isovalue = 47.0
+    bpy.ops.leaflight.bake()
+    before = _render_settings()
+    folder = tmp_path / "images"
+    bpy.ops.leaflight.render_comparison(samples=256, baked_samples=16, folder=str(folder))
+    assert _render_settings() == before
+
+    images = {}
+    for name in ("baked", "cycles", "difference"):
+        stem = folder / f"{boxed.name}_47_{name}"
+        images[name] = _core.read_exr(f"{stem}.exr")[..., :3]
+        assert images[name].shape == (80, 80, 3)
+        picture = bpy.data.images.load(f"{stem}.png")
+        assert tuple(picture.size) == (80, 80)
+    close(images["difference"], images["baked"] - images["cycles"], 1e-5)
+
+    result = json.loads((folder / f"{boxed.name}_47_comparison.json").read_text())
+    assert result["isovalue"] == 47.0 and result["leaf_pixels"] > 100
+    assert 0 < result["leaf_noise_percent"] < 3
+    assert result["leaf_noise_percent"] < result["leaf_rms_percent"] < 6
+    everywhere = np.ones((80, 80), bool)
+    rms = render_comparison.rms_percent(images["baked"], images["cycles"], 1.0, everywhere)
+    assert rms == pytest.approx(result["image_rms_percent"], rel=1e-3)
+    assert f"{result['leaf_rms_percent']:.2f}" in boxed.leaflight.comparison
+
+
+def check_rms_is_thesis_equation_4_11_corrected():
+    image = np.zeros((2, 1, 3))
+    reference = np.array([[[0.3, 0.0, 0.0]], [[5.0, 5.0, 5.0]]])
+    all_pixels = np.ones((2, 1), bool)
+    rms = render_comparison.rms_percent(image, reference, 1.0, all_pixels)
+    assert rms == pytest.approx(100 * np.sqrt((0.3**2 / 3 + 1) / 2))
+    first = np.array([[True], [False]])
+    assert render_comparison.rms_percent(image, reference, 2.0, first) == pytest.approx(
+        100 * np.sqrt(0.6**2 / 3)
+    )
+
+
+def check_a_png_shows_linear_radiance_through_the_srgb_curve(tmp_path):
+    from leaflight import render
+
+    scene = bpy.context.scene
+    scene.view_settings.view_transform = "Filmic"
+    image = np.full((4, 6, 3), 0.5, np.float32)
+    image[0] = 0.0
+    render.write_png(scene, tmp_path / "half.png", image)
+    picture = bpy.data.images.load(str(tmp_path / "half.png"))
+    pixels = np.array(picture.pixels).reshape(4, 6, 4)
+    close(pixels[0, :, :3], 1.055 * 0.5 ** (1 / 2.4) - 0.055, 1 / 255)
+    close(pixels[3, :, :3], 0.0, 1 / 255)
+    assert scene.view_settings.view_transform == "Filmic"
+
+
+def check_outside_the_window_it_is_refused_and_nothing_has_changed(baked, small_frame, tmp_path):
+    baked.leaflight.low, baked.leaflight.high = 40.0, 60.0
+    baked.leaflight.isovalue = 50.0
+    bpy.ops.leaflight.bake()
+    baked.leaflight.isovalue = 80.0
+    before = _render_settings()
+    sentence = error_of(bpy.ops.leaflight.render_comparison, folder=str(tmp_path / "images"))
+    assert "80" in sentence and "window" in sentence
+    assert _render_settings() == before
+
+
+def check_an_error_in_the_middle_restores_the_scene(baked, small_frame, tmp_path, monkeypatch):
+    from leaflight import core, render
+
+    def fail(*_, **__):
+        raise core.LeaflightError("The render was cancelled; nothing has changed.")
+
+    before = _render_settings()
+    still = render.cycles_still
+    calls = []
+
+    def fail_at_the_last(*arguments, **options):
+        calls.append(1)
+        return (fail if len(calls) == 4 else still)(*arguments, **options)
+
+    monkeypatch.setattr(render, "cycles_still", fail_at_the_last)
+    sentence = error_of(
+        bpy.ops.leaflight.render_comparison, samples=2, baked_samples=1, folder=str(tmp_path)
+    )
+    assert "cancelled" in sentence and len(calls) == 4
+    assert _render_settings() == before
+
+
+def check_it_needs_a_bake_and_a_camera(boxed):
+    with pytest.raises(RuntimeError, match="Bake the flattened illumination first"):
+        bpy.ops.leaflight.render_comparison()

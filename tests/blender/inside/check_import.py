@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""File > Import > Volume for Leaflight."""
+
+import bpy
+import nibabel
+import numpy as np
+import pytest
+from leaflight import core, surface_object
+from tools import assert_shows, close, error_of, mesh_arrays
+
+N = 24
+
+
+def check_the_isosurface_is_the_cores(bumps):
+    assert_shows(bumps, bumps.leaflight.isovalue)
+
+
+def check_the_longest_side_is_two_units_and_stands_on_the_floor(bumps):
+    vertices, _, _ = mesh_arrays(bumps)
+    bumps.leaflight.isovalue = 1.0
+    bounds = np.array([[0, 0, 0], [N - 1, N - 1, 0.8 * (N - 1)]])
+    matrix = np.array(bumps.matrix_world)
+    world = bounds @ matrix[:3, :3].T + matrix[:3, 3]
+    close(world, [[-1, -1, 0], [1, 1, 1.6]], 1e-5)
+    assert np.all(vertices >= -1e-4) and np.all(vertices <= bounds[1] + 1e-4)
+
+
+def check_the_slider_has_the_range_of_the_data(bumps):
+    limits = bumps.leaflight.id_properties_ui("isovalue").as_dict()
+    volume = core.bump_box(N)
+    low, high = core.default_window(volume)
+    close([limits["min"], limits["max"]], [0, 255], 1e-4)
+    close([limits["soft_min"], limits["soft_max"]], [low, high], 1e-3)
+    assert bumps.leaflight.isovalue == limits["default"]
+    assert low < bumps.leaflight.isovalue < high
+    close([bumps.leaflight.low, bumps.leaflight.high], [low, high], 1e-3)
+
+
+def check_before_a_bake_the_surface_is_plain(bumps):
+    material = bumps.data.materials[0]
+    assert [n.type for n in material.node_tree.nodes if n.type != "OUTPUT_MATERIAL"] == [
+        "BSDF_DIFFUSE"
+    ]
+
+
+def check_an_isovalue_outside_the_data_is_explained_and_undone_by_a_good_one(bumps):
+    bumps.leaflight.isovalue = 1000.0
+    assert "1000" in surface_object.problems[bumps.name]
+    assert len(bumps.data.vertices) == 0
+    bumps.leaflight.isovalue = 100.0
+    assert bumps.name not in surface_object.problems
+    assert_shows(bumps, 100.0)
+
+
+def _write_nifti(path, shape):
+    values = np.random.default_rng(0).normal(size=shape).astype(np.float32)
+    affine = np.array([[-2.0, 0, 0, 7], [0, 0, 3, 8], [0, 2, 0, 9], [0, 0, 0, 1]])
+    nibabel.save(nibabel.Nifti1Image(values, affine), path)
+    return values
+
+
+def check_nifti_with_a_mirroring_affine(tmp_path):
+    path = tmp_path / "noise.nii.gz"
+    _write_nifti(path, (6, 7, 8))
+    bpy.ops.leaflight.import_volume(filepath=str(path), size=1.0)
+    obj = bpy.context.object
+    assert obj.name == "noise"
+    assert_shows(obj, obj.leaflight.isovalue)
+
+
+def check_a_frame_of_a_series(tmp_path):
+    path = tmp_path / "series.nii"
+    values = _write_nifti(path, (6, 7, 8, 3))
+    objects = len(bpy.data.objects)
+    sentence = error_of(bpy.ops.leaflight.import_volume, filepath=str(path))
+    assert "series.nii" in sentence and "frame" in sentence
+    assert len(bpy.data.objects) == objects
+    bpy.ops.leaflight.import_volume(filepath=str(path), frame=1)
+    limits = bpy.context.object.leaflight.id_properties_ui("isovalue").as_dict()
+    close([limits["min"], limits["max"]], [values[..., 1].min(), values[..., 1].max()], 1e-6)
+
+
+@pytest.mark.parametrize(
+    "name, content, options, expected",
+    [
+        ("missing.nii", None, {}, "no such file"),
+        ("broken.nii.gz", b"no gzip", {}, "broken.nii.gz"),
+        ("short.raw", bytes(10), {"dims": (4, 4, 4)}, "64 bytes"),
+        ("flat.raw", bytes(64), {"dims": (4, 4, 4)}, "flat.raw"),
+        ("table.csv", b"1,2", {}, ".csv"),
+    ],
+)
+def check_bad_files_give_one_sentence_and_change_nothing(
+    tmp_path, name, content, options, expected
+):
+    path = tmp_path / name
+    if content is not None:
+        path.write_bytes(content)
+    sentence = error_of(bpy.ops.leaflight.import_volume, filepath=str(path), **options)
+    assert expected in sentence and "\n" not in sentence
+    assert not bpy.data.objects and not bpy.data.meshes and not bpy.data.materials

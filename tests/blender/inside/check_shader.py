@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The volume texture renders what the core looks up, in both engines."""
+
+import bpy
+import numpy as np
+import pytest
+from leaflight import cache
+from tools import camera_rays_down, close, look_down, render_exr
+
+SIZE, WIDTH = 96, 2.4
+SLOPE_X, SLOPE_Y, HEIGHT = 0.3, 0.2, 0.8
+
+
+def _tilted_plane(leaf):
+    """A plane through the volume, with the leaf's transform and so its object coordinates."""
+    corners = [(-1.2, -1.2), (1.2, -1.2), (1.2, 1.2), (-1.2, 1.2)]
+    world = np.array([(x, y, HEIGHT + SLOPE_X * x + SLOPE_Y * y) for x, y in corners])
+    inverse = np.linalg.inv(np.array(leaf.matrix_world, np.float64))
+    local = world @ inverse[:3, :3].T + inverse[:3, 3]
+    mesh = bpy.data.meshes.new("Plane")
+    mesh.from_pydata(local.tolist(), [], [(0, 1, 2, 3)])
+    mesh.materials.append(leaf.data.materials[0])
+    plane = bpy.data.objects.new("Plane", mesh)
+    plane.matrix_world = leaf.matrix_world
+    bpy.context.scene.collection.objects.link(plane)
+
+
+def _eight_texels_are_active(bake, points):
+    """Where the shader and the core blend the same texels; elsewhere no leaf passes."""
+    texels = np.array(bake.grid.resolution)
+    nodes = np.array(bake.volume.values.shape[::-1])
+    inverse = np.linalg.inv(bake.volume.index_to_world)
+    index = points @ inverse[:3, :3].T + inverse[:3, 3]
+    position = index * (texels - 1) / (nodes - 1)
+    low = np.floor(position).astype(int)
+    inside = np.all((low >= 0) & (low <= texels - 2), axis=1)
+    # Closest lookups may round to either side right at a texel.
+    low = np.clip(low, 0, texels - 2)
+    active = bake.grid.mask().astype(bool)
+    for corner in range(8):
+        i, j, k = (low + [corner & 1, corner >> 1 & 1, corner >> 2]).T
+        inside &= active[k, j, i]
+    return inside
+
+
+@pytest.mark.parametrize("resolution", [0, 37])
+@pytest.mark.parametrize("engine", ["CYCLES", "BLENDER_EEVEE"])
+def check_rendered_emission_is_the_cores_lookup(boxed, tmp_path, engine, resolution):
+    boxed.rotation_euler.z = 0.4
+    boxed.leaflight.resolution = resolution
+    bpy.context.view_layer.update()
+    bpy.ops.leaflight.bake()
+    bake = cache.bake_of(boxed)
+    _tilted_plane(boxed)
+    for obj in bpy.context.scene.objects:
+        obj.hide_render = obj.name != "Plane"
+    look_down(5.0, WIDTH)
+    pixels = render_exr(tmp_path / "plane.exr", engine, size=SIZE)[..., :3].reshape(-1, 3)
+
+    x, y = camera_rays_down(WIDTH, SIZE)
+    points = np.stack([x, y, HEIGHT + SLOPE_X * x + SLOPE_Y * y], axis=-1).reshape(-1, 3)
+    compared = _eight_texels_are_active(bake, points)
+    assert compared.sum() > 500
+    expected = bake.radiance(points[compared])
+    assert expected.std() > 0.01
+    close(pixels[compared], expected, 2e-3)
+
+
+def check_the_atlas_keeps_its_digits(baked):
+    (image,) = {
+        node.image
+        for node in baked.leaflight.baked_material.node_tree.nodes
+        if node.type == "TEX_IMAGE"
+    }
+    assert image.is_float and not image.use_half_precision
+    assert image.colorspace_settings.name == "Non-Color"
+    width, height = image.size
+    pixels = np.empty(width * height * 4, np.float32)
+    image.pixels.foreach_get(pixels)
+    atlas, columns, _ = cache.bake_of(baked).grid.atlas()
+    np.testing.assert_array_equal(pixels.reshape(height, width, 4)[..., :3], atlas[..., :3])
+    assert columns == baked.leaflight.atlas_columns
+
+
+def check_a_second_bake_to_the_same_file_is_shown(baked, tmp_path):
+    for obj in bpy.context.scene.objects:
+        obj.hide_render = obj.type != "LIGHT"
+    baked.hide_render = False
+    bpy.data.objects["lamp"].data.energy *= 2.0
+    bpy.context.view_layer.update()
+    bpy.ops.leaflight.bake()
+    check_the_atlas_keeps_its_digits(baked)
+
+
+def check_the_users_own_material_stays(baked):
+    own = bpy.data.materials.new("Own")
+    baked.data.materials[0] = own
+    baked.leaflight.isovalue = 77.0
+    baked.leaflight.shading = "ATTRIBUTE"
+    assert baked.data.materials[0] == own

@@ -1,0 +1,267 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Cornell box out of Blender objects, and reading walls and lights back."""
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+from leaflight import cache, core, panels, scene_export
+from tools import close, error_of
+
+
+def _export(leaf):
+    bpy.context.view_layer.update()
+    return scene_export.export_scene(bpy.context, leaf)
+
+
+def _find(items, name):
+    return next(item for item in items if item.name == name)
+
+
+def check_the_box_comes_back_as_it_was_described(boxed):
+    wanted = core.fit_scene(core.cornell_box(), cache.world_volume(boxed))
+    found, warnings = _export(boxed)
+    assert warnings == []
+    assert len(found.meshes) == len(wanted.meshes) and len(found.lights) == len(wanted.lights)
+    close(found.leaf_albedo, wanted.leaf_albedo, 1e-6)
+    assert found.exposure == pytest.approx(wanted.exposure)
+    for mesh in wanted.meshes:
+        same = _find(found.meshes, mesh.name)
+        close(same.vertices, mesh.vertices, 1e-5)
+        np.testing.assert_array_equal(same.triangles, mesh.triangles)
+        close(same.albedo, mesh.albedo, 1e-6)
+    for light in wanted.lights:
+        same = _find(found.lights, light.name)
+        close(same.corner, light.corner, 1e-5)
+        close(same.edge_u, light.edge_u, 1e-5)
+        close(same.edge_v, light.edge_v, 1e-5)
+        close(same.radiance, light.radiance, 1e-5)
+
+
+@pytest.mark.parametrize("width", [100, 178])
+def check_the_box_has_a_camera_that_sees_it_and_a_black_world(boxed, width):
+    scene = bpy.context.scene
+    from bpy_extras.object_utils import world_to_camera_view
+
+    scene.render.resolution_x, scene.render.resolution_y = width, 100
+    bpy.context.view_layer.update()
+    for name in ("left wall", "right wall"):
+        for vertex in bpy.data.objects[name].data.vertices:
+            point = bpy.data.objects[name].matrix_world @ vertex.co
+            x, y, depth = world_to_camera_view(scene, scene.camera, point)
+            assert -1e-3 <= x <= 1.001 and -1e-3 <= y <= 1.001 and depth > 0
+    assert scene_export.is_dark(scene.world)
+    assert scene.view_settings.view_transform == "Standard"
+
+
+def check_the_users_world_stays_in_the_file(bumps):
+    mine = bpy.data.worlds.new("Mine")
+    mine.color = (1.0, 0.5, 0.2)
+    bpy.context.scene.world = mine
+    bpy.ops.leaflight.build_cornell_box()
+    assert bpy.context.scene.world != mine and mine.use_fake_user
+
+
+def check_a_second_box_is_refused_with_a_reason(boxed):
+    with pytest.raises(RuntimeError, match="delete its collection"):
+        bpy.ops.leaflight.build_cornell_box()
+
+
+def check_moved_recoloured_scaled_and_deleted_walls(boxed):
+    before, _ = _export(boxed)
+    floor, left = bpy.data.objects["floor"], bpy.data.objects["left wall"]
+    floor.location.z -= 0.25
+    floor.scale.x = 2.0
+    bsdf = next(n for n in left.data.materials[0].node_tree.nodes if n.type == "BSDF_DIFFUSE")
+    bsdf.inputs[0].default_value = (0.1, 0.2, 0.3, 1.0)
+    bpy.data.objects.remove(bpy.data.objects["ceiling"])
+    after, _ = _export(boxed)
+    old, new = _find(before.meshes, "floor").vertices, _find(after.meshes, "floor").vertices
+    middle = old.mean(axis=0)
+    close(new, middle + (old - middle) * [2, 1, 1] - [0, 0, 0.25], 1e-5)
+    close(_find(after.meshes, "left wall").albedo, (0.1, 0.2, 0.3), 1e-6)
+    assert {m.name for m in after.meshes} == {m.name for m in before.meshes} - {"ceiling"}
+
+
+def check_an_added_mesh_comes_with_its_modifiers_and_its_materials(boxed):
+    bpy.ops.mesh.primitive_cube_add(size=0.5, location=(0.9, 0, 0.3), scale=(1, 2, 1))
+    cube = bpy.context.object
+    cube.modifiers.new("Array", "ARRAY").count = 3
+    principled = bpy.data.materials.new("Glossy")
+    principled.use_nodes = True
+    bsdf = next(n for n in principled.node_tree.nodes if n.type == "BSDF_PRINCIPLED")
+    bsdf.inputs["Base Color"].default_value = (0.2, 0.4, 0.6, 1.0)
+    plain = bpy.data.materials.new("Plain")
+    plain.diffuse_color = (0.3, 0.3, 0.1, 1.0)
+    cube.data.materials.append(principled)
+    cube.data.materials.append(plain)
+    cube.data.polygons[0].material_index = 1
+    found, warnings = _export(boxed)
+    parts = [mesh for mesh in found.meshes if mesh.name == "Cube"]
+    assert sorted(len(part.triangles) for part in parts) == [3 * 2, 3 * 10]
+    albedo = {len(part.triangles): part.albedo for part in parts}
+    close(albedo[6], (0.3, 0.3, 0.1), 1e-6)
+    close(albedo[30], (0.2, 0.4, 0.6), 1e-6)
+    points = np.concatenate([part.vertices for part in parts])
+    close(points.min(axis=0), [0.65, -0.5, 0.05], 1e-5)
+    close(points.max(axis=0), [0.65 + 3 * 0.5, 0.5, 0.55], 1e-5)
+    assert len(warnings) == 1 and '"Glossy"' in warnings[0] and "Specular" in warnings[0]
+
+
+def check_instances_of_a_collection(boxed):
+    before, _ = _export(boxed)
+    bpy.ops.mesh.primitive_plane_add(size=1.0)
+    plane = bpy.context.object
+    collection = bpy.data.collections.new("Parts")
+    for users in plane.users_collection:
+        users.objects.unlink(plane)
+    collection.objects.link(plane)
+    empty = bpy.data.objects.new("Copies", None)
+    empty.instance_type = "COLLECTION"
+    empty.instance_collection = collection
+    empty.location = (0, 0, 0.5)
+    bpy.context.scene.collection.objects.link(empty)
+    after, _ = _export(boxed)
+    assert len(after.meshes) == len(before.meshes) + 1
+    close(_find(after.meshes, plane.name).vertices[:, 2], 0.5, 1e-6)
+
+
+def check_what_does_not_render_is_left_out_and_what_only_the_eye_hides_is_not(boxed):
+    bpy.data.objects["ceiling"].hide_render = True
+    bpy.data.objects["floor"].hide_set(True)
+    found, _ = _export(boxed)
+    names = {mesh.name for mesh in found.meshes}
+    assert "ceiling" not in names and "floor" in names
+
+
+def check_a_scaled_and_turned_light_has_the_radiance_of_its_true_area(boxed):
+    lamp = bpy.data.objects["lamp"]
+    lamp.rotation_euler = (0.3, 0.2, 0.1)
+    lamp.scale = (2.0, 0.5, -3.0)
+    lamp.data.shape = "SQUARE"
+    lamp.data.size = 0.4
+    lamp.data.energy = 10.0
+    lamp.data.color = (1.0, 0.5, 0.25)
+    found, _ = _export(boxed)
+    (light,) = found.lights
+    width, height = np.linalg.norm(light.edge_u), np.linalg.norm(light.edge_v)
+    close(sorted([width, height]), [0.2, 0.8], 1e-6)
+    factor = scene_export.area_light_factor(bpy.app.version)
+    close(light.radiance, np.array([1, 0.5, 0.25]) * 10.0 * factor / 0.16, 1e-4)
+    middle = np.array(light.corner) + 0.5 * (np.array(light.edge_u) + np.array(light.edge_v))
+    close(middle, lamp.matrix_world.translation, 1e-5)
+    direction = np.cross(light.edge_u, light.edge_v)
+    assert direction @ np.array(lamp.matrix_world.col[2][:3]) < 0
+
+
+def _point(lamp):
+    lamp.data.type = "POINT"
+
+
+def _narrow(lamp):
+    lamp.data.spread = math.radians(90)
+
+
+def _disk(lamp):
+    lamp.data.shape = "DISK"
+
+
+def _portal(lamp):
+    lamp.data.cycles.is_portal = True
+    lamp.data.update_tag()
+
+
+def _negative(lamp):
+    lamp.data.energy = -1
+
+
+@pytest.mark.parametrize("spoil", [_point, _narrow, _disk, _portal, _negative])
+def check_a_light_that_cannot_be_baked_is_named(boxed, spoil):
+    lamp = bpy.data.objects["lamp"]
+    lamp.name = "My Lamp"
+    spoil(lamp)
+    bpy.context.view_layer.update()
+    sentence = error_of(bpy.ops.leaflight.bake)
+    assert '"My Lamp"' in sentence and "\n" not in sentence
+    assert boxed.leaflight.bake_path == ""
+
+
+def _bsdf(material):
+    return next(n for n in material.node_tree.nodes if n.type == "BSDF_DIFFUSE")
+
+
+def _textured(material):
+    checker = material.node_tree.nodes.new("ShaderNodeTexChecker")
+    material.node_tree.links.new(checker.outputs[0], _bsdf(material).inputs[0])
+
+
+def _replaced(kind, **inputs):
+    def spoil(material):
+        tree = material.node_tree
+        node = tree.nodes.new(kind)
+        for name, value in inputs.items():
+            node.inputs[name.replace("_", " ")].default_value = value
+        output = next(n for n in tree.nodes if n.type == "OUTPUT_MATERIAL")
+        tree.links.new(node.outputs[0], output.inputs[0])
+
+    return spoil
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        _textured,
+        _replaced("ShaderNodeBsdfGlossy"),
+        _replaced("ShaderNodeEmission"),
+        _replaced("ShaderNodeBsdfPrincipled", Metallic=1.0),
+        _replaced("ShaderNodeBsdfPrincipled", Alpha=0.5),
+        _replaced("ShaderNodeBsdfPrincipled", Emission=(1.0, 1.0, 1.0, 1.0)),
+    ],
+)
+def check_a_material_that_cannot_be_baked_is_named_with_its_object(boxed, spoil):
+    floor = bpy.data.objects["floor"]
+    floor.name = "My Floor"
+    spoil(floor.data.materials[0])
+    sentence = error_of(bpy.ops.leaflight.bake)
+    assert '"My Floor"' in sentence and f'"{floor.data.materials[0].name}"' in sentence
+
+
+def check_a_bright_world_and_a_second_volume_are_refused(boxed, bump_file):
+    bpy.context.scene.world.color = (0.1, 0.1, 0.1)
+    assert "World" in error_of(bpy.ops.leaflight.bake)
+    bpy.context.scene.world.color = (0, 0, 0)
+    bpy.ops.leaflight.import_volume(
+        filepath=str(bump_file), dims=(24, 24, 24), value_type="float32"
+    )
+    assert f'"{boxed.name}"' in error_of(bpy.ops.leaflight.bake)
+
+
+def check_the_fingerprint_follows_what_lights_the_volume(boxed):
+    def fingerprint():
+        return scene_export.fingerprint(boxed, _export(boxed)[0])
+
+    seen = {fingerprint()}
+    assert fingerprint() in seen
+    bpy.data.objects["floor"].location.z -= 0.1
+    seen.add(fingerprint())
+    bpy.data.objects["lamp"].data.energy *= 1.1
+    seen.add(fingerprint())
+    boxed.rotation_euler.z = 0.2
+    seen.add(fingerprint())
+    boxed.leaflight.high -= 1.0
+    seen.add(fingerprint())
+    assert len(seen) == 5
+
+
+def check_the_panel_says_when_the_bake_is_stale(baked):
+    assert panels.change_since_bake(bpy.context, baked) == ""
+    baked.leaflight.isovalue = 60.0
+    bpy.context.view_layer.update()
+    assert panels.change_since_bake(bpy.context, baked) == ""
+    bpy.data.objects["floor"].location.z -= 0.1
+    bpy.context.view_layer.update()
+    assert "bake again" in panels.change_since_bake(bpy.context, baked)
+    bpy.data.objects["floor"].location.z += 0.1
+    bpy.context.view_layer.update()
+    assert panels.change_since_bake(bpy.context, baked) == ""

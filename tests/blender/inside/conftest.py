@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""An empty scene for each check, and the bump box imported, boxed and baked in it."""
+
+import bpy
+import pytest
+from leaflight import core
+
+N = 24
+
+
+@pytest.fixture(autouse=True)
+def empty_scene():
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
+
+
+@pytest.fixture
+def bump_file(tmp_path):
+    """The bump box as a file without a header, voxels not cubic."""
+    path = tmp_path / "bumps.raw"
+    core._core.bump_box(N).astype("<f4").tofile(path)
+    return path
+
+
+@pytest.fixture
+def bumps(bump_file, tmp_path):
+    """The object of the imported bump box."""
+    bpy.ops.leaflight.import_volume(
+        filepath=str(bump_file),
+        dims=(N, N, N),
+        value_type="float32",
+        spacing=(1.0, 1.0, 0.8),
+    )
+    obj = bpy.context.object
+    obj.leaflight.output = str(tmp_path / "bumps.vdb")
+    obj.leaflight.samples = 4
+    obj.leaflight.photons = 20_000
+    bpy.context.view_layer.update()
+    return obj
+
+
+@pytest.fixture
+def boxed(bumps):
+    """The same in a Cornell box."""
+    bpy.ops.leaflight.build_cornell_box()
+    return bumps
+
+
+@pytest.fixture
+def baked(boxed):
+    """The same, baked."""
+    bpy.ops.leaflight.bake()
+    return boxed

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the checks share: reading meshes back, rendering exact pixels, reading reports."""
+
+import bpy
+import numpy as np
+import pytest
+from leaflight import cache, core
+
+
+def close(a, b, tolerance):
+    np.testing.assert_allclose(np.asarray(a), np.asarray(b), rtol=0, atol=tolerance)
+
+
+def mesh_arrays(obj):
+    """vertices (n, 3), triangles (m, 3) and radiance (n, 3) or None of the mesh of an object."""
+    mesh = obj.data
+    vertices = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", vertices)
+    triangles = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", triangles)
+    radiance = None
+    if "radiance" in mesh.attributes:
+        colours = np.empty(4 * len(mesh.vertices), np.float32)
+        mesh.attributes["radiance"].data.foreach_get("color", colours)
+        radiance = colours.reshape(-1, 4)[:, :3]
+    return vertices.reshape(-1, 3), triangles.reshape(-1, 3), radiance
+
+
+def expected_surface(obj, isovalue):
+    """The same three of the core itself, for the volume and the bake of an object."""
+    vertices, _, triangles = core._core.contour(cache.volume_of(obj).field(), isovalue)
+    bake = cache.bake_of(obj)
+    if bake is None:
+        return vertices, triangles, None
+    surface = bake.surface(isovalue)
+    return vertices, triangles, surface.radiance
+
+
+def assert_shows(obj, isovalue):
+    """The mesh is the core's isosurface with the core's radiance."""
+    vertices, triangles, radiance = mesh_arrays(obj)
+    expected_vertices, expected_triangles, expected_radiance = expected_surface(obj, isovalue)
+    assert len(vertices) > 100
+    np.testing.assert_array_equal(triangles, expected_triangles)
+    close(vertices, expected_vertices, 1e-6)
+    if expected_radiance is None:
+        assert radiance is None
+    else:
+        close(radiance, expected_radiance, 1e-4 * expected_radiance.max())
+
+
+def error_of(operator, **arguments):
+    """The sentence with which an operator reports that it was cancelled."""
+    with pytest.raises(RuntimeError) as caught:
+        operator(**arguments)
+    text = str(caught.value).strip()
+    assert text.startswith("Error: ")
+    return text.removeprefix("Error: ")
+
+
+def add_camera(location, rotation, orthographic=None):
+    """Makes a camera and looks through it; orthographic is the width of its view."""
+    data = bpy.data.cameras.new("Camera")
+    if orthographic is not None:
+        data.type = "ORTHO"
+        data.ortho_scale = orthographic
+    camera = bpy.data.objects.new("Camera", data)
+    camera.location = location
+    camera.rotation_euler = rotation
+    bpy.context.scene.collection.objects.link(camera)
+    bpy.context.scene.camera = camera
+    return camera
+
+
+def render_exr(path, engine="CYCLES", samples=1, size=48):
+    """Linear pixels (size, size, 4), top row first; each pixel is sampled at its centre."""
+    scene = bpy.context.scene
+    scene.render.engine = engine
+    scene.render.resolution_x = scene.render.resolution_y = size
+    scene.render.resolution_percentage = 100
+    scene.render.filter_size = 0.0
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.image_settings.color_depth = "32"
+    scene.render.image_settings.color_mode = "RGBA"
+    scene.view_settings.view_transform = "Standard"
+    scene.cycles.samples = samples
+    scene.cycles.use_denoising = False
+    scene.cycles.use_adaptive_sampling = False
+    scene.cycles.pixel_filter_type = "BOX"
+    scene.cycles.filter_width = 0.01
+    scene.eevee.taa_render_samples = samples
+    scene.render.filepath = str(path)
+    bpy.ops.render.render(write_still=True)
+    return core._core.read_exr(str(path))
+
+
+def camera_rays_down(width, size):
+    """World x and y of the pixels of an orthographic camera that looks down, top row first."""
+    centre = (np.arange(size) + 0.5) / size - 0.5
+    return np.meshgrid(width * centre, -width * centre)
+
+
+def look_down(height, width):
+    return add_camera((0.0, 0.0, height), (0.0, 0.0, 0.0), orthographic=width)

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs each file of checks of inside/ in a Blender of its own, with pytest as it is out here."""
+
+import zipfile
+from pathlib import Path
+
+import pytest
+
+INSIDE = Path(__file__).resolve().parent / "inside"
+CHECKS = sorted(path.name for path in INSIDE.glob("check_*.py"))
+
+
+@pytest.mark.parametrize("checks", CHECKS)
+def test_in_blender(blender, checks):
+    output = blender.run("--python", INSIDE / "run.py", "--", INSIDE / checks, timeout=150)
+    print(output)
+    assert "passed" in output
+
+
+def test_zip_holds_the_addon_with_its_core(addon_zip):
+    names = zipfile.ZipFile(addon_zip).namelist()
+    assert "leaflight/__init__.py" in names
+    assert "leaflight/core/__init__.py" in names
+    assert "leaflight/core/readers/nifti.py" in names
+    assert "leaflight/core/scenes/cornell.json" in names
+    assert any(name.startswith("leaflight/core/_core.") for name in names)
+    assert not any("__pycache__" in name for name in names)
+    assert len(names) == len(set(names))

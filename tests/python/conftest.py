@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the tests share: small volumes, one small bake, and two ways to call the command line."""
+
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import settings
+
+import leaflight
+from leaflight.cli import main
+
+# The same examples in every run, however slow the machine: a failure is about the change at hand.
+settings.register_profile("repeatable", derandomize=True, deadline=None, max_examples=60)
+settings.load_profile("repeatable")
+
+ROOT = Path(__file__).resolve().parents[2]
+COLIN27 = Path("/usr/share/mricron/templates/ch2.nii.gz")
+
+# Small enough for every test to bake anew where it must: well below a second.
+SMALL = {"samples": 4, "photons": 20_000, "isovalues": (30.0, 70.0)}
+
+
+@dataclass
+class Outcome:
+    status: int
+    out: str
+    err: str
+
+
+@pytest.fixture(scope="session")
+def root():
+    return ROOT
+
+
+@pytest.fixture(scope="session")
+def colin27():
+    if not COLIN27.exists():
+        pytest.skip("the Debian package mricron-data is not installed")
+    return COLIN27
+
+
+@pytest.fixture
+def small():
+    return dict(SMALL)
+
+
+@pytest.fixture(scope="session")
+def bump_scene():
+    return leaflight.load_scene(ROOT / "scenes" / "bump_box.json")
+
+
+@pytest.fixture(scope="session")
+def box_bake(bump_scene):
+    """The bump box with 20^3 nodes in its scene."""
+    return leaflight.bake(leaflight.bump_box(20), bump_scene, **SMALL)
+
+
+@pytest.fixture(scope="session")
+def box_file(box_bake, tmp_path_factory):
+    path = tmp_path_factory.mktemp("bake") / "box.vdb"
+    box_bake.save(path)
+    return path
+
+
+@pytest.fixture
+def cli(capsys):
+    """Calls the command line in this process: cli("info", "x.nii") -> Outcome."""
+
+    def call(*arguments):
+        status = main([str(argument) for argument in arguments])
+        captured = capsys.readouterr()
+        return Outcome(status, captured.out, captured.err)
+
+    return call
+
+
+@pytest.fixture(scope="session")
+def script():
+    """Calls scripts/leaflight as a user does, from another folder."""
+
+    def call(*arguments, cwd="/"):
+        done = subprocess.run(
+            [ROOT / "scripts" / "leaflight", *map(str, arguments)],
+            capture_output=True,
+            text=True,
+            timeout=120,
+            cwd=cwd,
+        )
+        return Outcome(done.returncode, done.stdout, done.stderr)
+
+    return call
+
+
+@pytest.fixture
+def values():
+    """Values (4, 5, 6) that every integer type from uint8 on and every float type holds exactly."""
+    return np.random.default_rng(7).permutation(120).reshape(4, 5, 6).astype(np.float32)

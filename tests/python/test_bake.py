@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake: the same for any number of threads, the same when read back, gone when cancelled."""
+
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import leaflight
+from leaflight import Cancelled, LeaflightError, Progress, _core, load_bake
+
+GRIDS = ("radiance", "radiance_indirect", "radiance_error")
+
+
+def assert_same_payload(path, other):
+    """Compares grids bit by bit and the metadata; a VDB header holds a random UUID besides."""
+    values, matrix, grid, metadata = _core.read_bake(str(path))
+    other_values, other_matrix, other_grid, other_metadata = _core.read_bake(str(other))
+    assert values.tobytes() == other_values.tobytes()
+    assert matrix.tobytes() == other_matrix.tobytes()
+    assert grid.mask().tobytes() == other_grid.mask().tobytes()
+    for name in GRIDS:
+        assert grid.dense(name).tobytes() == other_grid.dense(name).tobytes()
+    # The statistics are times and the like.
+    metadata.pop("statistics"), other_metadata.pop("statistics")
+    assert metadata == other_metadata
+
+
+@pytest.mark.parametrize("estimator", ["gather", "volumetric", "path"])
+def test_threads_do_not_matter(tmp_path, bump_scene, small, estimator):
+    paths = [tmp_path / "one.vdb", tmp_path / "two.vdb"]
+    for threads, path in zip((1, 2), paths):
+        baked = leaflight.bake(
+            leaflight.bump_box(16), bump_scene, estimator=estimator, threads=threads, **small
+        )
+        baked.save(path)
+    assert_same_payload(*paths)
+
+
+def test_seed_matters(box_bake, bump_scene, small):
+    other = leaflight.bake(leaflight.bump_box(20), bump_scene, seed=1, **small)
+    assert not np.array_equal(other.grid.dense("radiance"), box_bake.grid.dense("radiance"))
+    np.testing.assert_array_equal(other.grid.mask(), box_bake.grid.mask())
+
+
+def test_result(box_bake):
+    radiance, mask = box_bake.grid.dense("radiance"), box_bake.grid.mask().astype(bool)
+    assert radiance.shape == (20, 20, 20, 3) and radiance.dtype == np.float32
+    assert np.isfinite(radiance).all() and (radiance >= 0).all()
+    assert 0 < mask.sum() < mask.size and mask.sum() == box_bake.grid.texels
+    assert (radiance[~mask] == 0).all()
+    assert radiance[mask].mean() > 0.01
+    statistics = box_bake.statistics
+    assert statistics["texels"] == box_bake.grid.texels
+    assert statistics["rays"] > 0 and statistics["seconds"] > 0
+    assert statistics["peak_memory_bytes"] > radiance.nbytes
+    for name, reason in statistics["skipped_passes"]:
+        assert name and reason
+
+
+def test_saved_and_loaded(box_bake, box_file):
+    loaded = load_bake(box_file)
+    np.testing.assert_array_equal(loaded.volume.values, box_bake.volume.values)
+    np.testing.assert_array_equal(loaded.grid.mask(), box_bake.grid.mask())
+    # Radiance is stored in half precision, with 11 significant bits.
+    np.testing.assert_allclose(
+        loaded.grid.dense("radiance"), box_bake.grid.dense("radiance"), rtol=2**-11, atol=1e-6
+    )
+    assert loaded.isovalues == box_bake.isovalues
+    assert loaded.metadata == box_bake.metadata
+    assert loaded.statistics == box_bake.statistics
+    assert loaded.scene.exposure == box_bake.scene.exposure
+    assert [mesh.name for mesh in loaded.scene.meshes] == [m.name for m in box_bake.scene.meshes]
+
+
+def test_saved_metadata(box_bake):
+    metadata = box_bake.metadata
+    assert metadata["leaflight_version"] == leaflight.__version__
+    assert metadata["estimator"] == "gather" and metadata["seed"] == "0"
+    assert len(metadata["field_sha256"]) == len(metadata["scene_sha256"]) == 64
+
+
+@pytest.mark.parametrize(
+    "resolution, texels", [(None, (9, 12, 15)), (10, (6, 8, 10)), ((4, 5, 6), (4, 5, 6))]
+)
+def test_resolution(small, resolution, texels):
+    z, y, x = np.mgrid[0:15, 0:12, 0:9]
+    values = (x + y + z).astype(np.float32)
+    volume = leaflight.Volume(values, np.eye(4), "ramp")
+    small["isovalues"] = (10.0, 20.0)
+    assert tuple(leaflight.bake(volume, resolution=resolution, **small).grid.resolution) == texels
+
+
+def test_surface(box_bake):
+    surface = box_bake.surface(47.0)
+    count = len(surface.vertices)
+    assert count > 100 and len(surface.triangles) > 100
+    assert surface.vertices.shape == surface.normals.shape == surface.radiance.shape == (count, 3)
+    assert surface.triangles.min() == 0 and surface.triangles.max() == count - 1
+    np.testing.assert_allclose(np.linalg.norm(surface.normals, axis=1), 1, atol=1e-3)
+    heights = box_bake.volume.field().sample(surface.vertices)
+    np.testing.assert_allclose(heights, 47, atol=0.05)
+    assert (surface.radiance >= 0).all() and surface.radiance.mean() > 0.01
+    # The field grows towards y = 1 and the outside is where it is lower.
+    assert surface.normals[:, 1].mean() < -0.2
+
+
+@pytest.mark.parametrize("isovalue", [29.0, 71.0, float("nan"), float("inf")])
+def test_isovalue_outside_the_window(box_bake, isovalue):
+    with pytest.raises(LeaflightError, match=r"30\.\.70"):
+        box_bake.surface(isovalue)
+    with pytest.raises(LeaflightError, match=r"30\.\.70"):
+        box_bake.reference(np.zeros((1, 3)), isovalue)
+
+
+@pytest.mark.parametrize(
+    "arguments, sentence",
+    [
+        ({"isovalues": (70, 30)}, "empty"),
+        ({"isovalues": (50, 50)}, "empty"),
+        ({"isovalues": (float("nan"), 50)}, "empty"),
+        ({"isovalues": (300, 400)}, "outside the data"),
+        ({"isovalues": (-20, -10)}, "outside the data"),
+        ({"isovalues": (1, 2, 3)}, "two numbers"),
+        ({"samples": 0}, "samples"),
+        ({"samples": 2.5}, "samples"),
+        ({"photons": -1}, "photons"),
+        ({"seed": -1}, "seed"),
+        ({"threads": -2}, "threads"),
+        ({"resolution": 0}, "resolution"),
+        ({"resolution": (8, 8)}, "resolution"),
+        ({"estimator": "magic"}, "magic"),
+    ],
+)
+def test_bad_settings(bump_scene, small, arguments, sentence):
+    with pytest.raises(LeaflightError, match=sentence):
+        leaflight.bake(leaflight.bump_box(8), bump_scene, **{**small, **arguments})
+
+
+def test_too_many_texels_are_refused(bump_scene, small):
+    with pytest.raises(LeaflightError):
+        leaflight.bake(leaflight.bump_box(8), bump_scene, resolution=40_000, **small)
+
+
+def test_progress_and_cancel(bump_scene):
+    """A bake that would take minutes reports its progress and ends soon after it is cancelled."""
+    progress = Progress()
+    outcome = []
+
+    def work():
+        try:
+            leaflight.bake(leaflight.bump_box(100), bump_scene, samples=100_000, progress=progress)
+        except Cancelled as error:
+            outcome.append(error)
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    fractions = []
+    until = time.monotonic() + 2
+    while time.monotonic() < until:
+        fractions.append(progress.fraction)
+        time.sleep(0.05)
+    assert progress.stage
+    assert not progress.cancelled
+    progress.cancel()
+    start = time.monotonic()
+    thread.join(30)
+    # 0.5 s is promised; the rest is for a busy machine.
+    assert time.monotonic() - start < 5
+    assert len(outcome) == 1 and progress.cancelled
+    assert all(0 <= f <= 1 for f in fractions) and fractions == sorted(fractions)
+
+
+def test_load_refuses_what_is_no_bake(tmp_path):
+    with pytest.raises(LeaflightError, match="no such file"):
+        load_bake(tmp_path / "nowhere.vdb")
+    path = tmp_path / "text.vdb"
+    path.write_text("This is no bake. " * 100)
+    with pytest.raises(LeaflightError, match="text.vdb"):
+        load_bake(path)
+
+
+def test_load_refuses_truncated_files(tmp_path, box_file):
+    data = box_file.read_bytes()
+    for share in (0.01, 0.3, 0.7, 0.99):
+        path = tmp_path / "cut.vdb"
+        path.write_bytes(data[: int(share * len(data))])
+        with pytest.raises(LeaflightError, match="cut.vdb"):
+            load_bake(path)
+
+
+def test_save_leaves_no_file_when_it_cannot(tmp_path, box_bake):
+    for path in (tmp_path / "nowhere" / "x.vdb", tmp_path / "x.txt", tmp_path):
+        with pytest.raises(LeaflightError):
+            box_bake.save(path)
+    assert list(tmp_path.iterdir()) == []

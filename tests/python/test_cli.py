@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command line as scripts use it: JSON on the last line, exit statuses, Ctrl-C."""
+
+import json
+import signal
+import subprocess
+import time
+
+import meshio
+import pytest
+
+BAKE = ["--isovalues", "30", "70", "--samples", "4", "--photons", "20000"]
+
+
+def last_json(outcome):
+    assert outcome.status == 0, outcome.err
+    return json.loads(outcome.out.splitlines()[-1])
+
+
+def test_info(script):
+    info = last_json(script("info", "bump_box", "--dims", "20", "--json"))
+    assert info["dims"] == [20, 20, 20] and info["masked"] is False
+    assert info["range"] == pytest.approx([0, 255], abs=1e-3)
+    assert info["spacing"] == pytest.approx([1 / 19] * 3)
+    lo, hi = info["isovalues"]
+    assert lo < info["isovalue"] < hi
+
+
+def test_info_of_colin27(cli, colin27):
+    info = last_json(cli("info", colin27, "--json"))
+    assert info["dims"] == [181, 217, 181] and info["range"] == [0, 254]
+    assert info["bounds"] == [[-90, -125, -71], [90, 91, 109]]
+
+
+def test_pipeline(script, root, tmp_path):
+    """bake, surface and compare, each in a process of its own."""
+    bake, mesh = tmp_path / "box.vdb", tmp_path / "box.ply"
+    scene = root / "scenes" / "bump_box.json"
+    arguments = ["bump_box", "--dims", "20", "--out", bake, "--scene", scene, *BAKE]
+    baked = last_json(script("bake", *arguments, "--seed", "3", "--threads", "1", "--json"))
+    for key in ("seconds", "rays", "rays_per_second", "texels", "peak_memory_bytes"):
+        assert baked[key] > 0
+    assert isinstance(baked["skipped_passes"], list)
+    assert baked["isovalues"] == [30, 70] and baked["resolution"] == [20, 20, 20]
+
+    surface = last_json(script("surface", bake, "--isovalue", "47", "--out", mesh, "--json"))
+    assert surface["triangles"] == len(meshio.read(mesh).cells_dict["triangle"])
+    assert 0 < surface["seconds"] < 5
+
+    comparison = last_json(
+        script("compare", bake, "--isovalue", 47, "--points", 50, "--spp", 16, "--json")
+    )
+    for key in ("rms_percent", "relative_rms", "bake_seconds", "reference_seconds"):
+        assert comparison[key] > 0
+    assert comparison["bake_seconds"] == pytest.approx(baked["seconds"])
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["box.ply", "box.vdb"]
+
+
+def test_defaults_bake_a_cornell_box(cli, tmp_path):
+    out = tmp_path / "box.vdb"
+    outcome = cli(
+        "bake", "bump_box", "--dims", 8, "--out", out, "--samples", 2, "--photons", 1000, "--json"
+    )
+    result = last_json(outcome)
+    assert result["scene"] == "Cornell box" and out.exists()
+
+
+def test_plain_text(cli, box_file, tmp_path):
+    for arguments in (
+        ["info", "bump_box", "--dims", 9],
+        ["surface", box_file, "--isovalue", 47, "--out", tmp_path / "x.ply"],
+        ["compare", box_file, "--isovalue", 47, "--points", 20, "--spp", 4],
+    ):
+        outcome = cli(*arguments)
+        assert outcome.status == 0 and outcome.out.strip() and "{" not in outcome.out
+
+
+@pytest.mark.parametrize(
+    "arguments, sentence",
+    [
+        ([], "COMMAND"),
+        (["info"], "VOLUME"),
+        (["paint", "bump_box"], "paint"),
+        (["info", "bump_box", "--dims", "1"], "--dims"),
+        (["info", "bump_box", "--dims", "8", "8"], "--dims"),
+        (["info", "bump_box", "--frame", "1"], "--frame"),
+        (["bake", "bump_box"], "--out"),
+        (["bake", "bump_box", "--out", "OUT/x.vdb", "--isovalues", "9", "3"], "empty"),
+        (["bake", "bump_box", "--out", "OUT/x.vdb", "--isovalues", "900", "901"], "outside"),
+        (["bake", "bump_box", "--out", "OUT/x.vdb", "--estimator", "magic"], "magic"),
+        (["bake", "bump_box", "--out", "OUT/x.vdb", "--samples", "0"], "samples"),
+        (["bake", "bump_box", "--out", "OUT/x.vdb", "--scene", "OUT/no.json"], "no.json"),
+        (["bake", "bump_box", "--out", "OUT/x.txt"], "must end in .vdb"),
+        (["bake", "bump_box", "--out", "OUT/no/x.vdb"], "folder"),
+        (["bake", "bump_box", "--out", "/dev/null/x.vdb"], "folder"),
+        (["surface", "OUT/no.vdb", "--isovalue", "47", "--out", "OUT/x.ply"], "no such file"),
+        (["surface", "BAKE", "--isovalue", "47", "--out", "OUT/x.obj"], "must end in .ply"),
+        (["surface", "BAKE", "--isovalue", "7", "--out", "OUT/x.ply"], "window"),
+        (["surface", "BAKE", "--isovalue", "nan", "--out", "OUT/x.ply"], "window"),
+        (["surface", "BAKE", "--out", "OUT/x.ply"], "--isovalue"),
+        (["compare", "BAKE", "--isovalue", "700"], "window"),
+        (["compare", "BAKE", "--isovalue", "47", "--points", "0"], "point"),
+    ],
+)
+def test_errors(cli, tmp_path, box_file, arguments, sentence):
+    places = {"OUT": str(tmp_path), "BAKE": str(box_file)}
+    for name, place in places.items():
+        arguments = [argument.replace(name, place) for argument in arguments]
+    outcome = cli(*arguments)
+    assert outcome.status == 2 and outcome.out == ""
+    assert outcome.err.startswith("leaflight: ") and outcome.err.count("\n") == 1
+    assert sentence in outcome.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_exit_status_of_the_process(script):
+    outcome = script("info", "nowhere.nii")
+    assert outcome.status == 2 and outcome.err.count("\n") == 1
+
+
+def test_output_never_replaces_the_input(cli, box_file):
+    before = box_file.read_bytes()
+    outcome = cli("bake", box_file, "--out", box_file)
+    assert outcome.status == 2 and "overwrite the input" in outcome.err
+    assert box_file.read_bytes() == before
+
+
+def test_ctrl_c_leaves_no_file(root, tmp_path):
+    command = [root / "scripts" / "leaflight", "bake", "bump_box", "--out", tmp_path / "x.vdb"]
+    process = subprocess.Popen(
+        [*command, "--samples", "100000"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        # A shell ignores SIGINT for jobs in the background, and children inherit that.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    time.sleep(3)
+    assert process.poll() is None
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=20)
+    assert process.returncode == 130
+    assert out == "" and "cancelled" in err and "Traceback" not in err
+    assert list(tmp_path.iterdir()) == []

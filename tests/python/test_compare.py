@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The comparison with the path tracer."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import leaflight
+from leaflight import LeaflightError
+from leaflight.compare import random_points
+
+
+def test_random_points_are_uniform_over_the_area():
+    # A square of side 3 as two triangles, and a far one without area.
+    vertices = np.array(
+        [[0, 0, 5], [3, 0, 5], [3, 3, 5], [0, 3, 5], [99, 99, 99]], dtype=np.float32
+    )
+    triangles = np.array([[0, 1, 2], [0, 2, 3], [4, 4, 4]], dtype=np.int32)
+    points = random_points(vertices, triangles, 20_000, seed=1)
+    assert points.shape == (20_000, 3) and (points[:, 2] == 5).all()
+    counts, _, _ = np.histogram2d(points[:, 0], points[:, 1], bins=4, range=[[0, 3], [0, 3]])
+    # 16 cells of 1250 expected points: six standard deviations.
+    np.testing.assert_allclose(counts, 1250, atol=6 * np.sqrt(1250))
+
+
+def test_compare(box_bake):
+    result = leaflight.compare(box_bake, 47.0, points=200, spp=64)
+    assert result["points"] == 200 and result["spp"] == 64 and result["triangles"] > 100
+    # 20^3 texels and 4 samples: no more than the right order of magnitude can be asked.
+    assert 0 < result["rms_percent"] < 25
+    assert 0 < result["relative_rms"] < 1
+    assert 0 < result["reference_noise_percent"] < 10
+    assert 0.1 < result["mean_radiance"] < 1
+    assert result["bake_seconds"] == box_bake.statistics["seconds"]
+    assert result["reference_seconds"] > 0
+    exposed = result["exposed"]
+    assert 0 < exposed["points"] <= 200 and 0 < exposed["rms_percent"] < 25
+    again = leaflight.compare(box_bake, 47.0, points=200, spp=64, threads=1)
+    assert again["rms_percent"] == result["rms_percent"]
+
+
+def test_colours_saturate(box_bake):
+    """Where an exposure turns everything white no colour differs, but the radiance still does."""
+    white = replace(box_bake, scene=replace(box_bake.scene, exposure=1e9))
+    result = leaflight.compare(white, 47.0, points=50, spp=256)
+    assert result["rms_percent"] < 1e-6 < result["relative_rms"]
+
+
+def test_exposed_points_are_those_seen_from_outside():
+    """A shell: its outer face is seen, its inner one, around a closed hollow, is not."""
+    x = np.linspace(-1, 1, 33)
+    radius = np.sqrt(sum(axis**2 for axis in np.meshgrid(x, x, x)))
+    values = np.exp(-(((radius - 0.6) / 0.1) ** 2)).astype(np.float32)
+    field = leaflight.Volume(values, np.diag([1.0, 1.0, 1.0, 1.0]), "shell", "shell").field()
+    vertices, _, _ = leaflight._core.contour(field, 0.5)
+    on_leaf = leaflight._core.project_to_leaf(field, vertices, 0.5)
+    exposed = leaflight._core.exposed(field, on_leaf, 0.5) > 0
+    outer = np.linalg.norm(on_leaf - 16.0, axis=1) > 0.6 * 16
+    assert 0.3 < outer.mean() < 0.8
+    assert (exposed == outer).mean() > 0.999
+
+
+@pytest.mark.parametrize("arguments", [{"points": 0}, {"spp": 0}, {"isovalue": 10.0}])
+def test_bad_arguments(box_bake, arguments):
+    with pytest.raises(LeaflightError):
+        leaflight.compare(box_bake, **{"isovalue": 47.0, **arguments})

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every format gives back the values, the shape and the place that were written."""
+
+import gzip
+
+import nibabel
+import numpy as np
+import pytest
+import tifffile
+
+from leaflight import read_volume
+
+AFFINE = np.array([[-2.0, 0, 0, 90], [0, 2.5, 0, -126], [0, 0.5, 3.0, -72], [0, 0, 0, 1]])
+
+
+def diagonal(volume):
+    return np.diag(volume.index_to_world)[:3]
+
+
+@pytest.mark.parametrize("suffix", [".nii", ".nii.gz"])
+@pytest.mark.parametrize("dtype", [np.uint8, np.int16, np.float32, np.float64])
+def test_nifti(tmp_path, values, suffix, dtype):
+    path = tmp_path / f"scan{suffix}"
+    nibabel.save(nibabel.Nifti1Image(values.T.astype(dtype), AFFINE), path)
+    volume = read_volume(path)
+    np.testing.assert_array_equal(volume.values, values)
+    np.testing.assert_allclose(volume.index_to_world, AFFINE)
+    assert volume.values.dtype == np.float32 and volume.values.flags.c_contiguous
+    assert volume.name == "scan" and volume.source == str(path)
+
+
+def test_nifti_2_and_scaled_values(tmp_path, values):
+    path = tmp_path / "scan.nii"
+    image = nibabel.Nifti2Image(values.T.astype(np.int16), AFFINE)
+    image.header.set_slope_inter(0.5, -10)
+    nibabel.save(image, path)
+    np.testing.assert_array_equal(read_volume(path).values, 0.5 * values - 10)
+
+
+def test_nifti_frame(tmp_path, values):
+    path = tmp_path / "series.nii.gz"
+    frames = np.stack([values.T, values.T + 1, values.T + 2], axis=-1)
+    nibabel.save(nibabel.Nifti1Image(frames, AFFINE), path)
+    np.testing.assert_array_equal(read_volume(path, frame=2).values, values + 2)
+
+
+def test_nifti_single_frame_is_3d(tmp_path, values):
+    path = tmp_path / "series.nii"
+    nibabel.save(nibabel.Nifti1Image(values.T[..., None], AFFINE), path)
+    np.testing.assert_array_equal(read_volume(path).values, values)
+
+
+def test_colin27(colin27):
+    volume = read_volume(colin27)
+    assert volume.values.shape == (181, 217, 181)
+    assert volume.field().range == (0.0, 254.0)
+    np.testing.assert_array_equal(volume.index_to_world[:3, 3], [-90, -125, -71])
+
+
+@pytest.mark.parametrize("options", [{}, {"compression": "zlib"}, {"imagej": True}, {"ome": True}])
+def test_tiff_stack(tmp_path, values, options):
+    path = tmp_path / ("stack.ome.tif" if "ome" in options else "stack.tif")
+    metadata = {"axes": "ZYX"}
+    tifffile.imwrite(
+        path, values.astype(np.uint16), photometric="minisblack", metadata=metadata, **options
+    )
+    volume = read_volume(path)
+    np.testing.assert_array_equal(volume.values, values)
+    np.testing.assert_array_equal(diagonal(volume), [1, 1, 1])
+    np.testing.assert_array_equal(diagonal(read_volume(path, spacing=(1, 2, 3))), [1, 2, 3])
+
+
+def test_tiff_voxel_size_of_imagej(tmp_path, values):
+    path = tmp_path / "stack.tif"
+    metadata = {"axes": "ZYX", "spacing": 3.0, "unit": "um"}
+    tifffile.imwrite(path, values, imagej=True, resolution=(2.0, 4.0), metadata=metadata)
+    np.testing.assert_allclose(diagonal(read_volume(path)), [0.5, 0.25, 3.0])
+
+
+def test_tiff_voxel_size_of_ome(tmp_path, values):
+    path = tmp_path / "stack.ome.tif"
+    metadata = {
+        "axes": "ZYX",
+        "PhysicalSizeX": 0.5,
+        "PhysicalSizeY": 250.0,
+        "PhysicalSizeYUnit": "nm",
+        "PhysicalSizeZ": 2.0,
+    }
+    tifffile.imwrite(path, values, ome=True, metadata=metadata)
+    np.testing.assert_allclose(diagonal(read_volume(path)), [0.5, 0.25, 2.0])
+
+
+def test_tiff_channel_is_a_frame(tmp_path, values):
+    path = tmp_path / "stack.tif"
+    channels = np.stack([values, values + 1], axis=1)
+    tifffile.imwrite(path, channels, imagej=True, metadata={"axes": "ZCYX"})
+    np.testing.assert_array_equal(read_volume(path, frame=1).values, values + 1)
+
+
+def test_folder_of_slices_in_natural_order(tmp_path, values):
+    folder = tmp_path / "slices"
+    folder.mkdir()
+    for k, plane in enumerate(values):
+        tifffile.imwrite(folder / f"slice{7 + 2 * k}.tiff", plane.astype(np.uint8))
+    (folder / "notes.txt").write_text("not a slice")
+    volume = read_volume(folder, spacing=2)
+    np.testing.assert_array_equal(volume.values, values)
+    np.testing.assert_array_equal(diagonal(volume), [2, 2, 2])
+
+
+NRRD_HEADER = """NRRD0004
+type: uint16
+dimension: 3
+sizes: 6 5 4
+encoding: {encoding}
+endian: big
+space: left-posterior-superior
+space directions: (0.5,0,0) (0,2,0) (0,0,3)
+space origin: (10,20,30)
+"""
+
+
+@pytest.mark.parametrize("encoding", ["raw", "gzip"])
+@pytest.mark.parametrize("suffix", [".nrrd", ".nhdr"])
+def test_nrrd(tmp_path, values, encoding, suffix):
+    data = values.astype(">u2").tobytes()
+    data = gzip.compress(data) if encoding == "gzip" else data
+    path = tmp_path / f"scan{suffix}"
+    header = NRRD_HEADER.format(encoding=encoding)
+    if suffix == ".nrrd":
+        path.write_bytes(header.encode() + b"\n" + data)
+    else:
+        path.write_text(header + "data file: scan.bin\n")
+        (tmp_path / "scan.bin").write_bytes(data)
+    volume = read_volume(path)
+    np.testing.assert_array_equal(volume.values, values)
+    # Whichever way the world is oriented, lengths and the determinant's size are those of the file.
+    lengths = np.linalg.norm(volume.index_to_world[:3, :3], axis=0)
+    np.testing.assert_allclose(lengths, [0.5, 2, 3])
+    np.testing.assert_allclose(np.abs(volume.index_to_world[:3, 3]), [10, 20, 30])
+
+
+def test_vdb(box_bake, box_file):
+    volume = read_volume(box_file)
+    np.testing.assert_array_equal(volume.values, box_bake.volume.values)
+    np.testing.assert_allclose(volume.index_to_world, box_bake.volume.index_to_world)
+
+
+def test_missing_data_are_masked(tmp_path, values):
+    path = tmp_path / "scan.nii"
+    values[1, 2, 3] = np.nan
+    nibabel.save(nibabel.Nifti1Image(values.T, AFFINE), path)
+    volume = read_volume(path)
+    assert volume.field().masked
+    np.testing.assert_array_equal(volume.values, values)

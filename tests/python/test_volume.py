@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The built-in volume and the isovalues to begin with."""
+
+import numpy as np
+import pytest
+
+import leaflight
+from leaflight import LeaflightError, Volume, default_isovalue, default_window
+
+
+def volume(values):
+    return Volume(np.asarray(values, dtype=np.float32), np.eye(4), "test")
+
+
+def test_bump_box_fills_the_unit_cube():
+    box = leaflight.bump_box(30)
+    assert box.values.shape == (30, 30, 30)
+    np.testing.assert_allclose(box.field().range, (0, 255), atol=1e-3)
+    np.testing.assert_allclose(box.field().bounds, [[0, 0, 0], [1, 1, 1]], atol=1e-6)
+    # The field grows towards y = 1.
+    assert box.values[:, -1, :].mean() > box.values[:, 0, :].mean() + 40
+
+
+def test_bump_box_has_a_least_size():
+    with pytest.raises(LeaflightError, match="--dims"):
+        leaflight.bump_box(1)
+
+
+def test_window_leaves_out_background_and_outliers():
+    values = np.zeros(30**3)
+    values[: 30**2 * 10] = np.random.default_rng(2).normal(100, 5, 9000)
+    values[0] = 1000
+    lo, hi = default_window(volume(values.reshape(30, 30, 30)))
+    assert 80 < lo < 95 and 105 < hi < 120
+
+
+def test_isovalues_of_integer_data_are_half_integers():
+    values = np.random.default_rng(3).integers(0, 200, (12, 12, 12))
+    for isovalue in (*default_window(volume(values)), default_isovalue(volume(values))):
+        assert isovalue % 1 == 0.5
+
+
+def test_isovalue_lies_in_the_window():
+    rng = np.random.default_rng(4)
+    for values in (
+        rng.normal(size=(5, 6, 7)),
+        rng.integers(0, 2, (5, 6, 7)),
+        np.where(rng.random((9, 9, 9)) < 0.999, -1000, 7),
+        np.where(rng.random((9, 9, 9)) < 0.3, np.nan, rng.random((9, 9, 9))),
+    ):
+        values = np.array(values, dtype=np.float32)
+        values.flat[:2] = (np.nanmin(values) - 1, np.nanmax(values) + 1)
+        test = volume(values)
+        lo, hi = default_window(test)
+        low, high = test.field().range
+        assert low <= lo < default_isovalue(test) < hi <= high
+
+
+def test_colin27(colin27):
+    brain = leaflight.read_volume(colin27)
+    lo, hi = default_window(brain)
+    # The isovalues that the thesis and the notes of this project look at.
+    assert lo < 24.5 and 150.5 < hi
+    assert default_isovalue(brain) == 50.5
