@@ -67,8 +67,18 @@ def default_window(volume):
 
 
 def default_isovalue(volume):
-    """An isovalue that shows the outer shape: the first quartile of what is not background."""
-    (isovalue,) = _quantiles(volume, (0.25,))
+    """The isovalue that best parts the object from its background (Otsu 1979), in the window."""
+    values = volume.values[np.isfinite(volume.values)]
+    counts, edges = np.histogram(values, bins=256)
+    middles = 0.5 * (edges[1:] + edges[:-1])
+    below, below_sum = np.cumsum(counts)[:-1], np.cumsum(counts * middles)
+    above = values.size - below
+    # The first and the last bin hold the extremes, so neither side is empty.
+    distance = below_sum[:-1] / below - (below_sum[-1] - below_sum[:-1]) / above
+    best = np.argmax(below * above.astype(np.float64) * distance**2)
+    isovalue = edges[best + 1]
+    if _is_integer(values, volume.field().range):
+        isovalue = np.floor(isovalue) + 0.5
     lo, hi = default_window(volume)
     return float(isovalue) if lo < isovalue < hi else 0.5 * (lo + hi)
 
@@ -91,6 +101,11 @@ def _quantiles(volume, shares):
         return [0.5 * (low + high)] * len(shares)
     ranks = [int(share * (values.size - 1)) for share in shares]
     quantiles = np.partition(values, ranks)[ranks].astype(np.float64)
-    if high - low >= 4 and np.array_equal(values, np.rint(values)):
+    if _is_integer(values, (low, high)):
         quantiles = np.floor(quantiles) + 0.5
     return list(np.clip(quantiles, low, high))
+
+
+def _is_integer(values, data_range):
+    low, high = data_range
+    return high - low >= 4 and np.array_equal(values, np.rint(values))
