@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "leaflight/io/vdb.h"
 
+#include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Dense.h>
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <vector>
 
@@ -98,33 +100,40 @@ Vec<3, float> from_vdb(const openvdb::Vec3f& v) { return {v.x(), v.y(), v.z()}; 
 
 openvdb::Vec3i to_vdb(const Index<3>& i) { return {i[0], i[1], i[2]}; }
 
-// Runs read(file) on an open file and turns what OpenVDB throws into one sentence.
-template <class Read>
-auto with_file(const std::string& path, Read read) {
+struct Contents {
+  openvdb::GridPtrVec grids;
+  openvdb::MetaMap::Ptr metadata;
+};
+
+// Reads a whole file and turns what OpenVDB throws into one sentence. It does not notice by itself
+// that a file ends early, hence our own stream, whose state tells.
+Contents read_file(const std::string& path) {
   require_file(path);
   initialize();
+  const auto damaged = [&](const std::string& why) {
+    return Error("'" + path + "' is not a readable OpenVDB file (" + why +
+                 "); check that it is complete.");
+  };
   try {
-    openvdb::io::File file(path);
-    file.open(false);
-    return read(file);
+    std::ifstream stream(path, std::ios::binary);
+    openvdb::io::Stream file(stream, false);
+    if (!stream) throw damaged("it ends early");
+    return {*file.getGrids(), file.getMetadata()};
   } catch (const Error&) {
     throw;
   } catch (const std::exception& problem) {
-    throw Error("'" + path + "' is not a readable OpenVDB file (" + brief(problem.what()) +
-                "); check that it is complete.");
+    throw damaged(brief(problem.what()));
   }
 }
 
 template <class Grid>
-typename Grid::Ptr require_grid(openvdb::io::File& file, const char* name,
-                                const std::string& path) {
-  typename Grid::Ptr grid;
-  if (file.hasGrid(name)) grid = openvdb::gridPtrCast<Grid>(file.readGrid(name));
-  if (!grid) {
-    throw Error("'" + path + "' is not a Leaflight bake, as it has no grid '" + name +
-                "'; choose a file written by a bake.");
+typename Grid::Ptr require_grid(const Contents& file, const char* name, const std::string& path) {
+  for (const auto& grid : file.grids) {
+    if (grid->getName() != name) continue;
+    if (const auto found = openvdb::gridPtrCast<Grid>(grid)) return found;
   }
-  return grid;
+  throw Error("'" + path + "' is not a Leaflight bake, as it has no grid '" + name +
+              "'; choose a file written by a bake.");
 }
 
 Index<3> dims_from(const openvdb::GridBase& grid, const std::string& path) {
@@ -213,85 +222,83 @@ void write_bake(const std::string& path, const Field<3>& field, const RadianceGr
 }
 
 StoredBake read_bake(const std::string& path) {
-  return with_file(path, [&](openvdb::io::File& file) {
-    StoredBake bake;
-    const auto values = require_grid<openvdb::FloatGrid>(file, field_name, path);
-    const auto radiance = require_grid<openvdb::Vec3SGrid>(file, radiance_name, path);
-    const auto indirect = require_grid<openvdb::Vec3SGrid>(file, indirect_name, path);
-    const auto error = require_grid<openvdb::FloatGrid>(file, error_name, path);
+  const Contents file = read_file(path);
+  StoredBake bake;
+  const auto values = require_grid<openvdb::FloatGrid>(file, field_name, path);
+  const auto radiance = require_grid<openvdb::Vec3SGrid>(file, radiance_name, path);
+  const auto indirect = require_grid<openvdb::Vec3SGrid>(file, indirect_name, path);
+  const auto error = require_grid<openvdb::FloatGrid>(file, error_name, path);
 
-    bake.field.dims = dims_from(*values, path);
-    bake.field.index_to_world = to_affine(values->transform(), path);
-    bake.field.name = field_name;
-    std::size_t voxels = 1;
-    for (const int n : bake.field.dims) voxels *= n;
-    bake.field.values.resize(voxels);
-    DenseView<float> dense(box_of(bake.field.dims), bake.field.values.data());
-    openvdb::tools::copyToDense(*values, dense);
-    for (float& h : bake.field.values) h = h == values->background() ? nan : h;
+  bake.field.dims = dims_from(*values, path);
+  bake.field.index_to_world = to_affine(values->transform(), path);
+  bake.field.name = field_name;
+  std::size_t voxels = 1;
+  for (const int n : bake.field.dims) voxels *= n;
+  bake.field.values.resize(voxels);
+  DenseView<float> dense(box_of(bake.field.dims), bake.field.values.data());
+  openvdb::tools::copyToDense(*values, dense);
+  for (float& h : bake.field.values) h = h == values->background() ? nan : h;
 
-    TexelLattice& lattice = bake.grid.lattice;
-    lattice.resolution = dims_from(*radiance, path);
-    std::size_t texels = 1;
-    for (int a = 0; a < 3; ++a) {
-      texels *= lattice.resolution[a];
-      lattice.voxels_per_texel[a] =
-          static_cast<double>(bake.field.dims[a] - 1) / (lattice.resolution[a] - 1);
+  TexelLattice& lattice = bake.grid.lattice;
+  lattice.resolution = dims_from(*radiance, path);
+  std::size_t texels = 1;
+  for (int a = 0; a < 3; ++a) {
+    texels *= lattice.resolution[a];
+    lattice.voxels_per_texel[a] =
+        static_cast<double>(bake.field.dims[a] - 1) / (lattice.resolution[a] - 1);
+  }
+  lattice.slot.assign(texels, TexelLattice::inactive);
+  const openvdb::CoordBBox box = box_of(lattice.resolution);
+  for (auto texel = radiance->cbeginValueOn(); texel; ++texel) {
+    if (!texel.isVoxelValue() || !box.isInside(texel.getCoord())) {
+      throw Error("'" + path + "' is a damaged bake; bake again.");
     }
-    lattice.slot.assign(texels, TexelLattice::inactive);
-    const openvdb::CoordBBox box = box_of(lattice.resolution);
-    for (auto texel = radiance->cbeginValueOn(); texel; ++texel) {
-      if (!texel.isVoxelValue() || !box.isInside(texel.getCoord())) {
-        throw Error("'" + path + "' is a damaged bake; bake again.");
+    const openvdb::Coord t = texel.getCoord();
+    lattice.active.push_back(static_cast<std::uint32_t>(lattice.linear({t[0], t[1], t[2]})));
+  }
+  std::sort(lattice.active.begin(), lattice.active.end());
+  const auto direct_access = radiance->getConstAccessor();
+  const auto indirect_access = indirect->getConstAccessor();
+  const auto error_access = error->getConstAccessor();
+  for (std::size_t s = 0; s < lattice.active.size(); ++s) {
+    lattice.slot[lattice.active[s]] = static_cast<std::int32_t>(s);
+    const Index<3> t = lattice.texel(lattice.active[s]);
+    const openvdb::Coord coord(t[0], t[1], t[2]);
+    bake.grid.radiance.push_back(from_vdb(direct_access.getValue(coord)));
+    bake.grid.radiance_indirect.push_back(from_vdb(indirect_access.getValue(coord)));
+    bake.grid.radiance_error.push_back(error_access.getValue(coord));
+  }
+  const openvdb::MetaMap::ConstPtr of_file = file.metadata;
+  for (const openvdb::MetaMap* source :
+       {of_file.get(), static_cast<const openvdb::MetaMap*>(radiance.get())}) {
+    for (auto entry = source->beginMeta(); entry != source->endMeta(); ++entry) {
+      const openvdb::Metadata& value = *entry->second;
+      if (entry->first.rfind(metadata_prefix, 0) == 0 &&
+          value.typeName() == openvdb::StringMetadata::staticTypeName()) {
+        bake.metadata[entry->first.substr(metadata_prefix.size())] = value.str();
       }
-      const openvdb::Coord t = texel.getCoord();
-      lattice.active.push_back(static_cast<std::uint32_t>(lattice.linear({t[0], t[1], t[2]})));
     }
-    std::sort(lattice.active.begin(), lattice.active.end());
-    const auto direct_access = radiance->getConstAccessor();
-    const auto indirect_access = indirect->getConstAccessor();
-    const auto error_access = error->getConstAccessor();
-    for (std::size_t s = 0; s < lattice.active.size(); ++s) {
-      lattice.slot[lattice.active[s]] = static_cast<std::int32_t>(s);
-      const Index<3> t = lattice.texel(lattice.active[s]);
-      const openvdb::Coord coord(t[0], t[1], t[2]);
-      bake.grid.radiance.push_back(from_vdb(direct_access.getValue(coord)));
-      bake.grid.radiance_indirect.push_back(from_vdb(indirect_access.getValue(coord)));
-      bake.grid.radiance_error.push_back(error_access.getValue(coord));
-    }
-    const openvdb::MetaMap::ConstPtr of_file = file.getMetadata();
-    for (const openvdb::MetaMap* source :
-         {of_file.get(), static_cast<const openvdb::MetaMap*>(radiance.get())}) {
-      for (auto entry = source->beginMeta(); entry != source->endMeta(); ++entry) {
-        const openvdb::Metadata& value = *entry->second;
-        if (entry->first.rfind(metadata_prefix, 0) == 0 &&
-            value.typeName() == openvdb::StringMetadata::staticTypeName()) {
-          bake.metadata[entry->first.substr(metadata_prefix.size())] = value.str();
-        }
-      }
-    }
-    return bake;
-  });
+  }
+  return bake;
 }
 
 DenseVolume read_vdb_volume(const std::string& path, const std::string& grid_name) {
-  return with_file(path, [&](openvdb::io::File& file) {
-    DenseVolume volume;
-    std::string names;
-    for (auto name = file.beginName(); name != file.endName(); ++name) {
-      names += (names.empty() ? "" : ", ") + *name;
-      if (!grid_name.empty() && *name != grid_name) continue;
-      if (read_scalar(file.readGrid(*name), path, volume)) return volume;
-      if (!grid_name.empty()) {
-        throw Error("The grid '" + grid_name + "' of '" + path +
-                    "' does not hold scalars; choose another grid.");
-      }
+  const Contents file = read_file(path);
+  DenseVolume volume;
+  std::string names;
+  for (const auto& grid : file.grids) {
+    const std::string name = grid->getName();
+    names += (names.empty() ? "" : ", ") + name;
+    if (!grid_name.empty() && name != grid_name) continue;
+    if (read_scalar(grid, path, volume)) return volume;
+    if (!grid_name.empty()) {
+      throw Error("The grid '" + grid_name + "' of '" + path +
+                  "' does not hold scalars; choose another grid.");
     }
-    throw Error(grid_name.empty()
-                    ? "'" + path + "' has no scalar grid; it has: " + brief(names) + "."
-                    : "'" + path + "' has no grid '" + grid_name + "'; it has: " + brief(names) +
-                          ".");
-  });
+  }
+  throw Error(grid_name.empty() ? "'" + path + "' has no scalar grid; it has: " + brief(names) + "."
+                                : "'" + path + "' has no grid '" + grid_name +
+                                      "'; it has: " + brief(names) + ".");
 }
 
 }  // namespace leaflight
