@@ -19,7 +19,7 @@ from mathutils import Matrix, Vector
 ISOVALUES = (24.5, 45.5, 70.5)
 COMPARED = 45.5
 WINDOW = (20.0, 75.0)
-SIZE = 400
+SIZE = 480
 BAKE_SAMPLES = 12
 PHOTONS = 1_000_000
 STILL_SAMPLES = 64

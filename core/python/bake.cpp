@@ -23,7 +23,7 @@ const char* name_of(EstimatorName name) {
   }
 }
 
-py::dict statistics(const RadianceGrid& grid) {
+py::dict statistics(const RadianceGrid<3>& grid) {
   py::list skipped;
   for (const SkippedPass& pass : grid.statistics.skipped) {
     skipped.append(std::vector<std::string>{pass.pass, pass.reason});
@@ -38,14 +38,14 @@ py::dict statistics(const RadianceGrid& grid) {
 }
 
 template <class Value>
-py::array_t<float> spread(const TexelLattice& lattice, const std::vector<Value>& values,
+py::array_t<float> spread(const TexelLattice<3>& lattice, const std::vector<Value>& values,
                           std::vector<py::ssize_t> shape) {
   std::vector<Value> dense(lattice.texels(), Value(0));
   for (std::size_t s = 0; s < values.size(); ++s) dense[lattice.active[s]] = values[s];
   return adopt<float>(std::move(dense), std::move(shape));
 }
 
-py::array_t<float> dense(const RadianceGrid& grid, const std::string& name) {
+py::array_t<float> dense(const RadianceGrid<3>& grid, const std::string& name) {
   std::vector<py::ssize_t> shape = shape_zyx(grid.lattice.resolution);
   if (name == "radiance_error") return spread(grid.lattice, grid.radiance_error, shape);
   shape.push_back(3);
@@ -55,13 +55,13 @@ py::array_t<float> dense(const RadianceGrid& grid, const std::string& name) {
               "'; choose radiance, radiance_indirect or radiance_error.");
 }
 
-py::array_t<std::uint8_t> mask(const RadianceGrid& grid) {
+py::array_t<std::uint8_t> mask(const RadianceGrid<3>& grid) {
   std::vector<std::uint8_t> active(grid.lattice.texels(), 0);
   for (const std::uint32_t texel : grid.lattice.active) active[texel] = 1;
   return adopt<std::uint8_t>(std::move(active), shape_zyx(grid.lattice.resolution));
 }
 
-py::array_t<float> lookup_at(const RadianceGrid& grid, const Field<3>& field,
+py::array_t<float> lookup_at(const RadianceGrid<3>& grid, const Field<3>& field,
                              const DoubleArray& array) {
   const std::vector<Vec3> points = to_points(array);
   std::vector<Vec<3, float>> radiance(points.size());
@@ -74,7 +74,7 @@ py::array_t<float> lookup_at(const RadianceGrid& grid, const Field<3>& field,
   return adopt<float>(std::move(radiance), {static_cast<py::ssize_t>(points.size()), 3});
 }
 
-py::tuple atlas(const RadianceGrid& grid) {
+py::tuple atlas(const RadianceGrid<3>& grid) {
   Atlas result;
   {
     const py::gil_scoped_release unlocked;
@@ -85,7 +85,7 @@ py::tuple atlas(const RadianceGrid& grid) {
                         columns, rows);
 }
 
-py::tuple reference(const Scene& scene, const DoubleArray& array, double isovalue, int samples,
+py::tuple reference(const Scene<3>& scene, const DoubleArray& array, double isovalue, int samples,
                     std::uint64_t seed, int threads, Progress* progress) {
   const std::vector<Vec3> points = to_points(array);
   if (samples < 1) throw Error("The reference needs at least one sample per point.");
@@ -110,26 +110,26 @@ py::tuple reference(const Scene& scene, const DoubleArray& array, double isovalu
 }  // namespace
 
 void bind_bake(py::module_& module) {
-  py::class_<BakeSettings>(module, "BakeSettings")
+  py::class_<BakeSettings<3>>(module, "BakeSettings")
       .def(py::init<>())
-      .def_readwrite("resolution", &BakeSettings::resolution,
+      .def_readwrite("resolution", &BakeSettings<3>::resolution,
                      "Texels along x, y, z; (0, 0, 0) for one per voxel.")
-      .def_readwrite("samples", &BakeSettings::samples,
+      .def_readwrite("samples", &BakeSettings<3>::samples,
                      "Samples per texel, each one shadow ray and one gather ray.")
-      .def_readwrite("photons", &BakeSettings::photons, "Photons emitted over all isovalues.")
+      .def_readwrite("photons", &BakeSettings<3>::photons, "Photons emitted over all isovalues.")
       .def_property(
-          "estimator", [](const BakeSettings& s) { return name_of(s.estimator); },
-          [](BakeSettings& s, const std::string& name) { s.estimator = estimator_from(name); },
+          "estimator", [](const BakeSettings<3>& s) { return name_of(s.estimator); },
+          [](BakeSettings<3>& s, const std::string& name) { s.estimator = estimator_from(name); },
           "gather, volumetric or path.")
-      .def_readwrite("seed", &BakeSettings::seed)
-      .def_readwrite("threads", &BakeSettings::threads, "0: all.");
+      .def_readwrite("seed", &BakeSettings<3>::seed)
+      .def_readwrite("threads", &BakeSettings<3>::threads, "0: all.");
 
-  py::class_<RadianceGrid, std::shared_ptr<RadianceGrid>>(
+  py::class_<RadianceGrid<3>, std::shared_ptr<RadianceGrid<3>>>(
       module, "RadianceGrid", "The outer side's radiance [W/(m^2 sr)] of every leaf of a window.")
       .def_property_readonly("resolution",
-                             [](const RadianceGrid& g) { return g.lattice.resolution; })
+                             [](const RadianceGrid<3>& g) { return g.lattice.resolution; })
       .def_property_readonly("texels",
-                             [](const RadianceGrid& g) { return g.lattice.active.size(); })
+                             [](const RadianceGrid<3>& g) { return g.lattice.active.size(); })
       .def_property_readonly("statistics", &statistics)
       .def("dense", &dense, py::arg("name"),
            "radiance or radiance_indirect: float32 [z, y, x, 3]; radiance_error, the standard "
@@ -144,9 +144,9 @@ void bind_bake(py::module_& module) {
 
   module.def(
       "bake",
-      [](const Scene& scene, const BakeSettings& settings, Progress& progress) {
+      [](const Scene<3>& scene, const BakeSettings<3>& settings, Progress& progress) {
         const py::gil_scoped_release unlocked;
-        return std::make_shared<RadianceGrid>(bake(scene, settings, progress));
+        return std::make_shared<RadianceGrid<3>>(bake(scene, settings, progress));
       },
       py::arg("scene"), py::arg("settings"), py::arg("progress"),
       "Lights all leaves of the scene's window. Raises LeaflightError, or Cancelled.");

@@ -18,7 +18,7 @@ py::tuple to_python(DenseVolume&& volume) {
 void bind_io(py::module_& module) {
   module.def(
       "write_bake",
-      [](const std::string& path, const Field<3>& field, const RadianceGrid& grid,
+      [](const std::string& path, const Field<3>& field, const RadianceGrid<3>& grid,
          const Metadata& metadata) {
         const py::gil_scoped_release unlocked;
         write_bake(path, field, grid, metadata);
@@ -36,7 +36,7 @@ void bind_io(py::module_& module) {
         return py::make_tuple(
             adopt<float>(std::move(bake.field.values), shape_zyx(bake.field.dims)),
             from_affine(bake.field.index_to_world),
-            std::make_shared<RadianceGrid>(std::move(bake.grid)), bake.metadata);
+            std::make_shared<RadianceGrid<3>>(std::move(bake.grid)), bake.metadata);
       },
       py::arg("path"), "(values [z, y, x], index_to_world, RadianceGrid, metadata) of a bake.");
   module.def(

@@ -14,14 +14,14 @@
 namespace leaflight {
 namespace {
 
-BakeSettings quick() {
-  BakeSettings settings;
+BakeSettings<3> quick() {
+  BakeSettings<3> settings;
   settings.samples = 4;
   settings.photons = 50'000;
   return settings;
 }
 
-Scene small_scene() { return test::cornell(test::ball<3>(25), {0.6, 0.9}); }
+Scene<3> small_scene() { return test::cornell(test::ball<3>(25), {0.6, 0.9}); }
 
 template <class T>
 bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
@@ -30,19 +30,19 @@ bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
                      a.size() * sizeof(T)) == 0;
 }
 
-bool same_bits(const RadianceGrid& a, const RadianceGrid& b) {
+bool same_bits(const RadianceGrid<3>& a, const RadianceGrid<3>& b) {
   return a.lattice.active == b.lattice.active && same_bits(a.radiance, b.radiance) &&
          same_bits(a.radiance_indirect, b.radiance_indirect) &&
          same_bits(a.radiance_error, b.radiance_error);
 }
 
 TEST(Bake, IsTheSameForAnyNumberOfThreads) {
-  const Scene scene = small_scene();
+  const Scene<3> scene = small_scene();
   for (const EstimatorName estimator :
        {EstimatorName::gather, EstimatorName::volumetric, EstimatorName::path}) {
-    BakeSettings settings = quick();
+    BakeSettings<3> settings = quick();
     settings.estimator = estimator;
-    std::vector<RadianceGrid> grids;
+    std::vector<RadianceGrid<3>> grids;
     for (const int threads : {1, 2, 5}) {
       settings.threads = threads;
       Progress progress;
@@ -55,19 +55,19 @@ TEST(Bake, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(Bake, DependsOnTheSeed) {
-  const Scene scene = small_scene();
-  BakeSettings settings = quick();
+  const Scene<3> scene = small_scene();
+  BakeSettings<3> settings = quick();
   Progress first, second;
-  const RadianceGrid a = bake(scene, settings, first);
+  const RadianceGrid<3> a = bake(scene, settings, first);
   settings.seed = 1;
-  const RadianceGrid b = bake(scene, settings, second);
+  const RadianceGrid<3> b = bake(scene, settings, second);
   EXPECT_FALSE(same_bits(a, b));
 }
 
 TEST(Bake, CancelsWithinHalfASecond) {
-  const Scene scene = test::cornell(test::ball<3>(65), {0.3, 0.9});
+  const Scene<3> scene = test::cornell(test::ball<3>(65), {0.3, 0.9});
   for (const EstimatorName estimator : {EstimatorName::gather, EstimatorName::path}) {
-    BakeSettings settings = quick();
+    BakeSettings<3> settings = quick();
     settings.samples = 4096;
     settings.estimator = estimator;
     Progress progress;
@@ -93,21 +93,21 @@ TEST(Bake, ReportsProgress) {
 }
 
 TEST(Bake, StoresOnlyTexelsThatALeafReaches) {
-  const Scene scene = test::cornell(test::ball<3>(49), {0.85, 0.9});
+  const Scene<3> scene = test::cornell(test::ball<3>(49), {0.85, 0.9});
   Progress progress;
-  const RadianceGrid grid = bake(scene, quick(), progress);
+  const RadianceGrid<3> grid = bake(scene, quick(), progress);
   EXPECT_GT(grid.lattice.active.size(), 200u);
   EXPECT_LT(grid.lattice.active.size(), grid.lattice.texels() / 20);
 }
 
 TEST(Bake, OtherResolutionsThanTheField) {
-  const Scene scene = small_scene();
+  const Scene<3> scene = small_scene();
   for (const Index<3>& resolution : {Index<3>{13, 17, 40}, Index<3>{49, 49, 49}}) {
-    BakeSettings settings = quick();
+    BakeSettings<3> settings = quick();
     settings.samples = 32;
     settings.resolution = resolution;
     Progress progress;
-    const RadianceGrid grid = bake(scene, settings, progress);
+    const RadianceGrid<3> grid = bake(scene, settings, progress);
     EXPECT_EQ(grid.lattice.resolution, resolution);
     // The top of the ball, in index coordinates of the field: lit by the lamp above it.
     EXPECT_GT(lookup(grid, {12, 12, 12 + 24 * 0.28}).y, 0.3);
@@ -115,7 +115,7 @@ TEST(Bake, OtherResolutionsThanTheField) {
 }
 
 TEST(Plan, SaysWhatItSkipsAndWhy) {
-  Scene scene = small_scene();
+  Scene<3> scene = small_scene();
   const Plan all = make_plan(scene, EstimatorName::gather);
   ASSERT_EQ(all.skipped.size(), 1u);
   EXPECT_EQ(all.skipped[0].pass, "inner side");
@@ -137,16 +137,17 @@ TEST(Plan, SaysWhatItSkipsAndWhy) {
 }
 
 TEST(Plan, InnerSideIsNeededWhereALeafIsOpen) {
-  Scene open = small_scene();
+  Scene<3> open = small_scene();
   open.window = {0.1, 0.9};  // the lowest leaves meet the border of the domain
   EXPECT_TRUE(make_plan(open, EstimatorName::gather).inner_side);
-  Scene lit_inside = small_scene();
-  lit_inside.lights.push_back({"inner lamp", {0.5, 0.5, 0.5}, {0.1, 0, 0}, {0, 0.1, 0}, Rgb(1)});
+  Scene<3> lit_inside = small_scene();
+  lit_inside.lights.push_back(
+      {"inner lamp", {0.5, 0.5, 0.5}, {Vec3(0.1, 0, 0), Vec3(0, 0.1, 0)}, Rgb(1)});
   EXPECT_TRUE(make_plan(lit_inside, EstimatorName::gather).inner_side);
 }
 
 TEST(Plan, ForcingASkippedPassChangesNothing) {
-  const Scene scene = small_scene();
+  const Scene<3> scene = small_scene();
   Plan forced = make_plan(scene, EstimatorName::gather);
   forced.inner_side = true;
   Progress first, second;
@@ -154,7 +155,7 @@ TEST(Plan, ForcingASkippedPassChangesNothing) {
 }
 
 TEST(Bake, RefusesBadScenes) {
-  const auto message = [](const Scene& scene) -> std::string {
+  const auto message = [](const Scene<3>& scene) -> std::string {
     Progress progress;
     try {
       bake(scene, quick(), progress);
@@ -163,11 +164,11 @@ TEST(Bake, RefusesBadScenes) {
     }
     return "";
   };
-  Scene scene = small_scene();
+  Scene<3> scene = small_scene();
   scene.lights.clear();
   EXPECT_NE(message(scene).find("no light"), std::string::npos);
   scene = small_scene();
-  scene.lights[0].edge_u = Vec3(0.0);
+  scene.lights[0].edges[0] = Vec3(0.0);
   EXPECT_NE(message(scene).find("'lamp' has no area"), std::string::npos);
   scene = small_scene();
   scene.lights[0].radiance = Rgb(-1);
@@ -179,7 +180,7 @@ TEST(Bake, RefusesBadScenes) {
   scene.meshes[0].vertices[1].x = std::nanf("");
   EXPECT_NE(message(scene).find("wall 0"), std::string::npos);
   scene = small_scene();
-  scene.meshes[0].triangles[0][0] = 99;
+  scene.meshes[0].facets[0][0] = 99;
   EXPECT_NE(message(scene).find("vertex 99"), std::string::npos);
   scene = small_scene();
   scene.window = {0.9, 0.6};
@@ -191,7 +192,7 @@ TEST(Bake, RefusesBadScenes) {
 
 TEST(Atlas, HoldsTheTexels) {
   Progress progress;
-  const RadianceGrid grid = bake(small_scene(), quick(), progress);
+  const RadianceGrid<3> grid = bake(small_scene(), quick(), progress);
   const Atlas atlas = make_atlas(grid);
   const Index<3>& n = grid.lattice.resolution;
   EXPECT_EQ(atlas.width, atlas.columns * n[0]);

@@ -122,15 +122,15 @@ TEST(Field, RefusesWhatHasNoIsosurface) {
 
 TEST(TexelLattice, HoldsEveryTexelThatALookupNeeds) {
   const Field<3> field = test::ball<3>(21);
-  const TexelLattice lattice = make_lattice(field, {21, 21, 21}, 0.7, 0.8);
+  const TexelLattice<3> lattice = make_lattice(field, {21, 21, 21}, 0.7, 0.8);
   Random random(3);
   for (int i = 0; i < 20'000; ++i) {
     const Vec3 p(20 * random.uniform(), 20 * random.uniform(), 20 * random.uniform());
     const CellPoint<3> point = locate(field, p);
     const double h = interpolate(load_corners(field, point.cell), point.local);
     if (h < 0.7 || h > 0.8) continue;
-    for (const std::int32_t slot : trilinear_weights(lattice, p).slot) {
-      ASSERT_NE(slot, TexelLattice::inactive);
+    for (const std::int32_t slot : linear_weights(lattice, p).slot) {
+      ASSERT_NE(slot, TexelLattice<3>::inactive);
     }
   }
 }

@@ -49,8 +49,8 @@ std::string message_of(Call call) {
   return "";
 }
 
-RadianceGrid small_bake(const Scene& scene) {
-  BakeSettings settings;
+RadianceGrid<3> small_bake(const Scene<3>& scene) {
+  BakeSettings<3> settings;
   settings.samples = 4;
   settings.photons = 10'000;
   settings.resolution = {15, 20, 17};
@@ -65,9 +65,9 @@ TEST_F(Files, BakeComesBack) {
   Affine<3> skewed = whole.index_to_world;
   skewed.column[1] += Vec3(0.01, 0, 0.02);
   skewed.origin = Vec3(-5, 2, 300);
-  Scene scene =
+  Scene<3> scene =
       test::cornell(test::field_from<3>(values, whole.dims, whole.index_to_world), {0.6, 0.9});
-  const RadianceGrid grid = small_bake(scene);
+  const RadianceGrid<3> grid = small_bake(scene);
   const Field<3> field = test::field_from<3>(values, whole.dims, skewed);
   write_bake(path("a.vdb"), field, grid,
              {{"name", "ball"}, {"settings", "{}"}, {"statistics", "42 s"}});
@@ -99,7 +99,7 @@ TEST_F(Files, BakeComesBack) {
 }
 
 TEST_F(Files, VdbVolumeComesBack) {
-  const Scene scene = test::cornell(test::ball<3>(17), {0.6, 0.9});
+  const Scene<3> scene = test::cornell(test::ball<3>(17), {0.6, 0.9});
   write_bake(path("a.vdb"), scene.field, small_bake(scene), {});
   const DenseVolume volume = read_vdb_volume(path("a.vdb"), "field");
   EXPECT_EQ(volume.dims, scene.field.dims);
@@ -111,7 +111,7 @@ TEST_F(Files, VdbVolumeComesBack) {
 }
 
 TEST_F(Files, DamagedVdbIsRefused) {
-  const Scene scene = test::cornell(test::ball<3>(17), {0.6, 0.9});
+  const Scene<3> scene = test::cornell(test::ball<3>(17), {0.6, 0.9});
   write_bake(path("a.vdb"), scene.field, small_bake(scene), {});
   const std::uintmax_t size = fs::file_size(path("a.vdb"));
   for (const double kept : {0.999, 0.9, 0.5, 0.1, 0.01}) {

@@ -203,6 +203,28 @@ TEST(LeafRay, IntegerDataAtIntegerIsovalue) {
   EXPECT_FALSE(intersect(field, back));
 }
 
+// On a plane through voxels, at an isovalue that they have exactly: starting points in cells, on
+// their edges and at their corners all see the whole half space on either side.
+TEST(LeafRay, StartsOnEdgesAndCornersOfCells) {
+  const Field<3> field = test::sampled<3>(17, [](const Vec3& x) { return x.z; });
+  Random random(31);
+  for (const Vec3& start : {Vec3(4.3, 7.8, 8), Vec3(4, 7.8, 8), Vec3(4, 8, 8), Vec3(5, 3, 8)}) {
+    for (int i = 0; i < 2000; ++i) {
+      LeafRay<3> ray;
+      ray.starts_on_leaf = true;
+      ray.origin = locate(field, start);
+      ray.position = start;
+      ray.isovalue = 0.5;
+      ray.direction = test::random_direction(random);
+      ray.starts_above = ray.direction.z > 0;
+      const auto hit = intersect(field, ray);
+      ASSERT_FALSE(hit) << start << ray.direction << " t " << hit->t << " cell "
+                        << hit->point.cell[0] << " " << hit->point.cell[1] << " "
+                        << hit->point.cell[2];
+    }
+  }
+}
+
 TEST(LeafRay, AxisParallelAndDegenerateDirections) {
   const Field<3> field = ball<3>(21);
   for (const double tiny : {0.0, 5e-324, 1e-310, 1e-30}) {

@@ -35,7 +35,7 @@ TEST(CosineHemisphere, HasItsDensity) {
   std::array<int, 64> bins{};
   constexpr int samples = 64'000;
   for (int i = 0; i < samples; ++i) {
-    const Vec3 d = sample_cosine_hemisphere(n, {random.uniform(), random.uniform()});
+    const Vec3 d = sample_cosine_hemisphere<3>(n, {random.uniform(), random.uniform()});
     ASSERT_NEAR(d.length(), 1, 1e-12);
     const double cosine = d.dot(n), phi = std::atan2(d.dot(b), d.dot(t)) / (2 * pi) + 0.5;
     ASSERT_GE(cosine, 0);

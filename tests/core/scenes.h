@@ -7,14 +7,14 @@
 namespace leaflight::test {
 
 // A rectangle as two triangles.
-inline Mesh wall(const std::string& name, const Vec3& corner, const Vec3& u, const Vec3& v,
-                 const Rgb& albedo) {
-  Mesh mesh;
+inline Mesh<3> wall(const std::string& name, const Vec3& corner, const Vec3& u, const Vec3& v,
+                    const Rgb& albedo) {
+  Mesh<3> mesh;
   mesh.name = name;
   for (const Vec3& p : {corner, corner + u, corner + u + v, corner + v}) {
     mesh.vertices.emplace_back(p);
   }
-  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.facets = {{0, 1, 2}, {0, 2, 3}};
   mesh.albedo = albedo;
   return mesh;
 }
@@ -31,18 +31,18 @@ inline std::vector<Side> cube_sides(double low, double high) {
 
 // A closed box whose walls emit `emission` and reflect `albedo`, around a field of the unit cube:
 // everything in it, if the leaves are white, has the radiance emission / (1 - albedo).
-inline Scene furnace(Field<3> field, const IsovalueWindow& window, Real emission, Real albedo) {
-  Scene scene{std::move(field), Rgb(1), {}, {}, window};
+inline Scene<3> furnace(Field<3> field, const IsovalueWindow& window, Real emission, Real albedo) {
+  Scene<3> scene{std::move(field), Rgb(1), {}, {}, window};
   for (const Side& side : cube_sides(-0.3, 1.3)) {
     scene.meshes.push_back(wall("wall", side.corner, side.u, side.v, Rgb(albedo)));
-    scene.lights.push_back({"glow", side.corner, side.u, side.v, Rgb(emission)});
+    scene.lights.push_back({"glow", side.corner, {side.u, side.v}, Rgb(emission)});
   }
   return scene;
 }
 
 // A box open towards -y with a coloured wall on each side and a lamp below its ceiling.
-inline Scene cornell(Field<3> field, const IsovalueWindow& window) {
-  Scene scene{std::move(field), Rgb(0.75f), {}, {}, window};
+inline Scene<3> cornell(Field<3> field, const IsovalueWindow& window) {
+  Scene<3> scene{std::move(field), Rgb(0.75f), {}, {}, window};
   const std::vector<Side> sides = cube_sides(-0.3, 1.3);
   const std::vector<Rgb> albedos{Rgb(0.63f, 0.06f, 0.05f), Rgb(0),    Rgb(0.7f),
                                  Rgb(0.14f, 0.45f, 0.09f), Rgb(0.7f), Rgb(0.7f)};
@@ -51,7 +51,7 @@ inline Scene cornell(Field<3> field, const IsovalueWindow& window) {
     scene.meshes.push_back(
         wall("wall " + std::to_string(i), sides[i].corner, sides[i].u, sides[i].v, albedos[i]));
   }
-  scene.lights.push_back({"lamp", {0.2, 0.2, 1.28}, {0, 0.6, 0}, {0.6, 0, 0}, Rgb(3.0f)});
+  scene.lights.push_back({"lamp", {0.2, 0.2, 1.28}, {Vec3(0, 0.6, 0), Vec3(0.6, 0, 0)}, Rgb(3.0f)});
   return scene;
 }
 

@@ -38,7 +38,8 @@ class Furnace : public testing::TestWithParam<double> {};
 // Radiance in a closed box is E / (1 - albedo) everywhere (nori's furnace test).
 TEST_P(Furnace, PathTracerIsExact) {
   const double albedo = GetParam();
-  const Scene scene = test::furnace(test::ball<3>(33), {0.55, 0.9}, 1, static_cast<Real>(albedo));
+  const Scene<3> scene =
+      test::furnace(test::ball<3>(33), {0.55, 0.9}, 1, static_cast<Real>(albedo));
   Progress progress;
   const auto reference =
       reference_radiance(scene, leaf_points(scene.field, c, 40), c, 8192, 1, progress);
@@ -54,14 +55,15 @@ TEST_P(Furnace, PathTracerIsExact) {
 
 TEST_P(Furnace, BakesAreExact) {
   const double albedo = GetParam();
-  const Scene scene = test::furnace(test::ball<3>(33), {0.55, 0.9}, 1, static_cast<Real>(albedo));
+  const Scene<3> scene =
+      test::furnace(test::ball<3>(33), {0.55, 0.9}, 1, static_cast<Real>(albedo));
   for (const EstimatorName estimator : {EstimatorName::gather, EstimatorName::volumetric}) {
-    BakeSettings settings;
+    BakeSettings<3> settings;
     settings.samples = 64;
     settings.photons = 1'000'000;
     settings.estimator = estimator;
     Progress progress;
-    const RadianceGrid grid = bake(scene, settings, progress);
+    const RadianceGrid<3> grid = bake(scene, settings, progress);
     double sum = 0;
     const std::vector<Vec3> points = leaf_points(scene.field, c, 7);
     for (const Vec3& p : points) {
@@ -87,16 +89,17 @@ double lambert_irradiance(const Vec3& p, const Vec3& n, const std::vector<Vec3>&
 
 TEST(DirectLight, RectangleOverPlaneHasTheClosedForm) {
   // h = z: the leaves are planes whose outside faces -z, towards a lamp below.
-  Scene scene{
+  Scene<3> scene{
       test::sampled<3>(25, [](const Vec3& x) { return x.z; }), Rgb(0.8f), {}, {}, {0.2, 0.8}};
-  const RectangleLight lamp{"lamp", {0.1, 0.3, -0.4}, {0.5, 0, 0}, {0, 0.3, 0}, Rgb(2, 1, 4)};
+  const RectangleLight<3> lamp{
+      "lamp", {0.1, 0.3, -0.4}, {Vec3(0.5, 0, 0), Vec3(0, 0.3, 0)}, Rgb(2, 1, 4)};
   scene.lights = {lamp};
-  BakeSettings settings;
+  BakeSettings<3> settings;
   settings.samples = 256;
   Progress progress;
-  const RadianceGrid grid = bake(scene, settings, progress);
-  const std::vector<Vec3> polygon{lamp.point(0, 0), lamp.point(1, 0), lamp.point(1, 1),
-                                  lamp.point(0, 1)};
+  const RadianceGrid<3> grid = bake(scene, settings, progress);
+  const std::vector<Vec3> polygon{lamp.point({0, 0}), lamp.point({1, 0}), lamp.point({1, 1}),
+                                  lamp.point({0, 1})};
   Random random(5);
   std::vector<Vec3> points;
   for (int i = 0; i < 200; ++i) {
@@ -119,14 +122,14 @@ struct Agreement {
   double mean_ratio, relative_rms;
 };
 
-Agreement agreement_with_paths(const Scene& scene, double isovalue, EstimatorName estimator,
+Agreement agreement_with_paths(const Scene<3>& scene, double isovalue, EstimatorName estimator,
                                int samples, std::uint64_t photons) {
-  BakeSettings settings;
+  BakeSettings<3> settings;
   settings.samples = samples;
   settings.photons = photons;
   settings.estimator = estimator;
   Progress progress;
-  const RadianceGrid grid = bake(scene, settings, progress);
+  const RadianceGrid<3> grid = bake(scene, settings, progress);
   const std::vector<Vec3> points = leaf_points(scene.field, isovalue, 17);
   const auto reference = reference_radiance(scene, points, isovalue, 1024, 3, progress);
   double baked = 0, truth = 0, square = 0;
@@ -143,7 +146,7 @@ Agreement agreement_with_paths(const Scene& scene, double isovalue, EstimatorNam
 }
 
 TEST(Estimators, AgreeWithThePathTracer) {
-  const Scene scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
+  const Scene<3> scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
   const Agreement gather = agreement_with_paths(scene, c, EstimatorName::gather, 64, 500'000);
   EXPECT_NEAR(gather.mean_ratio, 1, 0.01);
   EXPECT_LT(gather.relative_rms, 0.06);
@@ -153,7 +156,7 @@ TEST(Estimators, AgreeWithThePathTracer) {
 }
 
 TEST(Estimators, PhotonDensityAgreesWithThePathTracer) {
-  const Scene scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
+  const Scene<3> scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
   const Agreement photons =
       agreement_with_paths(scene, c, EstimatorName::volumetric, 64, 4'000'000);
   EXPECT_NEAR(photons.mean_ratio, 1, 0.01);
@@ -162,7 +165,7 @@ TEST(Estimators, PhotonDensityAgreesWithThePathTracer) {
 
 // A sheet that meets the domain's border: light reaches its back, and returns through the box.
 TEST(Estimators, AgreeOnAnOpenLeaf) {
-  Scene scene = test::cornell(
+  Scene<3> scene = test::cornell(
       test::sampled<3>(
           33, [](const Vec3& x) { return 1 - x.z + 0.1 * std::sin(9 * x.x) * std::cos(7 * x.y); }),
       {0.2, 0.8});

@@ -58,9 +58,11 @@ class Moments {
   double weight_ = 0, weight2_ = 0, mean2_ = 0, square2_ = 0;
 };
 
+template <int D>
 class Baker {
  public:
-  Baker(const Scene& scene, const BakeSettings& settings, const Plan& plan, Progress& progress)
+  Baker(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
+        Progress& progress)
       : settings_(settings),
         plan_(plan),
         progress_(progress),
@@ -69,7 +71,7 @@ class Baker {
         lattice_(make_lattice(scene.field, resolution(scene.field, settings), scene.window.min,
                               scene.window.max)) {}
 
-  RadianceGrid run() {
+  RadianceGrid<D> run() {
     if (lattice_.active.empty()) {
       throw Error(
           "No isosurface of the isovalue window passes through the volume; widen the window.");
@@ -98,8 +100,8 @@ class Baker {
   }
 
  private:
-  static Index<3> resolution(const Field<3>& field, const BakeSettings& settings) {
-    return settings.resolution == Index<3>{0, 0, 0} ? field.dims : settings.resolution;
+  static Index<D> resolution(const Field<D>& field, const BakeSettings<D>& settings) {
+    return settings.resolution == Index<D>{} ? field.dims : settings.resolution;
   }
 
   double indirect_work() const {
@@ -116,7 +118,7 @@ class Baker {
                    [&](std::size_t begin, std::size_t end) {
                      rays_ += trace_photons(tracer_, lights_, settings_.seed, begin, end,
                                             settings_.photons,
-                                            [&](const PhotonHit& photon) { store(photon); });
+                                            [&](const PhotonHit<D>& photon) { store(photon); });
                    });
     leaves_->finish(progress_);
     if (!plan_.surroundings_cache) return;
@@ -131,7 +133,7 @@ class Baker {
         });
   }
 
-  void store(const PhotonHit& photon) {
+  void store(const PhotonHit<D>& photon) {
     if (photon.point.kind == HitKind::leaf) {
       leaves_->deposit(photon);
     } else if (plan_.surroundings_cache) {
@@ -143,7 +145,7 @@ class Baker {
   double largest_photon_flux() const {
     double largest_flux = 0;
     for (int i = 0; i < 1024; ++i) {
-      const EmittedPhoton photon = lights_.emit((i + 0.5) / 1024, {0.5, 0.5}, {0.5, 0.5});
+      const EmittedPhoton<D> photon = lights_.emit((i + 0.5) / 1024, {0.5, 0.5}, {0.5, 0.5});
       largest_flux = std::max<double>(largest_flux, largest(photon.flux));
     }
     return largest_flux * tracer_.scene().window.height() / static_cast<double>(settings_.photons);
@@ -173,7 +175,7 @@ class Baker {
                        Moments moments;
                        const int n = for_each_texel_sample(
                            tracer_, lattice_, lattice_.active[s], settings_.samples, k.position,
-                           [&](const SurfacePoint& point, int i) {
+                           [&](const SurfacePoint<D>& point, int i) {
                              moments.add(radiance(point, k, i, rays), point.gradient_length);
                            });
                        averages[s] = moments.average_of(n);
@@ -186,23 +188,24 @@ class Baker {
   std::vector<Average> direct_pass() {
     progress_.begin("Direct light");
     return over_texels(
-        1, [&](const SurfacePoint& point, const TexelKeys& k, int i, std::uint64_t& rays) {
+        1, [&](const SurfacePoint<D>& point, const TexelKeys& k, int i, std::uint64_t& rays) {
           const double choice = sobol_point(i, ~k.light)[0];
           return lights_.direct_radiance(point, choice, sobol_point(i, k.light), rays);
         });
   }
 
-  std::vector<Average> indirect_pass(const IndirectEstimator& estimator) {
+  std::vector<Average> indirect_pass(const IndirectEstimator<D>& estimator) {
     progress_.begin("Indirect light");
-    return over_texels(indirect_work(), [&](const SurfacePoint& point, const TexelKeys& k, int i,
+    return over_texels(indirect_work(), [&](const SurfacePoint<D>& point, const TexelKeys& k, int i,
                                             std::uint64_t& rays) {
       Random random(k.paths, 0, i);
       return estimator.indirect_radiance(point, sobol_point(i, k.gather), random, rays);
     });
   }
 
-  RadianceGrid assemble(const std::vector<Average>& direct, const std::vector<Average>& indirect) {
-    RadianceGrid grid;
+  RadianceGrid<D> assemble(const std::vector<Average>& direct,
+                           const std::vector<Average>& indirect) {
+    RadianceGrid<D> grid;
     const std::size_t n = direct.size();
     grid.radiance.resize(n);
     grid.radiance_indirect.resize(n);
@@ -218,34 +221,42 @@ class Baker {
     return grid;
   }
 
-  const BakeSettings& settings_;
+  const BakeSettings<D>& settings_;
   const Plan& plan_;
   Progress& progress_;
-  SceneTracer tracer_;
-  LightSampler lights_;
-  TexelLattice lattice_;
-  std::optional<LeafCache> leaves_;
-  std::optional<SurfaceCache> surroundings_;
+  SceneTracer<D> tracer_;
+  LightSampler<D> lights_;
+  TexelLattice<D> lattice_;
+  std::optional<LeafCache<D>> leaves_;
+  std::optional<SurfaceCache<D>> surroundings_;
   std::atomic<std::uint64_t> rays_{0};
 };
 
 }  // namespace
 
-RadianceGrid bake(const Scene& scene, const BakeSettings& settings, Progress& progress) {
+template <int D>
+RadianceGrid<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, Progress& progress) {
   return bake(scene, settings, make_plan(scene, settings.estimator), progress);
 }
 
-RadianceGrid bake(const Scene& scene, const BakeSettings& settings, const Plan& plan,
-                  Progress& progress) {
+template <int D>
+RadianceGrid<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
+                     Progress& progress) {
   validate(scene);
   validate(settings);
   const auto start = std::chrono::steady_clock::now();
   tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
-  RadianceGrid grid = arena.execute([&] { return Baker(scene, settings, plan, progress).run(); });
+  RadianceGrid<D> grid =
+      arena.execute([&] { return Baker<D>(scene, settings, plan, progress).run(); });
   grid.statistics.seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   grid.statistics.peak_memory_bytes = peak_memory();
   return grid;
 }
+
+template RadianceGrid<2> bake<2>(const Scene<2>&, const BakeSettings<2>&, Progress&);
+template RadianceGrid<2> bake<2>(const Scene<2>&, const BakeSettings<2>&, const Plan&, Progress&);
+template RadianceGrid<3> bake<3>(const Scene<3>&, const BakeSettings<3>&, Progress&);
+template RadianceGrid<3> bake<3>(const Scene<3>&, const BakeSettings<3>&, const Plan&, Progress&);
 
 }  // namespace leaflight

@@ -6,45 +6,49 @@
 namespace leaflight {
 namespace {
 
-bool anything_reflects(const Scene& scene) {
+template <int D>
+bool anything_reflects(const Scene<D>& scene) {
   return largest(scene.leaf_albedo) > 0 ||
          std::any_of(scene.meshes.begin(), scene.meshes.end(),
-                     [](const Mesh& mesh) { return largest(mesh.albedo) > 0; });
+                     [](const Mesh<D>& mesh) { return largest(mesh.albedo) > 0; });
 }
 
 // Whether a leaf of the window meets the border of the domain or a masked cell, where light can
 // reach its inside.
-bool leaves_are_open(const Scene& scene) {
-  const Field<3>& field = scene.field;
+template <int D>
+bool leaves_are_open(const Scene<D>& scene) {
+  const Field<D>& field = scene.field;
   if (field.masked) return true;
-  for (int axis = 0; axis < 3; ++axis) {
-    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+  for (int axis = 0; axis < D; ++axis) {
     for (const int end : {0, field.dims[axis] - 1}) {
-      Index<3> i;
-      i[axis] = end;
-      for (i[u] = 0; i[u] < field.dims[u]; ++i[u]) {
-        for (i[v] = 0; i[v] < field.dims[v]; ++i[v]) {
-          if (field.values[field.offset(i)] >= scene.window.min) return true;
-        }
-      }
+      Index<D> low{}, high = field.dims;
+      low[axis] = end;
+      high[axis] = end + 1;
+      bool reaches = false;
+      for_each_index<D>(low, high, [&](const Index<D>& voxel) {
+        reaches |= field.values[field.offset(voxel)] >= scene.window.min;
+      });
+      if (reaches) return true;
     }
   }
   return false;
 }
 
 // A light in the domain may stand inside a leaf.
-bool light_in_domain(const Scene& scene) {
-  Vec3 low, high;
-  for (const RectangleLight& light : scene.lights) {
+template <int D>
+bool light_in_domain(const Scene<D>& scene) {
+  Vec<D> low, high;
+  for (const RectangleLight<D>& light : scene.lights) {
     for (int corner = 0; corner < 4; ++corner) {
-      const Vec3 p = scene.field.world_to_index.point(light.point(corner & 1, corner >> 1));
-      for (int a = 0; a < 3; ++a) {
+      const Vec<D> p = scene.field.world_to_index.point(
+          light.point({static_cast<double>(corner & 1), static_cast<double>(corner >> 1)}));
+      for (int a = 0; a < D; ++a) {
         low[a] = corner == 0 ? p[a] : std::min(low[a], p[a]);
         high[a] = corner == 0 ? p[a] : std::max(high[a], p[a]);
       }
     }
     bool overlaps = true;
-    for (int a = 0; a < 3; ++a) {
+    for (int a = 0; a < D; ++a) {
       overlaps = overlaps && high[a] >= 0 && low[a] <= scene.field.dims[a] - 1;
     }
     if (overlaps) return true;
@@ -54,7 +58,8 @@ bool light_in_domain(const Scene& scene) {
 
 }  // namespace
 
-Plan make_plan(const Scene& scene, EstimatorName estimator) {
+template <int D>
+Plan make_plan(const Scene<D>& scene, EstimatorName estimator) {
   Plan plan;
   const auto skip = [&](bool Plan::*pass, const std::string& name, const std::string& reason) {
     plan.*pass = false;
@@ -83,5 +88,8 @@ Plan make_plan(const Scene& scene, EstimatorName estimator) {
   }
   return plan;
 }
+
+template Plan make_plan<2>(const Scene<2>&, EstimatorName);
+template Plan make_plan<3>(const Scene<3>&, EstimatorName);
 
 }  // namespace leaflight

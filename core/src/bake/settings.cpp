@@ -12,19 +12,23 @@ EstimatorName estimator_from(const std::string& name) {
   throw Error("There is no estimator named '" + name + "'; choose gather, volumetric or path.");
 }
 
-void validate(const BakeSettings& settings) {
-  if (settings.samples < 1 || settings.samples > (1 << 20)) {
+template <int D>
+void validate(const BakeSettings<D>& settings) {
+  if (!(settings.samples >= 1 && settings.samples <= (1 << 20))) {
     throw Error("The number of samples per texel is " + std::to_string(settings.samples) +
                 "; choose between 1 and 1048576.");
   }
-  if (settings.photons < 1 || settings.photons > (std::uint64_t{1} << 32)) {
+  if (!(settings.photons >= 1 && settings.photons <= (std::uint64_t{1} << 32))) {
     throw Error("The number of photons is " + std::to_string(settings.photons) +
                 "; choose between 1 and 4294967296.");
   }
-  if (settings.threads < 0 || settings.threads > 4096) {
+  if (!(settings.threads >= 0 && settings.threads <= 4096)) {
     throw Error("The number of threads is " + std::to_string(settings.threads) +
                 "; choose 0 for all, or up to 4096.");
   }
 }
+
+template void validate<2>(const BakeSettings<2>&);
+template void validate<3>(const BakeSettings<3>&);
 
 }  // namespace leaflight

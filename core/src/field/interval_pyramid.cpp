@@ -18,44 +18,12 @@ Interval merge(const Interval& a, const Interval& b) {
 }
 
 template <int D>
-std::size_t count(const Index<D>& dims) {
-  std::size_t n = 1;
-  for (int a = 0; a < D; ++a) n *= dims[a];
-  return n;
-}
-
-template <int D>
-Index<D> unflatten(std::size_t offset, const Index<D>& dims) {
-  Index<D> index;
-  for (int a = 0; a < D; ++a) {
-    index[a] = static_cast<int>(offset % dims[a]);
-    offset /= dims[a];
-  }
-  return index;
-}
-
-// Calls visit(index) for each index in [low, high).
-template <int D, class Visit>
-void for_each_in(const Index<D>& low, const Index<D>& high, Visit visit) {
-  for (int a = 0; a < D; ++a) {
-    if (low[a] >= high[a]) return;
-  }
-  Index<D> i = low;
-  for (;;) {
-    visit(i);
-    int a = 0;
-    while (a < D && ++i[a] == high[a]) i[a] = low[a], ++a;
-    if (a == D) return;
-  }
-}
-
-template <int D>
 Interval cell_interval(const float* values, const Index<D>& dims, const Index<D>& cell) {
   Interval interval = empty;
   for (int corner = 0; corner < (1 << D); ++corner) {
-    std::size_t offset = 0;
-    for (int a = D - 1; a >= 0; --a) offset = offset * dims[a] + cell[a] + ((corner >> a) & 1);
-    const float h = values[offset];
+    Index<D> voxel;
+    for (int a = 0; a < D; ++a) voxel[a] = cell[a] + ((corner >> a) & 1);
+    const float h = values[linear_number<D>(voxel, dims)];
     if (std::isnan(h)) return empty;
     interval = merge(interval, {h, h});
   }
@@ -75,16 +43,14 @@ Interval brick_interval(const float* values, const Index<D>& dims, const Index<D
   for (int a = 0; a < D; ++a) ++high_voxel[a];
   Interval interval = empty;
   bool masked = false;
-  for_each_in<D>(low, high_voxel, [&](const Index<D>& i) {
-    std::size_t offset = 0;
-    for (int a = D - 1; a >= 0; --a) offset = offset * dims[a] + i[a];
-    const float h = values[offset];
+  for_each_index<D>(low, high_voxel, [&](const Index<D>& i) {
+    const float h = values[linear_number<D>(i, dims)];
     masked |= std::isnan(h);
     interval = merge(interval, {h, h});
   });
   if (!masked) return interval;
   interval = empty;
-  for_each_in<D>(low, high, [&](const Index<D>& cell) {
+  for_each_index<D>(low, high, [&](const Index<D>& cell) {
     interval = merge(interval, cell_interval<D>(values, dims, cell));
   });
   return interval;
@@ -100,12 +66,12 @@ IntervalPyramid<D> build_pyramid(const float* values, const Index<D>& dims) {
   do {
     typename IntervalPyramid<D>::Level level;
     for (int a = 0; a < D; ++a) level.dims[a] = (level_dims[a] + size - 1) / size;
-    level.bricks.resize(count<D>(level.dims));
+    level.bricks.resize(cell_count<D>(level.dims));
     const auto* finer = pyramid.levels.empty() ? nullptr : &pyramid.levels.back();
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, level.bricks.size(), 256), [&](auto range) {
           for (std::size_t b = range.begin(); b != range.end(); ++b) {
-            const Index<D> brick = unflatten<D>(b, level.dims);
+            const Index<D> brick = index_of<D>(b, level.dims);
             if (!finer) {
               level.bricks[b] = brick_interval<D>(values, dims, brick);
               continue;
@@ -116,14 +82,14 @@ IntervalPyramid<D> build_pyramid(const float* values, const Index<D>& dims) {
               high[a] = std::min(low[a] + size, finer->dims[a]);
             }
             Interval interval = empty;
-            for_each_in<D>(low, high,
-                           [&](const Index<D>& i) { interval = merge(interval, finer->at(i)); });
+            for_each_index<D>(low, high,
+                              [&](const Index<D>& i) { interval = merge(interval, finer->at(i)); });
             level.bricks[b] = interval;
           }
         });
     level_dims = level.dims;
     pyramid.levels.push_back(std::move(level));
-  } while (count<D>(level_dims) > 1);
+  } while (cell_count<D>(level_dims) > 1);
   return pyramid;
 }
 

@@ -82,7 +82,7 @@ openvdb::FloatGrid::Ptr field_grid(const Field<3>& field) {
 
 template <class Grid, class Value>
 typename Grid::Ptr texel_grid(const char* name, const Affine<3>& texel_to_world,
-                              const TexelLattice& lattice, Value value) {
+                              const TexelLattice<3>& lattice, Value value) {
   auto grid = Grid::create();
   auto accessor = grid->getAccessor();
   for (std::size_t s = 0; s < lattice.active.size(); ++s) {
@@ -105,8 +105,8 @@ struct Contents {
   openvdb::MetaMap::Ptr metadata;
 };
 
-// Reads a whole file and turns what OpenVDB throws into one sentence. It does not notice by itself
-// that a file ends early, hence our own stream, whose state tells.
+// Reads a whole file and turns what OpenVDB throws into one sentence. OpenVDB does not notice that
+// a file ends early and goes on with sizes it never read, hence a stream of ours that throws.
 Contents read_file(const std::string& path) {
   require_file(path);
   initialize();
@@ -116,11 +116,11 @@ Contents read_file(const std::string& path) {
   };
   try {
     std::ifstream stream(path, std::ios::binary);
+    stream.exceptions(std::ios::failbit | std::ios::badbit);
     openvdb::io::Stream file(stream, false);
-    if (!stream) throw damaged("it ends early");
     return {*file.getGrids(), file.getMetadata()};
-  } catch (const Error&) {
-    throw;
+  } catch (const std::ios::failure&) {
+    throw damaged("it ends early");
   } catch (const std::exception& problem) {
     throw damaged(brief(problem.what()));
   }
@@ -188,10 +188,10 @@ bool read_scalar(const openvdb::GridBase::Ptr& grid, const std::string& path, De
 
 }  // namespace
 
-void write_bake(const std::string& path, const Field<3>& field, const RadianceGrid& grid,
+void write_bake(const std::string& path, const Field<3>& field, const RadianceGrid<3>& grid,
                 const Metadata& metadata) {
   initialize();
-  const TexelLattice& lattice = grid.lattice;
+  const TexelLattice<3>& lattice = grid.lattice;
   Affine<3> texel_to_world = field.index_to_world;
   for (int a = 0; a < 3; ++a) texel_to_world.column[a] *= lattice.voxels_per_texel[a];
 
@@ -239,7 +239,7 @@ StoredBake read_bake(const std::string& path) {
   openvdb::tools::copyToDense(*values, dense);
   for (float& h : bake.field.values) h = h == values->background() ? nan : h;
 
-  TexelLattice& lattice = bake.grid.lattice;
+  TexelLattice<3>& lattice = bake.grid.lattice;
   lattice.resolution = dims_from(*radiance, path);
   std::size_t texels = 1;
   for (int a = 0; a < 3; ++a) {
@@ -247,7 +247,7 @@ StoredBake read_bake(const std::string& path) {
     lattice.voxels_per_texel[a] =
         static_cast<double>(bake.field.dims[a] - 1) / (lattice.resolution[a] - 1);
   }
-  lattice.slot.assign(texels, TexelLattice::inactive);
+  lattice.slot.assign(texels, TexelLattice<3>::inactive);
   const openvdb::CoordBBox box = box_of(lattice.resolution);
   for (auto texel = radiance->cbeginValueOn(); texel; ++texel) {
     if (!texel.isVoxelValue() || !box.isInside(texel.getCoord())) {

@@ -9,8 +9,12 @@
 namespace leaflight {
 namespace {
 
-bool is_finite(const Vec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+template <class V>
+bool is_finite(const V& v) {
+  for (unsigned a = 0; a < V::dimensions(); ++a) {
+    if (!std::isfinite(v[a])) return false;
+  }
+  return true;
 }
 
 void check_albedo(const Rgb& albedo, const std::string& of) {
@@ -24,19 +28,20 @@ void check_albedo(const Rgb& albedo, const std::string& of) {
   }
 }
 
-void check_mesh(const Mesh& mesh) {
+template <int D>
+void check_mesh(const Mesh<D>& mesh) {
   const std::string name = "the mesh '" + mesh.name + "'";
   check_albedo(mesh.albedo, name);
-  if (mesh.triangles.empty()) {
+  if (mesh.facets.empty()) {
     throw Error("There are no faces in " + name + "; remove it or give it faces.");
   }
   for (const auto& vertex : mesh.vertices) {
-    if (!is_finite(Vec3(vertex))) {
+    if (!is_finite(vertex)) {
       throw Error("A vertex of " + name + " is not a finite number; repair the mesh.");
     }
   }
-  for (const auto& triangle : mesh.triangles) {
-    for (const std::uint32_t v : triangle) {
+  for (const auto& facet : mesh.facets) {
+    for (const std::uint32_t v : facet) {
       if (v >= mesh.vertices.size()) {
         throw Error("A face of " + name + " refers to vertex " + std::to_string(v) + " of " +
                     std::to_string(mesh.vertices.size()) + "; repair the mesh.");
@@ -45,9 +50,12 @@ void check_mesh(const Mesh& mesh) {
   }
 }
 
-void check_light(const RectangleLight& light) {
+template <int D>
+void check_light(const RectangleLight<D>& light) {
   const std::string name = "The light '" + light.name + "'";
-  if (!is_finite(light.corner) || !is_finite(light.edge_u) || !is_finite(light.edge_v)) {
+  bool finite = is_finite(light.corner);
+  for (const Vec<D>& edge : light.edges) finite = finite && is_finite(edge);
+  if (!finite) {
     throw Error(name + " has a position or size that is not a finite number; correct it.");
   }
   if (!(light.area() > 0)) {
@@ -62,8 +70,9 @@ void check_light(const RectangleLight& light) {
 
 }  // namespace
 
-void validate(const Scene& scene) {
-  const Field<3>& field = scene.field;
+template <int D>
+void validate(const Scene<D>& scene) {
+  const Field<D>& field = scene.field;
   const IsovalueWindow& window = scene.window;
   std::ostringstream text;
   text << "The isovalue window " << window.min << " to " << window.max;
@@ -76,15 +85,18 @@ void validate(const Scene& scene) {
     throw Error(text.str());
   }
   check_albedo(scene.leaf_albedo, "the isosurfaces");
-  for (const Mesh& mesh : scene.meshes) check_mesh(mesh);
-  for (const RectangleLight& light : scene.lights) check_light(light);
+  for (const Mesh<D>& mesh : scene.meshes) check_mesh(mesh);
+  for (const RectangleLight<D>& light : scene.lights) check_light(light);
   Real power = 0;
-  for (const RectangleLight& light : scene.lights) {
+  for (const RectangleLight<D>& light : scene.lights) {
     power += average(light.radiance) * static_cast<Real>(light.area());
   }
   if (!(power > 0)) {
     throw Error("The scene has no light, so every isosurface would be black; add an area light.");
   }
 }
+
+template void validate<2>(const Scene<2>&);
+template void validate<3>(const Scene<3>&);
 
 }  // namespace leaflight

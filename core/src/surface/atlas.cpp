@@ -9,10 +9,10 @@ namespace leaflight {
 namespace {
 
 // The radiance of a texel, or the mean over its active neighbours, or black.
-Vec<3, float> filled(const RadianceGrid& grid, const Index<3>& texel) {
-  const TexelLattice& lattice = grid.lattice;
+Vec<3, float> filled(const RadianceGrid<3>& grid, const Index<3>& texel) {
+  const TexelLattice<3>& lattice = grid.lattice;
   const std::int32_t own = lattice.slot[lattice.linear(texel)];
-  if (own != TexelLattice::inactive) return grid.radiance[own];
+  if (own != TexelLattice<3>::inactive) return grid.radiance[own];
   Vec<3, float> sum(0);
   int count = 0;
   Index<3> low, high, i;
@@ -24,7 +24,7 @@ Vec<3, float> filled(const RadianceGrid& grid, const Index<3>& texel) {
     for (i[1] = low[1]; i[1] <= high[1]; ++i[1]) {
       for (i[0] = low[0]; i[0] <= high[0]; ++i[0]) {
         const std::int32_t slot = lattice.slot[lattice.linear(i)];
-        if (slot == TexelLattice::inactive) continue;
+        if (slot == TexelLattice<3>::inactive) continue;
         sum += grid.radiance[slot];
         ++count;
       }
@@ -35,7 +35,7 @@ Vec<3, float> filled(const RadianceGrid& grid, const Index<3>& texel) {
 
 }  // namespace
 
-Atlas make_atlas(const RadianceGrid& grid) {
+Atlas make_atlas(const RadianceGrid<3>& grid) {
   const Index<3>& n = grid.lattice.resolution;
   Atlas atlas;
   // As square as possible, since the longer side limits what a graphics card takes.

@@ -5,15 +5,16 @@
 
 namespace leaflight {
 
-Vec3 project_to_leaf(const Field<3>& field, const Vec3& world, double isovalue) {
-  const Vec3 start = field.world_to_index.point(world);
+template <int D>
+Vec<D> project_to_leaf(const Field<D>& field, const Vec<D>& world, double isovalue) {
+  const Vec<D> start = field.world_to_index.point(world);
   if (!inside(field, start)) return world;
-  const auto value = [&](const Vec3& p) {
-    const CellPoint<3> point = locate(field, p);
+  const auto value = [&](const Vec<D>& p) {
+    const CellPoint<D> point = locate(field, p);
     return interpolate(load_corners(field, point.cell), point.local) - isovalue;
   };
-  const CellPoint<3> point = locate(field, start);
-  Vec3 along = geometric_gradient(load_corners(field, point.cell), point.local);
+  const CellPoint<D> point = locate(field, start);
+  Vec<D> along = geometric_gradient(load_corners(field, point.cell), point.local);
   const double here = value(start);
   if (!(along.length() > 0) || here == 0 || std::isnan(here)) return world;
   along *= (here < 0 ? 1 : -1) / along.length();
@@ -31,5 +32,8 @@ Vec3 project_to_leaf(const Field<3>& field, const Vec3& world, double isovalue) 
   }
   return world;
 }
+
+template Vec<2> project_to_leaf<2>(const Field<2>&, const Vec<2>&, double);
+template Vec<3> project_to_leaf<3>(const Field<3>&, const Vec<3>&, double);
 
 }  // namespace leaflight

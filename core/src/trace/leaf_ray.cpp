@@ -61,14 +61,15 @@ class Traversal {
           continue;
         }
         while (level < top && !interval_at(level + 1).crossed_by(ray_.isovalue)) ++level;
-        if (auto hit = pass(above)) return hit;
+        if (auto hit = pass(above, level)) return hit;
         if (field_.masked) state_ = State::unknown;
-        if (!advance(level)) return std::nullopt;
+        if (!advance(level, exit(level))) return std::nullopt;
         continue;
       }
-      if (auto hit = cross_cell()) return hit;
+      const Exit leave = cell_exit();
+      if (auto hit = cross_cell(leave.t)) return hit;
       const Index<D> before = cell_;
-      if (!advance(0)) return std::nullopt;
+      if (!advance(0, leave)) return std::nullopt;
       for (int a = 0; a < D; ++a) {
         if ((before[a] ^ cell_[a]) >> IntervalPyramid<D>::log2_brick) level = 1;
       }
@@ -117,31 +118,52 @@ class Traversal {
     return field_.pyramid.levels[level - 1].at(brick);
   }
 
-  // Moves to the cell behind the brick of the given level; false at the end of domain or ray.
-  bool advance(int level) {
+  // The brick of the given level around the present cell, along one axis: [low, high).
+  int low(int axis, int level) const {
     const int shift = IntervalPyramid<D>::log2_brick * level;
-    Index<D> low, high;
-    double t_exit = infinity;
-    int axis = 0;
+    return (cell_[axis] >> shift) << shift;
+  }
+  int high(int axis, int level) const {
+    if (level == 0) return cell_[axis] + 1;
+    const int size = 1 << (IntervalPyramid<D>::log2_brick * level);
+    return std::min(low(axis, level) + size, field_.dims[axis] - 1);
+  }
+
+  struct Exit {
+    double t;
+    int axis;
+  };
+  Exit exit(int level) const {
+    Exit first{infinity, 0};
     for (int a = 0; a < D; ++a) {
-      low[a] = (cell_[a] >> shift) << shift;
-      high[a] = std::min(low[a] + (1 << shift), field_.dims[a] - 1);
-      const double t = planes_.meet(a, planes_.forward[a] ? high[a] : low[a]);
-      if (t < t_exit) t_exit = t, axis = a;
+      const double t = planes_.meet(a, planes_.forward[a] ? high(a, level) : low(a, level));
+      if (t < first.t) first = {t, a};
     }
-    t_ = std::max(t_, t_exit);
+    return first;
+  }
+
+  Exit cell_exit() const {
+    Exit first{infinity, 0};
+    for (int a = 0; a < D; ++a) {
+      const double t = planes_.meet(a, cell_[a] + planes_.forward[a]);
+      if (t < first.t) first = {t, a};
+    }
+    return first;
+  }
+
+  // Moves to the cell behind the brick of the given level; false at the end of domain or ray.
+  bool advance(int level, const Exit& leave) {
+    t_ = std::max(t_, leave.t);
     if (!(t_ < ray_.t_max)) return false;
-    for (int a = 0; a < D; ++a) {
-      if (a == axis) {
-        cell_[a] = planes_.forward[a] ? high[a] : low[a] - 1;
-        if (cell_[a] < 0 || cell_[a] > field_.dims[a] - 2) return false;
-      } else if (level > 0) {
-        const double x = ray_.position[a] + t_ * ray_.direction[a];
-        cell_[a] = std::clamp(static_cast<int>(std::floor(x)), low[a], high[a] - 1);
-      }
+    const int axis = leave.axis;
+    const int behind = planes_.forward[axis] ? high(axis, level) : low(axis, level) - 1;
+    for (int a = 0; a < D && level > 0; ++a) {
+      const double x = ray_.position[a] + t_ * ray_.direction[a];
+      cell_[a] = std::clamp(static_cast<int>(std::floor(x)), low(a, level), high(a, level) - 1);
     }
+    cell_[axis] = behind;
     at_start_ = false;
-    return true;
+    return cell_[axis] >= 0 && cell_[axis] <= field_.dims[axis] - 2;
   }
 
   Vec<D> local(double t) const {
@@ -153,18 +175,21 @@ class Traversal {
   }
 
   // A region without a crossing. If the side judged on the face disagrees with it by rounding, the
-  // crossing is on that face. A ray that starts on its leaf has a side of its own there.
-  std::optional<LeafHit<D>> pass(bool above) {
+  // crossing is on that face; unless the ray only touches the region, at an edge or corner, which
+  // judges nothing. In the cell where it starts, a ray that starts on its leaf has a side of its
+  // own.
+  std::optional<LeafHit<D>> pass(bool above, int level) {
     const State region = state_of(above);
     if (at_start_) return std::nullopt;
     if (state_ != State::unknown && state_ != region) {
+      if (exit(level).t <= t_) return std::nullopt;
       return LeafHit<D>{t_, {cell_, local(t_)}, !above};
     }
     state_ = region;
     return std::nullopt;
   }
 
-  std::optional<LeafHit<D>> cross_cell() {
+  std::optional<LeafHit<D>> cross_cell(double t_exit) {
     const CellCorners<D> corners = load_corners(field_, cell_);
     int above_count = 0;
     for (const double h : corners.h) above_count += h >= ray_.isovalue;
@@ -176,17 +201,14 @@ class Traversal {
         }
       }
     }
-    if (above_count == 0 || above_count == (1 << D)) return pass(above_count != 0);
-    double t_out = ray_.t_max;
-    for (int a = 0; a < D; ++a) {
-      t_out = std::min(t_out, planes_.meet(a, cell_[a] + planes_.forward[a]));
-    }
-    t_out = std::max(t_out, t_);
+    if (above_count == 0 || above_count == (1 << D)) return pass(above_count != 0, 0);
+    const double t_out = std::min(ray_.t_max, t_exit);
+    if (!(t_out > t_)) return std::nullopt;
     const Vec<D> from = at_start_ ? ray_.origin.local : local(t_);
     const Vec<D> to = local(t_out);
     SegmentPolynomial p = along_segment<D>(corners, ray_.isovalue, from, to);
     // A ray that starts on its leaf starts at a root: taking it out leaves no self-intersection.
-    if (at_start_) p[0] = 0;
+    if (ray_.starts_on_leaf && t_ == 0) p[0] = 0;
     if (state_ == State::unknown) state_ = state_of(p[0] >= 0);
     const bool above = state_ == State::above;
     if (const auto s = first_crossing(p, above)) {

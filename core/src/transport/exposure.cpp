@@ -11,21 +11,22 @@
 namespace leaflight {
 namespace {
 
-bool is_exposed(const Field<3>& field, const Vec3& world, double isovalue, int directions,
+template <int D>
+bool is_exposed(const Field<D>& field, const Vec<D>& world, double isovalue, int directions,
                 std::uint64_t key) {
-  const Vec3 index = field.world_to_index.point(world);
+  const Vec<D> index = field.world_to_index.point(world);
   if (!inside(field, index)) return false;
-  LeafRay<3> ray;
+  LeafRay<D> ray;
   ray.origin = locate(field, index);
   ray.position = ray.origin.index_position();
   ray.isovalue = isovalue;
   ray.starts_on_leaf = true;
-  const Vec3 gradient = field.world_to_index.pull_back_gradient(
+  const Vec<D> gradient = field.world_to_index.pull_back_gradient(
       geometric_gradient(load_corners(field, ray.origin.cell), ray.origin.local));
   if (!(gradient.length() > 0)) return false;
-  const Vec3 normal = -gradient.normalized();
+  const Vec<D> normal = -gradient.normalized();
   for (int i = 0; i < directions; ++i) {
-    const Vec3 direction = sample_cosine_hemisphere(normal, sobol_point(i, key));
+    const Vec<D> direction = sample_cosine_hemisphere<D>(normal, sobol_point(i, key));
     ray.direction = field.world_to_index.vector(direction);
     if (!intersect(field, ray)) return true;
   }
@@ -34,7 +35,8 @@ bool is_exposed(const Field<3>& field, const Vec3& world, double isovalue, int d
 
 }  // namespace
 
-std::vector<std::uint8_t> exposed(const Field<3>& field, const std::vector<Vec3>& points,
+template <int D>
+std::vector<std::uint8_t> exposed(const Field<D>& field, const std::vector<Vec<D>>& points,
                                   double isovalue, int directions, std::uint64_t seed) {
   std::vector<std::uint8_t> result(points.size());
   tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
@@ -43,5 +45,10 @@ std::vector<std::uint8_t> exposed(const Field<3>& field, const std::vector<Vec3>
   });
   return result;
 }
+
+template std::vector<std::uint8_t> exposed<2>(const Field<2>&, const std::vector<Vec<2>>&, double,
+                                              int, std::uint64_t);
+template std::vector<std::uint8_t> exposed<3>(const Field<3>&, const std::vector<Vec<3>>&, double,
+                                              int, std::uint64_t);
 
 }  // namespace leaflight

@@ -15,39 +15,36 @@ constexpr int largest_radius = 4;
 constexpr int measure_points = 2;
 
 // Integral of |grad h| over the part of a texel's box that leaves of the window pass, in the frame.
-float coarea_measure(const SceneTracer& tracer, const TexelLattice& lattice, std::uint32_t texel,
-                     const Affine<3>& frame_to_index, double texel_volume) {
-  const Field<3>& field = tracer.scene().field;
-  const Index<3> index = lattice.texel(texel);
+template <int D>
+float coarea_measure(const SceneTracer<D>& tracer, const TexelLattice<D>& lattice,
+                     std::uint32_t texel, const Affine<D>& frame_to_index, double texel_volume) {
+  const Field<D>& field = tracer.scene().field;
+  const Index<D> index = lattice.texel(texel);
+  Index<D> none{}, all;
+  all.fill(measure_points);
   double sum = 0;
-  for (int k = 0; k < measure_points; ++k) {
-    for (int j = 0; j < measure_points; ++j) {
-      for (int i = 0; i < measure_points; ++i) {
-        const std::array<int, 3> ijk{i, j, k};
-        Vec3 position;
-        for (int a = 0; a < 3; ++a) {
-          position[a] =
-              (index[a] + (ijk[a] + 0.5) / measure_points - 0.5) * lattice.voxels_per_texel[a];
-        }
-        if (!inside(field, position)) continue;
-        const CellPoint<3> point = locate(field, position);
-        const CellCorners<3> corners = load_corners(field, point.cell);
-        // False for NaN: masked cells hold no leaf.
-        if (!tracer.scene().window.contains(interpolate(corners, point.local))) continue;
-        sum += frame_to_index.pull_back_gradient(geometric_gradient(corners, point.local)).length();
-      }
+  for_each_index<D>(none, all, [&](const Index<D>& part) {
+    Vec<D> position;
+    for (int a = 0; a < D; ++a) {
+      position[a] =
+          (index[a] + (part[a] + 0.5) / measure_points - 0.5) * lattice.voxels_per_texel[a];
     }
-  }
-  return static_cast<float>(sum * texel_volume /
-                            (measure_points * measure_points * measure_points));
+    if (!inside(field, position)) return;
+    const CellPoint<D> point = locate(field, position);
+    const CellCorners<D> corners = load_corners(field, point.cell);
+    // False for NaN: masked cells hold no leaf.
+    if (!tracer.scene().window.contains(interpolate(corners, point.local))) return;
+    sum += frame_to_index.pull_back_gradient(geometric_gradient(corners, point.local)).length();
+  });
+  return static_cast<float>(sum * texel_volume / static_cast<double>(cell_count<D>(all)));
 }
 
 // Running sums over 2 radius + 1 values along one axis of a dense grid, zero outside.
-void box_sum(std::vector<float>& grid, const Index<3>& dims, int axis, int radius,
+template <int D>
+void box_sum(std::vector<float>& grid, const Index<D>& dims, int axis, int radius,
              Progress& progress) {
-  const std::size_t stride = axis == 0   ? 1
-                             : axis == 1 ? dims[0]
-                                         : static_cast<std::size_t>(dims[0]) * dims[1];
+  std::size_t stride = 1;
+  for (int a = 0; a < axis; ++a) stride *= dims[a];
   const int n = dims[axis];
   const std::size_t lines = grid.size() / n;
   parallel_range(lines, 256, 0, progress, [&](std::size_t begin, std::size_t end) {
@@ -64,15 +61,15 @@ void box_sum(std::vector<float>& grid, const Index<3>& dims, int axis, int radiu
 }
 
 // Box sums of a quantity known at active texels, read back at active texels.
-template <class Value>
-std::vector<float> smooth(const TexelLattice& lattice, int radius, Progress& progress,
+template <int D, class Value>
+std::vector<float> smooth(const TexelLattice<D>& lattice, int radius, Progress& progress,
                           Value value) {
   std::vector<float> grid(lattice.texels(), 0.0f);
   for (std::size_t s = 0; s < lattice.active.size(); ++s) {
     grid[lattice.active[s]] = value(s);
   }
-  for (int axis = 0; axis < 3 && radius > 0; ++axis) {
-    box_sum(grid, lattice.resolution, axis, radius, progress);
+  for (int axis = 0; axis < D && radius > 0; ++axis) {
+    box_sum<D>(grid, lattice.resolution, axis, radius, progress);
   }
   std::vector<float> sums(lattice.active.size());
   for (std::size_t s = 0; s < sums.size(); ++s) sums[s] = grid[lattice.active[s]];
@@ -81,16 +78,18 @@ std::vector<float> smooth(const TexelLattice& lattice, int radius, Progress& pro
 
 }  // namespace
 
-LeafCache::LeafCache(const SceneTracer& tracer, const TexelLattice& lattice, bool inner_side,
-                     double photon_flux, std::uint64_t photons)
+template <int D>
+LeafCache<D>::LeafCache(const SceneTracer<D>& tracer, const TexelLattice<D>& lattice,
+                        bool inner_side, double photon_flux, std::uint64_t photons)
     : tracer_(tracer),
       lattice_(lattice),
       outer_flux_(lattice.active.size(), photon_flux, photons),
       inner_flux_(inner_side ? lattice.active.size() : 0, photon_flux, photons) {}
 
-void LeafCache::deposit(const PhotonHit& photon) {
+template <int D>
+void LeafCache<D>::deposit(const PhotonHit<D>& photon) {
   const std::int32_t slot = lattice_.nearest_slot(photon.point.cell_point.index_position());
-  if (slot == TexelLattice::inactive) return;
+  if (slot == TexelLattice<D>::inactive) return;
   if (photon.point.above) {
     if (!inner_flux_.empty()) inner_flux_.add(slot, photon.flux_height);
     return;
@@ -100,11 +99,12 @@ void LeafCache::deposit(const PhotonHit& photon) {
   stored_.fetch_add(1, std::memory_order_relaxed);
 }
 
-void LeafCache::finish(Progress& progress) {
+template <int D>
+void LeafCache<D>::finish(Progress& progress) {
   const std::size_t n = lattice_.active.size();
-  const Affine<3> frame_to_index = inverse(tracer_.index_to_frame());
+  const Affine<D> frame_to_index = inverse(tracer_.index_to_frame());
   double texel_volume = std::abs(determinant(tracer_.index_to_frame()));
-  for (int a = 0; a < 3; ++a) texel_volume *= lattice_.voxels_per_texel[a];
+  for (int a = 0; a < D; ++a) texel_volume *= lattice_.voxels_per_texel[a];
   std::vector<float> measure(n);
   parallel_range(n, 1024, 0, progress, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) {
@@ -113,7 +113,7 @@ void LeafCache::finish(Progress& progress) {
     }
   });
   const double per_texel = static_cast<double>(stored_.load()) / std::max<std::size_t>(1, n);
-  const double width = std::cbrt(photons_per_box / std::max(per_texel, 1e-9));
+  const double width = std::pow(photons_per_box / std::max(per_texel, 1e-9), 1.0 / D);
   const int radius = std::clamp(static_cast<int>(std::ceil((width - 1) / 2)), 0, largest_radius);
   const std::vector<float> area =
       smooth(lattice_, radius, progress, [&](std::size_t s) { return measure[s]; });
@@ -134,5 +134,8 @@ void LeafCache::finish(Progress& progress) {
   if (!inner_flux_.empty()) inner_ = irradiance(inner_flux_);
   inner_flux_ = FluxAccumulator(0, 1, 1);
 }
+
+template class LeafCache<2>;
+template class LeafCache<3>;
 
 }  // namespace leaflight

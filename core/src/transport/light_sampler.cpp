@@ -8,33 +8,35 @@
 
 namespace leaflight {
 
-LightSampler::LightSampler(const SceneTracer& tracer) : tracer_(tracer) {
+template <int D>
+LightSampler<D>::LightSampler(const SceneTracer<D>& tracer) : tracer_(tracer) {
   double sum = 0;
-  for (const RectangleLight& light : tracer.lights()) {
+  for (const RectangleLight<D>& light : tracer.lights()) {
     sum += average(light.radiance) * light.area();
     cumulative_.push_back(sum);
   }
   for (double& c : cumulative_) c /= sum;
 }
 
-LightSampler::Choice LightSampler::choose(double u) const {
+template <int D>
+typename LightSampler<D>::Choice LightSampler<D>::choose(double u) const {
   const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, u);
   const std::size_t i = found - cumulative_.begin();
   const double below = i > 0 ? cumulative_[i - 1] : 0;
   return {&tracer_.lights()[i], cumulative_[i] - below};
 }
 
-Rgb LightSampler::direct_radiance(const SurfacePoint& point, double choice,
-                                  const std::array<double, 2>& u, std::uint64_t& rays) const {
+template <int D>
+Rgb LightSampler<D>::direct_radiance(const SurfacePoint<D>& point, double choice,
+                                     const std::array<double, 2>& u, std::uint64_t& rays) const {
   const Choice chosen = choose(choice);
-  const RectangleLight& light = *chosen.light;
-  const Vec3 target = light.point(u[0], u[1]);
-  const Vec3 light_normal = light.normal();
-  const Vec3 way = target - point.position;
-  const double distance2 = way.length2();
-  const double distance = std::sqrt(distance2);
+  const RectangleLight<D>& light = *chosen.light;
+  const Vec<D> target = light.point(u);
+  const Vec<D> light_normal = light.normal();
+  const Vec<D> way = target - point.position;
+  const double distance = way.length();
   if (!(distance > 0)) return Rgb(0);
-  const Vec3 direction = way / distance;
+  const Vec<D> direction = way / distance;
   const double cosine = direction.dot(point.shading_normal);
   const double cosine_light = -direction.dot(light_normal);
   if (!(cosine > 0 && cosine_light > 0 && direction.dot(point.geometric_normal) > 0)) {
@@ -42,20 +44,27 @@ Rgb LightSampler::direct_radiance(const SurfacePoint& point, double choice,
   }
   ++rays;
   if (tracer_.occluded(point, target, light_normal)) return Rgb(0);
-  const double geometry =
-      cosine * cosine_light * light.area() / (distance2 * pi * chosen.probability);
+  // BRDF albedo / projected_hemisphere; light thins with distance as the sphere, or circle, grows.
+  const double spread = D == 3 ? distance * distance : distance;
+  const double geometry = cosine * cosine_light * light.area() /
+                          (spread * projected_hemisphere<D> * chosen.probability);
   return point.albedo * light.radiance * static_cast<Real>(geometry);
 }
 
-EmittedPhoton LightSampler::emit(double choice, const std::array<double, 2>& u_position,
-                                 const std::array<double, 2>& u_direction) const {
+template <int D>
+EmittedPhoton<D> LightSampler<D>::emit(double choice, const std::array<double, 2>& u_position,
+                                       const std::array<double, 2>& u_direction) const {
   const Choice chosen = choose(choice);
-  const RectangleLight& light = *chosen.light;
-  // Power of a diffuse emitter: pi A L (thesis Eq. 3.3).
-  const auto weight = static_cast<Real>(pi * light.area() / chosen.probability);
-  const Vec3 normal = light.normal();
-  return {leave_plane(light.point(u_position[0], u_position[1]), normal),
-          sample_cosine_hemisphere(normal, u_direction), light.radiance * weight};
+  const RectangleLight<D>& light = *chosen.light;
+  // Power of a diffuse emitter: pi A L (thesis Eq. 3.3), 2 length L in the plane (Eq. 3.4).
+  const auto weight =
+      static_cast<Real>(projected_hemisphere<D> * light.area() / chosen.probability);
+  const Vec<D> normal = light.normal();
+  return {leave_plane<D>(light.point(u_position), normal),
+          sample_cosine_hemisphere<D>(normal, u_direction), light.radiance * weight};
 }
+
+template class LightSampler<2>;
+template class LightSampler<3>;
 
 }  // namespace leaflight

@@ -9,13 +9,14 @@
 
 namespace leaflight {
 
-std::vector<ReferenceRadiance> reference_radiance(const Scene& scene,
-                                                  const std::vector<Vec3>& points, double isovalue,
-                                                  int samples, std::uint64_t seed,
+template <int D>
+std::vector<ReferenceRadiance> reference_radiance(const Scene<D>& scene,
+                                                  const std::vector<Vec<D>>& points,
+                                                  double isovalue, int samples, std::uint64_t seed,
                                                   Progress& progress) {
   validate(scene);
-  const SceneTracer tracer(scene);
-  const LightSampler lights(tracer);
+  const SceneTracer<D> tracer(scene);
+  const LightSampler<D> lights(tracer);
   const auto paths = make_path_estimator(tracer, lights);
   std::vector<ReferenceRadiance> result(points.size(), {Rgb(0), Rgb(0)});
   progress.expect(static_cast<double>(points.size()));
@@ -23,9 +24,9 @@ std::vector<ReferenceRadiance> reference_radiance(const Scene& scene,
   parallel_range(points.size(), 1, 1, progress, [&](std::size_t begin, std::size_t end) {
     std::uint64_t rays = 0;
     for (std::size_t p = begin; p < end; ++p) {
-      const Vec3 index = scene.field.world_to_index.point(points[p]);
+      const Vec<D> index = scene.field.world_to_index.point(points[p]);
       if (!inside(scene.field, index)) continue;
-      const SurfacePoint point = tracer.leaf_point(locate(scene.field, index), isovalue, false);
+      const SurfacePoint<D> point = tracer.leaf_point(locate(scene.field, index), isovalue, false);
       if (point.kind == HitKind::none) continue;
       Random keys = random_for(seed, Purpose::reference, p);
       const std::uint64_t light_key = keys.bits(), gather_key = keys.bits();
@@ -48,5 +49,12 @@ std::vector<ReferenceRadiance> reference_radiance(const Scene& scene,
   });
   return result;
 }
+
+template std::vector<ReferenceRadiance> reference_radiance<2>(const Scene<2>&,
+                                                              const std::vector<Vec<2>>&, double,
+                                                              int, std::uint64_t, Progress&);
+template std::vector<ReferenceRadiance> reference_radiance<3>(const Scene<3>&,
+                                                              const std::vector<Vec<3>>&, double,
+                                                              int, std::uint64_t, Progress&);
 
 }  // namespace leaflight

@@ -14,128 +14,134 @@ namespace {
 
 constexpr int isovalue_bins = 32;
 constexpr int sides = 2;
-// Patches the surroundings are cut into, about, when their triangles are large.
-constexpr double target_patches = 8192;
-constexpr int most_cuts = 64;
+// Patches the surroundings are cut into, about, when their facets are large.
+template <int D>
+constexpr double target_patches = D == 3 ? 8192 : 1024;
+constexpr int most_cuts = 512;
 
-struct Corners {
-  Vec3 a, ab, ac;
+// How a facet is cut: a segment into n pieces; a triangle into n^2, numbered by the lattice square
+// (i, j) of their barycentric coordinates. A square below the diagonal holds two of them, so row j
+// begins after j rows of 2 (n - j') - 1.
+template <int D>
+struct Patches;
+
+template <>
+struct Patches<2> {
+  static int count(int cuts) { return cuts; }
+  static int number(double u, double, int cuts) {
+    return std::clamp(static_cast<int>(u * cuts), 0, cuts - 1);
+  }
+  static std::array<double, 2> point(int number, int cuts, const std::array<double, 2>& random) {
+    return {(number + random[0]) / cuts, 0};
+  }
 };
 
-Corners corners(const Mesh& mesh, int triangle) {
-  const auto& t = mesh.triangles[triangle];
-  const Vec3 a(mesh.vertices[t[0]]);
-  return {a, Vec3(mesh.vertices[t[1]]) - a, Vec3(mesh.vertices[t[2]]) - a};
-}
-
-double area(const Corners& c) { return 0.5 * c.ab.cross(c.ac).length(); }
-
-// Patches of a triangle are numbered by the lattice square (i, j) of their barycentric coordinates;
-// a square below the diagonal holds two of them. Row j begins after j rows of 2 (cuts - j') - 1.
-int patch_number(double u, double v, int cuts) {
-  const double x = u * cuts, y = v * cuts;
-  int j = std::clamp(static_cast<int>(y), 0, cuts - 1);
-  int i = std::clamp(static_cast<int>(x), 0, cuts - 1 - j);
-  const bool upper = (x - i) + (y - j) > 1 && i < cuts - 1 - j;
-  return j * (2 * cuts - j) + 2 * i + upper;
-}
-
-// A uniform point (u, v) of a patch.
-std::array<double, 2> patch_point(int number, int cuts, const std::array<double, 2>& random) {
-  int j = 0;
-  while ((j + 1) * (2 * cuts - j - 1) <= number) ++j;
-  const int k = number - j * (2 * cuts - j);
-  double s = random[0], t = random[1];
-  if (s + t > 1) s = 1 - s, t = 1 - t;
-  if (k % 2) s = 1 - s, t = 1 - t;
-  return {(k / 2 + s) / cuts, (j + t) / cuts};
-}
+template <>
+struct Patches<3> {
+  static int count(int cuts) { return cuts * cuts; }
+  static int number(double u, double v, int cuts) {
+    const double x = u * cuts, y = v * cuts;
+    const int j = std::clamp(static_cast<int>(y), 0, cuts - 1);
+    const int i = std::clamp(static_cast<int>(x), 0, cuts - 1 - j);
+    const bool upper = (x - i) + (y - j) > 1 && i < cuts - 1 - j;
+    return j * (2 * cuts - j) + 2 * i + upper;
+  }
+  static std::array<double, 2> point(int number, int cuts, const std::array<double, 2>& random) {
+    int j = 0;
+    while ((j + 1) * (2 * cuts - j - 1) <= number) ++j;
+    const int k = number - j * (2 * cuts - j);
+    double s = random[0], t = random[1];
+    if (s + t > 1) s = 1 - s, t = 1 - t;
+    if (k % 2) s = 1 - s, t = 1 - t;
+    return {(k / 2 + s) / cuts, (j + t) / cuts};
+  }
+};
 
 }  // namespace
 
-SurfaceCache::SurfaceCache(const SceneTracer& tracer, double photon_flux, std::uint64_t photons)
+template <int D>
+SurfaceCache<D>::SurfaceCache(const SceneTracer<D>& tracer, double photon_flux,
+                              std::uint64_t photons)
     : tracer_(tracer), flux_(0, 1, 1) {
   double total_area = 0;
-  for (const Mesh& mesh : tracer.meshes()) {
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-      total_area += area(corners(mesh, static_cast<int>(i)));
+  for (std::size_t m = 0; m < tracer.meshes().size(); ++m) {
+    const Mesh<D>& mesh = tracer.meshes()[m];
+    first_facet_.push_back(facets_.size());
+    for (std::size_t i = 0; i < mesh.facets.size(); ++i) {
+      const FacetFrame<D> frame(mesh, i);
+      facets_.push_back(
+          {static_cast<int>(m), static_cast<int>(i), 1, 0, frame.area(), frame.normal()});
+      total_area += frame.area();
     }
   }
-  const double patch_area = total_area / target_patches;
   std::size_t patches = 0;
-  for (std::size_t m = 0; m < tracer.meshes().size(); ++m) {
-    const Mesh& mesh = tracer.meshes()[m];
-    triangle_of_.emplace_back();
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-      const Corners c = corners(mesh, static_cast<int>(i));
-      Triangle triangle{static_cast<int>(m),          static_cast<int>(i), 1, patches, area(c),
-                        c.ab.cross(c.ac).normalized()};
-      if (patch_area > 0) {
-        const double cuts = std::sqrt(triangle.patch_area / patch_area);
-        triangle.cuts = std::clamp(static_cast<int>(std::lround(cuts)), 1, most_cuts);
-      }
-      triangle.patch_area /= triangle.cuts * triangle.cuts;
-      patches += static_cast<std::size_t>(triangle.cuts) * triangle.cuts;
-      triangle_of_.back().push_back(triangles_.size());
-      triangles_.push_back(triangle);
-    }
+  for (Facet& facet : facets_) {
+    const double share = total_area > 0 ? facet.patch_area / total_area : 0;
+    const double cuts = std::pow(share * target_patches<D>, 1.0 / (D - 1));
+    facet.cuts = std::clamp(static_cast<int>(std::lround(cuts)), 1, most_cuts);
+    facet.patch_area /= Patches<D>::count(facet.cuts);
+    facet.first = patches;
+    patches += Patches<D>::count(facet.cuts);
   }
   const std::size_t entries = patches * sides * isovalue_bins;
   if (entries > std::size_t{1} << 28) {
-    throw Error("The surroundings have " + std::to_string(triangles_.size()) +
-                " triangles, too many for their radiance cache; decimate the meshes.");
+    throw Error("The surroundings have " + std::to_string(facets_.size()) +
+                " faces, too many for their radiance cache; decimate the meshes.");
   }
   radiance_.assign(entries, Rgb(0));
   flux_ = FluxAccumulator(entries, photon_flux, photons);
 }
 
-std::size_t SurfaceCache::entry(const SurroundingsHit& hit, const Vec3& direction,
-                                double isovalue) const {
-  const Triangle& triangle = triangles_[triangle_of_[hit.mesh][hit.triangle]];
-  const std::size_t patch = triangle.first + patch_number(hit.u, hit.v, triangle.cuts);
+template <int D>
+std::size_t SurfaceCache<D>::entry(const SurroundingsHit& hit, const Vec<D>& direction,
+                                   double isovalue) const {
+  const Facet& facet = facets_[first_facet_[hit.mesh] + hit.facet];
+  const std::size_t patch = facet.first + Patches<D>::number(hit.u, hit.v, facet.cuts);
   const IsovalueWindow& window = tracer_.scene().window;
   const double position = (isovalue - window.min) / window.height() * isovalue_bins;
   const int bin = std::clamp(static_cast<int>(position), 0, isovalue_bins - 1);
-  const int side = triangle.normal.dot(direction) > 0;
+  const int side = facet.normal.dot(direction) > 0;
   return (patch * sides + side) * isovalue_bins + bin;
 }
 
-void SurfaceCache::deposit(const PhotonHit& photon) {
+template <int D>
+void SurfaceCache<D>::deposit(const PhotonHit<D>& photon) {
   if (photon.direct) return;
   // The point's normal faces the side from which the photon came.
-  const Vec3 arrival = -photon.point.geometric_normal;
+  const Vec<D> arrival = -photon.point.geometric_normal;
   flux_.add(entry(photon.hit.surroundings, arrival, photon.point.isovalue), photon.flux_height);
 }
 
-void SurfaceCache::finish(std::size_t entry, const LightSampler& lights, int samples,
-                          std::uint64_t seed, std::uint64_t& rays) {
+template <int D>
+void SurfaceCache<D>::finish(std::size_t entry, const LightSampler<D>& lights, int samples,
+                             std::uint64_t seed, std::uint64_t& rays) {
   const std::size_t patch = entry / (sides * isovalue_bins);
   const int side = static_cast<int>(entry / isovalue_bins) % sides;
   const int bin = static_cast<int>(entry % isovalue_bins);
-  const auto after = std::upper_bound(triangles_.begin(), triangles_.end(), patch,
-                                      [](std::size_t p, const Triangle& t) { return p < t.first; });
-  const Triangle& triangle = *(after - 1);
-  const Mesh& mesh = tracer_.meshes()[triangle.mesh];
+  const auto after = std::upper_bound(facets_.begin(), facets_.end(), patch,
+                                      [](std::size_t p, const Facet& f) { return p < f.first; });
+  const Facet& facet = *(after - 1);
+  const Mesh<D>& mesh = tracer_.meshes()[facet.mesh];
   const IsovalueWindow& window = tracer_.scene().window;
   const double bin_height = window.height() / isovalue_bins;
-  const Corners c = corners(mesh, triangle.triangle);
+  const FacetFrame<D> frame(mesh, facet.facet);
 
-  SurfacePoint point;
+  SurfacePoint<D> point;
   point.kind = HitKind::surroundings;
-  point.geometric_normal = side == 0 ? triangle.normal : -triangle.normal;
+  point.geometric_normal = side == 0 ? facet.normal : -facet.normal;
   point.shading_normal = point.geometric_normal;
   point.albedo = mesh.albedo;
   Random random = random_for(seed, Purpose::surface_cache, entry);
   const std::uint64_t point_key = random.bits(), light_key = random.bits();
   Rgb sum(0);
   for (int i = 0; i < samples; ++i) {
-    const auto uv = patch_point(static_cast<int>(patch - triangle.first), triangle.cuts,
-                                sobol_point(i, point_key));
-    point.position = c.a + c.ab * uv[0] + c.ac * uv[1];
+    const auto uv = Patches<D>::point(static_cast<int>(patch - facet.first), facet.cuts,
+                                      sobol_point(i, point_key));
+    point.position = frame.point(uv[0], uv[1]);
     point.isovalue = window.min + bin_height * (bin + (i + random.uniform()) / samples);
     sum += lights.direct_radiance(point, random.uniform(), sobol_point(i, light_key), rays);
   }
-  const double density = 1 / (pi * triangle.patch_area * bin_height);
+  const double density = 1 / (projected_hemisphere<D> * facet.patch_area * bin_height);
   Rgb radiance = sum / static_cast<Real>(samples);
   for (int i = 0; i < 3; ++i) {
     radiance[i] += mesh.albedo[i] * static_cast<Real>(flux_.flux(entry, i) * density);
@@ -143,9 +149,13 @@ void SurfaceCache::finish(std::size_t entry, const LightSampler& lights, int sam
   radiance_[entry] = radiance;
 }
 
-Rgb SurfaceCache::radiance(const SurroundingsHit& hit, const Vec3& direction,
-                           double isovalue) const {
+template <int D>
+Rgb SurfaceCache<D>::radiance(const SurroundingsHit& hit, const Vec<D>& direction,
+                              double isovalue) const {
   return radiance_[entry(hit, direction, isovalue)];
 }
+
+template class SurfaceCache<2>;
+template class SurfaceCache<3>;
 
 }  // namespace leaflight

@@ -9,10 +9,12 @@ namespace leaflight {
 // Lights every leaf of the scene's window at once. The result is the same, bit for bit, for any
 // number of threads. Throws Error for a bad scene or settings, Cancelled within half a second of
 // progress.cancel().
-RadianceGrid bake(const Scene& scene, const BakeSettings& settings, Progress& progress);
+template <int D>
+RadianceGrid<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, Progress& progress);
 
 // The same with a plan of the caller's.
-RadianceGrid bake(const Scene& scene, const BakeSettings& settings, const Plan& plan,
-                  Progress& progress);
+template <int D>
+RadianceGrid<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
+                     Progress& progress);
 
 }  // namespace leaflight

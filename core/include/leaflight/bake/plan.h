@@ -22,6 +22,7 @@ struct Plan {
   std::vector<SkippedPass> skipped;
 };
 
-Plan make_plan(const Scene& scene, EstimatorName estimator);
+template <int D>
+Plan make_plan(const Scene<D>& scene, EstimatorName estimator);
 
 }  // namespace leaflight

@@ -16,15 +16,17 @@ struct BakeStatistics {
 };
 
 // The outer side's radiance [W/(m^2 sr)] at the active texels, in the order of `lattice.active`.
+template <int D>
 struct RadianceGrid {
-  TexelLattice lattice;
+  TexelLattice<D> lattice;
   std::vector<Vec<3, float>> radiance;
   std::vector<Vec<3, float>> radiance_indirect;  // the part that has bounced before
   std::vector<float> radiance_error;             // standard error of the mean over the channels
   BakeStatistics statistics;
 };
 
-// Trilinear, over the active texels only; zero where there is none.
-Vec<3, float> lookup(const RadianceGrid& grid, const Vec3& index_position);
+// Linear along each axis, over the active texels only; zero where there is none.
+template <int D>
+Vec<3, float> lookup(const RadianceGrid<D>& grid, const Vec<D>& index_position);
 
 }  // namespace leaflight

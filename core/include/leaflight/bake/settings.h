@@ -13,9 +13,10 @@ enum class EstimatorName { volumetric, gather, path };
 // "volumetric", "gather" or "path"; throws Error for any other name.
 EstimatorName estimator_from(const std::string& name);
 
+template <int D>
 struct BakeSettings {
-  Index<3> resolution{0, 0, 0};  // texels; all zero: one per voxel
-  int samples = 32;              // per texel, each one shadow ray and one gather ray
+  Index<D> resolution{};  // texels; all zero: one per voxel
+  int samples = 32;       // per texel, each one shadow ray and one gather ray
   std::uint64_t photons = 2'000'000;
   EstimatorName estimator = EstimatorName::gather;
   std::uint64_t seed = 0;
@@ -23,6 +24,7 @@ struct BakeSettings {
 };
 
 // Throws Error for counts that make no sense.
-void validate(const BakeSettings& settings);
+template <int D>
+void validate(const BakeSettings<D>& settings);
 
 }  // namespace leaflight

@@ -15,32 +15,32 @@ namespace leaflight {
 // leaves through the texel at once. Points whose leaf is outside the window, in a masked cell or
 // without a gradient are passed over. Where the texel's own box holds too few, the neighbourhood
 // that a trilinear lookup can reach is searched. Returns the number of points visited.
-template <class Visit>
-int for_each_texel_sample(const SceneTracer& tracer, const TexelLattice& lattice,
+template <int D, class Visit>
+int for_each_texel_sample(const SceneTracer<D>& tracer, const TexelLattice<D>& lattice,
                           std::uint32_t texel, int samples, std::uint64_t key, Visit visit) {
   constexpr int tries_per_sample = 16;
   // The lookup's interpolation blurs once more, so a texel averages over less than its own box;
   // 0.25 to 0.5 measure alike on smooth surfaces, and less is better on thin shells
   // (docs/architecture.md).
   constexpr double own_half_width = 0.35;
-  const Field<3>& field = tracer.scene().field;
-  const Index<3> index = lattice.texel(texel);
+  const Field<D>& field = tracer.scene().field;
+  const Index<D> index = lattice.texel(texel);
   int visited = 0;
   for (const double half_width : {own_half_width, 1.0}) {
     for (int i = 0; i < tries_per_sample * samples && visited < samples; ++i) {
       const auto xy = sobol_point(i, key);
       const auto z = sobol_point(i, ~key);
-      Vec3 position;
-      for (int a = 0; a < 3; ++a) {
+      Vec<D> position;
+      for (int a = 0; a < D; ++a) {
         const double low = std::max(index[a] - half_width, 0.0);
         const double high = std::min(index[a] + half_width, lattice.resolution[a] - 1.0);
         const double u = a < 2 ? xy[a] : z[0];
         position[a] = (low + (high - low) * u) * lattice.voxels_per_texel[a];
       }
-      const CellPoint<3> point = locate(field, position);
+      const CellPoint<D> point = locate(field, position);
       const double c = interpolate(load_corners(field, point.cell), point.local);
       if (!tracer.scene().window.contains(c)) continue;
-      const SurfacePoint surface = tracer.leaf_point(point, c, false);
+      const SurfacePoint<D> surface = tracer.leaf_point(point, c, false);
       if (surface.kind == HitKind::none) continue;
       visit(surface, visited++);
     }

@@ -22,16 +22,8 @@ struct Field {
   bool masked = false;
   IntervalPyramid<D> pyramid;
 
-  std::size_t offset(const Index<D>& i) const {
-    std::size_t o = i[D - 1];
-    for (int a = D - 2; a >= 0; --a) o = o * dims[a] + i[a];
-    return o;
-  }
-  std::size_t voxels() const {
-    std::size_t n = 1;
-    for (int a = 0; a < D; ++a) n *= dims[a];
-    return n;
-  }
+  std::size_t offset(const Index<D>& voxel) const { return linear_number<D>(voxel, dims); }
+  std::size_t voxels() const { return cell_count<D>(dims); }
 };
 
 // Checks the values (at least two voxels along each axis, finite or NaN, not constant) and the

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "leaflight/math/vector.h"
+#include "leaflight/math/index_range.h"
 
 namespace leaflight {
 
@@ -26,9 +26,7 @@ struct IntervalPyramid {
     std::vector<Interval> bricks;
 
     const Interval& at(const Index<D>& brick) const {
-      std::size_t offset = brick[D - 1];
-      for (int a = D - 2; a >= 0; --a) offset = offset * dims[a] + brick[a];
-      return bricks[offset];
+      return bricks[linear_number<D>(brick, dims)];
     }
   };
   static constexpr int log2_brick = 2;

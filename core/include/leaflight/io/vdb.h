@@ -15,12 +15,12 @@ using Metadata = std::map<std::string, std::string>;
 // `radiance_error`, sparse: no texel where no leaf passes. `metadata` goes to the radiance grid;
 // what belongs to the run and not to its result goes under the key "statistics" to the file itself.
 // Written under a temporary name and renamed. Throws Error.
-void write_bake(const std::string& path, const Field<3>& field, const RadianceGrid& grid,
+void write_bake(const std::string& path, const Field<3>& field, const RadianceGrid<3>& grid,
                 const Metadata& metadata);
 
 struct StoredBake {
   DenseVolume field;
-  RadianceGrid grid;
+  RadianceGrid<3> grid;
   Metadata metadata;
 };
 StoredBake read_bake(const std::string& path);

@@ -13,9 +13,21 @@ inline constexpr double pi = 3.14159265358979323846;
 template <int D>
 inline constexpr double projected_hemisphere = D == 3 ? pi : 2.0;
 
-// Direction about the unit normal n with density cos / pi; u in [0,1)^2.
+// Direction about the unit normal n with density cos / projected_hemisphere; u in [0,1)^2, of which
+// the plane needs only the first.
+template <int D>
+Vec<D> sample_cosine_hemisphere(const Vec<D>& n, const std::array<double, 2>& u);
+
+// sin(theta) = 2u - 1 (thesis Eq. 3.8, corrected).
+template <>
+inline Vec<2> sample_cosine_hemisphere<2>(const Vec<2>& n, const std::array<double, 2>& u) {
+  const double sine = 2 * u[0] - 1;
+  return n * std::sqrt(std::max(0.0, 1 - sine * sine)) + Vec<2>(-n.y, n.x) * sine;
+}
+
 // The frame is branch-free (Duff et al. 2017).
-inline Vec3 sample_cosine_hemisphere(const Vec3& n, const std::array<double, 2>& u) {
+template <>
+inline Vec<3> sample_cosine_hemisphere<3>(const Vec<3>& n, const std::array<double, 2>& u) {
   const double sign = std::copysign(1.0, n.z);
   const double a = -1.0 / (sign + n.z);
   const double b = n.x * n.y * a;

@@ -15,6 +15,6 @@ struct Atlas {
 
 // A shader blends eight texels whether or not they are active, so inactive texels next to active
 // ones take the mean of their active neighbours.
-Atlas make_atlas(const RadianceGrid& grid);
+Atlas make_atlas(const RadianceGrid<3>& grid);
 
 }  // namespace leaflight

@@ -8,62 +8,67 @@ namespace leaflight {
 
 enum class HitKind { none, leaf, surroundings };
 
+template <int D>
 struct Hit {
   HitKind kind = HitKind::none;
-  LeafHit<3> leaf;
+  LeafHit<D> leaf;
   SurroundingsHit surroundings;
 };
 
 // A point of a leaf or of the surroundings, seen from one of its sides.
+template <int D>
 struct SurfacePoint {
   HitKind kind = HitKind::none;
   double isovalue = 0;
-  Vec3 position{0.0};          // frame
-  Vec3 geometric_normal{0.0};  // unit, of the traced surface, on the side from which it is seen
-  Vec3 shading_normal{0.0};    // unit, for the cosine; the geometric one on surroundings
+  Vec<D> position{0.0};          // frame
+  Vec<D> geometric_normal{0.0};  // unit, of the traced surface, on the side from which it is seen
+  Vec<D> shading_normal{0.0};    // unit, for the cosine; the geometric one on surroundings
   Rgb albedo{0};
-  CellPoint<3> cell_point;     // leaf only
+  CellPoint<D> cell_point;     // leaf only
   bool above = false;          // leaf only: seen from the side h >= c, the inside
   double gradient_length = 0;  // leaf only: |grad h| in the frame, the coarea measure dA dc / dV
 };
 
 // A position is known to a few units in the last place of single precision; moved this far along
 // the normal it has certainly left the plane of its triangle (pbrt 3, ch. 3.9).
-Vec3 leave_plane(const Vec3& position, const Vec3& normal);
+template <int D>
+Vec<D> leave_plane(const Vec<D>& position, const Vec<D>& normal);
 
 // The scene made ready for rays. All positions are in the frame: world coordinates translated and
 // scaled uniformly so that the field's bounding box is centred at 0 with longest side 1, which
 // keeps single-precision intersections accurate wherever the scene stands. Radiance does not depend
 // on it.
+template <int D>
 class SceneTracer {
  public:
-  explicit SceneTracer(const Scene& scene);
+  explicit SceneTracer(const Scene<D>& scene);
 
-  const Scene& scene() const { return scene_; }
-  const std::vector<Mesh>& meshes() const { return meshes_; }            // frame
-  const std::vector<RectangleLight>& lights() const { return lights_; }  // frame
-  const Affine<3>& index_to_frame() const { return index_to_frame_; }
+  const Scene<D>& scene() const { return scene_; }
+  const std::vector<Mesh<D>>& meshes() const { return meshes_; }            // frame
+  const std::vector<RectangleLight<D>>& lights() const { return lights_; }  // frame
+  const Affine<D>& index_to_frame() const { return index_to_frame_; }
 
   // The leaf point at a cell point, on the leaf of its own value h, seen from the given side.
   // Its kind is none where |grad h| = 0: no leaf passes there.
-  SurfacePoint leaf_point(const CellPoint<3>& point, double isovalue, bool above) const;
+  SurfacePoint<D> leaf_point(const CellPoint<D>& point, double isovalue, bool above) const;
 
-  Hit intersect(const SurfacePoint& from, const Vec3& direction) const;
-  Hit intersect(const Vec3& origin, const Vec3& direction, double isovalue) const;
-  SurfacePoint surface_point(const Hit& hit, const Vec3& direction, double isovalue) const;
+  Hit<D> intersect(const SurfacePoint<D>& from, const Vec<D>& direction) const;
+  Hit<D> intersect(const Vec<D>& origin, const Vec<D>& direction, double isovalue) const;
+  SurfacePoint<D> surface_point(const Hit<D>& hit, const Vec<D>& direction, double isovalue) const;
 
   // Whether a leaf or the surroundings block the way from a surface point to a point of a light.
-  bool occluded(const SurfacePoint& from, const Vec3& light_point, const Vec3& light_normal) const;
+  bool occluded(const SurfacePoint<D>& from, const Vec<D>& light_point,
+                const Vec<D>& light_normal) const;
 
  private:
-  LeafRay<3> leaf_ray(const SurfacePoint& from, const Vec3& direction) const;
-  Hit nearest(const LeafRay<3>& ray, const Vec3& origin, const Vec3& direction) const;
+  LeafRay<D> leaf_ray(const SurfacePoint<D>& from, const Vec<D>& direction) const;
+  Hit<D> nearest(const LeafRay<D>& ray, const Vec<D>& origin, const Vec<D>& direction) const;
 
-  const Scene& scene_;
-  Affine<3> index_to_frame_, frame_to_index_;
-  std::vector<Mesh> meshes_;
-  std::vector<RectangleLight> lights_;
-  Surroundings surroundings_;
+  const Scene<D>& scene_;
+  Affine<D> index_to_frame_, frame_to_index_;
+  std::vector<Mesh<D>> meshes_;
+  std::vector<RectangleLight<D>> lights_;
+  Surroundings<D> surroundings_;
 };
 
 }  // namespace leaflight

@@ -11,16 +11,17 @@ namespace leaflight {
 // Irradiance of leaves from photons by the coarea formula dV = dA dc / |grad h|:
 //   E(R) = sum of F_p over the photons in R / integral of |grad h| over R
 // with R a box of texels. The fourth coordinate of a photon carries no information, since c = h(x),
-// so a plain 3D density estimate serves all isovalues (docs/theory.md). The outer side keeps
+// so a plain density estimate in space serves all isovalues (docs/theory.md). The outer side keeps
 // indirect photons only, as its direct light is known better; the inner side keeps all.
+template <int D>
 class LeafCache {
  public:
-  LeafCache(const SceneTracer& tracer, const TexelLattice& lattice, bool inner_side,
+  LeafCache(const SceneTracer<D>& tracer, const TexelLattice<D>& lattice, bool inner_side,
             double photon_flux, std::uint64_t photons);
 
-  void deposit(const PhotonHit& photon);
+  void deposit(const PhotonHit<D>& photon);
 
-  // Smooths the photons over boxes of (2 radius + 1)^3 texels, the radius chosen so that a box
+  // Smooths the photons over boxes of (2 radius + 1)^D texels, the radius chosen so that a box
   // holds about a hundred of them, and frees the sums.
   void finish(Progress& progress);
 
@@ -30,8 +31,8 @@ class LeafCache {
   Rgb inner(std::int32_t slot) const { return inner_.empty() ? Rgb(0) : inner_[slot]; }
 
  private:
-  const SceneTracer& tracer_;
-  const TexelLattice& lattice_;
+  const SceneTracer<D>& tracer_;
+  const TexelLattice<D>& lattice_;
   FluxAccumulator outer_flux_, inner_flux_;
   std::atomic<std::uint64_t> stored_{0};
   std::vector<Rgb> outer_, inner_;

@@ -10,9 +10,10 @@ namespace leaflight {
 // flux per photon times the height of the isovalue window, since n photons share all isovalues. On
 // leaves it carries the factor |w.Ns| / |w.Ng| of shading normals (Veach 1997, ch. 5), so that flux
 // per area is irradiance with respect to the shading normal.
+template <int D>
 struct PhotonHit {
-  const Hit& hit;
-  const SurfacePoint& point;
+  const Hit<D>& hit;
+  const SurfacePoint<D>& point;
   Rgb flux_height;
   bool direct;  // came straight from a light
 };
@@ -20,25 +21,28 @@ struct PhotonHit {
 // Traces photons of numbers [begin, end) out of `count` and calls deposit(PhotonHit) at each
 // diffuse surface. Isovalues are uniform over the window (thesis 4.3.5), stratified by photon
 // number. Returns the number of rays traced.
-template <class Deposit>
-std::uint64_t trace_photons(const SceneTracer& tracer, const LightSampler& lights,
+template <int D, class Deposit>
+std::uint64_t trace_photons(const SceneTracer<D>& tracer, const LightSampler<D>& lights,
                             std::uint64_t seed, std::uint64_t begin, std::uint64_t end,
                             std::uint64_t count, Deposit deposit);
 
 // The reflected flux of a photon: the direction has density cos / pi about the geometric normal,
 // which is what flux leaves through; the shading normal's part is in the hit's flux already.
+template <int D>
 struct Reflection {
   bool survives;
-  Vec3 direction;
+  Vec<D> direction;
   Rgb flux_height;
 };
-Reflection reflect_photon(const PhotonHit& arrival, Real reference_flux, Random& random);
+template <int D>
+Reflection<D> reflect_photon(const PhotonHit<D>& arrival, Real reference_flux, Random& random);
 
 // |w.Ns| / |w.Ng|, 0 where the light would come from behind the shading normal.
-double shading_normal_factor(const SurfacePoint& point, const Vec3& direction);
+template <int D>
+double shading_normal_factor(const SurfacePoint<D>& point, const Vec<D>& direction);
 
-template <class Deposit>
-std::uint64_t trace_photons(const SceneTracer& tracer, const LightSampler& lights,
+template <int D, class Deposit>
+std::uint64_t trace_photons(const SceneTracer<D>& tracer, const LightSampler<D>& lights,
                             std::uint64_t seed, std::uint64_t begin, std::uint64_t end,
                             std::uint64_t count, Deposit deposit) {
   const IsovalueWindow& window = tracer.scene().window;
@@ -50,19 +54,19 @@ std::uint64_t trace_photons(const SceneTracer& tracer, const LightSampler& light
     const auto index = static_cast<std::uint32_t>(i);
     const double c =
         window.min + window.height() * ((i + random.uniform()) / static_cast<double>(count));
-    const EmittedPhoton photon = lights.emit(random.uniform(), sobol_point(index, position_key),
-                                             sobol_point(index, direction_key));
+    const EmittedPhoton<D> photon = lights.emit(random.uniform(), sobol_point(index, position_key),
+                                                sobol_point(index, direction_key));
     Rgb flux_height = photon.flux * static_cast<Real>(window.height() / static_cast<double>(count));
     const Real reference_flux = largest(flux_height);
-    Vec3 direction = photon.direction;
+    Vec<D> direction = photon.direction;
     ++rays;
-    Hit hit = tracer.intersect(photon.origin, direction, c);
+    Hit<D> hit = tracer.intersect(photon.origin, direction, c);
     for (bool direct = true; hit.kind != HitKind::none; direct = false) {
-      const SurfacePoint point = tracer.surface_point(hit, direction, c);
+      const SurfacePoint<D> point = tracer.surface_point(hit, direction, c);
       flux_height *= static_cast<Real>(shading_normal_factor(point, direction));
-      const PhotonHit arrival{hit, point, flux_height, direct};
+      const PhotonHit<D> arrival{hit, point, flux_height, direct};
       deposit(arrival);
-      const Reflection reflection = reflect_photon(arrival, reference_flux, random);
+      const Reflection<D> reflection = reflect_photon(arrival, reference_flux, random);
       if (!reflection.survives) break;
       flux_height = reflection.flux_height;
       direction = reflection.direction;

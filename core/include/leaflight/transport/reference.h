@@ -13,9 +13,10 @@ struct ReferenceRadiance {
 
 // Unbiased radiance of the outer side of the leaf at given points (world), by `samples` paths each.
 // Points outside the domain, in masked cells or where |grad h| = 0 give zero.
-std::vector<ReferenceRadiance> reference_radiance(const Scene& scene,
-                                                  const std::vector<Vec3>& points, double isovalue,
-                                                  int samples, std::uint64_t seed,
+template <int D>
+std::vector<ReferenceRadiance> reference_radiance(const Scene<D>& scene,
+                                                  const std::vector<Vec<D>>& points,
+                                                  double isovalue, int samples, std::uint64_t seed,
                                                   Progress& progress);
 
 }  // namespace leaflight

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The transport instantiated for fields of the plane (thesis ch. 3).
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "fields.h"
+#include "leaflight/bake/bake.h"
+#include "leaflight/math/sampling.h"
+#include "leaflight/surface/project.h"
+#include "leaflight/transport/reference.h"
+
+namespace leaflight {
+namespace {
+
+using Point = Vec<2>;
+
+constexpr double c = 0.72;
+
+// The walls of the square [-0.3, 1.3]^2, anticlockwise, so that their left is inside.
+struct Wall {
+  Point corner, edge;
+};
+const std::vector<Wall> walls{{{-0.3, -0.3}, {1.6, 0}},
+                              {{1.3, -0.3}, {0, 1.6}},
+                              {{1.3, 1.3}, {-1.6, 0}},
+                              {{-0.3, 1.3}, {0, -1.6}}};
+
+void add_wall(Scene<2>& scene, const Wall& wall, const Rgb& albedo) {
+  Mesh<2> mesh;
+  mesh.name = "wall";
+  for (const Point& p : {wall.corner, wall.corner + wall.edge}) mesh.vertices.emplace_back(p);
+  mesh.facets = {{0, 1}};
+  mesh.albedo = albedo;
+  scene.meshes.push_back(mesh);
+}
+
+Scene<2> disc_scene(const Rgb& leaf_albedo) {
+  return {test::ball<2>(65), leaf_albedo, {}, {}, {0.55, 0.9}};
+}
+
+Scene<2> furnace(double albedo) {
+  Scene<2> scene = disc_scene(Rgb(1));
+  for (const Wall& wall : walls) {
+    add_wall(scene, wall, Rgb(static_cast<Real>(albedo)));
+    scene.lights.push_back({"glow", wall.corner, {wall.edge}, Rgb(1)});
+  }
+  return scene;
+}
+
+// Open below, coloured left and right, a lamp above that shines downwards.
+Scene<2> coloured_box() {
+  Scene<2> scene = disc_scene(Rgb(0.75f));
+  add_wall(scene, walls[1], Rgb(0.1f, 0.5f, 0.1f));
+  add_wall(scene, walls[2], Rgb(0.7f));
+  add_wall(scene, walls[3], Rgb(0.6f, 0.1f, 0.1f));
+  scene.lights.push_back({"lamp", {0.8, 1.25}, {Point(-0.6, 0)}, Rgb(3)});
+  return scene;
+}
+
+std::vector<Point> disc_points(const Field<2>& field, int n) {
+  std::vector<Point> points;
+  for (int i = 0; i < n; ++i) {
+    const double angle = 2 * pi * (i + 0.3) / n;
+    const Point p = Point(0.5) + Point(std::cos(angle), std::sin(angle)) * (1 - c);
+    points.push_back(project_to_leaf(field, p, c));
+  }
+  return points;
+}
+
+double mean_of(const std::vector<ReferenceRadiance>& reference) {
+  double sum = 0;
+  for (const auto& r : reference) sum += average(r.radiance);
+  return sum / static_cast<double>(reference.size());
+}
+
+TEST(Flatland, FurnaceIsExact) {
+  for (const double albedo : {0.5, 0.8}) {
+    const Scene<2> scene = furnace(albedo);
+    const std::vector<Point> points = disc_points(scene.field, 64);
+    Progress progress;
+    EXPECT_NEAR(mean_of(reference_radiance(scene, points, c, 8192, 1, progress)) * (1 - albedo), 1,
+                0.01);
+    for (const EstimatorName estimator : {EstimatorName::gather, EstimatorName::volumetric}) {
+      BakeSettings<2> settings;
+      settings.samples = 64;
+      settings.photons = 1'000'000;
+      settings.estimator = estimator;
+      const RadianceGrid<2> grid = bake(scene, settings, progress);
+      double sum = 0;
+      for (const Point& p : points) sum += lookup(grid, scene.field.world_to_index.point(p)).x;
+      EXPECT_NEAR(sum / static_cast<double>(points.size()) * (1 - albedo), 1, 0.01);
+    }
+  }
+}
+
+// A segment seen under the angles theta from the normal gives the irradiance L (sin a - sin b); the
+// BRDF of the plane is albedo / 2 (thesis 3.3.7).
+TEST(Flatland, DirectLightOfASegmentHasTheClosedForm) {
+  Scene<2> scene{
+      test::sampled<2>(33, [](const Point& x) { return x.y; }), Rgb(0.8f), {}, {}, {0.2, 0.8}};
+  scene.lights = {{"lamp", {0.2, -0.4}, {Point(0.5, 0)}, Rgb(2)}};
+  std::vector<Point> points;
+  for (int i = 1; i < 20; ++i) points.emplace_back(i / 20.0, 0.5);
+  Progress progress;
+  const auto reference = reference_radiance(scene, points, 0.5, 2048, 1, progress);
+  BakeSettings<2> settings;
+  settings.samples = 256;
+  const RadianceGrid<2> grid = bake(scene, settings, progress);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto sine = [&](double x) {
+      return (x - points[i].x) / std::hypot(x - points[i].x, 0.9);
+    };
+    const double expected = 0.8 / 2 * 2 * (sine(0.7) - sine(0.2));
+    EXPECT_NEAR(reference[i].radiance.x, expected, 5.5 * reference[i].standard_error.x + 1e-5);
+    EXPECT_NEAR(lookup(grid, scene.field.world_to_index.point(points[i])).x, expected,
+                0.02 * expected);
+  }
+}
+
+TEST(Flatland, EstimatorsAgreeWithThePathTracer) {
+  const Scene<2> scene = coloured_box();
+  const std::vector<Point> points = disc_points(scene.field, 200);
+  Progress progress;
+  const auto reference = reference_radiance(scene, points, c, 4096, 3, progress);
+  for (const EstimatorName estimator :
+       {EstimatorName::gather, EstimatorName::volumetric, EstimatorName::path}) {
+    BakeSettings<2> settings;
+    settings.samples = 256;
+    settings.photons = 1'000'000;
+    settings.estimator = estimator;
+    const RadianceGrid<2> grid = bake(scene, settings, progress);
+    double baked = 0, truth = 0, square = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const auto radiance = lookup(grid, scene.field.world_to_index.point(points[i]));
+      for (int k = 0; k < 3; ++k) {
+        baked += radiance[k];
+        truth += reference[i].radiance[k];
+        square += std::pow(radiance[k] - reference[i].radiance[k], 2);
+      }
+    }
+    const double n = 3 * static_cast<double>(points.size());
+    EXPECT_NEAR(baked / truth, 1, 0.01);
+    EXPECT_LT(std::sqrt(square / n) / (truth / n), 0.05);
+  }
+}
+
+TEST(CosineHemicircle, HasItsDensity) {
+  // sin(theta) is uniform: 16 bins, 15 degrees of freedom, 99.99 % quantile 44.3.
+  Random random(2);
+  const Point n = Point(0.6, -0.8);
+  std::array<int, 16> bins{};
+  constexpr int samples = 32'000;
+  for (int i = 0; i < samples; ++i) {
+    const Point d = sample_cosine_hemisphere<2>(n, {random.uniform(), 0});
+    ASSERT_NEAR(d.length(), 1, 1e-12);
+    ASSERT_GE(d.dot(n), 0);
+    ++bins[std::min(15, static_cast<int>((n.cross(d) + 1) * 8))];
+  }
+  double chi2 = 0;
+  for (const int count : bins) chi2 += std::pow(count - samples / 16.0, 2) / (samples / 16.0);
+  EXPECT_LT(chi2, 44.3);
+}
+
+}  // namespace
+}  // namespace leaflight
