@@ -94,11 +94,27 @@ class GatherEstimator final : public IndirectEstimator<D> {
     if (hit.kind == HitKind::surroundings) {
       return surroundings_.radiance(hit.surroundings, direction, isovalue);
     }
-    const std::int32_t slot = lattice_.nearest_slot(hit.leaf.point.index_position());
+    const std::int32_t slot = slot_before(hit.leaf);
     if (slot == TexelLattice<D>::inactive) return Rgb(0);
     if (!hit.leaf.from_above) return outer_[slot];
     return leaves_.inner(slot) * tracer_.scene().leaf_albedo /
            static_cast<Real>(projected_hemisphere<D>);
+  }
+
+  // The texel half a texel before the surface that was met: those within a thin shell hold the
+  // light of both its faces, and would let the outer one's shine into it.
+  std::int32_t slot_before(const LeafHit<D>& hit) const {
+    const Vec<D> position = hit.point.index_position();
+    const Vec<D> gradient =
+        geometric_gradient(load_corners(tracer_.scene().field, hit.point.cell), hit.point.local);
+    const double length = gradient.length();
+    if (length > 0) {
+      const Vec<D> before = gradient * ((hit.from_above ? 0.5 : -0.5) / length);
+      const std::int32_t slot =
+          lattice_.nearest_slot(position + before * lattice_.voxels_per_texel);
+      if (slot != TexelLattice<D>::inactive) return slot;
+    }
+    return lattice_.nearest_slot(position);
   }
 
   const SceneTracer<D>& tracer_;
