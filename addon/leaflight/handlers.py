@@ -4,7 +4,7 @@
 import bpy
 from bpy.app.handlers import persistent
 
-from . import bake, cache, panels, surface_object
+from . import bake, cache, staleness, surface_object
 
 
 @persistent
@@ -28,14 +28,14 @@ def _after_change(scene, depsgraph):
     for update in depsgraph.updates:
         moved = update.is_updated_transform or update.is_updated_shading
         if moved or (update.is_updated_geometry and update.id.name not in own):
-            panels.staleness.clear()
+            staleness.forget()
             return
 
 
 @persistent
 def _after_undo(scene, _depsgraph):
     """Undo may bring back an isovalue without its surface, made after the step was stored."""
-    panels.staleness.clear()
+    staleness.forget()
     _after_evaluation(scene, bpy.context.evaluated_depsgraph_get())
 
 
@@ -44,7 +44,7 @@ def _before_load(*_):
     bake.cancel_running()
     cache.clear()
     surface_object.problems.clear()
-    panels.staleness.clear()
+    staleness.forget()
 
 
 @persistent

@@ -5,11 +5,7 @@ import textwrap
 
 import bpy
 
-from . import bake, cornell_box, core, import_volume, render_comparison, scene_export
-from . import surface_object
-
-# Object name -> what has changed since its bake, found when a panel first asks after a change.
-staleness = {}
+from . import bake, cornell_box, import_volume, render_comparison, staleness, surface_object
 
 
 class _LeaflightPanel:
@@ -78,7 +74,7 @@ class LEAFLIGHT_PT_bake(_VolumePanel, bpy.types.Panel):
 
     def _draw_result(self, context, settings):
         layout = self.layout
-        change = change_since_bake(context, context.object)
+        change = staleness.change_since_bake(context, context.object)
         if change:
             _sentence(context, layout, change, icon="ERROR")
         else:
@@ -100,19 +96,6 @@ class LEAFLIGHT_PT_comparison(_VolumePanel, bpy.types.Panel):
         comparison = context.object.leaflight.comparison
         if comparison:
             _sentence(context, layout, comparison, icon="NONE")
-
-
-def change_since_bake(context, obj):
-    """A sentence when the scene is no longer the one that was baked, or an empty text."""
-    if obj.name not in staleness:
-        settings = obj.leaflight
-        try:
-            description, _ = scene_export.export_scene(context, obj)
-            same = scene_export.fingerprint(obj, description) == settings.bake_fingerprint
-            staleness[obj.name] = "" if same else "The scene has changed since the bake: bake again"
-        except core.LeaflightError as error:
-            staleness[obj.name] = f"The scene has changed since the bake: {error}"
-    return staleness[obj.name]
 
 
 def _sentence(context, layout, text, icon):

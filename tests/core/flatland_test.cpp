@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "agreement.h"
 #include "fields.h"
 #include "leaflight/bake/bake.h"
 #include "leaflight/math/sampling.h"
@@ -68,19 +69,14 @@ std::vector<Point> disc_points(const Field<2>& field, int n) {
   return points;
 }
 
-double mean_of(const std::vector<ReferenceRadiance>& reference) {
-  double sum = 0;
-  for (const auto& r : reference) sum += average(r.radiance);
-  return sum / static_cast<double>(reference.size());
-}
-
 TEST(Flatland, FurnaceIsExact) {
   for (const double albedo : {0.5, 0.8}) {
     const Scene<2> scene = furnace(albedo);
     const std::vector<Point> points = disc_points(scene.field, 64);
     Progress progress;
-    EXPECT_NEAR(mean_of(reference_radiance(scene, points, c, 8192, 1, progress)) * (1 - albedo), 1,
-                0.01);
+    EXPECT_NEAR(
+        test::mean_of(reference_radiance(scene, points, c, 8192, 1, progress)) * (1 - albedo), 1,
+        0.01);
     for (const EstimatorName estimator : {EstimatorName::gather, EstimatorName::volumetric}) {
       BakeSettings<2> settings;
       settings.samples = 64;
@@ -125,23 +121,10 @@ TEST(Flatland, EstimatorsAgreeWithThePathTracer) {
   const auto reference = reference_radiance(scene, points, c, 4096, 3, progress);
   for (const EstimatorName estimator :
        {EstimatorName::gather, EstimatorName::volumetric, EstimatorName::path}) {
-    BakeSettings<2> settings;
-    settings.samples = 256;
-    settings.photons = 1'000'000;
-    settings.estimator = estimator;
-    const RadianceGrid<2> grid = bake(scene, settings, progress);
-    double baked = 0, truth = 0, square = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const auto radiance = lookup(grid, scene.field.world_to_index.point(points[i]));
-      for (int k = 0; k < 3; ++k) {
-        baked += radiance[k];
-        truth += reference[i].radiance[k];
-        square += std::pow(radiance[k] - reference[i].radiance[k], 2);
-      }
-    }
-    const double n = 3 * static_cast<double>(points.size());
-    EXPECT_NEAR(baked / truth, 1, 0.01);
-    EXPECT_LT(std::sqrt(square / n) / (truth / n), 0.05);
+    const test::Agreement found =
+        test::agreement(scene, points, reference, estimator, 256, 1'000'000);
+    EXPECT_NEAR(found.mean_ratio, 1, 0.01);
+    EXPECT_LT(found.relative_rms, 0.05);
   }
 }
 

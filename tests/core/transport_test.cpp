@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "agreement.h"
 #include "leaflight/bake/bake.h"
 #include "leaflight/math/sampling.h"
 #include "leaflight/surface/marching_cubes.h"
@@ -27,12 +28,6 @@ std::vector<Vec3> leaf_points(const Field<3>& field, double isovalue, std::size_
   return points;
 }
 
-double mean_of(const std::vector<ReferenceRadiance>& reference) {
-  double sum = 0;
-  for (const auto& r : reference) sum += average(r.radiance);
-  return sum / static_cast<double>(reference.size());
-}
-
 class Furnace : public testing::TestWithParam<double> {};
 
 // Radiance in a closed box is E / (1 - albedo) everywhere (nori's furnace test).
@@ -44,7 +39,7 @@ TEST_P(Furnace, PathTracerIsExact) {
   const auto reference =
       reference_radiance(scene, leaf_points(scene.field, c, 40), c, 8192, 1, progress);
   ASSERT_GT(reference.size(), 50u);
-  EXPECT_NEAR(mean_of(reference) * (1 - albedo), 1, 0.01);
+  EXPECT_NEAR(test::mean_of(reference) * (1 - albedo), 1, 0.01);
   for (const auto& r : reference) {
     for (int k = 0; k < 3; ++k) {
       EXPECT_NEAR(r.radiance[k], 1 / (1 - albedo),
@@ -118,46 +113,27 @@ TEST(DirectLight, RectangleOverPlaneHasTheClosedForm) {
   }
 }
 
-struct Agreement {
-  double mean_ratio, relative_rms;
-};
-
-Agreement agreement_with_paths(const Scene<3>& scene, double isovalue, EstimatorName estimator,
-                               int samples, std::uint64_t photons) {
-  BakeSettings<3> settings;
-  settings.samples = samples;
-  settings.photons = photons;
-  settings.estimator = estimator;
-  Progress progress;
-  const RadianceGrid<3> grid = bake(scene, settings, progress);
+test::Agreement agreement_with_paths(const Scene<3>& scene, double isovalue,
+                                     EstimatorName estimator, int samples, std::uint64_t photons) {
   const std::vector<Vec3> points = leaf_points(scene.field, isovalue, 17);
+  Progress progress;
   const auto reference = reference_radiance(scene, points, isovalue, 1024, 3, progress);
-  double baked = 0, truth = 0, square = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto radiance = lookup(grid, scene.field.world_to_index.point(points[i]));
-    for (int k = 0; k < 3; ++k) {
-      baked += radiance[k];
-      truth += reference[i].radiance[k];
-      square += std::pow(radiance[k] - reference[i].radiance[k], 2);
-    }
-  }
-  const double n = 3 * static_cast<double>(points.size());
-  return {baked / truth, std::sqrt(square / n) / (truth / n)};
+  return test::agreement(scene, points, reference, estimator, samples, photons);
 }
 
 TEST(Estimators, AgreeWithThePathTracer) {
   const Scene<3> scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
-  const Agreement gather = agreement_with_paths(scene, c, EstimatorName::gather, 64, 500'000);
+  const test::Agreement gather = agreement_with_paths(scene, c, EstimatorName::gather, 64, 500'000);
   EXPECT_NEAR(gather.mean_ratio, 1, 0.01);
   EXPECT_LT(gather.relative_rms, 0.06);
-  const Agreement path = agreement_with_paths(scene, c, EstimatorName::path, 64, 1);
+  const test::Agreement path = agreement_with_paths(scene, c, EstimatorName::path, 64, 1);
   EXPECT_NEAR(path.mean_ratio, 1, 0.01);
   EXPECT_LT(path.relative_rms, 0.08);
 }
 
 TEST(Estimators, PhotonDensityAgreesWithThePathTracer) {
   const Scene<3> scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
-  const Agreement photons =
+  const test::Agreement photons =
       agreement_with_paths(scene, c, EstimatorName::volumetric, 64, 4'000'000);
   EXPECT_NEAR(photons.mean_ratio, 1, 0.01);
   EXPECT_LT(photons.relative_rms, 0.06);
@@ -169,7 +145,8 @@ TEST(Estimators, AgreeOnAnOpenLeaf) {
       test::sampled<3>(
           33, [](const Vec3& x) { return 1 - x.z + 0.1 * std::sin(9 * x.x) * std::cos(7 * x.y); }),
       {0.2, 0.8});
-  const Agreement gather = agreement_with_paths(scene, 0.5, EstimatorName::gather, 64, 1'000'000);
+  const test::Agreement gather =
+      agreement_with_paths(scene, 0.5, EstimatorName::gather, 64, 1'000'000);
   EXPECT_NEAR(gather.mean_ratio, 1, 0.015);
   EXPECT_LT(gather.relative_rms, 0.08);
 }

@@ -69,3 +69,13 @@ def test_isovalue_parts_the_object_from_noisy_air():
     values = rng.normal(390, 20, (20, 20, 20))
     values[5:15, 5:15, 5:15] = rng.normal(1000, 50, (10, 10, 10))
     assert 450 < default_isovalue(volume(values)) < 900
+
+
+def test_values_are_not_copied():
+    values = np.random.default_rng(6).random((5, 6, 7)).astype(np.float32)
+    field = volume(values).field()
+    assert np.shares_memory(field.values, values)
+    assert field.dims == [7, 6, 5]
+    # The field keeps the values alive.
+    del values
+    assert np.isfinite(field.values).all()

@@ -6,7 +6,7 @@ import math
 import bpy
 import numpy as np
 import pytest
-from leaflight import cache, core, panels, scene_export
+from leaflight import cache, core, scene_export, staleness
 from tools import close, error_of
 
 
@@ -255,13 +255,13 @@ def check_the_fingerprint_follows_what_lights_the_volume(boxed):
 
 
 def check_the_panel_says_when_the_bake_is_stale(baked):
-    assert panels.change_since_bake(bpy.context, baked) == ""
+    assert staleness.change_since_bake(bpy.context, baked) == ""
     baked.leaflight.isovalue = 60.0
     bpy.context.view_layer.update()
-    assert panels.change_since_bake(bpy.context, baked) == ""
+    assert staleness.change_since_bake(bpy.context, baked) == ""
     bpy.data.objects["floor"].location.z -= 0.1
     bpy.context.view_layer.update()
-    assert "bake again" in panels.change_since_bake(bpy.context, baked)
+    assert "bake again" in staleness.change_since_bake(bpy.context, baked)
     bpy.data.objects["floor"].location.z += 0.1
     bpy.context.view_layer.update()
-    assert panels.change_since_bake(bpy.context, baked) == ""
+    assert staleness.change_since_bake(bpy.context, baked) == ""
