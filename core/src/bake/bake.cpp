@@ -111,9 +111,13 @@ class Baker {
 
   void trace_photons_into_caches() {
     progress_.begin("Tracing photons");
-    const double photon_flux = largest_photon_flux();
+    // The largest flux-height with which any photon starts (thesis Eq. 4.4).
+    const double photon_flux = lights_.largest_flux() * tracer_.scene().window.height() /
+                               static_cast<double>(settings_.photons);
     leaves_.emplace(tracer_, lattice_, plan_.inner_side, photon_flux, settings_.photons);
-    surroundings_.emplace(tracer_, photon_flux, settings_.photons);
+    if (plan_.surroundings_cache || settings_.estimator == EstimatorName::gather) {
+      surroundings_.emplace(tracer_, photon_flux, settings_.photons);
+    }
     parallel_range(settings_.photons, photons_per_piece, rays_per_photon, progress_,
                    [&](std::size_t begin, std::size_t end) {
                      rays_ += trace_photons(tracer_, lights_, settings_.seed, begin, end,
@@ -139,16 +143,6 @@ class Baker {
     } else if (plan_.surroundings_cache) {
       surroundings_->deposit(photon);
     }
-  }
-
-  // The largest flux-height with which any photon starts (thesis Eq. 4.4).
-  double largest_photon_flux() const {
-    double largest_flux = 0;
-    for (int i = 0; i < 1024; ++i) {
-      const EmittedPhoton<D> photon = lights_.emit((i + 0.5) / 1024, {0.5, 0.5}, {0.5, 0.5});
-      largest_flux = std::max<double>(largest_flux, largest(photon.flux));
-    }
-    return largest_flux * tracer_.scene().window.height() / static_cast<double>(settings_.photons);
   }
 
   // Keys of a texel's low-discrepancy sequences; the position key is shared by all passes, so that

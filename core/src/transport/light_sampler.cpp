@@ -19,18 +19,41 @@ LightSampler<D>::LightSampler(const SceneTracer<D>& tracer) : tracer_(tracer) {
 }
 
 template <int D>
+typename LightSampler<D>::Choice LightSampler<D>::chosen(std::size_t light) const {
+  const double below = light > 0 ? cumulative_[light - 1] : 0;
+  return {&tracer_.lights()[light], cumulative_[light] - below};
+}
+
+template <int D>
 typename LightSampler<D>::Choice LightSampler<D>::choose(double u) const {
-  const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, u);
-  const std::size_t i = found - cumulative_.begin();
-  const double below = i > 0 ? cumulative_[i - 1] : 0;
-  return {&tracer_.lights()[i], cumulative_[i] - below};
+  return chosen(std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, u) -
+                cumulative_.begin());
+}
+
+template <int D>
+double LightSampler<D>::largest_flux() const {
+  double flux = 0;
+  for (std::size_t i = 0; i < cumulative_.size(); ++i) {
+    const Choice choice = chosen(i);
+    // A light without power is never chosen.
+    if (!(choice.probability > 0)) continue;
+    flux = std::max<double>(flux, largest(photon_flux(choice)));
+  }
+  return flux;
+}
+
+// Power of a diffuse emitter: pi A L (thesis Eq. 3.3), 2 length L in the plane (Eq. 3.4).
+template <int D>
+Rgb LightSampler<D>::photon_flux(const Choice& choice) {
+  return choice.light->radiance *
+         static_cast<Real>(projected_hemisphere<D> * choice.light->area() / choice.probability);
 }
 
 template <int D>
 Rgb LightSampler<D>::direct_radiance(const SurfacePoint<D>& point, double choice,
                                      const std::array<double, 2>& u, std::uint64_t& rays) const {
-  const Choice chosen = choose(choice);
-  const RectangleLight<D>& light = *chosen.light;
+  const Choice picked = choose(choice);
+  const RectangleLight<D>& light = *picked.light;
   const Vec<D> target = light.point(u);
   const Vec<D> light_normal = light.normal();
   const Vec<D> way = target - point.position;
@@ -47,21 +70,18 @@ Rgb LightSampler<D>::direct_radiance(const SurfacePoint<D>& point, double choice
   // BRDF albedo / projected_hemisphere; light thins with distance as the sphere, or circle, grows.
   const double spread = D == 3 ? distance * distance : distance;
   const double geometry = cosine * cosine_light * light.area() /
-                          (spread * projected_hemisphere<D> * chosen.probability);
+                          (spread * projected_hemisphere<D> * picked.probability);
   return point.albedo * light.radiance * static_cast<Real>(geometry);
 }
 
 template <int D>
 EmittedPhoton<D> LightSampler<D>::emit(double choice, const std::array<double, 2>& u_position,
                                        const std::array<double, 2>& u_direction) const {
-  const Choice chosen = choose(choice);
-  const RectangleLight<D>& light = *chosen.light;
-  // Power of a diffuse emitter: pi A L (thesis Eq. 3.3), 2 length L in the plane (Eq. 3.4).
-  const auto weight =
-      static_cast<Real>(projected_hemisphere<D> * light.area() / chosen.probability);
+  const Choice picked = choose(choice);
+  const RectangleLight<D>& light = *picked.light;
   const Vec<D> normal = light.normal();
   return {leave_plane<D>(light.point(u_position), normal),
-          sample_cosine_hemisphere<D>(normal, u_direction), light.radiance * weight};
+          sample_cosine_hemisphere<D>(normal, u_direction), photon_flux(picked)};
 }
 
 template class LightSampler<2>;

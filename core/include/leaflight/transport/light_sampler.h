@@ -27,12 +27,17 @@ class LightSampler {
   EmittedPhoton<D> emit(double choice, const std::array<double, 2>& u_position,
                         const std::array<double, 2>& u_direction) const;
 
+  // The largest channel of the flux of any emitted photon.
+  double largest_flux() const;
+
  private:
   struct Choice {
     const RectangleLight<D>* light;
     double probability;
   };
+  Choice chosen(std::size_t light) const;
   Choice choose(double u) const;
+  static Rgb photon_flux(const Choice& choice);
 
   const SceneTracer<D>& tracer_;
   std::vector<double> cumulative_;  // of the lights' probabilities
