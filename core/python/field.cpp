@@ -31,16 +31,12 @@ Field<3> field_from(const FloatArray& values, const DoubleArray& index_to_world)
 }
 
 py::array_t<double> bounds(const Field<3>& field) {
+  const WorldBox<3> box = world_box(field);
   py::array_t<double> result({2, 3});
   auto out = result.mutable_unchecked<2>();
-  for (int corner = 0; corner < 8; ++corner) {
-    Vec3 index;
-    for (int a = 0; a < 3; ++a) index[a] = ((corner >> a) & 1) * (field.dims[a] - 1);
-    const Vec3 p = field.index_to_world.point(index);
-    for (int a = 0; a < 3; ++a) {
-      out(0, a) = corner == 0 ? p[a] : std::min(out(0, a), p[a]);
-      out(1, a) = corner == 0 ? p[a] : std::max(out(1, a), p[a]);
-    }
+  for (int a = 0; a < 3; ++a) {
+    out(0, a) = box.low[a];
+    out(1, a) = box.high[a];
   }
   return result;
 }

@@ -48,15 +48,14 @@ std::int32_t TexelLattice<D>::nearest_slot(const Vec<D>& index_position) const {
 }
 
 template <int D>
-Index<D> proportional_resolution(const Field<D>& field, int longest) {
-  int most = 0;
-  for (int a = 0; a < D; ++a) most = std::max(most, field.dims[a]);
-  Index<D> resolution;
+TexelLattice<D> inactive_lattice(const Index<D>& dims, const Index<D>& resolution) {
+  TexelLattice<D> lattice;
+  lattice.resolution = resolution;
   for (int a = 0; a < D; ++a) {
-    const double cells = static_cast<double>(field.dims[a] - 1) / (most - 1);
-    resolution[a] = std::max(2, static_cast<int>(std::lround(cells * (longest - 1))) + 1);
+    lattice.voxels_per_texel[a] = static_cast<double>(dims[a] - 1) / (resolution[a] - 1);
   }
-  return resolution;
+  lattice.slot.assign(cell_count<D>(resolution), TexelLattice<D>::inactive);
+  return lattice;
 }
 
 template <int D>
@@ -74,12 +73,7 @@ TexelLattice<D> make_lattice(const Field<D>& field, const Index<D>& resolution, 
     throw Error("A texture of " + product<D>(resolution) +
                 " texels is too large; choose a lower resolution.");
   }
-  TexelLattice<D> lattice;
-  lattice.resolution = resolution;
-  for (int a = 0; a < D; ++a) {
-    lattice.voxels_per_texel[a] = static_cast<double>(field.dims[a] - 1) / (resolution[a] - 1);
-  }
-  lattice.slot.assign(texels, TexelLattice<D>::inactive);
+  TexelLattice<D> lattice = inactive_lattice<D>(field.dims, resolution);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, texels, 4096), [&](const auto& range) {
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
       const Index<D> texel = lattice.texel(static_cast<std::uint32_t>(i));
@@ -133,8 +127,8 @@ TexelWeights<D> linear_weights(const TexelLattice<D>& lattice, const Vec<D>& ind
 
 template struct TexelLattice<2>;
 template struct TexelLattice<3>;
-template Index<2> proportional_resolution<2>(const Field<2>&, int);
-template Index<3> proportional_resolution<3>(const Field<3>&, int);
+template TexelLattice<2> inactive_lattice<2>(const Index<2>&, const Index<2>&);
+template TexelLattice<3> inactive_lattice<3>(const Index<3>&, const Index<3>&);
 template TexelLattice<2> make_lattice<2>(const Field<2>&, const Index<2>&, double, double);
 template TexelLattice<3> make_lattice<3>(const Field<3>&, const Index<3>&, double, double);
 template TexelWeights<2> linear_weights<2>(const TexelLattice<2>&, const Vec<2>&);

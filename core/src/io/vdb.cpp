@@ -232,22 +232,13 @@ StoredBake read_bake(const std::string& path) {
   bake.field.dims = dims_from(*values, path);
   bake.field.index_to_world = to_affine(values->transform(), path);
   bake.field.name = field_name;
-  std::size_t voxels = 1;
-  for (const int n : bake.field.dims) voxels *= n;
-  bake.field.values.resize(voxels);
+  bake.field.values.resize(cell_count<3>(bake.field.dims));
   DenseView<float> dense(box_of(bake.field.dims), bake.field.values.data());
   openvdb::tools::copyToDense(*values, dense);
   for (float& h : bake.field.values) h = h == values->background() ? nan : h;
 
   TexelLattice<3>& lattice = bake.grid.lattice;
-  lattice.resolution = dims_from(*radiance, path);
-  std::size_t texels = 1;
-  for (int a = 0; a < 3; ++a) {
-    texels *= lattice.resolution[a];
-    lattice.voxels_per_texel[a] =
-        static_cast<double>(bake.field.dims[a] - 1) / (lattice.resolution[a] - 1);
-  }
-  lattice.slot.assign(texels, TexelLattice<3>::inactive);
+  lattice = inactive_lattice<3>(bake.field.dims, dims_from(*radiance, path));
   const openvdb::CoordBBox box = box_of(lattice.resolution);
   for (auto texel = radiance->cbeginValueOn(); texel; ++texel) {
     if (!texel.isVoxelValue() || !box.isInside(texel.getCoord())) {

@@ -15,21 +15,17 @@ Vec<3, float> filled(const RadianceGrid<3>& grid, const Index<3>& texel) {
   if (own != TexelLattice<3>::inactive) return grid.radiance[own];
   Vec<3, float> sum(0);
   int count = 0;
-  Index<3> low, high, i;
+  Index<3> low, high;
   for (int a = 0; a < 3; ++a) {
     low[a] = std::max(0, texel[a] - 1);
-    high[a] = std::min(lattice.resolution[a] - 1, texel[a] + 1);
+    high[a] = std::min(lattice.resolution[a], texel[a] + 2);
   }
-  for (i[2] = low[2]; i[2] <= high[2]; ++i[2]) {
-    for (i[1] = low[1]; i[1] <= high[1]; ++i[1]) {
-      for (i[0] = low[0]; i[0] <= high[0]; ++i[0]) {
-        const std::int32_t slot = lattice.slot[lattice.linear(i)];
-        if (slot == TexelLattice<3>::inactive) continue;
-        sum += grid.radiance[slot];
-        ++count;
-      }
-    }
-  }
+  for_each_index<3>(low, high, [&](const Index<3>& neighbour) {
+    const std::int32_t slot = lattice.slot[lattice.linear(neighbour)];
+    if (slot == TexelLattice<3>::inactive) return;
+    sum += grid.radiance[slot];
+    ++count;
+  });
   return count > 0 ? sum / static_cast<float>(count) : sum;
 }
 

@@ -67,55 +67,33 @@ class Contour {
   }
 
  private:
-  std::size_t linear(const Index<3>& brick) const {
-    return (static_cast<std::size_t>(brick[2]) * bricks_.dims[1] + brick[1]) * bricks_.dims[0] +
-           brick[0];
-  }
+  std::size_t linear(const Index<3>& brick) const { return linear_number<3>(brick, bricks_.dims); }
 
   // Bricks with crossed cells, and those that own edges of such cells.
   void find_bricks() {
-    Index<3> b;
-    for (b[2] = 0; b[2] < bricks_.dims[2]; ++b[2]) {
-      for (b[1] = 0; b[1] < bricks_.dims[1]; ++b[1]) {
-        for (b[0] = 0; b[0] < bricks_.dims[0]; ++b[0]) {
-          if (!bricks_.at(b).crossed_by(isovalue_)) continue;
-          crossed_.push_back(b);
-          for (int corner = 0; corner < 8; ++corner) {
-            Index<3> owner;
-            bool exists = true;
-            for (int a = 0; a < 3; ++a) {
-              owner[a] = b[a] + ((corner >> a) & 1);
-              exists = exists && owner[a] < bricks_.dims[a];
-            }
-            if (exists) slot_[linear(owner)] = 0;
-          }
-        }
-      }
-    }
-    for (b[2] = 0; b[2] < bricks_.dims[2]; ++b[2]) {
-      for (b[1] = 0; b[1] < bricks_.dims[1]; ++b[1]) {
-        for (b[0] = 0; b[0] < bricks_.dims[0]; ++b[0]) {
-          std::int32_t& slot = slot_[linear(b)];
-          if (slot < 0) continue;
-          slot = static_cast<std::int32_t>(edges_.size());
-          edges_.push_back({b, {}, 0});
-        }
-      }
-    }
+    for_each_index<3>({}, bricks_.dims, [&](const Index<3>& brick) {
+      if (!bricks_.at(brick).crossed_by(isovalue_)) return;
+      crossed_.push_back(brick);
+      Index<3> behind;
+      for (int a = 0; a < 3; ++a) behind[a] = std::min(brick[a] + 2, bricks_.dims[a]);
+      for_each_index<3>(brick, behind, [&](const Index<3>& owner) { slot_[linear(owner)] = 0; });
+    });
+    for_each_index<3>({}, bricks_.dims, [&](const Index<3>& brick) {
+      std::int32_t& slot = slot_[linear(brick)];
+      if (slot < 0) return;
+      slot = static_cast<std::int32_t>(edges_.size());
+      edges_.push_back({brick, {}, 0});
+    });
   }
 
   template <class Visit>
   void for_each_voxel(const Index<3>& brick, int margin, Visit visit) const {
-    Index<3> low, high, i;
+    Index<3> low, high;
     for (int a = 0; a < 3; ++a) {
       low[a] = brick[a] << log2_brick;
       high[a] = std::min(low[a] + brick_size, field_.dims[a] - margin);
     }
-    for (i[2] = low[2]; i[2] < high[2]; ++i[2]) {
-      for (i[1] = low[1]; i[1] < high[1]; ++i[1]) {
-        for (i[0] = low[0]; i[0] < high[0]; ++i[0]) visit(i);
-      }
-    }
+    for_each_index<3>(low, high, visit);
   }
 
   std::size_t stride(int axis) const {

@@ -13,16 +13,7 @@ struct Frame {
   double scale;
 
   explicit Frame(const Field<D>& field) {
-    Vec<D> low(std::numeric_limits<double>::infinity()), high = -low;
-    for (int corner = 0; corner < (1 << D); ++corner) {
-      Vec<D> index;
-      for (int a = 0; a < D; ++a) index[a] = ((corner >> a) & 1) * (field.dims[a] - 1);
-      const Vec<D> p = field.index_to_world.point(index);
-      for (int a = 0; a < D; ++a) {
-        low[a] = std::min(low[a], p[a]);
-        high[a] = std::max(high[a], p[a]);
-      }
-    }
+    const auto [low, high] = world_box(field);
     double size = 0;
     for (int a = 0; a < D; ++a) size = std::max(size, high[a] - low[a]);
     centre = (low + high) * 0.5;

@@ -45,6 +45,14 @@ struct CellPoint {
 template <int D>
 CellPoint<D> locate(const Field<D>& field, const Vec<D>& index_position);
 
+// The box, parallel to the world's axes, that the voxels fill.
+template <int D>
+struct WorldBox {
+  Vec<D> low, high;
+};
+template <int D>
+WorldBox<D> world_box(const Field<D>& field);
+
 template <int D>
 bool inside(const Field<D>& field, const Vec<D>& index_position) {
   for (int a = 0; a < D; ++a) {

@@ -26,9 +26,9 @@ struct TexelLattice {
   std::int32_t nearest_slot(const Vec<D>& index_position) const;
 };
 
-// The resolution with `longest` texels along the longest axis and the field's proportions.
+// A lattice over a field of the given dimensions of which no texel is active.
 template <int D>
-Index<D> proportional_resolution(const Field<D>& field, int longest);
+TexelLattice<D> inactive_lattice(const Index<D>& dims, const Index<D>& resolution);
 
 // A texel is active if, somewhere within one texel of it, h takes a value of [low, high] on a
 // crossing. Throws Error when the lattice would not fit in memory.
