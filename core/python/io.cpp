@@ -9,7 +9,7 @@ namespace leaflight::python {
 namespace {
 
 py::tuple to_python(DenseVolume&& volume) {
-  return py::make_tuple(adopt<float>(std::move(volume.values), shape_zyx(volume.dims)),
+  return py::make_tuple(adopt<float>(std::move(volume.values), array_shape(volume.dims)),
                         from_affine(volume.index_to_world), volume.name);
 }
 
@@ -18,13 +18,19 @@ py::tuple to_python(DenseVolume&& volume) {
 void bind_io(py::module_& module) {
   module.def(
       "write_bake",
-      [](const std::string& path, const Field<3>& field, const RadianceGrid<3>& grid,
-         const Metadata& metadata) {
+      [](const std::string& path, const std::vector<std::shared_ptr<Field<3>>>& fields,
+         const std::vector<std::shared_ptr<RadianceGrid<3>>>& grids,
+         const std::shared_ptr<SurroundingsRadiance<3>>& surroundings, const Metadata& metadata) {
         const py::gil_scoped_release unlocked;
-        write_bake(path, field, grid, metadata);
+        std::vector<const Field<3>*> field_pointers;
+        for (const auto& field : fields) field_pointers.push_back(field.get());
+        Baked<3> baked;
+        for (const auto& grid : grids) baked.grids.push_back(*grid);
+        if (surroundings) baked.surroundings = *surroundings;
+        write_bake(path, field_pointers, baked, metadata);
       },
-      py::arg("path"), py::arg("field"), py::arg("grid"), py::arg("metadata"),
-      "Writes one .vdb under a temporary name and renames it.");
+      py::arg("path"), py::arg("fields"), py::arg("grids"), py::arg("surroundings").none(true),
+      py::arg("metadata"), "Writes one .vdb under a temporary name and renames it.");
   module.def(
       "read_bake",
       [](const std::string& path) {
@@ -33,12 +39,32 @@ void bind_io(py::module_& module) {
           const py::gil_scoped_release unlocked;
           bake = read_bake(path);
         }
-        return py::make_tuple(
-            adopt<float>(std::move(bake.field.values), shape_zyx(bake.field.dims)),
-            from_affine(bake.field.index_to_world),
-            std::make_shared<RadianceGrid<3>>(std::move(bake.grid)), bake.metadata);
+        py::list fields, grids;
+        for (DenseVolume& field : bake.fields) {
+          fields.append(
+              py::make_tuple(adopt<float>(std::move(field.values), array_shape(field.dims)),
+                             from_affine(field.index_to_world)));
+        }
+        for (RadianceGrid<3>& grid : bake.baked.grids) {
+          grids.append(std::make_shared<RadianceGrid<3>>(std::move(grid)));
+        }
+        std::shared_ptr<SurroundingsRadiance<3>> surroundings;
+        if (!bake.baked.surroundings.empty()) {
+          surroundings =
+              std::make_shared<SurroundingsRadiance<3>>(std::move(bake.baked.surroundings));
+        }
+        return py::make_tuple(fields, grids, surroundings, bake.metadata);
       },
-      py::arg("path"), "(values [z, y, x], index_to_world, RadianceGrid, metadata) of a bake.");
+      py::arg("path"),
+      "([(values [z, y, x], index_to_world), ...], [RadianceGrid, ...], SurroundingsRadiance or\n"
+      "None, metadata) of a bake. The surroundings need attach_surroundings() before use.");
+  module.def(
+      "attach_surroundings",
+      [](SurroundingsRadiance<3>& surroundings, const Scene<3>& scene) {
+        attach(surroundings, scene.meshes, scene.window);
+      },
+      py::arg("surroundings"), py::arg("scene"),
+      "Gives a radiance that was read from a file the meshes of its scene. Raises LeaflightError.");
   module.def(
       "read_vdb_volume",
       [](const std::string& path, const std::string& grid) {

@@ -5,6 +5,7 @@
 
 #include "leaflight/bake/bake.h"
 #include "leaflight/transport/reference.h"
+#include "scenes.h"
 
 namespace leaflight::test {
 
@@ -29,10 +30,10 @@ Agreement agreement(const Scene<D>& scene, const std::vector<Vec<D>>& points,
   settings.photons = photons;
   settings.estimator = estimator;
   Progress progress;
-  const RadianceGrid<D> grid = bake(scene, settings, progress);
+  const Baked<D> baked_scene = bake(scene, settings, progress);
   double baked = 0, truth = 0, square = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto radiance = lookup(grid, scene.field.world_to_index.point(points[i]));
+    const auto radiance = lookup_world(scene, baked_scene, points[i]);
     for (int k = 0; k < 3; ++k) {
       baked += radiance[k];
       truth += reference[i].radiance[k];

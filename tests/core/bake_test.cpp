@@ -30,7 +30,8 @@ bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
                      a.size() * sizeof(T)) == 0;
 }
 
-bool same_bits(const RadianceGrid<3>& a, const RadianceGrid<3>& b) {
+bool same_bits(const Baked<3>& bake_a, const Baked<3>& bake_b) {
+  const RadianceGrid<3>&a = bake_a.grids[0], &b = bake_b.grids[0];
   return a.lattice.active == b.lattice.active && same_bits(a.radiance, b.radiance) &&
          same_bits(a.radiance_indirect, b.radiance_indirect) &&
          same_bits(a.radiance_error, b.radiance_error);
@@ -42,15 +43,15 @@ TEST(Bake, IsTheSameForAnyNumberOfThreads) {
        {EstimatorName::gather, EstimatorName::volumetric, EstimatorName::path}) {
     BakeSettings<3> settings = quick();
     settings.estimator = estimator;
-    std::vector<RadianceGrid<3>> grids;
+    std::vector<Baked<3>> bakes;
     for (const int threads : {1, 2, 5}) {
       settings.threads = threads;
       Progress progress;
-      grids.push_back(bake(scene, settings, progress));
-      EXPECT_EQ(grids.back().statistics.rays, grids.front().statistics.rays);
+      bakes.push_back(bake(scene, settings, progress));
+      EXPECT_EQ(bakes.back().statistics.rays, bakes.front().statistics.rays);
     }
-    EXPECT_TRUE(same_bits(grids[0], grids[1]));
-    EXPECT_TRUE(same_bits(grids[0], grids[2]));
+    EXPECT_TRUE(same_bits(bakes[0], bakes[1]));
+    EXPECT_TRUE(same_bits(bakes[0], bakes[2]));
   }
 }
 
@@ -58,9 +59,9 @@ TEST(Bake, DependsOnTheSeed) {
   const Scene<3> scene = small_scene();
   BakeSettings<3> settings = quick();
   Progress first, second;
-  const RadianceGrid<3> a = bake(scene, settings, first);
+  const Baked<3> a = bake(scene, settings, first);
   settings.seed = 1;
-  const RadianceGrid<3> b = bake(scene, settings, second);
+  const Baked<3> b = bake(scene, settings, second);
   EXPECT_FALSE(same_bits(a, b));
 }
 
@@ -95,7 +96,7 @@ TEST(Bake, ReportsProgress) {
 TEST(Bake, StoresOnlyTexelsThatALeafReaches) {
   const Scene<3> scene = test::cornell(test::ball<3>(49), {0.85, 0.9});
   Progress progress;
-  const RadianceGrid<3> grid = bake(scene, quick(), progress);
+  const RadianceGrid<3> grid = bake(scene, quick(), progress).grids[0];
   EXPECT_GT(grid.lattice.active.size(), 200u);
   EXPECT_LT(grid.lattice.active.size(), grid.lattice.texels() / 20);
 }
@@ -107,52 +108,64 @@ TEST(Bake, OtherResolutionsThanTheField) {
     settings.samples = 32;
     settings.resolution = resolution;
     Progress progress;
-    const RadianceGrid<3> grid = bake(scene, settings, progress);
+    const RadianceGrid<3> grid = bake(scene, settings, progress).grids[0];
     EXPECT_EQ(grid.lattice.resolution, resolution);
     // The top of the ball, in index coordinates of the field: lit by the lamp above it.
-    EXPECT_GT(lookup(grid, {12, 12, 12 + 24 * 0.28}).y, 0.3);
+    EXPECT_GT(lookup(grid.lattice, grid.radiance, {12, 12, 12 + 24 * 0.28}).y, 0.3);
   }
+}
+
+Plan plan_for(const Scene<3>& scene, EstimatorName estimator) {
+  BakeSettings<3> settings;
+  settings.estimator = estimator;
+  return make_plan(scene, settings);
 }
 
 TEST(Plan, SaysWhatItSkipsAndWhy) {
   Scene<3> scene = small_scene();
-  const Plan all = make_plan(scene, EstimatorName::gather);
-  ASSERT_EQ(all.skipped.size(), 1u);
-  EXPECT_EQ(all.skipped[0].pass, "inner side");
+  const Plan all = plan_for(scene, EstimatorName::gather);
+  std::vector<std::string> skipped;
+  for (const SkippedPass& pass : all.skipped) skipped.push_back(pass.pass);
+  const std::vector<std::string> expected{"specular light", "caustics",
+                                          "radiance of the surroundings", "inner side",
+                                          "radiance of the inner side"};
+  EXPECT_EQ(skipped, expected);
   EXPECT_FALSE(all.inner_side);
 
-  const Plan path = make_plan(scene, EstimatorName::path);
+  const Plan path = plan_for(scene, EstimatorName::path);
   EXPECT_FALSE(path.photons);
   EXPECT_TRUE(path.indirect);
 
   scene.meshes.clear();
-  EXPECT_FALSE(make_plan(scene, EstimatorName::gather).surroundings_cache);
-  EXPECT_TRUE(make_plan(scene, EstimatorName::gather).photons);
+  EXPECT_FALSE(plan_for(scene, EstimatorName::gather).surroundings_cache);
+  EXPECT_TRUE(plan_for(scene, EstimatorName::gather).photons);
 
-  scene.leaf_albedo = Rgb(0);
-  const Plan black = make_plan(scene, EstimatorName::gather);
+  scene.volumes[0].albedo = Rgb(0);
+  const Plan black = plan_for(scene, EstimatorName::gather);
   EXPECT_FALSE(black.indirect);
   EXPECT_FALSE(black.photons);
-  EXPECT_EQ(black.skipped.size(), 4u);
+  EXPECT_EQ(black.skipped.size(), 8u);
 }
 
 TEST(Plan, InnerSideIsNeededWhereALeafIsOpen) {
   Scene<3> open = small_scene();
   open.window = {0.1, 0.9};  // the lowest leaves meet the border of the domain
-  EXPECT_TRUE(make_plan(open, EstimatorName::gather).inner_side);
+  EXPECT_TRUE(plan_for(open, EstimatorName::gather).inner_side);
   Scene<3> lit_inside = small_scene();
   lit_inside.lights.push_back(
-      {"inner lamp", {0.5, 0.5, 0.5}, {Vec3(0.1, 0, 0), Vec3(0, 0.1, 0)}, Rgb(1)});
-  EXPECT_TRUE(make_plan(lit_inside, EstimatorName::gather).inner_side);
+      AreaLight<3>{"inner lamp", {0.5, 0.5, 0.5}, {Vec3(0.1, 0, 0), Vec3(0, 0.1, 0)}, Rgb(1)});
+  EXPECT_TRUE(plan_for(lit_inside, EstimatorName::gather).inner_side);
 }
 
 TEST(Plan, ForcingASkippedPassChangesNothing) {
   const Scene<3> scene = small_scene();
-  Plan forced = make_plan(scene, EstimatorName::gather);
+  Plan forced = plan_for(scene, EstimatorName::gather);
   forced.inner_side = true;
   Progress first, second;
   EXPECT_TRUE(same_bits(bake(scene, quick(), first), bake(scene, quick(), forced, second)));
 }
+
+AreaLight<3>& lamp(Scene<3>& scene) { return std::get<AreaLight<3>>(scene.lights[0]); }
 
 TEST(Bake, RefusesBadScenes) {
   const auto message = [](const Scene<3>& scene) -> std::string {
@@ -168,10 +181,10 @@ TEST(Bake, RefusesBadScenes) {
   scene.lights.clear();
   EXPECT_NE(message(scene).find("no light"), std::string::npos);
   scene = small_scene();
-  scene.lights[0].edges[0] = Vec3(0.0);
+  lamp(scene).edges[0] = Vec3(0.0);
   EXPECT_NE(message(scene).find("'lamp' has no area"), std::string::npos);
   scene = small_scene();
-  scene.lights[0].radiance = Rgb(-1);
+  lamp(scene).radiance = Rgb(-1);
   EXPECT_NE(message(scene).find("'lamp'"), std::string::npos);
   scene = small_scene();
   scene.meshes[2].albedo = Rgb(1.5f);
@@ -192,8 +205,8 @@ TEST(Bake, RefusesBadScenes) {
 
 TEST(Atlas, HoldsTheTexels) {
   Progress progress;
-  const RadianceGrid<3> grid = bake(small_scene(), quick(), progress);
-  const Atlas atlas = make_atlas(grid);
+  const RadianceGrid<3> grid = bake(small_scene(), quick(), progress).grids[0];
+  const Atlas atlas = make_atlas(grid.lattice, grid.radiance);
   const Index<3>& n = grid.lattice.resolution;
   EXPECT_EQ(atlas.width, atlas.columns * n[0]);
   EXPECT_EQ(atlas.height, atlas.rows * n[1]);

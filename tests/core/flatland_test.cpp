@@ -37,14 +37,14 @@ void add_wall(Scene<2>& scene, const Wall& wall, const Rgb& albedo) {
 }
 
 Scene<2> disc_scene(const Rgb& leaf_albedo) {
-  return {test::ball<2>(65), leaf_albedo, {}, {}, {0.55, 0.9}};
+  return test::scene_of(test::ball<2>(65), leaf_albedo, {0.55, 0.9});
 }
 
 Scene<2> furnace(double albedo) {
   Scene<2> scene = disc_scene(Rgb(1));
   for (const Wall& wall : walls) {
     add_wall(scene, wall, Rgb(static_cast<Real>(albedo)));
-    scene.lights.push_back({"glow", wall.corner, {wall.edge}, Rgb(1)});
+    scene.lights.push_back(AreaLight<2>{"glow", wall.corner, {wall.edge}, Rgb(1)});
   }
   return scene;
 }
@@ -55,7 +55,7 @@ Scene<2> coloured_box() {
   add_wall(scene, walls[1], Rgb(0.1f, 0.5f, 0.1f));
   add_wall(scene, walls[2], Rgb(0.7f));
   add_wall(scene, walls[3], Rgb(0.6f, 0.1f, 0.1f));
-  scene.lights.push_back({"lamp", {0.8, 1.25}, {Point(-0.6, 0)}, Rgb(3)});
+  scene.lights.push_back(AreaLight<2>{"lamp", {0.8, 1.25}, {Point(-0.6, 0)}, Rgb(3)});
   return scene;
 }
 
@@ -72,19 +72,20 @@ std::vector<Point> disc_points(const Field<2>& field, int n) {
 TEST(Flatland, FurnaceIsExact) {
   for (const double albedo : {0.5, 0.8}) {
     const Scene<2> scene = furnace(albedo);
-    const std::vector<Point> points = disc_points(scene.field, 64);
+    const std::vector<Point> points = disc_points(test::field_of(scene), 64);
     Progress progress;
-    EXPECT_NEAR(
-        test::mean_of(reference_radiance(scene, points, c, 8192, 1, progress)) * (1 - albedo), 1,
-        0.01);
+    EXPECT_NEAR(test::mean_of(reference_radiance(scene, points,
+                                                 test::reference_settings(c, 8192, 1), progress)) *
+                    (1 - albedo),
+                1, 0.01);
     for (const EstimatorName estimator : {EstimatorName::gather, EstimatorName::volumetric}) {
       BakeSettings<2> settings;
       settings.samples = 64;
       settings.photons = 1'000'000;
       settings.estimator = estimator;
-      const RadianceGrid<2> grid = bake(scene, settings, progress);
+      const Baked<2> baked_scene = bake(scene, settings, progress);
       double sum = 0;
-      for (const Point& p : points) sum += lookup(grid, scene.field.world_to_index.point(p)).x;
+      for (const Point& p : points) sum += test::lookup_world(scene, baked_scene, p).x;
       EXPECT_NEAR(sum / static_cast<double>(points.size()) * (1 - albedo), 1, 0.01);
     }
   }
@@ -93,32 +94,33 @@ TEST(Flatland, FurnaceIsExact) {
 // A segment seen under the angles theta from the normal gives the irradiance L (sin a - sin b); the
 // BRDF of the plane is albedo / 2 (thesis 3.3.7).
 TEST(Flatland, DirectLightOfASegmentHasTheClosedForm) {
-  Scene<2> scene{
-      test::sampled<2>(33, [](const Point& x) { return x.y; }), Rgb(0.8f), {}, {}, {0.2, 0.8}};
-  scene.lights = {{"lamp", {0.2, -0.4}, {Point(0.5, 0)}, Rgb(2)}};
+  Scene<2> scene = test::scene_of(test::sampled<2>(33, [](const Point& x) { return x.y; }),
+                                  Rgb(0.8f), {0.2, 0.8});
+  scene.lights = {AreaLight<2>{"lamp", {0.2, -0.4}, {Point(0.5, 0)}, Rgb(2)}};
   std::vector<Point> points;
   for (int i = 1; i < 20; ++i) points.emplace_back(i / 20.0, 0.5);
   Progress progress;
-  const auto reference = reference_radiance(scene, points, 0.5, 2048, 1, progress);
+  const auto reference =
+      reference_radiance(scene, points, test::reference_settings(0.5, 2048, 1), progress);
   BakeSettings<2> settings;
   settings.samples = 256;
-  const RadianceGrid<2> grid = bake(scene, settings, progress);
+  const Baked<2> baked_scene = bake(scene, settings, progress);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto sine = [&](double x) {
       return (x - points[i].x) / std::hypot(x - points[i].x, 0.9);
     };
     const double expected = 0.8 / 2 * 2 * (sine(0.7) - sine(0.2));
     EXPECT_NEAR(reference[i].radiance.x, expected, 5.5 * reference[i].standard_error.x + 1e-5);
-    EXPECT_NEAR(lookup(grid, scene.field.world_to_index.point(points[i])).x, expected,
-                0.02 * expected);
+    EXPECT_NEAR(test::lookup_world(scene, baked_scene, points[i]).x, expected, 0.02 * expected);
   }
 }
 
 TEST(Flatland, EstimatorsAgreeWithThePathTracer) {
   const Scene<2> scene = coloured_box();
-  const std::vector<Point> points = disc_points(scene.field, 200);
+  const std::vector<Point> points = disc_points(test::field_of(scene), 200);
   Progress progress;
-  const auto reference = reference_radiance(scene, points, c, 4096, 3, progress);
+  const auto reference =
+      reference_radiance(scene, points, test::reference_settings(c, 4096, 3), progress);
   for (const EstimatorName estimator :
        {EstimatorName::gather, EstimatorName::volumetric, EstimatorName::path}) {
     const test::Agreement found =

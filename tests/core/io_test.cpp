@@ -49,7 +49,7 @@ std::string message_of(Call call) {
   return "";
 }
 
-RadianceGrid<3> small_bake(const Scene<3>& scene) {
+Baked<3> small_bake(const Scene<3>& scene) {
   BakeSettings<3> settings;
   settings.samples = 4;
   settings.photons = 10'000;
@@ -67,43 +67,46 @@ TEST_F(Files, BakeComesBack) {
   skewed.origin = Vec3(-5, 2, 300);
   Scene<3> scene =
       test::cornell(test::field_from<3>(values, whole.dims, whole.index_to_world), {0.6, 0.9});
-  const RadianceGrid<3> grid = small_bake(scene);
+  const Baked<3> baked = small_bake(scene);
+  const RadianceGrid<3>& grid = baked.grids[0];
   const Field<3> field = test::field_from<3>(values, whole.dims, skewed);
-  write_bake(path("a.vdb"), field, grid,
+  write_bake(path("a.vdb"), {&field}, baked,
              {{"name", "ball"}, {"settings", "{}"}, {"statistics", "42 s"}});
   EXPECT_EQ(count(), 1u) << "no temporary file is left";
 
   const StoredBake stored = read_bake(path("a.vdb"));
+  const RadianceGrid<3>& again = stored.baked.grids[0];
   EXPECT_EQ(stored.metadata.at("name"), "ball");
   EXPECT_EQ(stored.metadata.at("statistics"), "42 s");
-  EXPECT_EQ(stored.field.dims, field.dims);
+  EXPECT_EQ(stored.fields[0].dims, field.dims);
   for (std::size_t v = 0; v < values.size(); ++v) {
     if (std::isnan(values[v])) {
-      EXPECT_TRUE(std::isnan(stored.field.values[v]));
+      EXPECT_TRUE(std::isnan(stored.fields[0].values[v]));
     } else {
-      ASSERT_EQ(stored.field.values[v], values[v]);
+      ASSERT_EQ(stored.fields[0].values[v], values[v]);
     }
   }
-  EXPECT_LT((stored.field.index_to_world.point({3, 4, 5}) - skewed.point({3, 4, 5})).length(),
+  EXPECT_LT((stored.fields[0].index_to_world.point({3, 4, 5}) - skewed.point({3, 4, 5})).length(),
             1e-9);
-  EXPECT_EQ(stored.grid.lattice.active, grid.lattice.active);
-  EXPECT_EQ(stored.grid.lattice.resolution, grid.lattice.resolution);
+  EXPECT_EQ(again.lattice.active, grid.lattice.active);
+  EXPECT_EQ(again.lattice.resolution, grid.lattice.resolution);
   for (std::size_t s = 0; s < grid.radiance.size(); ++s) {
     for (int k = 0; k < 3; ++k) {
       // Half precision on disk.
-      ASSERT_NEAR(stored.grid.radiance[s][k], grid.radiance[s][k],
-                  grid.radiance[s][k] / 2000 + 1e-7);
+      ASSERT_NEAR(again.radiance[s][k], grid.radiance[s][k], grid.radiance[s][k] / 2000 + 1e-7);
     }
   }
-  EXPECT_NEAR(lookup(stored.grid, {8, 8, 12.5}).y, lookup(grid, {8, 8, 12.5}).y, 2e-3);
+  EXPECT_NEAR(lookup(again.lattice, again.radiance, {8, 8, 12.5}).y,
+              lookup(grid.lattice, grid.radiance, {8, 8, 12.5}).y, 2e-3);
 }
 
 TEST_F(Files, VdbVolumeComesBack) {
   const Scene<3> scene = test::cornell(test::ball<3>(17), {0.6, 0.9});
-  write_bake(path("a.vdb"), scene.field, small_bake(scene), {});
+  write_bake(path("a.vdb"), {&test::field_of(scene)}, small_bake(scene), {});
   const DenseVolume volume = read_vdb_volume(path("a.vdb"), "field");
-  EXPECT_EQ(volume.dims, scene.field.dims);
-  EXPECT_EQ(volume.values[volume.values.size() / 2], scene.field.values[volume.values.size() / 2]);
+  EXPECT_EQ(volume.dims, test::field_of(scene).dims);
+  EXPECT_EQ(volume.values[volume.values.size() / 2],
+            test::field_of(scene).values[volume.values.size() / 2]);
   EXPECT_NE(message_of([&] { read_vdb_volume(path("a.vdb"), "smoke"); }).find("no grid 'smoke'"),
             std::string::npos);
   EXPECT_NE(message_of([&] { read_vdb_volume(path("a.vdb"), "radiance"); }).find("scalars"),
@@ -112,7 +115,7 @@ TEST_F(Files, VdbVolumeComesBack) {
 
 TEST_F(Files, DamagedVdbIsRefused) {
   const Scene<3> scene = test::cornell(test::ball<3>(17), {0.6, 0.9});
-  write_bake(path("a.vdb"), scene.field, small_bake(scene), {});
+  write_bake(path("a.vdb"), {&test::field_of(scene)}, small_bake(scene), {});
   const std::uintmax_t size = fs::file_size(path("a.vdb"));
   for (const double kept : {0.999, 0.9, 0.5, 0.1, 0.01}) {
     fs::resize_file(path("a.vdb"), static_cast<std::uintmax_t>(kept * static_cast<double>(size)));

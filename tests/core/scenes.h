@@ -2,9 +2,40 @@
 #pragma once
 
 #include "fields.h"
-#include "leaflight/scene/scene.h"
+#include "leaflight/bake/bake.h"
 
 namespace leaflight::test {
+
+// One volume, nothing around it.
+template <int D>
+Scene<D> scene_of(Field<D> field, const Rgb& albedo, const IsovalueWindow& window) {
+  Scene<D> scene;
+  scene.volumes.resize(1);
+  scene.volumes[0].field = std::move(field);
+  scene.volumes[0].albedo = albedo;
+  scene.window = window;
+  return scene;
+}
+
+template <int D>
+const Field<D>& field_of(const Scene<D>& scene) {
+  return scene.volumes[0].field;
+}
+
+// Radiance of the first volume's outer side at a point of the world.
+template <int D>
+Vec<3, float> lookup_world(const Scene<D>& scene, const Baked<D>& baked, const Vec<D>& point) {
+  return lookup(baked.grids[0].lattice, baked.grids[0].radiance,
+                field_of(scene).world_to_index.point(point));
+}
+
+inline ReferenceSettings reference_settings(double c, int samples, std::uint64_t seed) {
+  ReferenceSettings settings;
+  settings.c = c;
+  settings.samples = samples;
+  settings.seed = seed;
+  return settings;
+}
 
 // A rectangle as two triangles.
 inline Mesh<3> wall(const std::string& name, const Vec3& corner, const Vec3& u, const Vec3& v,
@@ -32,17 +63,17 @@ inline std::vector<Side> cube_sides(double low, double high) {
 // A closed box whose walls emit `emission` and reflect `albedo`, around a field of the unit cube:
 // everything in it, if the leaves are white, has the radiance emission / (1 - albedo).
 inline Scene<3> furnace(Field<3> field, const IsovalueWindow& window, Real emission, Real albedo) {
-  Scene<3> scene{std::move(field), Rgb(1), {}, {}, window};
+  Scene<3> scene = scene_of(std::move(field), Rgb(1), window);
   for (const Side& side : cube_sides(-0.3, 1.3)) {
     scene.meshes.push_back(wall("wall", side.corner, side.u, side.v, Rgb(albedo)));
-    scene.lights.push_back({"glow", side.corner, {side.u, side.v}, Rgb(emission)});
+    scene.lights.push_back(AreaLight<3>{"glow", side.corner, {side.u, side.v}, Rgb(emission)});
   }
   return scene;
 }
 
 // A box open towards -y with a coloured wall on each side and a lamp below its ceiling.
 inline Scene<3> cornell(Field<3> field, const IsovalueWindow& window) {
-  Scene<3> scene{std::move(field), Rgb(0.75f), {}, {}, window};
+  Scene<3> scene = scene_of(std::move(field), Rgb(0.75f), window);
   const std::vector<Side> sides = cube_sides(-0.3, 1.3);
   const std::vector<Rgb> albedos{Rgb(0.63f, 0.06f, 0.05f), Rgb(0),    Rgb(0.7f),
                                  Rgb(0.14f, 0.45f, 0.09f), Rgb(0.7f), Rgb(0.7f)};
@@ -51,7 +82,8 @@ inline Scene<3> cornell(Field<3> field, const IsovalueWindow& window) {
     scene.meshes.push_back(
         wall("wall " + std::to_string(i), sides[i].corner, sides[i].u, sides[i].v, albedos[i]));
   }
-  scene.lights.push_back({"lamp", {0.2, 0.2, 1.28}, {Vec3(0, 0.6, 0), Vec3(0.6, 0, 0)}, Rgb(3.0f)});
+  scene.lights.push_back(
+      AreaLight<3>{"lamp", {0.2, 0.2, 1.28}, {Vec3(0, 0.6, 0), Vec3(0.6, 0, 0)}, Rgb(3.0f)});
   return scene;
 }
 

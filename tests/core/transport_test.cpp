@@ -36,8 +36,8 @@ TEST_P(Furnace, PathTracerIsExact) {
   const Scene<3> scene =
       test::furnace(test::ball<3>(33), {0.55, 0.9}, 1, static_cast<Real>(albedo));
   Progress progress;
-  const auto reference =
-      reference_radiance(scene, leaf_points(scene.field, c, 40), c, 8192, 1, progress);
+  const auto reference = reference_radiance(scene, leaf_points(test::field_of(scene), c, 40),
+                                            test::reference_settings(c, 8192, 1), progress);
   ASSERT_GT(reference.size(), 50u);
   EXPECT_NEAR(test::mean_of(reference) * (1 - albedo), 1, 0.01);
   for (const auto& r : reference) {
@@ -58,11 +58,11 @@ TEST_P(Furnace, BakesAreExact) {
     settings.photons = 1'000'000;
     settings.estimator = estimator;
     Progress progress;
-    const RadianceGrid<3> grid = bake(scene, settings, progress);
+    const Baked<3> baked_scene = bake(scene, settings, progress);
     double sum = 0;
-    const std::vector<Vec3> points = leaf_points(scene.field, c, 7);
+    const std::vector<Vec3> points = leaf_points(test::field_of(scene), c, 7);
     for (const Vec3& p : points) {
-      sum += lookup(grid, scene.field.world_to_index.point(p)).x;
+      sum += test::lookup_world(scene, baked_scene, p).x;
     }
     EXPECT_NEAR(sum / static_cast<double>(points.size()) * (1 - albedo), 1, 0.01)
         << (estimator == EstimatorName::gather ? "gather" : "volumetric");
@@ -84,15 +84,15 @@ double lambert_irradiance(const Vec3& p, const Vec3& n, const std::vector<Vec3>&
 
 TEST(DirectLight, RectangleOverPlaneHasTheClosedForm) {
   // h = z: the leaves are planes whose outside faces -z, towards a lamp below.
-  Scene<3> scene{
-      test::sampled<3>(25, [](const Vec3& x) { return x.z; }), Rgb(0.8f), {}, {}, {0.2, 0.8}};
-  const RectangleLight<3> lamp{
+  Scene<3> scene = test::scene_of(test::sampled<3>(25, [](const Vec3& x) { return x.z; }),
+                                  Rgb(0.8f), {0.2, 0.8});
+  const AreaLight<3> lamp{
       "lamp", {0.1, 0.3, -0.4}, {Vec3(0.5, 0, 0), Vec3(0, 0.3, 0)}, Rgb(2, 1, 4)};
   scene.lights = {lamp};
   BakeSettings<3> settings;
   settings.samples = 256;
   Progress progress;
-  const RadianceGrid<3> grid = bake(scene, settings, progress);
+  const Baked<3> baked_scene = bake(scene, settings, progress);
   const std::vector<Vec3> polygon{lamp.point({0, 0}), lamp.point({1, 0}), lamp.point({1, 1}),
                                   lamp.point({0, 1})};
   Random random(5);
@@ -100,7 +100,8 @@ TEST(DirectLight, RectangleOverPlaneHasTheClosedForm) {
   for (int i = 0; i < 200; ++i) {
     points.emplace_back(0.1 + 0.8 * random.uniform(), 0.1 + 0.8 * random.uniform(), 0.5);
   }
-  const auto reference = reference_radiance(scene, points, 0.5, 1024, 2, progress);
+  const auto reference =
+      reference_radiance(scene, points, test::reference_settings(0.5, 1024, 2), progress);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double expected = 0.8 / pi * lambert_irradiance(points[i], {0, 0, -1}, polygon);
     for (int k = 0; k < 3; ++k) {
@@ -108,16 +109,17 @@ TEST(DirectLight, RectangleOverPlaneHasTheClosedForm) {
                   5.5 * reference[i].standard_error[k] + 1e-5);
     }
     // The texel's average over a small box curves the closed form a little.
-    const auto baked = lookup(grid, scene.field.world_to_index.point(points[i]));
+    const auto baked = test::lookup_world(scene, baked_scene, points[i]);
     EXPECT_NEAR(baked.x, expected * 2, 0.02 * expected * 2);
   }
 }
 
 test::Agreement agreement_with_paths(const Scene<3>& scene, double isovalue,
                                      EstimatorName estimator, int samples, std::uint64_t photons) {
-  const std::vector<Vec3> points = leaf_points(scene.field, isovalue, 17);
+  const std::vector<Vec3> points = leaf_points(test::field_of(scene), isovalue, 17);
   Progress progress;
-  const auto reference = reference_radiance(scene, points, isovalue, 1024, 3, progress);
+  const auto reference =
+      reference_radiance(scene, points, test::reference_settings(isovalue, 1024, 3), progress);
   return test::agreement(scene, points, reference, estimator, samples, photons);
 }
 

@@ -63,45 +63,73 @@ class Baker {
  public:
   Baker(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
         Progress& progress)
-      : settings_(settings),
-        plan_(plan),
-        progress_(progress),
-        tracer_(scene),
-        lights_(tracer_),
-        lattice_(make_lattice(scene.field, resolution(scene.field, settings), scene.window.min,
-                              scene.window.max)) {}
-
-  RadianceGrid<D> run() {
-    if (lattice_.active.empty()) {
-      throw Error(
-          "No isosurface of the isovalue window passes through the volume; widen the window.");
+      : settings_(settings), plan_(plan), progress_(progress), tracer_(scene), lights_(tracer_) {
+    for (const Volume<D>& volume : scene.volumes) {
+      const Index<D> resolution =
+          settings.resolution == Index<D>{} ? volume.field.dims : settings.resolution;
+      // What a mirror or glass shows depends on the view, so that no texel can hold it.
+      const bool stored = volume.scattering == Scattering::diffuse;
+      lattices_.push_back(stored ? make_lattice(volume.field, resolution,
+                                                volume.isovalue(scene.window.min),
+                                                volume.isovalue(scene.window.max))
+                                 : inactive_lattice<D>(volume.field.dims, resolution));
     }
-    const bool path = settings_.estimator == EstimatorName::path;
-    const double texel_rays = static_cast<double>(lattice_.active.size()) * settings_.samples;
-    progress_.expect(
-        (plan_.photons ? rays_per_photon * static_cast<double>(settings_.photons) : 0) +
-        texel_rays * (1 + indirect_work()));
-    if (plan_.photons) trace_photons_into_caches();
-    const std::vector<Average> direct = direct_pass();
-    std::vector<Average> indirect(direct.size());
-    if (plan_.indirect) {
-      if (path) {
-        indirect = indirect_pass(*make_path_estimator(tracer_, lights_));
-      } else if (settings_.estimator == EstimatorName::volumetric) {
-        indirect = indirect_pass(*make_volumetric_estimator(*leaves_, lattice_));
-      } else {
-        std::vector<Rgb> outer_direct(direct.size());
-        for (std::size_t s = 0; s < direct.size(); ++s) outer_direct[s] = direct[s].mean;
-        indirect = indirect_pass(
-            *make_gather_estimator(tracer_, *leaves_, *surroundings_, lattice_, outer_direct));
+  }
+
+  Baked<D> run() {
+    check_anything_to_bake();
+    expect_work();
+    if (plan_.photons || plan_.caustics) trace_photons_into_caches();
+    const std::size_t n = lattices_.size();
+    leaves_.resize(n);
+    std::array<std::vector<std::vector<Average>>, 2> direct;
+    for (int side = 0; side < sides(); ++side) {
+      progress_.begin(side == 0 ? "Direct light" : "Direct light of the inner side");
+      for (std::size_t v = 0; v < n; ++v) direct[side].push_back(direct_pass(v, side != 0));
+    }
+    for (std::size_t v = 0; v < n; ++v) {
+      leaves_[v].lattice = &lattices_[v];
+      leaves_[v].photons = caches_.empty() ? nullptr : caches_[v].get();
+      for (int side = 0; side < sides(); ++side) {
+        for (const Average& a : direct[side][v]) leaves_[v].direct[side].push_back(a.mean);
       }
     }
-    return assemble(direct, indirect);
+    const std::unique_ptr<IndirectEstimator<D>> estimator = make_estimator();
+    Baked<D> baked;
+    for (std::size_t v = 0; v < n; ++v) {
+      std::array<std::vector<Average>, 2> indirect;
+      for (int side = 0; side < sides(); ++side) {
+        progress_.begin(side == 0 ? "Indirect light" : "Indirect light of the inner side");
+        indirect[side] = indirect_pass(v, side != 0, estimator.get());
+      }
+      baked.grids.push_back(assemble(v, direct, indirect));
+    }
+    if (plan_.surroundings) baked.surroundings = surroundings_pass(estimator.get());
+    for (std::size_t v = 0; v < n; ++v) baked.grids[v].lattice = std::move(lattices_[v]);
+    baked.statistics.rays = rays_;
+    baked.statistics.skipped = plan_.skipped;
+    return baked;
   }
 
  private:
-  static Index<D> resolution(const Field<D>& field, const BakeSettings<D>& settings) {
-    return settings.resolution == Index<D>{} ? field.dims : settings.resolution;
+  const Scene<D>& scene() const { return tracer_.scene(); }
+  int sides() const { return plan_.back ? 2 : 1; }
+  bool gathers() const { return settings_.estimator == EstimatorName::gather; }
+
+  void check_anything_to_bake() const {
+    std::size_t texels = 0;
+    for (const TexelLattice<D>& lattice : lattices_) texels += lattice.active.size();
+    if (texels > 0 || plan_.surroundings) return;
+    for (const Volume<D>& volume : scene().volumes) {
+      if (volume.scattering != Scattering::diffuse) {
+        throw Error("What the isosurfaces of the volume '" + volume.name +
+                    "' show depends on the view, since they are " +
+                    (volume.scattering == Scattering::mirror ? "mirrors" : "glass") +
+                    ", and nothing else is to be baked; bake the surroundings too.");
+      }
+    }
+    throw Error(
+        "No isosurface of the isovalue window passes through the volume; widen the window.");
   }
 
   double indirect_work() const {
@@ -109,23 +137,51 @@ class Baker {
     return settings_.estimator == EstimatorName::path ? rays_per_path : rays_per_gather;
   }
 
-  void trace_photons_into_caches() {
-    progress_.begin("Tracing photons");
-    // The largest flux-height with which any photon starts (thesis Eq. 4.4).
-    const double photon_flux = lights_.largest_flux() * tracer_.scene().window.height() /
-                               static_cast<double>(settings_.photons);
-    leaves_.emplace(tracer_, lattice_, plan_.inner_side, photon_flux, settings_.photons);
-    if (plan_.surroundings_cache || settings_.estimator == EstimatorName::gather) {
-      surroundings_.emplace(tracer_, photon_flux, settings_.photons);
+  void expect_work() {
+    double texels = 0;
+    for (const TexelLattice<D>& lattice : lattices_) texels += lattice.active.size();
+    double points = sides() * texels;
+    if (plan_.surroundings) {
+      fine_ = refine(scene().meshes);
+      for (const FineMesh<D>& mesh : fine_) {
+        points += 2.0 * SurroundingsRadiance<D>::nodes * mesh.vertices.size();
+      }
     }
-    parallel_range(settings_.photons, photons_per_piece, rays_per_photon, progress_,
-                   [&](std::size_t begin, std::size_t end) {
-                     rays_ += trace_photons(tracer_, lights_, settings_.seed, begin, end,
-                                            settings_.photons,
-                                            [&](const PhotonHit<D>& photon) { store(photon); });
-                   });
-    leaves_->finish(progress_);
-    if (!plan_.surroundings_cache) return;
+    const double photons =
+        (plan_.photons ? settings_.photons : 0) + (plan_.caustics ? settings_.caustic_photons : 0);
+    progress_.expect(rays_per_photon * photons +
+                     points * settings_.samples * (1 + indirect_work()));
+  }
+
+  void trace_photons_into_caches() {
+    // The largest flux-height with which any photon starts (thesis Eq. 4.4).
+    std::uint64_t photons = plan_.photons ? settings_.photons : 0;
+    std::uint64_t fewest = plan_.photons ? settings_.photons : settings_.caustic_photons;
+    if (plan_.caustics) {
+      photons += settings_.caustic_photons;
+      fewest = std::min(fewest, settings_.caustic_photons);
+    }
+    const double photon_flux = lights_.largest_flux_height() / static_cast<double>(fewest);
+    const SideContents inner = plan_.back         ? SideContents::indirect
+                               : plan_.inner_side ? SideContents::all
+                                                  : SideContents::nothing;
+    for (std::size_t v = 0; v < lattices_.size(); ++v) {
+      caches_.push_back(std::make_unique<LeafCache<D>>(
+          tracer_, static_cast<int>(v), lattices_[v], inner, plan_.caustics, photon_flux, photons));
+    }
+    if (plan_.surroundings_cache || gathers()) {
+      surroundings_.emplace(tracer_, plan_.caustics, photon_flux, photons);
+    }
+    if (plan_.photons) {
+      progress_.begin("Tracing photons");
+      trace(PhotonPaths::all, settings_.photons);
+    }
+    if (plan_.caustics) {
+      progress_.begin("Tracing caustics");
+      trace(PhotonPaths::caustics, settings_.caustic_photons);
+    }
+    for (const auto& cache : caches_) cache->finish(progress_);
+    if (!plan_.surroundings_cache || !gathers()) return;
     progress_.begin("Lighting the surroundings");
     parallel_range(
         surroundings_->entries(), 256, 0, progress_, [&](std::size_t begin, std::size_t end) {
@@ -137,11 +193,37 @@ class Baker {
         });
   }
 
+  void trace(PhotonPaths paths, std::uint64_t count) {
+    parallel_range(count, photons_per_piece, rays_per_photon, progress_,
+                   [&](std::size_t begin, std::size_t end) {
+                     rays_ += trace_photons(
+                         tracer_, lights_, paths, settings_.seed, begin, end, count,
+                         [&](const PhotonHit<D>& photon) {
+                           if (paths == PhotonPaths::all && photon.arrival == Arrival::caustic) {
+                             return;  // the caustic photons' part
+                           }
+                           store(photon);
+                         });
+                   });
+  }
+
   void store(const PhotonHit<D>& photon) {
     if (photon.point.kind == HitKind::leaf) {
-      leaves_->deposit(photon);
+      caches_[photon.point.volume]->deposit(photon);
     } else if (plan_.surroundings_cache) {
       surroundings_->deposit(photon);
+    }
+  }
+
+  std::unique_ptr<IndirectEstimator<D>> make_estimator() const {
+    if (!plan_.indirect) return nullptr;
+    switch (settings_.estimator) {
+      case EstimatorName::path:
+        return make_path_estimator(tracer_, lights_);
+      case EstimatorName::volumetric:
+        return make_volumetric_estimator(leaves_, surroundings_ ? &*surroundings_ : nullptr);
+      default:
+        return make_gather_estimator(tracer_, leaves_, *surroundings_);
     }
   }
 
@@ -150,26 +232,47 @@ class Baker {
   struct TexelKeys {
     std::uint64_t position, light, gather, paths;
   };
-  TexelKeys keys(std::uint32_t texel) const {
-    Random random = random_for(settings_.seed, Purpose::texel, texel);
+  TexelKeys keys(Purpose purpose, std::uint64_t volume, std::uint32_t texel) const {
+    Random random = random_for(settings_.seed, purpose, volume << 32 | texel);
     return {random.bits(), random.bits(), random.bits(), random.bits()};
   }
 
+  Rgb direct_sample(const SurfacePoint<D>& point, const TexelKeys& k, int i,
+                    std::uint64_t& rays) const {
+    const double choice = sobol_point(i, ~k.light)[0];
+    return lights_.direct_radiance(point, choice, sobol_point(i, k.light), rays);
+  }
+
+  // All but direct light.
+  Rgb indirect_sample(const SurfacePoint<D>& point, const IndirectEstimator<D>* estimator,
+                      const TexelKeys& k, int i, std::uint64_t& rays) const {
+    Rgb radiance = point.emission;
+    if (estimator) {
+      Random random(k.paths, 0, i);
+      radiance += estimator->indirect_radiance(point, sobol_point(i, k.gather), random, rays);
+    }
+    if (plan_.caustics) {
+      radiance += caustic_radiance(leaves_, surroundings_ ? &*surroundings_ : nullptr, point);
+    }
+    return radiance;
+  }
+
   // Averages radiance(point, keys, i, rays) over the samples of every active texel. The weight
-  // |grad h| dV = dA dc makes it a mean over the area of the leaves, which is what a lookup on them
+  // |grad c| dV = dA dc makes it a mean over the area of the leaves, which is what a lookup on them
   // wants: steep places are surfaces, flat ones noise.
   template <class Radiance>
-  std::vector<Average> over_texels(double work, Radiance radiance) {
-    std::vector<Average> averages(lattice_.active.size());
+  std::vector<Average> over_texels(std::size_t volume, bool above, double work, Radiance radiance) {
+    const TexelLattice<D>& lattice = lattices_[volume];
+    std::vector<Average> averages(lattice.active.size());
     parallel_range(averages.size(), texels_per_piece, work * settings_.samples, progress_,
                    [&](std::size_t begin, std::size_t end) {
                      std::uint64_t rays = 0;
                      for (std::size_t s = begin; s < end && !progress_.cancelled(); ++s) {
-                       const TexelKeys k = keys(lattice_.active[s]);
+                       const TexelKeys k = keys(Purpose::texel, volume, lattice.active[s]);
                        Moments moments;
                        const int n = for_each_texel_sample(
-                           tracer_, lattice_, lattice_.active[s], settings_.samples, k.position,
-                           [&](const SurfacePoint<D>& point, int i) {
+                           tracer_, static_cast<int>(volume), above, lattice, lattice.active[s],
+                           settings_.samples, k.position, [&](const SurfacePoint<D>& point, int i) {
                              moments.add(radiance(point, k, i, rays), point.gradient_length);
                            });
                        averages[s] = moments.average_of(n);
@@ -179,40 +282,93 @@ class Baker {
     return averages;
   }
 
-  std::vector<Average> direct_pass() {
-    progress_.begin("Direct light");
+  std::vector<Average> direct_pass(std::size_t volume, bool above) {
+    return over_texels(volume, above, 1,
+                       [&](const SurfacePoint<D>& point, const TexelKeys& k, int i,
+                           std::uint64_t& rays) { return direct_sample(point, k, i, rays); });
+  }
+
+  std::vector<Average> indirect_pass(std::size_t volume, bool above,
+                                     const IndirectEstimator<D>* estimator) {
+    const bool emissive = scene().volumes[volume].emission.largest() > 0;
+    if (!estimator && !plan_.caustics && !emissive) {
+      return std::vector<Average>(lattices_[volume].active.size());
+    }
     return over_texels(
-        1, [&](const SurfacePoint<D>& point, const TexelKeys& k, int i, std::uint64_t& rays) {
-          const double choice = sobol_point(i, ~k.light)[0];
-          return lights_.direct_radiance(point, choice, sobol_point(i, k.light), rays);
+        volume, above, indirect_work(),
+        [&](const SurfacePoint<D>& point, const TexelKeys& k, int i, std::uint64_t& rays) {
+          return indirect_sample(point, estimator, k, i, rays);
         });
   }
 
-  std::vector<Average> indirect_pass(const IndirectEstimator<D>& estimator) {
-    progress_.begin("Indirect light");
-    return over_texels(indirect_work(), [&](const SurfacePoint<D>& point, const TexelKeys& k, int i,
-                                            std::uint64_t& rays) {
-      Random random(k.paths, 0, i);
-      return estimator.indirect_radiance(point, sobol_point(i, k.gather), random, rays);
-    });
-  }
-
-  RadianceGrid<D> assemble(const std::vector<Average>& direct,
-                           const std::vector<Average>& indirect) {
+  RadianceGrid<D> assemble(std::size_t volume,
+                           const std::array<std::vector<std::vector<Average>>, 2>& direct,
+                           const std::array<std::vector<Average>, 2>& indirect) const {
     RadianceGrid<D> grid;
-    const std::size_t n = direct.size();
+    const std::vector<Average>& straight = direct[0][volume];
+    const std::size_t n = straight.size();
     grid.radiance.resize(n);
     grid.radiance_indirect.resize(n);
     grid.radiance_error.resize(n);
     for (std::size_t s = 0; s < n; ++s) {
-      grid.radiance[s] = Vec<3, float>(direct[s].mean + indirect[s].mean);
-      grid.radiance_indirect[s] = Vec<3, float>(indirect[s].mean);
-      grid.radiance_error[s] = std::sqrt(direct[s].variance + indirect[s].variance);
+      grid.radiance[s] = Vec<3, float>(straight[s].mean + indirect[0][s].mean);
+      grid.radiance_indirect[s] = Vec<3, float>(indirect[0][s].mean);
+      grid.radiance_error[s] = std::sqrt(straight[s].variance + indirect[0][s].variance);
     }
-    grid.lattice = std::move(lattice_);
-    grid.statistics.rays = rays_;
-    grid.statistics.skipped = plan_.skipped;
+    if (!plan_.back) return grid;
+    for (std::size_t s = 0; s < n; ++s) {
+      grid.radiance_back.emplace_back(direct[1][volume][s].mean + indirect[1][s].mean);
+    }
     return grid;
+  }
+
+  SurroundingsRadiance<D> surroundings_pass(const IndirectEstimator<D>* estimator) {
+    progress_.begin("Radiance of the surroundings");
+    SurroundingsRadiance<D> result;
+    result.window = scene().window;
+    result.meshes = std::move(fine_);
+    result.radiance.resize(result.meshes.size());
+    for (std::size_t m = 0; m < result.meshes.size(); ++m) {
+      if (scene().meshes[m].scattering != Scattering::diffuse) continue;
+      for (const bool back : {false, true}) {
+        auto radiance = facets_radiance(result, m, back, estimator);
+        const bool dark = std::all_of(radiance.begin(), radiance.end(),
+                                      [](const auto& r) { return r == Vec<3, float>(0); });
+        if (!dark) result.radiance[m][back] = std::move(radiance);
+      }
+    }
+    return result;
+  }
+
+  std::vector<Vec<3, float>> facets_radiance(const SurroundingsRadiance<D>& result, std::size_t m,
+                                             bool back, const IndirectEstimator<D>* estimator) {
+    const std::vector<FacetPoint>& places = result.meshes[m].places;
+    const std::size_t n = places.size(), count = n * SurroundingsRadiance<D>::nodes;
+    std::vector<Vec<3, float>> radiance(count);
+    const double work = settings_.samples * (1 + indirect_work());
+    parallel_range(
+        count, texels_per_piece, work, progress_, [&](std::size_t begin, std::size_t end) {
+          std::uint64_t rays = 0;
+          for (std::size_t e = begin; e < end && !progress_.cancelled(); ++e) {
+            const FacetPoint& p = places[e % n];
+            const SurfacePoint<D> point = tracer_.facet_point(p.mesh, p.facet, p.u, p.v, !back,
+                                                              result.node(static_cast<int>(e / n)));
+            radiance[e] = Vec<3, float>(mean_radiance(point, 2 * m + back, e, estimator, rays));
+          }
+          rays_ += rays;
+        });
+    return radiance;
+  }
+
+  Rgb mean_radiance(const SurfacePoint<D>& point, std::uint64_t surface, std::size_t entry,
+                    const IndirectEstimator<D>* estimator, std::uint64_t& rays) const {
+    const TexelKeys k = keys(Purpose::surroundings, surface, static_cast<std::uint32_t>(entry));
+    Imath::V3d sum(0);
+    for (int i = 0; i < settings_.samples; ++i) {
+      sum += Imath::V3d(direct_sample(point, k, i, rays)) +
+             Imath::V3d(indirect_sample(point, estimator, k, i, rays));
+    }
+    return Rgb(sum / settings_.samples);
   }
 
   const BakeSettings<D>& settings_;
@@ -220,37 +376,38 @@ class Baker {
   Progress& progress_;
   SceneTracer<D> tracer_;
   LightSampler<D> lights_;
-  TexelLattice<D> lattice_;
-  std::optional<LeafCache<D>> leaves_;
+  std::vector<TexelLattice<D>> lattices_;              // per volume
+  std::vector<std::unique_ptr<LeafCache<D>>> caches_;  // per volume
+  std::vector<LeafRadiance<D>> leaves_;                // per volume
   std::optional<SurfaceCache<D>> surroundings_;
+  std::vector<FineMesh<D>> fine_;
   std::atomic<std::uint64_t> rays_{0};
 };
 
 }  // namespace
 
 template <int D>
-RadianceGrid<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, Progress& progress) {
-  return bake(scene, settings, make_plan(scene, settings.estimator), progress);
+Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, Progress& progress) {
+  return bake(scene, settings, make_plan(scene, settings), progress);
 }
 
 template <int D>
-RadianceGrid<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
-                     Progress& progress) {
+Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
+              Progress& progress) {
   validate(scene);
   validate(settings);
   const auto start = std::chrono::steady_clock::now();
   tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
-  RadianceGrid<D> grid =
-      arena.execute([&] { return Baker<D>(scene, settings, plan, progress).run(); });
-  grid.statistics.seconds =
+  Baked<D> baked = arena.execute([&] { return Baker<D>(scene, settings, plan, progress).run(); });
+  baked.statistics.seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  grid.statistics.peak_memory_bytes = peak_memory();
-  return grid;
+  baked.statistics.peak_memory_bytes = peak_memory();
+  return baked;
 }
 
-template RadianceGrid<2> bake<2>(const Scene<2>&, const BakeSettings<2>&, Progress&);
-template RadianceGrid<2> bake<2>(const Scene<2>&, const BakeSettings<2>&, const Plan&, Progress&);
-template RadianceGrid<3> bake<3>(const Scene<3>&, const BakeSettings<3>&, Progress&);
-template RadianceGrid<3> bake<3>(const Scene<3>&, const BakeSettings<3>&, const Plan&, Progress&);
+template Baked<2> bake<2>(const Scene<2>&, const BakeSettings<2>&, Progress&);
+template Baked<2> bake<2>(const Scene<2>&, const BakeSettings<2>&, const Plan&, Progress&);
+template Baked<3> bake<3>(const Scene<3>&, const BakeSettings<3>&, Progress&);
+template Baked<3> bake<3>(const Scene<3>&, const BakeSettings<3>&, const Plan&, Progress&);
 
 }  // namespace leaflight

@@ -8,16 +8,24 @@ namespace {
 
 template <int D>
 bool anything_reflects(const Scene<D>& scene) {
-  return largest(scene.leaf_albedo) > 0 ||
+  return std::any_of(scene.volumes.begin(), scene.volumes.end(),
+                     [](const Volume<D>& volume) { return volume.albedo.largest() > 0; }) ||
          std::any_of(scene.meshes.begin(), scene.meshes.end(),
                      [](const Mesh<D>& mesh) { return largest(mesh.albedo) > 0; });
+}
+
+template <int D>
+bool anything_specular(const Scene<D>& scene) {
+  const auto specular = [](const auto& object) { return object.scattering != Scattering::diffuse; };
+  return std::any_of(scene.volumes.begin(), scene.volumes.end(), specular) ||
+         std::any_of(scene.meshes.begin(), scene.meshes.end(), specular);
 }
 
 // Whether a leaf of the window meets the border of the domain or a masked cell, where light can
 // reach its inside.
 template <int D>
-bool leaves_are_open(const Scene<D>& scene) {
-  const Field<D>& field = scene.field;
+bool leaves_are_open(const Volume<D>& volume, const IsovalueWindow& window) {
+  const Field<D>& field = volume.field;
   if (field.masked) return true;
   for (int axis = 0; axis < D; ++axis) {
     for (const int end : {0, field.dims[axis] - 1}) {
@@ -26,7 +34,7 @@ bool leaves_are_open(const Scene<D>& scene) {
       high[axis] = end + 1;
       bool reaches = false;
       for_each_index<D>(low, high, [&](const Index<D>& voxel) {
-        reaches |= field.values[field.offset(voxel)] >= scene.window.min;
+        reaches |= field.values[field.offset(voxel)] >= volume.isovalue(window.min);
       });
       if (reaches) return true;
     }
@@ -34,62 +42,123 @@ bool leaves_are_open(const Scene<D>& scene) {
   return false;
 }
 
-// A light in the domain may stand inside a leaf.
+// Points that a light with a place may shine from.
 template <int D>
-bool light_in_domain(const Scene<D>& scene) {
-  Vec<D> low, high;
-  for (const RectangleLight<D>& light : scene.lights) {
-    for (int corner = 0; corner < 4; ++corner) {
-      const Vec<D> p = scene.field.world_to_index.point(
-          light.point({static_cast<double>(corner & 1), static_cast<double>(corner >> 1)}));
-      for (int a = 0; a < D; ++a) {
-        low[a] = corner == 0 ? p[a] : std::min(low[a], p[a]);
-        high[a] = corner == 0 ? p[a] : std::max(high[a], p[a]);
-      }
-    }
-    bool overlaps = true;
-    for (int a = 0; a < D; ++a) {
-      overlaps = overlaps && high[a] >= 0 && low[a] <= scene.field.dims[a] - 1;
-    }
-    if (overlaps) return true;
+std::vector<Vec<D>> corners(const AreaLight<D>& light) {
+  std::vector<Vec<D>> points{light.corner};
+  for (const Vec<D>& edge : light.edges) {
+    for (std::size_t i = points.size(); i-- > 0;) points.push_back(points[i] + edge);
   }
-  return false;
+  return points;
+}
+template <int D>
+std::vector<Vec<D>> corners(const PointLight<D>& light) {
+  return {light.position - Vec<D>(light.radius), light.position + Vec<D>(light.radius)};
+}
+template <int D>
+std::vector<Vec<D>> corners(const SunLight<D>&) {
+  return {};
+}
+
+// Whether the box about some points, in index coordinates, overlaps the field's domain.
+template <int D>
+bool overlaps_domain(const Field<D>& field, const std::vector<Vec<D>>& points) {
+  if (points.empty()) return false;
+  Vec<D> low = field.world_to_index.point(points[0]), high = low;
+  for (const Vec<D>& point : points) {
+    const Vec<D> p = field.world_to_index.point(point);
+    for (int a = 0; a < D; ++a) {
+      low[a] = std::min(low[a], p[a]);
+      high[a] = std::max(high[a], p[a]);
+    }
+  }
+  for (int a = 0; a < D; ++a) {
+    if (!(high[a] >= 0 && low[a] <= field.dims[a] - 1)) return false;
+  }
+  return true;
+}
+
+// What stands in the domain may stand inside a leaf: a light, an emissive mesh, another volume.
+template <int D>
+bool light_in_domain(const Scene<D>& scene, std::size_t number) {
+  const Volume<D>& volume = scene.volumes[number];
+  if (volume.emission.largest() > 0) return true;
+  for (const Light<D>& light : scene.lights) {
+    const auto points = std::visit([](const auto& l) { return corners<D>(l); }, light);
+    if (overlaps_domain<D>(volume.field, points)) return true;
+  }
+  for (const Mesh<D>& mesh : scene.meshes) {
+    if (!(largest(mesh.emission) > 0)) continue;
+    const std::vector<Vec<D>> points(mesh.vertices.begin(), mesh.vertices.end());
+    if (overlaps_domain<D>(volume.field, points)) return true;
+  }
+  for (std::size_t other = 0; other < scene.volumes.size(); ++other) {
+    if (other == number || !(scene.volumes[other].emission.largest() > 0)) continue;
+    const WorldBox<D> box = world_box(scene.volumes[other].field);
+    if (overlaps_domain<D>(volume.field, {box.low, box.high})) return true;
+  }
+  return volume.scattering == Scattering::glass;
 }
 
 }  // namespace
 
 template <int D>
-Plan make_plan(const Scene<D>& scene, EstimatorName estimator) {
+Plan make_plan(const Scene<D>& scene, const BakeSettings<D>& settings) {
   Plan plan;
   const auto skip = [&](bool Plan::*pass, const std::string& name, const std::string& reason) {
     plan.*pass = false;
     plan.skipped.push_back({name, reason});
   };
+  const bool path = settings.estimator == EstimatorName::path;
+  const bool gather = settings.estimator == EstimatorName::gather;
   if (!anything_reflects(scene)) {
     skip(&Plan::indirect, "indirect light", "nothing in the scene reflects light");
   }
+  if (!anything_specular(scene)) {
+    const std::string reason = "there is no mirror and no glass in the scene";
+    skip(&Plan::specular, "specular light", reason);
+    skip(&Plan::caustics, "caustics", reason);
+  } else if (path) {
+    skip(&Plan::caustics, "caustic photons", "the path estimator needs none");
+  }
   if (!plan.indirect) {
     skip(&Plan::photons, "photons", "there is no indirect light");
-  } else if (estimator == EstimatorName::path) {
+  } else if (path) {
     skip(&Plan::photons, "photons", "the path estimator needs none");
   }
-  if (!plan.photons) {
+  if (!settings.surroundings) {
+    skip(&Plan::surroundings, "radiance of the surroundings", "it was not asked for");
+  } else if (scene.meshes.empty()) {
+    skip(&Plan::surroundings, "radiance of the surroundings", "nothing surrounds the volume");
+  }
+  if (!plan.photons && !(plan.caustics && plan.surroundings)) {
     skip(&Plan::surroundings_cache, "surroundings cache", "no photons are traced");
-  } else if (estimator == EstimatorName::volumetric) {
-    skip(&Plan::surroundings_cache, "surroundings cache", "the volumetric estimator needs none");
   } else if (scene.meshes.empty()) {
     skip(&Plan::surroundings_cache, "surroundings cache", "nothing surrounds the volume");
+  } else if (!gather && !plan.surroundings) {
+    skip(&Plan::surroundings_cache, "surroundings cache", "the volumetric estimator needs none");
   }
+  bool inside = false, open = false;
+  for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
+    open = open || leaves_are_open(scene.volumes[v], scene.window);
+    inside = inside || light_in_domain(scene, v);
+  }
+  const std::string dark =
+      "every isosurface of the window is closed and no light stands within the volume";
   if (!plan.photons) {
     skip(&Plan::inner_side, "inner side", "no photons are traced");
-  } else if (!leaves_are_open(scene) && !light_in_domain(scene)) {
-    skip(&Plan::inner_side, "inner side",
-         "every isosurface of the window is closed and no light stands within the volume");
+  } else if (!open && !inside) {
+    skip(&Plan::inner_side, "inner side", dark);
+  }
+  if (!open && !inside) {
+    skip(&Plan::back, "radiance of the inner side", dark);
+  } else if (!settings.both_sides) {
+    skip(&Plan::back, "radiance of the inner side", "it was not asked for");
   }
   return plan;
 }
 
-template Plan make_plan<2>(const Scene<2>&, EstimatorName);
-template Plan make_plan<3>(const Scene<3>&, EstimatorName);
+template Plan make_plan<2>(const Scene<2>&, const BakeSettings<2>&);
+template Plan make_plan<3>(const Scene<3>&, const BakeSettings<3>&);
 
 }  // namespace leaflight

@@ -4,16 +4,19 @@
 namespace leaflight {
 
 template <int D>
-Vec<3, float> lookup(const RadianceGrid<D>& grid, const Vec<D>& index_position) {
-  const TexelWeights<D> weights = linear_weights(grid.lattice, index_position);
+Vec<3, float> lookup(const TexelLattice<D>& lattice, const std::vector<Vec<3, float>>& values,
+                     const Vec<D>& index_position) {
+  const TexelWeights<D> weights = linear_weights(lattice, index_position);
   Vec<3, float> radiance(0);
   for (int i = 0; i < (1 << D); ++i) {
-    if (weights.weight[i] > 0) radiance += grid.radiance[weights.slot[i]] * weights.weight[i];
+    if (weights.weight[i] > 0) radiance += values[weights.slot[i]] * weights.weight[i];
   }
   return radiance;
 }
 
-template Vec<3, float> lookup<2>(const RadianceGrid<2>&, const Vec<2>&);
-template Vec<3, float> lookup<3>(const RadianceGrid<3>&, const Vec<3>&);
+template Vec<3, float> lookup<2>(const TexelLattice<2>&, const std::vector<Vec<3, float>>&,
+                                 const Vec<2>&);
+template Vec<3, float> lookup<3>(const TexelLattice<3>&, const std::vector<Vec<3, float>>&,
+                                 const Vec<3>&);
 
 }  // namespace leaflight

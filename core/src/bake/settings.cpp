@@ -18,9 +18,11 @@ void validate(const BakeSettings<D>& settings) {
     throw Error("The number of samples per texel is " + std::to_string(settings.samples) +
                 "; choose between 1 and 1048576.");
   }
-  if (!(settings.photons >= 1 && settings.photons <= (std::uint64_t{1} << 32))) {
-    throw Error("The number of photons is " + std::to_string(settings.photons) +
-                "; choose between 1 and 4294967296.");
+  for (const std::uint64_t photons : {settings.photons, settings.caustic_photons}) {
+    if (!(photons >= 1 && photons <= (std::uint64_t{1} << 32))) {
+      throw Error("The number of photons is " + std::to_string(photons) +
+                  "; choose between 1 and 4294967296.");
+    }
   }
   if (!(settings.threads >= 0 && settings.threads <= 4096)) {
     throw Error("The number of threads is " + std::to_string(settings.threads) +

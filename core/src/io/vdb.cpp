@@ -19,7 +19,8 @@ namespace {
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 constexpr char field_name[] = "field", radiance_name[] = "radiance",
-               indirect_name[] = "radiance_indirect", error_name[] = "radiance_error";
+               indirect_name[] = "radiance_indirect", error_name[] = "radiance_error",
+               back_name[] = "radiance_back", surroundings_name[] = "surroundings_radiance";
 // Keeps our keys apart from OpenVDB's own, such as "name".
 const std::string metadata_prefix = "leaflight_";
 
@@ -62,7 +63,7 @@ openvdb::CoordBBox box_of(const Index<3>& dims) {
   return {openvdb::Coord(0), openvdb::Coord(dims[0] - 1, dims[1] - 1, dims[2] - 1)};
 }
 
-openvdb::FloatGrid::Ptr field_grid(const Field<3>& field) {
+openvdb::FloatGrid::Ptr field_grid(const std::string& name, const Field<3>& field) {
   // Masked voxels are inactive: OpenVDB cannot compare NaN, so they take a value of no other voxel.
   constexpr float lowest = std::numeric_limits<float>::lowest();
   const float masked = field.min > lowest ? lowest : std::numeric_limits<float>::infinity();
@@ -75,13 +76,13 @@ openvdb::FloatGrid::Ptr field_grid(const Field<3>& field) {
   const float* values = field.masked ? unmasked.data() : field.values;
   const DenseView<float> dense(box_of(field.dims), const_cast<float*>(values));
   openvdb::tools::copyFromDense(dense, *grid, 0.0f);
-  grid->setName(field_name);
+  grid->setName(name);
   grid->setTransform(to_transform(field.index_to_world));
   return grid;
 }
 
 template <class Grid, class Value>
-typename Grid::Ptr texel_grid(const char* name, const Affine<3>& texel_to_world,
+typename Grid::Ptr texel_grid(const std::string& name, const Affine<3>& texel_to_world,
                               const TexelLattice<3>& lattice, Value value) {
   auto grid = Grid::create();
   auto accessor = grid->getAccessor();
@@ -126,12 +127,24 @@ Contents read_file(const std::string& path) {
   }
 }
 
+// Grids of the volumes after the first have a number.
+std::string numbered(const char* name, std::size_t volume) {
+  return volume == 0 ? name : std::string(name) + "_" + std::to_string(volume + 1);
+}
+
 template <class Grid>
-typename Grid::Ptr require_grid(const Contents& file, const char* name, const std::string& path) {
+typename Grid::Ptr find_grid(const Contents& file, const std::string& name) {
   for (const auto& grid : file.grids) {
     if (grid->getName() != name) continue;
     if (const auto found = openvdb::gridPtrCast<Grid>(grid)) return found;
   }
+  return nullptr;
+}
+
+template <class Grid>
+typename Grid::Ptr require_grid(const Contents& file, const std::string& name,
+                                const std::string& path) {
+  if (const auto found = find_grid<Grid>(file, name)) return found;
   throw Error("'" + path + "' is not a Leaflight bake, as it has no grid '" + name +
               "'; choose a file written by a bake.");
 }
@@ -188,57 +201,77 @@ bool read_scalar(const openvdb::GridBase::Ptr& grid, const std::string& path, De
 
 }  // namespace
 
-void write_bake(const std::string& path, const Field<3>& field, const RadianceGrid<3>& grid,
-                const Metadata& metadata) {
-  initialize();
+namespace {
+
+using Vec3Grid = openvdb::Vec3SGrid;
+using SideRadiance = std::vector<Vec<3, float>>;
+
+void add_volume(openvdb::GridPtrVec& grids, std::size_t volume, const Field<3>& field,
+                const RadianceGrid<3>& grid) {
   const TexelLattice<3>& lattice = grid.lattice;
   Affine<3> texel_to_world = field.index_to_world;
   for (int a = 0; a < 3; ++a) texel_to_world.column[a] *= lattice.voxels_per_texel[a];
-
-  const auto values = field_grid(field);
+  const auto values = field_grid(numbered(field_name, volume), field);
   values->insertMeta("leaflight_dims", openvdb::Vec3IMetadata(to_vdb(field.dims)));
-  const auto radiance =
-      texel_grid<openvdb::Vec3SGrid>(radiance_name, texel_to_world, lattice,
-                                     [&](std::size_t s) { return to_vdb(grid.radiance[s]); });
-  radiance->insertMeta("leaflight_dims", openvdb::Vec3IMetadata(to_vdb(lattice.resolution)));
-  openvdb::MetaMap file_metadata;
-  for (const auto& [key, value] : metadata) {
-    const openvdb::StringMetadata text(value);
-    if (key == "statistics") {
-      file_metadata.insertMeta(metadata_prefix + key, text);
-    } else {
-      radiance->insertMeta(metadata_prefix + key, text);
-    }
-  }
-  const auto indirect = texel_grid<openvdb::Vec3SGrid>(
-      indirect_name, texel_to_world, lattice,
-      [&](std::size_t s) { return to_vdb(grid.radiance_indirect[s]); });
-  const auto error = texel_grid<openvdb::FloatGrid>(
-      error_name, texel_to_world, lattice, [&](std::size_t s) { return grid.radiance_error[s]; });
-  write_atomically(path, [&](const std::string& temporary) {
-    openvdb::io::File file(temporary);
-    file.write(openvdb::GridCPtrVec{values, radiance, indirect, error}, file_metadata);
-  });
+  grids.push_back(values);
+  const auto add = [&](const char* name, const SideRadiance& radiance) {
+    grids.push_back(texel_grid<Vec3Grid>(numbered(name, volume), texel_to_world, lattice,
+                                         [&](std::size_t s) { return to_vdb(radiance[s]); }));
+  };
+  add(radiance_name, grid.radiance);
+  grids.back()->insertMeta("leaflight_dims", openvdb::Vec3IMetadata(to_vdb(lattice.resolution)));
+  add(indirect_name, grid.radiance_indirect);
+  if (grid.has_back()) add(back_name, grid.radiance_back);
+  grids.push_back(
+      texel_grid<openvdb::FloatGrid>(numbered(error_name, volume), texel_to_world, lattice,
+                                     [&](std::size_t s) { return grid.radiance_error[s]; }));
 }
 
-StoredBake read_bake(const std::string& path) {
-  const Contents file = read_file(path);
-  StoredBake bake;
-  const auto values = require_grid<openvdb::FloatGrid>(file, field_name, path);
-  const auto radiance = require_grid<openvdb::Vec3SGrid>(file, radiance_name, path);
-  const auto indirect = require_grid<openvdb::Vec3SGrid>(file, indirect_name, path);
-  const auto error = require_grid<openvdb::FloatGrid>(file, error_name, path);
+constexpr int nodes = SurroundingsRadiance<3>::nodes;
 
-  bake.field.dims = dims_from(*values, path);
-  bake.field.index_to_world = to_affine(values->transform(), path);
-  bake.field.name = field_name;
-  bake.field.values.resize(cell_count<3>(bake.field.dims));
-  DenseView<float> dense(box_of(bake.field.dims), bake.field.values.data());
+Vec3Grid::Ptr surroundings_grid(const SurroundingsRadiance<3>& surroundings) {
+  const auto grid = Vec3Grid::create();
+  auto accessor = grid->getAccessor();
+  for (std::size_t m = 0; m < surroundings.radiance.size(); ++m) {
+    for (int side = 0; side < 2; ++side) {
+      const SideRadiance& radiance = surroundings.radiance[m][side];
+      const std::size_t vertices = radiance.size() / nodes;
+      for (std::size_t i = 0; i < radiance.size(); ++i) {
+        const openvdb::Coord coord(static_cast<int>(i % vertices), static_cast<int>(i / vertices),
+                                   static_cast<int>(2 * m + side));
+        accessor.setValue(coord, to_vdb(radiance[i]));
+      }
+    }
+  }
+  grid->setName(surroundings_name);
+  grid->setSaveFloatAsHalf(true);
+  grid->insertMeta("leaflight_meshes",
+                   openvdb::Int32Metadata(static_cast<int>(surroundings.radiance.size())));
+  return grid;
+}
+
+DenseVolume read_field(const Contents& file, std::size_t volume, const std::string& path) {
+  const auto values = require_grid<openvdb::FloatGrid>(file, numbered(field_name, volume), path);
+  DenseVolume field;
+  field.dims = dims_from(*values, path);
+  field.index_to_world = to_affine(values->transform(), path);
+  field.name = field_name;
+  field.values.resize(cell_count<3>(field.dims));
+  DenseView<float> dense(box_of(field.dims), field.values.data());
   openvdb::tools::copyToDense(*values, dense);
-  for (float& h : bake.field.values) h = h == values->background() ? nan : h;
+  for (float& h : field.values) h = h == values->background() ? nan : h;
+  return field;
+}
 
-  TexelLattice<3>& lattice = bake.grid.lattice;
-  lattice = inactive_lattice<3>(bake.field.dims, dims_from(*radiance, path));
+RadianceGrid<3> read_radiance(const Contents& file, std::size_t volume, const Index<3>& dims,
+                              const std::string& path) {
+  const auto radiance = require_grid<Vec3Grid>(file, numbered(radiance_name, volume), path);
+  const auto indirect = require_grid<Vec3Grid>(file, numbered(indirect_name, volume), path);
+  const auto error = require_grid<openvdb::FloatGrid>(file, numbered(error_name, volume), path);
+  const auto back = find_grid<Vec3Grid>(file, numbered(back_name, volume));
+  RadianceGrid<3> grid;
+  TexelLattice<3>& lattice = grid.lattice;
+  lattice = inactive_lattice<3>(dims, dims_from(*radiance, path));
   const openvdb::CoordBBox box = box_of(lattice.resolution);
   for (auto texel = radiance->cbeginValueOn(); texel; ++texel) {
     if (!texel.isVoxelValue() || !box.isInside(texel.getCoord())) {
@@ -248,17 +281,90 @@ StoredBake read_bake(const std::string& path) {
     lattice.active.push_back(static_cast<std::uint32_t>(lattice.linear({t[0], t[1], t[2]})));
   }
   std::sort(lattice.active.begin(), lattice.active.end());
-  const auto direct_access = radiance->getConstAccessor();
-  const auto indirect_access = indirect->getConstAccessor();
-  const auto error_access = error->getConstAccessor();
   for (std::size_t s = 0; s < lattice.active.size(); ++s) {
     lattice.slot[lattice.active[s]] = static_cast<std::int32_t>(s);
-    const Index<3> t = lattice.texel(lattice.active[s]);
-    const openvdb::Coord coord(t[0], t[1], t[2]);
-    bake.grid.radiance.push_back(from_vdb(direct_access.getValue(coord)));
-    bake.grid.radiance_indirect.push_back(from_vdb(indirect_access.getValue(coord)));
-    bake.grid.radiance_error.push_back(error_access.getValue(coord));
   }
+  const auto fetch = [&](const Vec3Grid& from, SideRadiance& into) {
+    const auto access = from.getConstAccessor();
+    for (const std::uint32_t texel : lattice.active) {
+      const Index<3> t = lattice.texel(texel);
+      into.push_back(from_vdb(access.getValue(openvdb::Coord(t[0], t[1], t[2]))));
+    }
+  };
+  fetch(*radiance, grid.radiance);
+  fetch(*indirect, grid.radiance_indirect);
+  if (back) fetch(*back, grid.radiance_back);
+  const auto error_access = error->getConstAccessor();
+  for (const std::uint32_t texel : lattice.active) {
+    const Index<3> t = lattice.texel(texel);
+    grid.radiance_error.push_back(error_access.getValue(openvdb::Coord(t[0], t[1], t[2])));
+  }
+  return grid;
+}
+
+// Their number of vertices is the largest that a side has; attach() checks it against the meshes.
+void read_surroundings(const Contents& file, const std::string& path,
+                       SurroundingsRadiance<3>& surroundings) {
+  const auto grid = find_grid<Vec3Grid>(file, surroundings_name);
+  if (!grid) return;
+  const auto meshes = grid->getMetadata<openvdb::Int32Metadata>("leaflight_meshes");
+  const openvdb::CoordBBox box = grid->evalActiveVoxelBoundingBox();
+  const int count = meshes ? meshes->value() : -1;
+  if (count < 0 || (!box.empty() && (box.min().x() < 0 || box.min().y() < 0 || box.min().z() < 0 ||
+                                     box.max().x() >= 1 << 20 || box.max().y() >= nodes ||
+                                     box.max().z() / 2 >= count))) {
+    throw Error("'" + path + "' is a damaged bake; bake again.");
+  }
+  surroundings.radiance.resize(count);
+  std::vector<int> vertices(2 * static_cast<std::size_t>(count), 0);
+  for (auto value = grid->cbeginValueOn(); value; ++value) {
+    const openvdb::Coord at = value.getCoord();
+    vertices[at.z()] = std::max(vertices[at.z()], at.x() + 1);
+  }
+  for (std::size_t s = 0; s < vertices.size(); ++s) {
+    surroundings.radiance[s / 2][s % 2].assign(static_cast<std::size_t>(vertices[s]) * nodes,
+                                               Vec<3, float>(0));
+  }
+  for (auto value = grid->cbeginValueOn(); value; ++value) {
+    const openvdb::Coord at = value.getCoord();
+    SideRadiance& side = surroundings.radiance[at.z() / 2][at.z() % 2];
+    side[static_cast<std::size_t>(at.y()) * vertices[at.z()] + at.x()] = from_vdb(*value);
+  }
+}
+
+}  // namespace
+
+void write_bake(const std::string& path, const std::vector<const Field<3>*>& fields,
+                const Baked<3>& baked, const Metadata& metadata) {
+  initialize();
+  openvdb::GridPtrVec grids;
+  for (std::size_t v = 0; v < fields.size(); ++v) add_volume(grids, v, *fields[v], baked.grids[v]);
+  openvdb::MetaMap file_metadata;
+  for (const auto& [key, value] : metadata) {
+    const openvdb::StringMetadata text(value);
+    if (key == "statistics") {
+      file_metadata.insertMeta(metadata_prefix + key, text);
+    } else {
+      grids[1]->insertMeta(metadata_prefix + key, text);
+    }
+  }
+  if (!baked.surroundings.empty()) grids.push_back(surroundings_grid(baked.surroundings));
+  write_atomically(path, [&](const std::string& temporary) {
+    openvdb::io::File file(temporary);
+    file.write(grids, file_metadata);
+  });
+}
+
+StoredBake read_bake(const std::string& path) {
+  const Contents file = read_file(path);
+  StoredBake bake;
+  for (std::size_t v = 0; v == 0 || find_grid<openvdb::FloatGrid>(file, numbered(field_name, v));
+       ++v) {
+    bake.fields.push_back(read_field(file, v, path));
+    bake.baked.grids.push_back(read_radiance(file, v, bake.fields[v].dims, path));
+  }
+  read_surroundings(file, path, bake.baked.surroundings);
+  const auto radiance = require_grid<Vec3Grid>(file, radiance_name, path);
   const openvdb::MetaMap::ConstPtr of_file = file.metadata;
   for (const openvdb::MetaMap* source :
        {of_file.get(), static_cast<const openvdb::MetaMap*>(radiance.get())}) {

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "leaflight/math/error.h"
+#include "leaflight/math/sampling.h"
 
 namespace leaflight {
 namespace {
@@ -28,10 +29,43 @@ void check_albedo(const Rgb& albedo, const std::string& of) {
   }
 }
 
+void check_light_amount(const Rgb& amount, const std::string& of, const std::string& what) {
+  for (int i = 0; i < 3; ++i) {
+    if (!(amount[i] >= 0) || !std::isfinite(amount[i])) {
+      throw Error(of + " has a negative or non-finite " + what + "; choose one that is 0 or more.");
+    }
+  }
+}
+
+void check_ior(double ior, Scattering scattering, const std::string& of) {
+  if (scattering == Scattering::glass && !(ior >= 0.1 && ior <= 10)) {
+    std::ostringstream text;
+    text << "The refractive index of " << of << " is " << ior << "; choose one from 0.1 to 10.";
+    throw Error(text.str());
+  }
+}
+
+void check_texture(const Texture& texture, const std::string& of) {
+  const std::size_t pixels = static_cast<std::size_t>(texture.width) * texture.height;
+  if (texture.width < 1 || texture.height < 1 || texture.pixels.size() != pixels) {
+    throw Error("The image of " + of + " has no pixels; choose another image.");
+  }
+  for (const auto& pixel : texture.pixels) {
+    for (int i = 0; i < 3; ++i) {
+      if (!(pixel[i] >= 0) || !std::isfinite(pixel[i])) {
+        throw Error("A pixel of the image of " + of +
+                    " is negative or not a finite number; repair the image.");
+      }
+    }
+  }
+}
+
 template <int D>
 void check_mesh(const Mesh<D>& mesh) {
   const std::string name = "the mesh '" + mesh.name + "'";
   check_albedo(mesh.albedo, name);
+  check_ior(mesh.ior, mesh.scattering, name);
+  check_light_amount(mesh.emission, "The mesh '" + mesh.name + "'", "emission");
   if (mesh.facets.empty()) {
     throw Error("There are no faces in " + name + "; remove it or give it faces.");
   }
@@ -48,54 +82,175 @@ void check_mesh(const Mesh<D>& mesh) {
       }
     }
   }
+  if (!mesh.texture) return;
+  check_texture(*mesh.texture, name);
+  for (const auto& pixel : mesh.texture->pixels) check_albedo(mesh.albedo * Rgb(pixel), name);
+  if (mesh.uv.size() != mesh.facets.size()) {
+    throw Error("The texture of " + name + " has coordinates for " +
+                std::to_string(mesh.uv.size()) + " of its " + std::to_string(mesh.facets.size()) +
+                " faces; unwrap the mesh.");
+  }
+  for (const auto& corners : mesh.uv) {
+    for (const Imath::V2f& uv : corners) {
+      if (!is_finite(uv)) {
+        throw Error("A texture coordinate of " + name +
+                    " is not a finite number; unwrap the mesh again.");
+      }
+    }
+  }
+}
+
+[[noreturn]] void not_finite(const std::string& light) {
+  throw Error(light + " has a position or size that is not a finite number; correct it.");
 }
 
 template <int D>
-void check_light(const RectangleLight<D>& light) {
+void check_light(const AreaLight<D>& light) {
   const std::string name = "The light '" + light.name + "'";
   bool finite = is_finite(light.corner);
   for (const Vec<D>& edge : light.edges) finite = finite && is_finite(edge);
-  if (!finite) {
-    throw Error(name + " has a position or size that is not a finite number; correct it.");
-  }
+  if (!finite) not_finite(name);
   if (!(light.area() > 0)) {
     throw Error(name + " has no area; give it a width and a height.");
   }
-  for (int i = 0; i < 3; ++i) {
-    if (!(light.radiance[i] >= 0) || !std::isfinite(light.radiance[i])) {
-      throw Error(name + " has a negative or non-finite radiance; choose one that is 0 or more.");
-    }
+  check_light_amount(light.radiance, name, "radiance");
+}
+
+template <int D>
+void check_light(const PointLight<D>& light) {
+  const std::string name = "The light '" + light.name + "'";
+  if (!is_finite(light.position) || !std::isfinite(light.radius)) not_finite(name);
+  if (light.radius < 0) throw Error(name + " has a negative radius; choose one that is 0 or more.");
+  check_light_amount(light.intensity, name, "intensity");
+  if (!light.cone) return;
+  if (!(std::abs(light.cone->axis.length() - 1) < 1e-6)) {
+    throw Error(name + " has an axis that is not of length 1; normalise it.");
   }
+  if (!(light.cone->cosine > -1 && light.cone->cosine < 1)) {
+    throw Error(name + " has a cone of no angle; choose one above 0 and below 360 degrees.");
+  }
+  if (!(light.cone->blend >= 0 && light.cone->blend <= 1)) {
+    throw Error(name + " has a cone whose blend is not between 0 and 1; choose one that is.");
+  }
+}
+
+template <int D>
+void check_light(const SunLight<D>& light) {
+  const std::string name = "The light '" + light.name + "'";
+  if (!(std::abs(light.direction.length() - 1) < 1e-6)) {
+    throw Error(name + " has a direction that is not of length 1; normalise it.");
+  }
+  if (!(light.angle >= 0 && light.angle < pi)) {
+    throw Error(name + " has an angle that is not between 0 and 180 degrees; correct it.");
+  }
+  check_light_amount(light.irradiance, name, "irradiance");
+}
+
+template <int D>
+bool shines(const Light<D>& light) {
+  struct Amount {
+    Rgb operator()(const AreaLight<D>& l) const { return l.radiance; }
+    Rgb operator()(const PointLight<D>& l) const { return l.intensity; }
+    Rgb operator()(const SunLight<D>& l) const { return l.irradiance; }
+  };
+  return largest(std::visit(Amount{}, light)) > 0;
+}
+
+template <int D>
+bool has_light(const Scene<D>& scene) {
+  for (const Light<D>& light : scene.lights) {
+    if (shines<D>(light)) return true;
+  }
+  for (const Mesh<D>& mesh : scene.meshes) {
+    if (largest(mesh.emission) > 0) return true;
+  }
+  for (const Volume<D>& volume : scene.volumes) {
+    if (volume.emission.largest() > 0) return true;
+  }
+  return scene.environment && largest(scene.environment->radiance) > 0;
+}
+
+void check_ramp(const ColorRamp& ramp, const std::string& of, const char* what) {
+  bool ascending = !ramp.stops.empty();
+  for (std::size_t i = 0; i < ramp.stops.size(); ++i) {
+    ascending = ascending && std::isfinite(ramp.stops[i].position) &&
+                (i == 0 || ramp.stops[i].position > ramp.stops[i - 1].position);
+  }
+  if (!ascending) {
+    throw Error("The stops of the " + std::string(what) + " ramp of " + of +
+                " are not in ascending order; sort them.");
+  }
+}
+
+template <int D>
+void check_volume(const Volume<D>& volume, const IsovalueWindow& window) {
+  const std::string name = "the volume '" + volume.name + "'";
+  if (!(volume.scale > 0) || !std::isfinite(volume.scale) || !std::isfinite(volume.offset)) {
+    throw Error("The range of isovalues of " + name +
+                " is empty; its upper end must be above its lower end.");
+  }
+  const double low = volume.isovalue(window.min), high = volume.isovalue(window.max);
+  if (high <= volume.field.min || low > volume.field.max) {
+    std::ostringstream text;
+    text << "The isovalue window " << low << " to " << high << " lies outside the data of " << name
+         << ", which range from " << volume.field.min << " to " << volume.field.max
+         << "; choose a window that overlaps them.";
+    throw Error(text.str());
+  }
+  check_ramp(volume.albedo, name, "albedo");
+  check_ramp(volume.emission, name, "emission");
+  for (const auto& stop : volume.albedo.stops) {
+    check_albedo(stop.color, "the isosurfaces of " + name);
+  }
+  for (const auto& stop : volume.emission.stops) {
+    check_light_amount(stop.color, "The volume '" + volume.name + "'", "emission");
+  }
+  check_ior(volume.ior, volume.scattering, name);
 }
 
 }  // namespace
 
 template <int D>
+Rgb Mesh<D>::albedo_at(std::size_t facet, double u, double v) const {
+  if (!texture) return albedo;
+  const FacetUv& corners = uv[facet];
+  Imath::V2d at = Imath::V2d(corners[0]) + (Imath::V2d(corners[1]) - Imath::V2d(corners[0])) * u;
+  if constexpr (D == 3) at += (Imath::V2d(corners[2]) - Imath::V2d(corners[0])) * v;
+  return albedo * texture->at(at.x, at.y);
+}
+
+template <int D>
 void validate(const Scene<D>& scene) {
-  const Field<D>& field = scene.field;
   const IsovalueWindow& window = scene.window;
-  std::ostringstream text;
-  text << "The isovalue window " << window.min << " to " << window.max;
   if (!(window.min < window.max) || !std::isfinite(window.height())) {
-    throw Error(text.str() + " is empty; its upper end must be above its lower end.");
-  }
-  if (window.max <= field.min || window.min > field.max) {
-    text << " lies outside the data, which range from " << field.min << " to " << field.max
-         << "; choose a window that overlaps them.";
+    std::ostringstream text;
+    text << "The isovalue window " << window.min << " to " << window.max
+         << " is empty; its upper end must be above its lower end.";
     throw Error(text.str());
   }
-  check_albedo(scene.leaf_albedo, "the isosurfaces");
-  for (const Mesh<D>& mesh : scene.meshes) check_mesh(mesh);
-  for (const RectangleLight<D>& light : scene.lights) check_light(light);
-  Real power = 0;
-  for (const RectangleLight<D>& light : scene.lights) {
-    power += average(light.radiance) * static_cast<Real>(light.area());
+  if (scene.volumes.empty() && scene.meshes.empty()) {
+    throw Error("The scene is empty; add a volume.");
   }
-  if (!(power > 0)) {
-    throw Error("The scene has no light, so every isosurface would be black; add an area light.");
+  for (const Volume<D>& volume : scene.volumes) check_volume(volume, window);
+  for (const Mesh<D>& mesh : scene.meshes) check_mesh(mesh);
+  for (const Light<D>& light : scene.lights) {
+    std::visit([](const auto& l) { check_light(l); }, light);
+  }
+  if (scene.environment) {
+    const std::string name = "the environment '" + scene.environment->name + "'";
+    check_light_amount(scene.environment->radiance,
+                       "The environment '" + scene.environment->name + "'", "radiance");
+    if (scene.environment->image) check_texture(*scene.environment->image, name);
+  }
+  if (!has_light(scene)) {
+    throw Error(
+        "The scene has no light, so every isosurface would be black; add an area light, or give "
+        "the world a colour.");
   }
 }
 
+template struct Mesh<2>;
+template struct Mesh<3>;
 template void validate<2>(const Scene<2>&);
 template void validate<3>(const Scene<3>&);
 

@@ -8,11 +8,11 @@
 namespace leaflight {
 namespace {
 
-// The radiance of a texel, or the mean over its active neighbours, or black.
-Vec<3, float> filled(const RadianceGrid<3>& grid, const Index<3>& texel) {
-  const TexelLattice<3>& lattice = grid.lattice;
+// The value of a texel, or the mean over its active neighbours, or black.
+Vec<3, float> filled(const TexelLattice<3>& lattice, const std::vector<Vec<3, float>>& values,
+                     const Index<3>& texel) {
   const std::int32_t own = lattice.slot[lattice.linear(texel)];
-  if (own != TexelLattice<3>::inactive) return grid.radiance[own];
+  if (own != TexelLattice<3>::inactive) return values[own];
   Vec<3, float> sum(0);
   int count = 0;
   Index<3> low, high;
@@ -23,7 +23,7 @@ Vec<3, float> filled(const RadianceGrid<3>& grid, const Index<3>& texel) {
   for_each_index<3>(low, high, [&](const Index<3>& neighbour) {
     const std::int32_t slot = lattice.slot[lattice.linear(neighbour)];
     if (slot == TexelLattice<3>::inactive) return;
-    sum += grid.radiance[slot];
+    sum += values[slot];
     ++count;
   });
   return count > 0 ? sum / static_cast<float>(count) : sum;
@@ -31,8 +31,8 @@ Vec<3, float> filled(const RadianceGrid<3>& grid, const Index<3>& texel) {
 
 }  // namespace
 
-Atlas make_atlas(const RadianceGrid<3>& grid) {
-  const Index<3>& n = grid.lattice.resolution;
+Atlas make_atlas(const TexelLattice<3>& lattice, const std::vector<Vec<3, float>>& values) {
+  const Index<3>& n = lattice.resolution;
   Atlas atlas;
   // As square as possible, since the longer side limits what a graphics card takes.
   atlas.columns = std::max(
@@ -48,7 +48,7 @@ Atlas make_atlas(const RadianceGrid<3>& grid) {
       float* row =
           atlas.pixels.data() + (static_cast<std::size_t>(bottom + y) * atlas.width + left) * 4;
       for (int x = 0; x < n[0]; ++x) {
-        const Vec<3, float> radiance = filled(grid, {x, y, z});
+        const Vec<3, float> radiance = filled(lattice, values, {x, y, z});
         for (int c = 0; c < 3; ++c) row[4 * x + c] = radiance[c];
         row[4 * x + 3] = 1;
       }

@@ -3,24 +3,40 @@
 
 #include <cmath>
 
+#include "leaflight/math/sampling.h"
+
 namespace leaflight {
 namespace {
 
-// World to frame.
 template <int D>
-struct Frame {
-  Vec<D> centre;
-  double scale;
+WorldBox<D> empty_box() {
+  return {Vec<D>(std::numeric_limits<double>::infinity()),
+          Vec<D>(-std::numeric_limits<double>::infinity())};
+}
 
-  explicit Frame(const Field<D>& field) {
-    const auto [low, high] = world_box(field);
-    double size = 0;
-    for (int a = 0; a < D; ++a) size = std::max(size, high[a] - low[a]);
-    centre = (low + high) * 0.5;
-    scale = 1 / size;
+template <int D>
+void extend(WorldBox<D>& box, const Vec<D>& p) {
+  for (int a = 0; a < D; ++a) {
+    box.low[a] = std::min(box.low[a], p[a]);
+    box.high[a] = std::max(box.high[a], p[a]);
   }
-  Vec<D> point(const Vec<D>& p) const { return (p - centre) * scale; }
-};
+}
+
+// The box about the volumes, or about the meshes where there is no volume.
+template <int D>
+WorldBox<D> framed_box(const Scene<D>& scene) {
+  WorldBox<D> box = empty_box<D>();
+  for (const Volume<D>& volume : scene.volumes) {
+    const WorldBox<D> own = world_box(volume.field);
+    extend(box, own.low);
+    extend(box, own.high);
+  }
+  if (!scene.volumes.empty()) return box;
+  for (const Mesh<D>& mesh : scene.meshes) {
+    for (const auto& v : mesh.vertices) extend(box, Vec<D>(v));
+  }
+  return box;
+}
 
 template <int D>
 std::vector<Mesh<D>> in_frame(std::vector<Mesh<D>> meshes, const Frame<D>& frame) {
@@ -30,22 +46,42 @@ std::vector<Mesh<D>> in_frame(std::vector<Mesh<D>> meshes, const Frame<D>& frame
   return meshes;
 }
 
+// Radiance and irradiance stay; intensity is radiance times area.
 template <int D>
-std::vector<RectangleLight<D>> in_frame(std::vector<RectangleLight<D>> lights,
-                                        const Frame<D>& frame) {
-  for (RectangleLight<D>& light : lights) {
+struct LightInFrame {
+  const Frame<D>& frame;
+
+  void operator()(AreaLight<D>& light) const {
     light.corner = frame.point(light.corner);
     for (Vec<D>& edge : light.edges) edge *= frame.scale;
   }
+  void operator()(PointLight<D>& light) const {
+    light.position = frame.point(light.position);
+    light.radius *= frame.scale;
+    light.intensity *= static_cast<Real>(spread<D>(frame.scale));
+  }
+  void operator()(SunLight<D>&) const {}
+};
+
+template <int D>
+std::vector<Light<D>> in_frame(std::vector<Light<D>> lights, const Frame<D>& frame) {
+  for (Light<D>& light : lights) std::visit(LightInFrame<D>{frame}, light);
   return lights;
 }
 
 template <int D>
-Affine<D> index_to_frame(const Field<D>& field, const Frame<D>& frame) {
-  Affine<D> m;
-  for (int a = 0; a < D; ++a) m.column[a] = field.index_to_world.column[a] * frame.scale;
-  m.origin = frame.point(field.index_to_world.origin);
-  return m;
+BoundingSphere<D> bounds_of(const Scene<D>& scene, const Frame<D>& frame,
+                            const std::vector<Mesh<D>>& meshes) {
+  WorldBox<D> box = empty_box<D>();
+  for (const Volume<D>& volume : scene.volumes) {
+    const WorldBox<D> own = world_box(volume.field);
+    extend(box, frame.point(own.low));
+    extend(box, frame.point(own.high));
+  }
+  for (const Mesh<D>& mesh : meshes) {
+    for (const auto& v : mesh.vertices) extend(box, Vec<D>(v));
+  }
+  return {(box.low + box.high) * 0.5, 0.5 * (box.high - box.low).length() * (1 + 1e-6)};
 }
 
 }  // namespace
@@ -58,92 +94,149 @@ Vec<D> leave_plane(const Vec<D>& position, const Vec<D>& normal) {
 }
 
 template <int D>
-SceneTracer<D>::SceneTracer(const Scene<D>& scene)
-    : scene_(scene),
-      index_to_frame_(leaflight::index_to_frame(scene.field, Frame<D>(scene.field))),
-      frame_to_index_(inverse(index_to_frame_)),
-      meshes_(in_frame(scene.meshes, Frame<D>(scene.field))),
-      lights_(in_frame(scene.lights, Frame<D>(scene.field))),
-      surroundings_(meshes_) {}
+Frame<D>::Frame(const Scene<D>& scene) {
+  const auto [low, high] = framed_box(scene);
+  double size = 0;
+  for (int a = 0; a < D; ++a) size = std::max(size, high[a] - low[a]);
+  centre = (low + high) * 0.5;
+  scale = 1 / size;
+}
 
 template <int D>
-SurfacePoint<D> SceneTracer<D>::leaf_point(const CellPoint<D>& point, double isovalue,
+Affine<D> Frame<D>::index_to_frame(const Field<D>& field) const {
+  Affine<D> m;
+  for (int a = 0; a < D; ++a) m.column[a] = field.index_to_world.column[a] * scale;
+  m.origin = point(field.index_to_world.origin);
+  return m;
+}
+
+template <int D>
+SceneTracer<D>::SceneTracer(const Scene<D>& scene)
+    : scene_(scene),
+      frame_(scene),
+      meshes_(in_frame(scene.meshes, frame_)),
+      lights_(in_frame(scene.lights, frame_)),
+      bounds_(bounds_of(scene, frame_, meshes_)),
+      surroundings_(meshes_) {
+  for (const Volume<D>& volume : scene.volumes) {
+    const Affine<D> index_to_frame = frame_.index_to_frame(volume.field);
+    fields_.push_back({index_to_frame, inverse(index_to_frame)});
+  }
+}
+
+template <int D>
+SurfacePoint<D> SceneTracer<D>::leaf_point(int volume, const CellPoint<D>& point, double c,
                                            bool above) const {
+  const Volume<D>& of = scene_.volumes[volume];
+  const FieldFrame& frames = fields_[volume];
   SurfacePoint<D> s;
-  s.isovalue = isovalue;
-  s.position = index_to_frame_.point(point.index_position());
-  s.albedo = scene_.leaf_albedo;
+  s.scattering = of.scattering;
+  s.volume = volume;
+  s.c = c;
+  s.position = frames.index_to_frame.point(point.index_position());
+  s.albedo = of.albedo.at(c);
+  s.emission = of.emission.at(c);
   s.cell_point = point;
   s.above = above;
+  s.ior = above ? 1 / of.ior : of.ior;
   // The inside is higher, so the outside faces -grad h.
   const double side = above ? 1 : -1;
-  const Vec<D> geometric = frame_to_index_.pull_back_gradient(
-      geometric_gradient(load_corners(scene_.field, point.cell), point.local));
-  const Vec<D> shading = frame_to_index_.pull_back_gradient(shading_gradient(scene_.field, point));
+  const Vec<D> geometric = frames.frame_to_index.pull_back_gradient(
+      geometric_gradient(load_corners(of.field, point.cell), point.local));
+  const Vec<D> shading =
+      frames.frame_to_index.pull_back_gradient(shading_gradient(of.field, point));
   const double geometric_length = geometric.length(), shading_length = shading.length();
   if (!(geometric_length > 0)) return s;
   s.kind = HitKind::leaf;
-  s.gradient_length = geometric_length;
+  s.gradient_length = geometric_length / of.scale;
   s.geometric_normal = geometric * (side / geometric_length);
   s.shading_normal = shading_length > 0 ? shading * (side / shading_length) : s.geometric_normal;
   return s;
 }
 
 template <int D>
-LeafRay<D> SceneTracer<D>::leaf_ray(const SurfacePoint<D>& from, const Vec<D>& direction) const {
+SurfacePoint<D> SceneTracer<D>::facet_point(int mesh_index, int facet, double u, double v,
+                                            bool front, double c) const {
+  const Mesh<D>& mesh = meshes_[mesh_index];
+  const FacetFrame<D> frame(mesh, facet);
+  SurfacePoint<D> s;
+  s.kind = HitKind::surroundings;
+  s.scattering = mesh.scattering;
+  s.c = c;
+  s.place = {0, mesh_index, facet, u, v};
+  s.position = frame.point(u, v);
+  s.geometric_normal = front ? frame.normal() : -frame.normal();
+  s.shading_normal = s.geometric_normal;
+  s.albedo = mesh.albedo_at(facet, u, v);
+  s.emission = mesh.emission;
+  s.ior = front ? mesh.ior : 1 / mesh.ior;
+  return s;
+}
+
+template <int D>
+LeafRay<D> SceneTracer<D>::leaf_ray(int volume, const SurfacePoint<D>& from,
+                                    const Vec<D>& direction) const {
   LeafRay<D> ray;
-  ray.direction = frame_to_index_.vector(direction);
-  ray.isovalue = from.isovalue;
-  if (from.kind == HitKind::leaf) {
+  ray.direction = fields_[volume].frame_to_index.vector(direction);
+  ray.isovalue = scene_.volumes[volume].isovalue(from.c);
+  if (from.kind == HitKind::leaf && from.volume == volume) {
     ray.starts_on_leaf = true;
     ray.starts_above = from.above;
     ray.origin = from.cell_point;
     ray.position = from.cell_point.index_position();
   } else {
-    ray.position = frame_to_index_.point(from.position);
+    ray.position = fields_[volume].frame_to_index.point(from.position);
   }
   return ray;
 }
 
 template <int D>
-Hit<D> SceneTracer<D>::nearest(const LeafRay<D>& ray, const Vec<D>& origin,
+Vec<D> SceneTracer<D>::ray_origin(const SurfacePoint<D>& from) const {
+  return from.kind == HitKind::surroundings ? leave_plane<D>(from.position, from.geometric_normal)
+                                            : from.position;
+}
+
+template <int D>
+Hit<D> SceneTracer<D>::nearest(const SurfacePoint<D>& from, const Vec<D>& origin,
                                const Vec<D>& direction) const {
   Hit<D> hit;
-  LeafRay<D> leaf_ray = ray;
-  if (const auto found = surroundings_.intersect(origin, direction, ray.t_max)) {
+  double t_max = std::numeric_limits<double>::infinity();
+  if (const auto found = surroundings_.intersect(origin, direction, t_max)) {
     hit.kind = HitKind::surroundings;
     hit.surroundings = *found;
-    leaf_ray.t_max = found->t;
+    t_max = found->t;
   }
-  if (const auto found = leaflight::intersect(scene_.field, leaf_ray)) {
-    hit.kind = HitKind::leaf;
-    hit.leaf = *found;
+  for (int v = 0; v < static_cast<int>(fields_.size()); ++v) {
+    LeafRay<D> ray = leaf_ray(v, from, direction);
+    ray.t_max = t_max;
+    if (const auto found = leaflight::intersect(scene_.volumes[v].field, ray)) {
+      hit.kind = HitKind::leaf;
+      hit.volume = v;
+      hit.leaf = *found;
+      t_max = found->t;
+    }
   }
   return hit;
 }
 
 template <int D>
 Hit<D> SceneTracer<D>::intersect(const SurfacePoint<D>& from, const Vec<D>& direction) const {
-  const Vec<D> origin = from.kind == HitKind::surroundings
-                            ? leave_plane<D>(from.position, from.geometric_normal)
-                            : from.position;
-  return nearest(leaf_ray(from, direction), origin, direction);
+  return nearest(from, ray_origin(from), direction);
 }
 
 template <int D>
-Hit<D> SceneTracer<D>::intersect(const Vec<D>& origin, const Vec<D>& direction,
-                                 double isovalue) const {
+Hit<D> SceneTracer<D>::intersect(const Vec<D>& origin, const Vec<D>& direction, double c) const {
   SurfacePoint<D> from;
   from.position = origin;
-  from.isovalue = isovalue;
-  return nearest(leaf_ray(from, direction), origin, direction);
+  from.c = c;
+  return nearest(from, origin, direction);
 }
 
 template <int D>
 SurfacePoint<D> SceneTracer<D>::surface_point(const Hit<D>& hit, const Vec<D>& direction,
-                                              double isovalue) const {
+                                              double c) const {
   if (hit.kind == HitKind::leaf) {
-    SurfacePoint<D> s = leaf_point(hit.leaf.point, isovalue, hit.leaf.from_above);
+    SurfacePoint<D> s = leaf_point(hit.volume, hit.leaf.point, c, hit.leaf.from_above);
     if (s.kind == HitKind::none) {
       // A crossing in a place without a gradient, as on the face of a plateau: face the ray.
       s.kind = HitKind::leaf;
@@ -151,36 +244,42 @@ SurfacePoint<D> SceneTracer<D>::surface_point(const Hit<D>& hit, const Vec<D>& d
     }
     return s;
   }
-  SurfacePoint<D> s;
-  if (hit.kind == HitKind::none) return s;
-  const Mesh<D>& mesh = meshes_[hit.surroundings.mesh];
-  const FacetFrame<D> facet(mesh, hit.surroundings.facet);
-  s.kind = HitKind::surroundings;
-  s.isovalue = isovalue;
-  s.position = facet.point(hit.surroundings.u, hit.surroundings.v);
-  s.geometric_normal = facet.normal();
-  if (s.geometric_normal.dot(direction) > 0) s.geometric_normal = -s.geometric_normal;
-  s.shading_normal = s.geometric_normal;
-  s.albedo = mesh.albedo;
-  return s;
+  if (hit.kind == HitKind::none) return {};
+  const SurroundingsHit& on = hit.surroundings;
+  const FacetFrame<D> facet(meshes_[on.mesh], on.facet);
+  const bool front = !(facet.normal().dot(direction) > 0);
+  return facet_point(on.mesh, on.facet, on.u, on.v, front, c);
+}
+
+template <int D>
+bool SceneTracer<D>::blocked(const SurfacePoint<D>& from, const Vec<D>& origin, const Vec<D>& way,
+                             double t_max) const {
+  if (surroundings_.occluded(origin, way, t_max)) return true;
+  for (int v = 0; v < static_cast<int>(fields_.size()); ++v) {
+    LeafRay<D> ray = leaf_ray(v, from, way);
+    ray.t_max = t_max;
+    if (leaflight::intersect(scene_.volumes[v].field, ray)) return true;
+  }
+  return false;
 }
 
 template <int D>
 bool SceneTracer<D>::occluded(const SurfacePoint<D>& from, const Vec<D>& light_point,
                               const Vec<D>& light_normal) const {
-  const Vec<D> origin = from.kind == HitKind::surroundings
-                            ? leave_plane<D>(from.position, from.geometric_normal)
-                            : from.position;
-  const Vec<D> way = leave_plane<D>(light_point, light_normal) - origin;
+  const Vec<D> origin = ray_origin(from);
   // The direction is the whole way, so the segment ends at t = 1.
-  if (surroundings_.occluded(origin, way, 1)) return true;
-  LeafRay<D> ray = leaf_ray(from, way);
-  ray.t_max = 1;
-  return leaflight::intersect(scene_.field, ray).has_value();
+  return blocked(from, origin, leave_plane<D>(light_point, light_normal) - origin, 1);
+}
+
+template <int D>
+bool SceneTracer<D>::occluded(const SurfacePoint<D>& from, const Vec<D>& direction) const {
+  return blocked(from, ray_origin(from), direction, std::numeric_limits<double>::infinity());
 }
 
 template Vec<2> leave_plane<2>(const Vec<2>&, const Vec<2>&);
 template Vec<3> leave_plane<3>(const Vec<3>&, const Vec<3>&);
+template struct Frame<2>;
+template struct Frame<3>;
 template class SceneTracer<2>;
 template class SceneTracer<3>;
 

@@ -1,15 +1,64 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "leaflight/transport/indirect_estimator.h"
 
+#include <limits>
+
 #include "leaflight/math/sampling.h"
 
 namespace leaflight {
 namespace {
 
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
 // Light from below the traced surface does not arrive, whatever the shading normal says.
 template <int D>
 bool leaves_surface(const SurfacePoint<D>& point, const Vec<D>& direction) {
   return direction.dot(point.geometric_normal) > 0;
+}
+
+template <int D>
+double length_of(const Hit<D>& hit) {
+  if (hit.kind == HitKind::none) return infinity;
+  return hit.kind == HitKind::leaf ? hit.leaf.t : hit.surroundings.t;
+}
+
+// A ray followed through mirrors and glass to the first diffuse surface, or into the open.
+template <int D>
+struct Sight {
+  Hit<D> hit;
+  SurfacePoint<D> point;  // of kind none in the open
+  Vec<D> direction;       // of the last ray
+  Rgb throughput{1};
+  bool specular = false;
+};
+
+// Calls passed(origin, direction, t, throughput, specular) for each ray of the way, and
+// met(point, throughput, specular) for each surface on it.
+template <int D, class Passed, class Met>
+Sight<D> look(const SceneTracer<D>& tracer, const SurfacePoint<D>& start, const Vec<D>& direction,
+              Random& random, std::uint64_t& rays, Passed passed, Met met) {
+  Sight<D> sight;
+  sight.direction = direction;
+  SurfacePoint<D> from = start;
+  for (int bounces = 0; bounces < most_specular_bounces; ++bounces) {
+    ++rays;
+    sight.hit = tracer.intersect(from, sight.direction);
+    passed(from.position, sight.direction, length_of(sight.hit), sight);
+    if (sight.hit.kind == HitKind::none) return sight;
+    sight.point = tracer.surface_point(sight.hit, sight.direction, start.c);
+    met(sight);
+    if (sight.point.scattering == Scattering::diffuse) return sight;
+    const SpecularBounce<D> bounce =
+        specular_bounce(sight.point, sight.direction, random.uniform());
+    sight.throughput *= bounce.weight * bounce.radiance_scale;
+    sight.specular = true;
+    sight.direction = bounce.direction;
+    from = bounce.from;
+    if (!(largest(sight.throughput) > 0)) break;
+  }
+  sight.hit.kind = HitKind::none;
+  sight.point.kind = HitKind::none;
+  return sight;
 }
 
 template <int D>
@@ -30,14 +79,28 @@ class PathEstimator final : public IndirectEstimator<D> {
       throughput /= survival;
       const Vec<D> direction = sample_cosine_hemisphere<D>(point.shading_normal, sample);
       if (!leaves_surface(point, direction)) return radiance;
-      ++rays;
-      const Hit<D> hit = tracer_.intersect(point, direction);
-      if (hit.kind == HitKind::none) return radiance;
-      point = tracer_.surface_point(hit, direction, point.isovalue);
+      const Sight<D> sight = look<D>(
+          tracer_, point, direction, random, rays,
+          // Lights are sampled at the diffuse surface, save those seen in mirrors and through
+          // glass.
+          [&](const Vec<D>& origin, const Vec<D>& along, double t, const Sight<D>& way) {
+            if (!way.specular) return;
+            radiance += throughput * way.throughput * lights_.visible_radiance(origin, along, t);
+          },
+          [&](const Sight<D>& way) {
+            if (way.point.kind == HitKind::leaf || way.specular) {
+              radiance += throughput * way.throughput * way.point.emission;
+            }
+          });
+      if (sight.point.kind == HitKind::none) return radiance;
+      throughput *= sight.throughput;
+      point = sight.point;
       const double choice = random.uniform();
-      const std::array<double, 2> on_light{random.uniform(), random.uniform()};
+      const double light_u = random.uniform();
+      const std::array<double, 2> on_light{light_u, random.uniform()};
       radiance += throughput * lights_.direct_radiance(point, choice, on_light, rays);
-      sample = {random.uniform(), random.uniform()};
+      sample[0] = random.uniform();
+      sample[1] = random.uniform();
     }
   }
 
@@ -49,79 +112,135 @@ class PathEstimator final : public IndirectEstimator<D> {
 template <int D>
 class VolumetricEstimator final : public IndirectEstimator<D> {
  public:
-  VolumetricEstimator(const LeafCache<D>& leaves, const TexelLattice<D>& lattice)
-      : leaves_(leaves), lattice_(lattice) {}
+  VolumetricEstimator(const std::vector<LeafRadiance<D>>& leaves,
+                      const SurfaceCache<D>* surroundings)
+      : leaves_(leaves), surroundings_(surroundings) {}
 
   Rgb indirect_radiance(const SurfacePoint<D>& point, const std::array<double, 2>&, Random&,
                         std::uint64_t&) const override {
-    const std::int32_t slot = lattice_.nearest_slot(point.cell_point.index_position());
+    const Rgb brdf = point.albedo / static_cast<Real>(projected_hemisphere<D>);
+    if (point.kind == HitKind::surroundings) return brdf * surroundings_->soft_irradiance(point);
+    const LeafRadiance<D>& leaf = leaves_[point.volume];
+    const std::int32_t slot = leaf.lattice->nearest_slot(point.cell_point.index_position());
     if (slot == TexelLattice<D>::inactive) return Rgb(0);
-    const Rgb irradiance = point.above ? leaves_.inner(slot) : leaves_.outer_indirect(slot);
-    return irradiance * point.albedo / static_cast<Real>(projected_hemisphere<D>);
+    return brdf * leaf.photons->soft(slot, point.above);
   }
 
  private:
-  const LeafCache<D>& leaves_;
-  const TexelLattice<D>& lattice_;
+  const std::vector<LeafRadiance<D>>& leaves_;
+  const SurfaceCache<D>* surroundings_;
 };
 
 template <int D>
 class GatherEstimator final : public IndirectEstimator<D> {
  public:
-  GatherEstimator(const SceneTracer<D>& tracer, const LeafCache<D>& leaves,
-                  const SurfaceCache<D>& surroundings, const TexelLattice<D>& lattice,
-                  const std::vector<Rgb>& outer_direct)
-      : tracer_(tracer), leaves_(leaves), surroundings_(surroundings), lattice_(lattice) {
-    const Rgb brdf = tracer.scene().leaf_albedo / static_cast<Real>(projected_hemisphere<D>);
-    outer_.resize(outer_direct.size());
-    for (std::size_t s = 0; s < outer_.size(); ++s) {
-      outer_[s] = outer_direct[s] + brdf * leaves.outer_indirect(static_cast<std::int32_t>(s));
+  GatherEstimator(const SceneTracer<D>& tracer, const std::vector<LeafRadiance<D>>& leaves,
+                  const SurfaceCache<D>& surroundings)
+      : tracer_(tracer), surroundings_(surroundings) {
+    for (std::size_t v = 0; v < leaves.size(); ++v) {
+      const LeafRadiance<D>& leaf = leaves[v];
+      lattices_.push_back(leaf.lattice);
+      emissive_.push_back(tracer.scene().volumes[v].emission.largest() > 0);
+      std::array<std::vector<Rgb>, 2> sides;
+      for (int side = 0; side < 2 && leaf.photons; ++side) {
+        sides[side] = side_radiance(tracer.scene().volumes[v], leaf, side);
+      }
+      radiance_.push_back(std::move(sides));
     }
   }
 
-  Rgb indirect_radiance(const SurfacePoint<D>& point, const std::array<double, 2>& u, Random&,
-                        std::uint64_t& rays) const override {
+  Rgb indirect_radiance(const SurfacePoint<D>& point, const std::array<double, 2>& u,
+                        Random& random, std::uint64_t& rays) const override {
     const Vec<D> direction = sample_cosine_hemisphere<D>(point.shading_normal, u);
     if (!leaves_surface(point, direction)) return Rgb(0);
     ++rays;
     const Hit<D> hit = tracer_.intersect(point, direction);
-    return point.albedo * incident(hit, direction, point.isovalue);
+    return point.albedo * incident(hit, direction, point.c, random, rays);
   }
 
  private:
-  Rgb incident(const Hit<D>& hit, const Vec<D>& direction, double isovalue) const {
-    if (hit.kind == HitKind::none) return Rgb(0);
-    if (hit.kind == HitKind::surroundings) {
-      return surroundings_.radiance(hit.surroundings, direction, isovalue);
+  // Reflected radiance of one side of a volume's texels, with the albedo of the leaf through each.
+  static std::vector<Rgb> side_radiance(const Volume<D>& volume, const LeafRadiance<D>& leaf,
+                                        int side) {
+    const TexelLattice<D>& lattice = *leaf.lattice;
+    std::vector<Rgb> radiance(lattice.active.size());
+    for (std::size_t s = 0; s < radiance.size(); ++s) {
+      const Vec<D> centre =
+          to_vector<D>(lattice.texel(lattice.active[s])) * lattice.voxels_per_texel;
+      double c = 0;
+      if (volume.albedo.stops.size() > 1) {
+        const CellPoint<D> at = locate(volume.field, centre);
+        const double h = interpolate(load_corners(volume.field, at.cell), at.local);
+        if (h == h) c = volume.leaf_coordinate(h);
+      }
+      radiance[s] = volume.albedo.at(c) / static_cast<Real>(projected_hemisphere<D>) *
+                    leaf.photons->irradiance(static_cast<std::int32_t>(s), side);
+      if (!leaf.direct[side].empty()) radiance[s] += leaf.direct[side][s];
     }
-    const std::int32_t slot = slot_before(hit.leaf);
-    if (slot == TexelLattice<D>::inactive) return Rgb(0);
-    if (!hit.leaf.from_above) return outer_[slot];
-    return leaves_.inner(slot) * tracer_.scene().leaf_albedo /
-           static_cast<Real>(projected_hemisphere<D>);
+    return radiance;
+  }
+
+  // A ray through mirrors or glass to a light is a caustic, which photons carry.
+  Rgb incident(Hit<D> hit, const Vec<D>& towards, double c, Random& random,
+               std::uint64_t& rays) const {
+    if (hit.kind == HitKind::none) return Rgb(0);
+    if (scattering_of(hit) == Scattering::diffuse) return found(hit, towards, c);
+    const SurfacePoint<D> first = tracer_.surface_point(hit, towards, c);
+    const SpecularBounce<D> bounce = specular_bounce(first, towards, random.uniform());
+    Rgb emitted(0);
+    const Sight<D> sight = look<D>(
+        tracer_, bounce.from, bounce.direction, random, rays,
+        [](const Vec<D>&, const Vec<D>&, double, const Sight<D>&) {},
+        [&](const Sight<D>& way) {
+          const bool leaf = way.point.kind == HitKind::leaf;
+          const bool specular = way.point.scattering != Scattering::diffuse;
+          if (leaf && specular) emitted += way.throughput * way.point.emission;
+        });
+    Rgb radiance = emitted;
+    if (sight.point.kind != HitKind::none) {
+      radiance += sight.throughput * found(sight.hit, sight.direction, c);
+    }
+    const Rgb own = first.kind == HitKind::leaf ? first.emission : Rgb(0);
+    return own + bounce.weight * bounce.radiance_scale * radiance;
+  }
+
+  Scattering scattering_of(const Hit<D>& hit) const {
+    return hit.kind == HitKind::leaf ? tracer_.scene().volumes[hit.volume].scattering
+                                     : tracer_.meshes()[hit.surroundings.mesh].scattering;
+  }
+
+  Rgb found(const Hit<D>& hit, const Vec<D>& direction, double c) const {
+    if (hit.kind == HitKind::surroundings) {
+      return surroundings_.radiance(hit.surroundings, direction, c);
+    }
+    const Volume<D>& volume = tracer_.scene().volumes[hit.volume];
+    const Rgb emission = emissive_[hit.volume] ? volume.emission.at(c) : Rgb(0);
+    const std::vector<Rgb>& radiance = radiance_[hit.volume][hit.leaf.from_above];
+    const std::int32_t slot = slot_before(*lattices_[hit.volume], volume.field, hit.leaf);
+    return slot == TexelLattice<D>::inactive ? emission : emission + radiance[slot];
   }
 
   // The texel half a texel before the surface that was met: those within a thin shell hold the
   // light of both its faces, and would let the outer one's shine into it.
-  std::int32_t slot_before(const LeafHit<D>& hit) const {
+  static std::int32_t slot_before(const TexelLattice<D>& lattice, const Field<D>& field,
+                                  const LeafHit<D>& hit) {
     const Vec<D> position = hit.point.index_position();
     const Vec<D> gradient =
-        geometric_gradient(load_corners(tracer_.scene().field, hit.point.cell), hit.point.local);
+        geometric_gradient(load_corners(field, hit.point.cell), hit.point.local);
     const double length = gradient.length();
     if (length > 0) {
       const Vec<D> before = gradient * ((hit.from_above ? 0.5 : -0.5) / length);
-      const std::int32_t slot =
-          lattice_.nearest_slot(position + before * lattice_.voxels_per_texel);
+      const std::int32_t slot = lattice.nearest_slot(position + before * lattice.voxels_per_texel);
       if (slot != TexelLattice<D>::inactive) return slot;
     }
-    return lattice_.nearest_slot(position);
+    return lattice.nearest_slot(position);
   }
 
   const SceneTracer<D>& tracer_;
-  const LeafCache<D>& leaves_;
   const SurfaceCache<D>& surroundings_;
-  const TexelLattice<D>& lattice_;
-  std::vector<Rgb> outer_;
+  std::vector<const TexelLattice<D>*> lattices_;
+  std::vector<char> emissive_;
+  std::vector<std::array<std::vector<Rgb>, 2>> radiance_;  // per volume and side
 };
 
 }  // namespace
@@ -133,39 +252,44 @@ std::unique_ptr<IndirectEstimator<D>> make_path_estimator(const SceneTracer<D>& 
 }
 
 template <int D>
-std::unique_ptr<IndirectEstimator<D>> make_volumetric_estimator(const LeafCache<D>& leaves,
-                                                                const TexelLattice<D>& lattice) {
-  return std::make_unique<VolumetricEstimator<D>>(leaves, lattice);
+std::unique_ptr<IndirectEstimator<D>> make_volumetric_estimator(
+    const std::vector<LeafRadiance<D>>& leaves, const SurfaceCache<D>* surroundings) {
+  return std::make_unique<VolumetricEstimator<D>>(leaves, surroundings);
 }
 
 template <int D>
-std::unique_ptr<IndirectEstimator<D>> make_gather_estimator(const SceneTracer<D>& tracer,
-                                                            const LeafCache<D>& leaves,
-                                                            const SurfaceCache<D>& surroundings,
-                                                            const TexelLattice<D>& lattice,
-                                                            const std::vector<Rgb>& outer_direct) {
-  return std::make_unique<GatherEstimator<D>>(tracer, leaves, surroundings, lattice, outer_direct);
+std::unique_ptr<IndirectEstimator<D>> make_gather_estimator(
+    const SceneTracer<D>& tracer, const std::vector<LeafRadiance<D>>& leaves,
+    const SurfaceCache<D>& surroundings) {
+  return std::make_unique<GatherEstimator<D>>(tracer, leaves, surroundings);
 }
 
-template class IndirectEstimator<2>;
+template <int D>
+Rgb caustic_radiance(const std::vector<LeafRadiance<D>>& leaves,
+                     const SurfaceCache<D>* surroundings, const SurfacePoint<D>& point) {
+  const Rgb brdf = point.albedo / static_cast<Real>(projected_hemisphere<D>);
+  if (point.kind == HitKind::surroundings) return brdf * surroundings->caustic_irradiance(point);
+  const LeafRadiance<D>& leaf = leaves[point.volume];
+  const std::int32_t slot = leaf.lattice->nearest_slot(point.cell_point.index_position());
+  if (slot == TexelLattice<D>::inactive) return Rgb(0);
+  return brdf * leaf.photons->caustic(slot, point.above);
+}
+
 template std::unique_ptr<IndirectEstimator<2>> make_path_estimator(const SceneTracer<2>&,
                                                                    const LightSampler<2>&);
-template std::unique_ptr<IndirectEstimator<2>> make_volumetric_estimator(const LeafCache<2>&,
-                                                                         const TexelLattice<2>&);
-template std::unique_ptr<IndirectEstimator<2>> make_gather_estimator(const SceneTracer<2>&,
-                                                                     const LeafCache<2>&,
-                                                                     const SurfaceCache<2>&,
-                                                                     const TexelLattice<2>&,
-                                                                     const std::vector<Rgb>&);
-template class IndirectEstimator<3>;
 template std::unique_ptr<IndirectEstimator<3>> make_path_estimator(const SceneTracer<3>&,
                                                                    const LightSampler<3>&);
-template std::unique_ptr<IndirectEstimator<3>> make_volumetric_estimator(const LeafCache<3>&,
-                                                                         const TexelLattice<3>&);
-template std::unique_ptr<IndirectEstimator<3>> make_gather_estimator(const SceneTracer<3>&,
-                                                                     const LeafCache<3>&,
-                                                                     const SurfaceCache<3>&,
-                                                                     const TexelLattice<3>&,
-                                                                     const std::vector<Rgb>&);
+template std::unique_ptr<IndirectEstimator<2>> make_volumetric_estimator(
+    const std::vector<LeafRadiance<2>>&, const SurfaceCache<2>*);
+template std::unique_ptr<IndirectEstimator<3>> make_volumetric_estimator(
+    const std::vector<LeafRadiance<3>>&, const SurfaceCache<3>*);
+template std::unique_ptr<IndirectEstimator<2>> make_gather_estimator(
+    const SceneTracer<2>&, const std::vector<LeafRadiance<2>>&, const SurfaceCache<2>&);
+template std::unique_ptr<IndirectEstimator<3>> make_gather_estimator(
+    const SceneTracer<3>&, const std::vector<LeafRadiance<3>>&, const SurfaceCache<3>&);
+template Rgb caustic_radiance<2>(const std::vector<LeafRadiance<2>>&, const SurfaceCache<2>*,
+                                 const SurfacePoint<2>&);
+template Rgb caustic_radiance<3>(const std::vector<LeafRadiance<3>>&, const SurfaceCache<3>*,
+                                 const SurfacePoint<3>&);
 
 }  // namespace leaflight

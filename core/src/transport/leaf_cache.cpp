@@ -9,16 +9,17 @@
 namespace leaflight {
 namespace {
 
-constexpr double photons_per_box = 100;
-constexpr int largest_radius = 4;
+constexpr double soft_photons_per_box = 100, caustic_photons_per_box = 30;
+constexpr int largest_soft_radius = 4, largest_caustic_radius = 2;
 // Points per texel and axis at which |grad h| is evaluated.
 constexpr int measure_points = 2;
 
-// Integral of |grad h| over the part of a texel's box that leaves of the window pass, in the frame.
+// Integral of |grad c| over the part of a texel's box that leaves of the window pass, in the frame.
 template <int D>
-float coarea_measure(const SceneTracer<D>& tracer, const TexelLattice<D>& lattice,
-                     std::uint32_t texel, const Affine<D>& frame_to_index, double texel_volume) {
-  const Field<D>& field = tracer.scene().field;
+float coarea_measure(const Volume<D>& volume, const IsovalueWindow& window,
+                     const TexelLattice<D>& lattice, std::uint32_t texel,
+                     const Affine<D>& frame_to_index, double texel_volume) {
+  const Field<D>& field = volume.field;
   const Index<D> index = lattice.texel(texel);
   Index<D> none{}, all;
   all.fill(measure_points);
@@ -33,10 +34,12 @@ float coarea_measure(const SceneTracer<D>& tracer, const TexelLattice<D>& lattic
     const CellPoint<D> point = locate(field, position);
     const CellCorners<D> corners = load_corners(field, point.cell);
     // False for NaN: masked cells hold no leaf.
-    if (!tracer.scene().window.contains(interpolate(corners, point.local))) return;
+    const double h = interpolate(corners, point.local);
+    if (!window.contains(volume.leaf_coordinate(h))) return;
     sum += frame_to_index.pull_back_gradient(geometric_gradient(corners, point.local)).length();
   });
-  return static_cast<float>(sum * texel_volume / static_cast<double>(cell_count<D>(all)));
+  const double part_volume = texel_volume / static_cast<double>(cell_count<D>(all));
+  return static_cast<float>(sum * part_volume / volume.scale);
 }
 
 // Running sums over 2 radius + 1 values along one axis of a dense grid, zero outside.
@@ -79,60 +82,84 @@ std::vector<float> smooth(const TexelLattice<D>& lattice, int radius, Progress& 
 }  // namespace
 
 template <int D>
-LeafCache<D>::LeafCache(const SceneTracer<D>& tracer, const TexelLattice<D>& lattice,
-                        bool inner_side, double photon_flux, std::uint64_t photons)
-    : tracer_(tracer),
-      lattice_(lattice),
-      outer_flux_(lattice.active.size(), photon_flux, photons),
-      inner_flux_(inner_side ? lattice.active.size() : 0, photon_flux, photons) {}
+LeafCache<D>::LeafCache(const SceneTracer<D>& tracer, int volume, const TexelLattice<D>& lattice,
+                        SideContents inner, bool caustics, double photon_flux,
+                        std::uint64_t photons)
+    : tracer_(tracer), volume_(volume), lattice_(lattice) {
+  sides_[0].contents = SideContents::indirect;
+  sides_[1].contents = inner;
+  for (Side& side : sides_) {
+    if (side.contents == SideContents::nothing) continue;
+    side.soft.flux = FluxAccumulator(lattice.active.size(), photon_flux, photons);
+    if (caustics) side.caustic.flux = FluxAccumulator(lattice.active.size(), photon_flux, photons);
+  }
+}
 
 template <int D>
 void LeafCache<D>::deposit(const PhotonHit<D>& photon) {
+  Side& side = sides_[photon.point.above];
+  if (side.contents == SideContents::nothing) return;
+  if (photon.arrival == Arrival::direct && side.contents == SideContents::indirect) return;
+  Density& density = photon.arrival == Arrival::caustic ? side.caustic : side.soft;
   const std::int32_t slot = lattice_.nearest_slot(photon.point.cell_point.index_position());
   if (slot == TexelLattice<D>::inactive) return;
-  if (photon.point.above) {
-    if (!inner_flux_.empty()) inner_flux_.add(slot, photon.flux_height);
-    return;
+  density.flux.add(slot, photon.flux_height);
+  density.stored.fetch_add(1, std::memory_order_relaxed);
+}
+
+template <int D>
+int LeafCache<D>::radius_for(double photons, std::size_t texels, double photons_per_box,
+                             int largest) const {
+  const double per_texel = photons / static_cast<double>(std::max<std::size_t>(1, texels));
+  const double width = std::pow(photons_per_box / std::max(per_texel, 1e-9), 1.0 / D);
+  return std::clamp(static_cast<int>(std::ceil((width - 1) / 2)), 0, largest);
+}
+
+template <int D>
+void LeafCache<D>::estimate(Density& density, int radius, const std::vector<float>& measure,
+                            Progress& progress) {
+  const std::size_t n = lattice_.active.size();
+  const std::vector<float> area =
+      smooth(lattice_, radius, progress, [&](std::size_t s) { return measure[s]; });
+  density.irradiance.assign(n, Rgb(0));
+  for (int channel = 0; channel < 3; ++channel) {
+    const std::vector<float> sums = smooth(lattice_, radius, progress, [&](std::size_t s) {
+      return static_cast<float>(density.flux.flux(s, channel));
+    });
+    for (std::size_t s = 0; s < n; ++s) {
+      density.irradiance[s][channel] = area[s] > 0 ? sums[s] / area[s] : 0;
+    }
   }
-  if (photon.direct) return;
-  outer_flux_.add(slot, photon.flux_height);
-  stored_.fetch_add(1, std::memory_order_relaxed);
+  density.flux = FluxAccumulator(0, 1, 1);
 }
 
 template <int D>
 void LeafCache<D>::finish(Progress& progress) {
   const std::size_t n = lattice_.active.size();
-  const Affine<D> frame_to_index = inverse(tracer_.index_to_frame());
-  double texel_volume = std::abs(determinant(tracer_.index_to_frame()));
+  const Affine<D> frame_to_index = inverse(tracer_.index_to_frame(volume_));
+  double texel_volume = std::abs(determinant(tracer_.index_to_frame(volume_)));
   for (int a = 0; a < D; ++a) texel_volume *= lattice_.voxels_per_texel[a];
+  const Scene<D>& scene = tracer_.scene();
   std::vector<float> measure(n);
   parallel_range(n, 1024, 0, progress, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) {
-      measure[s] =
-          coarea_measure(tracer_, lattice_, lattice_.active[s], frame_to_index, texel_volume);
+      measure[s] = coarea_measure(scene.volumes[volume_], scene.window, lattice_,
+                                  lattice_.active[s], frame_to_index, texel_volume);
     }
   });
-  const double per_texel = static_cast<double>(stored_.load()) / std::max<std::size_t>(1, n);
-  const double width = std::pow(photons_per_box / std::max(per_texel, 1e-9), 1.0 / D);
-  const int radius = std::clamp(static_cast<int>(std::ceil((width - 1) / 2)), 0, largest_radius);
-  const std::vector<float> area =
-      smooth(lattice_, radius, progress, [&](std::size_t s) { return measure[s]; });
-  const auto irradiance = [&](const FluxAccumulator& flux) {
-    std::vector<Rgb> result(n, Rgb(0));
-    for (int channel = 0; channel < 3; ++channel) {
-      const std::vector<float> sums = smooth(lattice_, radius, progress, [&](std::size_t s) {
-        return static_cast<float>(flux.flux(s, channel));
-      });
-      for (std::size_t s = 0; s < n; ++s) {
-        result[s][channel] = area[s] > 0 ? sums[s] / area[s] : 0;
-      }
-    }
-    return result;
-  };
-  outer_ = irradiance(outer_flux_);
-  outer_flux_ = FluxAccumulator(0, 1, 1);
-  if (!inner_flux_.empty()) inner_ = irradiance(inner_flux_);
-  inner_flux_ = FluxAccumulator(0, 1, 1);
+  // Both sides alike, by the outer side's photons.
+  const int radius = radius_for(static_cast<double>(sides_[0].soft.stored.load()), n,
+                                soft_photons_per_box, largest_soft_radius);
+  for (Side& side : sides_) {
+    if (!side.soft.flux.empty()) estimate(side.soft, radius, measure, progress);
+    if (side.caustic.flux.empty() || side.caustic.stored.load() == 0) continue;
+    // Caustics light a part of the leaves only; what counts is their density there.
+    std::size_t lit = 0;
+    for (std::size_t s = 0; s < n; ++s) lit += side.caustic.flux.lit(s);
+    const int sharp = radius_for(static_cast<double>(side.caustic.stored.load()), lit,
+                                 caustic_photons_per_box, largest_caustic_radius);
+    estimate(side.caustic, sharp, measure, progress);
+  }
 }
 
 template class LeafCache<2>;

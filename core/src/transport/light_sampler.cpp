@@ -2,86 +2,167 @@
 #include "leaflight/transport/light_sampler.h"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 
 #include "leaflight/math/sampling.h"
 
 namespace leaflight {
+namespace {
+
+// About the irradiance that a light causes at the middle of the scene: what shadow rays are
+// distributed by. Power would favour suns and skies in large scenes.
+template <int D>
+struct NearIrradiance {
+  double operator()(const AreaLight<D>& light) const {
+    const Vec<D> middle = light.point({0.5, 0.5});
+    return average(light.radiance) * light.area() / (spread<D>(middle.length()) + light.area());
+  }
+  double operator()(const PointLight<D>& light) const {
+    return average(light.intensity) / std::max(spread<D>(light.position.length()), 1e-2);
+  }
+  double operator()(const SunLight<D>& light) const { return average(light.irradiance); }
+};
+
+}  // namespace
 
 template <int D>
 LightSampler<D>::LightSampler(const SceneTracer<D>& tracer) : tracer_(tracer) {
-  double sum = 0;
-  for (const RectangleLight<D>& light : tracer.lights()) {
-    sum += average(light.radiance) * light.area();
-    cumulative_.push_back(sum);
+  const Scene<D>& scene = tracer.scene();
+  for (const Mesh<D>& mesh : tracer.meshes()) {
+    if (largest(mesh.emission) > 0) meshes_.emplace_back(mesh);
   }
-  for (double& c : cumulative_) c /= sum;
+  if (scene.environment && largest(scene.environment->radiance) > 0) {
+    environment_.emplace(*scene.environment);
+  }
+  for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
+    LeafEmitter<D> leaf(tracer, static_cast<int>(v));
+    if (leaf.power_height() > 0) leaves_.push_back(std::move(leaf));
+  }
+  std::vector<double> power, near;
+  for (const Light<D>& light : tracer.lights()) {
+    power.push_back(power_of(light, tracer.bounds()));
+    near.push_back(std::visit(NearIrradiance<D>{}, light));
+  }
+  for (const MeshEmitter<D>& mesh : meshes_) {
+    power.push_back(mesh.power());
+    near.push_back(average(mesh.radiance()) * mesh.area() / (1 + mesh.area()));
+  }
+  if (environment_) {
+    power.push_back(environment_->power(tracer.bounds()));
+    near.push_back(pi * power.back() / (all_directions<D> * parallel_area(tracer.bounds())));
+  }
+  for (const LeafEmitter<D>& leaf : leaves_) {
+    power.push_back(leaf.power_height() / scene.window.height());
+  }
+  // A tenth of the shadow rays goes to all alike, in case the middle of the scene misleads.
+  double sum = 0, shining = 0;
+  for (const double n : near) sum += n, shining += n > 0;
+  for (double& n : near) n = n > 0 ? 0.9 * n / sum + 0.1 / shining : 0;
+  by_power_ = DiscreteDistribution(std::move(power));
+  by_irradiance_ = DiscreteDistribution(std::move(near));
 }
 
 template <int D>
-typename LightSampler<D>::Choice LightSampler<D>::chosen(std::size_t light) const {
-  const double below = light > 0 ? cumulative_[light - 1] : 0;
-  return {&tracer_.lights()[light], cumulative_[light] - below};
-}
-
-template <int D>
-typename LightSampler<D>::Choice LightSampler<D>::choose(double u) const {
-  return chosen(std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, u) -
-                cumulative_.begin());
-}
-
-template <int D>
-double LightSampler<D>::largest_flux() const {
-  double flux = 0;
-  for (std::size_t i = 0; i < cumulative_.size(); ++i) {
-    const Choice choice = chosen(i);
+double LightSampler<D>::largest_flux_height() const {
+  const double height = tracer_.scene().window.height();
+  double most = 0;
+  const auto consider = [&](std::size_t number, double flux_height) {
+    const double p = by_power_.probability(number);
     // A light without power is never chosen.
-    if (!(choice.probability > 0)) continue;
-    flux = std::max<double>(flux, largest(photon_flux(choice)));
+    if (p > 0) most = std::max(most, flux_height / p);
+  };
+  for (std::size_t i = 0; i < tracer_.lights().size(); ++i) {
+    consider(i, largest_flux_of(tracer_.lights()[i], tracer_.bounds()) * height);
   }
-  return flux;
+  for (std::size_t i = 0; i < meshes_.size(); ++i) {
+    const double radiance = largest(meshes_[i].radiance());
+    consider(first_mesh() + i, radiance * 2 * projected_hemisphere<D> * meshes_[i].area() * height);
+  }
+  if (environment_) {
+    consider(environment_number(), environment_->largest_flux(tracer_.bounds()) * height);
+  }
+  for (std::size_t i = 0; i < leaves_.size(); ++i) {
+    consider(first_leaf() + i, leaves_[i].largest_flux_height());
+  }
+  return most;
 }
 
-// Power of a diffuse emitter: pi A L (thesis Eq. 3.3), 2 length L in the plane (Eq. 3.4).
 template <int D>
-Rgb LightSampler<D>::photon_flux(const Choice& choice) {
-  return choice.light->radiance *
-         static_cast<Real>(projected_hemisphere<D> * choice.light->area() / choice.probability);
+LightSample<D> LightSampler<D>::sample(const DiscreteDistribution::Pick& pick,
+                                       const SurfacePoint<D>& point,
+                                       const std::array<double, 2>& u) const {
+  if (pick.index < first_mesh())
+    return sample_light(tracer_.lights()[pick.index], point.position, u);
+  if (pick.index < environment_number()) {
+    return meshes_[pick.index - first_mesh()].sample(point.position, pick.rest, u);
+  }
+  return environment_->sample(point.shading_normal, u);
 }
 
 template <int D>
 Rgb LightSampler<D>::direct_radiance(const SurfacePoint<D>& point, double choice,
                                      const std::array<double, 2>& u, std::uint64_t& rays) const {
-  const Choice picked = choose(choice);
-  const RectangleLight<D>& light = *picked.light;
-  const Vec<D> target = light.point(u);
-  const Vec<D> light_normal = light.normal();
-  const Vec<D> way = target - point.position;
-  const double distance = way.length();
-  if (!(distance > 0)) return Rgb(0);
-  const Vec<D> direction = way / distance;
-  const double cosine = direction.dot(point.shading_normal);
-  const double cosine_light = -direction.dot(light_normal);
-  if (!(cosine > 0 && cosine_light > 0 && direction.dot(point.geometric_normal) > 0)) {
+  if (by_irradiance_.empty()) return Rgb(0);
+  const auto picked = by_irradiance_.pick(choice);
+  const LightSample<D> light = sample(picked, point, u);
+  const double cosine = light.direction.dot(point.shading_normal);
+  if (!(cosine > 0 && light.direction.dot(point.geometric_normal) > 0 &&
+        largest(light.radiance) > 0)) {
     return Rgb(0);
   }
   ++rays;
-  if (tracer_.occluded(point, target, light_normal)) return Rgb(0);
-  // BRDF albedo / projected_hemisphere; light thins with distance as the sphere, or circle, grows.
-  const double spread = D == 3 ? distance * distance : distance;
-  const double geometry = cosine * cosine_light * light.area() /
-                          (spread * projected_hemisphere<D> * picked.probability);
-  return point.albedo * light.radiance * static_cast<Real>(geometry);
+  if (light.infinite ? tracer_.occluded(point, light.direction)
+                     : tracer_.occluded(point, light.end, light.end_normal)) {
+    return Rgb(0);
+  }
+  // BRDF albedo / projected_hemisphere.
+  return point.albedo * light.radiance *
+         static_cast<Real>(cosine / (projected_hemisphere<D> * picked.probability));
 }
 
 template <int D>
-EmittedPhoton<D> LightSampler<D>::emit(double choice, const std::array<double, 2>& u_position,
-                                       const std::array<double, 2>& u_direction) const {
-  const Choice picked = choose(choice);
-  const RectangleLight<D>& light = *picked.light;
-  const Vec<D> normal = light.normal();
-  return {leave_plane<D>(light.point(u_position), normal),
-          sample_cosine_hemisphere<D>(normal, u_direction), photon_flux(picked)};
+PhotonStart<D> LightSampler<D>::emit(double c, double choice,
+                                     const std::array<double, 2>& u_position,
+                                     const std::array<double, 2>& u_direction,
+                                     Random& random) const {
+  const auto picked = by_power_.pick(choice);
+  PhotonStart<D> start;
+  if (picked.index >= first_leaf()) {
+    const auto sample = leaves_[picked.index - first_leaf()].sample(picked.rest, random);
+    if (sample.point.kind == HitKind::none) return start;
+    start.from = sample.point;
+    start.direction = sample_cosine_hemisphere<D>(sample.point.geometric_normal, u_direction);
+    start.flux_height = sample.flux_height / static_cast<Real>(picked.probability);
+    start.from_leaf = true;
+    return start;
+  }
+  EmittedPhoton<D> photon;
+  if (picked.index < first_mesh()) {
+    photon = emit_from(tracer_.lights()[picked.index], tracer_.bounds(), u_position, u_direction);
+  } else if (picked.index < environment_number()) {
+    photon = meshes_[picked.index - first_mesh()].emit(picked.rest, u_position, u_direction);
+  } else {
+    photon = environment_->emit(tracer_.bounds(), u_position, u_direction);
+  }
+  start.from.position = photon.origin;
+  start.from.c = c;
+  start.direction = photon.direction;
+  start.flux_height =
+      photon.flux * static_cast<Real>(tracer_.scene().window.height() / picked.probability);
+  return start;
+}
+
+template <int D>
+Rgb LightSampler<D>::visible_radiance(const Vec<D>& origin, const Vec<D>& direction,
+                                      double t_max) const {
+  Rgb radiance(0);
+  for (const Light<D>& light : tracer_.lights()) {
+    radiance += radiance_along(light, origin, direction, t_max);
+  }
+  if (environment_ && !(t_max < std::numeric_limits<double>::infinity())) {
+    radiance += environment_->radiance(direction);
+  }
+  return radiance;
 }
 
 template class LightSampler<2>;

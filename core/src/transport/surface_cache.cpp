@@ -60,9 +60,9 @@ struct Patches<3> {
 }  // namespace
 
 template <int D>
-SurfaceCache<D>::SurfaceCache(const SceneTracer<D>& tracer, double photon_flux,
+SurfaceCache<D>::SurfaceCache(const SceneTracer<D>& tracer, bool caustics, double photon_flux,
                               std::uint64_t photons)
-    : tracer_(tracer), flux_(0, 1, 1) {
+    : tracer_(tracer), soft_(0, 1, 1), caustic_(0, 1, 1) {
   double total_area = 0;
   for (std::size_t m = 0; m < tracer.meshes().size(); ++m) {
     const Mesh<D>& mesh = tracer.meshes()[m];
@@ -89,70 +89,81 @@ SurfaceCache<D>::SurfaceCache(const SceneTracer<D>& tracer, double photon_flux,
                 " faces, too many for their radiance cache; decimate the meshes.");
   }
   radiance_.assign(entries, Rgb(0));
-  flux_ = FluxAccumulator(entries, photon_flux, photons);
+  soft_ = FluxAccumulator(entries, photon_flux, photons);
+  if (caustics) caustic_ = FluxAccumulator(entries, photon_flux, photons);
 }
 
 template <int D>
 std::size_t SurfaceCache<D>::entry(const SurroundingsHit& hit, const Vec<D>& direction,
-                                   double isovalue) const {
+                                   double c) const {
   const Facet& facet = facets_[first_facet_[hit.mesh] + hit.facet];
   const std::size_t patch = facet.first + Patches<D>::number(hit.u, hit.v, facet.cuts);
   const IsovalueWindow& window = tracer_.scene().window;
-  const double position = (isovalue - window.min) / window.height() * isovalue_bins;
+  const double position = (c - window.min) / window.height() * isovalue_bins;
   const int bin = std::clamp(static_cast<int>(position), 0, isovalue_bins - 1);
   const int side = facet.normal.dot(direction) > 0;
   return (patch * sides + side) * isovalue_bins + bin;
 }
 
 template <int D>
+const typename SurfaceCache<D>::Facet& SurfaceCache<D>::facet_of(std::size_t entry) const {
+  const std::size_t patch = entry / (sides * isovalue_bins);
+  return *(std::upper_bound(facets_.begin(), facets_.end(), patch,
+                            [](std::size_t p, const Facet& f) { return p < f.first; }) -
+           1);
+}
+
+template <int D>
 void SurfaceCache<D>::deposit(const PhotonHit<D>& photon) {
-  if (photon.direct) return;
-  // The point's normal faces the side from which the photon came.
-  const Vec<D> arrival = -photon.point.geometric_normal;
-  flux_.add(entry(photon.hit.surroundings, arrival, photon.point.isovalue), photon.flux_height);
+  if (photon.arrival == Arrival::direct) return;
+  FluxAccumulator& flux = photon.arrival == Arrival::caustic ? caustic_ : soft_;
+  flux.add(entry(photon.point), photon.flux_height);
+}
+
+// Irradiance from an entry's photons.
+template <int D>
+Rgb SurfaceCache<D>::density(const FluxAccumulator& flux, std::size_t entry) const {
+  if (flux.empty()) return Rgb(0);
+  const double measure =
+      facet_of(entry).patch_area * tracer_.scene().window.height() / isovalue_bins;
+  Rgb irradiance;
+  for (int i = 0; i < 3; ++i) irradiance[i] = static_cast<Real>(flux.flux(entry, i) / measure);
+  return irradiance;
 }
 
 template <int D>
 void SurfaceCache<D>::finish(std::size_t entry, const LightSampler<D>& lights, int samples,
                              std::uint64_t seed, std::uint64_t& rays) {
   const std::size_t patch = entry / (sides * isovalue_bins);
-  const int side = static_cast<int>(entry / isovalue_bins) % sides;
+  const bool front = (entry / isovalue_bins) % sides == 0;
   const int bin = static_cast<int>(entry % isovalue_bins);
-  const auto after = std::upper_bound(facets_.begin(), facets_.end(), patch,
-                                      [](std::size_t p, const Facet& f) { return p < f.first; });
-  const Facet& facet = *(after - 1);
-  const Mesh<D>& mesh = tracer_.meshes()[facet.mesh];
+  const Facet& facet = facet_of(entry);
   const IsovalueWindow& window = tracer_.scene().window;
   const double bin_height = window.height() / isovalue_bins;
-  const FacetFrame<D> frame(mesh, facet.facet);
-
-  SurfacePoint<D> point;
-  point.kind = HitKind::surroundings;
-  point.geometric_normal = side == 0 ? facet.normal : -facet.normal;
-  point.shading_normal = point.geometric_normal;
-  point.albedo = mesh.albedo;
   Random random = random_for(seed, Purpose::surface_cache, entry);
   const std::uint64_t point_key = random.bits(), light_key = random.bits();
+  const Rgb photons = (density(soft_, entry) + density(caustic_, entry)) /
+                      static_cast<Real>(projected_hemisphere<D>);
+  SurfacePoint<D> point = tracer_.facet_point(facet.mesh, facet.facet, 0, 0, front, window.min);
+  if (point.scattering != Scattering::diffuse) return;  // no ray looks it up
+  const Mesh<D>& mesh = tracer_.meshes()[facet.mesh];
+  const FacetFrame<D> frame(mesh, facet.facet);
   Rgb sum(0);
   for (int i = 0; i < samples; ++i) {
     const auto uv = Patches<D>::point(static_cast<int>(patch - facet.first), facet.cuts,
                                       sobol_point(i, point_key));
     point.position = frame.point(uv[0], uv[1]);
-    point.isovalue = window.min + bin_height * (bin + (i + random.uniform()) / samples);
-    sum += lights.direct_radiance(point, random.uniform(), sobol_point(i, light_key), rays);
+    point.c = window.min + bin_height * (bin + (i + random.uniform()) / samples);
+    if (mesh.texture) point.albedo = mesh.albedo_at(facet.facet, uv[0], uv[1]);
+    sum += point.albedo * photons +
+           lights.direct_radiance(point, random.uniform(), sobol_point(i, light_key), rays);
   }
-  const double density = 1 / (projected_hemisphere<D> * facet.patch_area * bin_height);
-  Rgb radiance = sum / static_cast<Real>(samples);
-  for (int i = 0; i < 3; ++i) {
-    radiance[i] += mesh.albedo[i] * static_cast<Real>(flux_.flux(entry, i) * density);
-  }
-  radiance_[entry] = radiance;
+  radiance_[entry] = sum / static_cast<Real>(samples);
 }
 
 template <int D>
-Rgb SurfaceCache<D>::radiance(const SurroundingsHit& hit, const Vec<D>& direction,
-                              double isovalue) const {
-  return radiance_[entry(hit, direction, isovalue)];
+Rgb SurfaceCache<D>::radiance(const SurroundingsHit& hit, const Vec<D>& direction, double c) const {
+  return radiance_[entry(hit, direction, c)];
 }
 
 template class SurfaceCache<2>;

@@ -15,14 +15,18 @@ struct SkippedPass {
 
 // Which passes a bake needs. Each pass that is left out is listed with its reason.
 struct Plan {
-  bool indirect = true;            // light that has bounced before it reaches the texel
+  bool indirect = true;            // soft light that has bounced before it reaches the texel
+  bool specular = true;            // rays go on after mirrors and glass
+  bool caustics = true;            // photons that come by mirrors and glass
   bool photons = true;             // photon tracing into the caches
-  bool surroundings_cache = true;  // radiance of the surroundings over (u, v, c)
+  bool surroundings_cache = true;  // radiance of the surroundings over (u, v, c), for gather rays
   bool inner_side = true;          // photons on the inside of leaves
+  bool back = true;                // the inner side's radiance is stored
+  bool surroundings = true;        // the radiance of the surroundings is stored
   std::vector<SkippedPass> skipped;
 };
 
 template <int D>
-Plan make_plan(const Scene<D>& scene, EstimatorName estimator);
+Plan make_plan(const Scene<D>& scene, const BakeSettings<D>& settings);
 
 }  // namespace leaflight

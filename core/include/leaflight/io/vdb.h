@@ -4,23 +4,26 @@
 #include <map>
 #include <string>
 
-#include "leaflight/bake/radiance_grid.h"
+#include "leaflight/bake/bake.h"
 #include "leaflight/io/dense_volume.h"
 
 namespace leaflight {
 
 using Metadata = std::map<std::string, std::string>;
 
-// One bake: the grids `field`, `radiance` and `radiance_indirect` (vec3, half on disk) and
-// `radiance_error`, sparse: no texel where no leaf passes. `metadata` goes to the radiance grid;
-// what belongs to the run and not to its result goes under the key "statistics" to the file itself.
-// Written under a temporary name and renamed. Throws Error.
-void write_bake(const std::string& path, const Field<3>& field, const RadianceGrid<3>& grid,
-                const Metadata& metadata);
+// One bake: of each volume the grids `field`, `radiance`, `radiance_indirect` and, if baked,
+// `radiance_back` (vec3, half on disk) and `radiance_error`, sparse: no texel where no leaf passes.
+// From the second volume on their names end in _2, _3, ... The surroundings' radiance is the grid
+// `surroundings_radiance` over (vertex, node of c, 2 mesh + side). `metadata` goes to the first
+// radiance grid; what belongs to the run and not to its result goes under the key "statistics" to
+// the file itself. Written under a temporary name and renamed. Throws Error.
+void write_bake(const std::string& path, const std::vector<const Field<3>*>& fields,
+                const Baked<3>& baked, const Metadata& metadata);
 
 struct StoredBake {
-  DenseVolume field;
-  RadianceGrid<3> grid;
+  std::vector<DenseVolume> fields;
+  // The surroundings have their radiance, but neither meshes nor window yet: attach() adds them.
+  Baked<3> baked;
   Metadata metadata;
 };
 StoredBake read_bake(const std::string& path);

@@ -11,6 +11,7 @@ enum class HitKind { none, leaf, surroundings };
 template <int D>
 struct Hit {
   HitKind kind = HitKind::none;
+  int volume = 0;  // whose leaf it is
   LeafHit<D> leaf;
   SurroundingsHit surroundings;
 };
@@ -19,14 +20,19 @@ struct Hit {
 template <int D>
 struct SurfacePoint {
   HitKind kind = HitKind::none;
-  double isovalue = 0;
+  Scattering scattering = Scattering::diffuse;
+  int volume = 0;                // leaf only
+  double c = 0;                  // the leaf coordinate
   Vec<D> position{0.0};          // frame
   Vec<D> geometric_normal{0.0};  // unit, of the traced surface, on the side from which it is seen
   Vec<D> shading_normal{0.0};    // unit, for the cosine; the geometric one on surroundings
   Rgb albedo{0};
+  Rgb emission{0};
   CellPoint<D> cell_point;     // leaf only
-  bool above = false;          // leaf only: seen from the side h >= c, the inside
-  double gradient_length = 0;  // leaf only: |grad h| in the frame, the coarea measure dA dc / dV
+  SurroundingsHit place;       // surroundings only
+  bool above = false;          // leaf only: seen from the side of higher values, the inside
+  double gradient_length = 0;  // leaf only: |grad c| in the frame, the coarea measure dA dc / dV
+  double ior = 1;              // glass only: of the far side against the near one
 };
 
 // A position is known to a few units in the last place of single precision; moved this far along
@@ -34,8 +40,27 @@ struct SurfacePoint {
 template <int D>
 Vec<D> leave_plane(const Vec<D>& position, const Vec<D>& normal);
 
+// World to frame.
+template <int D>
+struct Frame {
+  Vec<D> centre{0.0};
+  double scale = 1;
+
+  explicit Frame(const Scene<D>& scene);
+  Vec<D> point(const Vec<D>& p) const { return (p - centre) * scale; }
+  // World to index coordinates of a field, and back.
+  Affine<D> index_to_frame(const Field<D>& field) const;
+};
+
+// A sphere about everything that rays can meet, in the frame.
+template <int D>
+struct BoundingSphere {
+  Vec<D> centre{0.0};
+  double radius = 0;
+};
+
 // The scene made ready for rays. All positions are in the frame: world coordinates translated and
-// scaled uniformly so that the field's bounding box is centred at 0 with longest side 1, which
+// scaled uniformly so that the box about the volumes is centred at 0 with longest side 1, which
 // keeps single-precision intersections accurate wherever the scene stands. Radiance does not depend
 // on it.
 template <int D>
@@ -44,30 +69,45 @@ class SceneTracer {
   explicit SceneTracer(const Scene<D>& scene);
 
   const Scene<D>& scene() const { return scene_; }
-  const std::vector<Mesh<D>>& meshes() const { return meshes_; }            // frame
-  const std::vector<RectangleLight<D>>& lights() const { return lights_; }  // frame
-  const Affine<D>& index_to_frame() const { return index_to_frame_; }
+  const Frame<D>& frame() const { return frame_; }
+  const std::vector<Mesh<D>>& meshes() const { return meshes_; }   // frame
+  const std::vector<Light<D>>& lights() const { return lights_; }  // frame
+  const Affine<D>& index_to_frame(int volume) const { return fields_[volume].index_to_frame; }
+  const BoundingSphere<D>& bounds() const { return bounds_; }
 
-  // The leaf point at a cell point, on the leaf of its own value h, seen from the given side.
-  // Its kind is none where |grad h| = 0: no leaf passes there.
-  SurfacePoint<D> leaf_point(const CellPoint<D>& point, double isovalue, bool above) const;
+  // The point of a volume's leaf at a cell point, whose leaf coordinate must be c, seen from the
+  // given side. Its kind is none where |grad h| = 0: no leaf passes there.
+  SurfacePoint<D> leaf_point(int volume, const CellPoint<D>& point, double c, bool above) const;
+
+  // The point of a facet of the surroundings, seen from the side of its normal, or from the other.
+  SurfacePoint<D> facet_point(int mesh, int facet, double u, double v, bool front, double c) const;
 
   Hit<D> intersect(const SurfacePoint<D>& from, const Vec<D>& direction) const;
-  Hit<D> intersect(const Vec<D>& origin, const Vec<D>& direction, double isovalue) const;
-  SurfacePoint<D> surface_point(const Hit<D>& hit, const Vec<D>& direction, double isovalue) const;
+  Hit<D> intersect(const Vec<D>& origin, const Vec<D>& direction, double c) const;
+  SurfacePoint<D> surface_point(const Hit<D>& hit, const Vec<D>& direction, double c) const;
 
-  // Whether a leaf or the surroundings block the way from a surface point to a point of a light.
+  // Whether a leaf or the surroundings block the way from a surface point to a point of a light, or
+  // in a direction without end.
   bool occluded(const SurfacePoint<D>& from, const Vec<D>& light_point,
                 const Vec<D>& light_normal) const;
+  bool occluded(const SurfacePoint<D>& from, const Vec<D>& direction) const;
 
  private:
-  LeafRay<D> leaf_ray(const SurfacePoint<D>& from, const Vec<D>& direction) const;
-  Hit<D> nearest(const LeafRay<D>& ray, const Vec<D>& origin, const Vec<D>& direction) const;
+  struct FieldFrame {
+    Affine<D> index_to_frame, frame_to_index;
+  };
+  LeafRay<D> leaf_ray(int volume, const SurfacePoint<D>& from, const Vec<D>& direction) const;
+  Vec<D> ray_origin(const SurfacePoint<D>& from) const;
+  Hit<D> nearest(const SurfacePoint<D>& from, const Vec<D>& origin, const Vec<D>& direction) const;
+  bool blocked(const SurfacePoint<D>& from, const Vec<D>& origin, const Vec<D>& way,
+               double t_max) const;
 
   const Scene<D>& scene_;
-  Affine<D> index_to_frame_, frame_to_index_;
+  Frame<D> frame_;
+  std::vector<FieldFrame> fields_;
   std::vector<Mesh<D>> meshes_;
-  std::vector<RectangleLight<D>> lights_;
+  std::vector<Light<D>> lights_;
+  BoundingSphere<D> bounds_;
   Surroundings<D> surroundings_;
 };
 

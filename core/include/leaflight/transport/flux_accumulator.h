@@ -30,6 +30,11 @@ class FluxAccumulator {
   double flux(std::size_t cell, int channel) const {
     return static_cast<double>(sums_[3 * cell + channel].load(std::memory_order_relaxed)) * unit_;
   }
+  bool lit(std::size_t cell) const {
+    return sums_[3 * cell].load(std::memory_order_relaxed) != 0 ||
+           sums_[3 * cell + 1].load(std::memory_order_relaxed) != 0 ||
+           sums_[3 * cell + 2].load(std::memory_order_relaxed) != 0;
+  }
   bool empty() const { return sums_.empty(); }
 
  private:

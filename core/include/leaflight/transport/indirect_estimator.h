@@ -9,8 +9,10 @@
 
 namespace leaflight {
 
-// Answers "which radiance does this point reflect of light that has bounced before?" with one
-// sample.
+// Answers "which radiance does this point, of a leaf or of the surroundings, reflect of light that
+// has bounced diffusely before?" with one sample; in the terms of thesis Eq. 1.5 soft indirect
+// light, which mirrors and glass may have passed on. Caustics are not part of it, save where the
+// estimator says so.
 template <int D>
 class IndirectEstimator {
  public:
@@ -21,24 +23,40 @@ class IndirectEstimator {
                                 Random& random, std::uint64_t& rays) const = 0;
 };
 
-// Unbiased: follows the path until Russian roulette ends it, with a shadow ray at each bounce.
+// Unbiased: follows the path until Russian roulette ends it, with a shadow ray at each diffuse
+// bounce. Caustics are included, since a path may meet a light by way of mirrors and glass; not
+// those of lights without extent, which no path can meet.
 template <int D>
 std::unique_ptr<IndirectEstimator<D>> make_path_estimator(const SceneTracer<D>& tracer,
                                                           const LightSampler<D>& lights);
 
-// The photons' density at the point (Eq. E(R) of LeafCache): no rays at all.
+// What is known of each volume's leaves when photons are traced; `photons` may be null for leaves
+// that nothing looks up.
 template <int D>
-std::unique_ptr<IndirectEstimator<D>> make_volumetric_estimator(const LeafCache<D>& leaves,
-                                                                const TexelLattice<D>& lattice);
+struct LeafRadiance {
+  const TexelLattice<D>* lattice = nullptr;
+  const LeafCache<D>* photons = nullptr;
+  // Direct radiance of the active texels, outer and inner side; empty where photons hold it.
+  std::array<std::vector<Rgb>, 2> direct;
+};
+
+// The photons' density at the point (Eq. E(R) of LeafCache): no rays at all. `surroundings` may be
+// null if no point lies on them.
+template <int D>
+std::unique_ptr<IndirectEstimator<D>> make_volumetric_estimator(
+    const std::vector<LeafRadiance<D>>& leaves, const SurfaceCache<D>* surroundings);
 
 // One final-gather ray that looks up what it meets: a ray of leaf c meets only points y with
-// h(y) = c, so the texture being baked is its own radiance cache. `outer_direct` is the direct
-// radiance of each active texel.
+// h(y) = c, so the texture being baked is its own radiance cache.
 template <int D>
-std::unique_ptr<IndirectEstimator<D>> make_gather_estimator(const SceneTracer<D>& tracer,
-                                                            const LeafCache<D>& leaves,
-                                                            const SurfaceCache<D>& surroundings,
-                                                            const TexelLattice<D>& lattice,
-                                                            const std::vector<Rgb>& outer_direct);
+std::unique_ptr<IndirectEstimator<D>> make_gather_estimator(
+    const SceneTracer<D>& tracer, const std::vector<LeafRadiance<D>>& leaves,
+    const SurfaceCache<D>& surroundings);
+
+// What a point reflects of caustics, from the photons' density. `surroundings` may be null if the
+// point does not lie on them.
+template <int D>
+Rgb caustic_radiance(const std::vector<LeafRadiance<D>>& leaves,
+                     const SurfaceCache<D>* surroundings, const SurfacePoint<D>& point);
 
 }  // namespace leaflight

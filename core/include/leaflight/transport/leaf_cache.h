@@ -8,16 +8,20 @@
 
 namespace leaflight {
 
-// Irradiance of leaves from photons by the coarea formula dV = dA dc / |grad h|:
-//   E(R) = sum of F_p over the photons in R / integral of |grad h| over R
+// Which photons a side of the leaves keeps. Where direct light is known better, from shadow rays,
+// direct photons are left out.
+enum class SideContents { nothing, indirect, all };
+
+// Irradiance of the leaves of one volume from photons by the coarea formula dV = dA dc / |grad c|:
+//   E(R) = sum of F_p over the photons in R / integral of |grad c| over R
 // with R a box of texels. The fourth coordinate of a photon carries no information, since c = h(x),
-// so a plain density estimate in space serves all isovalues (docs/theory.md). The outer side keeps
-// indirect photons only, as its direct light is known better; the inner side keeps all.
+// so a plain density estimate in space serves all isovalues (docs/theory.md). Caustics, which are
+// sharp, are kept apart from soft light and smoothed less.
 template <int D>
 class LeafCache {
  public:
-  LeafCache(const SceneTracer<D>& tracer, const TexelLattice<D>& lattice, bool inner_side,
-            double photon_flux, std::uint64_t photons);
+  LeafCache(const SceneTracer<D>& tracer, int volume, const TexelLattice<D>& lattice,
+            SideContents inner, bool caustics, double photon_flux, std::uint64_t photons);
 
   void deposit(const PhotonHit<D>& photon);
 
@@ -25,17 +29,35 @@ class LeafCache {
   // holds about a hundred of them, and frees the sums.
   void finish(Progress& progress);
 
-  // Irradiance from indirect photons on the outer side of an active texel.
-  const Rgb& outer_indirect(std::int32_t slot) const { return outer_[slot]; }
-  // Irradiance from all photons on the inner side; zero where that side is not kept.
-  Rgb inner(std::int32_t slot) const { return inner_.empty() ? Rgb(0) : inner_[slot]; }
+  // Irradiance at an active texel from the photons that the side keeps; zero where it keeps none.
+  Rgb irradiance(std::int32_t slot, bool above) const {
+    return soft(slot, above) + caustic(slot, above);
+  }
+  Rgb soft(std::int32_t slot, bool above) const { return value(sides_[above].soft, slot); }
+  Rgb caustic(std::int32_t slot, bool above) const { return value(sides_[above].caustic, slot); }
 
  private:
+  // Photons of one kind on one side, then their irradiance.
+  struct Density {
+    FluxAccumulator flux{0, 1, 1};
+    std::atomic<std::uint64_t> stored{0};
+    std::vector<Rgb> irradiance;
+  };
+  struct Side {
+    SideContents contents = SideContents::nothing;
+    Density soft, caustic;
+  };
+  static Rgb value(const Density& density, std::int32_t slot) {
+    return density.irradiance.empty() ? Rgb(0) : density.irradiance[slot];
+  }
+  void estimate(Density& density, int radius, const std::vector<float>& measure,
+                Progress& progress);
+  int radius_for(double photons, std::size_t texels, double photons_per_box, int largest) const;
+
   const SceneTracer<D>& tracer_;
+  const int volume_;
   const TexelLattice<D>& lattice_;
-  FluxAccumulator outer_flux_, inner_flux_;
-  std::atomic<std::uint64_t> stored_{0};
-  std::vector<Rgb> outer_, inner_;
+  std::array<Side, 2> sides_;  // outer, inner
 };
 
 }  // namespace leaflight

@@ -3,8 +3,14 @@
 
 #include "leaflight/math/low_discrepancy.h"
 #include "leaflight/transport/light_sampler.h"
+#include "leaflight/transport/specular.h"
 
 namespace leaflight {
+
+// How a photon came to a diffuse surface: straight from a light; from a light by mirrors and glass
+// alone (LS+D, a caustic); or after a diffuse reflection. Photons of emissive leaves are indirect
+// from the start, since their direct light is no estimator's but the gathered one.
+enum class Arrival { direct, caustic, indirect };
 
 // A photon where it meets a diffuse surface. Its flux-height is F = Phi H / n (thesis Eq. 4.4):
 // flux per photon times the height of the isovalue window, since n photons share all isovalues. On
@@ -15,27 +21,29 @@ struct PhotonHit {
   const Hit<D>& hit;
   const SurfacePoint<D>& point;
   Rgb flux_height;
-  bool direct;  // came straight from a light
+  Arrival arrival;
+};
+
+// Which photons are followed: all, or those of caustics, up to the first diffuse surface.
+enum class PhotonPaths { all, caustics };
+
+// What became of the photons' flux-height, for the balance of energy.
+struct PhotonBalance {
+  Imath::V3d emitted{0}, absorbed{0}, escaped{0};
 };
 
 // Traces photons of numbers [begin, end) out of `count` and calls deposit(PhotonHit) at each
 // diffuse surface. Isovalues are uniform over the window (thesis 4.3.5), stratified by photon
-// number. Returns the number of rays traced.
+// number. Returns the number of rays traced. `balance`, if given, is added to.
 template <int D, class Deposit>
 std::uint64_t trace_photons(const SceneTracer<D>& tracer, const LightSampler<D>& lights,
-                            std::uint64_t seed, std::uint64_t begin, std::uint64_t end,
-                            std::uint64_t count, Deposit deposit);
+                            PhotonPaths paths, std::uint64_t seed, std::uint64_t begin,
+                            std::uint64_t end, std::uint64_t count, Deposit deposit,
+                            PhotonBalance* balance = nullptr);
 
-// The reflected flux of a photon: the direction has density cos / pi about the geometric normal,
-// which is what flux leaves through; the shading normal's part is in the hit's flux already.
-template <int D>
-struct Reflection {
-  bool survives;
-  Vec<D> direction;
-  Rgb flux_height;
-};
-template <int D>
-Reflection<D> reflect_photon(const PhotonHit<D>& arrival, Real reference_flux, Random& random);
+// Russian roulette that keeps the photons' fluxes alike (thesis 1.3, Jensen 2001): the flux if the
+// photon survives, zero if it does not.
+Rgb survivor(const Rgb& flux_height, Real reference_flux, Random& random);
 
 // |w.Ns| / |w.Ng|, 0 where the light would come from behind the shading normal.
 template <int D>
@@ -43,35 +51,65 @@ double shading_normal_factor(const SurfacePoint<D>& point, const Vec<D>& directi
 
 template <int D, class Deposit>
 std::uint64_t trace_photons(const SceneTracer<D>& tracer, const LightSampler<D>& lights,
-                            std::uint64_t seed, std::uint64_t begin, std::uint64_t end,
-                            std::uint64_t count, Deposit deposit) {
+                            PhotonPaths paths, std::uint64_t seed, std::uint64_t begin,
+                            std::uint64_t end, std::uint64_t count, Deposit deposit,
+                            PhotonBalance* balance) {
   const IsovalueWindow& window = tracer.scene().window;
-  const std::uint64_t position_key = Random(seed ^ 0x706f736974696f6eull).bits();
-  const std::uint64_t direction_key = Random(seed ^ 0x646972656374696full).bits();
+  const std::uint64_t stream =
+      seed ^ (paths == PhotonPaths::caustics ? 0x63617573746963ull : 0);  // "caustic"
+  const std::uint64_t position_key = Random(stream ^ 0x706f736974696f6eull).bits();
+  const std::uint64_t direction_key = Random(stream ^ 0x646972656374696full).bits();
   std::uint64_t rays = 0;
   for (std::uint64_t i = begin; i < end; ++i) {
-    Random random = random_for(seed, Purpose::photon, i);
+    Random random = random_for(stream, Purpose::photon, i);
     const auto index = static_cast<std::uint32_t>(i);
     const double c =
         window.min + window.height() * ((i + random.uniform()) / static_cast<double>(count));
-    const EmittedPhoton<D> photon = lights.emit(random.uniform(), sobol_point(index, position_key),
-                                                sobol_point(index, direction_key));
-    Rgb flux_height = photon.flux * static_cast<Real>(window.height() / static_cast<double>(count));
+    const double choice = random.uniform();
+    const PhotonStart<D> start = lights.emit(c, choice, sobol_point(index, position_key),
+                                             sobol_point(index, direction_key), random);
+    Rgb flux_height = start.flux_height / static_cast<Real>(count);
     const Real reference_flux = largest(flux_height);
-    Vec<D> direction = photon.direction;
-    ++rays;
-    Hit<D> hit = tracer.intersect(photon.origin, direction, c);
-    for (bool direct = true; hit.kind != HitKind::none; direct = false) {
-      const SurfacePoint<D> point = tracer.surface_point(hit, direction, c);
-      flux_height *= static_cast<Real>(shading_normal_factor(point, direction));
-      const PhotonHit<D> arrival{hit, point, flux_height, direct};
-      deposit(arrival);
-      const Reflection<D> reflection = reflect_photon(arrival, reference_flux, random);
-      if (!reflection.survives) break;
-      flux_height = reflection.flux_height;
-      direction = reflection.direction;
+    if (!(reference_flux > 0)) continue;
+    if (balance) balance->emitted += Imath::V3d(flux_height);
+    Vec<D> direction = start.direction;
+    Arrival arrival = start.from_leaf ? Arrival::indirect : Arrival::direct;
+    SurfacePoint<D> from = start.from;
+    for (int specular = 0; specular < most_specular_bounces;) {
       ++rays;
-      hit = tracer.intersect(point, direction);
+      const Hit<D> hit = tracer.intersect(from, direction);
+      if (hit.kind == HitKind::none) {
+        if (balance) balance->escaped += Imath::V3d(flux_height);
+        break;
+      }
+      const SurfacePoint<D> point = tracer.surface_point(hit, direction, from.c);
+      Rgb arriving = flux_height;
+      if (point.scattering == Scattering::diffuse) {
+        arriving = flux_height *= static_cast<Real>(shading_normal_factor(point, direction));
+        if (paths == PhotonPaths::all || arrival == Arrival::caustic) {
+          deposit(PhotonHit<D>{hit, point, flux_height, arrival});
+        }
+        if (paths == PhotonPaths::caustics) break;
+        flux_height *= point.albedo;
+        arrival = Arrival::indirect;
+        // The density cos / pi is about the geometric normal, which is what flux leaves through;
+        // the shading normal's part is in the flux already.
+        from = point;
+      } else {
+        const SpecularBounce<D> bounce = specular_bounce(point, direction, random.uniform());
+        flux_height *= bounce.weight;
+        direction = bounce.direction;
+        if (arrival == Arrival::direct) arrival = Arrival::caustic;
+        from = bounce.from;
+        ++specular;
+      }
+      if (balance) balance->absorbed += Imath::V3d(arriving - flux_height);
+      flux_height = survivor(flux_height, reference_flux, random);
+      if (!(largest(flux_height) > 0)) break;
+      if (point.scattering == Scattering::diffuse) {
+        const double u = random.uniform();
+        direction = sample_cosine_hemisphere<D>(point.geometric_normal, {u, random.uniform()});
+      }
     }
   }
   return rays;

@@ -7,14 +7,15 @@
 namespace leaflight {
 
 // Radiance of the surroundings over (u, v, c): each triangle is cut into n x n equal patches, each
-// segment of the plane into n, the isovalue window into bins, and both sides are kept. It answers
+// segment of the plane into n, the window of c into bins, and both sides are kept. It answers
 // rays of the final gather.
 template <int D>
 class SurfaceCache {
  public:
-  SurfaceCache(const SceneTracer<D>& tracer, double photon_flux, std::uint64_t photons);
+  SurfaceCache(const SceneTracer<D>& tracer, bool caustics, double photon_flux,
+               std::uint64_t photons);
 
-  // Indirect photons only: direct light is added by add_direct.
+  // Photons that did not come straight from a light: direct light is sampled by finish().
   void deposit(const PhotonHit<D>& photon);
 
   std::size_t entries() const { return radiance_.size(); }
@@ -22,7 +23,13 @@ class SurfaceCache {
   void finish(std::size_t entry, const LightSampler<D>& lights, int samples, std::uint64_t seed,
               std::uint64_t& rays);
 
-  Rgb radiance(const SurroundingsHit& hit, const Vec<D>& direction, double isovalue) const;
+  // Of the side that a ray of the given direction meets.
+  Rgb radiance(const SurroundingsHit& hit, const Vec<D>& direction, double c) const;
+  // Irradiance from photons at a point of the surroundings.
+  Rgb soft_irradiance(const SurfacePoint<D>& point) const { return density(soft_, entry(point)); }
+  Rgb caustic_irradiance(const SurfacePoint<D>& point) const {
+    return density(caustic_, entry(point));
+  }
 
  private:
   struct Facet {
@@ -32,13 +39,19 @@ class SurfaceCache {
     double patch_area;
     Vec<D> normal;
   };
-  std::size_t entry(const SurroundingsHit& hit, const Vec<D>& direction, double isovalue) const;
+  std::size_t entry(const SurroundingsHit& hit, const Vec<D>& direction, double c) const;
+  // The point's normal faces the side from which it is seen.
+  std::size_t entry(const SurfacePoint<D>& point) const {
+    return entry(point.place, -point.geometric_normal, point.c);
+  }
+  Rgb density(const FluxAccumulator& flux, std::size_t entry) const;
+  const Facet& facet_of(std::size_t entry) const;
 
   const SceneTracer<D>& tracer_;
   std::vector<std::size_t> first_facet_;  // of each mesh, in facets_
   std::vector<Facet> facets_;
   std::vector<Rgb> radiance_;  // patch, side, isovalue bin
-  FluxAccumulator flux_;
+  FluxAccumulator soft_, caustic_;
 };
 
 }  // namespace leaflight

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/scene/texture.h"
+
+#include <cmath>
+
+namespace leaflight {
+namespace {
+
+// The two pixels about a coordinate and the weight of the second.
+struct Neighbours {
+  int low, high;
+  float weight;
+};
+
+Neighbours neighbours(double coordinate, int size) {
+  const double position = (coordinate - std::floor(coordinate)) * size - 0.5;
+  const double low = std::floor(position);
+  const auto wrap = [size](int i) { return (i % size + size) % size; };
+  return {wrap(static_cast<int>(low)), wrap(static_cast<int>(low) + 1),
+          static_cast<float>(position - low)};
+}
+
+}  // namespace
+
+Rgb Texture::at(double u, double v) const {
+  const Neighbours x = neighbours(u, width), y = neighbours(v, height);
+  const auto row = [&](int j) {
+    const auto* first = pixels.data() + static_cast<std::size_t>(j) * width;
+    return first[x.low] * (1 - x.weight) + first[x.high] * x.weight;
+  };
+  return Rgb(row(y.low) * (1 - y.weight) + row(y.high) * y.weight);
+}
+
+}  // namespace leaflight

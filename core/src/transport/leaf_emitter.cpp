@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/transport/leaf_emitter.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "leaflight/math/sampling.h"
+
+namespace leaflight {
+
+template <int D>
+LeafEmitter<D>::LeafEmitter(const SceneTracer<D>& tracer, int volume)
+    : tracer_(tracer), volume_(volume) {
+  const Volume<D>& of = tracer.scene().volumes[volume];
+  if (!(of.emission.largest() > 0)) return;
+  const IsovalueWindow& window = tracer.scene().window;
+  const double cell_volume = std::abs(determinant(tracer.index_to_frame(volume)));
+  constexpr int size = 1 << IntervalPyramid<D>::log2_brick;
+  const auto& level = of.field.pyramid.levels[0];
+  Index<D> none{};
+  std::vector<double> powers;
+  for_each_index<D>(none, level.dims, [&](const Index<D>& index) {
+    const Interval& interval = level.at(index);
+    if (!(interval.min <= of.isovalue(window.max) && interval.max >= of.isovalue(window.min))) {
+      return;
+    }
+    Brick brick;
+    for (int a = 0; a < D; ++a) {
+      brick.low[a] = index[a] * size;
+      brick.high[a] = std::min(brick.low[a] + size, of.field.dims[a] - 1);
+    }
+    double power = 0;
+    for_each_index<D>(brick.low, brick.high, [&](const Index<D>& cell) {
+      const CellPoint<D> middle{cell, Vec<D>(0.5)};
+      const double h = interpolate(load_corners(of.field, cell), middle.local);
+      if (std::isnan(h)) return;
+      const SurfacePoint<D> p = tracer.leaf_point(volume, middle, of.leaf_coordinate(h), false);
+      power += average(p.emission) * p.gradient_length;
+    });
+    // A brick whose middles are dark may still shine elsewhere.
+    power = std::max(power, 1e-3 * of.emission.largest());
+    powers.push_back(power * 2 * projected_hemisphere<D> * cell_volume);
+    bricks_.push_back(brick);
+  });
+  by_power_ = DiscreteDistribution(std::move(powers));
+}
+
+template <int D>
+typename LeafEmitter<D>::Sample LeafEmitter<D>::sample(double choice, Random& random) const {
+  const auto picked = by_power_.pick(choice);
+  const Brick& brick = bricks_[picked.index];
+  const Volume<D>& of = tracer_.scene().volumes[volume_];
+  Vec<D> position;
+  double cells = 1;
+  for (int a = 0; a < D; ++a) {
+    const double size = brick.high[a] - brick.low[a];
+    position[a] = brick.low[a] + size * random.uniform();
+    cells *= size;
+  }
+  const bool above = random.uniform() < 0.5;
+  const CellPoint<D> at = locate(of.field, position);
+  const double h = interpolate(load_corners(of.field, at.cell), at.local);
+  Sample sample{{}, Rgb(0)};
+  if (std::isnan(h)) return sample;
+  const double c = of.leaf_coordinate(h);
+  if (!tracer_.scene().window.contains(c)) return sample;
+  sample.point = tracer_.leaf_point(volume_, at, c, above);
+  const double volume = cells * std::abs(determinant(tracer_.index_to_frame(volume_)));
+  sample.flux_height =
+      sample.point.emission * static_cast<Real>(2 * projected_hemisphere<D> * volume *
+                                                sample.point.gradient_length / picked.probability);
+  return sample;
+}
+
+template class LeafEmitter<2>;
+template class LeafEmitter<3>;
+
+}  // namespace leaflight
