@@ -29,7 +29,14 @@ class Random {
 };
 
 // What a random stream is used for; part of its key.
-enum class Purpose : std::uint64_t { photon = 1, texel, surface_cache, reference, exposure };
+enum class Purpose : std::uint64_t {
+  photon = 1,
+  texel,
+  surface_cache,
+  reference,
+  exposure,
+  sample_position
+};
 
 inline Random random_for(std::uint64_t seed, Purpose purpose, std::uint64_t index) {
   return Random(seed, static_cast<std::uint64_t>(purpose), index);
