@@ -6,7 +6,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
-#include "leaflight/surface/atlas.h"
+#include "leaflight/bake/atlas.h"
 #include "leaflight/transport/reference.h"
 
 namespace leaflight::python {
