@@ -13,7 +13,8 @@ from ._core import Cancelled, LeaflightError, Progress
 from .bake import Bake, Surface, bake, load_bake
 from .compare import compare
 from .readers import read_volume
-from .scene import cornell_box, fit_scene, load_scene
+from .scene import fit_scene
+from .scene_file import cornell_box, load_scene
 from .version import __version__
 from .volume import Volume, bump_box, default_isovalue, default_window
 

@@ -12,14 +12,8 @@ import numpy as np
 from . import _core
 from ._core import LeaflightError
 from .output import check_writable
-from .scene import (
-    SceneDescription,
-    core_scene,
-    cornell_box,
-    fit_scene,
-    scene_from_json,
-    scene_to_json,
-)
+from .scene import SceneDescription, core_scene, fit_scene
+from .scene_file import cornell_box, scene_from_json, scene_to_json
 from .version import __version__
 from .volume import Volume, default_window
 

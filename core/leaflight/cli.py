@@ -20,7 +20,7 @@ from .ply import write_ply
 from .progress import run_with_progress
 from .readers import read_volume
 from .readers.raw import ENDIANS, TYPES
-from .scene import load_scene
+from .scene_file import load_scene
 from .version import __version__
 from .volume import bump_box, default_isovalue, default_window
 
