@@ -29,7 +29,7 @@ void bind_surface(py::module_& module) {
   module.def(
       "project_to_leaf",
       [](const Field<3>& field, const DoubleArray& array, double isovalue) {
-        std::vector<Vec3> points = to_points(array);
+        std::vector<Vec3> points = to_points<3>(array);
         {
           const py::gil_scoped_release unlocked;
           tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
@@ -46,7 +46,7 @@ void bind_surface(py::module_& module) {
       "exposed",
       [](const Field<3>& field, const DoubleArray& array, double isovalue, int directions,
          std::uint64_t seed) {
-        const std::vector<Vec3> points = to_points(array);
+        const std::vector<Vec3> points = to_points<3>(array);
         std::vector<std::uint8_t> result;
         {
           const py::gil_scoped_release unlocked;
