@@ -9,6 +9,7 @@ is written.
 import argparse
 import json
 import sys
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,11 +19,11 @@ from .compare import compare
 from .output import check_writable
 from .ply import write_ply
 from .progress import run_with_progress
-from .readers import read_volume
 from .readers.raw import ENDIANS, TYPES
-from .scene_file import load_scene
+from .scene_file import cornell_box, load_scene
+from .sources import GENERATED, open_volume
 from .version import __version__
-from .volume import bump_box, default_isovalue, default_window
+from .volume import default_isovalue, default_window
 
 ESTIMATORS = ("gather", "volumetric", "path")
 
@@ -46,7 +47,7 @@ def main(arguments=None):
 
 
 def _info(options):
-    volume = _volume(options)
+    volume = _open(options.volume, options)
     field = volume.field()
     low, high = field.range
     lo, hi = default_window(volume)
@@ -71,21 +72,31 @@ def _info(options):
 
 
 def _bake(options):
-    check_writable(options.out, ".vdb", options.volume)
-    scene = load_scene(options.scene) if options.scene else None
-    volume = _volume(options)
+    scene = load_scene(options.scene) if options.scene else cornell_box()
+    sources = options.volumes or [leaves.source for leaves in scene.leaves]
+    if None in sources:
+        raise LeaflightError(
+            "bake: name a VOLUME, or give --scene a file whose volumes all have a source."
+        )
+    check_writable(options.out, ".vdb", *sources)
+    volumes = [_open(source, options) for source in sources]
+    if options.capped:
+        scene = replace(scene, leaves=[replace(leaves, capped=True) for leaves in scene.leaves])
 
     def work(progress):
         return bake(
-            volume,
+            volumes,
             scene,
             isovalues=options.isovalues,
             resolution=options.resolution,
             samples=options.samples,
             photons=options.photons,
+            caustic_photons=options.caustic_photons,
             estimator=options.estimator,
             seed=options.seed,
             threads=options.threads,
+            both_sides=options.both_sides,
+            surroundings=options.surroundings,
             progress=progress,
         )
 
@@ -95,6 +106,10 @@ def _bake(options):
         "out": options.out,
         "scene": baked.scene.name,
         "isovalues": list(baked.isovalues),
+        "volumes": [
+            {"name": leaves.name, "isovalues": list(leaves.isovalues or baked.isovalues)}
+            for leaves in baked.scene.leaves
+        ],
         "resolution": list(baked.grid.resolution),
         **baked.statistics,
     }
@@ -104,24 +119,37 @@ def _bake(options):
         f"{result['texels']} texels, {result['seconds']:.1f} s, "
         f"{result['rays_per_second'] / 1e6:.2f} million rays/s, "
         f"{result['peak_memory_bytes'] / 2**20:.0f} MiB",
+        *_leaf_map(baked),
         *(f"skipped: {name} ({reason})" for name, reason in result["skipped_passes"]),
+    ]
+
+
+def _leaf_map(baked):
+    """What the volumes show at the leaf coordinates 0..1, where there are several."""
+    if len(baked.volumes) == 1:
+        return []
+    return [
+        f"--isovalue 0..1 shows volume {k} ({leaves.name}) at {leaves.isovalues[0]:g}.."
+        f"{leaves.isovalues[1]:g}"
+        for k, leaves in enumerate(baked.scene.leaves)
     ]
 
 
 def _surface(options):
     check_writable(options.out, ".ply", options.bake)
     baked = load_bake(options.bake)
-    surface = baked.surface(options.isovalue)
+    surface = baked.surface(options.isovalue, options.volume, options.back)
     write_ply(options.out, surface, baked.scene.exposure)
     result = {
         "out": options.out,
         "isovalue": options.isovalue,
+        "volume": options.volume,
         "vertices": len(surface.vertices),
         "triangles": len(surface.triangles),
         "seconds": surface.seconds,
     }
     return result, [
-        f"{options.out}: isovalue {options.isovalue:g}, {result['triangles']} triangles in "
+        f"{options.out}: isovalue {_isovalue(baked, options)}, {result['triangles']} triangles in "
         f"{surface.seconds:.3f} s"
     ]
 
@@ -138,15 +166,27 @@ def _compare(options):
             seed=options.seed,
             threads=options.threads,
             progress=progress,
+            volume=options.volume,
+            back=options.back,
         )
 
     result = run_with_progress(work, "compare")
+    isovalue = _isovalue(baked, options)
+    exposed = result["exposed"]
     return result, [
-        f"isovalue {options.isovalue:g}, all points: {_errors(result)}",
-        f"isovalue {options.isovalue:g}, seen from outside: {_errors(result['exposed'])}",
+        f"isovalue {isovalue}, all points: {_errors(result)}",
+        *([f"isovalue {isovalue}, seen from outside: {_errors(exposed)}"] if exposed else []),
         f"bake {result['bake_seconds']:.1f} s, reference {result['reference_seconds']:.1f} s at "
         f"{result['points']} points with {result['spp']} paths each",
     ]
+
+
+def _isovalue(baked, options):
+    """The leaf coordinate asked for, and with several volumes what it shows of the one."""
+    if len(baked.volumes) == 1:
+        return f"{options.isovalue:g}"
+    own = baked.isovalue_of(options.volume, options.isovalue)
+    return f"{options.isovalue:g} ({own:g} of {baked.scene.leaves[options.volume].name})"
 
 
 def _errors(result):
@@ -160,18 +200,9 @@ def _errors(result):
     )
 
 
-def _volume(options):
-    layout = {
-        name: getattr(options, name) for name in ("type", "endian", "spacing", "grid", "frame")
-    }
-    if options.volume == "bump_box":
-        for name, value in layout.items():
-            if value is not None:
-                raise LeaflightError(f"bump_box: --{name} has no meaning here; leave it out.")
-        if options.dims is not None and len(options.dims) != 1:
-            raise LeaflightError("bump_box: --dims takes one number of nodes a side.")
-        return bump_box(*(options.dims or []))
-    return read_volume(options.volume, dims=options.dims, **layout)
+def _open(source, options):
+    names = ("dims", "type", "endian", "spacing", "grid", "frame")
+    return open_volume(source, **{name: getattr(options, name) for name in names})
 
 
 class _Parser(argparse.ArgumentParser):
@@ -190,30 +221,27 @@ def _parser():
     parser.add_argument("--version", action="version", version=f"leaflight {__version__}")
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
 
-    volume = _Parser(add_help=False)
-    volume.add_argument(
-        "volume", metavar="VOLUME", help="a file, a folder of TIFF slices, or bump_box"
-    )
-    volume.add_argument(
+    layout = _Parser(add_help=False)
+    layout.add_argument(
         "--dims",
         type=int,
         nargs="+",
         metavar="N",
-        help=".raw: nx ny nz; bump_box: nodes a side (100)",
+        help=".raw: nx ny nz; generated volumes: nodes a side",
     )
-    volume.add_argument("--type", choices=TYPES, help=".raw: type of the values")
-    volume.add_argument("--endian", choices=ENDIANS, help=".raw: byte order (little)")
-    volume.add_argument(
+    layout.add_argument("--type", choices=TYPES, help=".raw: type of the values")
+    layout.add_argument("--endian", choices=ENDIANS, help=".raw: byte order (little)")
+    layout.add_argument(
         "--spacing",
         type=float,
         nargs="+",
         metavar="S",
         help=".raw, TIFF: voxel size, one or X Y Z (1)",
     )
-    volume.add_argument(
+    layout.add_argument(
         "--grid", metavar="NAME", help=".vdb: name of the grid (the first scalar one)"
     )
-    volume.add_argument("--frame", type=int, metavar="K", help="4D data: frame to read, from 0")
+    layout.add_argument("--frame", type=int, metavar="K", help="4D data: frame to read, from 0")
 
     seed = _Parser(add_help=False)
     seed.add_argument("--seed", type=int, default=0, metavar="N", help="same seed, same result (0)")
@@ -222,14 +250,27 @@ def _parser():
     isovalue = _Parser(add_help=False)
     isovalue.add_argument("bake", metavar="BAKE", help="a .vdb written by bake")
     isovalue.add_argument(
-        "--isovalue", type=float, required=True, metavar="C", help="in data units"
+        "--isovalue",
+        type=float,
+        required=True,
+        metavar="C",
+        help="in data units; of several volumes 0..1, from the lowest to the highest of each",
     )
+    isovalue.add_argument(
+        "--volume", type=int, default=0, metavar="K", help="which of several volumes, from 0 (0)"
+    )
+    isovalue.add_argument("--back", action="store_true", help="the inner side")
 
-    info = commands.add_parser("info", parents=[volume], help="what a volume holds")
+    volume = f"a file, a folder of TIFF slices, or {', '.join(GENERATED)}"
+    info = commands.add_parser("info", parents=[layout], help="what a volume holds")
+    info.add_argument("volume", metavar="VOLUME", help=volume)
     info.set_defaults(command=_info)
 
     baking = commands.add_parser(
-        "bake", parents=[volume, seed], help="light every isosurface of a volume"
+        "bake", parents=[layout, seed], help="light every isosurface of one or more volumes"
+    )
+    baking.add_argument(
+        "volumes", metavar="VOLUME", nargs="*", help=volume + " (the scene file's own)"
     )
     baking.add_argument("--out", required=True, metavar="X.vdb", help="file to write")
     baking.add_argument(
@@ -240,7 +281,7 @@ def _parser():
         type=float,
         nargs=2,
         metavar=("LO", "HI"),
-        help="window to bake (from the data)",
+        help="window to bake (from the data); of several volumes within 0..1",
     )
     baking.add_argument(
         "--resolution", type=int, metavar="N", help="texels on the longest axis (one a voxel)"
@@ -248,6 +289,21 @@ def _parser():
     baking.add_argument("--samples", type=int, default=32, metavar="N", help="rays a texel (32)")
     baking.add_argument(
         "--photons", type=int, default=2_000_000, metavar="N", help="photons (2000000)"
+    )
+    baking.add_argument(
+        "--caustic-photons",
+        type=int,
+        metavar="N",
+        help="photons by way of mirrors and glass (as many as photons)",
+    )
+    baking.add_argument(
+        "--both-sides", action="store_true", help="light the inner side of isosurfaces, too"
+    )
+    baking.add_argument(
+        "--surroundings", action="store_true", help="keep the light on the surroundings, too"
+    )
+    baking.add_argument(
+        "--capped", action="store_true", help="close isosurfaces at the border of the volume"
     )
     baking.add_argument("--estimator", choices=ESTIMATORS, default="gather", help="(gather)")
     baking.set_defaults(command=_bake)

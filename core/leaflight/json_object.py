@@ -2,10 +2,20 @@
 """Objects of a JSON file, read with checks whose errors say where and what is wrong."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 
 from ._core import LeaflightError
+
+
+def read_text(path):
+    """The text of a scene file. Raises LeaflightError."""
+    try:
+        return Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "it is not text"
+        raise LeaflightError(f"{path}: cannot read the scene file: {reason}.") from None
 
 
 def parse(text, source):
@@ -105,11 +115,43 @@ class JsonObject:
             raise self.error(f'"{key}" must be a number {allowed}')
         return float(value)
 
-    def vector(self, key):
+    def positive(self, key):
+        value = self.array(key)
+        if value.shape != () or not value > 0:
+            raise self.error(f'"{key}" must be a positive number')
+        return float(value)
+
+    def vector(self, key, length=3):
         array = self.array(key)
-        if array.shape != (3,):
-            raise self.error(f'"{key}" must be three numbers')
-        return tuple(float(x) for x in array)
+        if array.shape != (length,):
+            count = {2: "two", 3: "three"}[length]
+            raise self.error(f'"{key}" must be {count} numbers')
+        return tuple(array.tolist())
+
+    def points(self, key, least, axes="xyz"):
+        """At least so many points, float64 (n, axes)."""
+        array = self.array(key)
+        if array.ndim != 2 or array.shape[1] != len(axes) or len(array) < least:
+            point = ", ".join(axes)
+            raise self.error(f'"{key}" must be a list of at least {least} points [{point}]')
+        return array
+
+    def faces(self, key, lengths, count):
+        """A list of lists, as long as one of lengths, of indices in 0..count - 1; not empty."""
+        faces = self.items(key)
+        if not faces:
+            raise self.error(f'"{key}" is empty, so there is nothing to see: leave the mesh out')
+        for face in faces:
+            if (
+                not isinstance(face, list)
+                or len(face) not in lengths
+                or not all(isinstance(i, int) and 0 <= i < count for i in face)
+            ):
+                sizes = " or ".join(str(length) for length in lengths)
+                raise self.error(
+                    f'"{key}" must hold lists of {sizes} vertex indices in 0..{count - 1}'
+                )
+        return faces
 
     def direction(self, key):
         """A vector of length 1; a longer or shorter one is normalised."""

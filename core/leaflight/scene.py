@@ -186,51 +186,55 @@ def fit_scene(description, volumes):
     """
     if description.coordinates == "world":
         return description
-    volumes = volumes if isinstance(volumes, (list, tuple)) else [volumes]
-    bounds = np.array([volume.field().bounds for volume in volumes], dtype=np.float64)
-    low, high = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
-    fit = _Fit(0.5 * (low + high), 0.5 * float((high - low).max()))
+    fit = Fit.around(volumes if isinstance(volumes, (list, tuple)) else [volumes])
     return replace(
         description,
-        meshes=[
-            replace(mesh, vertices=(fit.centre + fit.scale * mesh.vertices).astype(np.float32))
-            for mesh in description.meshes
-        ],
-        lights=[fit.light(light) for light in description.lights],
+        meshes=[replace(mesh, vertices=fit.vertices(mesh.vertices)) for mesh in description.meshes],
+        lights=[_fit_light(light, fit) for light in description.lights],
         coordinates="world",
     )
 
 
 @dataclass(frozen=True, eq=False)
-class _Fit:
-    """From box to world coordinates."""
+class Fit:
+    """From box to world coordinates, in space or in the plane."""
 
     centre: np.ndarray
     scale: float
 
-    def point(self, p):
-        return tuple(float(x) for x in self.centre + self.scale * np.asarray(p))
+    @classmethod
+    def around(cls, volumes):
+        bounds = np.array([volume.field().bounds for volume in volumes], dtype=np.float64)
+        low, high = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
+        return cls(0.5 * (low + high), 0.5 * float((high - low).max()))
 
-    def light(self, light):
-        if isinstance(light, AreaLight):
-            edges = {
-                edge: tuple(float(self.scale * x) for x in getattr(light, edge))
-                for edge in ("edge_u", "edge_v")
-            }
-            return replace(light, corner=self.point(light.corner), **edges)
-        if isinstance(light, PointLight):
-            return replace(
-                light,
-                position=self.point(light.position),
-                radius=self.scale * light.radius,
-                intensity=tuple(self.scale**2 * x for x in light.intensity),
-            )
-        return light
+    def vertices(self, vertices):
+        return (self.centre + self.scale * vertices).astype(np.float32)
+
+    def point(self, p):
+        return tuple((self.centre + self.scale * np.asarray(p)).tolist())
+
+    def vector(self, v):
+        return tuple((self.scale * np.asarray(v)).tolist())
+
+
+def _fit_light(light, fit):
+    if isinstance(light, AreaLight):
+        edges = {"edge_u": fit.vector(light.edge_u), "edge_v": fit.vector(light.edge_v)}
+        return replace(light, corner=fit.point(light.corner), **edges)
+    if isinstance(light, PointLight):
+        return replace(
+            light,
+            position=fit.point(light.position),
+            radius=fit.scale * light.radius,
+            intensity=tuple(fit.scale**2 * x for x in light.intensity),
+        )
+    return light
 
 
 def is_color(ramp):
     """Whether a ramp is one colour rather than a list of stops."""
-    return all(isinstance(x, Real) for x in ramp)
+    return len(ramp) == 3 and all(isinstance(x, Real) for x in ramp)
 
 
 def core_scene(description, fields, window):
@@ -238,34 +242,36 @@ def core_scene(description, fields, window):
 
     fields: list of _core.Field. window: (lo, hi) of the leaf coordinate. Raises LeaflightError.
     """
-    several = len(fields) > 1
+    ranges = [leaves.isovalues if len(fields) > 1 else None for leaves in description.leaves]
     volumes = [
-        _core_leaves(leaves, field, several) for leaves, field in zip(description.leaves, fields)
+        core_leaves(_core.Volume, leaves, field, isovalues)
+        for leaves, field, isovalues in zip(description.leaves, fields, ranges)
     ]
     meshes = [_core_mesh(mesh) for mesh in description.meshes]
     lights = [_core_light(light) for light in description.lights]
     return _core.Scene(volumes, meshes, lights, _core_environment(description), window)
 
 
-def _core_leaves(leaves, field, several):
-    offset, scale = 0.0, 1.0
-    if several:
-        offset = leaves.isovalues[0]
-        scale = leaves.isovalues[1] - offset
+def core_leaves(kind, leaves, field, isovalues=None):
+    """The core's volume, a kind (_core.Volume or Volume2), of a field.
+
+    isovalues: (lo, hi) that the leaf coordinates 0 and 1 show; None where it is the isovalue.
+    """
+    lo, hi = isovalues or (0.0, 1.0)
 
     def stops(ramp):
-        stops = [(offset, ramp)] if is_color(ramp) else ramp
-        return [((isovalue - offset) / scale, tuple(color)) for isovalue, color in stops]
+        stops = [(lo, ramp)] if is_color(ramp) else ramp
+        return [((isovalue - lo) / (hi - lo), tuple(color)) for isovalue, color in stops]
 
-    return _core.Volume(
+    return kind(
         leaves.name,
         field,
         stops(leaves.albedo),
         stops(leaves.emission),
         leaves.scattering,
         leaves.ior,
-        offset,
-        scale,
+        lo,
+        hi - lo,
     )
 
 

@@ -48,7 +48,7 @@ import numpy as np
 
 from ._core import LeaflightError
 from .images import read_texture
-from .json_object import JsonObject, parse
+from .json_object import JsonObject, parse, read_text
 from .scene import (
     IDENTITY,
     AreaLight,
@@ -71,12 +71,7 @@ IOR = (0.1, 10.0)
 
 def load_scene(path):
     """Reads a scene file. Raises LeaflightError naming the file and the object that is wrong."""
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "it is not text"
-        raise LeaflightError(f"{path}: cannot read the scene file: {reason}.") from None
-    return scene_from_json(text, str(path), Path(path).parent)
+    return scene_from_json(read_text(path), str(path), Path(path).parent)
 
 
 def cornell_box():
@@ -100,13 +95,10 @@ def scene_from_json(text, source="scene", folder="."):
         own = ("leaf_albedo", "leaf_emission", "leaf_scattering", "leaf_ior", "capped")
         root.only(*own, *both)
         leaves = [_look(root, "isosurfaces", "leaf_")]
-    exposure = root.array("exposure")
-    if exposure.shape != () or not exposure > 0:
-        raise root.error('"exposure" must be a positive number')
     return SceneDescription(
         name=root.text("name"),
         leaves=leaves,
-        exposure=float(exposure),
+        exposure=root.positive("exposure"),
         meshes=[_mesh(item, folder) for item in root.named("meshes", "mesh")],
         lights=[_light(item) for item in root.named("lights", "light")],
         environment=_environment(root.child("environment"), folder)
@@ -148,21 +140,8 @@ def _mesh(item, folder):
     item.only(
         *("name", "albedo", "vertices", "faces", "scattering", "ior", "emission", "texture", "uv")
     )
-    vertices = item.array("vertices")
-    if vertices.ndim != 2 or vertices.shape[1] != 3 or len(vertices) < 3:
-        raise item.error('"vertices" must be a list of at least three [x, y, z]')
-    faces = item.items("faces")
-    if not faces:
-        raise item.error('"faces" is empty, so there is nothing to see: leave the mesh out')
-    for face in faces:
-        if (
-            not isinstance(face, list)
-            or len(face) not in (3, 4)
-            or not all(isinstance(i, int) and 0 <= i < len(vertices) for i in face)
-        ):
-            raise item.error(
-                f'"faces" must hold lists of 3 or 4 vertex indices in 0..{len(vertices) - 1}'
-            )
+    vertices = item.points("vertices", 3)
+    faces = item.faces("faces", (3, 4), len(vertices))
     if ("texture" in item) != ("uv" in item):
         there, missing = ("texture", "uv") if "texture" in item else ("uv", "texture")
         raise item.error(f'"{there}" needs "{missing}" too')

@@ -22,6 +22,7 @@ class Volume:
     values: float32, shape (nz, ny, nx), x fastest, in data units; NaN where there is no data.
     index_to_world: float64, shape (4, 4), takes the node (i, j, k, 1) to world coordinates.
     name: short name for people; source: the file or the function the values came from.
+    In flatland values has the shape (ny, nx) and index_to_world (3, 3).
     """
 
     values: np.ndarray
@@ -31,8 +32,9 @@ class Volume:
 
     @cached_property
     def _field(self):
+        kind = _core.Field2 if np.ndim(self.values) == 2 else _core.Field
         try:
-            return _core.Field(
+            return kind(
                 np.ascontiguousarray(self.values, dtype=np.float32),
                 np.ascontiguousarray(self.index_to_world, dtype=np.float64),
             )
@@ -71,20 +73,22 @@ class Volume:
             )
         values = np.pad(self.values, 1, constant_values=layer)
         index_to_world = np.array(self.index_to_world, dtype=np.float64)
-        index_to_world[:3, 3] -= index_to_world[:3, :3].sum(axis=1)
+        index_to_world[:-1, -1] -= index_to_world[:-1, :-1].sum(axis=1)
         return replace(self, values=values, index_to_world=index_to_world)
 
     @cached_property
     def _closed(self):
         low, _ = self.field().range
         return all(
-            (self.values.take(end, axis=axis) == low).all() for axis in range(3) for end in (0, -1)
+            (self.values.take(end, axis=axis) == low).all()
+            for axis in range(self.values.ndim)
+            for end in (0, -1)
         )
 
     @cached_property
     def _within_layer(self):
         """The values within the layer of capped() and their range; None without such a layer."""
-        inside = self.values[1:-1, 1:-1, 1:-1]
+        inside = self.values[(slice(1, -1),) * self.values.ndim]
         if not self._closed or not np.isfinite(inside).any():
             return None
         low, high = float(np.nanmin(inside)), float(np.nanmax(inside))
@@ -108,13 +112,14 @@ def bump_box(n=100):
 
 
 def on_unit_cube(n, values, name, source):
-    """A generated Volume of n^3 nodes on the unit cube; values is a function of n."""
+    """A generated Volume of n nodes a side on the unit cube or square, from values(n)."""
     if n < 2:
         raise LeaflightError(
             f"{source}: --dims is {n}, but a volume needs at least 2 nodes a side."
         )
-    step = 1.0 / (n - 1)
-    return Volume(values(n), np.diag([step, step, step, 1.0]), name, source)
+    array = values(n)
+    index_to_world = np.diag([1.0 / (n - 1)] * array.ndim + [1.0])
+    return Volume(array, index_to_world, name, source)
 
 
 def default_window(volume):
