@@ -269,6 +269,9 @@ def load_bake(path):
             f"{path}: this .vdb lacks the metadata of a bake; bake the volume again."
         ) from None
     volumes = [Volume(*field, name, str(path)) for field, name in zip(fields, names)]
+    if surroundings is not None:
+        core = core_scene(scene, [volume.field() for volume in volumes], (lo, hi))
+        _core.attach_surroundings(surroundings, core)
     return Bake(volumes, scene, (lo, hi), grids, surroundings, statistics, metadata)
 
 

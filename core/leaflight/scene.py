@@ -284,9 +284,16 @@ def _core_mesh(mesh):
         mesh.scattering,
         mesh.ior,
         mesh.emission,
-        None if mesh.texture is None else _core.Texture(mesh.texture),
+        _core_texture(mesh.texture, mesh.name),
         mesh.uv,
     )
+
+
+def _core_texture(pixels, name):
+    try:
+        return None if pixels is None else _core.Texture(pixels)
+    except LeaflightError as error:
+        raise LeaflightError(f'The image of "{name}" cannot be used: {error}') from None
 
 
 def _core_light(light):
@@ -305,7 +312,7 @@ def _core_environment(description):
     environment = description.environment
     if environment is None:
         return None
-    image = None if environment.image is None else _core.Texture(environment.image)
+    image = _core_texture(environment.image, environment.name)
     return _core.Environment(
         environment.name, environment.radiance, image, environment.world_to_image
     )
