@@ -8,6 +8,7 @@
 
 #include "leaflight/math/error.h"
 #include "leaflight/surface/cell_polygons.h"
+#include "leaflight/surface/edge_vertex.h"
 
 namespace leaflight {
 namespace {
@@ -121,17 +122,10 @@ class Contour {
       const int bit = bit_of(i);
       for (int a = 0; a < 3; ++a) {
         if (!((e.crossed[a] >> bit) & 1)) continue;
-        const float* h = field_.values + field_.offset(i);
-        // The two values lie on different sides, so they differ.
-        const double low = *h, high = h[stride(a)];
-        Vec3 position = to_vector<3>(i);
-        position[a] += (isovalue_ - low) / (high - low);
-        const Vec3 gradient = field_.world_to_index.pull_back_gradient(
-            shading_gradient(field_, locate(field_, position)));
-        const double length = gradient.length();
+        const EdgeVertex<3> vertex = edge_vertex(field_, i, a, isovalue_);
         const std::int64_t v = e.vertex(a, bit);
-        mesh_.vertices[v] = Vec<3, float>(field_.index_to_world.point(position));
-        mesh_.normals[v] = length > 0 ? Vec<3, float>(gradient * (-1 / length)) : Vec<3, float>(0);
+        mesh_.vertices[v] = vertex.position;
+        mesh_.normals[v] = vertex.normal;
       }
     });
   }
