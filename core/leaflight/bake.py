@@ -4,7 +4,7 @@
 import hashlib
 import json
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,31 +12,27 @@ import numpy as np
 from . import _core
 from ._core import LeaflightError
 from .output import check_writable
-from .scene import (
-    SceneDescription,
-    core_scene,
-    cornell_box,
-    fit_scene,
-    scene_from_json,
-    scene_to_json,
-)
+from .scene import SceneDescription, core_scene, fit_scene, match_leaves
+from .scene_file import cornell_box, scene_from_json, scene_to_json
+from .settings import bake_settings, leaf_window
 from .version import __version__
-from .volume import Volume, default_window
+from .volume import Volume
 
 # What a bake depends on, as text; "name" would rename the grid that OpenVDB attaches it to.
+# "volumes" is a list of {"name", "source", "field_sha256", "resolution", "capped"}.
 METADATA = (
     "leaflight_version",
-    "volume_name",
-    "source",
-    "field_sha256",
+    "volumes",
     "scene",
     "scene_sha256",
     "isovalues",
-    "resolution",
     "samples",
     "photons",
+    "caustic_photons",
     "estimator",
     "seed",
+    "both_sides",
+    "surroundings",
 )
 
 
@@ -44,8 +40,8 @@ METADATA = (
 class Surface:
     """One lit isosurface in world coordinates.
 
-    vertices, normals (outward, unit), radiance (W/(m^2 sr), linear RGB): float32 (n, 3);
-    triangles: int32 (m, 3); seconds: the time contouring and lookup took.
+    vertices, normals (unit, away from the side that is lit), radiance (W/(m^2 sr), linear RGB):
+    float32 (n, 3); triangles: int32 (m, 3); seconds: the time contouring and lookup took.
     """
 
     vertices: np.ndarray
@@ -57,123 +53,207 @@ class Surface:
 
 @dataclass(frozen=True, eq=False)
 class Bake:
-    """A volume, the scene in world coordinates it was lit in, and the radiance of all its leaves.
+    """Volumes, the scene in world coordinates they were lit in, and the radiance of all leaves.
 
-    isovalues: (lo, hi), the baked window. grid: _core.RadianceGrid. statistics: seconds, rays,
-    rays_per_second, texels, peak_memory_bytes, skipped_passes. metadata: text by key, everything
-    the result depends on; equal bakes have equal metadata.
+    `isovalue` always is the leaf coordinate (see scene.py): the isovalue of a single volume, and
+    0..1 with several. isovalues: (lo, hi), the baked window of it.
+    grids: one _core.RadianceGrid for each volume; surroundings: _core.SurroundingsRadiance or None.
+    statistics: seconds, rays, rays_per_second, texels, peak_memory_bytes, skipped_passes.
+    metadata: text by key, everything the result depends on; equal bakes have equal metadata.
     """
 
-    volume: Volume
+    volumes: list
     scene: SceneDescription
     isovalues: tuple
-    grid: object
+    grids: list
+    surroundings: object
     statistics: dict
     metadata: dict
+
+    @property
+    def volume(self):
+        return self.volumes[0]
+
+    @property
+    def grid(self):
+        return self.grids[0]
 
     def save(self, path):
         """Writes the bake as one .vdb under its final name or not at all. Raises LeaflightError."""
         check_writable(path, ".vdb")
         metadata = dict(self.metadata, statistics=json.dumps(self.statistics))
-        _core.write_bake(str(path), self.volume.field(), self.grid, metadata)
+        fields = [volume.field() for volume in self.volumes]
+        _core.write_bake(str(path), fields, self.grids, self.surroundings, metadata)
 
-    def surface(self, isovalue):
-        """The isosurface with its radiance, a Surface. Raises LeaflightError outside the window."""
-        self.check_isovalue(isovalue)
-        field = self.volume.field()
+    def isovalue_of(self, volume, isovalue):
+        """The isovalue, in data units, that a volume (its number) shows at a leaf coordinate."""
+        if len(self.volumes) == 1:
+            return isovalue
+        lo, hi = self.scene.leaves[volume].isovalues
+        return lo + isovalue * (hi - lo)
+
+    def surface(self, isovalue, volume=0, back=False):
+        """The isosurface of a volume with its radiance, a Surface.
+
+        back: its inner side, towards higher values. Raises LeaflightError outside the window.
+        """
+        self.check_isovalue(isovalue, volume)
+        field = self.volumes[volume].field()
         start = time.perf_counter()
-        vertices, normals, triangles = _core.contour(field, isovalue)
-        radiance = self.radiance(vertices)
+        vertices, normals, triangles = _core.contour(field, self.isovalue_of(volume, isovalue))
+        radiance = self.radiance(vertices, volume, back)
+        if back:
+            normals, triangles = -normals, np.ascontiguousarray(triangles[:, ::-1])
         seconds = time.perf_counter() - start
         return Surface(vertices, normals, triangles, radiance, seconds)
 
-    def radiance(self, points):
-        """Baked radiance, float32 (n, 3), at world points (n, 3); zero where no leaf passes."""
-        return self.grid.lookup(self.volume.field(), points)
+    def radiance(self, points, volume=0, back=False):
+        """Baked radiance of a volume's leaves, float32 (n, 3), at world points (n, 3).
 
-    def reference(self, points, isovalue, spp=1024, seed=0, threads=0, progress=None):
-        """Path-traced radiance at points (n, 3) of the isosurface, on its outer side.
+        It is zero where no leaf passes. back: of the inner sides. Raises LeaflightError.
+        """
+        self._check_volume(volume)
+        grid = self.grids[volume]
+        if back and not grid.has_back:
+            if not json.loads(self.metadata["both_sides"]):
+                raise LeaflightError(
+                    "The inner side was not baked: bake again with both sides (--both-sides)."
+                )
+            # The bake left it out because no light can reach it.
+            return np.zeros((len(points), 3), dtype=np.float32)
+        return grid.lookup(self.volumes[volume].field(), points, back)
+
+    def reference(
+        self, points, isovalue, spp=1024, seed=0, threads=0, progress=None, volume=0, back=False
+    ):
+        """Path-traced radiance at points (n, 3) of an isosurface, on its outer or inner side.
 
         Returns (radiance, standard_error), float32 (n, 3) each. Raises LeaflightError, Cancelled.
         """
-        self.check_isovalue(isovalue)
-        scene = core_scene(self.scene, self.volume.field(), self.isovalues)
+        self.check_isovalue(isovalue, volume)
+        fields = [one.field() for one in self.volumes]
+        scene = core_scene(self.scene, fields, self.isovalues)
         progress = progress or _core.Progress()
-        return _core.reference(scene, points, isovalue, spp, seed, threads, progress)
+        return _core.reference(
+            scene, points, isovalue, spp, seed, threads, progress, volume=volume, back=back
+        )
 
-    def check_isovalue(self, isovalue):
-        """Raises LeaflightError unless the baked window and the data hold the isovalue."""
+    def check_isovalue(self, isovalue, volume=0):
+        """Raises LeaflightError unless the baked window and the volume's data hold the isovalue."""
+        self._check_volume(volume)
         lo, hi = self.isovalues
         if not lo <= isovalue <= hi:
             raise LeaflightError(
                 f"Isovalue {isovalue:g} lies outside the baked window {lo:g}..{hi:g}: choose one "
                 "inside or bake again with a wider window (--isovalues)."
             )
-        low, high = self.volume.field().range
-        if not low < isovalue <= high:
+        low, high = self.volumes[volume].field().range
+        own = self.isovalue_of(volume, isovalue)
+        if not low < own <= high:
+            low, high = self.volumes[volume].data_range()
             raise LeaflightError(
-                f"Isovalue {isovalue:g} lies outside the data, whose values are {low:g}..{high:g}: "
+                f"Isovalue {own:g} lies outside the data, whose values are {low:g}..{high:g}: "
                 "no isosurface exists there, choose one inside."
+            )
+
+    def _check_volume(self, volume):
+        if not 0 <= volume < len(self.volumes):
+            raise LeaflightError(
+                f"There is no volume {volume}: the bake holds {len(self.volumes)}, "
+                "numbered from 0 (--volume)."
             )
 
 
 def bake(
-    volume,
+    volumes,
     scene=None,
     *,
     isovalues=None,
     resolution=None,
     samples=32,
     photons=2_000_000,
+    caustic_photons=None,
     estimator="gather",
     seed=0,
     threads=0,
+    both_sides=False,
+    surroundings=False,
     progress=None,
 ):
-    """Computes the radiance of every isosurface of the volume whose isovalue lies in the window.
+    """Computes the radiance of every isosurface, within a window, of a volume or of several.
 
-    scene: SceneDescription, fitted around the volume; None is the Cornell box.
-    isovalues: (lo, hi) in data units; None takes default_window(volume).
+    volumes: a Volume or a list of them, which see each other (see scene.py).
+    scene: SceneDescription, fitted around the volumes; None is the Cornell box.
+    isovalues: (lo, hi) of the leaf coordinate: in data units for one volume, where None takes that
+        of the scene or else default_window(volume); within 0..1 for several, where None is (0, 1).
     resolution: texels along the longest axis (the other axes in proportion of their nodes), or
         (nx, ny, nz); None is one texel a node.
-    samples: rays per texel; photons: number of photons; estimator: "gather", "volumetric", "path".
+    samples: rays per texel; photons: number of photons; caustic_photons: of those that come by
+        mirrors and glass, None as many as photons; estimator: "gather", "volumetric", "path".
     seed: same seed, same result, whatever the threads; threads: 0 takes every core.
+    both_sides: the inner side of each isosurface, too; surroundings: the meshes around them, too.
     progress: _core.Progress to poll or cancel from another thread.
     Returns a Bake. Raises LeaflightError for input that cannot be baked, Cancelled.
     """
-    field = volume.field()
-    description = fit_scene(scene or cornell_box(), volume)
-    window = default_window(volume) if isovalues is None else _window(isovalues, field.range)
-    settings = _core.BakeSettings()
-    settings.resolution = _texels(resolution, field.dims)
-    settings.samples = _whole("samples", samples, 1)
-    settings.photons = _whole("photons", photons, 0)
-    settings.estimator = estimator
-    settings.seed = _whole("seed", seed, 0)
-    settings.threads = _whole("threads", threads, 0)
-
-    grid = _core.bake(
-        core_scene(description, field, window), settings, progress or _core.Progress()
+    volumes = list(volumes) if isinstance(volumes, (list, tuple)) else [volumes]
+    for volume in volumes:
+        if np.ndim(volume.values) != 3:
+            raise LeaflightError(f"{volume.name}: this is no volume; light images with flatland.")
+    description = match_leaves(scene or cornell_box(), volumes)
+    volumes = [
+        volume.capped() if leaves.capped else volume
+        for volume, leaves in zip(volumes, description.leaves)
+    ]
+    description = fit_scene(description, volumes)
+    # Not what the result depends on: the volumes themselves are stored.
+    leaves = [replace(leaves, source=None) for leaves in description.leaves]
+    description = replace(description, leaves=leaves)
+    window = leaf_window(isovalues, volumes, leaves)
+    settings = bake_settings(
+        _core.BakeSettings,
+        volumes[0].field().dims,
+        resolution=resolution,
+        samples=samples,
+        photons=photons,
+        caustic_photons=caustic_photons,
+        estimator=estimator,
+        seed=seed,
+        threads=threads,
+        both_sides=both_sides,
+        surroundings=surroundings,
     )
+    core = core_scene(description, [volume.field() for volume in volumes], window)
+    baked = _core.bake(core, settings, progress or _core.Progress())
 
     scene_text = scene_to_json(description)
     metadata = {
         "leaflight_version": __version__,
-        "volume_name": volume.name,
-        "source": volume.source,
-        "field_sha256": _sha256(volume.values, volume.index_to_world),
+        "volumes": json.dumps(
+            [
+                {
+                    "name": volume.name,
+                    "source": volume.source,
+                    "field_sha256": _sha256(volume.values, volume.index_to_world),
+                    "resolution": list(grid.resolution),
+                    "capped": look.capped,
+                }
+                for volume, look, grid in zip(volumes, leaves, baked.grids)
+            ]
+        ),
         "scene": scene_text,
         "scene_sha256": hashlib.sha256(scene_text.encode()).hexdigest(),
         "isovalues": json.dumps(window),
-        "resolution": json.dumps(tuple(grid.resolution)),
         "samples": str(samples),
         "photons": str(photons),
+        "caustic_photons": str(settings.caustic_photons),
         "estimator": estimator,
         "seed": str(seed),
+        "both_sides": json.dumps(bool(both_sides)),
+        "surroundings": json.dumps(bool(surroundings)),
     }
-    statistics = dict(grid.statistics)
+    statistics = dict(baked.statistics)
     statistics["rays_per_second"] = statistics["rays"] / max(statistics["seconds"], 1e-9)
-    return Bake(volume, description, window, grid, statistics, metadata)
+    return Bake(volumes, description, window, baked.grids, baked.surroundings, statistics, metadata)
 
 
 def load_bake(path):
@@ -181,57 +261,24 @@ def load_bake(path):
     if not Path(path).is_file():
         raise LeaflightError(f"{path}: there is no such file; give the .vdb that bake wrote.")
     try:
-        values, index_to_world, grid, metadata = _core.read_bake(str(path))
-        isovalues = json.loads(metadata["isovalues"])
+        fields, grids, surroundings, metadata = _core.read_bake(str(path))
         statistics = json.loads(metadata["statistics"])
-        lo, hi = (float(isovalue) for isovalue in isovalues)
+        lo, hi = (float(isovalue) for isovalue in json.loads(metadata["isovalues"]))
         scene = scene_from_json(metadata["scene"], str(path))
+        names = [str(record["name"]) for record in json.loads(metadata["volumes"])]
+        if not len(names) == len(fields) == len(grids) == len(scene.leaves):
+            raise ValueError("the number of volumes differs")
         # OpenVDB adds text of its own.
         metadata = {key: metadata[key] for key in METADATA}
     except (KeyError, TypeError, ValueError):
         raise LeaflightError(
             f"{path}: this .vdb lacks the metadata of a bake; bake the volume again."
         ) from None
-    volume = Volume(values, index_to_world, metadata["volume_name"], str(path))
-    return Bake(volume, scene, (lo, hi), grid, statistics, metadata)
-
-
-def _window(isovalues, data_range):
-    low, high = data_range
-    try:
-        lo, hi = (float(isovalue) for isovalue in isovalues)
-    except (TypeError, ValueError):
-        raise LeaflightError(
-            f"The isovalue window must be two numbers, not {isovalues!r}."
-        ) from None
-    if not (np.isfinite([lo, hi]).all() and lo < hi):
-        raise LeaflightError(
-            f"The isovalue window {lo:g}..{hi:g} is empty: give the lower value first, "
-            "then the higher."
-        )
-    if hi <= low or lo >= high:
-        raise LeaflightError(
-            f"The isovalue window {lo:g}..{hi:g} lies outside the data, whose values are "
-            f"{low:g}..{high:g}: give a window that overlaps them."
-        )
-    return lo, hi
-
-
-def _texels(resolution, dims):
-    if resolution is None:
-        return (0, 0, 0)
-    if np.ndim(resolution) == 0:
-        longest = _whole("resolution", resolution, 2)
-        return tuple(max(2, round(longest * n / max(dims))) for n in dims)
-    if len(resolution) != 3:
-        raise LeaflightError("The resolution must be one number of texels or three, (nx, ny, nz).")
-    return tuple(_whole("resolution", n, 2) for n in resolution)
-
-
-def _whole(name, value, least):
-    if not least <= value < 2**31 or value != int(value):
-        raise LeaflightError(f"{name} must be a whole number in {least}..{2**31 - 1}, not {value}.")
-    return int(value)
+    volumes = [Volume(*field, name, str(path)) for field, name in zip(fields, names)]
+    if surroundings is not None:
+        core = core_scene(scene, [volume.field() for volume in volumes], (lo, hi))
+        _core.attach_surroundings(surroundings, core)
+    return Bake(volumes, scene, (lo, hi), grids, surroundings, statistics, metadata)
 
 
 def _sha256(*arrays):

@@ -1,36 +1,44 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line: info, bake, surface and compare.
+"""The command line: info, bake, surface, compare and flatland.
 
 Results go to stdout, with --json as one JSON object on the last line; progress goes to stderr.
 Exit status: 0; 2 after an error, told in one line on stderr; 130 after Ctrl-C; after both nothing
 is written.
 """
 
-import argparse
 import json
 import sys
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
+from . import _core
 from ._core import Cancelled, LeaflightError
 from .bake import bake, load_bake
+from .cli_parser import make_parser
 from .compare import compare
+from .flat_scene import load_flat_scene
+from .flatland import (
+    BRIGHTNESS_CORRECTION,
+    bake_flatland,
+    bump_box_2d,
+    picture,
+    read_image,
+)
+from .images import write_png
 from .output import check_writable
 from .ply import write_ply
 from .progress import run_with_progress
-from .readers import read_volume
-from .readers.raw import ENDIANS, TYPES
-from .scene import load_scene
-from .version import __version__
-from .volume import bump_box, default_isovalue, default_window
-
-ESTIMATORS = ("gather", "volumetric", "path")
+from .scene_file import cornell_box, load_scene
+from .sources import open_volume
+from .volume import default_isovalue, default_window
 
 
 def main(arguments=None):
     """Runs one command; returns the exit status."""
     try:
-        options = _parser().parse_args(arguments)
+        options = make_parser(COMMANDS).parse_args(arguments)
         result, sentences = options.command(options)
     except (Cancelled, KeyboardInterrupt):
         print("leaflight: cancelled, nothing written.", file=sys.stderr)
@@ -46,7 +54,7 @@ def main(arguments=None):
 
 
 def _info(options):
-    volume = _volume(options)
+    volume = _open(options.volume, options)
     field = volume.field()
     low, high = field.range
     lo, hi = default_window(volume)
@@ -71,21 +79,31 @@ def _info(options):
 
 
 def _bake(options):
-    check_writable(options.out, ".vdb", options.volume)
-    scene = load_scene(options.scene) if options.scene else None
-    volume = _volume(options)
+    scene = load_scene(options.scene) if options.scene else cornell_box()
+    sources = options.volumes or [leaves.source for leaves in scene.leaves]
+    if None in sources:
+        raise LeaflightError(
+            "bake: name a VOLUME, or give --scene a file whose volumes all have a source."
+        )
+    check_writable(options.out, ".vdb", *sources)
+    volumes = [_open(source, options) for source in sources]
+    if options.capped:
+        scene = replace(scene, leaves=[replace(leaves, capped=True) for leaves in scene.leaves])
 
     def work(progress):
         return bake(
-            volume,
+            volumes,
             scene,
             isovalues=options.isovalues,
             resolution=options.resolution,
             samples=options.samples,
             photons=options.photons,
+            caustic_photons=options.caustic_photons,
             estimator=options.estimator,
             seed=options.seed,
             threads=options.threads,
+            both_sides=options.both_sides,
+            surroundings=options.surroundings,
             progress=progress,
         )
 
@@ -95,6 +113,10 @@ def _bake(options):
         "out": options.out,
         "scene": baked.scene.name,
         "isovalues": list(baked.isovalues),
+        "volumes": [
+            {"name": leaves.name, "isovalues": list(leaves.isovalues or baked.isovalues)}
+            for leaves in baked.scene.leaves
+        ],
         "resolution": list(baked.grid.resolution),
         **baked.statistics,
     }
@@ -104,24 +126,37 @@ def _bake(options):
         f"{result['texels']} texels, {result['seconds']:.1f} s, "
         f"{result['rays_per_second'] / 1e6:.2f} million rays/s, "
         f"{result['peak_memory_bytes'] / 2**20:.0f} MiB",
+        *_leaf_map(baked),
         *(f"skipped: {name} ({reason})" for name, reason in result["skipped_passes"]),
+    ]
+
+
+def _leaf_map(baked):
+    """What the volumes show at the leaf coordinates 0..1, where there are several."""
+    if len(baked.volumes) == 1:
+        return []
+    return [
+        f"--isovalue 0..1 shows volume {k} ({leaves.name}) at {leaves.isovalues[0]:g}.."
+        f"{leaves.isovalues[1]:g}"
+        for k, leaves in enumerate(baked.scene.leaves)
     ]
 
 
 def _surface(options):
     check_writable(options.out, ".ply", options.bake)
     baked = load_bake(options.bake)
-    surface = baked.surface(options.isovalue)
+    surface = baked.surface(options.isovalue, options.volume, options.back)
     write_ply(options.out, surface, baked.scene.exposure)
     result = {
         "out": options.out,
         "isovalue": options.isovalue,
+        "volume": options.volume,
         "vertices": len(surface.vertices),
         "triangles": len(surface.triangles),
         "seconds": surface.seconds,
     }
     return result, [
-        f"{options.out}: isovalue {options.isovalue:g}, {result['triangles']} triangles in "
+        f"{options.out}: isovalue {_isovalue(baked, options)}, {result['triangles']} triangles in "
         f"{surface.seconds:.3f} s"
     ]
 
@@ -138,14 +173,74 @@ def _compare(options):
             seed=options.seed,
             threads=options.threads,
             progress=progress,
+            volume=options.volume,
+            back=options.back,
         )
 
     result = run_with_progress(work, "compare")
+    isovalue = _isovalue(baked, options)
+    exposed = result["exposed"]
     return result, [
-        f"isovalue {options.isovalue:g}, all points: {_errors(result)}",
-        f"isovalue {options.isovalue:g}, seen from outside: {_errors(result['exposed'])}",
+        f"isovalue {isovalue}, all points: {_errors(result)}",
+        *([f"isovalue {isovalue}, seen from outside: {_errors(exposed)}"] if exposed else []),
         f"bake {result['bake_seconds']:.1f} s, reference {result['reference_seconds']:.1f} s at "
         f"{result['points']} points with {result['spp']} paths each",
+    ]
+
+
+def _isovalue(baked, options):
+    """The leaf coordinate asked for, and with several volumes what it shows of the one."""
+    if len(baked.volumes) == 1:
+        return f"{options.isovalue:g}"
+    own = baked.isovalue_of(options.volume, options.isovalue)
+    return f"{options.isovalue:g} ({own:g} of {baked.scene.leaves[options.volume].name})"
+
+
+def _flatland(options):
+    check_writable(options.out, ".exr", options.image)
+    png = Path(options.out).with_suffix(".png")
+    check_writable(png, ".png", options.image)
+    scene = load_flat_scene(options.scene) if options.scene else None
+    if options.image == "bump_box":
+        volume = bump_box_2d(*([] if options.dims is None else [options.dims]))
+    elif options.dims is not None:
+        raise LeaflightError(f"{options.image}: --dims has no meaning here; leave it out.")
+    else:
+        volume = read_image(options.image)
+
+    def work(progress):
+        return bake_flatland(
+            volume,
+            scene,
+            isovalues=options.isovalues,
+            resolution=options.resolution,
+            samples=options.samples,
+            photons=options.photons,
+            estimator=options.estimator,
+            seed=options.seed,
+            threads=options.threads,
+            progress=progress,
+        )
+
+    baked = run_with_progress(work, "flatland")
+    isolines = options.isolines or [default_isovalue(volume)]
+    correction = 1.0 if options.uncorrected else BRIGHTNESS_CORRECTION
+    pixels = picture(baked, isolines, correction=correction)
+    _core.write_exr(options.out, np.ascontiguousarray(baked.texture()[::-1]))
+    write_png(png, pixels)
+    result = {
+        "out": options.out,
+        "picture": str(png),
+        "isovalues": list(baked.isovalues),
+        "isolines": isolines,
+        "resolution": list(baked.grid.resolution),
+        **baked.statistics,
+    }
+    lo, hi = baked.isovalues
+    return result, [
+        f"{options.out}: isovalues {lo:g}..{hi:g} in {baked.scene.name}, "
+        f"{_by(result['resolution'])} texels, {result['seconds']:.1f} s",
+        f"{png}: isolines {', '.join(f'{isovalue:g}' for isovalue in isolines)}",
     ]
 
 
@@ -160,119 +255,19 @@ def _errors(result):
     )
 
 
-def _volume(options):
-    layout = {
-        name: getattr(options, name) for name in ("type", "endian", "spacing", "grid", "frame")
-    }
-    if options.volume == "bump_box":
-        for name, value in layout.items():
-            if value is not None:
-                raise LeaflightError(f"bump_box: --{name} has no meaning here; leave it out.")
-        if options.dims is not None and len(options.dims) != 1:
-            raise LeaflightError("bump_box: --dims takes one number of nodes a side.")
-        return bump_box(*(options.dims or []))
-    return read_volume(options.volume, dims=options.dims, **layout)
-
-
-class _Parser(argparse.ArgumentParser):
-    def __init__(self, **options):
-        # Abbreviations would change meaning whenever an option is added.
-        super().__init__(allow_abbrev=False, **options)
-
-    def error(self, message):
-        raise LeaflightError(f"{message}; see '{self.prog} --help'.")
-
-
-def _parser():
-    parser = _Parser(
-        prog="leaflight", description="Global illumination for every isosurface of a volume."
-    )
-    parser.add_argument("--version", action="version", version=f"leaflight {__version__}")
-    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
-
-    volume = _Parser(add_help=False)
-    volume.add_argument(
-        "volume", metavar="VOLUME", help="a file, a folder of TIFF slices, or bump_box"
-    )
-    volume.add_argument(
-        "--dims",
-        type=int,
-        nargs="+",
-        metavar="N",
-        help=".raw: nx ny nz; bump_box: nodes a side (100)",
-    )
-    volume.add_argument("--type", choices=TYPES, help=".raw: type of the values")
-    volume.add_argument("--endian", choices=ENDIANS, help=".raw: byte order (little)")
-    volume.add_argument(
-        "--spacing",
-        type=float,
-        nargs="+",
-        metavar="S",
-        help=".raw, TIFF: voxel size, one or X Y Z (1)",
-    )
-    volume.add_argument(
-        "--grid", metavar="NAME", help=".vdb: name of the grid (the first scalar one)"
-    )
-    volume.add_argument("--frame", type=int, metavar="K", help="4D data: frame to read, from 0")
-
-    seed = _Parser(add_help=False)
-    seed.add_argument("--seed", type=int, default=0, metavar="N", help="same seed, same result (0)")
-    seed.add_argument("--threads", type=int, default=0, metavar="N", help="threads (0: every core)")
-
-    isovalue = _Parser(add_help=False)
-    isovalue.add_argument("bake", metavar="BAKE", help="a .vdb written by bake")
-    isovalue.add_argument(
-        "--isovalue", type=float, required=True, metavar="C", help="in data units"
-    )
-
-    info = commands.add_parser("info", parents=[volume], help="what a volume holds")
-    info.set_defaults(command=_info)
-
-    baking = commands.add_parser(
-        "bake", parents=[volume, seed], help="light every isosurface of a volume"
-    )
-    baking.add_argument("--out", required=True, metavar="X.vdb", help="file to write")
-    baking.add_argument(
-        "--scene", metavar="FILE", help="scene file (a Cornell box around the volume)"
-    )
-    baking.add_argument(
-        "--isovalues",
-        type=float,
-        nargs=2,
-        metavar=("LO", "HI"),
-        help="window to bake (from the data)",
-    )
-    baking.add_argument(
-        "--resolution", type=int, metavar="N", help="texels on the longest axis (one a voxel)"
-    )
-    baking.add_argument("--samples", type=int, default=32, metavar="N", help="rays a texel (32)")
-    baking.add_argument(
-        "--photons", type=int, default=2_000_000, metavar="N", help="photons (2000000)"
-    )
-    baking.add_argument("--estimator", choices=ESTIMATORS, default="gather", help="(gather)")
-    baking.set_defaults(command=_bake)
-
-    surface = commands.add_parser(
-        "surface", parents=[isovalue], help="one lit isosurface as a mesh"
-    )
-    surface.add_argument("--out", required=True, metavar="MESH.ply", help="file to write")
-    surface.set_defaults(command=_surface)
-
-    comparison = commands.add_parser(
-        "compare", parents=[isovalue, seed], help="the error of a bake against path tracing"
-    )
-    comparison.add_argument("--points", type=int, default=3000, metavar="N", help="points (3000)")
-    comparison.add_argument(
-        "--spp", type=int, default=1024, metavar="N", help="paths a point (1024)"
-    )
-    comparison.set_defaults(command=_compare)
-
-    for command in (info, baking, surface, comparison):
-        command.add_argument(
-            "--json", action="store_true", help="print one JSON object as the last line"
-        )
-    return parser
+def _open(source, options):
+    names = ("dims", "type", "endian", "spacing", "grid", "frame")
+    return open_volume(source, **{name: getattr(options, name) for name in names})
 
 
 def _by(numbers):
     return " x ".join(f"{number:g}" for number in numbers)
+
+
+COMMANDS = {
+    "info": _info,
+    "bake": _bake,
+    "surface": _surface,
+    "compare": _compare,
+    "flatland": _flatland,
+}

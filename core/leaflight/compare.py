@@ -13,8 +13,12 @@ from ._core import LeaflightError
 EXPOSURE_RAYS = 32
 
 
-def compare(bake, isovalue, points=3000, spp=1024, seed=0, threads=0, progress=None):
-    """Compares baked with path-traced radiance at random points of one isosurface.
+def compare(
+    bake, isovalue, points=3000, spp=1024, seed=0, threads=0, progress=None, volume=0, back=False
+):
+    """Compares baked with path-traced radiance at random points of one volume's isosurface.
+
+    back: on its inner side. `isovalue` is the leaf coordinate, as everywhere in a Bake.
 
     The points are distributed by area over the marching-cubes triangles; the bake is looked up
     where the mesh is, the reference is traced from the leaf itself. Returns a dict with
@@ -26,36 +30,44 @@ def compare(bake, isovalue, points=3000, spp=1024, seed=0, threads=0, progress=N
     reference_noise_percent  what the reference's own noise adds to rms_percent (RMS standard error)
     mean_radiance            mean of the reference colours before clamping
     exposed                  the same four, and their points, over the points that can be seen from
-                             outside the volume; a scan hides most of an isosurface in the dark
+                             outside the volume; a scan hides most of an isosurface in the dark;
+                             None of the inner side
     and points, spp, isovalue, triangles, bake_seconds, reference_seconds.
     Raises LeaflightError, Cancelled.
     """
     if points < 1 or spp < 2:
         raise LeaflightError("compare needs at least 1 point and 2 samples per point.")
-    surface = bake.surface(isovalue)
+    surface = bake.surface(isovalue, volume, back)
     if len(surface.triangles) == 0:
         raise LeaflightError(
             f"Isovalue {isovalue:g} has no surface inside the data; choose another one."
         )
     positions = random_points(surface.vertices, surface.triangles, points, seed)
-    baked = bake.radiance(positions).astype(np.float64)
+    baked = bake.radiance(positions, volume, back).astype(np.float64)
 
     start = time.perf_counter()
-    on_leaf = _core.project_to_leaf(bake.volume.field(), positions, isovalue)
+    field, own = bake.volumes[volume].field(), bake.isovalue_of(volume, isovalue)
+    on_leaf = _core.project_to_leaf(field, positions, own)
     reference, standard_error = (
         array.astype(np.float64)
-        for array in bake.reference(on_leaf, isovalue, spp, seed, threads, progress)
+        for array in bake.reference(
+            on_leaf, isovalue, spp, seed, threads, progress, volume=volume, back=back
+        )
     )
     reference_seconds = time.perf_counter() - start
 
     samples = _Samples(baked, reference, standard_error)
-    exposed = _core.exposed(bake.volume.field(), on_leaf, isovalue, EXPOSURE_RAYS, seed) > 0
+    exposure = bake.scene.exposure
+    exposed = None
+    if not back:
+        seen = _core.exposed(field, on_leaf, own, EXPOSURE_RAYS, seed) > 0
+        exposed = samples.only(seen).errors(exposure)
     return {
         "isovalue": float(isovalue),
         "spp": int(spp),
         "triangles": len(surface.triangles),
-        **samples.errors(bake.scene.exposure),
-        "exposed": samples.only(exposed).errors(bake.scene.exposure),
+        **samples.errors(exposure),
+        "exposed": exposed,
         "bake_seconds": bake.statistics["seconds"],
         "reference_seconds": reference_seconds,
     }

@@ -1,275 +1,318 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What surrounds the leaves: meshes and lights, as plain data and as scene files.
+"""What is lit and what surrounds it, as plain data: leaves, meshes, lights, environment.
 
-A scene file is one JSON object:
+A colour is (r, g, b), linear. A ramp is one colour for all isovalues, or a list of stops
+(isovalue, colour) in ascending isovalue of that volume, in data units: linear between them,
+constant beyond. Scene files hold the same (scene_file.py).
 
-    name          text
-    coordinates   "world": the numbers are world coordinates; or "box": they are relative to the
-                  volume, whose longest side runs from -1 to 1 around its centre, so that the scene
-                  fits any volume
-    leaf_albedo   [r, g, b] in 0..1, of every isosurface
-    exposure      positive factor from radiance to the colour on the screen
-    meshes        list of {"name", "albedo": [r, g, b] in 0..1, "vertices": [[x, y, z], ...],
-                  "faces": [[i, j, k] or [i, j, k, l], ...]}; Lambertian on both sides
-    lights        list of {"name", "corner", "edge_u", "edge_v": [x, y, z], "radiance": [r, g, b]};
-                  the rectangle emits radiance in W/(m^2 sr), linear RGB, towards
-                  cross(edge_u, edge_v), and neither blocks nor reflects light
-    comment       optional text
+The leaf coordinate c numbers the leaves that are seen together. With one volume it is the
+isovalue; with several it runs over 0..1, and a volume with the isovalues (lo, hi) shows
+lo + c (hi - lo).
 """
 
-import json
 from dataclasses import dataclass, replace
-from pathlib import Path
+from numbers import Real
 
 import numpy as np
 
 from . import _core
 from ._core import LeaflightError
+from .volume import default_window
+
+IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Leaves:
+    """How all isosurfaces of one volume look.
+
+    albedo: a ramp in 0..1, the colour of a mirror or of glass; emission: a ramp of radiance in
+    W/(m^2 sr), from both sides; scattering: "diffuse", "mirror" or "glass"; ior: of the inside.
+    isovalues: (lo, hi) in data units that the leaf coordinates 0 and 1 of several volumes show; of
+    a single volume, the window to bake; None is default_window(volume).
+    capped: close the isosurfaces at the border of the volume (Volume.capped).
+    source: where the volume comes from, as the command line names volumes; None if it is given.
+    """
+
+    name: str
+    albedo: object
+    emission: object = (0.0, 0.0, 0.0)
+    scattering: str = "diffuse"
+    ior: float = 1.5
+    isovalues: tuple = None
+    capped: bool = False
+    source: str = None
 
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Lambertian: vertices float32 (n, 3), triangles uint32 (m, 3), albedo (3,) in 0..1."""
+    """A mesh of the surroundings, alike on both sides.
+
+    vertices: float32 (n, 3); triangles: uint32 (m, 3); albedo: a colour in 0..1, of a mirror or of
+    glass too; scattering: "diffuse", "mirror" or "glass"; ior: of glass; emission: radiance in
+    W/(m^2 sr), from both sides; texture: float32 [row, column, 3] in 0..1, linear, bottom row
+    first, multiplies the albedo; uv: float32 (m, 3, 2), where each corner of a triangle is in it.
+    """
 
     name: str
     vertices: np.ndarray
     triangles: np.ndarray
     albedo: tuple
+    scattering: str = "diffuse"
+    ior: float = 1.5
+    emission: tuple = (0.0, 0.0, 0.0)
+    texture: np.ndarray = None
+    uv: np.ndarray = None
 
 
 @dataclass(frozen=True, eq=False)
-class RectangleLight:
-    """A rectangle that emits radiance (3,) in W/(m^2 sr) towards cross(edge_u, edge_v)."""
+class AreaLight:
+    """A rectangle, or the ellipse inscribed in it, that shines towards cross(edge_u, edge_v).
+
+    radiance: a colour in W/(m^2 sr). It neither blocks nor reflects light.
+    """
 
     name: str
     corner: tuple
     edge_u: tuple
     edge_v: tuple
     radiance: tuple
+    ellipse: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Cone:
+    """Where a spot shines: about a unit axis, angle radians from edge to edge, at most pi.
+
+    blend: 0..1, the part of the cone over which its edge is soft; cosine_falloff: the intensity
+    also falls with the cosine to the axis.
+    """
+
+    axis: tuple
+    angle: float
+    blend: float = 0.0
+    cosine_falloff: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class PointLight:
+    """A sphere that shines alike in all directions, or within a cone.
+
+    intensity: a colour in W/sr, on a spot's axis. It neither blocks nor reflects light.
+    """
+
+    name: str
+    position: tuple
+    radius: float
+    intensity: tuple
+    cone: Cone = None
+
+
+@dataclass(frozen=True, eq=False)
+class SunLight:
+    """Parallel light: direction (unit) in which it travels, irradiance in W/m^2 facing it.
+
+    angle: diameter of the sun's disc in radians, below pi.
+    """
+
+    name: str
+    direction: tuple
+    irradiance: tuple
+    angle: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Environment:
+    """Light from all around: a radiance in W/(m^2 sr) that multiplies the image, if there is one.
+
+    image: float32 [row, column, 3], latitude-longitude, bottom row first; its centre column is seen
+    along -y, its upper rows towards +z, after world_to_image (3 x 3, nested tuples) turned the
+    direction.
+    """
+
+    name: str
+    radiance: tuple
+    image: np.ndarray = None
+    world_to_image: tuple = IDENTITY
 
 
 @dataclass(frozen=True, eq=False)
 class SceneDescription:
-    """Everything of a scene but the volume; coordinates is "world" or "box" (see the module)."""
+    """Everything of a scene but the volumes.
+
+    leaves: one Leaves for each volume, or a single one for all. exposure: positive factor from
+    radiance to the colour on the screen. meshes: list of Mesh. lights: list of AreaLight,
+    PointLight and SunLight. environment: Environment or None.
+    coordinates: "world"; or "box", where the longest side of all volumes' common box runs from -1
+    to 1 around its centre, and intensities are those at this scale (see fit_scene).
+    """
 
     name: str
-    leaf_albedo: tuple
+    leaves: list
     exposure: float
     meshes: list
     lights: list
+    environment: Environment = None
     coordinates: str = "world"
 
 
-def load_scene(path):
-    """Reads a scene file. Raises LeaflightError naming the file and the object that is wrong."""
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "it is not text"
-        raise LeaflightError(f"{path}: cannot read the scene file: {reason}.") from None
-    return scene_from_json(text, str(path))
+def match_leaves(description, volumes):
+    """The description with one Leaves for each volume; those of several volumes get isovalues.
+
+    A single Leaves serves any number of volumes and then takes their names. Raises LeaflightError
+    when the numbers differ.
+    """
+    leaves = list(description.leaves)
+    if len(leaves) == 1 and len(volumes) > 1:
+        leaves = [replace(leaves[0], name=volume.name, source=None) for volume in volumes]
+    if len(leaves) != len(volumes):
+        raise LeaflightError(
+            f'The scene "{description.name}" describes {len(leaves)} volumes, but '
+            f"{len(volumes)} are given: give as many as the scene describes."
+        )
+    if len(volumes) > 1:
+        leaves = [
+            replace(one, isovalues=one.isovalues or default_window(volume))
+            for one, volume in zip(leaves, volumes)
+        ]
+    return replace(description, leaves=leaves)
 
 
-def cornell_box():
-    """The default surroundings, in box coordinates: scenes/cornell.json."""
-    return load_scene(Path(__file__).resolve().parent / "scenes" / "cornell.json")
+def fit_scene(description, volumes):
+    """The description in world coordinates; one in box coordinates is fitted around the volumes.
 
-
-def fit_scene(description, volume):
-    """The description in world coordinates; one in box coordinates is fitted around the volume."""
+    volumes: a Volume or a list of them. Radiances stay what they are; a point light's intensity
+    grows with the square of the scale, so that scenes of any size are equally bright.
+    """
     if description.coordinates == "world":
         return description
-    bounds = np.asarray(volume.field().bounds, dtype=np.float64)
-    centre = bounds.mean(axis=0)
-    scale = 0.5 * float((bounds[1] - bounds[0]).max())
+    fit = Fit.around(volumes if isinstance(volumes, (list, tuple)) else [volumes])
+    return replace(
+        description,
+        meshes=[replace(mesh, vertices=fit.vertices(mesh.vertices)) for mesh in description.meshes],
+        lights=[_fit_light(light, fit) for light in description.lights],
+        coordinates="world",
+    )
 
-    def vector(v):
-        return tuple(float(x) for x in scale * np.asarray(v))
 
-    meshes = [
-        replace(mesh, vertices=(centre + scale * mesh.vertices).astype(np.float32))
-        for mesh in description.meshes
-    ]
-    lights = [
-        replace(
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """From box to world coordinates, in space or in the plane."""
+
+    centre: np.ndarray
+    scale: float
+
+    @classmethod
+    def around(cls, volumes):
+        bounds = np.array([volume.field().bounds for volume in volumes], dtype=np.float64)
+        low, high = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
+        return cls(0.5 * (low + high), 0.5 * float((high - low).max()))
+
+    def vertices(self, vertices):
+        return (self.centre + self.scale * vertices).astype(np.float32)
+
+    def point(self, p):
+        return tuple((self.centre + self.scale * np.asarray(p)).tolist())
+
+    def vector(self, v):
+        return tuple((self.scale * np.asarray(v)).tolist())
+
+
+def _fit_light(light, fit):
+    if isinstance(light, AreaLight):
+        edges = {"edge_u": fit.vector(light.edge_u), "edge_v": fit.vector(light.edge_v)}
+        return replace(light, corner=fit.point(light.corner), **edges)
+    if isinstance(light, PointLight):
+        return replace(
             light,
-            corner=tuple(float(x) for x in centre + scale * np.asarray(light.corner)),
-            edge_u=vector(light.edge_u),
-            edge_v=vector(light.edge_v),
+            position=fit.point(light.position),
+            radius=fit.scale * light.radius,
+            intensity=tuple(fit.scale**2 * x for x in light.intensity),
         )
-        for light in description.lights
+    return light
+
+
+def is_color(ramp):
+    """Whether a ramp is one colour rather than a list of stops."""
+    return len(ramp) == 3 and all(isinstance(x, Real) for x in ramp)
+
+
+def core_scene(description, fields, window):
+    """The core's scene of a description in world coordinates with one Leaves for each field.
+
+    fields: list of _core.Field. window: (lo, hi) of the leaf coordinate. Raises LeaflightError.
+    """
+    ranges = [leaves.isovalues if len(fields) > 1 else None for leaves in description.leaves]
+    volumes = [
+        core_leaves(_core.Volume, leaves, field, isovalues)
+        for leaves, field, isovalues in zip(description.leaves, fields, ranges)
     ]
-    return replace(description, meshes=meshes, lights=lights, coordinates="world")
+    meshes = [_core_mesh(mesh) for mesh in description.meshes]
+    lights = [_core_light(light) for light in description.lights]
+    return _core.Scene(volumes, meshes, lights, _core_environment(description), window)
 
 
-def core_scene(description, field, isovalues):
-    """The core's scene of a description in world coordinates. Raises LeaflightError."""
-    meshes = [_core.Mesh(m.name, m.vertices, m.triangles, m.albedo) for m in description.meshes]
-    lights = [
-        _core.RectangleLight(light.name, light.corner, light.edge_u, light.edge_v, light.radiance)
-        for light in description.lights
-    ]
-    return _core.Scene(field, description.leaf_albedo, meshes, lights, isovalues)
+def core_leaves(kind, leaves, field, isovalues=None):
+    """The core's volume, a kind (_core.Volume or Volume2), of a field.
+
+    isovalues: (lo, hi) that the leaf coordinates 0 and 1 show; None where it is the isovalue.
+    """
+    lo, hi = isovalues or (0.0, 1.0)
+
+    def stops(ramp):
+        stops = [(lo, ramp)] if is_color(ramp) else ramp
+        return [((isovalue - lo) / (hi - lo), tuple(color)) for isovalue, color in stops]
+
+    return kind(
+        leaves.name,
+        field,
+        stops(leaves.albedo),
+        stops(leaves.emission),
+        leaves.scattering,
+        leaves.ior,
+        lo,
+        hi - lo,
+    )
 
 
-def scene_to_json(description):
-    """The text that scene_from_json turns into the same description again."""
-    data = {
-        "name": description.name,
-        "coordinates": description.coordinates,
-        "leaf_albedo": _numbers(description.leaf_albedo),
-        "exposure": float(description.exposure),
-        "meshes": [
-            {
-                "name": mesh.name,
-                "albedo": _numbers(mesh.albedo),
-                "vertices": np.asarray(mesh.vertices, dtype=np.float64).tolist(),
-                "faces": np.asarray(mesh.triangles).tolist(),
-            }
-            for mesh in description.meshes
-        ],
-        "lights": [
-            {
-                "name": light.name,
-                "corner": _numbers(light.corner),
-                "edge_u": _numbers(light.edge_u),
-                "edge_v": _numbers(light.edge_v),
-                "radiance": _numbers(light.radiance),
-            }
-            for light in description.lights
-        ],
-    }
-    return json.dumps(data, separators=(",", ":"))
+def _core_mesh(mesh):
+    return _core.Mesh(
+        mesh.name,
+        mesh.vertices,
+        mesh.triangles,
+        mesh.albedo,
+        mesh.scattering,
+        mesh.ior,
+        mesh.emission,
+        _core_texture(mesh.texture, mesh.name),
+        mesh.uv,
+    )
 
 
-def scene_from_json(text, source="scene"):
-    """Parses the text of a scene file; source names it in errors. Raises LeaflightError."""
+def _core_texture(pixels, name):
     try:
-        data = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        detail = f"{error.msg}, line {error.lineno}" if hasattr(error, "msg") else "malformed"
-        raise LeaflightError(f"{source}: this is not valid JSON ({detail}).") from None
-    root = _Object(data, source)
-    root.only("name", "coordinates", "leaf_albedo", "exposure", "meshes", "lights", "comment")
-    coordinates = root.get("coordinates")
-    if coordinates not in ("world", "box"):
-        raise root.error('"coordinates" must be "world" or "box"')
-    exposure = root.array("exposure")
-    if exposure.shape != () or not exposure > 0:
-        raise root.error('"exposure" must be a positive number')
-    return SceneDescription(
-        name=root.text("name"),
-        leaf_albedo=root.colour("leaf_albedo", largest=1.0),
-        exposure=float(exposure),
-        meshes=[_mesh(item) for item in root.objects("meshes", "mesh")],
-        lights=[_light(item) for item in root.objects("lights", "light")],
-        coordinates=coordinates,
-    )
+        return None if pixels is None else _core.Texture(pixels)
+    except LeaflightError as error:
+        raise LeaflightError(f'The image of "{name}" cannot be used: {error}') from None
 
 
-def _mesh(item):
-    item.only("name", "albedo", "vertices", "faces")
-    vertices = item.array("vertices")
-    if vertices.ndim != 2 or vertices.shape[1] != 3 or len(vertices) < 3:
-        raise item.error('"vertices" must be a list of at least three [x, y, z]')
-    triangles = []
-    for face in item.items("faces"):
-        if (
-            not isinstance(face, list)
-            or len(face) not in (3, 4)
-            or not all(isinstance(i, int) and 0 <= i < len(vertices) for i in face)
-        ):
-            raise item.error(
-                f'"faces" must hold lists of 3 or 4 vertex indices in 0..{len(vertices) - 1}'
-            )
-        triangles += [[face[0], face[i], face[i + 1]] for i in range(1, len(face) - 1)]
-    return Mesh(
-        item.name,
-        vertices.astype(np.float32),
-        np.array(triangles, dtype=np.uint32).reshape(-1, 3),
-        item.colour("albedo", largest=1.0),
-    )
-
-
-def _light(item):
-    item.only("name", "corner", "edge_u", "edge_v", "radiance")
-    corner, edge_u, edge_v = (item.vector(key) for key in ("corner", "edge_u", "edge_v"))
-    lengths = np.linalg.norm(edge_u) * np.linalg.norm(edge_v)
-    if not np.linalg.norm(np.cross(edge_u, edge_v)) > 1e-6 * lengths:
-        raise item.error(
-            '"edge_u" and "edge_v" must span a rectangle, but they are parallel or zero'
+def _core_light(light):
+    if isinstance(light, AreaLight):
+        return _core.AreaLight(
+            light.name, light.corner, light.edge_u, light.edge_v, light.radiance, light.ellipse
         )
-    if abs(np.dot(edge_u, edge_v)) > 1e-4 * lengths:
-        raise item.error('"edge_u" and "edge_v" must be at right angles')
-    return RectangleLight(item.name, corner, edge_u, edge_v, item.colour("radiance"))
+    if isinstance(light, SunLight):
+        return _core.SunLight(light.name, light.direction, light.irradiance, light.angle)
+    cone = light.cone
+    shape = () if cone is None else (cone.axis, cone.angle, cone.blend, cone.cosine_falloff)
+    return _core.PointLight(light.name, light.position, light.radius, light.intensity, *shape)
 
 
-class _Object:
-    """One object of a scene file and how errors call it."""
-
-    def __init__(self, data, where):
-        self.data = data
-        self.where = where
-        self.name = ""
-        if not isinstance(data, dict):
-            raise self.error("it must be a JSON object {...}")
-
-    def error(self, what):
-        return LeaflightError(f"{self.where}: {what}.")
-
-    def only(self, *keys):
-        for key in self.data:
-            if key not in keys:
-                raise self.error(f'unknown key "{key[:40]}"; known are {", ".join(keys)}')
-
-    def get(self, key):
-        if key not in self.data:
-            raise self.error(f'the key "{key}" is missing')
-        return self.data[key]
-
-    def text(self, key):
-        value = self.get(key)
-        if not isinstance(value, str):
-            raise self.error(f'"{key}" must be text')
-        return value
-
-    def items(self, key):
-        value = self.get(key)
-        if not isinstance(value, list):
-            raise self.error(f'"{key}" must be a list')
-        return value
-
-    def objects(self, key, kind):
-        children = []
-        for i, data in enumerate(self.items(key)):
-            child = _Object(data, f"{self.where}: {kind} {i + 1}")
-            child.name = child.text("name")
-            child.where = f'{self.where}: {kind} "{child.name[:60]}"'
-            children.append(child)
-        return children
-
-    def array(self, key):
-        try:
-            array = np.array(self.get(key), dtype=np.float64)
-        except (TypeError, ValueError, OverflowError):
-            raise self.error(f'"{key}" must hold numbers only, in rows of equal length') from None
-        if not np.isfinite(array).all():
-            raise self.error(f'"{key}" must hold finite numbers')
-        return array
-
-    def vector(self, key):
-        array = self.array(key)
-        if array.shape != (3,):
-            raise self.error(f'"{key}" must be three numbers')
-        return tuple(float(x) for x in array)
-
-    def colour(self, key, largest=np.inf):
-        colour = self.vector(key)
-        if min(colour) < 0 or max(colour) > largest:
-            allowed = f"between 0 and {largest:g}" if largest < np.inf else "not negative"
-            raise self.error(f'"{key}" must be three numbers {allowed}')
-        return colour
-
-
-def _numbers(vector):
-    return [float(x) for x in vector]
+def _core_environment(description):
+    environment = description.environment
+    if environment is None:
+        return None
+    image = _core_texture(environment.image, environment.name)
+    return _core.Environment(
+        environment.name, environment.radiance, image, environment.world_to_image
+    )

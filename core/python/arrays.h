@@ -40,51 +40,63 @@ inline py::ssize_t rows(const DoubleArray& array, py::ssize_t columns, const cha
   return array.shape(0);
 }
 
-inline Affine<3> to_affine(const DoubleArray& matrix) {
-  if (matrix.ndim() != 2 || matrix.shape(0) != 4 || matrix.shape(1) != 4) {
-    throw Error("The index-to-world transform must be a 4 x 4 matrix.");
+// A (D + 1) x (D + 1) matrix whose last row is not looked at.
+template <int D>
+Affine<D> to_affine(const DoubleArray& matrix) {
+  if (matrix.ndim() != 2 || matrix.shape(0) != D + 1 || matrix.shape(1) != D + 1) {
+    const std::string n = std::to_string(D + 1);
+    throw Error("The index-to-world transform must be a " + n + " x " + n + " matrix.");
   }
-  Affine<3> m;
-  for (int i = 0; i < 3; ++i) {
-    for (int a = 0; a < 3; ++a) m.column[a][i] = matrix.at(i, a);
-    m.origin[i] = matrix.at(i, 3);
+  Affine<D> m;
+  for (int i = 0; i < D; ++i) {
+    for (int a = 0; a < D; ++a) m.column[a][i] = matrix.at(i, a);
+    m.origin[i] = matrix.at(i, D);
   }
   return m;
 }
 
-inline py::array_t<double> from_affine(const Affine<3>& m) {
-  py::array_t<double> matrix({4, 4});
+template <int D>
+py::array_t<double> from_affine(const Affine<D>& m) {
+  py::array_t<double> matrix({D + 1, D + 1});
   auto out = matrix.mutable_unchecked<2>();
-  for (int i = 0; i < 4; ++i) {
-    for (int a = 0; a < 4; ++a) {
-      out(i, a) = i == 3 ? (a == 3) : a == 3 ? m.origin[i] : m.column[a][i];
+  for (int i = 0; i <= D; ++i) {
+    for (int a = 0; a <= D; ++a) {
+      out(i, a) = i == D ? (a == D) : a == D ? m.origin[i] : m.column[a][i];
     }
   }
   return matrix;
 }
 
-inline std::vector<Vec3> to_points(const DoubleArray& array) {
-  const py::ssize_t n = rows(array, 3, "points");
+template <int D>
+std::vector<Vec<D>> to_points(const DoubleArray& array) {
+  const py::ssize_t n = rows(array, D, "points");
   const auto view = array.unchecked<2>();
-  std::vector<Vec3> points;
-  points.reserve(n);
-  for (py::ssize_t i = 0; i < n; ++i) points.emplace_back(view(i, 0), view(i, 1), view(i, 2));
+  std::vector<Vec<D>> points(n);
+  for (py::ssize_t i = 0; i < n; ++i) {
+    for (int a = 0; a < D; ++a) points[i][a] = view(i, a);
+  }
   return points;
 }
 
-template <class T>
-T to_triple(const std::array<double, 3>& v) {
-  return T(static_cast<typename T::BaseType>(v[0]), static_cast<typename T::BaseType>(v[1]),
-           static_cast<typename T::BaseType>(v[2]));
+// What Python gives as a tuple of numbers.
+template <int D>
+using Tuple = std::array<double, static_cast<std::size_t>(D)>;
+
+template <int D>
+Vec<D> to_vec(const Tuple<D>& v) {
+  Vec<D> result;
+  for (int a = 0; a < D; ++a) result[a] = v[a];
+  return result;
 }
 
-template <class T>
-std::array<double, 3> from_triple(const T& v) {
-  return {v[0], v[1], v[2]};
+inline Rgb to_color(const Tuple<3>& v) {
+  return Rgb(static_cast<Real>(v[0]), static_cast<Real>(v[1]), static_cast<Real>(v[2]));
 }
 
-inline std::vector<py::ssize_t> shape_zyx(const Index<3>& dims) {
-  return {dims[2], dims[1], dims[0]};
+// Arrays of fields and grids have the last axis first: [z, y, x], [y, x].
+template <std::size_t D>
+std::vector<py::ssize_t> array_shape(const std::array<int, D>& dims) {
+  return {dims.rbegin(), dims.rend()};
 }
 
 }  // namespace leaflight::python

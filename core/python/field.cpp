@@ -10,14 +10,19 @@
 namespace leaflight::python {
 namespace {
 
-Field<3> field_from(const FloatArray& values, const DoubleArray& index_to_world) {
-  if (values.ndim() != 3) throw Error("The values of a field must be an array [z, y, x].");
-  Index<3> dims;
-  for (int a = 0; a < 3; ++a) {
-    if (values.shape(2 - a) > std::numeric_limits<int>::max()) {
+template <int D>
+Field<D> field_from(const FloatArray& values, const DoubleArray& index_to_world) {
+  if (values.ndim() != D) {
+    throw Error(D == 2 ? "The values of a field in the plane must be an array [y, x]."
+                       : "The values of a field must be an array [z, y, x].");
+  }
+  Index<D> dims;
+  for (int a = 0; a < D; ++a) {
+    const py::ssize_t n = values.shape(D - 1 - a);
+    if (n > std::numeric_limits<int>::max()) {
       throw Error("The volume is too large; crop or resample it.");
     }
-    dims[a] = static_cast<int>(values.shape(2 - a));
+    dims[a] = static_cast<int>(n);
   }
   // The array lives as long as the field; it must be released with the interpreter's lock held.
   std::shared_ptr<const void> owner(new FloatArray(values), [](const void* p) {
@@ -25,81 +30,96 @@ Field<3> field_from(const FloatArray& values, const DoubleArray& index_to_world)
     delete static_cast<const FloatArray*>(p);
   });
   const float* data = values.data();
-  const Affine<3> transform = to_affine(index_to_world);
+  const Affine<D> transform = to_affine<D>(index_to_world);
   const py::gil_scoped_release unlocked;
-  return make_field<3>(data, dims, transform, std::move(owner));
+  return make_field<D>(data, dims, transform, std::move(owner));
 }
 
-py::array_t<double> bounds(const Field<3>& field) {
-  const WorldBox<3> box = world_box(field);
-  py::array_t<double> result({2, 3});
+template <int D>
+py::array_t<double> bounds(const Field<D>& field) {
+  const WorldBox<D> box = world_box(field);
+  py::array_t<double> result({2, D});
   auto out = result.mutable_unchecked<2>();
-  for (int a = 0; a < 3; ++a) {
+  for (int a = 0; a < D; ++a) {
     out(0, a) = box.low[a];
     out(1, a) = box.high[a];
   }
   return result;
 }
 
-py::array_t<float> sample(const Field<3>& field, const DoubleArray& array) {
-  const std::vector<Vec3> points = to_points(array);
+template <int D>
+py::array_t<float> sample(const Field<D>& field, const DoubleArray& array) {
+  const std::vector<Vec<D>> points = to_points<D>(array);
   std::vector<float> values;
-  for (const Vec3& p : points) {
-    const Vec3 index = field.world_to_index.point(p);
+  for (const Vec<D>& p : points) {
+    const Vec<D> index = field.world_to_index.point(p);
     if (!inside(field, index)) {
       values.push_back(std::numeric_limits<float>::quiet_NaN());
       continue;
     }
-    const CellPoint<3> point = locate(field, index);
+    const CellPoint<D> point = locate(field, index);
     values.push_back(static_cast<float>(interpolate(load_corners(field, point.cell), point.local)));
   }
   const auto n = static_cast<py::ssize_t>(values.size());
   return adopt<float>(std::move(values), {n});
 }
 
-}  // namespace
-
-void bind_field(py::module_& module) {
-  py::class_<Field<3>, std::shared_ptr<Field<3>>>(
-      module, "Field",
-      "A scalar volume with its transform to the world, checked and indexed for ray tracing.")
+template <int D>
+void bind_field_of(py::module_& module, const char* name, const char* doc) {
+  py::class_<Field<D>, std::shared_ptr<Field<D>>>(module, name, doc)
       .def(py::init([](const FloatArray& values, const DoubleArray& index_to_world) {
-             return std::make_shared<Field<3>>(field_from(values, index_to_world));
+             return std::make_shared<Field<D>>(field_from<D>(values, index_to_world));
            }),
            py::arg("values").noconvert(), py::arg("index_to_world"),
            "values: float32 [z, y, x], C-contiguous, kept by reference; NaN marks missing data.\n"
            "index_to_world: 4 x 4, maps (x, y, z) indices of voxels to world positions.\n"
+           "In the plane [y, x] and 3 x 3.\n"
            "Raises LeaflightError for constant, all-NaN or infinite values, fewer than two voxels\n"
            "along an axis, or a transform that cannot be inverted.")
-      .def_readonly("dims", &Field<3>::dims, "Voxels along x, y, z.")
+      .def_readonly("dims", &Field<D>::dims, "Voxels along x, y, z.")
       .def_property_readonly(
-          "range", [](const Field<3>& f) { return std::pair(f.min, f.max); },
+          "range", [](const Field<D>& f) { return std::pair(f.min, f.max); },
           "Least and greatest value, in data units.")
-      .def_readonly("masked", &Field<3>::masked, "Whether some voxels are NaN.")
+      .def_readonly("masked", &Field<D>::masked, "Whether some voxels are NaN.")
       .def_property_readonly("values",
-                             [](const std::shared_ptr<Field<3>>& f) {
-                               return py::array_t<float>(shape_zyx(f->dims), f->values,
+                             [](const std::shared_ptr<Field<D>>& f) {
+                               return py::array_t<float>(array_shape(f->dims), f->values,
                                                          py::cast(f));
                              })
       .def_property_readonly("index_to_world",
-                             [](const Field<3>& f) { return from_affine(f.index_to_world); })
-      .def_property_readonly("bounds", &bounds, "World box of the voxels, (2, 3).")
-      .def("sample", &sample, py::arg("points"),
-           "Interpolated values (n,) at world points (n, 3); NaN outside and where masked.");
+                             [](const Field<D>& f) { return from_affine(f.index_to_world); })
+      .def_property_readonly("bounds", &bounds<D>, "World box of the voxels, (2, D).")
+      .def("sample", &sample<D>, py::arg("points"),
+           "Interpolated values (n,) at world points (n, D); NaN outside and where masked.");
+}
 
+template <int D>
+void bind_bump_box(py::module_& module, const char* name, const char* doc) {
   module.def(
-      "bump_box",
+      name,
       [](int n) {
         std::vector<float> values;
         {
           const py::gil_scoped_release unlocked;
-          values = bump_box<3>(n);
+          values = bump_box<D>(n);
         }
-        return adopt<float>(std::move(values), {n, n, n});
+        return adopt<float>(std::move(values), std::vector<py::ssize_t>(D, n));
       },
-      py::arg("n"),
-      "The thesis's reference data set (Eq. 2.1, Table 2.1) as float32 [z, y, x], 0..255, on the\n"
-      "unit cube with n voxels along each axis.");
+      py::arg("n"), doc);
+}
+
+}  // namespace
+
+void bind_field(py::module_& module) {
+  bind_field_of<3>(module, "Field",
+                   "A scalar volume with its transform to the world, checked and indexed for ray "
+                   "tracing.");
+  bind_field_of<2>(module, "Field2", "A scalar field in the plane.");
+  bind_bump_box<3>(module, "bump_box",
+                   "The thesis's reference data set (Eq. 2.1, Table 2.1) as float32 [z, y, x], "
+                   "0..255, on the\n"
+                   "unit cube with n voxels along each axis.");
+  bind_bump_box<2>(module, "bump_box2", "The same in the plane, float32 [y, x].");
 }
 
 }  // namespace leaflight::python

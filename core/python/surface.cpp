@@ -4,6 +4,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "leaflight/surface/marching_cubes.h"
+#include "leaflight/surface/marching_squares.h"
 #include "leaflight/surface/project.h"
 #include "leaflight/transport/exposure.h"
 
@@ -27,9 +28,25 @@ void bind_surface(py::module_& module) {
       py::arg("field"), py::arg("isovalue"),
       "Marching cubes: (vertices (n, 3) world, outward unit normals (n, 3), triangles (m, 3)).");
   module.def(
+      "contour2",
+      [](const Field<2>& field, double isovalue) {
+        IsolineMesh mesh;
+        {
+          const py::gil_scoped_release unlocked;
+          mesh = contour(field, isovalue);
+        }
+        const auto n = static_cast<py::ssize_t>(mesh.vertices.size());
+        const auto m = static_cast<py::ssize_t>(mesh.segments.size());
+        return py::make_tuple(adopt<float>(std::move(mesh.vertices), {n, 2}),
+                              adopt<float>(std::move(mesh.normals), {n, 2}),
+                              adopt<std::int32_t>(std::move(mesh.segments), {m, 2}));
+      },
+      py::arg("field"), py::arg("isovalue"),
+      "Marching squares: (vertices (n, 2) world, outward unit normals (n, 2), segments (m, 2)).");
+  module.def(
       "project_to_leaf",
       [](const Field<3>& field, const DoubleArray& array, double isovalue) {
-        std::vector<Vec3> points = to_points(array);
+        std::vector<Vec3> points = to_points<3>(array);
         {
           const py::gil_scoped_release unlocked;
           tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
@@ -46,7 +63,7 @@ void bind_surface(py::module_& module) {
       "exposed",
       [](const Field<3>& field, const DoubleArray& array, double isovalue, int directions,
          std::uint64_t seed) {
-        const std::vector<Vec3> points = to_points(array);
+        const std::vector<Vec3> points = to_points<3>(array);
         std::vector<std::uint8_t> result;
         {
           const py::gil_scoped_release unlocked;

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A bake: the same for any number of threads, the same when read back, gone when cancelled."""
 
+import json
 import threading
 import time
 
@@ -15,13 +16,16 @@ GRIDS = ("radiance", "radiance_indirect", "radiance_error")
 
 def assert_same_payload(path, other):
     """Compares grids bit by bit and the metadata; a VDB header holds a random UUID besides."""
-    values, matrix, grid, metadata = _core.read_bake(str(path))
-    other_values, other_matrix, other_grid, other_metadata = _core.read_bake(str(other))
-    assert values.tobytes() == other_values.tobytes()
-    assert matrix.tobytes() == other_matrix.tobytes()
-    assert grid.mask().tobytes() == other_grid.mask().tobytes()
-    for name in GRIDS:
-        assert grid.dense(name).tobytes() == other_grid.dense(name).tobytes()
+    fields, grids, surroundings, metadata = _core.read_bake(str(path))
+    other_fields, other_grids, other_surroundings, other_metadata = _core.read_bake(str(other))
+    for field, other_field in zip(fields, other_fields, strict=True):
+        for array, other_array in zip(field, other_field):
+            assert array.tobytes() == other_array.tobytes()
+    for grid, other_grid in zip(grids, other_grids, strict=True):
+        assert grid.mask().tobytes() == other_grid.mask().tobytes()
+        for name in GRIDS + (("radiance_back",) if grid.has_back else ()):
+            assert grid.dense(name).tobytes() == other_grid.dense(name).tobytes()
+    assert (surroundings is None) == (other_surroundings is None)
     # The statistics are times and the like.
     metadata.pop("statistics"), other_metadata.pop("statistics")
     assert metadata == other_metadata
@@ -78,7 +82,10 @@ def test_saved_metadata(box_bake):
     metadata = box_bake.metadata
     assert metadata["leaflight_version"] == leaflight.__version__
     assert metadata["estimator"] == "gather" and metadata["seed"] == "0"
-    assert len(metadata["field_sha256"]) == len(metadata["scene_sha256"]) == 64
+    (volume,) = json.loads(metadata["volumes"])
+    assert len(volume["field_sha256"]) == len(metadata["scene_sha256"]) == 64
+    assert volume["name"] == volume["source"] == "bump_box" and volume["capped"] is False
+    assert metadata["both_sides"] == metadata["surroundings"] == "false"
 
 
 @pytest.mark.parametrize(

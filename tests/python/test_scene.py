@@ -1,18 +1,30 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scene files: what they hold, how they fit a volume, and what is wrong with a bad one."""
+"""The shipped scenes, how scenes fit volumes, and how they meet them."""
 
-import copy
-import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import leaflight
 from leaflight import LeaflightError, Volume, fit_scene, load_scene
-from leaflight.scene import core_scene, scene_from_json, scene_to_json
+from leaflight.scene import (
+    AreaLight,
+    Cone,
+    Environment,
+    Leaves,
+    Mesh,
+    PointLight,
+    SceneDescription,
+    SunLight,
+    core_scene,
+    match_leaves,
+)
+from leaflight.scene_file import scene_to_json
+from leaflight.sources import open_volume
 
 
-@pytest.fixture(params=["cornell.json", "bump_box.json"])
+@pytest.fixture(params=["cornell.json", "bump_box.json", "nucleons.json", "lapr.json"])
 def shipped(request, root):
     return load_scene(root / "scenes" / request.param)
 
@@ -55,11 +67,6 @@ def test_bump_box_scene_shines_along_y(bump_scene):
     assert (points.min(axis=0) < 0).all() and (points.max(axis=0) > 1).all()
 
 
-def test_json_round_trip(shipped):
-    text = scene_to_json(shipped)
-    assert scene_to_json(scene_from_json(text)) == text
-
-
 @pytest.mark.parametrize("scale, offset", [(1, (0, 0, 0)), (1e-3, (5, -7, 3)), (1e4, (0, 9, 0))])
 def test_box_coordinates_fit_any_volume(scale, offset):
     volume = brick(scale, offset)
@@ -80,88 +87,120 @@ def test_world_coordinates_stay(bump_scene):
     assert fit_scene(bump_scene, brick()) is bump_scene
 
 
+def test_several_volumes_fit_as_one():
+    near, far = brick(), brick(offset=(30, 0, 0))
+    fitted = fit_scene(leaflight.cornell_box(), [near, far])
+    points = corners(fitted)
+    for volume in (near, far):
+        low, high = np.asarray(volume.field().bounds)
+        assert (points.min(axis=0) < low).all() and (points.max(axis=0) > high).all()
+
+
+def test_a_point_light_grows_with_the_scene():
+    """Twice as far away and four times as strong, it lights a surface as before."""
+    point = PointLight("bulb", (0.0, 0.0, 2.0), 0.1, (1.0, 2.0, 3.0))
+    sun = SunLight("sun", (0.0, 0.0, -1.0), (1.0, 1.0, 1.0))
+    box = replace(leaflight.cornell_box(), lights=[point, sun])
+    # The longest side measures 10, so that the scale is 5.
+    fitted = fit_scene(box, brick())
+    assert fitted.lights[0].radius == pytest.approx(0.5)
+    assert fitted.lights[0].intensity == pytest.approx((25, 50, 75))
+    assert fitted.lights[0].position == pytest.approx((-1.5, 2.5, 15))
+    assert fitted.lights[1] is sun
+
+
+def test_one_look_serves_all_volumes():
+    volumes = [replace(brick(), name=name) for name in ("a", "b")]
+    matched = match_leaves(leaflight.cornell_box(), volumes)
+    assert [leaves.name for leaves in matched.leaves] == ["a", "b"]
+    assert matched.leaves[0].isovalues == leaflight.default_window(volumes[0])
+    single = match_leaves(leaflight.cornell_box(), volumes[:1])
+    assert single.leaves[0].isovalues is None
+
+
+def test_as_many_volumes_as_the_scene_describes(root):
+    with pytest.raises(LeaflightError, match="describes 2 volumes, but 3"):
+        match_leaves(load_scene(root / "scenes" / "nucleons.json"), [brick()] * 3)
+
+
 def test_shipped_scenes_are_accepted_by_the_core(shipped):
-    volume = leaflight.bump_box(8)
-    core_scene(fit_scene(shipped, volume), volume.field(), (20.0, 90.0))
+    sources = [leaves.source or "bump_box" for leaves in shipped.leaves]
+    volumes = [open_volume(source, dims=[12]) for source in sources]
+    description = match_leaves(fit_scene(shipped, volumes), volumes)
+    window = (0.0, 1.0) if len(volumes) > 1 else (20.0, 90.0)
+    core_scene(description, [volume.field() for volume in volumes], window)
 
 
-GOOD = {
-    "name": "room",
-    "coordinates": "world",
-    "leaf_albedo": [0.5, 0.5, 0.5],
-    "exposure": 1,
-    "meshes": [
-        {
-            "name": "floor",
-            "albedo": [1, 0.5, 0],
-            "vertices": [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]],
-            "faces": [[0, 1, 2, 3]],
-        }
+TRIANGLE = Mesh(
+    "floor", np.eye(3, dtype=np.float32), np.array([[0, 1, 2]], dtype=np.uint32), (0.5, 0.5, 0.5)
+)
+AREA = AreaLight("lamp", (0, 0, 1), (1, 0, 0), (0, 1, 0), (1, 1, 1))
+POINT = PointLight("bulb", (0, 0, 2), 0.0, (1, 1, 1), Cone((0, 0, -1), 1.0))
+SUN = SunLight("sun", (0, 0, -1), (1, 1, 1))
+WORLD = Environment("sky", (1, 1, 1), np.ones((2, 4, 3), dtype=np.float32))
+LEAVES = Leaves("brick", (0.5, 0.5, 0.5))
+SCENE = SceneDescription("test", [LEAVES], 1.0, [TRIANGLE], [AREA, POINT, SUN], WORLD)
+NAN = float("nan")
+IMAGE = np.ones((2, 2, 3), dtype=np.float32)
+UV = np.zeros((1, 3, 2), dtype=np.float32)
+
+
+def build(leaves=LEAVES, mesh=TRIANGLE, light=AREA, environment=WORLD):
+    volume = brick()
+    description = replace(
+        SCENE, leaves=[leaves], meshes=[mesh], lights=[light], environment=environment
+    )
+    return core_scene(description, [volume.field()], (0.2, 0.8))
+
+
+def test_every_kind_of_object_is_accepted_by_the_core():
+    for light in SCENE.lights:
+        build(light=light)
+    build(light=replace(POINT, cone=None), environment=None)
+    textured = replace(TRIANGLE, texture=IMAGE, uv=UV, scattering="glass", emission=(1, 0, 0))
+    build(mesh=textured)
+    ramp = [(0.3, (0.1, 0.2, 0.3)), (0.4, (1, 1, 1))]
+    build(replace(LEAVES, albedo=ramp, emission=ramp, scattering="mirror"))
+
+
+@pytest.mark.parametrize(
+    "objects, sentence",
+    [
+        ({"leaves": replace(LEAVES, albedo=(0.5, 1.5, 0.5))}, "brick.*1.5.*between 0 and 1"),
+        ({"leaves": replace(LEAVES, albedo=[(1, (0, 0, 0)), (0, (1, 1, 1))])}, "brick.*ascending"),
+        ({"leaves": replace(LEAVES, albedo=[])}, "brick"),
+        ({"leaves": replace(LEAVES, scattering="velvet")}, "brick.*velvet"),
+        ({"leaves": replace(LEAVES, scattering="glass", ior=0)}, "brick"),
+        ({"leaves": replace(LEAVES, emission=(-1, 0, 0))}, "brick.*emission"),
+        ({"mesh": replace(TRIANGLE, vertices=np.full((3, 3), NAN))}, "floor.*finite"),
+        ({"mesh": replace(TRIANGLE, vertices=np.ones((3, 2)))}, "vertices.*floor.*shape"),
+        ({"mesh": replace(TRIANGLE, triangles=np.zeros((0, 3)))}, "no faces.*floor"),
+        ({"mesh": replace(TRIANGLE, triangles=[[0, 1, 3]])}, "floor.*vertex 3"),
+        ({"mesh": replace(TRIANGLE, albedo=(2, 0, 0))}, "floor.*between 0 and 1"),
+        ({"mesh": replace(TRIANGLE, scattering="velvet")}, "floor.*velvet"),
+        ({"mesh": replace(TRIANGLE, uv=UV)}, "texture.*floor"),
+        ({"mesh": replace(TRIANGLE, texture=IMAGE)}, "texture.*floor"),
+        ({"mesh": replace(TRIANGLE, texture=IMAGE, uv=UV[:, :2])}, "uv.*floor.*shape"),
+        ({"mesh": replace(TRIANGLE, texture=3 * IMAGE, uv=UV)}, "floor.*between 0 and 1"),
+        ({"mesh": replace(TRIANGLE, texture=IMAGE[0], uv=UV)}, r"floor.*\[row, column, RGB\]"),
+        ({"light": replace(AREA, edge_v=(2, 0, 0))}, "lamp.*area"),
+        ({"light": replace(AREA, radiance=(0, -1, 0))}, "lamp.*negative"),
+        ({"light": replace(POINT, radius=-1)}, "bulb.*radius"),
+        ({"light": replace(POINT, intensity=(NAN, 0, 0))}, "bulb.*intensity"),
+        ({"light": replace(POINT, cone=Cone((0, 0, 0), 1))}, "bulb.*axis"),
+        ({"light": replace(POINT, cone=Cone((0, 0, 1), 0))}, "bulb.*cone"),
+        ({"light": replace(POINT, cone=Cone((0, 0, 1), 7))}, "bulb.*cone"),
+        ({"light": replace(POINT, cone=Cone((0, 0, 1), 1, 2))}, "bulb.*blend"),
+        ({"light": replace(SUN, direction=(0, 0, -2))}, "sun.*length 1"),
+        ({"light": replace(SUN, angle=4)}, "sun.*angle"),
+        ({"light": replace(SUN, irradiance=(-1, 0, 0))}, "sun.*irradiance"),
+        ({"environment": replace(WORLD, radiance=(-1, 0, 0))}, "sky.*radiance"),
+        ({"environment": replace(WORLD, image=-WORLD.image)}, "sky.*negative"),
+        ({"environment": replace(WORLD, world_to_image=((0,) * 3,) * 3)}, "sky"),
     ],
-    "lights": [
-        {
-            "name": "lamp",
-            "corner": [0, 0, 1],
-            "edge_u": [1, 0, 0],
-            "edge_v": [0, -1, 0],
-            "radiance": [1, 2, 3],
-        }
-    ],
-}
-
-BAD = [
-    (["leaf_albedo"], [0.5, 1.5, 0.5], "leaf_albedo.*between 0 and 1"),
-    (["leaf_albedo"], [float("nan"), 0.5, 0.5], "leaf_albedo.*finite"),
-    (["leaf_albedo"], 0.5, "leaf_albedo.*three numbers"),
-    (["exposure"], 0, "exposure.*positive"),
-    (["exposure"], "bright", "exposure"),
-    (["exposure"], 10**400, "exposure"),
-    (["coordinates"], "moon", "coordinates"),
-    (["name"], None, "name.*text"),
-    (["meshes"], {}, "meshes.*list"),
-    (["meshes", 0], "floor", "mesh 1.*object"),
-    (["meshes", 0, "albedo"], [0, -0.1, 0], 'mesh "floor".*albedo'),
-    (["meshes", 0, "vertices"], [[0, 0], [1, 0], [1, 1]], 'mesh "floor".*vertices'),
-    (["meshes", 0, "vertices"], [[0, 0, 0], [1, 0]], 'mesh "floor".*vertices'),
-    (["meshes", 0, "vertices", 0, 0], float("inf"), 'mesh "floor".*vertices.*finite'),
-    (["meshes", 0, "faces"], [[0, 1, 4]], 'mesh "floor".*faces.*0..3'),
-    (["meshes", 0, "faces"], [[0, 1]], 'mesh "floor".*faces'),
-    (["meshes", 0, "faces"], [[0, 1, 1.5]], 'mesh "floor".*faces'),
-    (["lights", 0, "radiance"], [-1, 0, 0], 'light "lamp".*radiance.*not negative'),
-    (["lights", 0, "edge_v"], [2, 0, 0], 'light "lamp".*parallel'),
-    (["lights", 0, "edge_v"], [0, 0, 0], 'light "lamp".*zero'),
-    (["lights", 0, "edge_v"], [1, 1, 0], 'light "lamp".*right angles'),
-    (["lights", 0, "corner"], "here", 'light "lamp".*corner'),
-    (["lights", 0, "power"], 60, 'light "lamp".*unknown key "power"'),
-]
-
-
-@pytest.mark.parametrize("place, value, sentence", BAD)
-def test_bad_scene_names_the_object(place, value, sentence):
-    data = copy.deepcopy(GOOD)
-    target = data
-    for key in place[:-1]:
-        target = target[key]
-    target[place[-1]] = value
+)
+def test_the_core_names_what_is_wrong(objects, sentence):
     with pytest.raises(LeaflightError, match=sentence) as caught:
-        scene_from_json(json.dumps(data), "room.json")
+        build(**objects)
     message = str(caught.value)
-    assert message.startswith("room.json: ") and message.endswith(".") and "\n" not in message
-
-
-@pytest.mark.parametrize("key", sorted(GOOD))
-def test_missing_key(key):
-    data = {name: value for name, value in GOOD.items() if name != key}
-    with pytest.raises(LeaflightError, match=f'room.json: the key "{key}" is missing'):
-        scene_from_json(json.dumps(data), "room.json")
-
-
-@pytest.mark.parametrize("text", ["", "{", "[]", "[" * 100_000])
-def test_text_that_is_no_scene(text):
-    with pytest.raises(LeaflightError, match="room.json"):
-        scene_from_json(text, "room.json")
-
-
-def test_missing_scene_file(tmp_path):
-    with pytest.raises(LeaflightError, match="cannot read the scene file"):
-        load_scene(tmp_path / "nowhere.json")
+    assert message.endswith(".") and "\n" not in message

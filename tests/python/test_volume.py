@@ -79,3 +79,66 @@ def test_values_are_not_copied():
     # The field keeps the values alive.
     del values
     assert np.isfinite(field.values).all()
+
+
+MATRIX = np.array([[-2.0, 0, 0, 90], [0, 2.5, 0, -126], [0, 0.5, 3.0, -72], [0, 0, 0, 1]])
+
+
+def test_capped_keeps_every_voxel_in_its_place():
+    values = np.random.default_rng(7).random((5, 6, 7)).astype(np.float32)
+    test = Volume(values, MATRIX, "test")
+    capped = test.capped()
+    np.testing.assert_array_equal(capped.values[1:-1, 1:-1, 1:-1], values)
+    np.testing.assert_allclose(
+        capped.index_to_world @ [1, 1, 1, 1], test.index_to_world @ [0, 0, 0, 1]
+    )
+    x, y, z = capped.values[:, 2, 2], capped.values[2, :, 2], capped.values[2, 2]
+    for line in (x, y, z):
+        assert line[0] == line[-1] < values.min() - (values.max() - values.min())
+    assert np.shares_memory(capped.data(), capped.values)
+    np.testing.assert_array_equal(capped.data(), values)
+
+
+def test_caps_lie_flat_just_beyond_the_border():
+    values = np.random.default_rng(8).random((8, 9, 10)).astype(np.float32) + 1
+    capped = volume(values).capped()
+    for isovalue in (1.05, 1.5, 1.95):
+        vertices, normals, triangles = leaflight._core.contour(capped.field(), isovalue)
+        beyond = np.maximum(-vertices, vertices - [9, 8, 7]).max(axis=1)
+        assert 0 < beyond.max() < 1 / 3
+        # Closed: every edge belongs to two triangles, or to four where noise touches itself.
+        edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+        assert (np.unique(edges, axis=0, return_counts=True)[1] % 2 == 0).all()
+
+
+def test_capping_twice_is_capping_once():
+    capped = leaflight.bump_box(9).capped()
+    assert capped.capped() is capped
+
+
+def test_what_is_closed_needs_no_cap():
+    values = np.zeros((5, 5, 5))
+    values[1:4, 1:4, 1:4] = np.random.default_rng(9).integers(0, 9, (3, 3, 3))
+    closed = volume(values)
+    assert closed.capped() is closed and closed.data() is closed.values
+
+
+def test_missing_data_at_the_border_stay_missing():
+    values = np.random.default_rng(10).random((5, 5, 5))
+    values[0, 2, 2] = np.nan
+    capped = volume(values).capped()
+    assert np.isnan(capped.values).sum() == 1 and np.isnan(capped.values[1, 3, 3])
+    assert capped.field().masked
+
+
+def test_isovalues_to_begin_with_do_not_see_the_cap(colin27):
+    for test in (leaflight.bump_box(12), leaflight.read_volume(colin27)):
+        assert default_window(test.capped()) == default_window(test)
+        assert default_isovalue(test.capped()) == default_isovalue(test)
+        assert test.capped().data_range() == pytest.approx(test.field().range)
+
+
+def test_too_large_values_cannot_be_capped():
+    values = np.random.default_rng(11).random((3, 3, 3)) * 3e38
+    with pytest.raises(LeaflightError, match="test: .* too large to be capped"):
+        volume(values).capped()

@@ -51,7 +51,7 @@ def read(path, frame=None, spacing=None):
 
 
 def _read_stack(path, frame):
-    with _opened(path) as file:
+    with opened(path) as file:
         series = file.series[0]
         shape, axes = series.shape, series.axes
         _check_pages(path, file, series)
@@ -82,7 +82,7 @@ def _read_folder(path, frame):
     slices.sort(key=lambda p: [int(s) if s.isdigit() else s for s in re.split(r"(\d+)", p.name)])
     values = None
     for k, slice_path in enumerate(slices):
-        with _opened(slice_path) as file:
+        with opened(slice_path) as file:
             series = file.series[0]
             _check_pages(slice_path, file, series)
             image = series.asarray().squeeze()
@@ -98,7 +98,7 @@ def _read_folder(path, frame):
 
 
 @contextmanager
-def _opened(path):
+def opened(path):
     """The open TiffFile; damage that tifffile raises or logs is a LeaflightError."""
     damage = LeaflightError(
         f"{path}: this is not a readable TIFF file, or it is truncated or damaged; fetch it again."

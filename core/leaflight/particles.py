@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Stand-ins for the thesis's particle data, each two densities in the unit cube (thesis 5.1).
+
+The originals are not public. These are of the same kind: seeded sets of particles, each set
+convolved with a Gaussian into a density of its own, scaled to 0..255.
+"""
+
+import numpy as np
+
+from .volume import on_unit_cube
+
+# Where a Gaussian is cut off, in standard deviations.
+KERNEL_REACH = 4.0
+# Molecules that a droplet of radius 1 would hold.
+DROPLET_DENSITY = 1_500_000
+
+
+def nucleons(n=101):
+    """Protons and neutrons in the crust of a neutron star: two Volumes of n^3 nodes.
+
+    Nuclei of irregular, elongated shapes, some of them joined, in which the two kinds lie mixed,
+    and a thin gas of neutrons around them.
+    """
+    protons, neutrons = _nucleon_positions()
+    return [
+        _density("nucleons:0", "protons", protons, 0.02, n),
+        _density("nucleons:1", "neutrons", neutrons, 0.02, n),
+    ]
+
+
+def _nucleon_positions():
+    rng = np.random.default_rng(1)
+    candidates = []
+    for centre in _scattered(rng.uniform(0.15, 0.85, (2000, 3)), distance=0.18)[:22]:
+        axes = rng.uniform(0.05, 0.13, 3)
+        candidates.append(centre + _ball(rng, 200) @ (_rotation(rng) * axes).T)
+    # Nucleons repel each other.
+    nuclei = _scattered(np.concatenate(candidates), distance=0.026)
+    gas = _scattered(rng.uniform(0.07, 0.93, (200, 3)), distance=0.08)
+    is_proton = rng.random(len(nuclei)) < 0.45
+    return nuclei[is_proton], np.concatenate([nuclei[~is_proton], gas])
+
+
+def lapr(n=120):
+    """Laser-assisted particle removal: a dirt particle, and the water that lifts it as it explodes.
+
+    Two Volumes of n^3 nodes; the wetted surface is the cube's bottom, z = 0.
+    """
+    rng = np.random.default_rng(2)
+    centre, radius = np.array([0.5, 0.5, 0.6]), 0.2
+    # Atoms on a lattice, in a ball with a dented outline.
+    lattice = _lattice(radius, spacing=0.042) @ _rotation(rng).T
+    dents = _directions(rng, 9)
+    outline = radius * (1 - 0.3 * (_unit(lattice) @ dents.T > 0.8).any(axis=1))
+    dirt = centre + lattice[np.linalg.norm(lattice, axis=1) < outline]
+    dirt += rng.normal(0, 0.004, dirt.shape)
+
+    water = np.concatenate([_film(rng, 18_000), _plume(rng, 200)])
+    water = water[np.linalg.norm(water - centre, axis=1) > radius + 0.03]
+    water = water[((water > 0.05) & (water < 0.95)).all(axis=1)]
+    return [
+        _density("lapr:0", "dirt", dirt, 0.024, n),
+        _density("lapr:1", "water", water, 0.016, n),
+    ]
+
+
+def _film(rng, count):
+    """Water left on the surface, thinner the nearer it is to the explosion in the middle."""
+    points = rng.uniform((0.06, 0.06, 0.0), (0.94, 0.94, 1.0), (count, 3))
+    distance = np.linalg.norm(points[:, :2] - 0.5, axis=1)
+    points[:, 2] = 0.07 + 0.08 * points[:, 2] * np.minimum(1, distance / 0.3)
+    return points[rng.random(count) < np.minimum(1, distance / 0.3)]
+
+
+def _plume(rng, droplets):
+    """Droplets that fly up and away from below the particle, smaller the faster they are."""
+    directions = _directions(rng, droplets)
+    directions[:, 2] = np.abs(directions[:, 2]) + 0.25
+    speeds = rng.uniform(0.15, 0.85, (droplets, 1))
+    centres = (0.5, 0.5, 0.12) + speeds * _unit(directions)
+    radii = rng.uniform(0.02, 0.05, (droplets, 1)) * (1.3 - speeds)
+    return np.concatenate(
+        [
+            centre + radius * _ball(rng, int(DROPLET_DENSITY * radius**3))
+            for centre, radius in zip(centres, radii[:, 0])
+        ]
+    )
+
+
+def _density(source, name, particles, sigma, n):
+    """The particles (m, 3) convolved with a Gaussian, a Volume of n^3 nodes with values 0..255."""
+    return on_unit_cube(n, lambda n: _convolved(particles, sigma, n), name, source)
+
+
+def _convolved(particles, sigma, n):
+    nodes = np.linspace(0, 1, n)
+    values = np.zeros((n, n, n))
+    reach = KERNEL_REACH * sigma
+    for particle in particles:
+        window, factors = [], []
+        # Arrays are indexed [z, y, x].
+        for position in particle[::-1]:
+            first, last = np.searchsorted(nodes, (position - reach, position + reach))
+            window.append(slice(first, last))
+            factors.append(np.exp(-0.5 * ((nodes[first:last] - position) / sigma) ** 2))
+        z, y, x = factors
+        values[tuple(window)] += z[:, None, None] * y[:, None] * x
+    return (values * (255.0 / values.max())).astype(np.float32)
+
+
+def _scattered(candidates, distance):
+    """Those points (n, 3) that are not nearer than the distance to an earlier one."""
+    points = np.empty_like(candidates)
+    count = 0
+    for candidate in candidates[((candidates > 0.06) & (candidates < 0.94)).all(axis=1)]:
+        squares = ((points[:count] - candidate) ** 2).sum(axis=1)
+        if (squares >= distance**2).all():
+            points[count] = candidate
+            count += 1
+    return points[:count]
+
+
+def _lattice(radius, spacing):
+    """The points of a face-centred cubic lattice in a ball around the origin."""
+    steps = int(2 * radius / spacing) + 1
+    i, j, k = np.mgrid[-steps : steps + 1, -steps : steps + 1, -steps : steps + 1].reshape(3, -1)
+    points = 0.5 * spacing * np.stack([i + j, i + k, j + k], axis=1)
+    return points[np.linalg.norm(points, axis=1) < radius]
+
+
+def _ball(rng, count):
+    """Points (count, 3), uniform in the unit ball."""
+    return _directions(rng, count) * np.cbrt(rng.random((count, 1)))
+
+
+def _directions(rng, count):
+    return _unit(rng.normal(size=(count, 3)))
+
+
+def _unit(vectors):
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-12)
+
+
+def _rotation(rng):
+    """A random orthogonal matrix (3, 3)."""
+    return np.linalg.qr(rng.normal(size=(3, 3)))[0]

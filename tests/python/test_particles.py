@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The generated particle volumes."""
+
+import numpy as np
+import pytest
+
+from leaflight import LeaflightError
+from leaflight.particles import lapr, nucleons
+from leaflight.sources import GENERATED, is_generated, open_volume
+
+
+@pytest.mark.parametrize("generate, thesis", [(nucleons, 101), (lapr, 120)])
+def test_two_volumes_in_one_box(generate, thesis):
+    volumes = generate()
+    assert len(volumes) == 2
+    for volume in volumes:
+        assert volume.values.shape == (thesis,) * 3 and volume.values.dtype == np.float32
+        assert volume.values.min() >= 0 and volume.values.max() == 255
+        np.testing.assert_allclose(volume.field().bounds, [[0, 0, 0], [1, 1, 1]], atol=1e-12)
+        # Nothing is cut off at the border that matters at the thesis's isovalues, from 24 on.
+        for axis in range(3):
+            for end in (0, -1):
+                assert volume.values.take(end, axis=axis).max() < 24
+        for isovalue in (24, 79, 170):
+            assert 0 < (volume.values > isovalue).mean() < 0.25
+
+
+@pytest.mark.parametrize("generate", [nucleons, lapr])
+def test_the_nodes_sample_one_density(generate):
+    """The same particles at every resolution: 2 n - 1 nodes hold those of n."""
+    for coarse, fine in zip(generate(17), generate(33)):
+        # Each is scaled by its own highest value.
+        ratio = fine.values[::2, ::2, ::2].sum() / coarse.values.sum()
+        np.testing.assert_allclose(
+            fine.values[::2, ::2, ::2], ratio * coarse.values, atol=0.01, rtol=1e-3
+        )
+
+
+def test_same_every_time():
+    np.testing.assert_array_equal(lapr(9)[1].values, lapr(9)[1].values)
+
+
+def test_names():
+    assert set(GENERATED) == {"bump_box", "nucleons:0", "nucleons:1", "lapr:0", "lapr:1"}
+    for name in GENERATED:
+        volume = open_volume(name, dims=[8])
+        assert volume.source == name and volume.values.shape == (8, 8, 8)
+    assert not is_generated("nucleons")
+
+
+@pytest.mark.parametrize("name", GENERATED)
+def test_bad_options(name):
+    with pytest.raises(LeaflightError, match=f"{name[:4]}.*: --dims is 1"):
+        open_volume(name, dims=[1])
+    with pytest.raises(LeaflightError, match=f"{name}: --dims takes one"):
+        open_volume(name, dims=[8, 8, 8])
+    with pytest.raises(LeaflightError, match=f"{name}: --frame"):
+        open_volume(name, frame=1)
