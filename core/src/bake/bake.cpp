@@ -11,6 +11,7 @@
 #include "leaflight/bake/texel_samples.h"
 #include "leaflight/math/error.h"
 #include "leaflight/math/parallel.h"
+#include "leaflight/transport/placement.h"
 #include "leaflight/transport/thesis_estimator.h"
 
 namespace leaflight {
@@ -64,6 +65,7 @@ class Baker {
   Baker(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
         Progress& progress)
       : settings_(settings), plan_(plan), progress_(progress), tracer_(scene), lights_(tracer_) {
+    check_placement(tracer_);
     for (const Volume<D>& volume : scene.volumes) {
       const Index<D> resolution =
           settings.resolution == Index<D>{} ? volume.field.dims : settings.resolution;
