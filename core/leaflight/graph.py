@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The graph of a height field as a surface in space, lit by ordinary light (thesis Fig. 3.2).
 
-Flattened light stays in the plane of its isovalue; ordinary light crosses planes. The two are compared
-on the same graph: walls and lamps of the plane become walls and lamps as high as the graph, and the
-lamps have the same power, so that their radiance is 2/pi of the flattened one (thesis Eq. 3.7).
+Flattened light stays in the plane of its isovalue; ordinary light crosses planes. The two are
+compared on the same graph: walls and lamps of the plane become as high as the graph, and the lamps
+have the same power, so that their radiance is 2/pi of the flattened one (thesis Eq. 3.7).
 """
 
 import numpy as np
