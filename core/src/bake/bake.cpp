@@ -302,8 +302,14 @@ class Baker {
     if (settings_.scattered && !lattice.active.empty()) {
       return over_scattered(volume, above, work, radiance);
     }
+    return over_lattice(volume, above, lattice, settings_.samples, work, radiance);
+  }
+
+  template <class Radiance>
+  std::vector<Average> over_lattice(std::size_t volume, bool above, const TexelLattice<D>& lattice,
+                                    int samples, double work, Radiance radiance) {
     std::vector<Average> averages(lattice.active.size());
-    parallel_range(averages.size(), texels_per_piece, work * settings_.samples, progress_,
+    parallel_range(averages.size(), texels_per_piece, work * samples, progress_,
                    [&](std::size_t begin, std::size_t end) {
                      std::uint64_t rays = 0;
                      for (std::size_t s = begin; s < end && !progress_.cancelled(); ++s) {
@@ -311,7 +317,7 @@ class Baker {
                        Moments moments;
                        const int n = for_each_texel_sample(
                            tracer_, static_cast<int>(volume), above, lattice, lattice.active[s],
-                           settings_.samples, k.position, [&](const SurfacePoint<D>& point, int i) {
+                           samples, k.position, [&](const SurfacePoint<D>& point, int i) {
                              moments.add(radiance(point, k, i, rays), point.gradient_length);
                            });
                        averages[s] = moments.average_of(n);
@@ -364,15 +370,64 @@ class Baker {
 
   std::vector<Average> indirect_pass(std::size_t volume, bool above,
                                      const IndirectEstimator<D>* estimator) {
-    const bool emissive = scene().volumes[volume].emission.largest() > 0;
-    if (!estimator && !plan_.caustics && !emissive) {
-      return std::vector<Average>(lattices_[volume].active.size());
+    const bool records = estimator && settings_.soft_spacing > 1 && !settings_.scattered;
+    const IndirectEstimator<D>* per_texel = records ? nullptr : estimator;
+    std::vector<Average> averages(lattices_[volume].active.size());
+    if (per_texel || plan_.caustics || scene().volumes[volume].emission.largest() > 0) {
+      averages = over_texels(
+          volume, above, per_texel ? indirect_work() : 0,
+          [&](const SurfacePoint<D>& point, const TexelKeys& k, int i, std::uint64_t& rays) {
+            return indirect_sample(point, per_texel, k, i, rays);
+          });
     }
-    return over_texels(
-        volume, above, indirect_work(),
+    if (!records) return averages;
+    const std::vector<Average> soft = soft_from_records(volume, above, *estimator);
+    for (std::size_t s = 0; s < soft.size(); ++s) {
+      averages[s].mean += soft[s].mean;
+      averages[s].variance += soft[s].variance;
+    }
+    return averages;
+  }
+
+  // Soft light gathered at the points of a coarser lattice, as for a white leaf, and interpolated.
+  // A record serves spacing^D texels, and so affords spacing^2 times the samples of one.
+  std::vector<Average> soft_from_records(std::size_t volume, bool above,
+                                         const IndirectEstimator<D>& estimator) {
+    const TexelLattice<D>& lattice = lattices_[volume];
+    const Volume<D>& of = scene().volumes[volume];
+    const int spacing = settings_.soft_spacing;
+    Index<D> resolution;
+    for (int a = 0; a < D; ++a) {
+      resolution[a] = std::max(2, (lattice.resolution[a] - 1 + spacing - 1) / spacing + 1);
+    }
+    const TexelLattice<D> coarse = make_lattice(
+        of.field, resolution, of.isovalue(scene().window.min), of.isovalue(scene().window.max));
+    const std::vector<Average> records = over_lattice(
+        volume, above, coarse, settings_.samples * spacing * spacing, indirect_work(),
         [&](const SurfacePoint<D>& point, const TexelKeys& k, int i, std::uint64_t& rays) {
-          return indirect_sample(point, estimator, k, i, rays);
+          SurfacePoint<D> white = point;
+          white.albedo = Rgb(1);
+          Random random(k.paths, 0, i);
+          return estimator.indirect_radiance(white, sobol_point(i, k.gather), random, rays);
         });
+    std::vector<Average> soft(lattice.active.size());
+    parallel_range(soft.size(), 1024, 0, progress_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t s = begin; s < end; ++s) {
+        const Vec<D> centre =
+            to_vector<D>(lattice.texel(lattice.active[s])) * lattice.voxels_per_texel;
+        const TexelWeights<D> weights = linear_weights(coarse, centre);
+        for (int i = 0; i < (1 << D); ++i) {
+          if (!(weights.weight[i] > 0)) continue;
+          const Average& record = records[weights.slot[i]];
+          soft[s].mean += record.mean * weights.weight[i];
+          soft[s].variance += record.variance * weights.weight[i] * weights.weight[i];
+        }
+        const Rgb albedo = albedo_near(of, centre);
+        soft[s].mean *= albedo;
+        soft[s].variance *= static_cast<float>(average(albedo) * average(albedo));
+      }
+    });
+    return soft;
   }
 
   RadianceGrid<D> assemble(std::size_t volume,

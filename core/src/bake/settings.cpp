@@ -39,6 +39,10 @@ void validate(const BakeSettings<D>& settings) {
                   "; choose between 1 and 4294967296.");
     }
   }
+  if (!(settings.soft_spacing >= 1 && settings.soft_spacing <= 64)) {
+    throw Error("The spacing of soft light is " + std::to_string(settings.soft_spacing) +
+                " texels; choose between 1 and 64.");
+  }
   validate(settings.photon_map);
   if (!(settings.threads >= 0 && settings.threads <= 4096)) {
     throw Error("The number of threads is " + std::to_string(settings.threads) +

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "leaflight/transport/indirect_estimator.h"
 
+#include <cmath>
 #include <limits>
 
 #include "leaflight/math/sampling.h"
@@ -167,13 +168,7 @@ class GatherEstimator final : public IndirectEstimator<D> {
     for (std::size_t s = 0; s < radiance.size(); ++s) {
       const Vec<D> centre =
           to_vector<D>(lattice.texel(lattice.active[s])) * lattice.voxels_per_texel;
-      double c = 0;
-      if (volume.albedo.stops.size() > 1) {
-        const CellPoint<D> at = locate(volume.field, centre);
-        const double h = interpolate(load_corners(volume.field, at.cell), at.local);
-        if (h == h) c = volume.leaf_coordinate(h);
-      }
-      radiance[s] = volume.albedo.at(c) / static_cast<Real>(projected_hemisphere<D>) *
+      radiance[s] = albedo_near(volume, centre) / static_cast<Real>(projected_hemisphere<D>) *
                     leaf.photons->irradiance(static_cast<std::int32_t>(s), side);
       if (!leaf.direct[side].empty()) radiance[s] += leaf.direct[side][s];
     }
@@ -246,6 +241,14 @@ class GatherEstimator final : public IndirectEstimator<D> {
 }  // namespace
 
 template <int D>
+Rgb albedo_near(const Volume<D>& volume, const Vec<D>& index_position) {
+  if (volume.albedo.stops.size() == 1) return volume.albedo.at(0);
+  const CellPoint<D> at = locate(volume.field, index_position);
+  const double h = interpolate(load_corners(volume.field, at.cell), at.local);
+  return volume.albedo.at(std::isnan(h) ? 0 : volume.leaf_coordinate(h));
+}
+
+template <int D>
 std::unique_ptr<IndirectEstimator<D>> make_path_estimator(const SceneTracer<D>& tracer,
                                                           const LightSampler<D>& lights) {
   return std::make_unique<PathEstimator<D>>(tracer, lights);
@@ -275,6 +278,8 @@ Rgb caustic_radiance(const std::vector<LeafRadiance<D>>& leaves,
   return brdf * leaf.photons->caustic(slot, point.above);
 }
 
+template Rgb albedo_near<2>(const Volume<2>&, const Vec<2>&);
+template Rgb albedo_near<3>(const Volume<3>&, const Vec<3>&);
 template std::unique_ptr<IndirectEstimator<2>> make_path_estimator(const SceneTracer<2>&,
                                                                    const LightSampler<2>&);
 template std::unique_ptr<IndirectEstimator<3>> make_path_estimator(const SceneTracer<3>&,

@@ -34,7 +34,8 @@ inline std::array<double, 2> sobol_point(std::uint32_t index, std::uint64_t seed
   const auto high = static_cast<std::uint32_t>(seed >> 32);
   index = owen_scramble(index, low ^ 0xa511e9b3u);
   std::uint32_t x = reverse_bits(index);
-  // The second dimension's generator matrix, Pascal's triangle modulo 2, in five steps (Ahmed 2024).
+  // The second dimension's generator matrix, Pascal's triangle modulo 2, in five steps (Ahmed
+  // 2024).
   std::uint32_t y = x ^ (x << 16);
   y ^= (y & 0x00ff00ffu) << 8;
   y ^= (y & 0x0f0f0f0fu) << 4;

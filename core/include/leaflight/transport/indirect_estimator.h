@@ -40,6 +40,10 @@ struct LeafRadiance {
   std::array<std::vector<Rgb>, 2> direct;
 };
 
+// The albedo of the leaf through an index position; of any leaf where there is none.
+template <int D>
+Rgb albedo_near(const Volume<D>& volume, const Vec<D>& index_position);
+
 // The photons' density at the point (Eq. E(R) of LeafCache): no rays at all. `surroundings` may be
 // null if no point lies on them.
 template <int D>
