@@ -6,6 +6,7 @@ from . import (
     cornell_box,
     handlers,
     import_volume,
+    leaf_look,
     panels,
     properties,
     render_comparison,
@@ -25,6 +26,7 @@ bl_info = {
 _MODULES = (
     properties,
     import_volume,
+    leaf_look,
     cornell_box,
     bake,
     render_comparison,

@@ -10,7 +10,16 @@ from pathlib import Path
 
 import bpy
 
-from . import cache, core, operator_checks, scene_export, shader, surface_object
+from . import (
+    cache,
+    core,
+    isovalues,
+    operator_checks,
+    scene_export,
+    shader,
+    surface_object,
+    walls,
+)
 from .core.output import check_writable
 
 LeaflightError = core.LeaflightError
@@ -20,34 +29,40 @@ _running = None
 
 
 class BakeJob:
-    """One bake: all it needs, read from the scene; the work; and lighting the object by it."""
+    """One bake: all it needs, read from the scene; the work; and lighting the volumes by it."""
 
     def __init__(self, context, obj):
-        """Raises LeaflightError when the scene or the settings cannot be baked."""
+        """Of all volumes that render, with the settings of `obj`.
+
+        Raises LeaflightError when the scene or the settings cannot be baked.
+        """
         settings = obj.leaflight
-        self.object_name = obj.name
         self.output = settings.output
         self.path = bpy.path.abspath(settings.output)
-        _check_not_in_use(self.path, obj)
+        scene, volumes, self.warnings = scene_export.export_scene(context, obj)
+        _check_not_in_use(self.path, volumes)
         _make_folder(self.path)
-        check_writable(self.path, ".vdb", settings.source)
-        scene, self.warnings = scene_export.export_scene(context, obj)
-        if not scene.lights:
-            raise LeaflightError(
-                "No Area light renders, so all would be black: add one, then bake."
-            )
-        self.matrix = [x for row in obj.matrix_world for x in row]
-        self.fingerprint = scene_export.fingerprint(obj, scene)
+        for volume in volumes:
+            check_writable(self.path, ".vdb", volume.leaflight.source)
+        scene_export.check_light(scene)
+        self.scene_name = context.scene.name
+        self.leader = obj.name
+        self.names = [volume.name for volume in volumes]
+        self.matrices = [[x for row in obj.matrix_world for x in row] for obj in volumes]
+        self.windows = [(obj.leaflight.low, obj.leaflight.high) for obj in volumes]
+        self.fingerprint = scene_export.fingerprint(volumes, scene)
         self.bake = None
         self._arguments = {
-            "volume": cache.world_volume(obj),
+            "volume": [cache.world_volume(volume) for volume in volumes],
             "scene": scene,
-            "isovalues": (settings.low, settings.high),
+            "isovalues": self.windows[0] if len(volumes) == 1 else None,
             "resolution": settings.resolution or None,
             "samples": settings.samples,
             "photons": settings.photons,
             "estimator": settings.estimator,
             "seed": settings.seed,
+            "both_sides": settings.both_sides,
+            "surroundings": settings.light_surroundings,
         }
 
     def run(self, progress):
@@ -57,31 +72,51 @@ class BakeJob:
         if progress.cancelled:
             raise core.Cancelled
         bake.save(self.path)
-        self.atlas_columns = shader.write_atlas(bake.grid, shader.atlas_path(self.path))
+        self.atlas_columns = [
+            _write_atlases(grid, self.path, index) for index, grid in enumerate(bake.grids)
+        ]
         self.seconds = time.perf_counter() - start
         self.bake = bake
 
     def apply(self):
-        """Lights the object by the bake. Raises LeaflightError when it has gone meanwhile."""
-        obj = bpy.data.objects.get(self.object_name)
-        if obj is None or not obj.leaflight.is_volume:
-            raise LeaflightError(
-                f'"{self.object_name}" is gone, so the bake lights nothing: import it again. '
-                f"The bake is kept in {self.path}."
-            )
+        """Lights the volumes by the bake. Raises LeaflightError when one has gone meanwhile."""
+        volumes = [bpy.data.objects.get(name) for name in self.names]
+        for name, obj in zip(self.names, volumes):
+            if obj is None or not obj.leaflight.is_volume:
+                raise LeaflightError(
+                    f'"{name}" is gone, so the bake lights nothing: import it again. The bake is '
+                    f"kept in {self.path}."
+                )
+        identifier = uuid.uuid4().hex
+        cache.keep_bake(self.path, self.bake)
+        for index, obj in enumerate(volumes):
+            self._light(obj, index, identifier)
+        cache.forget_unused()
+        for obj in volumes:
+            settings = obj.leaflight
+            volume = cache.volume_of(obj)
+            window = self.windows[settings.bake_index]
+            settings.limit_isovalue(volume.data_range(), window, settings.isovalue)
+            surface_object.update(obj, settings.isovalue)
+        leader = bpy.data.objects[self.leader]
+        isovalues.set_isovalue(leader, leader.leaflight.isovalue)
+        scene = bpy.data.scenes.get(self.scene_name)
+        if scene is not None:
+            walls.refresh(scene)
+
+    def _light(self, obj, index, identifier):
         settings = obj.leaflight
         settings.bake_path = self.output
-        settings.bake_matrix = self.matrix
+        settings.bake_index = index
+        settings.bake_matrix = self.matrices[index]
+        settings.bake_low, settings.bake_high = self.windows[index]
+        settings.bake_surroundings = self.bake.surroundings is not None
         settings.bake_fingerprint = self.fingerprint
         settings.bake_seconds = self.seconds
-        settings.atlas_columns = self.atlas_columns
-        settings.bake_id = uuid.uuid4().hex
-        cache.keep_bake(self.path, self.bake)
-        cache.forget_unused()
-        shader.reload_image(shader.atlas_path(self.path))
-        volume = cache.volume_of(obj)
-        settings.limit_isovalue(volume.field().range, self.bake.isovalues, settings.isovalue)
-        surface_object.update(obj, settings.isovalue)
+        settings.atlas_columns = self.atlas_columns[index]
+        settings.bake_id = identifier
+        for back in (False, True):
+            shader.reload_image(shader.atlas_path(self.path, index, back))
 
 
 class LEAFLIGHT_OT_bake(bpy.types.Operator):
@@ -160,7 +195,8 @@ class LEAFLIGHT_OT_bake(bpy.types.Operator):
             return self._fail(error)
         for warning in job.warnings:
             self.report({"WARNING"}, warning)
-        self.report({"INFO"}, f"Baked {job.bake.grid.texels} texels in {job.seconds:.1f} s")
+        texels = sum(grid.texels for grid in job.bake.grids)
+        self.report({"INFO"}, f"Baked {texels} texels in {job.seconds:.1f} s")
         return {"FINISHED"}
 
     def _fail(self, error):
@@ -221,11 +257,19 @@ def default_output(obj):
     return str(Path(folder) / f"{name}_{time.strftime('%Y%m%d_%H%M%S')}.vdb")
 
 
-def _check_not_in_use(path, obj):
+def _check_not_in_use(path, volumes):
     for other in bpy.data.objects:
         theirs = other.leaflight.bake_path
-        if other != obj and theirs and bpy.path.abspath(theirs) == path:
+        if other not in volumes and theirs and bpy.path.abspath(theirs) == path:
             raise LeaflightError(f'{path}: this bake lights "{other.name}"; choose another output.')
+
+
+def _write_atlases(grid, path, index):
+    """Writes the atlas of each side that was baked. Returns their columns, 0 if too large."""
+    columns = shader.write_atlas(grid, shader.atlas_path(path, index))
+    if columns and grid.has_back:
+        shader.write_atlas(grid, shader.atlas_path(path, index, back=True), back=True)
+    return columns
 
 
 def _make_folder(path):

@@ -5,7 +5,16 @@ import textwrap
 
 import bpy
 
-from . import bake, cornell_box, import_volume, render_comparison, staleness, surface_object
+from . import (
+    bake,
+    cornell_box,
+    import_volume,
+    isovalues,
+    leaf_look,
+    render_comparison,
+    staleness,
+    surface_object,
+)
 
 
 class _LeaflightPanel:
@@ -26,9 +35,22 @@ class LEAFLIGHT_PT_volume(_LeaflightPanel, bpy.types.Panel):
             return
         layout.label(text=obj.name, icon="VOLUME_DATA")
         layout.prop(obj.leaflight, '["isovalue"]', text="Isovalue", slider=True)
+        if any(other != obj for other in isovalues.volumes(context.scene)):
+            self._draw_partners(context, obj)
         problem = surface_object.problems.get(obj.name)
         if problem:
             _sentence(context, layout, problem, icon="ERROR")
+
+    def _draw_partners(self, context, obj):
+        """What the volumes that are baked together show."""
+        settings = obj.leaflight
+        row = self.layout.row()
+        c = isovalues.leaf_coordinate(settings, settings.isovalue)
+        row.label(text=f"Leaf coordinate c = {c:.3f}")
+        row.prop(settings, "linked", icon="LINKED" if settings.linked else "UNLINKED")
+        column = self.layout.column(align=True)
+        for other in isovalues.partners(obj, context.scene):
+            column.label(text=f"{other.name}: {other.leaflight.isovalue:g}", icon="VOLUME_DATA")
 
 
 class _VolumePanel(_LeaflightPanel):
@@ -39,11 +61,53 @@ class _VolumePanel(_LeaflightPanel):
         return context.object is not None and context.object.leaflight.is_volume
 
 
+class LEAFLIGHT_PT_leaves(_VolumePanel, bpy.types.Panel):
+    bl_label = "Isosurfaces"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        settings = context.object.leaflight
+        layout.operator_menu_enum(
+            leaf_look.LEAFLIGHT_OT_leaf_preset.bl_idname, "preset", text="Preset"
+        )
+        layout.prop(settings, "leaf_scattering")
+        if settings.leaf_scattering == "GLASS":
+            layout.prop(settings, "leaf_ior")
+        row = layout.row()
+        if settings.leaf_stops:
+            row.template_list(
+                "LEAFLIGHT_UL_stops", "", settings, "leaf_stops", settings, "leaf_stop", rows=3
+            )
+        else:
+            row.prop(settings, "leaf_albedo")
+        buttons = row.column(align=True)
+        buttons.operator(leaf_look.LEAFLIGHT_OT_add_stop.bl_idname, text="", icon="ADD")
+        if settings.leaf_stops:
+            buttons.operator(leaf_look.LEAFLIGHT_OT_remove_stop.bl_idname, text="", icon="REMOVE")
+        column = layout.column(align=True)
+        column.prop(settings, "leaf_emission")
+        column.prop(settings, "leaf_emission_strength")
+        layout.prop(settings, "capped")
+
+
+class LEAFLIGHT_UL_stops(bpy.types.UIList):
+    """The stops of the color ramp, each with its isovalue and its color."""
+
+    def draw_item(self, _context, layout, _data, item, _icon, _active, _property):
+        row = layout.row(align=True)
+        row.prop(item, "isovalue", text="", emboss=False)
+        row.prop(item, "color", text="")
+
+
 class LEAFLIGHT_PT_surroundings(_VolumePanel, bpy.types.Panel):
     bl_label = "Surroundings"
 
     def draw(self, context):
         self.layout.operator(cornell_box.LEAFLIGHT_OT_build_cornell_box.bl_idname, icon="CUBE")
+        if context.object.leaflight.bake_surroundings:
+            self.layout.prop(context.scene.leaflight, "show_walls")
 
 
 class LEAFLIGHT_PT_bake(_VolumePanel, bpy.types.Panel):
@@ -57,7 +121,9 @@ class LEAFLIGHT_PT_bake(_VolumePanel, bpy.types.Panel):
         column = layout.column(align=True)
         column.prop(settings, "low", text="Lowest")
         column.prop(settings, "high", text="Highest")
-        layout.prop(settings, "leaf_albedo")
+        column = layout.column(align=True)
+        column.prop(settings, "both_sides")
+        column.prop(settings, "light_surroundings")
         column = layout.column(align=True)
         column.prop(settings, "resolution")
         column.prop(settings, "samples")
@@ -109,7 +175,9 @@ def _sentence(context, layout, text, icon):
 
 
 _CLASSES = (
+    LEAFLIGHT_UL_stops,
     LEAFLIGHT_PT_volume,
+    LEAFLIGHT_PT_leaves,
     LEAFLIGHT_PT_surroundings,
     LEAFLIGHT_PT_bake,
     LEAFLIGHT_PT_comparison,

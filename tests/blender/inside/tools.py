@@ -94,6 +94,57 @@ def render_exr(path, engine="CYCLES", samples=1, size=48):
     return core._core.read_exr(str(path))
 
 
+def add_light(kind, location=(0, 0, 0), rotation=(0, 0, 0), **settings):
+    """A light object of the scene; settings: attributes of the light."""
+    light = bpy.data.lights.new("Lamp", kind)
+    for name, value in settings.items():
+        setattr(light, name, value)
+    obj = bpy.data.objects.new("Lamp", light)
+    obj.location, obj.rotation_euler = location, rotation
+    bpy.context.scene.collection.objects.link(obj)
+    return obj
+
+
+def constant_material(kind, **inputs):
+    """A material of one shader node of this kind, its inputs set by name."""
+    material = bpy.data.materials.new("Material")
+    material.use_nodes = True
+    nodes = material.node_tree.nodes
+    nodes.clear()
+    shader, output = nodes.new(kind), nodes.new("ShaderNodeOutputMaterial")
+    for name, value in inputs.items():
+        shader.inputs[name].default_value = value
+    material.node_tree.links.new(shader.outputs[0], output.inputs[0])
+    return material
+
+
+def noise_image(width, height):
+    """A float image of random colours, the same each time."""
+    return _image(np.random.default_rng(0).random((height, width, 3)), True)
+
+
+def smooth_image(width, height):
+    """An 8-bit image that changes little from pixel to pixel, and nothing at its seam.
+
+    Between pixels Cycles interpolates 8-bit colours while they are still encoded.
+    """
+    y, x = np.mgrid[:height, :width] / np.array([height, width]).reshape(2, 1, 1)
+    waves = [
+        np.cos(2 * np.pi * (k * x - k * y + phase)) for k, phase in ((1, 0), (1, 0.4), (2, 0.7))
+    ]
+    return _image(0.5 + 0.4 * np.stack(waves, axis=-1), False)
+
+
+def _image(colours, is_float):
+    height, width, _ = colours.shape
+    image = bpy.data.images.new("Picture", width, height, float_buffer=is_float)
+    pixels = np.ones((height, width, 4), np.float32)
+    pixels[..., :3] = colours
+    image.pixels.foreach_set(pixels.ravel())
+    image.update()
+    return image
+
+
 def camera_rays_down(width, size):
     """World x and y of the pixels of an orthographic camera that looks down, top row first."""
     centre = (np.arange(size) + 0.5) / size - 0.5
