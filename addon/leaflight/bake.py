@@ -53,7 +53,7 @@ class BakeJob:
         self.fingerprint = scene_export.fingerprint(volumes, scene)
         self.bake = None
         self._arguments = {
-            "volume": [cache.world_volume(volume) for volume in volumes],
+            "volumes": [cache.world_volume(volume) for volume in volumes],
             "scene": scene,
             "isovalues": self.windows[0] if len(volumes) == 1 else None,
             "resolution": settings.resolution or None,

@@ -87,6 +87,7 @@ def check_presets(bumps, preset):
 def check_mirror_and_glass_stay_what_they_are_after_a_bake(boxed, scattering, kind):
     settings = boxed.leaflight
     settings.leaf_scattering = scattering
+    settings.light_surroundings = True
     settings.leaf_ior = 1.3
     settings.leaf_albedo = (0.9, 0.8, 0.7)
     bpy.ops.leaflight.bake()

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lights and worlds as luminaires, against what Cycles renders of them on a probe."""
+"""Lights and worlds: a probe under each, rendered by Cycles and by the core."""
 
 import math
+from dataclasses import replace
 
 import bpy
 import numpy as np
 import pytest
 from leaflight import leaves, lights, scene_export, world
-from leaflight.core import LeaflightError
+from leaflight.core import LeaflightError, _core, scene
+from leaflight.core.scene import Leaves
 from tools import (
     add_camera,
     add_light,
@@ -21,107 +23,33 @@ from tools import (
 ALBEDO = np.array([0.8, 0.5, 0.3])
 
 
-def irradiance(description, normal=np.array([0.0, 0.0, 1.0])):
-    """Irradiance (3,) at the origin, unshadowed, by quadrature."""
-    total = np.zeros(3)
-    for light in description.lights:
-        total += _IRRADIANCE[type(light).__name__](light, normal)
-    for mesh in description.meshes:
-        for triangle in mesh.vertices[mesh.triangles].astype(np.float64):
-            total += _triangle(triangle, np.array(mesh.emission), normal)
-    return total + _environment(description.environment, normal)
-
-
-def _area(light, normal, n=400):
-    corner, u, v = (np.array(x) for x in (light.corner, light.edge_u, light.edge_v))
-    s, t = np.meshgrid(*2 * [(np.arange(n) + 0.5) / n])
-    if light.ellipse:
-        inside = (s - 0.5) ** 2 + (t - 0.5) ** 2 < 0.25
-        s, t = s[inside], t[inside]
-    to_light = corner + s[..., None] * u + t[..., None] * v
-    emitter = np.cross(u, v)
-    area = np.linalg.norm(emitter)
-    distance2 = (to_light**2).sum(axis=-1)
-    cosines = (to_light @ normal).clip(0) * (-to_light @ emitter / area).clip(0) / distance2
-    return np.array(light.radiance) * (cosines / distance2).sum() * area / n**2
-
-
-def _triangle(corners, radiance, normal, n=300):
-    u, v = corners[1] - corners[0], corners[2] - corners[0]
-    s, t = np.meshgrid(*2 * [(np.arange(n) + 0.5) / n])
-    points = corners[0] + (s * (1 - t))[..., None] * u + t[..., None] * v
-    weights = (1 - t) / n**2
-    distance2 = (points**2).sum(axis=-1)
-    cosines = (points @ normal).clip(0) * np.abs(points @ np.cross(u, v)) / distance2
-    return radiance * (weights * cosines / distance2).sum()
-
-
-def _point(light, normal):
-    position = np.array(light.position)
-    distance = np.linalg.norm(position)
-    intensity = np.array(light.intensity)
-    if light.cone is not None:
-        cosine = -position @ np.array(light.cone.axis) / distance
-        edge = math.cos(0.5 * light.cone.angle)
-        part = (cosine - edge) / ((1 - edge) * max(light.cone.blend, 1e-9))
-        part = min(max(part, 0.0), 1.0)
-        intensity = intensity * part**2 * (3 - 2 * part)
-        if light.cone.cosine_falloff:
-            intensity = intensity * cosine
-    return intensity * max(position @ normal, 0.0) / distance**3
-
-
-def _sun(light, normal):
-    return np.array(light.irradiance) * max(-np.array(light.direction) @ normal, 0.0)
-
-
-_IRRADIANCE = {"AreaLight": _area, "PointLight": _point, "SunLight": _sun}
-
-
-def _environment(environment, normal, n=1024):
-    if environment is None:
-        return np.zeros(3)
-    radiance = np.array(environment.radiance)
-    if environment.image is None:
-        return radiance * math.pi
-    rows, columns = environment.image.shape[:2]
-    v, u = np.meshgrid(
-        (np.arange(n // 2) + 0.5) / (n // 2), (np.arange(n) + 0.5) / n, indexing="ij"
+def traced(description):
+    """Radiance (3,) of the probe as the core's path tracer has it: the first mesh, from above."""
+    # A scene needs a volume: one that is black, far below the probe.
+    values = np.zeros((4, 4, 4), np.float32)
+    values[1:3, 1:3, 1:3] = 1.0
+    matrix = np.diag([0.01, 0.01, 0.01, 1.0])
+    matrix[2, 3] = -5.0
+    description = replace(description, leaves=[Leaves("far", (0.0, 0.0, 0.0))])
+    core_scene = scene.core_scene(description, [_core.Field(values, matrix)], (0.1, 0.9))
+    radiance, error = _core.reference_surroundings(
+        core_scene, 0, [0], np.full((1, 2), 1 / 3), 0.5, 1 << 19
     )
-    elevation, azimuth = math.pi * (v - 0.5), -2 * math.pi * (u - 0.5)
-    in_image = np.stack(
-        [
-            np.cos(elevation) * np.cos(azimuth),
-            np.cos(elevation) * np.sin(azimuth),
-            np.sin(elevation),
-        ],
-        axis=-1,
-    )
-    directions = in_image @ np.array(environment.world_to_image)
-    x, y = u * columns - 0.5, v * rows - 0.5
-    i, j = np.floor(x).astype(int), np.floor(y).astype(int)
-    pixel = np.zeros((*u.shape, 3))
-    for di in (0, 1):
-        for dj in (0, 1):
-            weight = np.abs(1 - di - (x - i)) * np.abs(1 - dj - (y - j))
-            row = np.clip(j + dj, 0, rows - 1)
-            pixel += weight[..., None] * environment.image[row, (i + di) % columns]
-    solid_angle = np.cos(elevation) * (2 * math.pi / n) * (math.pi / (n // 2))
-    cosine = (directions @ normal).clip(0) * solid_angle
-    return radiance * (pixel * cosine[..., None]).sum(axis=(0, 1))
+    assert np.all(error < 0.003 * radiance)
+    return radiance[0]
 
 
 @pytest.fixture
 def probe():
     """A small Lambertian square at the origin that faces up, and a camera right above it."""
-    scene = bpy.context.scene
-    scene.world = bpy.data.worlds.new("World")
-    scene.world.color = (0, 0, 0)
-    bpy.ops.mesh.primitive_plane_add(size=0.02)
+    blender_scene = bpy.context.scene
+    blender_scene.world = bpy.data.worlds.new("World")
+    blender_scene.world.color = (0, 0, 0)
+    bpy.ops.mesh.primitive_plane_add(size=0.002)
     probe = bpy.context.object
     probe.data.materials.append(constant_material("ShaderNodeBsdfDiffuse", Color=(*ALBEDO, 1.0)))
-    add_camera((0, 0, 0.1), (0, 0, 0), orthographic=0.01)
-    scene.cycles.light_sampling_threshold = 0.0
+    add_camera((0, 0, 0.1), (0, 0, 0), orthographic=0.001)
+    blender_scene.cycles.light_sampling_threshold = 0.0
     return probe
 
 
@@ -130,7 +58,7 @@ def assert_probe_agrees(probe, tmp_path, samples=256, warnings=()):
     leaf = bpy.data.objects.new("Leaf", None)
     description, found = export(leaf)
     assert len(found) == len(warnings) and all(a in b for a, b in zip(warnings, found))
-    expected = ALBEDO / np.pi * irradiance(description)
+    expected = traced(description)
     assert expected.min() > 1e-3
     rendered = render_exr(tmp_path / "probe.exr", samples=samples, size=16)[..., :3]
     close(rendered.mean(axis=(0, 1)) / expected, 1.0, 0.01)
@@ -144,7 +72,7 @@ def export(leaf):
 
 @pytest.fixture(autouse=True)
 def without_a_volume(monkeypatch):
-    """These scenes have none; the walls of what is lit lie one unit from the origin."""
+    """These scenes have none; what is lit would lie below the probe."""
     box = np.array([[-1.0, -1.0, -1.0], [1.0, 1.0, 0.0]])
     monkeypatch.setattr(leaves, "world_box", lambda obj: box)
     monkeypatch.setattr(leaves, "export_leaves", lambda obj, several: None)
@@ -222,9 +150,10 @@ def check_a_world_of_one_color(probe, tmp_path):
     close(description.environment.radiance, (0.3, 0.5, 0.9), 1e-6)
 
 
-def _environment_texture(scene, image):
-    scene.world.use_nodes = True
-    tree = scene.world.node_tree
+def _environment_texture(image):
+    world = bpy.context.scene.world
+    world.use_nodes = True
+    tree = world.node_tree
     background = next(n for n in tree.nodes if n.type == "BACKGROUND")
     texture = tree.nodes.new("ShaderNodeTexEnvironment")
     texture.image = image
@@ -236,7 +165,7 @@ def _environment_texture(scene, image):
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize("picture", [noise_image, smooth_image])
 def check_an_hdri(probe, tmp_path, picture, turned):
-    tree, texture = _environment_texture(bpy.context.scene, picture(64, 32))
+    tree, texture = _environment_texture(picture(64, 32))
     if turned:
         mapping = tree.nodes.new("ShaderNodeMapping")
         mapping.inputs["Rotation"].default_value = (0.4, 0.3, 1.1)
@@ -361,7 +290,7 @@ def _without_image(tree, texture):
     ],
 )
 def check_a_world_that_cannot_be_baked_is_named(probe, spoil, reason):
-    spoil(*_environment_texture(bpy.context.scene, noise_image(8, 4)))
+    spoil(*_environment_texture(noise_image(8, 4)))
     bpy.context.scene.world.name = "My World"
     sentence = sentence_of_export()
     assert '"My World"' in sentence and reason in sentence
@@ -370,7 +299,7 @@ def check_a_world_that_cannot_be_baked_is_named(probe, spoil, reason):
 def check_dark_worlds(probe):
     assert world.is_dark(None) and world.is_dark(bpy.context.scene.world)
     image = bpy.data.images.new("Black", 8, 4, float_buffer=True)
-    _environment_texture(bpy.context.scene, image)
+    _environment_texture(image)
     assert world.is_dark(bpy.context.scene.world)
     assert not world.is_dark(_bright())
 

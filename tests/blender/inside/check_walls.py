@@ -25,7 +25,7 @@ def colours(obj, name="radiance"):
     return values.reshape(-1, 4)[:, :3]
 
 
-def assert_walls_show(lit, c):
+def assert_walls_show(lit, c, tolerance=1e-5):
     bake = cache.bake_of(lit)
     assert len(displays()) == len(bake.scene.meshes) > 3
     for obj in displays():
@@ -35,7 +35,7 @@ def assert_walls_show(lit, c):
         close(found, vertices, 1e-5)
         for name, back in (("radiance", False), ("radiance_back", True)):
             expected = bake.surroundings.radiance(obj["leaflight_wall"], c, back=back)
-            close(colours(obj, name), expected, 1e-5)
+            close(colours(obj, name), expected, tolerance)
 
 
 def check_displays_stand_in_for_the_walls(lit):
@@ -152,6 +152,7 @@ def check_the_leaf_that_is_seen_lights_them_in_a_saved_file_too(lit, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
     lit = bpy.data.objects[name]
-    assert_walls_show(lit, 40.0)
+    # The file of the bake holds halves.
+    assert_walls_show(lit, 40.0, 2e-3)
     lit.leaflight.isovalue = 70.0
     assert_walls_show(lit, 70.0)
