@@ -2,66 +2,37 @@
 """Lights and worlds: a probe under each, rendered by Cycles and by the core."""
 
 import math
-from dataclasses import replace
 
 import bpy
 import numpy as np
 import pytest
 from leaflight import leaves, lights, scene_export, world
-from leaflight.core import LeaflightError, _core, scene
-from leaflight.core.scene import Leaves
+from leaflight.core import LeaflightError
 from tools import (
-    add_camera,
     add_light,
+    build_probe,
     close,
     constant_material,
     noise_image,
-    render_exr,
+    rendered_probe,
     smooth_image,
+    traced_probe,
 )
-
-ALBEDO = np.array([0.8, 0.5, 0.3])
-
-
-def traced(description):
-    """Radiance (3,) of the probe as the core's path tracer has it: the first mesh, from above."""
-    # A scene needs a volume: one that is black, far below the probe.
-    values = np.zeros((4, 4, 4), np.float32)
-    values[1:3, 1:3, 1:3] = 1.0
-    matrix = np.diag([0.01, 0.01, 0.01, 1.0])
-    matrix[2, 3] = -5.0
-    description = replace(description, leaves=[Leaves("far", (0.0, 0.0, 0.0))])
-    core_scene = scene.core_scene(description, [_core.Field(values, matrix)], (0.1, 0.9))
-    radiance, error = _core.reference_surroundings(
-        core_scene, 0, [0], np.full((1, 2), 1 / 3), 0.5, 1 << 19
-    )
-    assert np.all(error < 0.003 * radiance)
-    return radiance[0]
 
 
 @pytest.fixture
 def probe():
-    """A small Lambertian square at the origin that faces up, and a camera right above it."""
-    blender_scene = bpy.context.scene
-    blender_scene.world = bpy.data.worlds.new("World")
-    blender_scene.world.color = (0, 0, 0)
-    bpy.ops.mesh.primitive_plane_add(size=0.002)
-    probe = bpy.context.object
-    probe.data.materials.append(constant_material("ShaderNodeBsdfDiffuse", Color=(*ALBEDO, 1.0)))
-    add_camera((0, 0, 0.1), (0, 0, 0), orthographic=0.001)
-    blender_scene.cycles.light_sampling_threshold = 0.0
-    return probe
+    return build_probe((0.8, 0.5, 0.3))
 
 
-def assert_probe_agrees(probe, tmp_path, samples=256, warnings=()):
+def assert_probe_agrees(probe, tmp_path, samples=256):
     bpy.context.view_layer.update()
-    leaf = bpy.data.objects.new("Leaf", None)
-    description, found = export(leaf)
-    assert len(found) == len(warnings) and all(a in b for a, b in zip(warnings, found))
-    expected = traced(description)
+    description, warnings = export(bpy.data.objects.new("Leaf", None))
+    assert warnings == []
+    expected = traced_probe(description)
     assert expected.min() > 1e-3
-    rendered = render_exr(tmp_path / "probe.exr", samples=samples, size=16)[..., :3]
-    close(rendered.mean(axis=(0, 1)) / expected, 1.0, 0.01)
+    rendered = rendered_probe(tmp_path / "probe.exr", samples)
+    close(rendered / expected, 1.0, 0.01)
     return description
 
 

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the checks share: reading meshes back, rendering exact pixels, reading reports."""
 
+from dataclasses import replace
+
 import bpy
 import numpy as np
 import pytest
 from leaflight import cache, core
+from leaflight.core.scene import Leaves, core_scene
 
 
 def close(a, b, tolerance):
@@ -85,6 +88,9 @@ def render_exr(path, engine="CYCLES", samples=1, size=48):
     scene.view_settings.view_transform = "Standard"
     scene.cycles.samples = samples
     scene.cycles.use_denoising = False
+    scene.cycles.light_sampling_threshold = 0.0
+    scene.cycles.sample_clamp_indirect = 0.0
+    scene.cycles.blur_glossy = 0.0
     scene.cycles.use_adaptive_sampling = False
     scene.cycles.pixel_filter_type = "BOX"
     scene.cycles.filter_width = 0.01
@@ -92,6 +98,43 @@ def render_exr(path, engine="CYCLES", samples=1, size=48):
     scene.render.filepath = str(path)
     bpy.ops.render.render(write_still=True)
     return core._core.read_exr(str(path))
+
+
+def build_probe(albedo):
+    """A tiny Lambertian square at the origin that faces up, in a black world.
+
+    A camera hangs closely above it; lights belong beside the camera, not above.
+    """
+    scene = bpy.context.scene
+    scene.world = bpy.data.worlds.new("World")
+    scene.world.color = (0, 0, 0)
+    bpy.ops.mesh.primitive_plane_add(size=0.002)
+    probe = bpy.context.object
+    probe.data.materials.append(constant_material("ShaderNodeBsdfDiffuse", Color=(*albedo, 1.0)))
+    add_camera((0, 0, 0.1), (0, 0, 0), orthographic=0.001)
+    return probe
+
+
+def traced_probe(description, samples=1 << 19):
+    """Radiance (3,) of the probe by the core's path tracer; it is the first mesh of the scene."""
+    # A scene needs a volume: one that is black, far below the probe.
+    values = np.zeros((4, 4, 4), np.float32)
+    values[1:3, 1:3, 1:3] = 1.0
+    matrix = np.diag([0.01, 0.01, 0.01, 1.0])
+    matrix[2, 3] = -5.0
+    description = replace(description, leaves=[Leaves("far", (0.0, 0.0, 0.0))])
+    scene = core_scene(description, [core._core.Field(values, matrix)], (0.1, 0.9))
+    radiance, error = core._core.reference_surroundings(
+        scene, 0, [0], np.full((1, 2), 1 / 3), 0.5, samples
+    )
+    assert np.all(error < 0.003 * radiance)
+    return radiance[0]
+
+
+def rendered_probe(path, samples):
+    """Radiance (3,) of the probe by Cycles."""
+    bpy.context.view_layer.update()
+    return render_exr(path, samples=samples, size=16)[..., :3].mean(axis=(0, 1))
 
 
 def add_light(kind, location=(0, 0, 0), rotation=(0, 0, 0), **settings):
