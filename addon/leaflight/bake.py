@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bake Flattened Illumination: in a thread, so that Blender stays usable and Esc cancels."""
+"""Bake Flattened Illumination: all volumes of the scene, and what the objects keep of it."""
 
 import re
-import sys
-import threading
 import time
 import uuid
 from pathlib import Path
@@ -11,6 +9,7 @@ from pathlib import Path
 import bpy
 
 from . import (
+    background,
     cache,
     core,
     isovalues,
@@ -23,9 +22,6 @@ from . import (
 from .core.output import check_writable
 
 LeaflightError = core.LeaflightError
-
-# The one bake in progress, for the panel and for Cancel.
-_running = None
 
 
 class BakeJob:
@@ -79,7 +75,10 @@ class BakeJob:
         self.bake = bake
 
     def apply(self):
-        """Lights the volumes by the bake. Raises LeaflightError when one has gone meanwhile."""
+        """Lights the volumes by the bake and returns a sentence about it.
+
+        Raises LeaflightError when one has gone meanwhile.
+        """
         volumes = [bpy.data.objects.get(name) for name in self.names]
         for name, obj in zip(self.names, volumes):
             if obj is None or not obj.leaflight.is_volume:
@@ -103,6 +102,8 @@ class BakeJob:
         scene = bpy.data.scenes.get(self.scene_name)
         if scene is not None:
             walls.refresh(scene)
+        texels = sum(grid.texels for grid in self.bake.grids)
+        return f"Baked {texels} texels in {self.seconds:.1f} s"
 
     def _light(self, obj, index, identifier):
         settings = obj.leaflight
@@ -119,7 +120,7 @@ class BakeJob:
             shader.reload_image(shader.atlas_path(self.path, index, back))
 
 
-class LEAFLIGHT_OT_bake(bpy.types.Operator):
+class LEAFLIGHT_OT_bake(background.BackgroundOperator, bpy.types.Operator):
     bl_idname = "leaflight.bake"
     bl_label = "Bake Flattened Illumination"
     bl_description = (
@@ -130,122 +131,10 @@ class LEAFLIGHT_OT_bake(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        if _running is not None:
-            cls.poll_message_set("A bake is running; Esc cancels it")
-            return False
-        return operator_checks.has_volume(cls, context)
+        return cls.is_free() and operator_checks.has_volume(cls, context)
 
-    def invoke(self, context, event):
-        global _running
-        if bpy.app.background:
-            return self.execute(context)
-        try:
-            job = BakeJob(context, context.object)
-        except LeaflightError as error:
-            return self._fail(error)
-        _running = BackgroundWork(job.run)
-        self._job, self._work = job, _running
-        self._timer = context.window_manager.event_timer_add(0.1, window=context.window)
-        context.window_manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
-
-    def modal(self, context, event):
-        if event.type == "ESC" and event.value == "PRESS":
-            self._work.cancel()
-            return {"RUNNING_MODAL"}
-        if self._work.is_alive():
-            if event.type == "TIMER":
-                text = f"Leaflight  {self._work.status()}  (Esc cancels)"
-                context.workspace.status_text_set(text)
-                _redraw_panels(context)
-            return {"PASS_THROUGH"}
-        self._release(context)
-        return self._conclude(self._job, self._work.result)
-
-    def cancel(self, context):
-        """Blender quits or loads another file."""
-        self._work.cancel()
-        self._release(context)
-
-    def _release(self, context):
-        global _running
-        _running = None
-        context.window_manager.event_timer_remove(self._timer)
-        context.workspace.status_text_set(None)
-        _redraw_panels(context)
-
-    def execute(self, context):
-        try:
-            job = BakeJob(context, context.object)
-        except LeaflightError as error:
-            return self._fail(error)
-        work = BackgroundWork(job.run)
-        _print_progress(work)
-        return self._conclude(job, work.result)
-
-    def _conclude(self, job, result):
-        """Calls result, which raises what went wrong with the work, and applies the bake."""
-        try:
-            result()
-            job.apply()
-        except core.Cancelled:
-            self.report({"INFO"}, "The bake was cancelled; nothing has changed")
-            return {"CANCELLED"}
-        except LeaflightError as error:
-            return self._fail(error)
-        for warning in job.warnings:
-            self.report({"WARNING"}, warning)
-        texels = sum(grid.texels for grid in job.bake.grids)
-        self.report({"INFO"}, f"Baked {texels} texels in {job.seconds:.1f} s")
-        return {"FINISHED"}
-
-    def _fail(self, error):
-        self.report({"ERROR"}, str(error))
-        return {"CANCELLED"}
-
-
-class BackgroundWork:
-    """A function of a Progress, at work in a thread of its own."""
-
-    def __init__(self, work):
-        self.progress = core.Progress()
-        self._error = None
-        self._thread = threading.Thread(target=self._run, args=(work,), name="Leaflight bake")
-        self._thread.start()
-
-    def _run(self, work):
-        try:
-            work(self.progress)
-        except BaseException as error:  # result() raises it again, in the main thread
-            self._error = error
-
-    def is_alive(self):
-        return self._thread.is_alive()
-
-    def wait(self, seconds):
-        self._thread.join(seconds)
-
-    def cancel(self):
-        self.progress.cancel()
-
-    def status(self):
-        return f"{100.0 * self.progress.fraction:3.0f} % {self.progress.stage}"
-
-    def result(self):
-        """Waits for the end and raises what the work raised."""
-        self._thread.join()
-        if self._error is not None:
-            raise self._error
-
-
-def running():
-    """The BackgroundWork of the bake in progress, or None."""
-    return _running
-
-
-def cancel_running():
-    if _running is not None:
-        _running.cancel()
+    def start(self, context):
+        return BakeJob(context, context.object)
 
 
 def default_output(obj):
@@ -279,29 +168,6 @@ def _make_folder(path):
         raise LeaflightError(
             f"{path}: cannot make its folder: {error.strerror}; choose another output."
         ) from None
-
-
-def _print_progress(work):
-    """Waits for the work. A terminal gets a bar, anything else a line for each tenth."""
-    tenths = 0
-    while work.is_alive():
-        work.wait(0.2)
-        if sys.stdout.isatty():
-            filled = int(30 * work.progress.fraction)
-            bar = "#" * filled + "." * (30 - filled)
-            print(f"\rBake [{bar}] {work.status():<40}", end="", flush=True)
-        elif int(10 * work.progress.fraction) > tenths:
-            tenths = int(10 * work.progress.fraction)
-            print(f"Bake {work.status()}", flush=True)
-    if sys.stdout.isatty():
-        print()
-
-
-def _redraw_panels(context):
-    for window in context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
 
 
 def register():

@@ -4,7 +4,7 @@
 import bpy
 from bpy.app.handlers import persistent
 
-from . import bake, cache, images, isovalues, staleness, surface_object, walls
+from . import background, cache, images, isovalues, staleness, surface_object, walls
 
 
 @persistent
@@ -33,7 +33,7 @@ def _after_undo(scene, _depsgraph):
 
 @persistent
 def _before_load(*_):
-    bake.cancel_running()
+    background.cancel_running()
     cache.clear()
     images.forget()
     surface_object.problems.clear()
@@ -70,6 +70,6 @@ def register():
 def unregister():
     for event, handler in _HANDLERS:
         getattr(bpy.app.handlers, event).remove(handler)
-    bake.cancel_running()
+    background.cancel_running()
     cache.clear()
     images.forget()

@@ -6,6 +6,7 @@ import textwrap
 import bpy
 
 from . import (
+    background,
     bake,
     cornell_box,
     import_volume,
@@ -132,7 +133,7 @@ class LEAFLIGHT_PT_bake(_VolumePanel, bpy.types.Panel):
         layout.prop(settings, "seed")
         layout.prop(settings, "output")
         layout.operator(bake.LEAFLIGHT_OT_bake.bl_idname, icon="LIGHT_AREA")
-        job = bake.running()
+        job = background.running()
         if job is not None:
             layout.label(text=f"{job.status()}, Esc cancels", icon="TIME")
         elif settings.bake_path:
