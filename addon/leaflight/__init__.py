@@ -3,8 +3,11 @@
 
 from . import (
     bake,
+    bake_flatland,
     cornell_box,
+    flat_properties,
     handlers,
+    import_image,
     import_volume,
     leaf_look,
     panels,
@@ -25,10 +28,13 @@ bl_info = {
 # In the order of registration: the properties are what all others draw and edit.
 _MODULES = (
     properties,
+    flat_properties,
     import_volume,
+    import_image,
     leaf_look,
     cornell_box,
     bake,
+    bake_flatland,
     render_comparison,
     panels,
     handlers,

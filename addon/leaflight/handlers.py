@@ -4,7 +4,7 @@
 import bpy
 from bpy.app.handlers import persistent
 
-from . import background, cache, images, isovalues, staleness, surface_object, walls
+from . import background, cache, graph_object, images, isovalues, staleness, surface_object, walls
 
 
 @persistent
@@ -35,6 +35,7 @@ def _after_undo(scene, _depsgraph):
 def _before_load(*_):
     background.cancel_running()
     cache.clear()
+    graph_object.forget()
     images.forget()
     surface_object.problems.clear()
     staleness.forget()

@@ -8,7 +8,9 @@ import bpy
 from . import (
     background,
     bake,
+    bake_flatland,
     cornell_box,
+    import_image,
     import_volume,
     isovalues,
     leaf_look,
@@ -30,9 +32,13 @@ class LEAFLIGHT_PT_volume(_LeaflightPanel, bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         obj = context.object
+        if obj is not None and obj.leaflight_flat.is_flatland:
+            layout.label(text=obj.name, icon="IMAGE_DATA")
+            return
         if obj is None or not obj.leaflight.is_volume:
             layout.label(text="No Leaflight volume is selected")
             layout.operator(import_volume.LEAFLIGHT_OT_import_volume.bl_idname, icon="IMPORT")
+            layout.operator(import_image.LEAFLIGHT_OT_import_image.bl_idname, icon="IMPORT")
             return
         layout.label(text=obj.name, icon="VOLUME_DATA")
         layout.prop(obj.leaflight, '["isovalue"]', text="Isovalue", slider=True)
@@ -100,6 +106,37 @@ class LEAFLIGHT_UL_stops(bpy.types.UIList):
         row = layout.row(align=True)
         row.prop(item, "isovalue", text="", emboss=False)
         row.prop(item, "color", text="")
+
+
+class LEAFLIGHT_PT_flatland(_LeaflightPanel, bpy.types.Panel):
+    bl_label = "Flatland"
+    bl_parent_id = "LEAFLIGHT_PT_volume"
+
+    @classmethod
+    def poll(cls, context):
+        return context.object is not None and context.object.leaflight_flat.is_flatland
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        settings = context.object.leaflight_flat
+        for names in (
+            ("height", "count", "width", "brightness_correction"),
+            ("low", "high"),
+            ("resolution", "samples", "photons"),
+            ("seed", "scene_file"),
+        ):
+            column = layout.column(align=True)
+            for name in names:
+                column.prop(settings, name)
+        layout.operator(bake_flatland.LEAFLIGHT_OT_bake_flatland.bl_idname, icon="LIGHT_AREA")
+        job = background.running()
+        if job is not None:
+            layout.label(text=f"{job.status()}, Esc cancels", icon="TIME")
+        problem = surface_object.problems.get(context.object.name)
+        if problem:
+            _sentence(context, layout, problem, icon="ERROR")
 
 
 class LEAFLIGHT_PT_surroundings(_VolumePanel, bpy.types.Panel):
@@ -179,6 +216,7 @@ _CLASSES = (
     LEAFLIGHT_UL_stops,
     LEAFLIGHT_PT_volume,
     LEAFLIGHT_PT_leaves,
+    LEAFLIGHT_PT_flatland,
     LEAFLIGHT_PT_surroundings,
     LEAFLIGHT_PT_bake,
     LEAFLIGHT_PT_comparison,

@@ -106,22 +106,25 @@ def is_lit(obj, isovalue):
     return low - rounding <= isovalue <= high + rounding
 
 
-def fill(mesh, vertices, triangles, colours):
-    """Replaces the geometry: vertices (n, 3), triangles (m, 3).
+def fill(mesh, vertices, faces, colours):
+    """Replaces the geometry: vertices (n, 3), faces (m, 3) or (m, 4), smooth.
 
     colours: by the name of its attribute, linear RGB (n, 3).
     """
     mesh.clear_geometry()
-    count = len(triangles)
+    count = len(faces)
     if count:
+        corners = faces.shape[1]
+        loops = np.ascontiguousarray(faces, np.int32).ravel()
+        starts = np.arange(0, corners * count, corners, dtype=np.int32)
         mesh.vertices.add(len(vertices))
         mesh.vertices.foreach_set("co", np.ascontiguousarray(vertices, np.float32).ravel())
-        mesh.loops.add(3 * count)
-        mesh.loops.foreach_set("vertex_index", np.ascontiguousarray(triangles, np.int32).ravel())
+        mesh.loops.add(len(loops))
+        mesh.loops.foreach_set("vertex_index", loops)
         mesh.polygons.add(count)
-        mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * count, 3, dtype=np.int32))
+        mesh.polygons.foreach_set("loop_start", starts)
         if not bpy.types.MeshPolygon.bl_rna.properties["loop_total"].is_readonly:
-            mesh.polygons.foreach_set("loop_total", np.full(count, 3, np.int32))
+            mesh.polygons.foreach_set("loop_total", np.full(count, corners, np.int32))
         mesh.polygons.foreach_set("use_smooth", np.ones(count, bool))
     mesh.update(calc_edges=True)
     if len(vertices):

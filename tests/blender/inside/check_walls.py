@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 import pytest
 from leaflight import cache, properties, scene_export, staleness, walls
-from tools import close, render_exr
+from tools import close, colours_of, render_exr
 
 
 @pytest.fixture
@@ -19,12 +19,6 @@ def displays():
     return [obj for obj in bpy.context.scene.objects if walls.is_display(obj)]
 
 
-def colours(obj, name="radiance"):
-    values = np.empty(4 * len(obj.data.vertices), np.float32)
-    obj.data.attributes[name].data.foreach_get("color", values)
-    return values.reshape(-1, 4)[:, :3]
-
-
 def assert_walls_show(lit, c, tolerance=1e-5):
     bake = cache.bake_of(lit)
     assert len(displays()) == len(bake.scene.meshes) > 3
@@ -35,7 +29,7 @@ def assert_walls_show(lit, c, tolerance=1e-5):
         close(found, vertices, 1e-5)
         for name, back in (("radiance", False), ("radiance_back", True)):
             expected = bake.surroundings.radiance(obj["leaflight_wall"], c, back=back)
-            close(colours(obj, name), expected, tolerance)
+            close(colours_of(obj, name), expected, tolerance)
 
 
 def check_displays_stand_in_for_the_walls(lit):

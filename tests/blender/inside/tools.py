@@ -17,16 +17,27 @@ def close(a, b, tolerance):
 def mesh_arrays(obj):
     """vertices (n, 3), triangles (m, 3) and radiance (n, 3) or None of the mesh of an object."""
     mesh = obj.data
-    vertices = np.empty(3 * len(mesh.vertices), np.float32)
-    mesh.vertices.foreach_get("co", vertices)
+    vertices = vertices_of(obj)
     triangles = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("vertex_index", triangles)
     radiance = None
     if "radiance" in mesh.attributes:
-        colours = np.empty(4 * len(mesh.vertices), np.float32)
-        mesh.attributes["radiance"].data.foreach_get("color", colours)
-        radiance = colours.reshape(-1, 4)[:, :3]
-    return vertices.reshape(-1, 3), triangles.reshape(-1, 3), radiance
+        radiance = colours_of(obj)
+    return vertices, triangles.reshape(-1, 3), radiance
+
+
+def vertices_of(obj):
+    """Vertices (n, 3) of the mesh of an object."""
+    vertices = np.empty(3 * len(obj.data.vertices), np.float32)
+    obj.data.vertices.foreach_get("co", vertices)
+    return vertices.reshape(-1, 3)
+
+
+def colours_of(obj, name="radiance"):
+    """Linear RGB (n, 3) of a colour attribute of the mesh of an object."""
+    colours = np.empty(4 * len(obj.data.vertices), np.float32)
+    obj.data.attributes[name].data.foreach_get("color", colours)
+    return colours.reshape(-1, 4)[:, :3]
 
 
 def expected_surface(obj, isovalue):
