@@ -9,9 +9,11 @@
     bake.save("brain.vdb")
 """
 
+from . import flatland
 from ._core import Cancelled, LeaflightError, Progress
 from .bake import Bake, Surface, bake, load_bake
 from .compare import compare
+from .particles import lapr, nucleons
 from .readers import read_volume
 from .scene import fit_scene
 from .scene_file import cornell_box, load_scene
@@ -33,7 +35,10 @@ __all__ = [
     "default_isovalue",
     "default_window",
     "fit_scene",
+    "flatland",
+    "lapr",
     "load_bake",
     "load_scene",
+    "nucleons",
     "read_volume",
 ]

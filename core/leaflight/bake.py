@@ -115,9 +115,12 @@ class Bake:
         self._check_volume(volume)
         grid = self.grids[volume]
         if back and not grid.has_back:
-            raise LeaflightError(
-                "The inner side was not baked: bake again with both sides (--both-sides)."
-            )
+            if not json.loads(self.metadata["both_sides"]):
+                raise LeaflightError(
+                    "The inner side was not baked: bake again with both sides (--both-sides)."
+                )
+            # The bake left it out because no light can reach it.
+            return np.zeros((len(points), 3), dtype=np.float32)
         return grid.lookup(self.volumes[volume].field(), points, back)
 
     def reference(
@@ -193,6 +196,9 @@ def bake(
     Returns a Bake. Raises LeaflightError for input that cannot be baked, Cancelled.
     """
     volumes = list(volumes) if isinstance(volumes, (list, tuple)) else [volumes]
+    for volume in volumes:
+        if np.ndim(volume.values) != 3:
+            raise LeaflightError(f"{volume.name}: this is no volume; light images with flatland.")
     description = match_leaves(scene or cornell_box(), volumes)
     volumes = [
         volume.capped() if leaves.capped else volume

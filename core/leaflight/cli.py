@@ -1,37 +1,44 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line: info, bake, surface and compare.
+"""The command line: info, bake, surface, compare and flatland.
 
 Results go to stdout, with --json as one JSON object on the last line; progress goes to stderr.
 Exit status: 0; 2 after an error, told in one line on stderr; 130 after Ctrl-C; after both nothing
 is written.
 """
 
-import argparse
 import json
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
+from . import _core
 from ._core import Cancelled, LeaflightError
 from .bake import bake, load_bake
+from .cli_parser import make_parser
 from .compare import compare
+from .flat_scene import load_flat_scene
+from .flatland import (
+    BRIGHTNESS_CORRECTION,
+    bake_flatland,
+    bump_box_2d,
+    picture,
+    read_image,
+)
+from .images import write_png
 from .output import check_writable
 from .ply import write_ply
 from .progress import run_with_progress
-from .readers.raw import ENDIANS, TYPES
 from .scene_file import cornell_box, load_scene
-from .sources import GENERATED, open_volume
-from .version import __version__
+from .sources import open_volume
 from .volume import default_isovalue, default_window
-
-ESTIMATORS = ("gather", "volumetric", "path")
 
 
 def main(arguments=None):
     """Runs one command; returns the exit status."""
     try:
-        options = _parser().parse_args(arguments)
+        options = make_parser(COMMANDS).parse_args(arguments)
         result, sentences = options.command(options)
     except (Cancelled, KeyboardInterrupt):
         print("leaflight: cancelled, nothing written.", file=sys.stderr)
@@ -189,6 +196,54 @@ def _isovalue(baked, options):
     return f"{options.isovalue:g} ({own:g} of {baked.scene.leaves[options.volume].name})"
 
 
+def _flatland(options):
+    check_writable(options.out, ".exr", options.image)
+    png = Path(options.out).with_suffix(".png")
+    check_writable(png, ".png", options.image)
+    scene = load_flat_scene(options.scene) if options.scene else None
+    if options.image == "bump_box":
+        volume = bump_box_2d(*([] if options.dims is None else [options.dims]))
+    elif options.dims is not None:
+        raise LeaflightError(f"{options.image}: --dims has no meaning here; leave it out.")
+    else:
+        volume = read_image(options.image)
+
+    def work(progress):
+        return bake_flatland(
+            volume,
+            scene,
+            isovalues=options.isovalues,
+            resolution=options.resolution,
+            samples=options.samples,
+            photons=options.photons,
+            estimator=options.estimator,
+            seed=options.seed,
+            threads=options.threads,
+            progress=progress,
+        )
+
+    baked = run_with_progress(work, "flatland")
+    isolines = options.isolines or [default_isovalue(volume)]
+    correction = 1.0 if options.uncorrected else BRIGHTNESS_CORRECTION
+    pixels = picture(baked, isolines, correction=correction)
+    _core.write_exr(options.out, np.ascontiguousarray(baked.texture()[::-1]))
+    write_png(png, pixels)
+    result = {
+        "out": options.out,
+        "picture": str(png),
+        "isovalues": list(baked.isovalues),
+        "isolines": isolines,
+        "resolution": list(baked.grid.resolution),
+        **baked.statistics,
+    }
+    lo, hi = baked.isovalues
+    return result, [
+        f"{options.out}: isovalues {lo:g}..{hi:g} in {baked.scene.name}, "
+        f"{_by(result['resolution'])} texels, {result['seconds']:.1f} s",
+        f"{png}: isolines {', '.join(f'{isovalue:g}' for isovalue in isolines)}",
+    ]
+
+
 def _errors(result):
     if result["points"] == 0:
         return "none"
@@ -205,130 +260,14 @@ def _open(source, options):
     return open_volume(source, **{name: getattr(options, name) for name in names})
 
 
-class _Parser(argparse.ArgumentParser):
-    def __init__(self, **options):
-        # Abbreviations would change meaning whenever an option is added.
-        super().__init__(allow_abbrev=False, **options)
-
-    def error(self, message):
-        raise LeaflightError(f"{message}; see '{self.prog} --help'.")
-
-
-def _parser():
-    parser = _Parser(
-        prog="leaflight", description="Global illumination for every isosurface of a volume."
-    )
-    parser.add_argument("--version", action="version", version=f"leaflight {__version__}")
-    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
-
-    layout = _Parser(add_help=False)
-    layout.add_argument(
-        "--dims",
-        type=int,
-        nargs="+",
-        metavar="N",
-        help=".raw: nx ny nz; generated volumes: nodes a side",
-    )
-    layout.add_argument("--type", choices=TYPES, help=".raw: type of the values")
-    layout.add_argument("--endian", choices=ENDIANS, help=".raw: byte order (little)")
-    layout.add_argument(
-        "--spacing",
-        type=float,
-        nargs="+",
-        metavar="S",
-        help=".raw, TIFF: voxel size, one or X Y Z (1)",
-    )
-    layout.add_argument(
-        "--grid", metavar="NAME", help=".vdb: name of the grid (the first scalar one)"
-    )
-    layout.add_argument("--frame", type=int, metavar="K", help="4D data: frame to read, from 0")
-
-    seed = _Parser(add_help=False)
-    seed.add_argument("--seed", type=int, default=0, metavar="N", help="same seed, same result (0)")
-    seed.add_argument("--threads", type=int, default=0, metavar="N", help="threads (0: every core)")
-
-    isovalue = _Parser(add_help=False)
-    isovalue.add_argument("bake", metavar="BAKE", help="a .vdb written by bake")
-    isovalue.add_argument(
-        "--isovalue",
-        type=float,
-        required=True,
-        metavar="C",
-        help="in data units; of several volumes 0..1, from the lowest to the highest of each",
-    )
-    isovalue.add_argument(
-        "--volume", type=int, default=0, metavar="K", help="which of several volumes, from 0 (0)"
-    )
-    isovalue.add_argument("--back", action="store_true", help="the inner side")
-
-    volume = f"a file, a folder of TIFF slices, or {', '.join(GENERATED)}"
-    info = commands.add_parser("info", parents=[layout], help="what a volume holds")
-    info.add_argument("volume", metavar="VOLUME", help=volume)
-    info.set_defaults(command=_info)
-
-    baking = commands.add_parser(
-        "bake", parents=[layout, seed], help="light every isosurface of one or more volumes"
-    )
-    baking.add_argument(
-        "volumes", metavar="VOLUME", nargs="*", help=volume + " (the scene file's own)"
-    )
-    baking.add_argument("--out", required=True, metavar="X.vdb", help="file to write")
-    baking.add_argument(
-        "--scene", metavar="FILE", help="scene file (a Cornell box around the volume)"
-    )
-    baking.add_argument(
-        "--isovalues",
-        type=float,
-        nargs=2,
-        metavar=("LO", "HI"),
-        help="window to bake (from the data); of several volumes within 0..1",
-    )
-    baking.add_argument(
-        "--resolution", type=int, metavar="N", help="texels on the longest axis (one a voxel)"
-    )
-    baking.add_argument("--samples", type=int, default=32, metavar="N", help="rays a texel (32)")
-    baking.add_argument(
-        "--photons", type=int, default=2_000_000, metavar="N", help="photons (2000000)"
-    )
-    baking.add_argument(
-        "--caustic-photons",
-        type=int,
-        metavar="N",
-        help="photons by way of mirrors and glass (as many as photons)",
-    )
-    baking.add_argument(
-        "--both-sides", action="store_true", help="light the inner side of isosurfaces, too"
-    )
-    baking.add_argument(
-        "--surroundings", action="store_true", help="keep the light on the surroundings, too"
-    )
-    baking.add_argument(
-        "--capped", action="store_true", help="close isosurfaces at the border of the volume"
-    )
-    baking.add_argument("--estimator", choices=ESTIMATORS, default="gather", help="(gather)")
-    baking.set_defaults(command=_bake)
-
-    surface = commands.add_parser(
-        "surface", parents=[isovalue], help="one lit isosurface as a mesh"
-    )
-    surface.add_argument("--out", required=True, metavar="MESH.ply", help="file to write")
-    surface.set_defaults(command=_surface)
-
-    comparison = commands.add_parser(
-        "compare", parents=[isovalue, seed], help="the error of a bake against path tracing"
-    )
-    comparison.add_argument("--points", type=int, default=3000, metavar="N", help="points (3000)")
-    comparison.add_argument(
-        "--spp", type=int, default=1024, metavar="N", help="paths a point (1024)"
-    )
-    comparison.set_defaults(command=_compare)
-
-    for command in (info, baking, surface, comparison):
-        command.add_argument(
-            "--json", action="store_true", help="print one JSON object as the last line"
-        )
-    return parser
-
-
 def _by(numbers):
     return " x ".join(f"{number:g}" for number in numbers)
+
+
+COMMANDS = {
+    "info": _info,
+    "bake": _bake,
+    "surface": _surface,
+    "compare": _compare,
+    "flatland": _flatland,
+}

@@ -14,12 +14,15 @@ import numpy as np
 from . import _core
 from ._core import LeaflightError
 from .flat_scene import FlatScene, core_flat_scene, fit_flat_scene, flat_box
-from .images import luminance, read_pixels
+from .images import display_colours, luminance, read_pixels
 from .settings import bake_settings, leaf_window
 from .volume import Volume, on_unit_cube
 
 # What makes a scene of the plane about as bright as the same scene in space (thesis 3.4.3).
 BRIGHTNESS_CORRECTION = 2.0 / np.pi
+# Of a picture, in its pixels.
+LINE_WIDTH = 3
+OVERSAMPLING = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,3 +132,28 @@ def bake_flatland(
     core = core_flat_scene(scene, field, window)
     baked = _core.bake2(core, settings, progress or _core.Progress())
     return FlatBake(volume, scene, window, baked.grids[0], dict(baked.statistics))
+
+
+def picture(bake, isovalues, width=1000, correction=BRIGHTNESS_CORRECTION):
+    """The isolines in the colours that they are lit in, over black: uint8 [row, column, RGB].
+
+    width: pixels of the longer side; correction: a factor of the radiance, 1 for none.
+    Raises LeaflightError for an isovalue outside the window.
+    """
+    from PIL import Image, ImageDraw
+
+    low, high = np.asarray(bake.volume.field().bounds)
+    # Drawn larger, because lines of Pillow are not smoothed.
+    scale = OVERSAMPLING * width / (high - low).max()
+    size = np.maximum(1, np.rint(scale * (high - low))).astype(int)
+    image = Image.new("RGB", tuple(size))
+    draw = ImageDraw.Draw(image)
+    for isovalue in isovalues:
+        lines = bake.isolines(isovalue)
+        ends = scale * (lines.vertices - low)[lines.segments]
+        ends[..., 1] = size[1] - ends[..., 1]
+        radiance = lines.radiance[lines.segments].mean(axis=1)
+        colours = display_colours(radiance, correction * bake.scene.exposure)
+        for (start, end), colour in zip(ends.tolist(), colours.tolist()):
+            draw.line([*start, *end], fill=tuple(colour), width=LINE_WIDTH * OVERSAMPLING)
+    return np.asarray(image.reduce(OVERSAMPLING))

@@ -8,6 +8,7 @@ import numpy as np
 
 from . import _core
 from ._core import LeaflightError
+from .output import replaced
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr")
 
@@ -60,6 +61,21 @@ def luminance(pixels):
     return grey.astype(np.float32)
 
 
+def display_colours(radiance, exposure):
+    """Radiance (..., 3) to uint8 sRGB: times the exposure, clamped to 0..1, encoded."""
+    linear = np.clip(np.asarray(radiance, dtype=np.float32) * np.float32(exposure), 0.0, 1.0)
+    curve = 1.055 * np.power(linear, 1.0 / 2.4) - 0.055
+    encoded = np.where(linear <= 0.0031308, 12.92 * linear, curve)
+    return np.rint(255.0 * encoded).astype(np.uint8)
+
+
+def write_png(path, pixels):
+    """Writes uint8 [row, column, RGB], top row first, as a whole or not at all."""
+    image = _pillow(path).fromarray(pixels)
+    with replaced(path) as temporary:
+        image.save(temporary)
+
+
 def _read_tiff(path):
     from .readers.tiff import opened
 
@@ -73,14 +89,19 @@ def _read_tiff(path):
     return pixels
 
 
-def _read_with_pillow(path):
+def _pillow(path):
     try:
         from PIL import Image
     except ImportError:
         raise LeaflightError(
-            f"{path}: reading it needs the Python package Pillow, which is not installed; "
+            f"{path}: this needs the Python package Pillow, which is not installed; "
             "install python3-pil."
         ) from None
+    return Image
+
+
+def _read_with_pillow(path):
+    Image = _pillow(path)
     try:
         # A warning of a large image is harmless; of a far too large one Pillow raises an error.
         with warnings.catch_warnings():

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Checks on output files, made before the long work begins rather than after it."""
+"""Output files: checked before the long work begins, and written as a whole or not at all."""
 
 import os
 import tempfile
+from contextlib import contextmanager
 from pathlib import Path
 
 from ._core import LeaflightError
@@ -28,3 +29,17 @@ def check_writable(path, suffix, *inputs):
             f"{path}: cannot write into the folder {path.parent}: {error.strerror}; "
             "choose another folder."
         ) from None
+
+
+@contextmanager
+def replaced(path):
+    """A temporary path of the same suffix, renamed to path at the end. Raises LeaflightError."""
+    path = Path(path)
+    try:
+        # The folder, not the file, is temporary: some writers recognise the format by the suffix.
+        with tempfile.TemporaryDirectory(dir=path.parent, prefix=".leaflight-") as folder:
+            temporary = Path(folder) / f"output{path.suffix}"
+            yield temporary
+            os.replace(temporary, path)
+    except OSError as error:
+        raise LeaflightError(f"{path}: cannot write it: {error.strerror}.") from None

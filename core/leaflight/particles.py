@@ -11,43 +11,34 @@ from .volume import on_unit_cube
 
 # Where a Gaussian is cut off, in standard deviations.
 KERNEL_REACH = 4.0
-# Particles that a ball of radius 1 would hold.
-NUCLEON_DENSITY = 160_000
+# Molecules that a droplet of radius 1 would hold.
 DROPLET_DENSITY = 1_500_000
 
 
 def nucleons(n=101):
     """Protons and neutrons in the crust of a neutron star: two Volumes of n^3 nodes.
 
-    Nuclei of irregular, elongated shapes hang together in threads; neutrons surround them as a skin
-    and a thin gas.
+    Nuclei of irregular, elongated shapes, some of them joined, in which the two kinds lie mixed,
+    and a thin gas of neutrons around them.
     """
     protons, neutrons = _nucleon_positions()
     return [
-        _density("nucleons:0", "protons", protons, 0.024, n),
-        _density("nucleons:1", "neutrons", neutrons, 0.026, n),
+        _density("nucleons:0", "protons", protons, 0.02, n),
+        _density("nucleons:1", "neutrons", neutrons, 0.02, n),
     ]
 
 
 def _nucleon_positions():
     rng = np.random.default_rng(1)
-    centres = _scattered(rng, 20, distance=0.2, low=0.14, high=0.86)
-    protons, neutrons = [], []
-    for centre in centres:
+    candidates = []
+    for centre in _scattered(rng.uniform(0.15, 0.85, (2000, 3)), distance=0.18)[:22]:
         axes = rng.uniform(0.05, 0.13, 3)
-        shape = (_rotation(rng) * axes).T
-        count = int(NUCLEON_DENSITY * axes.prod())
-        protons.append(centre + _ball(rng, count) @ shape)
-        neutrons.append(centre + 1.2 * _ball(rng, 2 * count) @ shape)
-    # Bridges between neighbours: the threads of what is called nuclear pasta.
-    for centre in centres:
-        order = np.argsort(np.linalg.norm(centres - centre, axis=1))
-        along = rng.uniform(0, 1, (90, 1))
-        bridge = centre + along * (centres[order[1]] - centre)
-        protons.append(bridge[:30] + rng.normal(0, 0.018, (30, 3)))
-        neutrons.append(bridge[30:] + rng.normal(0, 0.025, (60, 3)))
-    neutrons.append(rng.uniform(0.1, 0.9, (200, 3)))
-    return np.concatenate(protons), np.concatenate(neutrons)
+        candidates.append(centre + _ball(rng, 200) @ (_rotation(rng) * axes).T)
+    # Nucleons repel each other.
+    nuclei = _scattered(np.concatenate(candidates), distance=0.026)
+    gas = _scattered(rng.uniform(0.07, 0.93, (200, 3)), distance=0.08)
+    is_proton = rng.random(len(nuclei)) < 0.45
+    return nuclei[is_proton], np.concatenate([nuclei[~is_proton], gas])
 
 
 def lapr(n=120):
@@ -117,14 +108,16 @@ def _convolved(particles, sigma, n):
     return (values * (255.0 / values.max())).astype(np.float32)
 
 
-def _scattered(rng, count, distance, low, high):
-    """Points (count, 3) in [low, high]^3, no two nearer than the distance."""
-    points = np.empty((0, 3))
-    while len(points) < count:
-        point = rng.uniform(low, high, 3)
-        if (np.linalg.norm(points - point, axis=1) > distance).all():
-            points = np.vstack([points, point])
-    return points
+def _scattered(candidates, distance):
+    """Those points (n, 3) that are not nearer than the distance to an earlier one."""
+    points = np.empty_like(candidates)
+    count = 0
+    for candidate in candidates[((candidates > 0.06) & (candidates < 0.94)).all(axis=1)]:
+        squares = ((points[:count] - candidate) ** 2).sum(axis=1)
+        if (squares >= distance**2).all():
+            points[count] = candidate
+            count += 1
+    return points[:count]
 
 
 def _lattice(radius, spacing):

@@ -61,7 +61,7 @@ def bake_settings(
     settings = kind()
     settings.resolution = _texels(resolution, dims)
     settings.samples = _whole("samples", samples, 1)
-    settings.photons = _whole("photons", photons, 0)
+    settings.photons = _whole("photons", photons, 1)
     caustic_photons = photons if caustic_photons is None else caustic_photons
     settings.caustic_photons = _whole("caustic_photons", caustic_photons, 0)
     settings.estimator = estimator

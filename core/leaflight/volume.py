@@ -12,7 +12,7 @@ from ._core import LeaflightError
 # Above this share of the voxels, a value at an end of the range is padding around the object.
 BACKGROUND_SHARE = 0.1
 # How far below the data the layer around a capped volume is, in ranges of the data.
-CAP_DEPTH = 4.0
+CAP_DEPTH = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,11 +52,12 @@ class Volume:
     def capped(self):
         """The volume with one layer of voxels around it that closes every isosurface.
 
-        The layer holds one value below all others, low - 4 (high - low). Between a voxel of value h
+        The layer holds one value below all others, low - 2 (high - low). Between a voxel of value h
         on the border and the layer, the cap of the leaf c lies at (h - c) / (h - layer) of a voxel:
-        at most 1/5, for the lowest leaf before the highest value. A deeper layer would flatten the
-        caps further, but squeeze all leaves into a slab so thin that a texel's samples, spread over
-        its volume, would hardly meet it. Data keep their values, and index_to_world its voxels.
+        nowhere beyond 1/3. A deeper layer would make the caps flatter still, but squeeze all leaves
+        into a slab so thin that a texel's samples, spread over its volume, hardly meet it. Even so
+        the caps of all leaves share their texels: on a cap the baked light is a mean over the
+        window of isovalues. Data keep their values, and voxels their places in the world.
 
         Voxels without data stay so, and next to them a leaf stays open: it ends where knowledge
         does. A volume that is closed already, because its lowest value is all that its border

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 
 #include "leaflight/bake/bake.h"
+#include "leaflight/surface/marching_cubes.h"
+#include "leaflight/surface/project.h"
 #include "leaflight/transport/reference.h"
 #include "scenes.h"
 
@@ -21,27 +25,58 @@ struct Agreement {
   double mean_ratio, relative_rms;
 };
 
-template <int D>
-Agreement agreement(const Scene<D>& scene, const std::vector<Vec<D>>& points,
-                    const std::vector<ReferenceRadiance>& reference, EstimatorName estimator,
-                    int samples, std::uint64_t photons) {
-  BakeSettings<D> settings;
-  settings.samples = samples;
-  settings.photons = photons;
-  settings.estimator = estimator;
-  Progress progress;
-  const Baked<D> baked_scene = bake(scene, settings, progress);
+// found(i) is the radiance that is compared with the reference of number i.
+template <class Found>
+Agreement compare(std::size_t count, const std::vector<ReferenceRadiance>& reference, Found found) {
   double baked = 0, truth = 0, square = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto radiance = lookup_world(scene, baked_scene, points[i]);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec<3, float> radiance = found(i);
     for (int k = 0; k < 3; ++k) {
       baked += radiance[k];
       truth += reference[i].radiance[k];
       square += std::pow(radiance[k] - reference[i].radiance[k], 2);
     }
   }
-  const double n = 3 * static_cast<double>(points.size());
+  const double n = 3 * static_cast<double>(count);
   return {baked / truth, std::sqrt(square / n) / (truth / n)};
+}
+
+template <int D>
+Agreement agreement(const Scene<D>& scene, const std::vector<Vec<D>>& points,
+                    const std::vector<ReferenceRadiance>& reference, EstimatorName estimator,
+                    int samples, std::uint64_t photons) {
+  BakeSettings<D> settings;
+  settings.samples = samples;
+  settings.photons = settings.caustic_photons = photons;
+  settings.estimator = estimator;
+  Progress progress;
+  const Baked<D> baked = bake(scene, settings, progress);
+  return compare(points.size(), reference,
+                 [&](std::size_t i) { return lookup_world(scene, baked, points[i]); });
+}
+
+// Every `step`-th vertex of the leaf, moved off the grid's edges and back onto the leaf.
+inline std::vector<Vec3> leaf_points(const Field<3>& field, double isovalue, std::size_t step) {
+  const IsosurfaceMesh mesh = contour(field, isovalue);
+  std::vector<Vec3> points;
+  for (std::size_t t = 0; t < mesh.triangles.size(); t += step) {
+    Vec3 centre(0.0);
+    for (const int v : mesh.triangles[t]) centre += Vec3(mesh.vertices[v]) / 3;
+    points.push_back(project_to_leaf(field, centre, isovalue));
+  }
+  return points;
+}
+
+// Bakes, and compares the first volume's leaf with the path tracer.
+inline void expect_agreement(const Scene<3>& scene, double c, EstimatorName estimator, int samples,
+                             std::uint64_t photons, double mean_tolerance, double rms_tolerance) {
+  const std::vector<Vec3> points = leaf_points(field_of(scene), scene.volumes[0].isovalue(c), 17);
+  Progress progress;
+  const auto reference =
+      reference_radiance(scene, points, reference_settings(c, 1024, 3), progress);
+  const Agreement found = agreement(scene, points, reference, estimator, samples, photons);
+  EXPECT_NEAR(found.mean_ratio, 1, mean_tolerance);
+  EXPECT_LT(found.relative_rms, rms_tolerance);
 }
 
 }  // namespace leaflight::test

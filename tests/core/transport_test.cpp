@@ -16,18 +16,6 @@ namespace {
 
 constexpr double c = 0.72;
 
-// Every `step`-th vertex of the leaf, moved off the grid's edges and back onto the leaf.
-std::vector<Vec3> leaf_points(const Field<3>& field, double isovalue, std::size_t step) {
-  const IsosurfaceMesh mesh = contour(field, isovalue);
-  std::vector<Vec3> points;
-  for (std::size_t t = 0; t < mesh.triangles.size(); t += step) {
-    Vec3 centre(0.0);
-    for (const int v : mesh.triangles[t]) centre += Vec3(mesh.vertices[v]) / 3;
-    points.push_back(project_to_leaf(field, centre, isovalue));
-  }
-  return points;
-}
-
 class Furnace : public testing::TestWithParam<double> {};
 
 // Radiance in a closed box is E / (1 - albedo) everywhere (nori's furnace test).
@@ -36,7 +24,7 @@ TEST_P(Furnace, PathTracerIsExact) {
   const Scene<3> scene =
       test::furnace(test::ball<3>(33), {0.55, 0.9}, 1, static_cast<Real>(albedo));
   Progress progress;
-  const auto reference = reference_radiance(scene, leaf_points(test::field_of(scene), c, 40),
+  const auto reference = reference_radiance(scene, test::leaf_points(test::field_of(scene), c, 40),
                                             test::reference_settings(c, 8192, 1), progress);
   ASSERT_GT(reference.size(), 50u);
   EXPECT_NEAR(test::mean_of(reference) * (1 - albedo), 1, 0.01);
@@ -60,7 +48,7 @@ TEST_P(Furnace, BakesAreExact) {
     Progress progress;
     const Baked<3> baked_scene = bake(scene, settings, progress);
     double sum = 0;
-    const std::vector<Vec3> points = leaf_points(test::field_of(scene), c, 7);
+    const std::vector<Vec3> points = test::leaf_points(test::field_of(scene), c, 7);
     for (const Vec3& p : points) {
       sum += test::lookup_world(scene, baked_scene, p).x;
     }
@@ -114,43 +102,24 @@ TEST(DirectLight, RectangleOverPlaneHasTheClosedForm) {
   }
 }
 
-test::Agreement agreement_with_paths(const Scene<3>& scene, double isovalue,
-                                     EstimatorName estimator, int samples, std::uint64_t photons) {
-  const std::vector<Vec3> points = leaf_points(test::field_of(scene), isovalue, 17);
-  Progress progress;
-  const auto reference =
-      reference_radiance(scene, points, test::reference_settings(isovalue, 1024, 3), progress);
-  return test::agreement(scene, points, reference, estimator, samples, photons);
-}
-
 TEST(Estimators, AgreeWithThePathTracer) {
   const Scene<3> scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
-  const test::Agreement gather = agreement_with_paths(scene, c, EstimatorName::gather, 64, 500'000);
-  EXPECT_NEAR(gather.mean_ratio, 1, 0.01);
-  EXPECT_LT(gather.relative_rms, 0.06);
-  const test::Agreement path = agreement_with_paths(scene, c, EstimatorName::path, 64, 1);
-  EXPECT_NEAR(path.mean_ratio, 1, 0.01);
-  EXPECT_LT(path.relative_rms, 0.08);
+  test::expect_agreement(scene, c, EstimatorName::gather, 64, 500'000, 0.01, 0.06);
+  test::expect_agreement(scene, c, EstimatorName::path, 64, 1, 0.01, 0.08);
 }
 
 TEST(Estimators, PhotonDensityAgreesWithThePathTracer) {
   const Scene<3> scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
-  const test::Agreement photons =
-      agreement_with_paths(scene, c, EstimatorName::volumetric, 64, 4'000'000);
-  EXPECT_NEAR(photons.mean_ratio, 1, 0.01);
-  EXPECT_LT(photons.relative_rms, 0.06);
+  test::expect_agreement(scene, c, EstimatorName::volumetric, 64, 4'000'000, 0.01, 0.06);
 }
 
 // A sheet that meets the domain's border: light reaches its back, and returns through the box.
 TEST(Estimators, AgreeOnAnOpenLeaf) {
-  Scene<3> scene = test::cornell(
+  const Scene<3> scene = test::cornell(
       test::sampled<3>(
           33, [](const Vec3& x) { return 1 - x.z + 0.1 * std::sin(9 * x.x) * std::cos(7 * x.y); }),
       {0.2, 0.8});
-  const test::Agreement gather =
-      agreement_with_paths(scene, 0.5, EstimatorName::gather, 64, 1'000'000);
-  EXPECT_NEAR(gather.mean_ratio, 1, 0.015);
-  EXPECT_LT(gather.relative_rms, 0.08);
+  test::expect_agreement(scene, 0.5, EstimatorName::gather, 64, 1'000'000, 0.015, 0.08);
 }
 
 }  // namespace

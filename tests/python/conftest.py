@@ -2,7 +2,7 @@
 """What the tests share: small volumes, one small bake, and two ways to call the command line."""
 
 import subprocess
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +11,7 @@ from hypothesis import settings
 
 import leaflight
 from leaflight.cli import main
+from leaflight.particles import lapr
 
 # The same examples in every run, however slow the machine: a failure is about the change at hand.
 settings.register_profile("repeatable", derandomize=True, deadline=None, max_examples=60)
@@ -62,6 +63,27 @@ def box_bake(bump_scene):
 def box_file(box_bake, tmp_path_factory):
     path = tmp_path_factory.mktemp("bake") / "box.vdb"
     box_bake.save(path)
+    return path
+
+
+@pytest.fixture(scope="session")
+def lapr_scene():
+    return leaflight.load_scene(ROOT / "scenes" / "lapr.json")
+
+
+@pytest.fixture(scope="session")
+def lapr_bake(lapr_scene):
+    """Two volumes, both sides and the surroundings; open at the border, so that light gets in."""
+    volumes = [replace(one, values=one.values[:, :, :20].copy()) for one in lapr(30)]
+    return leaflight.bake(
+        volumes, lapr_scene, samples=4, photons=50_000, both_sides=True, surroundings=True
+    )
+
+
+@pytest.fixture(scope="session")
+def lapr_file(lapr_bake, tmp_path_factory):
+    path = tmp_path_factory.mktemp("bake") / "lapr.vdb"
+    lapr_bake.save(path)
     return path
 
 

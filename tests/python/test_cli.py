@@ -7,8 +7,13 @@ import subprocess
 import time
 
 import meshio
+import numpy as np
 import pytest
+from PIL import Image
 
+from leaflight import _core
+
+FLAT = ["--out", "OUT/x.exr", "--samples", "1", "--photons", "1000"]
 BAKE = ["--isovalues", "30", "70", "--samples", "4", "--photons", "20000"]
 
 
@@ -56,6 +61,65 @@ def test_pipeline(script, root, tmp_path):
     assert sorted(p.name for p in tmp_path.iterdir()) == ["box.ply", "box.vdb"]
 
 
+def test_pipeline_of_several_volumes(cli, root, tmp_path):
+    """The volumes come from the scene file; each shows its own isovalue at a leaf coordinate."""
+    bake, mesh = tmp_path / "lapr.vdb", tmp_path / "water.ply"
+    scene = root / "scenes" / "lapr.json"
+    options = ["--samples", "2", "--photons", "5000", "--caustic-photons", "1000", "--capped"]
+    outcome = cli(
+        *("bake", "--scene", scene, "--dims", "16", "--out", bake, "--both-sides"),
+        *("--surroundings", *options, "--json"),
+    )
+    baked = last_json(outcome)
+    assert baked["isovalues"] == [0, 1]
+    assert baked["volumes"] == [
+        {"name": "dirt", "isovalues": [50, 200]},
+        {"name": "water", "isovalues": [30, 150]},
+    ]
+    assert "--isovalue 0..1 shows volume 1 (water) at 30..150" in outcome.out
+    for side in ([], ["--back"]):
+        arguments = ["--isovalue", "0.25", "--volume", "1", "--out", mesh, *side]
+        outcome = cli("surface", bake, *arguments)
+        assert outcome.status == 0 and "0.25 (60 of water)" in outcome.out
+    outcome = cli(
+        *("compare", bake, "--isovalue", "0.25", "--volume", "0", "--points", "20", "--spp", "4"),
+        "--back",
+    )
+    assert outcome.status == 0 and "0.25 (87.5 of dirt), all points" in outcome.out
+    assert "seen from outside" not in outcome.out
+
+
+def test_volumes_on_the_command_line_win(cli, root, tmp_path):
+    out = tmp_path / "two.vdb"
+    scene = root / "scenes" / "lapr.json"
+    result = last_json(
+        cli(
+            *("bake", "bump_box", "bump_box", "--dims", "8", "--scene", scene, "--out", out),
+            *("--samples", "1", "--photons", "1000", "--isovalues", "0.2", "0.8", "--json"),
+        )
+    )
+    assert result["isovalues"] == [0.2, 0.8] and len(result["volumes"]) == 2
+
+
+def test_flatland(script, tmp_path):
+    out = tmp_path / "texture.exr"
+    arguments = ["bump_box", "--dims", "40", "--out", out, "--isolines", "10", "50", "100"]
+    options = ["--samples", "4", "--photons", "10000"]
+    result = last_json(script("flatland", *arguments, *options, "--json"))
+    assert result["resolution"] == [40, 40] and result["isolines"] == [10, 50, 100]
+    texture = _core.read_exr(str(out))
+    # The top row is first, and the lamp at the bottom.
+    assert texture[-10:].mean() > 2 * texture[:10].mean() > 0
+    with Image.open(tmp_path / "texture.png") as picture:
+        assert picture.mode == "RGB" and max(picture.size) == 1000
+    image = tmp_path / "image.png"
+    Image.fromarray(np.add.outer(np.arange(9), np.arange(12)).astype(np.uint8)).save(image)
+    outcome = script("flatland", image, "--out", tmp_path / "image.exr", *options)
+    assert outcome.status == 2 and "overwrite the input" in outcome.err
+    outcome = script("flatland", image, "--out", tmp_path / "other.exr", *options)
+    assert outcome.status == 0 and "12 x 9 texels" in outcome.out
+
+
 def test_defaults_bake_a_cornell_box(cli, tmp_path):
     out = tmp_path / "box.vdb"
     outcome = cli(
@@ -100,6 +164,16 @@ def test_plain_text(cli, box_file, tmp_path):
         (["surface", "BAKE", "--out", "OUT/x.ply"], "--isovalue"),
         (["compare", "BAKE", "--isovalue", "700"], "window"),
         (["compare", "BAKE", "--isovalue", "47", "--points", "0"], "point"),
+        (["compare", "BAKE", "--isovalue", "47", "--volume", "1"], "no volume 1"),
+        (["surface", "BAKE", "--isovalue", "47", "--back", "--out", "OUT/x.ply"], "--both-sides"),
+        (["bake", "--out", "OUT/x.vdb"], "name a VOLUME"),
+        (["bake", "lapr:2", "--out", "OUT/x.vdb"], "no such file"),
+        (["flatland", "bump_box"], "--out"),
+        (["flatland", "bump_box", "--out", "OUT/x.png"], "must end in .exr"),
+        (["flatland", "bump_box", "--dims", "1", "--out", "OUT/x.exr"], "--dims is 1"),
+        (["flatland", "OUT/no.png", "--out", "OUT/x.exr"], "no such image"),
+        (["flatland", "OUT/no.png", "--dims", "8", "--out", "OUT/x.exr"], "--dims"),
+        (["flatland", "bump_box", "--dims", "8", "--isolines", "900", *FLAT], "window"),
     ],
 )
 def test_errors(cli, tmp_path, box_file, arguments, sentence):

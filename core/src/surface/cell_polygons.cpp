@@ -23,23 +23,27 @@ int edge_between(int a, int b) {
   return 4 * axis + ((low >> first) & 1) + 2 * ((low >> second) & 1);
 }
 
-FaceSigns face_signs(unsigned above, const std::array<int, 4>& corner) {
-  FaceSigns signs;
-  for (int i = 0; i < 4; ++i) signs[i] = (above >> corner[i]) & 1u;
-  return signs;
-}
-
-// On each face the surface leaves and returns; the loops of these steps are its polygons.
+// Walks the faces: on each, the surface leaves through the edge at which the walk goes from above
+// to below and returns through one at which it goes from below to above, keeping the above on the
+// left.
 CellTriangles triangulate(unsigned above, unsigned joined) {
   std::array<int, 12> next;
   next.fill(-1);
+  const auto is_above = [&](int corner) { return (above >> corner) & 1u; };
   for (int face = 0; face < 6; ++face) {
     const auto corner = face_corners(face);
-    const auto edge = [&](int i) { return edge_between(corner[i], corner[(i + 1) % 4]); };
-    const FaceSigns signs = face_signs(above, corner);
     for (int i = 0; i < 4; ++i) {
-      if (!signs[i] || signs[(i + 1) % 4]) continue;
-      next[edge(i)] = edge(returning_edge(signs, i, (joined >> face) & 1u));
+      const int a = corner[i], b = corner[(i + 1) % 4];
+      if (!is_above(a) || is_above(b)) continue;
+      // Joined: around the next run below. Separate: around the run above that ends here.
+      int from = -1;
+      const int step = ((joined >> face) & 1u) ? 1 : 3;
+      for (int j = (i + step) % 4; from < 0; j = (j + step) % 4) {
+        if (!is_above(corner[j]) && is_above(corner[(j + 1) % 4])) {
+          from = edge_between(corner[j], corner[(j + 1) % 4]);
+        }
+      }
+      next[edge_between(a, b)] = from;
     }
   }
   CellTriangles result{{}, 0};
@@ -85,27 +89,17 @@ const CellTriangles& cell_triangles(unsigned above, unsigned joined) {
   return table[above * 64 + joined];
 }
 
-bool joined_across(const std::array<double, 4>& g, const FaceSigns& above) {
-  if (above[0] == above[1] || above[0] != above[2] || above[1] != above[3]) return false;
-  const double even = g[0] * g[2], odd = g[1] * g[3];
-  // h == c counts as above, hence >= for the saddle.
-  return above[0] ? even >= odd : odd >= even;
-}
-
-int returning_edge(const FaceSigns& above, int leaving, bool joined) {
-  // Joined: around the next run below. Separate: around the run above that ends here.
-  const int step = joined ? 1 : 3;
-  int edge = (leaving + step) % 4;
-  while (above[edge] || !above[(edge + 1) % 4]) edge = (edge + step) % 4;
-  return edge;
-}
-
 unsigned joined_faces(const std::array<double, 8>& g, unsigned above) {
   unsigned joined = 0;
   for (int face = 0; face < 6; ++face) {
     const auto corner = face_corners(face);
-    const std::array<double, 4> values{g[corner[0]], g[corner[1]], g[corner[2]], g[corner[3]]};
-    if (joined_across(values, face_signs(above, corner))) joined |= 1u << face;
+    const auto is_above = [&](int i) { return (above >> corner[i]) & 1u; };
+    if (is_above(0) == is_above(1) || is_above(0) != is_above(2) || is_above(1) != is_above(3)) {
+      continue;
+    }
+    const double even = g[corner[0]] * g[corner[2]], odd = g[corner[1]] * g[corner[3]];
+    // h == c counts as above, hence >= for the saddle.
+    if (is_above(0) ? even >= odd : odd >= even) joined |= 1u << face;
   }
   return joined;
 }

@@ -44,7 +44,7 @@ Sight<D> look(const SceneTracer<D>& tracer, const SurfacePoint<D>& start, const 
     ++rays;
     sight.hit = tracer.intersect(from, sight.direction);
     passed(from.position, sight.direction, length_of(sight.hit), sight);
-    if (sight.hit.kind == HitKind::none) return sight;
+    if (sight.hit.kind == HitKind::none) break;
     sight.point = tracer.surface_point(sight.hit, sight.direction, start.c);
     met(sight);
     if (sight.point.scattering == Scattering::diffuse) return sight;

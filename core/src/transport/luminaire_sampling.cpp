@@ -59,7 +59,9 @@ Rgb along(const AreaLight<D>& light, const Vec<D>& origin, const Vec<D>& directi
   const double approach = -direction.dot(normal);
   if (!(approach > 0)) return Rgb(0);
   const double t = (origin - light.corner).dot(normal) / approach;
-  if (!(t > 0 && t < t_max)) return Rgb(0);
+  // A light in the plane of a wall shines before it.
+  constexpr double slack = 64 * std::numeric_limits<float>::epsilon();
+  if (!(t > 0 && (t - t_max) * approach < slack)) return Rgb(0);
   const Vec<D> at = origin + direction * t - light.corner;
   double radius2 = 0;
   for (const Vec<D>& edge : light.edges) {

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Several volumes, emissive and coloured leaves, both sides, and the surroundings per isovalue.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "agreement.h"
+#include "leaflight/math/error.h"
+#include "scenes.h"
+
+namespace leaflight {
+namespace {
+
+Progress ignored;
+
+// A second ball beside the first, in a field of another range: c = 0.1 ... is h = 10 ...
+Scene<3> two_balls() {
+  Scene<3> scene = test::cornell(test::ball<3>(41, Vec3(0.3, 0.5, 0.5)), {0.7, 0.9});
+  Volume<3> second;
+  second.name = "second";
+  second.field = test::sampled<3>(
+      33, [](const Vec3& x) { return 100 * (1 - (x - Vec3(0.75, 0.5, 0.45)).length()) + 5; });
+  second.albedo = Rgb(0.9f, 0.5f, 0.1f);
+  second.offset = 5;
+  second.scale = 100;
+  scene.volumes[0].name = "first";
+  scene.volumes.push_back(second);
+  return scene;
+}
+
+// Of a volume and side of a bake against the path tracer at points of its leaf.
+test::Agreement side_agreement(const Scene<3>& scene, const Baked<3>& baked, int volume, bool above,
+                               double c) {
+  const Field<3>& field = scene.volumes[volume].field;
+  const std::vector<Vec3> points = test::leaf_points(field, scene.volumes[volume].isovalue(c), 17);
+  ReferenceSettings settings = test::reference_settings(c, 1024, 5);
+  settings.volume = volume;
+  settings.above = above;
+  const auto reference = reference_radiance(scene, points, settings, ignored);
+  const RadianceGrid<3>& grid = baked.grids[volume];
+  return test::compare(points.size(), reference, [&](std::size_t i) {
+    return lookup(grid.lattice, above ? grid.radiance_back : grid.radiance,
+                  field.world_to_index.point(points[i]));
+  });
+}
+
+TEST(Volumes, OfOneSceneSeeEachOther) {
+  const Scene<3> scene = two_balls();
+  for (const EstimatorName estimator : {EstimatorName::gather, EstimatorName::volumetric}) {
+    BakeSettings<3> settings;
+    settings.samples = 64;
+    settings.photons = 4'000'000;
+    settings.estimator = estimator;
+    const Baked<3> baked = bake(scene, settings, ignored);
+    ASSERT_EQ(baked.grids.size(), 2u);
+    for (const int volume : {0, 1}) {
+      SCOPED_TRACE(volume);
+      const test::Agreement found = side_agreement(scene, baked, volume, false, 0.8);
+      EXPECT_NEAR(found.mean_ratio, 1, 0.01);
+      EXPECT_LT(found.relative_rms, 0.08);
+    }
+  }
+  // Without its neighbour, the first is brighter where it stood in its shadow.
+  Scene<3> alone = two_balls();
+  alone.volumes.pop_back();
+  const std::vector<Vec3> points = test::leaf_points(alone.volumes[0].field, 0.8, 17);
+  const auto settings = test::reference_settings(0.8, 256, 1);
+  EXPECT_GT(std::abs(test::mean_of(reference_radiance(alone, points, settings, ignored)) /
+                         test::mean_of(reference_radiance(scene, points, settings, ignored)) -
+                     1),
+            0.005);
+}
+
+// A field with twice the numbers, mapped to the same leaf coordinate, is the same scene.
+TEST(Volumes, LeafCoordinateIsAffine) {
+  Scene<3> scene = test::cornell(test::ball<3>(25), {0.6, 0.9}), doubled = scene;
+  doubled.volumes[0].field =
+      test::sampled<3>(25, [](const Vec3& x) { return 2 * (1 - (x - Vec3(0.5)).length()) + 3; });
+  doubled.volumes[0].offset = 3;
+  doubled.volumes[0].scale = 2;
+  BakeSettings<3> settings;
+  settings.samples = 16;
+  settings.photons = 200'000;
+  const Baked<3> a = bake(scene, settings, ignored), b = bake(doubled, settings, ignored);
+  ASSERT_EQ(a.grids[0].lattice.active.size(), b.grids[0].lattice.active.size());
+  double difference = 0, sum = 0;
+  for (std::size_t s = 0; s < a.grids[0].radiance.size(); ++s) {
+    difference += std::abs(a.grids[0].radiance[s].y - b.grids[0].radiance[s].y);
+    sum += a.grids[0].radiance[s].y;
+  }
+  EXPECT_LT(difference, 0.02 * sum);
+}
+
+TEST(Leaves, EmitTheirOwnLight) {
+  Scene<3> scene = test::cornell(test::torus(41), {0.8, 0.92});
+  scene.lights.clear();
+  scene.volumes[0].emission = ColorRamp({{0.8, Rgb(1, 0.2f, 0.1f)}, {0.92, Rgb(0.1f, 0.2f, 1)}});
+  for (const EstimatorName estimator :
+       {EstimatorName::gather, EstimatorName::volumetric, EstimatorName::path}) {
+    SCOPED_TRACE(static_cast<int>(estimator));
+    test::expect_agreement(scene, 0.85, estimator, 64, 4'000'000, 0.01, 0.05);
+  }
+}
+
+TEST(Leaves, TakeTheirColourFromTheIsovalue) {
+  Scene<3> scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
+  scene.volumes[0].albedo = ColorRamp({{0.6, Rgb(0.9f, 0.1f, 0.1f)}, {0.9, Rgb(0.1f, 0.1f, 0.9f)}});
+  test::expect_agreement(scene, 0.72, EstimatorName::gather, 64, 500'000, 0.01, 0.06);
+}
+
+TEST(Leaves, HaveTwoSides) {
+  // A sheet that meets the domain's border.
+  const Scene<3> scene = test::cornell(
+      test::sampled<3>(
+          33, [](const Vec3& x) { return 1 - x.z + 0.1 * std::sin(9 * x.x) * std::cos(7 * x.y); }),
+      {0.2, 0.8});
+  for (const EstimatorName estimator :
+       {EstimatorName::gather, EstimatorName::volumetric, EstimatorName::path}) {
+    SCOPED_TRACE(static_cast<int>(estimator));
+    BakeSettings<3> settings;
+    settings.samples = 64;
+    settings.photons = 4'000'000;
+    settings.estimator = estimator;
+    settings.both_sides = true;
+    const Baked<3> baked = bake(scene, settings, ignored);
+    ASSERT_TRUE(baked.grids[0].has_back());
+    for (const bool above : {false, true}) {
+      const test::Agreement found = side_agreement(scene, baked, 0, above, 0.5);
+      EXPECT_NEAR(found.mean_ratio, 1, 0.02);
+      EXPECT_LT(found.relative_rms, estimator == EstimatorName::path ? 0.25 : 0.13);
+    }
+  }
+}
+
+TEST(Surroundings, AreLitPerIsovalue) {
+  const Scene<3> scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
+  BakeSettings<3> settings;
+  settings.surroundings = true;
+  settings.samples = 64;
+  const Baked<3> baked = bake(scene, settings, ignored);
+  const SurroundingsRadiance<3>& walls = baked.surroundings;
+  ASSERT_EQ(walls.radiance.size(), scene.meshes.size());
+  for (const double c : {0.62, 0.75, 0.88}) {
+    double baked_sum = 0, truth = 0, square = 0, count = 0;
+    for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+      std::vector<FacetPoint> points;
+      std::vector<std::size_t> vertices;
+      for (std::size_t v = 0; v < walls.meshes[m].places.size(); v += 29) {
+        points.push_back(walls.meshes[m].places[v]);
+        vertices.push_back(v);
+      }
+      const auto reference =
+          reference_radiance(scene, points, test::reference_settings(c, 1024, 1), ignored);
+      const auto radiance = radiance_at(walls, static_cast<int>(m), c, false);
+      for (std::size_t i = 0; i < points.size(); ++i, ++count) {
+        const double found = radiance[vertices[i]].y, expected = reference[i].radiance.y;
+        baked_sum += found;
+        truth += expected;
+        square += std::pow(found - expected, 2);
+      }
+    }
+    EXPECT_NEAR(baked_sum / truth, 1, 0.015) << c;
+    EXPECT_LT(std::sqrt(square / count) / (truth / count), 0.1) << c;
+  }
+}
+
+// The shadow of a glass leaf is a caustic: no texel stores the leaf, but the floor shows it.
+TEST(Surroundings, ShowTheCausticOfAGlassLeaf) {
+  Scene<3> scene = test::cornell(test::ball<3>(41), {0.75, 0.85});
+  scene.volumes[0].scattering = Scattering::glass;
+  scene.volumes[0].albedo = Rgb(1);
+  BakeSettings<3> settings;
+  EXPECT_THROW(bake(scene, settings, ignored), Error);
+  settings.surroundings = true;
+  settings.samples = 64;
+  settings.caustic_photons = 8'000'000;
+  const Baked<3> baked = bake(scene, settings, ignored);
+  const SurroundingsRadiance<3>& walls = baked.surroundings;
+  double baked_sum = 0, truth = 0;
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    std::vector<FacetPoint> points;
+    std::vector<std::size_t> vertices;
+    for (std::size_t v = 0; v < walls.meshes[m].places.size(); v += 29) {
+      points.push_back(walls.meshes[m].places[v]);
+      vertices.push_back(v);
+    }
+    const auto reference =
+        reference_radiance(scene, points, test::reference_settings(0.8, 4096, 1), ignored);
+    const auto radiance = radiance_at(walls, static_cast<int>(m), 0.8, false);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      baked_sum += radiance[vertices[i]].y;
+      truth += reference[i].radiance.y;
+    }
+  }
+  EXPECT_NEAR(baked_sum / truth, 1, 0.02);
+}
+
+}  // namespace
+}  // namespace leaflight

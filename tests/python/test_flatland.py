@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Flatland: isolines of images, lit in the plane."""
+
+import copy
+import json
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from leaflight import LeaflightError, _core
+from leaflight.flat_scene import fit_flat_scene, flat_box, load_flat_scene
+from leaflight.flatland import (
+    BRIGHTNESS_CORRECTION,
+    bake_flatland,
+    bump_box_2d,
+    picture,
+    read_image,
+)
+
+SMALL = {"samples": 16, "photons": 50_000, "isovalues": (20.0, 200.0)}
+
+
+@pytest.fixture(scope="module")
+def baked():
+    return bake_flatland(bump_box_2d(60), **SMALL)
+
+
+def test_bump_box():
+    box = bump_box_2d(50)
+    assert box.values.shape == (50, 50) and box.field().range == pytest.approx((0, 255), abs=1e-3)
+    np.testing.assert_allclose(box.field().bounds, [[0, 0], [1, 1]])
+    # It grows towards y = 1, and has the bumps that vanish with z = 0.
+    assert box.values[-1].mean() > box.values[0].mean() + 40
+    assert box.field().sample([[0.4, 0.5]]) > box.field().sample([[0.4, 0.6]]) + 20
+
+
+def test_read_image(tmp_path):
+    path = tmp_path / "slope.png"
+    Image.fromarray(np.arange(15, dtype=np.uint8).reshape(3, 5) * 10).save(path)
+    volume = read_image(path)
+    # y is up, the longest side is 1.
+    np.testing.assert_array_equal(volume.values[0], [100, 110, 120, 130, 140])
+    np.testing.assert_allclose(volume.field().bounds, [[0, 0], [1, 0.5]])
+    assert volume.name == "slope" and volume.values.dtype == np.float32
+
+
+@pytest.mark.parametrize("pixels", [np.full((4, 4), 7), np.zeros((1, 9))])
+def test_image_without_isolines(tmp_path, pixels):
+    path = tmp_path / "flat.png"
+    Image.fromarray(pixels.astype(np.uint8)).save(path)
+    with pytest.raises(LeaflightError, match="flat.png"):
+        read_image(path)
+
+
+def test_isolines_lie_on_their_isovalue():
+    field = bump_box_2d(60).field()
+    vertices, normals, segments = _core.contour2(field, 47)
+    np.testing.assert_allclose(field.sample(vertices), 47, atol=0.01)
+    np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1, atol=1e-5)
+    # The outside, where the field is lower, is on the left.
+    along = vertices[segments[:, 1]] - vertices[segments[:, 0]]
+    left = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    assert ((left * normals[segments[:, 0]]).sum(axis=1) > 0).mean() > 0.98
+
+
+def test_lit_isolines_are_those_of_path_tracing(baked):
+    lines = baked.isolines(100.0)
+    assert lines.radiance.shape == (len(lines.vertices), 3)
+    middles = lines.vertices[lines.segments].mean(axis=1)
+    truth, error = baked.reference(middles, 100.0, spp=512)
+    difference = baked.radiance(middles) - truth
+    assert truth.mean() > 0.1
+    assert abs(difference.mean()) < 0.04 * truth.mean()
+    assert np.sqrt((difference**2).mean()) < 0.12 * truth.mean()
+
+
+def test_walls_colour_their_side(baked):
+    texture = baked.texture()
+    assert texture.shape == (60, 60, 3)
+    red, green = texture[..., 0], texture[..., 1]
+    assert red[20:, 2:15].mean() > 1.3 * green[20:, 2:15].mean()
+    assert green[20:, -15:-2].mean() > 1.3 * red[20:, -15:-2].mean()
+
+
+def test_same_for_any_number_of_threads():
+    box = bump_box_2d(20)
+    one, two = (bake_flatland(box, threads=threads, **SMALL) for threads in (1, 2))
+    np.testing.assert_array_equal(one.texture(), two.texture())
+
+
+def test_furnace():
+    """Between white walls that are lit alike, a white isoline is as bright as the walls."""
+    side = np.array([[-1.5, -1.5], [1.5, -1.5], [1.5, 1.5], [-1.5, 1.5]], dtype=np.float32)
+    segments = np.array([[0, 1], [1, 2], [2, 3], [3, 0]], dtype=np.uint32)
+    wall = _core.Mesh2("wall", side, segments, (0.5,) * 3, emission=(1.0,) * 3)
+    field = bump_box_2d(40).field()
+    volume = _core.Volume2("box", field, [(0, (0.5,) * 3)], emission=[(0, (1.0,) * 3)])
+    scene = _core.Scene2([volume], [wall], [], isovalues=(20, 200))
+    vertices, _, segments = _core.contour2(field, 90.0)
+    radiance, error = _core.reference2(scene, vertices[segments].mean(axis=1), 90.0, 256)
+    # Emission over 1 - albedo.
+    np.testing.assert_allclose(radiance.mean(), 2, rtol=0.02)
+
+
+def test_picture(baked):
+    pixels = picture(baked, [47.0, 100.0], width=200)
+    assert pixels.shape == (200, 200, 3) and pixels.dtype == np.uint8
+    assert 0.005 < (pixels.max(axis=2) > 0).mean() < 0.2
+    brighter = picture(baked, [47.0, 100.0], width=200, correction=1.0)
+    assert brighter.sum() > pixels.sum()
+    assert BRIGHTNESS_CORRECTION == pytest.approx(0.6366, abs=1e-4)
+    # The isoline 100 encloses the big bump at the top, so it is in the upper half.
+    upper = picture(baked, [150.0], width=200)
+    assert upper[:100].any() and not upper[140:].any()
+
+
+def test_isovalue_outside_the_window(baked):
+    for isovalue in (19.0, 201.0, float("nan")):
+        with pytest.raises(LeaflightError, match=r"20\.\.200"):
+            baked.isolines(isovalue)
+
+
+@pytest.mark.parametrize(
+    "arguments, sentence",
+    [
+        ({"isovalues": (70, 30)}, "empty"),
+        ({"isovalues": (300, 400)}, "outside the data"),
+        ({"samples": 0}, "samples"),
+        ({"resolution": (8, 8, 8)}, "resolution"),
+        ({"estimator": "magic"}, "magic"),
+    ],
+)
+def test_bad_settings(arguments, sentence):
+    with pytest.raises(LeaflightError, match=sentence):
+        bake_flatland(bump_box_2d(8), **{**SMALL, **arguments})
+
+
+def test_box_fits_any_image():
+    box = bump_box_2d(8)
+    fitted = fit_flat_scene(flat_box(), box)
+    points = np.concatenate([wall.vertices for wall in fitted.walls])
+    np.testing.assert_allclose(points.min(axis=0), -0.05, atol=1e-6)
+    np.testing.assert_allclose(points.max(axis=0), 1.05, atol=1e-6)
+    (lamp,) = fitted.lamps
+    # At the bottom, and shining upwards: to the left of an edge along +x.
+    assert lamp.corner[1] < 0 and lamp.edge[0] > 0 and lamp.edge[1] == 0
+    assert fit_flat_scene(fitted, box) is fitted
+
+
+GOOD = {
+    "name": "box",
+    "coordinates": "world",
+    "leaf_albedo": [0.5, 0.5, 0.5],
+    "exposure": 1,
+    "meshes": [
+        {"name": "wall", "albedo": [1, 1, 1], "vertices": [[0, 0], [1, 0]], "segments": [[0, 1]]}
+    ],
+    "lights": [{"name": "lamp", "corner": [0, 0], "edge": [1, 0], "radiance": [1, 1, 1]}],
+}
+
+
+@pytest.mark.parametrize(
+    "place, value, sentence",
+    [
+        (["meshes", 0, "vertices"], [[0, 0, 0], [1, 0, 0]], r'mesh "wall".*\[x, y\]'),
+        (["meshes", 0, "segments"], [[0, 2]], 'mesh "wall".*segments.*0..1'),
+        (["meshes", 0, "segments"], [], 'mesh "wall".*empty'),
+        (["meshes", 0, "faces"], [[0, 1]], 'mesh "wall".*unknown key "faces"'),
+        (["lights", 0, "edge"], [0, 0], 'light "lamp".*edge'),
+        (["lights", 0, "edge"], [0, 1, 0], 'light "lamp".*two numbers'),
+        (["lights", 0, "radiance"], [0, 0, -1], 'light "lamp".*not negative'),
+        (["leaf_albedo"], [2, 0, 0], "leaf_albedo"),
+        (["exposure"], 0, "exposure"),
+    ],
+)
+def test_bad_scene_names_the_object(tmp_path, place, value, sentence):
+    data = copy.deepcopy(GOOD)
+    target = data
+    for key in place[:-1]:
+        target = target[key]
+    target[place[-1]] = value
+    path = tmp_path / "flat.json"
+    path.write_text(json.dumps(data))
+    with pytest.raises(LeaflightError, match=f"flat.json.*{sentence}"):
+        load_flat_scene(path)

@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bakes of several volumes, of inner sides, of the surroundings and of capped volumes."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import leaflight
+from leaflight import LeaflightError, Volume, _core, load_bake
+from leaflight.scene import core_scene
+
+
+def test_leaf_coordinate(lapr_bake):
+    assert lapr_bake.isovalues == (0.0, 1.0)
+    assert [lapr_bake.isovalue_of(0, c) for c in (0, 0.5, 1)] == [50, 125, 200]
+    assert lapr_bake.isovalue_of(1, 0.5) == 90
+    for volume, isovalue in enumerate((125, 90)):
+        surface = lapr_bake.surface(0.5, volume)
+        heights = lapr_bake.volumes[volume].field().sample(surface.vertices)
+        np.testing.assert_allclose(heights, isovalue, atol=0.1)
+        assert surface.radiance.mean() > 0.01
+
+
+def test_single_volume_keeps_its_isovalues(box_bake):
+    assert box_bake.isovalue_of(0, 47.0) == 47.0
+    assert box_bake.volume is box_bake.volumes[0] and box_bake.grid is box_bake.grids[0]
+
+
+def test_volumes_shade_each_other(lapr_scene):
+    """The dirt particle is darker above the exploding water than alone."""
+    settings = {"samples": 16, "photons": 50_000}
+    dirt, water = (leaflight.sources.open_volume(f"lapr:{k}", dims=[24]) for k in (0, 1))
+    both = leaflight.bake([dirt, water], lapr_scene, **settings)
+    alone = replace(lapr_scene, leaves=lapr_scene.leaves[:1])
+    # Of a single volume the scene's isovalues are the window.
+    single = leaflight.bake(dirt, alone, **settings)
+    assert single.isovalues == (50, 200)
+    points = single.surface(100.0).vertices
+    below = points[points[:, 2] < 0.45]
+    assert both.radiance(below).mean() < 0.9 * single.radiance(below).mean()
+
+
+def test_one_scene_for_any_volumes(small):
+    small.pop("isovalues")
+    volumes = [leaflight.bump_box(8), replace(leaflight.bump_box(8), name="other")]
+    baked = leaflight.bake(volumes, **small)
+    assert [leaves.name for leaves in baked.scene.leaves] == ["bump_box", "other"]
+    assert baked.scene.leaves[1].isovalues == leaflight.default_window(volumes[1])
+
+
+def test_saved_and_loaded(lapr_bake, lapr_file):
+    loaded = load_bake(lapr_file)
+    assert [volume.name for volume in loaded.volumes] == ["dirt", "water"]
+    assert loaded.metadata == lapr_bake.metadata and loaded.statistics == lapr_bake.statistics
+    records = json.loads(loaded.metadata["volumes"])
+    assert [record["source"] for record in records] == ["lapr:0", "lapr:1"]
+    for ours, theirs in zip(loaded.volumes, lapr_bake.volumes):
+        np.testing.assert_array_equal(ours.values, theirs.values)
+    for name in ("radiance", "radiance_indirect", "radiance_back"):
+        for ours, theirs in zip(loaded.grids, lapr_bake.grids):
+            np.testing.assert_allclose(
+                ours.dense(name), theirs.dense(name), rtol=2**-11, atol=1e-6
+            )
+    ours, theirs = loaded.surroundings, lapr_bake.surroundings
+    assert ours.count == theirs.count == len(lapr_bake.scene.meshes)
+    for mesh in range(ours.count):
+        for a, b in zip(ours.mesh(mesh), theirs.mesh(mesh)):
+            np.testing.assert_array_equal(a, b)
+        for back in (False, True):
+            radiance = theirs.radiance(mesh, 0.3, back)
+            np.testing.assert_allclose(
+                ours.radiance(mesh, 0.3, back), radiance, rtol=2**-10, atol=1e-6
+            )
+
+
+def test_inner_side(lapr_bake):
+    outer, inner = lapr_bake.surface(0.2, 1), lapr_bake.surface(0.2, 1, back=True)
+    np.testing.assert_array_equal(inner.vertices, outer.vertices)
+    np.testing.assert_array_equal(inner.normals, -outer.normals)
+    np.testing.assert_array_equal(inner.triangles, outer.triangles[:, ::-1])
+    # Light comes in where the volume is cut off, but less of it.
+    assert 0.001 < inner.radiance.mean() < 0.5 * outer.radiance.mean()
+    result = leaflight.compare(lapr_bake, 0.2, points=300, spp=256, volume=1, back=True)
+    assert result["rms_percent"] < 10 and result["exposed"] is None
+
+
+def test_inner_side_that_no_light_reaches(lapr_scene):
+    volumes = [leaflight.sources.open_volume(f"lapr:{k}", dims=[16]) for k in (0, 1)]
+    baked = leaflight.bake(volumes, lapr_scene, samples=2, photons=1000, both_sides=True)
+    assert not baked.grids[1].has_back
+    assert (baked.surface(0.2, 1, back=True).radiance == 0).all()
+
+
+def test_inner_side_that_was_not_baked(box_bake):
+    with pytest.raises(LeaflightError, match="--both-sides"):
+        box_bake.surface(47.0, back=True)
+
+
+def test_surroundings(lapr_bake):
+    """The walls' radiance is that of path tracing."""
+    surroundings = lapr_bake.surroundings
+    names = [mesh.name for mesh in lapr_bake.scene.meshes]
+    floor = names.index("floor")
+    facets, places = surroundings.places(floor)
+    fields = [volume.field() for volume in lapr_bake.volumes]
+    scene = core_scene(lapr_bake.scene, fields, lapr_bake.isovalues)
+    truth, error = _core.reference_surroundings(scene, floor, facets, places, 0.3, 64)
+    baked = surroundings.radiance(floor, 0.3)
+    assert baked.shape == truth.shape == (len(surroundings.mesh(floor)[0]), 3)
+    assert truth.mean() > 0.01
+    np.testing.assert_allclose(baked.mean(axis=0), truth.mean(axis=0), rtol=0.1)
+
+
+def test_no_surroundings_unless_asked_for(box_bake):
+    assert box_bake.surroundings is None
+
+
+@pytest.mark.parametrize("capped", [False, True])
+def test_capped(capped):
+    """Between two higher ends a slab is open at its rim, unless it is capped."""
+    x = np.linspace(-1, 1, 9, dtype=np.float32)
+    values = np.broadcast_to(1 - np.abs(x)[:, None, None], (9, 9, 9)).copy()
+    volume = Volume(values, np.diag([0.25, 0.25, 0.25, 1]), "slab")
+    scene = leaflight.cornell_box()
+    scene = replace(scene, leaves=[replace(scene.leaves[0], capped=capped)])
+    baked = leaflight.bake(volume, scene, isovalues=(0.2, 0.8), samples=4, photons=20_000)
+    assert json.loads(baked.metadata["volumes"])[0]["capped"] is capped
+    assert baked.volume.values.shape == ((11,) * 3 if capped else (9,) * 3)
+    surface = baked.surface(0.5)
+    at_rim = np.abs(surface.vertices[:, 0] - 1) > 0.999
+    assert (np.abs(surface.normals[at_rim, 0]).max() > 0.9) == capped
+    # Baking what is capped does not cap it again.
+    again = leaflight.bake(baked.volume, baked.scene, samples=1, photons=1, isovalues=(0.2, 0.8))
+    assert again.volume is baked.volume
+
+
+def test_caps_are_lit_like_the_reference():
+    """Light on the caps of the bump box is that of path tracing."""
+    scene = leaflight.cornell_box()
+    scene = replace(scene, leaves=[replace(scene.leaves[0], capped=True)])
+    box = leaflight.bump_box(24)
+    baked = leaflight.bake(box, scene, isovalues=(42, 52), samples=32, photons=100_000)
+    surface = baked.surface(47.0)
+    middles = surface.vertices[surface.triangles].mean(axis=1)
+    caps = middles[np.abs(middles - 0.5).max(axis=1) > 0.5][::2]
+    assert len(caps) > 100
+    truth, _ = baked.reference(caps, 47.0, spp=256)
+    difference = baked.radiance(caps) - truth
+    assert truth.mean() > 0.05
+    assert abs(difference.mean()) < 0.05 * truth.mean()
+    # At so few voxels much of a cap is its rim, where texels mix two sides.
+    assert np.sqrt((difference**2).mean()) < 0.3 * truth.mean()
+
+
+@pytest.mark.parametrize("volume", [-1, 2, 7])
+def test_volume_that_is_not_there(lapr_bake, volume):
+    for ask in (
+        lambda: lapr_bake.surface(0.5, volume),
+        lambda: lapr_bake.radiance(np.zeros((1, 3)), volume),
+        lambda: lapr_bake.reference(np.zeros((1, 3)), 0.5, volume=volume),
+    ):
+        with pytest.raises(LeaflightError, match=f"no volume {volume}: the bake holds 2"):
+            ask()
+
+
+def test_leaf_coordinate_outside_the_window(lapr_bake):
+    with pytest.raises(LeaflightError, match=r"0\.\.1"):
+        lapr_bake.surface(1.1, 1)
+
+
+def test_window_of_several_volumes(lapr_scene):
+    volumes = [leaflight.sources.open_volume(f"lapr:{k}", dims=[12]) for k in (0, 1)]
+    with pytest.raises(LeaflightError, match="outside"):
+        leaflight.bake(volumes, lapr_scene, isovalues=(50, 200))
+    with pytest.raises(LeaflightError, match="describes 2 volumes, but 1"):
+        leaflight.bake(volumes[:1], lapr_scene)
+
+
+def test_image_is_no_volume():
+    image = Volume(np.eye(5, dtype=np.float32), np.eye(3), "image")
+    with pytest.raises(LeaflightError, match="image"):
+        leaflight.bake(image)
