@@ -113,17 +113,7 @@ def compare(context, leaf, samples, baked_samples):
     """
     scene = context.scene
     isovalue = leaf.evaluated_get(context.evaluated_depsgraph_get()).leaflight.isovalue
-    if leaf.leaflight.leaf_scattering != "DIFFUSE":
-        raise LeaflightError(
-            f'"{leaf.name}" is a mirror or glass, whose look Cycles computes in both stills: select '
-            "a diffuse volume, or compare the surroundings by eye."
-        )
-    if not surface_object.is_lit(leaf, isovalue):
-        low, high = isovalues.window(leaf.leaflight)
-        raise LeaflightError(
-            f"Isovalue {isovalue:g} lies outside the baked window {low:g} to {high:g}: choose one "
-            "inside, or bake with a wider window."
-        )
+    _check_lit(leaf, isovalue)
     start = time.perf_counter()
     baked = render.cycles_still(scene, baked_samples, seed=0)[..., :3]
     baked_seconds = time.perf_counter() - start
@@ -152,6 +142,26 @@ def compare(context, leaf, samples, baked_samples):
         "baked_seconds": baked_seconds,
         "cycles_seconds": cycles_seconds,
     }
+
+
+def _check_lit(leaf, isovalue):
+    settings = leaf.leaflight
+    low, high = isovalues.window(settings)
+    if not low <= isovalue <= high:
+        raise LeaflightError(
+            f"Isovalue {isovalue:g} lies outside the baked window {low:g} to {high:g}: choose one "
+            "inside, or bake with a wider window."
+        )
+    if settings.leaf_scattering != "DIFFUSE":
+        if not settings.bake_surroundings:
+            raise LeaflightError(
+                f'"{leaf.name}" is a mirror or glass, which only shows its surroundings: bake with '
+                "Light the Surroundings, or select a diffuse volume."
+            )
+    elif not surface_object.is_lit(leaf, isovalue):
+        raise LeaflightError(
+            f'"{leaf.name}" is capped otherwise than in its bake, so it is not lit: bake again.'
+        )
 
 
 def rms_percent(image, reference, exposure, mask):

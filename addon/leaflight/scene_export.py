@@ -56,6 +56,7 @@ def export_scene(context, leaf):
                 f'"{obj.name}" is hidden from some kinds of rays, but is baked as visible to all: '
                 "reset its ray visibility for a match"
             )
+    warnings += [sentence for obj in volumes for sentence in _warnings_of(obj)]
     description = SceneDescription(
         name=context.scene.name,
         leaves=[leaves.export_leaves(obj, len(volumes) > 1) for obj in volumes],
@@ -65,6 +66,15 @@ def export_scene(context, leaf):
         environment=world.export_world(context.scene.world),
     )
     return description, volumes, warnings
+
+
+def _warnings_of(volume):
+    settings = volume.leaflight
+    if settings.leaf_scattering == "GLASS" and not settings.capped:
+        yield (
+            f'"{volume.name}" is glass but not capped: where the border of the volume cuts it open '
+            "it has no inside, and renders differ from the bake; turn Capped on"
+        )
 
 
 def check_light(description):

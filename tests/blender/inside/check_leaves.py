@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from leaflight import cache, leaf_look, leaves, surface_object
+from leaflight import cache, leaf_look, leaves, scene_export, surface_object
 from leaflight.core import LeaflightError, _core
 from leaflight.core.scene import is_color
 from tools import close, error_of, mesh_arrays
@@ -97,6 +97,17 @@ def check_mirror_and_glass_stay_what_they_are_after_a_bake(boxed, scattering, ki
     node = next(n for n in boxed.data.materials[0].node_tree.nodes if n.type == kind)
     close(node.inputs[0].default_value, (0.9, 0.8, 0.7, 1.0), 1e-6)
     assert next(s for s in node.inputs if s.identifier == "Roughness").default_value == 0.0
+
+
+def check_glass_that_the_border_may_cut_open_is_warned_of(boxed):
+    for capped, scattering, warned in (
+        (False, "DIFFUSE", 0),
+        (False, "GLASS", 1),
+        (True, "GLASS", 0),
+    ):
+        boxed.leaflight.capped, boxed.leaflight.leaf_scattering = capped, scattering
+        warnings = scene_export.export_scene(bpy.context, boxed)[2]
+        assert len(warnings) == warned and all(f'"{boxed.name}"' in text for text in warnings)
 
 
 def check_leaves_that_emit_need_no_light(boxed):

@@ -102,6 +102,8 @@ def render_exr(path, engine="CYCLES", samples=1, size=48):
     scene.cycles.light_sampling_threshold = 0.0
     scene.cycles.sample_clamp_indirect = 0.0
     scene.cycles.blur_glossy = 0.0
+    for name in ("max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces"):
+        setattr(scene.cycles, name, 64)
     scene.cycles.use_adaptive_sampling = False
     scene.cycles.pixel_filter_type = "BOX"
     scene.cycles.filter_width = 0.01
