@@ -6,22 +6,11 @@
 
 #include "arrays.h"
 #include "bindings.h"
-#include "leaflight/surface/atlas.h"
+#include "leaflight/bake/atlas.h"
 #include "leaflight/transport/reference.h"
 
 namespace leaflight::python {
 namespace {
-
-const char* name_of(EstimatorName name) {
-  switch (name) {
-    case EstimatorName::volumetric:
-      return "volumetric";
-    case EstimatorName::path:
-      return "path";
-    default:
-      return "gather";
-  }
-}
 
 template <int D>
 py::dict statistics(const Baked<D>& baked) {
@@ -166,13 +155,90 @@ void bind_settings(py::module_& module, const std::string& suffix) {
       .def_property(
           "estimator", [](const Settings& s) { return name_of(s.estimator); },
           [](Settings& s, const std::string& name) { s.estimator = estimator_from(name); },
-          "gather, volumetric or path.")
+          "gather, volumetric, path or thesis.")
       .def_readwrite("seed", &Settings::seed)
       .def_readwrite("threads", &Settings::threads, "0: all.")
       .def_readwrite("both_sides", &Settings::both_sides,
                      "Bake the inner side too, where light can reach it.")
       .def_readwrite("surroundings", &Settings::surroundings,
-                     "Bake the radiance of the surroundings per leaf coordinate too.");
+                     "Bake the radiance of the surroundings per leaf coordinate too.")
+      .def(
+          "set_photon_map",
+          [](Settings& s, int k, double radius, double g, const std::string& region) {
+            s.photon_map = {k, radius, g, density_region_from(region), s.photon_map.direct};
+          },
+          py::arg("k") = 200, py::arg("radius") = 0.0, py::arg("g") = 10.0,
+          py::arg("region") = "clipped_sphere",
+          "Of the estimator `thesis`: the k nearest photons, or those within the radius (shares "
+          "of\n"
+          "the volume's longest side; 0: no limit), kappa = g * domain / range; region: sphere,\n"
+          "clipped_sphere, box, cylinder or graph.")
+      .def(
+          "set_scattered",
+          [](Settings& s, const std::string& strategy, std::size_t count, int isovalues,
+             const std::string& filter, int radius) {
+            ScatteredBake scattered;
+            scattered.samples.strategy = sample_strategy_from(strategy);
+            scattered.samples.samples = count;
+            scattered.samples.isovalues = isovalues;
+            scattered.filter = {scattered_filter_from(filter), radius};
+            s.scattered = scattered;
+          },
+          py::arg("strategy"), py::arg("count"), py::arg("isovalues") = 9,
+          py::arg("filter") = "shepard", py::arg("radius") = 3,
+          "Samples strewn over the domain (uniform, stratified, importance, level_set, letters,\n"
+          "slabs, regular; `isovalues` of level_set) and interpolated (shepard, tent, box) into\n"
+          "texels up to `radius` away, instead of samples in each texel.");
+}
+
+// The photons as points, for a look at them (thesis 4.3.5).
+template <int D>
+py::tuple photon_points(const Scene<D>& scene, std::uint64_t count, std::uint64_t seed,
+                        Progress* progress) {
+  Progress own;
+  std::vector<Vec<D>> positions;
+  std::vector<Vec<3, float>> flux;
+  std::vector<float> c;
+  std::vector<std::uint8_t> direct;
+  {
+    const py::gil_scoped_release unlocked;
+    const SceneTracer<D> tracer(scene);
+    const LightSampler<D> lights(tracer);
+    std::uint64_t rays = 0;
+    Progress& watched = progress ? *progress : own;
+    watched.expect(static_cast<double>(count));
+    watched.begin("Tracing photons");
+    for (const auto& photon : collect_photons(tracer, lights, seed, count, watched, rays)) {
+      positions.push_back(Vec<D>(photon.position) / tracer.frame().scale + tracer.frame().centre);
+      flux.emplace_back(photon.flux_height);
+      c.push_back(photon.c);
+      direct.push_back(photon.direct);
+    }
+  }
+  const auto n = static_cast<py::ssize_t>(c.size());
+  return py::make_tuple(adopt<double>(std::move(positions), {n, D}),
+                        adopt<float>(std::move(flux), {n, 3}), adopt<float>(std::move(c), {n}),
+                        adopt<std::uint8_t>(std::move(direct), {n}));
+}
+
+// Photons from lights to surfaces and out of the scene.
+template <int D>
+py::dict photon_balance(const Scene<D>& scene, std::uint64_t count, std::uint64_t seed) {
+  PhotonBalance balance;
+  {
+    const py::gil_scoped_release unlocked;
+    const SceneTracer<D> tracer(scene);
+    const LightSampler<D> lights(tracer);
+    trace_photons(
+        tracer, lights, PhotonPaths::all, seed, 0, count, count, [](const PhotonHit<D>&) {},
+        &balance);
+  }
+  const auto triple = [](const Imath::V3d& v) { return std::array<double, 3>{v.x, v.y, v.z}; };
+  py::dict result;
+  result["emitted"] = triple(balance.emitted);
+  result["absorbed"] = triple(balance.absorbed);
+  result["escaped"] = triple(balance.escaped);
+  return result;
 }
 
 template <int D>
@@ -286,6 +352,14 @@ void bind_baking(py::module_& module, const std::string& suffix) {
              },
              py::arg("scene"), py::arg("settings"), py::arg("progress"),
              "Lights all leaves of the scene's window. Raises LeaflightError, or Cancelled.");
+  module.def(("photon_points" + suffix).c_str(), &photon_points<D>, py::arg("scene"),
+             py::arg("count"), py::arg("seed") = 0, py::arg("progress") = nullptr,
+             "Where `count` emitted photons met leaves: (world positions (n, D), flux-height\n"
+             "(n, 3), leaf coordinate (n,), 1 where they came straight from a light (n,)).");
+  module.def(("photon_balance" + suffix).c_str(), &photon_balance<D>, py::arg("scene"),
+             py::arg("count"), py::arg("seed") = 0,
+             "Flux-height (r, g, b) that `count` photons emitted, lost at surfaces and took out\n"
+             "of the scene.");
   module.def(("reference" + suffix).c_str(), &reference<D>, py::arg("scene"), py::arg("points"),
              py::arg("c"), py::arg("spp"), py::arg("seed") = 0, py::arg("threads") = 0,
              py::arg("progress") = nullptr, py::arg("volume") = 0, py::arg("back") = false,

@@ -7,8 +7,8 @@
 #include <cstring>
 #include <thread>
 
+#include "leaflight/bake/atlas.h"
 #include "leaflight/math/error.h"
-#include "leaflight/surface/atlas.h"
 #include "scenes.h"
 
 namespace leaflight {

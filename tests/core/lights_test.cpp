@@ -155,20 +155,21 @@ template <int D>
 void expect_photons_agree(const Scene<D>& scene) {
   const SceneTracer<D> tracer(scene);
   const LightSampler<D> lights(tracer);
-  constexpr std::uint64_t count = 1'500'000;
-  double landed = 0;
+  constexpr std::uint64_t count = 500'000;
+  double landed = 0, landed2 = 0;
   trace_photons(tracer, lights, PhotonPaths::all, 1, 0, count, count,
                 [&](const PhotonHit<D>& photon) {
                   if (photon.arrival == Arrival::direct && photon.point.kind == HitKind::leaf &&
                       !photon.point.above) {
                     landed += average(photon.flux_height);
+                    landed2 += std::pow(average(photon.flux_height), 2);
                   }
                 });
   // Integral over the volume of irradiance |grad c| dV.
   Random random(3);
-  double gathered = 0;
+  double gathered = 0, gathered2 = 0;
   std::uint64_t rays = 0;
-  constexpr int samples = 500'000;
+  constexpr int samples = 200'000;
   const Volume<D>& volume = scene.volumes[0];
   const double domain = std::abs(determinant(tracer.index_to_frame(0)));
   for (int i = 0; i < samples; ++i) {
@@ -185,9 +186,14 @@ void expect_photons_agree(const Scene<D>& scene) {
     if (point.kind == HitKind::none) continue;
     const double choice = random.uniform(), u = random.uniform();
     const Rgb radiance = lights.direct_radiance(point, choice, {u, random.uniform()}, rays);
-    gathered += average(radiance) * projected_hemisphere<D> * point.gradient_length * measure;
+    const double flux =
+        average(radiance) * projected_hemisphere<D> * point.gradient_length * measure / samples;
+    gathered += flux;
+    gathered2 += flux * flux;
   }
-  EXPECT_NEAR(landed / (gathered / samples), 1, 0.02);
+  // Both are sums of many small independent parts.
+  EXPECT_NEAR(landed, gathered, 4 * std::sqrt(landed2 + gathered2));
+  EXPECT_LT(std::sqrt(landed2 + gathered2), 0.03 * gathered);
 }
 
 TEST(Lights, PhotonsAgreeWithShadowRays) {

@@ -11,7 +11,7 @@
 #include "leaflight/bake/texel_samples.h"
 #include "leaflight/math/error.h"
 #include "leaflight/math/parallel.h"
-#include "leaflight/transport/indirect_estimator.h"
+#include "leaflight/transport/thesis_estimator.h"
 
 namespace leaflight {
 namespace {
@@ -73,13 +73,18 @@ class Baker {
                                                 volume.isovalue(scene.window.min),
                                                 volume.isovalue(scene.window.max))
                                  : inactive_lattice<D>(volume.field.dims, resolution));
+      if (settings.scattered) positions_.push_back(strewn(volume, stored));
     }
   }
 
   Baked<D> run() {
     check_anything_to_bake();
     expect_work();
-    if (plan_.photons || plan_.caustics) trace_photons_into_caches();
+    const bool thesis = settings_.estimator == EstimatorName::thesis;
+    if (plan_.photons && thesis) fill_photon_maps();
+    if (thesis ? plan_.surroundings_cache : plan_.photons || plan_.caustics) {
+      trace_photons_into_caches();
+    }
     const std::size_t n = lattices_.size();
     leaves_.resize(n);
     std::array<std::vector<std::vector<Average>>, 2> direct;
@@ -114,7 +119,17 @@ class Baker {
  private:
   const Scene<D>& scene() const { return tracer_.scene(); }
   int sides() const { return plan_.back ? 2 : 1; }
+  const SurfaceCache<D>* cache() const { return surroundings_ ? &*surroundings_ : nullptr; }
   bool gathers() const { return settings_.estimator == EstimatorName::gather; }
+
+  std::vector<Vec<D>> strewn(const Volume<D>& volume, bool stored) const {
+    if (!stored) return {};
+    SampleSettings samples = settings_.scattered->samples;
+    samples.seed = settings_.seed;
+    const IsovalueWindow& window = scene().window;
+    return sample_positions(volume.field,
+                            {volume.isovalue(window.min), volume.isovalue(window.max)}, samples);
+  }
 
   void check_anything_to_bake() const {
     std::size_t texels = 0;
@@ -133,14 +148,16 @@ class Baker {
   }
 
   double indirect_work() const {
-    if (!plan_.indirect || settings_.estimator == EstimatorName::volumetric) return 0;
-    return settings_.estimator == EstimatorName::path ? rays_per_path : rays_per_gather;
+    if (!plan_.indirect) return 0;
+    if (settings_.estimator == EstimatorName::path) return rays_per_path;
+    return gathers() ? rays_per_gather : 0;
   }
 
   void expect_work() {
-    double texels = 0;
-    for (const TexelLattice<D>& lattice : lattices_) texels += lattice.active.size();
-    double points = sides() * texels;
+    double points = 0;
+    for (std::size_t v = 0; v < lattices_.size(); ++v) {
+      points += sides() * static_cast<double>(sample_places(v));
+    }
     if (plan_.surroundings) {
       fine_ = refine(scene().meshes);
       for (const FineMesh<D>& mesh : fine_) {
@@ -151,6 +168,20 @@ class Baker {
         (plan_.photons ? settings_.photons : 0) + (plan_.caustics ? settings_.caustic_photons : 0);
     progress_.expect(rays_per_photon * photons +
                      points * settings_.samples * (1 + indirect_work()));
+  }
+
+  // Texels, or scattered samples, of a volume.
+  std::size_t sample_places(std::size_t volume) const {
+    return settings_.scattered ? positions_[volume].size() : lattices_[volume].active.size();
+  }
+
+  void fill_photon_maps() {
+    progress_.begin("Tracing photons");
+    std::uint64_t rays = 0;
+    const auto photons =
+        collect_photons(tracer_, lights_, settings_.seed, settings_.photons, progress_, rays);
+    maps_ = make_photon_maps(tracer_, photons, settings_.photon_map);
+    rays_ += rays;
   }
 
   void trace_photons_into_caches() {
@@ -196,14 +227,15 @@ class Baker {
   void trace(PhotonPaths paths, std::uint64_t count) {
     parallel_range(count, photons_per_piece, rays_per_photon, progress_,
                    [&](std::size_t begin, std::size_t end) {
-                     rays_ += trace_photons(
-                         tracer_, lights_, paths, settings_.seed, begin, end, count,
-                         [&](const PhotonHit<D>& photon) {
-                           if (paths == PhotonPaths::all && photon.arrival == Arrival::caustic) {
-                             return;  // the caustic photons' part
-                           }
-                           store(photon);
-                         });
+                     rays_ +=
+                         trace_photons(tracer_, lights_, paths, settings_.seed, begin, end, count,
+                                       [&](const PhotonHit<D>& photon) {
+                                         const bool caustic = photon.arrival == Arrival::caustic;
+                                         // Caustic photons bring these.
+                                         if (paths == PhotonPaths::all && plan_.caustics && caustic)
+                                           return;
+                                         store(photon);
+                                       });
                    });
   }
 
@@ -221,7 +253,9 @@ class Baker {
       case EstimatorName::path:
         return make_path_estimator(tracer_, lights_);
       case EstimatorName::volumetric:
-        return make_volumetric_estimator(leaves_, surroundings_ ? &*surroundings_ : nullptr);
+        return make_volumetric_estimator(leaves_, cache());
+      case EstimatorName::thesis:
+        return make_thesis_estimator(maps_, cache());
       default:
         return make_gather_estimator(tracer_, leaves_, *surroundings_);
     }
@@ -252,7 +286,7 @@ class Baker {
       radiance += estimator->indirect_radiance(point, sobol_point(i, k.gather), random, rays);
     }
     if (plan_.caustics) {
-      radiance += caustic_radiance(leaves_, surroundings_ ? &*surroundings_ : nullptr, point);
+      radiance += caustic_radiance(leaves_, cache(), point);
     }
     return radiance;
   }
@@ -263,6 +297,9 @@ class Baker {
   template <class Radiance>
   std::vector<Average> over_texels(std::size_t volume, bool above, double work, Radiance radiance) {
     const TexelLattice<D>& lattice = lattices_[volume];
+    if (settings_.scattered && !lattice.active.empty()) {
+      return over_scattered(volume, above, work, radiance);
+    }
     std::vector<Average> averages(lattice.active.size());
     parallel_range(averages.size(), texels_per_piece, work * settings_.samples, progress_,
                    [&](std::size_t begin, std::size_t end) {
@@ -279,6 +316,41 @@ class Baker {
                      }
                      rays_ += rays;
                    });
+    return averages;
+  }
+
+  // The same for samples strewn over the domain, each with all its rays at one point.
+  template <class Radiance>
+  std::vector<Average> over_scattered(std::size_t volume, bool above, double work,
+                                      Radiance radiance) {
+    const Volume<D>& of = scene().volumes[volume];
+    const std::vector<Vec<D>>& positions = positions_[volume];
+    std::vector<Rgb> values(positions.size(), Rgb(0));
+    parallel_range(positions.size(), texels_per_piece, work * settings_.samples, progress_,
+                   [&](std::size_t begin, std::size_t end) {
+                     std::uint64_t rays = 0;
+                     for (std::size_t s = begin; s < end && !progress_.cancelled(); ++s) {
+                       const CellPoint<D> at = locate(of.field, positions[s]);
+                       const double h = interpolate(load_corners(of.field, at.cell), at.local);
+                       const SurfacePoint<D> point = tracer_.leaf_point(
+                           static_cast<int>(volume), at, of.leaf_coordinate(h), above);
+                       if (point.kind == HitKind::none) continue;
+                       const TexelKeys k =
+                           keys(Purpose::scattered, volume, static_cast<std::uint32_t>(s));
+                       Imath::V3d sum(0);
+                       for (int i = 0; i < settings_.samples; ++i) {
+                         sum += Imath::V3d(radiance(point, k, i, rays));
+                       }
+                       values[s] = Rgb(sum / settings_.samples);
+                     }
+                     rays_ += rays;
+                   });
+    const ScatteredTexels texels = interpolate_scattered(lattices_[volume], positions, values,
+                                                         settings_.scattered->filter, progress_);
+    std::vector<Average> averages;
+    for (std::size_t s = 0; s < texels.value.size(); ++s) {
+      averages.push_back({texels.value[s], texels.error[s] * texels.error[s]});
+    }
     return averages;
   }
 
@@ -379,6 +451,8 @@ class Baker {
   std::vector<TexelLattice<D>> lattices_;              // per volume
   std::vector<std::unique_ptr<LeafCache<D>>> caches_;  // per volume
   std::vector<LeafRadiance<D>> leaves_;                // per volume
+  std::vector<PhotonMap<D>> maps_;                     // per volume
+  std::vector<std::vector<Vec<D>>> positions_;         // of scattered samples, per volume
   std::optional<SurfaceCache<D>> surroundings_;
   std::vector<FineMesh<D>> fine_;
   std::atomic<std::uint64_t> rays_{0};

@@ -110,6 +110,7 @@ Plan make_plan(const Scene<D>& scene, const BakeSettings<D>& settings) {
     plan.skipped.push_back({name, reason});
   };
   const bool path = settings.estimator == EstimatorName::path;
+  const bool thesis = settings.estimator == EstimatorName::thesis;
   const bool gather = settings.estimator == EstimatorName::gather;
   if (!anything_reflects(scene)) {
     skip(&Plan::indirect, "indirect light", "nothing in the scene reflects light");
@@ -120,6 +121,8 @@ Plan make_plan(const Scene<D>& scene, const BakeSettings<D>& settings) {
     skip(&Plan::caustics, "caustics", reason);
   } else if (path) {
     skip(&Plan::caustics, "caustic photons", "the path estimator needs none");
+  } else if (thesis) {
+    skip(&Plan::caustics, "caustic photons", "the thesis's estimator keeps all photons in one map");
   }
   if (!plan.indirect) {
     skip(&Plan::photons, "photons", "there is no indirect light");
@@ -136,7 +139,8 @@ Plan make_plan(const Scene<D>& scene, const BakeSettings<D>& settings) {
   } else if (scene.meshes.empty()) {
     skip(&Plan::surroundings_cache, "surroundings cache", "nothing surrounds the volume");
   } else if (!gather && !plan.surroundings) {
-    skip(&Plan::surroundings_cache, "surroundings cache", "the volumetric estimator needs none");
+    skip(&Plan::surroundings_cache, "surroundings cache",
+         "the " + name_of(settings.estimator) + " estimator needs none");
   }
   bool inside = false, open = false;
   for (std::size_t v = 0; v < scene.volumes.size(); ++v) {

@@ -9,7 +9,22 @@ EstimatorName estimator_from(const std::string& name) {
   if (name == "volumetric") return EstimatorName::volumetric;
   if (name == "gather") return EstimatorName::gather;
   if (name == "path") return EstimatorName::path;
-  throw Error("There is no estimator named '" + name + "'; choose gather, volumetric or path.");
+  if (name == "thesis") return EstimatorName::thesis;
+  throw Error("There is no estimator named '" + name +
+              "'; choose gather, volumetric, path or thesis.");
+}
+
+std::string name_of(EstimatorName name) {
+  switch (name) {
+    case EstimatorName::volumetric:
+      return "volumetric";
+    case EstimatorName::path:
+      return "path";
+    case EstimatorName::thesis:
+      return "thesis";
+    default:
+      return "gather";
+  }
 }
 
 template <int D>
@@ -24,6 +39,7 @@ void validate(const BakeSettings<D>& settings) {
                   "; choose between 1 and 4294967296.");
     }
   }
+  validate(settings.photon_map);
   if (!(settings.threads >= 0 && settings.threads <= 4096)) {
     throw Error("The number of threads is " + std::to_string(settings.threads) +
                 "; choose 0 for all, or up to 4096.");

@@ -100,7 +100,8 @@ void LeafCache<D>::deposit(const PhotonHit<D>& photon) {
   Side& side = sides_[photon.point.above];
   if (side.contents == SideContents::nothing) return;
   if (photon.arrival == Arrival::direct && side.contents == SideContents::indirect) return;
-  Density& density = photon.arrival == Arrival::caustic ? side.caustic : side.soft;
+  const bool apart = photon.arrival == Arrival::caustic && !side.caustic.flux.empty();
+  Density& density = apart ? side.caustic : side.soft;
   const std::int32_t slot = lattice_.nearest_slot(photon.point.cell_point.index_position());
   if (slot == TexelLattice<D>::inactive) return;
   density.flux.add(slot, photon.flux_height);

@@ -116,7 +116,8 @@ const typename SurfaceCache<D>::Facet& SurfaceCache<D>::facet_of(std::size_t ent
 template <int D>
 void SurfaceCache<D>::deposit(const PhotonHit<D>& photon) {
   if (photon.arrival == Arrival::direct) return;
-  FluxAccumulator& flux = photon.arrival == Arrival::caustic ? caustic_ : soft_;
+  const bool apart = photon.arrival == Arrival::caustic && !caustic_.empty();
+  FluxAccumulator& flux = apart ? caustic_ : soft_;
   flux.add(entry(photon.point), photon.flux_height);
 }
 

@@ -2,28 +2,41 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
-#include "leaflight/math/vector.h"
+#include "leaflight/bake/sample_strategy.h"
+#include "leaflight/bake/scattered.h"
+#include "leaflight/transport/photon_map.h"
 
 namespace leaflight {
 
-enum class EstimatorName { volumetric, gather, path };
+enum class EstimatorName { volumetric, gather, path, thesis };
 
-// "volumetric", "gather" or "path"; throws Error for any other name.
+// "volumetric", "gather", "path" or "thesis"; throws Error for any other name.
 EstimatorName estimator_from(const std::string& name);
+std::string name_of(EstimatorName name);
+
+// Samples strewn over the domain and interpolated into texels (thesis 3.4 and 4.4), instead of
+// samples in each texel.
+struct ScatteredBake {
+  SampleSettings samples;  // their seed is the bake's
+  ScatteredSettings filter;
+};
 
 template <int D>
 struct BakeSettings {
   Index<D> resolution{};  // texels; all zero: one per voxel
-  int samples = 32;       // per texel, each one shadow ray and one gather ray
+  int samples = 32;       // per texel or scattered sample, each one shadow ray and one gather ray
   std::uint64_t photons = 2'000'000;
   std::uint64_t caustic_photons = 2'000'000;
   EstimatorName estimator = EstimatorName::gather;
   std::uint64_t seed = 0;
-  int threads = 0;            // 0: all
-  bool both_sides = false;    // the inner side's radiance too, where light can reach it
-  bool surroundings = false;  // the radiance of the surroundings too, per leaf coordinate
+  int threads = 0;               // 0: all
+  bool both_sides = false;       // the inner side's radiance too, where light can reach it
+  bool surroundings = false;     // the radiance of the surroundings too, per leaf coordinate
+  PhotonMapSettings photon_map;  // of the thesis's estimator
+  std::optional<ScatteredBake> scattered;  // nothing: samples in each texel
 };
 
 // Throws Error for counts that make no sense.

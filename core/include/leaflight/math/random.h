@@ -35,7 +35,9 @@ enum class Purpose : std::uint64_t {
   surface_cache,
   reference,
   exposure,
-  surroundings
+  surroundings,
+  sample_position,
+  scattered
 };
 
 inline Random random_for(std::uint64_t seed, Purpose purpose, std::uint64_t index) {

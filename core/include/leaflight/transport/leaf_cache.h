@@ -16,7 +16,7 @@ enum class SideContents { nothing, indirect, all };
 //   E(R) = sum of F_p over the photons in R / integral of |grad c| over R
 // with R a box of texels. The fourth coordinate of a photon carries no information, since c = h(x),
 // so a plain density estimate in space serves all isovalues (docs/theory.md). Caustics, which are
-// sharp, are kept apart from soft light and smoothed less.
+// sharp, are kept apart from soft light and smoothed less, if asked for.
 template <int D>
 class LeafCache {
  public:

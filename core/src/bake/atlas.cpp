@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/surface/atlas.h"
+#include "leaflight/bake/atlas.h"
 
 #include <tbb/parallel_for.h>
 

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace leaflight {
+
+struct Neighbour {
+  double distance2;
+  std::uint32_t number;  // of the point
+};
+
+// Nearest neighbours among points in N dimensions, by nanoflann. What is found, and its order, is a
+// function of the points and the query alone.
+template <int N>
+class KdTree {
+ public:
+  using Point = std::array<float, static_cast<std::size_t>(N)>;
+  using Query = std::array<double, static_cast<std::size_t>(N)>;
+
+  explicit KdTree(std::vector<Point> points);
+  ~KdTree();
+  KdTree(KdTree&&) noexcept;
+  KdTree& operator=(KdTree&&) noexcept;
+
+  std::size_t size() const;
+
+  // Up to k points nearer than the square root of `limit2`, in no particular order.
+  void nearest(const Query& query, std::size_t k, double limit2,
+               std::vector<Neighbour>& found) const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace leaflight

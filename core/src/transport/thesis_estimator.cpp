@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/transport/thesis_estimator.h"
+
+#include "leaflight/math/sampling.h"
+
+namespace leaflight {
+namespace {
+
+template <int D>
+class ThesisEstimator final : public IndirectEstimator<D> {
+ public:
+  ThesisEstimator(const std::vector<PhotonMap<D>>& photons, const SurfaceCache<D>* surroundings)
+      : photons_(photons), surroundings_(surroundings) {}
+
+  Rgb indirect_radiance(const SurfacePoint<D>& point, const std::array<double, 2>&, Random&,
+                        std::uint64_t&) const override {
+    const Rgb brdf = point.albedo / static_cast<Real>(projected_hemisphere<D>);
+    if (point.kind == HitKind::surroundings) return brdf * surroundings_->soft_irradiance(point);
+    return brdf * photons_[point.volume].irradiance(point.position, point.c, point.above,
+                                                    point.geometric_normal * point.gradient_length);
+  }
+
+ private:
+  const std::vector<PhotonMap<D>>& photons_;
+  const SurfaceCache<D>* surroundings_;
+};
+
+}  // namespace
+
+template <int D>
+std::vector<PhotonMap<D>> make_photon_maps(const SceneTracer<D>& tracer,
+                                           const std::vector<StoredPhoton<D>>& photons,
+                                           const PhotonMapSettings& settings) {
+  std::vector<PhotonMap<D>> maps;
+  const auto& volumes = tracer.scene().volumes;
+  for (std::size_t v = 0; v < volumes.size(); ++v) {
+    std::vector<StoredPhoton<D>> own;
+    for (const StoredPhoton<D>& photon : photons) {
+      if (photon.volume == static_cast<int>(v)) own.push_back(photon);
+    }
+    const auto [low, high] = world_box(volumes[v].field);
+    double side = 0;
+    for (int a = 0; a < D; ++a) side = std::max(side, high[a] - low[a]);
+    const Field<D>& field = volumes[v].field;
+    const double range = (static_cast<double>(field.max) - field.min) / volumes[v].scale;
+    maps.emplace_back(std::move(own), side * tracer.frame().scale, range, settings);
+  }
+  return maps;
+}
+
+template <int D>
+std::unique_ptr<IndirectEstimator<D>> make_thesis_estimator(
+    const std::vector<PhotonMap<D>>& photons, const SurfaceCache<D>* surroundings) {
+  return std::make_unique<ThesisEstimator<D>>(photons, surroundings);
+}
+
+template std::vector<PhotonMap<2>> make_photon_maps(const SceneTracer<2>&,
+                                                    const std::vector<StoredPhoton<2>>&,
+                                                    const PhotonMapSettings&);
+template std::vector<PhotonMap<3>> make_photon_maps(const SceneTracer<3>&,
+                                                    const std::vector<StoredPhoton<3>>&,
+                                                    const PhotonMapSettings&);
+template std::unique_ptr<IndirectEstimator<2>> make_thesis_estimator(
+    const std::vector<PhotonMap<2>>&, const SurfaceCache<2>*);
+template std::unique_ptr<IndirectEstimator<3>> make_thesis_estimator(
+    const std::vector<PhotonMap<3>>&, const SurfaceCache<3>*);
+
+}  // namespace leaflight
