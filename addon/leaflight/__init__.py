@@ -11,6 +11,7 @@ from . import (
     import_volume,
     leaf_look,
     panels,
+    photon_cloud,
     properties,
     render_comparison,
 )
@@ -35,6 +36,7 @@ _MODULES = (
     cornell_box,
     bake,
     bake_flatland,
+    photon_cloud,
     render_comparison,
     panels,
     handlers,

@@ -62,10 +62,11 @@ class BackgroundOperator:
             cls.poll_message_set("A bake is running; Esc cancels it")
         return _running is None
 
-    def invoke(self, context, event):
+    def invoke(self, context, _event):
+        return self.execute(context) if bpy.app.background else self.run_modal(context)
+
+    def run_modal(self, context):
         global _running
-        if bpy.app.background:
-            return self.execute(context)
         try:
             job = self.start(context)
         except LeaflightError as error:

@@ -75,7 +75,7 @@ class LeaflightFlatSettings(bpy.types.PropertyGroup):
         name="Photons",
         description="Photons that carry the indirect light",
         default=500_000,
-        min=0,
+        min=1,
         soft_max=100_000_000,
     )
     seed: IntProperty(name="Seed", description="Seed of the random numbers", min=0)

@@ -9,7 +9,7 @@ node. Its child holds the isolines as thin tubes on the graph. Both emit the col
 import bpy
 import numpy as np
 
-from . import core, shader, surface_object
+from . import core, display, shader, surface_object
 from .core import _core, flatland
 
 LeaflightError = core.LeaflightError
@@ -17,7 +17,7 @@ LeaflightError = core.LeaflightError
 # More nodes along a side would only slow the viewport down; the bake always has every pixel.
 _MOST_NODES = 1024
 
-_ISOLINES = "leaflight_isolines"
+_GRAPH, _ISOLINES = "graph", "isolines"
 
 # Albedos before a bake.
 _PLAIN_GRAPH, _PLAIN_LINE = (0.8, 0.8, 0.8), (0.1, 0.1, 0.1)
@@ -55,7 +55,8 @@ def create(context, field, size, settings):
     lines = bpy.data.objects.new(
         f"{field.name} Isolines", bpy.data.meshes.new(f"{field.name} Isolines")
     )
-    lines[_ISOLINES] = True
+    display.mark(graph, _GRAPH)
+    display.mark(lines, _ISOLINES)
     lines.parent = graph
     low, high = np.asarray(field.field().bounds, np.float64)
     centre = 0.5 * (low + high)
@@ -73,7 +74,7 @@ def create(context, field, size, settings):
 
 def isolines_of(obj):
     """The object of the isolines, None when it was deleted."""
-    return next((child for child in obj.children if _ISOLINES in child), None)
+    return next((child for child in obj.children if display.is_display(child, _ISOLINES)), None)
 
 
 def isovalues(settings):
@@ -109,7 +110,9 @@ def _fill(obj, vertices, quads, radiance):
     material = obj.data.materials[0]
     if radiance is None:
         surface_object.fill(obj.data, vertices, quads, {})
-        shader.build_lambertian(material, _PLAIN_LINE if _ISOLINES in obj else _PLAIN_GRAPH)
+        shader.build_lambertian(
+            material, _PLAIN_LINE if display.is_display(obj, _ISOLINES) else _PLAIN_GRAPH
+        )
     else:
         surface_object.fill(obj.data, vertices, quads, {surface_object.RADIANCE: radiance})
         shader.build_attribute(material, surface_object.RADIANCE, surface_object.RADIANCE)

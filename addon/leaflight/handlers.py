@@ -4,7 +4,7 @@
 import bpy
 from bpy.app.handlers import persistent
 
-from . import background, cache, graph_object, images, isovalues, staleness, surface_object, walls
+from . import background, cache, display, graph_object, images, isovalues, staleness, surface_object
 
 
 @persistent
@@ -15,7 +15,7 @@ def _after_evaluation(scene, depsgraph):
 @persistent
 def _after_change(scene, depsgraph):
     _after_evaluation(scene, depsgraph)
-    ours = [o for o in scene.objects if o.leaflight.is_volume or walls.is_display(o)]
+    ours = [o for o in scene.objects if o.leaflight.is_volume or display.is_display(o)]
     own = {obj.data.name for obj in ours} | {obj.name for obj in ours}
     for update in depsgraph.updates:
         moved = update.is_updated_transform or update.is_updated_shading

@@ -14,6 +14,7 @@ from . import (
     import_volume,
     isovalues,
     leaf_look,
+    photon_cloud,
     render_comparison,
     staleness,
     surface_object,
@@ -170,6 +171,7 @@ class LEAFLIGHT_PT_bake(_VolumePanel, bpy.types.Panel):
         layout.prop(settings, "seed")
         layout.prop(settings, "output")
         layout.operator(bake.LEAFLIGHT_OT_bake.bl_idname, icon="LIGHT_AREA")
+        layout.operator(photon_cloud.LEAFLIGHT_OT_photon_cloud.bl_idname, icon="POINTCLOUD_DATA")
         job = background.running()
         if job is not None:
             layout.label(text=f"{job.status()}, Esc cancels", icon="TIME")

@@ -159,7 +159,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         name="Photons",
         description="Photons that carry the indirect light",
         default=2_000_000,
-        min=0,
+        min=1,
         soft_max=100_000_000,
     )
     estimator: EnumProperty(

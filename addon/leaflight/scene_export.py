@@ -11,7 +11,7 @@ import hashlib
 
 import numpy as np
 
-from . import core, images, leaves, lights, meshes, walls, world
+from . import core, display, images, leaves, lights, meshes, walls, world
 from .core.scene import SceneDescription
 
 LeaflightError = core.LeaflightError
@@ -34,7 +34,7 @@ def export_scene(context, leaf):
     boxes = functools.cache(lambda: [leaves.world_box(obj) for obj in volumes])
     surroundings, luminaires, warnings = [], [], []
     for obj, matrix in rendered_objects(context.view_layer, depsgraph):
-        if obj.original in volumes or walls.is_display(obj.original):
+        if obj.original in volumes or display.is_display(obj.original):
             continue
         if obj.original.leaflight.is_volume:
             raise LeaflightError(

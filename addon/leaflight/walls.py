@@ -9,22 +9,19 @@ the next bake still sees it.
 import bpy
 import numpy as np
 
-from . import cache, core, shader, surface_object
+from . import cache, core, display, shader, surface_object
 
 LeaflightError = core.LeaflightError
 
 COLLECTION = "Leaflight Walls"
 
 _COLLECTION = "leaflight_walls"
-_DISPLAY = "leaflight_wall"
+_WALL = "wall"
+_INDEX = "leaflight_wall"
+_WALL_MATERIAL = "leaflight_wall_material"
 _HIDDEN = "leaflight_hidden"
 _SHOWN = "leaflight_shown"
 _LIT_BY = "leaflight_lit_by"
-
-
-def is_display(obj):
-    """Whether an object only shows the light on another."""
-    return _DISPLAY in obj
 
 
 def is_hidden(obj):
@@ -48,7 +45,7 @@ def refresh(scene):
 
 def update(scene):
     """Lights the displays for the leaf that is shown, unless they show it already."""
-    displays = [obj for obj in scene.objects if is_display(obj)]
+    displays = [obj for obj in scene.objects if display.is_display(obj, _WALL)]
     leader = _leader(scene) if displays else None
     if leader is None:
         return
@@ -68,7 +65,7 @@ def update(scene):
     c = min(max(_leaf_coordinate(leader, bake), low), high)
     for obj in stale:
         for name, back in ((surface_object.RADIANCE, False), (surface_object.RADIANCE_BACK, True)):
-            radiance = bake.surroundings.radiance(obj[_DISPLAY], c, back=back)
+            radiance = bake.surroundings.radiance(obj[_INDEX], c, back=back)
             surface_object.colour(obj.data, name, radiance)
         obj.data[_SHOWN] = label
         obj.data.update()
@@ -112,7 +109,8 @@ def _display(bake, index, name, material):
     data.polygons.foreach_set("use_smooth", np.zeros(len(triangles), bool))
     data.materials.append(material)
     obj = bpy.data.objects.new(f"{name} Lit", data)
-    obj[_DISPLAY] = index
+    display.mark(obj, _WALL)
+    obj[_INDEX] = index
     obj.hide_select = True
     return obj
 
@@ -120,10 +118,10 @@ def _display(bake, index, name, material):
 def _material():
     """One material for all displays of the file."""
     for material in bpy.data.materials:
-        if _DISPLAY in material:
+        if _WALL_MATERIAL in material:
             return material
     material = bpy.data.materials.new("Leaflight Wall")
-    material[_DISPLAY] = True
+    material[_WALL_MATERIAL] = True
     # As lights of many triangles they would add noise.
     material.cycles.sample_as_light = False
     shader.build_attribute(material, surface_object.RADIANCE, surface_object.RADIANCE_BACK)
@@ -143,7 +141,7 @@ def _hide(scene, obj):
 
 def _clear(scene):
     """Removes the displays and shows what they hid."""
-    for obj in [obj for obj in scene.objects if is_display(obj)]:
+    for obj in [obj for obj in scene.objects if display.is_display(obj, _WALL)]:
         bpy.data.meshes.remove(obj.data)
     for collection in [c for c in scene.collection.children if _COLLECTION in c]:
         bpy.data.collections.remove(collection)

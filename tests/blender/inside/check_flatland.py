@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from leaflight import graph_object, surface_object
+from leaflight import graph_object, scene_export, surface_object
 from leaflight.core import _core, flatland
 from tools import close, colours_of, error_of, smooth_image, vertices_of
 
@@ -129,3 +129,8 @@ def check_bad_input_gives_one_sentence(bump_graph, tmp_path):
     bpy.context.view_layer.objects.active = None
     with pytest.raises(RuntimeError, match="Select the graph"):
         bpy.ops.leaflight.bake_flatland()
+
+
+def check_graph_and_isolines_are_no_part_of_a_scene_that_is_baked(lit, bumps):
+    description, _, warnings = scene_export.export_scene(bpy.context, bumps)
+    assert description.meshes == [] and warnings == []

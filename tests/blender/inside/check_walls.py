@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from leaflight import cache, properties, scene_export, staleness, walls
+from leaflight import cache, display, properties, scene_export, staleness, walls
 from tools import close, colours_of, render_exr
 
 
@@ -16,7 +16,7 @@ def lit(boxed):
 
 
 def displays():
-    return [obj for obj in bpy.context.scene.objects if walls.is_display(obj)]
+    return [obj for obj in bpy.context.scene.objects if display.is_display(obj, "wall")]
 
 
 def assert_walls_show(lit, c, tolerance=1e-5):
