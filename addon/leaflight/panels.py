@@ -54,7 +54,7 @@ class LEAFLIGHT_PT_volume(_LeaflightPanel, bpy.types.Panel):
         settings = obj.leaflight
         row = self.layout.row()
         c = isovalues.leaf_coordinate(settings, settings.isovalue)
-        row.label(text=f"Leaf coordinate c = {c:.3f}")
+        row.label(text=f"Leaf c = {c:.3f}")
         row.prop(settings, "linked", icon="LINKED" if settings.linked else "UNLINKED")
         column = self.layout.column(align=True)
         for other in isovalues.partners(obj, context.scene):
@@ -105,6 +105,7 @@ class LEAFLIGHT_UL_stops(bpy.types.UIList):
 
     def draw_item(self, _context, layout, _data, item, _icon, _active, _property):
         row = layout.row(align=True)
+        row.use_property_split = False
         row.prop(item, "isovalue", text="", emboss=False)
         row.prop(item, "color", text="")
 
@@ -130,7 +131,7 @@ class LEAFLIGHT_PT_flatland(_LeaflightPanel, bpy.types.Panel):
         ):
             column = layout.column(align=True)
             for name in names:
-                column.prop(settings, name)
+                column.prop(settings, name, text={"low": "Lowest", "high": "Highest"}.get(name))
         layout.operator(bake_flatland.LEAFLIGHT_OT_bake_flatland.bl_idname, icon="LIGHT_AREA")
         job = background.running()
         if job is not None:
