@@ -61,7 +61,7 @@ void bind_io(py::module_& module) {
   module.def(
       "attach_surroundings",
       [](SurroundingsRadiance<3>& surroundings, const Scene<3>& scene) {
-        attach(surroundings, scene.meshes, scene.window);
+        attach(surroundings, scene);
       },
       py::arg("surroundings"), py::arg("scene"),
       "Gives a radiance that was read from a file the meshes of its scene. Raises LeaflightError.");

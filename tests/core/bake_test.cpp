@@ -167,16 +167,18 @@ TEST(Plan, ForcingASkippedPassChangesNothing) {
 
 AreaLight<3>& lamp(Scene<3>& scene) { return std::get<AreaLight<3>>(scene.lights[0]); }
 
+// What a bake says of a bad scene; empty if it is good.
+std::string message(const Scene<3>& scene) {
+  Progress progress;
+  try {
+    bake(scene, quick(), progress);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
 TEST(Bake, RefusesBadScenes) {
-  const auto message = [](const Scene<3>& scene) -> std::string {
-    Progress progress;
-    try {
-      bake(scene, quick(), progress);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
-  };
   Scene<3> scene = small_scene();
   scene.lights.clear();
   EXPECT_NE(message(scene).find("no light"), std::string::npos);
@@ -201,6 +203,61 @@ TEST(Bake, RefusesBadScenes) {
   scene = small_scene();
   scene.window = {2, 3};
   EXPECT_NE(message(scene).find("outside the data"), std::string::npos);
+  scene = small_scene();
+  scene.meshes[0].facets.clear();
+  EXPECT_NE(message(scene).find("no faces in the mesh 'wall 0'"), std::string::npos);
+  scene = small_scene();
+  scene.lights = {PointLight<3>{"bulb", Vec3(0, 0, 2), -1, Rgb(1), {}}};
+  EXPECT_NE(message(scene).find("'bulb' has a negative radius"), std::string::npos);
+  scene.lights = {PointLight<3>{"bulb", Vec3(0, 0, 2), 0, Rgb(-1), {}}};
+  EXPECT_NE(message(scene).find("'bulb' has a negative"), std::string::npos);
+  scene.lights = {SunLight<3>{"sun", Vec3(0, 0, 2), Rgb(1), 0}};
+  EXPECT_NE(message(scene).find("'sun' has a direction"), std::string::npos);
+  scene = small_scene();
+  scene.volumes[0].emission = ColorRamp({{0.9, Rgb(1)}, {0.6, Rgb(0)}});
+  EXPECT_NE(message(scene).find("ramp of the volume"), std::string::npos);
+}
+
+TEST(Bake, RefusesObjectsInTheWrongPlace) {
+  // The whole room as one mesh encloses lamp and volume alike: nothing is wrong.
+  Scene<3> scene = small_scene();
+  Mesh<3> room;
+  room.name = "room";
+  room.albedo = Rgb(0.5f);
+  for (const test::Side& side : test::cube_sides(-0.3, 1.3)) {
+    const Mesh<3> wall = test::wall("wall", side.corner, side.u, side.v, Rgb(0.5f));
+    const auto first = static_cast<std::uint32_t>(room.vertices.size());
+    room.vertices.insert(room.vertices.end(), wall.vertices.begin(), wall.vertices.end());
+    for (const auto& f : wall.facets) {
+      room.facets.push_back({f[0] + first, f[1] + first, f[2] + first});
+    }
+  }
+  scene.meshes = {room};
+  EXPECT_EQ(message(scene), "");
+  // A lamp within a thick ceiling.
+  Mesh<3> block = room;
+  block.name = "ceiling";
+  for (auto& v : block.vertices) {
+    v = Vec<3, float>(v.x, v.y, v.z < 0 ? 1.25f : 1.45f);
+  }
+  scene.meshes = {block};
+  EXPECT_NE(message(scene).find("'lamp' stands inside the mesh 'ceiling'"), std::string::npos);
+  // A room elsewhere, with its lamp.
+  scene.meshes = {room};
+  for (auto& v : scene.meshes[0].vertices) v.x += 10;
+  lamp(scene).corner.x += 10;
+  EXPECT_NE(message(scene).find("stands inside the mesh 'room'"), std::string::npos);
+  // The same as separate walls.
+  scene = small_scene();
+  scene.volumes[0].name = "brain";
+  for (Mesh<3>& mesh : scene.meshes) {
+    for (auto& v : mesh.vertices) v.x += 10;
+  }
+  lamp(scene).corner.x += 10;
+  EXPECT_NE(message(scene).find("The volume 'brain' lies outside the surroundings"),
+            std::string::npos);
+  scene.lights.push_back(SunLight<3>{"sun", Vec3(0, 0, -1), Rgb(1), 0});
+  EXPECT_EQ(message(scene), "") << "lit outside the room";
 }
 
 TEST(Atlas, HoldsTheTexels) {

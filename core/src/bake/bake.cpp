@@ -11,6 +11,7 @@
 #include "leaflight/bake/texel_samples.h"
 #include "leaflight/math/error.h"
 #include "leaflight/math/parallel.h"
+#include "leaflight/transport/placement.h"
 #include "leaflight/transport/thesis_estimator.h"
 
 namespace leaflight {
@@ -64,6 +65,7 @@ class Baker {
   Baker(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
         Progress& progress)
       : settings_(settings), plan_(plan), progress_(progress), tracer_(scene), lights_(tracer_) {
+    check_placement(tracer_);
     for (const Volume<D>& volume : scene.volumes) {
       const Index<D> resolution =
           settings.resolution == Index<D>{} ? volume.field.dims : settings.resolution;
@@ -161,7 +163,7 @@ class Baker {
     if (plan_.surroundings) {
       fine_ = refine(scene().meshes);
       for (const FineMesh<D>& mesh : fine_) {
-        points += 2.0 * SurroundingsRadiance<D>::nodes * mesh.vertices.size();
+        points += 2.0 * LeafNodes::count * mesh.vertices.size();
       }
     }
     const double photons =
@@ -273,7 +275,7 @@ class Baker {
 
   Rgb direct_sample(const SurfacePoint<D>& point, const TexelKeys& k, int i,
                     std::uint64_t& rays) const {
-    const double choice = sobol_point(i, ~k.light)[0];
+    const double choice = lights_.has_choice() ? sobol_point(i, ~k.light)[0] : 0;
     return lights_.direct_radiance(point, choice, sobol_point(i, k.light), rays);
   }
 
@@ -397,7 +399,7 @@ class Baker {
   SurroundingsRadiance<D> surroundings_pass(const IndirectEstimator<D>* estimator) {
     progress_.begin("Radiance of the surroundings");
     SurroundingsRadiance<D> result;
-    result.window = scene().window;
+    result.nodes = LeafNodes(scene());
     result.meshes = std::move(fine_);
     result.radiance.resize(result.meshes.size());
     for (std::size_t m = 0; m < result.meshes.size(); ++m) {
@@ -415,7 +417,7 @@ class Baker {
   std::vector<Vec<3, float>> facets_radiance(const SurroundingsRadiance<D>& result, std::size_t m,
                                              bool back, const IndirectEstimator<D>* estimator) {
     const std::vector<FacetPoint>& places = result.meshes[m].places;
-    const std::size_t n = places.size(), count = n * SurroundingsRadiance<D>::nodes;
+    const std::size_t n = places.size(), count = n * LeafNodes::count;
     std::vector<Vec<3, float>> radiance(count);
     const double work = settings_.samples * (1 + indirect_work());
     parallel_range(
@@ -423,8 +425,8 @@ class Baker {
           std::uint64_t rays = 0;
           for (std::size_t e = begin; e < end && !progress_.cancelled(); ++e) {
             const FacetPoint& p = places[e % n];
-            const SurfacePoint<D> point = tracer_.facet_point(p.mesh, p.facet, p.u, p.v, !back,
-                                                              result.node(static_cast<int>(e / n)));
+            const SurfacePoint<D> point = tracer_.facet_point(
+                p.mesh, p.facet, p.u, p.v, !back, result.nodes.node(static_cast<int>(e / n)));
             radiance[e] = Vec<3, float>(mean_radiance(point, 2 * m + back, e, estimator, rays));
           }
           rays_ += rays;

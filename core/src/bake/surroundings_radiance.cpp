@@ -104,25 +104,21 @@ std::vector<Vec<3, float>> radiance_at(const SurroundingsRadiance<D>& surroundin
   const auto& values = surroundings.radiance[mesh][back];
   std::vector<Vec<3, float>> radiance(n, Vec<3, float>(0));
   if (values.empty()) return radiance;
-  constexpr int last = SurroundingsRadiance<D>::nodes - 1;
-  const IsovalueWindow& window = surroundings.window;
-  const double position = std::clamp((c - window.min) / window.height(), 0.0, 1.0) * last;
-  const int low = std::min(static_cast<int>(position), last - 1);
-  const auto t = static_cast<float>(position - low);
+  const LeafNodes::Place at = surroundings.nodes.place(c);
+  const auto t = static_cast<float>(at.t);
   for (std::size_t i = 0; i < n; ++i) {
-    radiance[i] = values[low * n + i] * (1 - t) + values[(low + 1) * n + i] * t;
+    radiance[i] = values[at.low * n + i] * (1 - t) + values[(at.low + 1) * n + i] * t;
   }
   return radiance;
 }
 
 template <int D>
-void attach(SurroundingsRadiance<D>& radiance, const std::vector<Mesh<D>>& meshes,
-            const IsovalueWindow& window) {
-  radiance.meshes = refine(meshes);
-  radiance.window = window;
+void attach(SurroundingsRadiance<D>& radiance, const Scene<D>& scene) {
+  radiance.meshes = refine(scene.meshes);
+  radiance.nodes = LeafNodes(scene);
   bool fits = radiance.meshes.size() == radiance.radiance.size();
-  for (std::size_t m = 0; fits && m < meshes.size(); ++m) {
-    const std::size_t entries = radiance.meshes[m].vertices.size() * SurroundingsRadiance<D>::nodes;
+  for (std::size_t m = 0; fits && m < scene.meshes.size(); ++m) {
+    const std::size_t entries = radiance.meshes[m].vertices.size() * LeafNodes::count;
     for (const auto& side : radiance.radiance[m]) {
       fits = fits && (side.empty() || side.size() == entries);
     }
@@ -133,10 +129,8 @@ void attach(SurroundingsRadiance<D>& radiance, const std::vector<Mesh<D>>& meshe
   }
 }
 
-template void attach<2>(SurroundingsRadiance<2>&, const std::vector<Mesh<2>>&,
-                        const IsovalueWindow&);
-template void attach<3>(SurroundingsRadiance<3>&, const std::vector<Mesh<3>>&,
-                        const IsovalueWindow&);
+template void attach<2>(SurroundingsRadiance<2>&, const Scene<2>&);
+template void attach<3>(SurroundingsRadiance<3>&, const Scene<3>&);
 template std::vector<FineMesh<2>> refine<2>(const std::vector<Mesh<2>>&);
 template std::vector<FineMesh<3>> refine<3>(const std::vector<Mesh<3>>&);
 template std::vector<Vec<3, float>> radiance_at<2>(const SurroundingsRadiance<2>&, int, double,

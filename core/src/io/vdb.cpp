@@ -227,7 +227,7 @@ void add_volume(openvdb::GridPtrVec& grids, std::size_t volume, const Field<3>& 
                                      [&](std::size_t s) { return grid.radiance_error[s]; }));
 }
 
-constexpr int nodes = SurroundingsRadiance<3>::nodes;
+constexpr int nodes = LeafNodes::count;
 
 Vec3Grid::Ptr surroundings_grid(const SurroundingsRadiance<3>& surroundings) {
   const auto grid = Vec3Grid::create();

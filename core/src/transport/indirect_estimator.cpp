@@ -184,7 +184,7 @@ class GatherEstimator final : public IndirectEstimator<D> {
   Rgb incident(Hit<D> hit, const Vec<D>& towards, double c, Random& random,
                std::uint64_t& rays) const {
     if (hit.kind == HitKind::none) return Rgb(0);
-    if (scattering_of(hit) == Scattering::diffuse) return found(hit, towards, c);
+    if (scattering_of(hit) == Scattering::diffuse) return found(hit, towards, c, random);
     const SurfacePoint<D> first = tracer_.surface_point(hit, towards, c);
     const SpecularBounce<D> bounce = specular_bounce(first, towards, random.uniform());
     Rgb emitted(0);
@@ -198,7 +198,7 @@ class GatherEstimator final : public IndirectEstimator<D> {
         });
     Rgb radiance = emitted;
     if (sight.point.kind != HitKind::none) {
-      radiance += sight.throughput * found(sight.hit, sight.direction, c);
+      radiance += sight.throughput * found(sight.hit, sight.direction, c, random);
     }
     const Rgb own = first.kind == HitKind::leaf ? first.emission : Rgb(0);
     return own + bounce.weight * bounce.radiance_scale * radiance;
@@ -209,9 +209,9 @@ class GatherEstimator final : public IndirectEstimator<D> {
                                      : tracer_.meshes()[hit.surroundings.mesh].scattering;
   }
 
-  Rgb found(const Hit<D>& hit, const Vec<D>& direction, double c) const {
+  Rgb found(const Hit<D>& hit, const Vec<D>& direction, double c, Random& random) const {
     if (hit.kind == HitKind::surroundings) {
-      return surroundings_.radiance(hit.surroundings, direction, c);
+      return surroundings_.radiance(hit.surroundings, direction, c, random.uniform());
     }
     const Volume<D>& volume = tracer_.scene().volumes[hit.volume];
     const Rgb emission = emissive_[hit.volume] ? volume.emission.at(c) : Rgb(0);

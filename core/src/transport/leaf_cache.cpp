@@ -11,35 +11,54 @@ namespace {
 
 constexpr double soft_photons_per_box = 100, caustic_photons_per_box = 30;
 constexpr int largest_soft_radius = 4, largest_caustic_radius = 2;
-// Points per texel and axis at which |grad h| is evaluated.
-constexpr int measure_points = 2;
+// Points per texel and axis at which |grad h| is evaluated; more where the texel lies only in part
+// within the window, which a cap fills as a thin layer.
+constexpr int measure_points = 2, finer_measure_points = 4;
+
+// Mean of |grad h| over a texel's box, of its part that leaves of the window pass.
+struct MeanGradient {
+  double value = 0;
+  bool whole = true;  // leaves of the window pass all of the box
+};
+template <int D>
+MeanGradient mean_gradient(const Volume<D>& volume, const IsovalueWindow& window,
+                           const TexelLattice<D>& lattice, std::uint32_t texel,
+                           const Affine<D>& frame_to_index, int points) {
+  const Field<D>& field = volume.field;
+  const Index<D> index = lattice.texel(texel);
+  Index<D> none{}, all;
+  all.fill(points);
+  MeanGradient mean;
+  for_each_index<D>(none, all, [&](const Index<D>& part) {
+    Vec<D> position;
+    for (int a = 0; a < D; ++a) {
+      position[a] = (index[a] + (part[a] + 0.5) / points - 0.5) * lattice.voxels_per_texel[a];
+    }
+    const CellPoint<D> point = locate(field, position);
+    const CellCorners<D> corners = load_corners(field, point.cell);
+    const double h = interpolate(corners, point.local);
+    // Also false for NaN: masked cells hold no leaf.
+    if (!inside(field, position) || !window.contains(volume.leaf_coordinate(h))) {
+      mean.whole = false;
+      return;
+    }
+    mean.value +=
+        frame_to_index.pull_back_gradient(geometric_gradient(corners, point.local)).length();
+  });
+  mean.value /= static_cast<double>(cell_count<D>(all));
+  return mean;
+}
 
 // Integral of |grad c| over the part of a texel's box that leaves of the window pass, in the frame.
 template <int D>
 float coarea_measure(const Volume<D>& volume, const IsovalueWindow& window,
                      const TexelLattice<D>& lattice, std::uint32_t texel,
                      const Affine<D>& frame_to_index, double texel_volume) {
-  const Field<D>& field = volume.field;
-  const Index<D> index = lattice.texel(texel);
-  Index<D> none{}, all;
-  all.fill(measure_points);
-  double sum = 0;
-  for_each_index<D>(none, all, [&](const Index<D>& part) {
-    Vec<D> position;
-    for (int a = 0; a < D; ++a) {
-      position[a] =
-          (index[a] + (part[a] + 0.5) / measure_points - 0.5) * lattice.voxels_per_texel[a];
-    }
-    if (!inside(field, position)) return;
-    const CellPoint<D> point = locate(field, position);
-    const CellCorners<D> corners = load_corners(field, point.cell);
-    // False for NaN: masked cells hold no leaf.
-    const double h = interpolate(corners, point.local);
-    if (!window.contains(volume.leaf_coordinate(h))) return;
-    sum += frame_to_index.pull_back_gradient(geometric_gradient(corners, point.local)).length();
-  });
-  const double part_volume = texel_volume / static_cast<double>(cell_count<D>(all));
-  return static_cast<float>(sum * part_volume / volume.scale);
+  MeanGradient mean = mean_gradient(volume, window, lattice, texel, frame_to_index, measure_points);
+  if (!mean.whole) {
+    mean = mean_gradient(volume, window, lattice, texel, frame_to_index, finer_measure_points);
+  }
+  return static_cast<float>(mean.value * texel_volume / volume.scale);
 }
 
 // Running sums over 2 radius + 1 values along one axis of a dense grid, zero outside.

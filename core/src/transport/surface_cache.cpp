@@ -12,7 +12,6 @@
 namespace leaflight {
 namespace {
 
-constexpr int isovalue_bins = 32;
 constexpr int sides = 2;
 // Patches the surroundings are cut into, about, when their facets are large.
 template <int D>
@@ -62,7 +61,7 @@ struct Patches<3> {
 template <int D>
 SurfaceCache<D>::SurfaceCache(const SceneTracer<D>& tracer, bool caustics, double photon_flux,
                               std::uint64_t photons)
-    : tracer_(tracer), soft_(0, 1, 1), caustic_(0, 1, 1) {
+    : tracer_(tracer), nodes_(tracer.scene()), soft_(0, 1, 1), caustic_(0, 1, 1) {
   double total_area = 0;
   for (std::size_t m = 0; m < tracer.meshes().size(); ++m) {
     const Mesh<D>& mesh = tracer.meshes()[m];
@@ -83,7 +82,7 @@ SurfaceCache<D>::SurfaceCache(const SceneTracer<D>& tracer, bool caustics, doubl
     facet.first = patches;
     patches += Patches<D>::count(facet.cuts);
   }
-  const std::size_t entries = patches * sides * isovalue_bins;
+  const std::size_t entries = patches * sides * LeafNodes::count;
   if (entries > std::size_t{1} << 28) {
     throw Error("The surroundings have " + std::to_string(facets_.size()) +
                 " faces, too many for their radiance cache; decimate the meshes.");
@@ -95,19 +94,16 @@ SurfaceCache<D>::SurfaceCache(const SceneTracer<D>& tracer, bool caustics, doubl
 
 template <int D>
 std::size_t SurfaceCache<D>::entry(const SurroundingsHit& hit, const Vec<D>& direction,
-                                   double c) const {
+                                   int node) const {
   const Facet& facet = facets_[first_facet_[hit.mesh] + hit.facet];
   const std::size_t patch = facet.first + Patches<D>::number(hit.u, hit.v, facet.cuts);
-  const IsovalueWindow& window = tracer_.scene().window;
-  const double position = (c - window.min) / window.height() * isovalue_bins;
-  const int bin = std::clamp(static_cast<int>(position), 0, isovalue_bins - 1);
   const int side = facet.normal.dot(direction) > 0;
-  return (patch * sides + side) * isovalue_bins + bin;
+  return (patch * sides + side) * LeafNodes::count + node;
 }
 
 template <int D>
 const typename SurfaceCache<D>::Facet& SurfaceCache<D>::facet_of(std::size_t entry) const {
-  const std::size_t patch = entry / (sides * isovalue_bins);
+  const std::size_t patch = entry / (sides * LeafNodes::count);
   return *(std::upper_bound(facets_.begin(), facets_.end(), patch,
                             [](std::size_t p, const Facet& f) { return p < f.first; }) -
            1);
@@ -118,15 +114,16 @@ void SurfaceCache<D>::deposit(const PhotonHit<D>& photon) {
   if (photon.arrival == Arrival::direct) return;
   const bool apart = photon.arrival == Arrival::caustic && !caustic_.empty();
   FluxAccumulator& flux = apart ? caustic_ : soft_;
-  flux.add(entry(photon.point), photon.flux_height);
+  flux.add(entry(photon.point, nodes_.nearest(photon.point.c)), photon.flux_height);
 }
 
 // Irradiance from an entry's photons.
 template <int D>
 Rgb SurfaceCache<D>::density(const FluxAccumulator& flux, std::size_t entry) const {
   if (flux.empty()) return Rgb(0);
-  const double measure =
-      facet_of(entry).patch_area * tracer_.scene().window.height() / isovalue_bins;
+  const int node = static_cast<int>(entry % LeafNodes::count);
+  const double measure = facet_of(entry).patch_area * nodes_.height(node);
+  if (!(measure > 0)) return Rgb(0);
   Rgb irradiance;
   for (int i = 0; i < 3; ++i) irradiance[i] = static_cast<Real>(flux.flux(entry, i) / measure);
   return irradiance;
@@ -135,17 +132,15 @@ Rgb SurfaceCache<D>::density(const FluxAccumulator& flux, std::size_t entry) con
 template <int D>
 void SurfaceCache<D>::finish(std::size_t entry, const LightSampler<D>& lights, int samples,
                              std::uint64_t seed, std::uint64_t& rays) {
-  const std::size_t patch = entry / (sides * isovalue_bins);
-  const bool front = (entry / isovalue_bins) % sides == 0;
-  const int bin = static_cast<int>(entry % isovalue_bins);
+  const std::size_t patch = entry / (sides * LeafNodes::count);
+  const bool front = (entry / LeafNodes::count) % sides == 0;
+  const double c = nodes_.node(static_cast<int>(entry % LeafNodes::count));
   const Facet& facet = facet_of(entry);
-  const IsovalueWindow& window = tracer_.scene().window;
-  const double bin_height = window.height() / isovalue_bins;
   Random random = random_for(seed, Purpose::surface_cache, entry);
   const std::uint64_t point_key = random.bits(), light_key = random.bits();
   const Rgb photons = (density(soft_, entry) + density(caustic_, entry)) /
                       static_cast<Real>(projected_hemisphere<D>);
-  SurfacePoint<D> point = tracer_.facet_point(facet.mesh, facet.facet, 0, 0, front, window.min);
+  SurfacePoint<D> point = tracer_.facet_point(facet.mesh, facet.facet, 0, 0, front, c);
   if (point.scattering != Scattering::diffuse) return;  // no ray looks it up
   const Mesh<D>& mesh = tracer_.meshes()[facet.mesh];
   const FacetFrame<D> frame(mesh, facet.facet);
@@ -154,7 +149,6 @@ void SurfaceCache<D>::finish(std::size_t entry, const LightSampler<D>& lights, i
     const auto uv = Patches<D>::point(static_cast<int>(patch - facet.first), facet.cuts,
                                       sobol_point(i, point_key));
     point.position = frame.point(uv[0], uv[1]);
-    point.c = window.min + bin_height * (bin + (i + random.uniform()) / samples);
     if (mesh.texture) point.albedo = mesh.albedo_at(facet.facet, uv[0], uv[1]);
     sum += point.albedo * photons +
            lights.direct_radiance(point, random.uniform(), sobol_point(i, light_key), rays);
@@ -163,8 +157,19 @@ void SurfaceCache<D>::finish(std::size_t entry, const LightSampler<D>& lights, i
 }
 
 template <int D>
-Rgb SurfaceCache<D>::radiance(const SurroundingsHit& hit, const Vec<D>& direction, double c) const {
-  return radiance_[entry(hit, direction, c)];
+Rgb SurfaceCache<D>::between_nodes(const FluxAccumulator& flux,
+                                   const SurfacePoint<D>& point) const {
+  const LeafNodes::Place at = nodes_.place(point.c);
+  const auto t = static_cast<Real>(at.t);
+  return density(flux, entry(point, at.low)) * (1 - t) +
+         density(flux, entry(point, at.low + 1)) * t;
+}
+
+template <int D>
+Rgb SurfaceCache<D>::radiance(const SurroundingsHit& hit, const Vec<D>& direction, double c,
+                              double u) const {
+  const LeafNodes::Place at = nodes_.place(c);
+  return radiance_[entry(hit, direction, at.low + (u < at.t))];
 }
 
 template class SurfaceCache<2>;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "leaflight/scene/scene.h"
+#include "leaflight/scene/leaf_nodes.h"
 #include "leaflight/transport/reference.h"
 
 namespace leaflight {
@@ -18,18 +18,15 @@ template <int D>
 std::vector<FineMesh<D>> refine(const std::vector<Mesh<D>>& meshes);
 
 // Walls are prisms over (u, v, c): their radiance [W/(m^2 sr)] at the vertices of the fine meshes
-// and at nodes of the leaf coordinate, evenly spaced over the window.
+// and at nodes of the leaf coordinate.
 template <int D>
 struct SurroundingsRadiance {
-  static constexpr int nodes = 33;
-
-  IsovalueWindow window;
+  LeafNodes nodes;
   std::vector<FineMesh<D>> meshes;
-  // Per mesh; [front or back][(node * vertices + vertex)], a side that is dark for all c is empty.
+  // Per mesh; [front or back][node * vertices + vertex], a side that is dark for all c is empty.
   std::vector<std::array<std::vector<Vec<3, float>>, 2>> radiance;
 
   bool empty() const { return radiance.empty(); }
-  double node(int i) const { return window.min + window.height() * i / (nodes - 1); }
 };
 
 // Radiance at the vertices of a mesh, linear between the nodes; zeros for a dark side.
@@ -37,10 +34,9 @@ template <int D>
 std::vector<Vec<3, float>> radiance_at(const SurroundingsRadiance<D>& surroundings, int mesh,
                                        double c, bool back);
 
-// Gives a radiance that was read from a file the surroundings it belongs to. Throws Error if they
-// are others.
+// Gives a radiance that was read from a file the scene it belongs to. Throws Error if its
+// surroundings are others.
 template <int D>
-void attach(SurroundingsRadiance<D>& radiance, const std::vector<Mesh<D>>& meshes,
-            const IsovalueWindow& window);
+void attach(SurroundingsRadiance<D>& radiance, const Scene<D>& scene);
 
 }  // namespace leaflight

@@ -31,6 +31,7 @@ class DiscreteDistribution {
   }
   double probability(std::size_t i) const { return cumulative_[i] - below(i); }
   double total() const { return total_; }
+  std::size_t size() const { return cumulative_.size(); }
   bool empty() const { return cumulative_.empty(); }
 
  private:

@@ -34,10 +34,12 @@ inline std::array<double, 2> sobol_point(std::uint32_t index, std::uint64_t seed
   const auto high = static_cast<std::uint32_t>(seed >> 32);
   index = owen_scramble(index, low ^ 0xa511e9b3u);
   std::uint32_t x = reverse_bits(index);
-  std::uint32_t y = 0;
-  for (std::uint32_t i = index, v = 1u << 31; i != 0; i >>= 1, v ^= v >> 1) {
-    if (i & 1u) y ^= v;
-  }
+  // The second dimension's generator matrix, Pascal's triangle modulo 2, in five steps (Ahmed 2024).
+  std::uint32_t y = x ^ (x << 16);
+  y ^= (y & 0x00ff00ffu) << 8;
+  y ^= (y & 0x0f0f0f0fu) << 4;
+  y ^= (y & 0x33333333u) << 2;
+  y ^= (y & 0x55555555u) << 1;
   x = owen_scramble(x, low * 0x9e3779b9u + high);
   y = owen_scramble(y, high * 0x85ebca6bu + low);
   return {x * 0x1p-32, y * 0x1p-32};

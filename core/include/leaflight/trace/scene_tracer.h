@@ -74,6 +74,7 @@ class SceneTracer {
   const std::vector<Light<D>>& lights() const { return lights_; }  // frame
   const Affine<D>& index_to_frame(int volume) const { return fields_[volume].index_to_frame; }
   const BoundingSphere<D>& bounds() const { return bounds_; }
+  const Surroundings<D>& surroundings() const { return surroundings_; }
 
   // The point of a volume's leaf at a cell point, whose leaf coordinate must be c, seen from the
   // given side. Its kind is none where |grad h| = 0: no leaf passes there.

@@ -39,6 +39,9 @@ class LightSampler {
   // what direct_radiance() samples, but for the emission of the surface at the end.
   Rgb visible_radiance(const Vec<D>& origin, const Vec<D>& direction, double t_max) const;
 
+  // Whether direct_radiance() looks at its `choice`.
+  bool has_choice() const { return by_irradiance_.size() > 1; }
+
   // The largest channel of the flux-height of any emitted photon.
   double largest_flux_height() const;
 

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "leaflight/scene/leaf_nodes.h"
 #include "leaflight/transport/flux_accumulator.h"
 #include "leaflight/transport/photon_tracer.h"
 
 namespace leaflight {
 
 // Radiance of the surroundings over (u, v, c): each triangle is cut into n x n equal patches, each
-// segment of the plane into n, the window of c into bins, and both sides are kept. It answers
-// rays of the final gather.
+// segment of the plane into n, c has nodes, and both sides are kept. It answers rays of the final
+// gather.
 template <int D>
 class SurfaceCache {
  public:
@@ -23,12 +24,13 @@ class SurfaceCache {
   void finish(std::size_t entry, const LightSampler<D>& lights, int samples, std::uint64_t seed,
               std::uint64_t& rays);
 
-  // Of the side that a ray of the given direction meets.
-  Rgb radiance(const SurroundingsHit& hit, const Vec<D>& direction, double c) const;
-  // Irradiance from photons at a point of the surroundings.
-  Rgb soft_irradiance(const SurfacePoint<D>& point) const { return density(soft_, entry(point)); }
+  // Of the side that a ray of the given direction meets. `u` uniform in [0,1) chooses between two
+  // nodes, so that the mean is linear in c at the cost of one lookup.
+  Rgb radiance(const SurroundingsHit& hit, const Vec<D>& direction, double c, double u) const;
+  // Irradiance from photons at a point of the surroundings, linear in c.
+  Rgb soft_irradiance(const SurfacePoint<D>& point) const { return between_nodes(soft_, point); }
   Rgb caustic_irradiance(const SurfacePoint<D>& point) const {
-    return density(caustic_, entry(point));
+    return between_nodes(caustic_, point);
   }
 
  private:
@@ -39,18 +41,20 @@ class SurfaceCache {
     double patch_area;
     Vec<D> normal;
   };
-  std::size_t entry(const SurroundingsHit& hit, const Vec<D>& direction, double c) const;
+  std::size_t entry(const SurroundingsHit& hit, const Vec<D>& direction, int node) const;
   // The point's normal faces the side from which it is seen.
-  std::size_t entry(const SurfacePoint<D>& point) const {
-    return entry(point.place, -point.geometric_normal, point.c);
+  std::size_t entry(const SurfacePoint<D>& point, int node) const {
+    return entry(point.place, -point.geometric_normal, node);
   }
+  Rgb between_nodes(const FluxAccumulator& flux, const SurfacePoint<D>& point) const;
   Rgb density(const FluxAccumulator& flux, std::size_t entry) const;
   const Facet& facet_of(std::size_t entry) const;
 
   const SceneTracer<D>& tracer_;
   std::vector<std::size_t> first_facet_;  // of each mesh, in facets_
   std::vector<Facet> facets_;
-  std::vector<Rgb> radiance_;  // patch, side, isovalue bin
+  LeafNodes nodes_;
+  std::vector<Rgb> radiance_;  // patch, side, node
   FluxAccumulator soft_, caustic_;
 };
 

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/transport/placement.h"
+
+#include <optional>
+
+#include "leaflight/math/error.h"
+#include "leaflight/math/low_discrepancy.h"
+#include "leaflight/transport/luminaire_sampling.h"
+
+namespace leaflight {
+namespace {
+
+constexpr int rays = 64;
+
+// Corners and centre of a volume's box, a little within it.
+template <int D>
+std::vector<Vec<D>> box_points(const SceneTracer<D>& tracer, int volume) {
+  const Field<D>& field = tracer.scene().volumes[volume].field;
+  std::vector<Vec<D>> points;
+  for (int corner = 0; corner <= (1 << D); ++corner) {
+    Vec<D> index;
+    for (int a = 0; a < D; ++a) {
+      const double share = corner == (1 << D) ? 0.5 : (corner >> a) & 1 ? 0.99 : 0.01;
+      index[a] = share * (field.dims[a] - 1);
+    }
+    points.push_back(tracer.index_to_frame(volume).point(index));
+  }
+  return points;
+}
+
+template <int D>
+Vec<D> any_direction(int i) {
+  Vec<D> axis(0.0);
+  axis[0] = 1;
+  return sample_cone<D>(axis, 2, sobol_point(i, 0));
+}
+
+template <int D>
+std::optional<Vec<D>> place_of(const Light<D>& light) {
+  if (const auto* area = std::get_if<AreaLight<D>>(&light)) {
+    return leave_plane<D>(area->point({0.5, 0.5}), area->normal());
+  }
+  if (const auto* point = std::get_if<PointLight<D>>(&light)) return point->position;
+  return std::nullopt;
+}
+
+template <int D>
+bool any_volume_seen(const SceneTracer<D>& tracer, const Vec<D>& from) {
+  for (std::size_t v = 0; v < tracer.scene().volumes.size(); ++v) {
+    for (const Vec<D>& point : box_points(tracer, static_cast<int>(v))) {
+      if (!tracer.surroundings().occluded(from, point - from, 1)) return true;
+    }
+  }
+  return tracer.scene().volumes.empty();
+}
+
+// The mesh that a ray meets in every direction, or nothing.
+template <int D>
+std::optional<int> enclosing_mesh(const SceneTracer<D>& tracer, const Vec<D>& from) {
+  std::optional<int> mesh;
+  for (int i = 0; i < rays; ++i) {
+    const auto hit = tracer.surroundings().intersect(from, any_direction<D>(i),
+                                                     std::numeric_limits<double>::infinity());
+    if (!hit || (mesh && *mesh != hit->mesh)) return std::nullopt;
+    mesh = hit->mesh;
+  }
+  return mesh;
+}
+
+template <int D>
+void check_lights(const SceneTracer<D>& tracer) {
+  for (const Light<D>& light : tracer.lights()) {
+    const std::optional<Vec<D>> place = place_of<D>(light);
+    if (!place) continue;
+    const std::optional<int> mesh = enclosing_mesh<D>(tracer, *place);
+    if (!mesh || any_volume_seen<D>(tracer, *place)) continue;
+    const std::string name = std::visit([](const auto& l) { return l.name; }, light);
+    throw Error("The light '" + name + "' stands inside the mesh '" + tracer.meshes()[*mesh].name +
+                "', which lets none of its light out; move it.");
+  }
+}
+
+template <int D>
+bool overlaps_surroundings(const SceneTracer<D>& tracer, const std::vector<Vec<D>>& box) {
+  Vec<D> low(std::numeric_limits<double>::infinity()), high = -low;
+  for (const Mesh<D>& mesh : tracer.meshes()) {
+    for (const auto& vertex : mesh.vertices) {
+      for (int a = 0; a < D; ++a) {
+        low[a] = std::min<double>(low[a], vertex[a]);
+        high[a] = std::max<double>(high[a], vertex[a]);
+      }
+    }
+  }
+  for (int a = 0; a < D; ++a) {
+    double box_low = box[0][a], box_high = box[0][a];
+    for (const Vec<D>& p : box) {
+      box_low = std::min(box_low, p[a]);
+      box_high = std::max(box_high, p[a]);
+    }
+    if (!(box_high >= low[a] && box_low <= high[a])) return false;
+  }
+  return true;
+}
+
+template <int D>
+bool any_light_reaches(const SceneTracer<D>& tracer, const std::vector<Vec<D>>& points) {
+  const double far = 4 * tracer.bounds().radius;
+  for (const Vec<D>& point : points) {
+    for (const Light<D>& light : tracer.lights()) {
+      for (int i = 0; i < rays; ++i) {
+        const LightSample<D> sample = sample_light(light, point, sobol_point(i, 1));
+        if (!(largest(sample.radiance) > 0)) continue;
+        const Vec<D> way = sample.infinite ? sample.direction * far
+                                           : leave_plane<D>(sample.end, sample.end_normal) - point;
+        if (!tracer.surroundings().occluded(point, way, 1)) return true;
+      }
+    }
+    for (int i = 0; tracer.scene().environment && i < rays; ++i) {
+      if (!tracer.surroundings().occluded(point, any_direction<D>(i), far)) return true;
+    }
+  }
+  return false;
+}
+
+template <int D>
+bool something_glows(const Scene<D>& scene) {
+  for (const Mesh<D>& mesh : scene.meshes) {
+    if (largest(mesh.emission) > 0) return true;
+  }
+  for (const Volume<D>& volume : scene.volumes) {
+    if (volume.emission.largest() > 0) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+template <int D>
+void check_placement(const SceneTracer<D>& tracer) {
+  if (tracer.meshes().empty()) return;
+  check_lights(tracer);
+  if (something_glows(tracer.scene())) return;
+  for (std::size_t v = 0; v < tracer.scene().volumes.size(); ++v) {
+    const std::vector<Vec<D>> points = box_points(tracer, static_cast<int>(v));
+    if (overlaps_surroundings(tracer, points) || any_light_reaches(tracer, points)) continue;
+    throw Error("The volume '" + tracer.scene().volumes[v].name +
+                "' lies outside the surroundings, and no light reaches it; move it into them.");
+  }
+}
+
+template void check_placement<2>(const SceneTracer<2>&);
+template void check_placement<3>(const SceneTracer<3>&);
+
+}  // namespace leaflight
