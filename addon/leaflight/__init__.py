@@ -3,10 +3,15 @@
 
 from . import (
     bake,
+    bake_flatland,
     cornell_box,
+    flat_properties,
     handlers,
+    import_image,
     import_volume,
+    leaf_look,
     panels,
+    photon_cloud,
     properties,
     render_comparison,
 )
@@ -24,9 +29,14 @@ bl_info = {
 # In the order of registration: the properties are what all others draw and edit.
 _MODULES = (
     properties,
+    flat_properties,
     import_volume,
+    import_image,
+    leaf_look,
     cornell_box,
     bake,
+    bake_flatland,
+    photon_cloud,
     render_comparison,
     panels,
     handlers,

@@ -20,7 +20,12 @@ def volume_of(obj):
     """The volume of an object, in the object's local coordinates. Raises LeaflightError."""
     key = _volume_key(obj.leaflight)
     if key not in _volumes:
-        _volumes[key] = _volume_of_bake(obj) or read_volume(*key)
+        *file, capped = key
+        volume = _volume_of_bake(obj)
+        if volume is None:
+            volume = read_volume(*file)
+            volume = volume.capped() if capped else volume
+        _volumes[key] = volume
     return _volumes[key]
 
 
@@ -58,6 +63,12 @@ def bake_of(obj):
     return _bakes[path]
 
 
+def grid_of(obj):
+    """The radiance grid of an object's bake, None before the first. Raises LeaflightError."""
+    bake = bake_of(obj)
+    return bake.grids[obj.leaflight.bake_index] if bake is not None else None
+
+
 def keep_bake(path, bake):
     _bakes[path] = bake
 
@@ -79,14 +90,15 @@ def clear():
 
 def _volume_of_bake(obj):
     """The volume that the bake holds, None if there is no such file: one copy serves both."""
+    settings = obj.leaflight
     try:
         bake = bake_of(obj)
     except core.LeaflightError:
         return None
-    if bake is None:
+    if bake is None or bake.scene.leaves[settings.bake_index].capped != settings.capped:
         return None
-    local_to_world = np.array(obj.leaflight.bake_matrix, np.float64).reshape(4, 4)
-    baked = bake.volume
+    local_to_world = np.array(settings.bake_matrix, np.float64).reshape(4, 4)
+    baked = bake.volumes[settings.bake_index]
     index_to_local = np.linalg.inv(local_to_world) @ baked.index_to_world
     return core.Volume(baked.values, index_to_local, baked.name, baked.source)
 
@@ -99,4 +111,5 @@ def _volume_key(settings):
         settings.endian,
         tuple(settings.spacing),
         settings.frame,
+        settings.capped,
     )

@@ -7,7 +7,7 @@ import bpy
 import mathutils
 import numpy as np
 
-from . import core, operator_checks, scene_export, shader
+from . import core, lights, operator_checks, scene_export, shader, world
 from .cache import world_volume
 
 # Marks the collection, whatever the user may call it.
@@ -18,7 +18,7 @@ class LEAFLIGHT_OT_build_cornell_box(bpy.types.Operator):
     bl_idname = "leaflight.build_cornell_box"
     bl_label = "Build Cornell Box"
     bl_description = (
-        "Put walls, an area light and a camera around the volume, as objects that you may edit. "
+        "Put walls, an area light and a camera around the volumes, as objects that you may edit. "
         "The scene gets a black world"
     )
     bl_options = {"REGISTER", "UNDO"}
@@ -37,7 +37,8 @@ class LEAFLIGHT_OT_build_cornell_box(bpy.types.Operator):
     def execute(self, context):
         leaf = context.object
         try:
-            box = core.fit_scene(core.cornell_box(), world_volume(leaf))
+            volumes = scene_export.volume_objects(context, leaf)
+            box = core.fit_scene(core.cornell_box(), [world_volume(obj) for obj in volumes])
         except core.LeaflightError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -53,7 +54,8 @@ class LEAFLIGHT_OT_build_cornell_box(bpy.types.Operator):
         _darken_world(context.scene)
         context.scene.view_settings.view_transform = "Standard"
         context.scene.view_settings.exposure = math.log2(box.exposure)
-        leaf.leaflight.leaf_albedo = box.leaf_albedo
+        for obj in volumes:
+            obj.leaflight.leaf_albedo = box.leaves[0].albedo
         context.view_layer.update()
         self._warn(context, leaf, box, {obj.name for obj in collection.objects})
         return {"FINISHED"}
@@ -61,7 +63,7 @@ class LEAFLIGHT_OT_build_cornell_box(bpy.types.Operator):
     def _warn(self, context, leaf, box, ours):
         """Says now what would stop or spoil the bake later."""
         try:
-            surroundings, warnings = scene_export.export_scene(context, leaf)
+            surroundings, _, warnings = scene_export.export_scene(context, leaf)
         except core.LeaflightError as error:
             self.report({"WARNING"}, f"Before the bake: {error}")
             return
@@ -99,8 +101,7 @@ def _area_light(description):
     light.size, light.size_y = np.linalg.norm(u), np.linalg.norm(v)
     radiance = np.array(description.radiance, np.float64)
     light.color = radiance / radiance.max()
-    factor = scene_export.area_light_factor(bpy.app.version)
-    light.energy = radiance.max() * light.size * light.size_y / factor
+    light.energy = radiance.max() * light.size * light.size_y / lights.light_units()["area"]
     obj = bpy.data.objects.new(description.name, light)
     # It shines along its local -Z: the local axes are u, -v and -(u x v).
     axes = np.array([u / np.linalg.norm(u), -v / np.linalg.norm(v), -np.cross(u, v)])
@@ -130,9 +131,9 @@ def _camera(scene, box):
 
 
 def _darken_world(scene):
-    """The bake models area lights only. The user's own world stays in the file."""
+    """The box has a lamp of its own. The user's own world stays in the file."""
     if scene.world is not None:
-        if scene_export.is_dark(scene.world):
+        if world.is_dark(scene.world):
             return
         scene.world.use_fake_user = True
     scene.world = bpy.data.worlds.new("Black World")

@@ -4,27 +4,19 @@
 import bpy
 from bpy.app.handlers import persistent
 
-from . import bake, cache, staleness, surface_object
+from . import background, cache, display, graph_object, images, isovalues, staleness, surface_object
 
 
 @persistent
 def _after_evaluation(scene, depsgraph):
-    """Updates surfaces whose evaluated isovalue has changed.
-
-    Only the evaluated object has the animated value: in a render the original lags behind.
-    """
-    for obj in scene.objects:
-        if not obj.leaflight.is_volume or obj.mode != "OBJECT":
-            continue
-        settings = obj.evaluated_get(depsgraph).leaflight
-        surface_object.update(obj, settings.isovalue)
+    isovalues.update(scene, depsgraph)
 
 
 @persistent
 def _after_change(scene, depsgraph):
     _after_evaluation(scene, depsgraph)
-    own = {obj.data.name for obj in scene.objects if obj.leaflight.is_volume}
-    own |= {obj.name for obj in scene.objects if obj.leaflight.is_volume}
+    ours = [o for o in scene.objects if o.leaflight.is_volume or display.is_display(o)]
+    own = {obj.data.name for obj in ours} | {obj.name for obj in ours}
     for update in depsgraph.updates:
         moved = update.is_updated_transform or update.is_updated_shading
         if moved or (update.is_updated_geometry and update.id.name not in own):
@@ -41,8 +33,10 @@ def _after_undo(scene, _depsgraph):
 
 @persistent
 def _before_load(*_):
-    bake.cancel_running()
+    background.cancel_running()
     cache.clear()
+    graph_object.forget()
+    images.forget()
     surface_object.problems.clear()
     staleness.forget()
 
@@ -77,5 +71,6 @@ def register():
 def unregister():
     for event, handler in _HANDLERS:
         getattr(bpy.app.handlers, event).remove(handler)
-    bake.cancel_running()
+    background.cancel_running()
     cache.clear()
+    images.forget()

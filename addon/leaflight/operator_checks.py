@@ -15,6 +15,19 @@ def has_volume(operator, context):
     return True
 
 
+def has_flatland(operator, context):
+    obj = context.object
+    if obj is None or not obj.leaflight_flat.is_flatland:
+        operator.poll_message_set(
+            "Select the graph of an image first (File > Import > Image for Leaflight)"
+        )
+        return False
+    if obj.mode != "OBJECT":
+        operator.poll_message_set("Leave Edit Mode first")
+        return False
+    return True
+
+
 def has_bake(operator, context):
     if not has_volume(operator, context):
         return False

@@ -5,7 +5,20 @@ import textwrap
 
 import bpy
 
-from . import bake, cornell_box, import_volume, render_comparison, staleness, surface_object
+from . import (
+    background,
+    bake,
+    bake_flatland,
+    cornell_box,
+    import_image,
+    import_volume,
+    isovalues,
+    leaf_look,
+    photon_cloud,
+    render_comparison,
+    staleness,
+    surface_object,
+)
 
 
 class _LeaflightPanel:
@@ -20,15 +33,32 @@ class LEAFLIGHT_PT_volume(_LeaflightPanel, bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         obj = context.object
+        if obj is not None and obj.leaflight_flat.is_flatland:
+            layout.label(text=obj.name, icon="IMAGE_DATA")
+            return
         if obj is None or not obj.leaflight.is_volume:
             layout.label(text="No Leaflight volume is selected")
             layout.operator(import_volume.LEAFLIGHT_OT_import_volume.bl_idname, icon="IMPORT")
+            layout.operator(import_image.LEAFLIGHT_OT_import_image.bl_idname, icon="IMPORT")
             return
         layout.label(text=obj.name, icon="VOLUME_DATA")
         layout.prop(obj.leaflight, '["isovalue"]', text="Isovalue", slider=True)
+        if any(other != obj for other in isovalues.volumes(context.scene)):
+            self._draw_partners(context, obj)
         problem = surface_object.problems.get(obj.name)
         if problem:
             _sentence(context, layout, problem, icon="ERROR")
+
+    def _draw_partners(self, context, obj):
+        """What the volumes that are baked together show."""
+        settings = obj.leaflight
+        row = self.layout.row()
+        c = isovalues.leaf_coordinate(settings, settings.isovalue)
+        row.label(text=f"Leaf c = {c:.3f}")
+        row.prop(settings, "linked", icon="LINKED" if settings.linked else "UNLINKED")
+        column = self.layout.column(align=True)
+        for other in isovalues.partners(obj, context.scene):
+            column.label(text=f"{other.name}: {other.leaflight.isovalue:g}", icon="VOLUME_DATA")
 
 
 class _VolumePanel(_LeaflightPanel):
@@ -39,11 +69,85 @@ class _VolumePanel(_LeaflightPanel):
         return context.object is not None and context.object.leaflight.is_volume
 
 
+class LEAFLIGHT_PT_leaves(_VolumePanel, bpy.types.Panel):
+    bl_label = "Isosurfaces"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        settings = context.object.leaflight
+        layout.operator_menu_enum(
+            leaf_look.LEAFLIGHT_OT_leaf_preset.bl_idname, "preset", text="Preset"
+        )
+        layout.prop(settings, "leaf_scattering")
+        if settings.leaf_scattering == "GLASS":
+            layout.prop(settings, "leaf_ior")
+        row = layout.row()
+        if settings.leaf_stops:
+            row.template_list(
+                "LEAFLIGHT_UL_stops", "", settings, "leaf_stops", settings, "leaf_stop", rows=3
+            )
+        else:
+            row.prop(settings, "leaf_albedo")
+        buttons = row.column(align=True)
+        buttons.operator(leaf_look.LEAFLIGHT_OT_add_stop.bl_idname, text="", icon="ADD")
+        if settings.leaf_stops:
+            buttons.operator(leaf_look.LEAFLIGHT_OT_remove_stop.bl_idname, text="", icon="REMOVE")
+        column = layout.column(align=True)
+        column.prop(settings, "leaf_emission")
+        column.prop(settings, "leaf_emission_strength")
+        layout.prop(settings, "capped")
+
+
+class LEAFLIGHT_UL_stops(bpy.types.UIList):
+    """The stops of the color ramp, each with its isovalue and its color."""
+
+    def draw_item(self, _context, layout, _data, item, _icon, _active, _property):
+        row = layout.row(align=True)
+        row.use_property_split = False
+        row.prop(item, "isovalue", text="", emboss=False)
+        row.prop(item, "color", text="")
+
+
+class LEAFLIGHT_PT_flatland(_LeaflightPanel, bpy.types.Panel):
+    bl_label = "Flatland"
+    bl_parent_id = "LEAFLIGHT_PT_volume"
+
+    @classmethod
+    def poll(cls, context):
+        return context.object is not None and context.object.leaflight_flat.is_flatland
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        settings = context.object.leaflight_flat
+        for names in (
+            ("height", "count", "width", "brightness_correction"),
+            ("low", "high"),
+            ("resolution", "samples", "photons"),
+            ("seed", "scene_file"),
+        ):
+            column = layout.column(align=True)
+            for name in names:
+                column.prop(settings, name, text={"low": "Lowest", "high": "Highest"}.get(name))
+        layout.operator(bake_flatland.LEAFLIGHT_OT_bake_flatland.bl_idname, icon="LIGHT_AREA")
+        job = background.running()
+        if job is not None:
+            layout.label(text=f"{job.status()}, Esc cancels", icon="TIME")
+        problem = surface_object.problems.get(context.object.name)
+        if problem:
+            _sentence(context, layout, problem, icon="ERROR")
+
+
 class LEAFLIGHT_PT_surroundings(_VolumePanel, bpy.types.Panel):
     bl_label = "Surroundings"
 
     def draw(self, context):
         self.layout.operator(cornell_box.LEAFLIGHT_OT_build_cornell_box.bl_idname, icon="CUBE")
+        if context.object.leaflight.bake_surroundings:
+            self.layout.prop(context.scene.leaflight, "show_walls")
 
 
 class LEAFLIGHT_PT_bake(_VolumePanel, bpy.types.Panel):
@@ -57,7 +161,9 @@ class LEAFLIGHT_PT_bake(_VolumePanel, bpy.types.Panel):
         column = layout.column(align=True)
         column.prop(settings, "low", text="Lowest")
         column.prop(settings, "high", text="Highest")
-        layout.prop(settings, "leaf_albedo")
+        column = layout.column(align=True)
+        column.prop(settings, "both_sides")
+        column.prop(settings, "light_surroundings")
         column = layout.column(align=True)
         column.prop(settings, "resolution")
         column.prop(settings, "samples")
@@ -66,7 +172,8 @@ class LEAFLIGHT_PT_bake(_VolumePanel, bpy.types.Panel):
         layout.prop(settings, "seed")
         layout.prop(settings, "output")
         layout.operator(bake.LEAFLIGHT_OT_bake.bl_idname, icon="LIGHT_AREA")
-        job = bake.running()
+        layout.operator(photon_cloud.LEAFLIGHT_OT_photon_cloud.bl_idname, icon="POINTCLOUD_DATA")
+        job = background.running()
         if job is not None:
             layout.label(text=f"{job.status()}, Esc cancels", icon="TIME")
         elif settings.bake_path:
@@ -109,7 +216,10 @@ def _sentence(context, layout, text, icon):
 
 
 _CLASSES = (
+    LEAFLIGHT_UL_stops,
     LEAFLIGHT_PT_volume,
+    LEAFLIGHT_PT_leaves,
+    LEAFLIGHT_PT_flatland,
     LEAFLIGHT_PT_surroundings,
     LEAFLIGHT_PT_bake,
     LEAFLIGHT_PT_comparison,

@@ -5,6 +5,7 @@
 import bpy
 from bpy.props import (
     BoolProperty,
+    CollectionProperty,
     EnumProperty,
     FloatProperty,
     FloatVectorProperty,
@@ -14,14 +15,11 @@ from bpy.props import (
     StringProperty,
 )
 
-from . import surface_object
+from . import isovalues, surface_object, walls
 
 VALUE_TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")
 
-# Drivers and keyframes use this path, seen from the object.
-ISOVALUE_PATH = 'leaflight["isovalue"]'
-
-
+ISOVALUE_PATH = isovalues.ISOVALUE_PATH
 VALUE_TYPE_ITEMS = [(name, name, f"Values of type {name}") for name in VALUE_TYPES]
 ENDIAN_ITEMS = [
     ("little", "Little Endian", "Least significant byte first"),
@@ -29,9 +27,44 @@ ENDIAN_ITEMS = [
 ]
 
 
+SCATTERING_ITEMS = [
+    ("DIFFUSE", "Diffuse", "Reflects light alike in all directions"),
+    ("MIRROR", "Mirror", "Reflects light as a polished mirror"),
+    ("GLASS", "Glass", "Reflects and refracts light as polished glass, denser inside"),
+]
+
+
 def _shading_changed(settings, _context):
-    if settings.is_volume:
+    if settings.id_data.leaflight.is_volume:
         surface_object.shade(settings.id_data)
+
+
+def _shape_changed(settings, _context):
+    if settings.is_volume:
+        surface_object.update(settings.id_data, settings.isovalue)
+
+
+def _walls_changed(_settings, context):
+    walls.refresh(context.scene)
+
+
+class LeaflightColorStop(bpy.types.PropertyGroup):
+    """The albedo at one isovalue; between two stops it is blended linearly."""
+
+    isovalue: FloatProperty(
+        name="Isovalue",
+        description="Isovalue whose isosurface has this color, in data units",
+        update=_shading_changed,
+    )
+    color: FloatVectorProperty(
+        name="Color",
+        description="Share of the light that the isosurface reflects",
+        subtype="COLOR",
+        default=(0.8, 0.8, 0.8),
+        min=0.0,
+        max=1.0,
+        update=_shading_changed,
+    )
 
 
 class LeaflightSettings(bpy.types.PropertyGroup):
@@ -56,14 +89,57 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     high: FloatProperty(
         name="Highest Isovalue", description="Highest isovalue that the bake shall light"
     )
+    leaf_scattering: EnumProperty(name="Material", items=SCATTERING_ITEMS, update=_shading_changed)
     leaf_albedo: FloatVectorProperty(
         name="Albedo",
-        description="Share of the light that the isosurfaces reflect",
+        description="Share of the light that the isosurfaces reflect; the color of mirror or glass",
         subtype="COLOR",
         default=(0.8, 0.8, 0.8),
         min=0.0,
         max=1.0,
         update=_shading_changed,
+    )
+    leaf_stops: CollectionProperty(
+        type=LeaflightColorStop,
+        name="Color Ramp",
+        description="Albedo as a function of the isovalue",
+    )
+    leaf_stop: IntProperty(name="Active Stop")
+    leaf_ior: FloatProperty(
+        name="IOR",
+        description="Index of refraction of the inside of the isosurfaces",
+        default=1.45,
+        min=1.0,
+        soft_max=3.0,
+        update=_shading_changed,
+    )
+    leaf_emission: FloatVectorProperty(
+        name="Emission",
+        description="Color of the light that the isosurfaces send by themselves",
+        subtype="COLOR",
+        default=(1.0, 1.0, 1.0),
+        min=0.0,
+        max=1.0,
+        update=_shading_changed,
+    )
+    leaf_emission_strength: FloatProperty(
+        name="Strength",
+        description="Radiance that the isosurfaces send by themselves; 0 for none",
+        default=0.0,
+        min=0.0,
+        soft_max=100.0,
+        update=_shading_changed,
+    )
+    capped: BoolProperty(
+        name="Capped",
+        description="Close the isosurfaces where the border of the volume cuts them",
+        update=_shape_changed,
+    )
+    linked: BoolProperty(
+        name="Linked",
+        description="Move with the isovalues of the other volumes in the scene, so that all show "
+        "the same leaf of the bake",
+        default=True,
     )
     resolution: IntProperty(
         name="Resolution",
@@ -83,7 +159,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         name="Photons",
         description="Photons that carry the indirect light",
         default=2_000_000,
-        min=0,
+        min=1,
         soft_max=100_000_000,
     )
     estimator: EnumProperty(
@@ -95,6 +171,15 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         ],
     )
     seed: IntProperty(name="Seed", description="Seed of the random numbers", min=0)
+    both_sides: BoolProperty(
+        name="Both Sides",
+        description="Bake the inner side of the isosurfaces too, for volumes that are cut open",
+    )
+    light_surroundings: BoolProperty(
+        name="Light the Surroundings",
+        description="Bake the light on the surroundings for every isovalue too: shadows and color "
+        "bleeding on the walls then follow the isosurface",
+    )
     output: StringProperty(
         name="Output",
         description="OpenVDB file that keeps the bake; the scene loads it again when it is opened",
@@ -115,6 +200,10 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     bake_matrix: FloatVectorProperty(name="Transform at the Bake, Row by Row", size=16)
     bake_fingerprint: StringProperty(name="Scene at the Bake")
     bake_id: StringProperty(name="Bake Identifier")
+    bake_index: IntProperty(name="Place Among the Volumes Baked Together")
+    bake_low: FloatProperty(name="Lowest Isovalue of the Bake")
+    bake_high: FloatProperty(name="Highest Isovalue of the Bake")
+    bake_surroundings: BoolProperty(name="Surroundings Lit by the Bake")
     bake_seconds: FloatProperty(name="Bake Time")
     comparison: StringProperty(name="Last Comparison")
     atlas_columns: IntProperty(name="Columns of the Atlas, 0 if It Would Be Too Large")
@@ -132,7 +221,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     def isovalue(self, value):
         self["isovalue"] = float(value)
         self.id_data.update_tag()
-        surface_object.update(self.id_data, float(value))
+        isovalues.set_isovalue(self.id_data, float(value))
 
     def limit_isovalue(self, data_range, window, default):
         """Limits the slider to the range of the data, and softly to the window."""
@@ -149,11 +238,30 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         )
 
 
+class LeaflightSceneSettings(bpy.types.PropertyGroup):
+    """What concerns all volumes of a scene: Scene.leaflight."""
+
+    show_walls: BoolProperty(
+        name="Show Lit Surroundings",
+        description="Show the surroundings with the light of the present isosurface in place of "
+        "the objects that were baked. Turn it off to edit these",
+        default=True,
+        update=_walls_changed,
+    )
+
+
+_CLASSES = (LeaflightColorStop, LeaflightSettings, LeaflightSceneSettings)
+
+
 def register():
-    bpy.utils.register_class(LeaflightSettings)
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
     bpy.types.Object.leaflight = PointerProperty(type=LeaflightSettings)
+    bpy.types.Scene.leaflight = PointerProperty(type=LeaflightSceneSettings)
 
 
 def unregister():
+    del bpy.types.Scene.leaflight
     del bpy.types.Object.leaflight
-    bpy.utils.unregister_class(LeaflightSettings)
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)

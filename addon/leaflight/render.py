@@ -15,6 +15,11 @@ from .core import _core
 _UNBIASED = {
     "max_bounces": 64,
     "diffuse_bounces": 64,
+    "glossy_bounces": 64,
+    "transmission_bounces": 64,
+    "caustics_reflective": True,
+    "caustics_refractive": True,
+    "blur_glossy": 0.0,
     "sample_clamp_direct": 0.0,
     "sample_clamp_indirect": 0.0,
     "light_sampling_threshold": 0.0,

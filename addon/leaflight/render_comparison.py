@@ -19,7 +19,7 @@ import bpy
 import numpy as np
 from bpy.props import IntProperty, StringProperty
 
-from . import core, operator_checks, render, scene_export, surface_object
+from . import core, isovalues, operator_checks, render, scene_export, surface_object
 from .core import _core
 
 LeaflightError = core.LeaflightError
@@ -113,19 +113,14 @@ def compare(context, leaf, samples, baked_samples):
     """
     scene = context.scene
     isovalue = leaf.evaluated_get(context.evaluated_depsgraph_get()).leaflight.isovalue
-    if not surface_object.is_lit(leaf, isovalue):
-        low, high = leaf.leaflight.low, leaf.leaflight.high
-        raise LeaflightError(
-            f"Isovalue {isovalue:g} lies outside the baked window {low:g} to {high:g}: choose one "
-            "inside, or bake with a wider window."
-        )
+    _check_lit(leaf, isovalue)
     start = time.perf_counter()
     baked = render.cycles_still(scene, baked_samples, seed=0)[..., :3]
     baked_seconds = time.perf_counter() - start
     with _seen_alone(context, leaf):
         coverage = render.cycles_still(scene, _MASK_SAMPLES, seed=0, transparent=True)[..., 3]
     start = time.perf_counter()
-    with _path_traced(context, leaf, isovalue):
+    with _path_traced(context, leaf):
         halves = [render.cycles_still(scene, samples // 2, seed)[..., :3] for seed in (1, 2)]
     cycles_seconds = time.perf_counter() - start
 
@@ -149,6 +144,26 @@ def compare(context, leaf, samples, baked_samples):
     }
 
 
+def _check_lit(leaf, isovalue):
+    settings = leaf.leaflight
+    low, high = isovalues.window(settings)
+    if not low <= isovalue <= high:
+        raise LeaflightError(
+            f"Isovalue {isovalue:g} lies outside the baked window {low:g} to {high:g}: choose one "
+            "inside, or bake with a wider window."
+        )
+    if settings.leaf_scattering != "DIFFUSE":
+        if not settings.bake_surroundings:
+            raise LeaflightError(
+                f'"{leaf.name}" is a mirror or glass, which only shows its surroundings: bake with '
+                "Light the Surroundings, or select a diffuse volume."
+            )
+    elif not surface_object.is_lit(leaf, isovalue):
+        raise LeaflightError(
+            f'"{leaf.name}" is capped otherwise than in its bake, so it is not lit: bake again.'
+        )
+
+
 def rms_percent(image, reference, exposure, mask):
     """Thesis Eq. 4.11, corrected, over the pixels of the mask; NaN where there are none."""
     if not mask.any():
@@ -169,13 +184,24 @@ def write(scene, stem, result):
 
 
 @contextlib.contextmanager
-def _path_traced(context, leaf, isovalue):
-    """The same mesh with the Lambertian leaf and the normals that the bake shades with."""
+def _path_traced(context, leaf):
+    """All that was baked as it is: the surroundings themselves, the volumes with their own material."""
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(render.overridden(context.scene.leaflight, show_walls=False))
+        for obj in scene_export.volume_objects(context, leaf):
+            stack.enter_context(_own_material(context, obj))
+        yield
+
+
+@contextlib.contextmanager
+def _own_material(context, leaf):
+    """The same mesh with the leaf's own material and the normals that the bake shades with."""
+    isovalue = surface_object.shown_isovalue(leaf)
     vertices, normals, triangles = surface_object.contour(leaf, isovalue)
     shown = leaf.data
     mesh = bpy.data.meshes.new("Leaflight Comparison")
     try:
-        surface_object.fill(mesh, vertices, triangles, None)
+        surface_object.fill(mesh, vertices, triangles, {})
         if hasattr(mesh, "use_auto_smooth"):
             mesh.use_auto_smooth = True
         mesh.normals_split_custom_set_from_vertices(normals)

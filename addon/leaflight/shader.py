@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials that show baked radiance, as emission: a volume texture, or a vertex attribute.
+"""Materials of leaves, and of baked radiance: emission of a volume texture or a vertex attribute.
 
-Only the outer side of a leaf is baked. Where the inner side is seen, through a cut at the border of
-the volume, the material is the plain Lambertian leaf.
+Where only the outer side of a leaf is baked and the inner one is seen, through a cut at the border
+of the volume, the material is the plain Lambertian leaf there.
 
 The volume texture is an atlas of slices without padding. Eight lookups without interpolation and a
 trilinear blend made of math nodes give the same values in Cycles and in Eevee; letting the image
@@ -23,22 +23,40 @@ LARGEST_ATLAS = 8192
 
 def build_lambertian(material, albedo):
     graph = _Graph(material)
-    graph.finish(graph.lambertian(albedo))
+    graph.finish(graph.lambertian())
+    set_albedo(material, albedo)
 
 
-def build_attribute(material, name, albedo):
-    """Emission of the colour attribute called `name`."""
+def build_leaf(material, scattering, ior, emission):
+    """A leaf of its own material: "DIFFUSE", "MIRROR" or "GLASS"; emission: radiance (r, g, b)."""
     graph = _Graph(material)
-    attribute = graph.node("ShaderNodeAttribute")
-    attribute.attribute_name = name
-    graph.emit_outside(attribute.outputs["Color"], albedo)
+    surface = graph.reflecting(scattering, ior)
+    if max(emission) > 0:
+        surface = graph.sum(surface, graph.emission(emission))
+    graph.finish(surface)
 
 
-def build_atlas(material, image, resolution, columns, texel_from_object, albedo):
+def set_albedo(material, albedo):
+    """Gives every reflecting node of a material that was built here this colour."""
+    colour = (*albedo, 1.0)
+    for node in material.node_tree.nodes:
+        if node.type in {"BSDF_DIFFUSE", "BSDF_GLOSSY", "BSDF_GLASS"}:
+            if not np.allclose(node.inputs[0].default_value, colour, rtol=0, atol=1e-7):
+                node.inputs[0].default_value = colour
+
+
+def build_attribute(material, front, back=None):
+    """Emission of the colour attributes called `front` and, if it was baked, `back`."""
+    graph = _Graph(material)
+    graph.emit_sides(*(graph.attribute(name) for name in (front, back) if name))
+
+
+def build_atlas(material, images, resolution, columns, texel_from_object):
     """Emission of a radiance grid of this resolution (nx, ny, nz), from its atlas.
 
-    columns: tiles in a row of the image. texel_from_object: (4, 4), from the object's coordinates
-    to those of texel centres. The resolution is at least 2 along each axis.
+    images: the atlas of the outer side and, if it was baked, of the inner one. columns: tiles in a
+    row of an image. texel_from_object: (4, 4), from the object's coordinates to those of texel
+    centres. The resolution is at least 2 along each axis.
     """
     nx, ny, nz = resolution
     rows = -(-nz // columns)
@@ -56,7 +74,7 @@ def build_atlas(material, image, resolution, columns, texel_from_object, albedo)
 
     corner_x = [low[0], graph.math("ADD", low[0], 1.0)]
     corner_y = [low[1], graph.math("ADD", low[1], 1.0)]
-    colour = []
+    places = []
     for k in range(2):
         slice_ = graph.math("ADD", low[2], float(k))
         # The half keeps the quotient away from whole numbers, where rounding could change the tile.
@@ -72,13 +90,19 @@ def build_atlas(material, image, resolution, columns, texel_from_object, albedo)
                 u = graph.math(
                     "DIVIDE", graph.math("ADD", tile_x, corner_x[i]), float(columns * nx)
                 )
-                colour.append(graph.texel(image, graph.combine(u, v)))
+                places.append(graph.combine(u, v))
+    graph.emit_sides(*(_trilinear(graph, image, places, weight) for image in images))
+
+
+def _trilinear(graph, image, places, weight):
+    """The blend of the eight texels at the places, x running fastest, by a weight for each axis."""
+    colour = [graph.texel(image, place) for place in places]
     for axis in range(3):
         colour = [
             graph.mix(colour[2 * n], colour[2 * n + 1], weight[axis])
             for n in range(len(colour) // 2)
         ]
-    graph.emit_outside(colour[0], albedo)
+    return colour[0]
 
 
 def texel_from_object(volume, resolution):
@@ -108,13 +132,17 @@ def reload_image(path):
             image.reload()
 
 
-def atlas_path(bake_path):
-    """The atlas lies beside the bake, so that a saved scene renders without this add-on."""
+def atlas_path(bake_path, index=0, back=False):
+    """The atlas lies beside the bake, so that a saved scene renders without this add-on.
+
+    index: of the volume among those baked together. back: of the inner side.
+    """
     path = Path(bake_path)
-    return str(path.with_name(f"{path.stem}_atlas.exr"))
+    number = f"_{index + 1}" if index else ""
+    return str(path.with_name(f"{path.stem}{number}_atlas{'_back' if back else ''}.exr"))
 
 
-def write_atlas(grid, path):
+def write_atlas(grid, path, back=False):
     """Writes the atlas of a radiance grid unless it would be too large.
 
     Returns its number of columns, each as wide as the grid, or 0 when nothing was written.
@@ -122,7 +150,7 @@ def write_atlas(grid, path):
     nx, ny, nz = grid.resolution
     if nx * ny * nz > LARGEST_ATLAS**2:
         return 0
-    pixels, columns, _ = grid.atlas()
+    pixels, columns, _ = grid.atlas(back=back)
     if max(pixels.shape) > LARGEST_ATLAS:
         return 0
     # Blender's rows and the atlas's count from the bottom, those of EXR from the top.
@@ -193,21 +221,54 @@ class _Graph:
             self.connect(weight, socket)
         return self.vector("MULTIPLY_ADD", difference, splat.outputs[0], a)
 
-    def lambertian(self, albedo):
-        diffuse = self.node("ShaderNodeBsdfDiffuse")
-        diffuse.inputs[0].default_value = (*albedo, 1.0)
-        return diffuse.outputs[0]
+    def attribute(self, name):
+        node = self.node("ShaderNodeAttribute")
+        node.attribute_name = name
+        return node.outputs["Color"]
 
-    def emit_outside(self, colour, albedo):
-        """Emission on the outer side, the Lambertian leaf on the inner one."""
-        emission = self.node("ShaderNodeEmission")
-        self.connect(colour, emission.inputs[0])
+    def lambertian(self):
+        return self.node("ShaderNodeBsdfDiffuse").outputs[0]
+
+    def reflecting(self, scattering, ior):
+        if scattering == "DIFFUSE":
+            return self.lambertian()
+        kind = "ShaderNodeBsdfGlass" if scattering == "GLASS" else "ShaderNodeBsdfGlossy"
+        node = self.node(kind)
+        for socket in node.inputs:
+            if socket.identifier in {"Roughness", "IOR"}:
+                socket.default_value = ior if socket.identifier == "IOR" else 0.0
+        return node.outputs[0]
+
+    def emission(self, colour):
+        """Emission of a colour (r, g, b) without bounds, or of a socket."""
+        node = self.node("ShaderNodeEmission")
+        if isinstance(colour, bpy.types.NodeSocket):
+            self.connect(colour, node.inputs[0])
+        else:
+            strength = max(colour)
+            node.inputs[0].default_value = (*(x / strength for x in colour), 1.0)
+            node.inputs[1].default_value = strength
+        return node.outputs[0]
+
+    def sum(self, a, b):
+        node = self.node("ShaderNodeAddShader")
+        self.connect(a, node.inputs[0])
+        self.connect(b, node.inputs[1])
+        return node.outputs[0]
+
+    def backfacing(self):
         geometry = self.node("ShaderNodeNewGeometry")
-        backfacing = next(s for s in geometry.outputs if s.identifier == "Backfacing")
+        return next(s for s in geometry.outputs if s.identifier == "Backfacing")
+
+    def emit_sides(self, front, back=None):
+        """Emission of one colour on each side; without the inner one, the Lambertian leaf there."""
+        if back is not None:
+            self.finish(self.emission(self.mix(front, back, self.backfacing())))
+            return
         side = self.node("ShaderNodeMixShader")
-        self.connect(backfacing, side.inputs[0])
-        self.connect(emission.outputs[0], side.inputs[1])
-        self.connect(self.lambertian(albedo), side.inputs[2])
+        self.connect(self.backfacing(), side.inputs[0])
+        self.connect(self.emission(front), side.inputs[1])
+        self.connect(self.lambertian(), side.inputs[2])
         self.finish(side.outputs[0])
 
     def finish(self, shader):

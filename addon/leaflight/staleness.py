@@ -17,8 +17,8 @@ def change_since_bake(context, obj):
     if obj.name not in _changes:
         settings = obj.leaflight
         try:
-            description, _ = scene_export.export_scene(context, obj)
-            same = scene_export.fingerprint(obj, description) == settings.bake_fingerprint
+            description, volumes, _ = scene_export.export_scene(context, obj)
+            same = scene_export.fingerprint(volumes, description) == settings.bake_fingerprint
             _changes[obj.name] = "" if same else "The scene has changed since the bake: bake again"
         except core.LeaflightError as error:
             _changes[obj.name] = f"The scene has changed since the bake: {error}"

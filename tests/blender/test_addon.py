@@ -12,7 +12,7 @@ CHECKS = sorted(path.name for path in INSIDE.glob("check_*.py"))
 
 @pytest.mark.parametrize("checks", CHECKS)
 def test_in_blender(blender, checks):
-    output = blender.run("--python", INSIDE / "run.py", "--", INSIDE / checks, timeout=150)
+    output = blender.run("--python", INSIDE / "run.py", "--", INSIDE / checks, timeout=300)
     print(output)
     assert "passed" in output
 

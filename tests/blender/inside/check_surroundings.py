@@ -1,18 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The Cornell box out of Blender objects, and reading walls and lights back."""
 
-import math
-
 import bpy
 import numpy as np
 import pytest
-from leaflight import cache, core, scene_export, staleness
+from leaflight import cache, core, lights, scene_export, staleness, world
 from tools import close, error_of
 
 
 def _export(leaf):
     bpy.context.view_layer.update()
-    return scene_export.export_scene(bpy.context, leaf)
+    description, _, warnings = scene_export.export_scene(bpy.context, leaf)
+    return description, warnings
 
 
 def _find(items, name):
@@ -24,7 +23,7 @@ def check_the_box_comes_back_as_it_was_described(boxed):
     found, warnings = _export(boxed)
     assert warnings == []
     assert len(found.meshes) == len(wanted.meshes) and len(found.lights) == len(wanted.lights)
-    close(found.leaf_albedo, wanted.leaf_albedo, 1e-6)
+    close(found.leaves[0].albedo, wanted.leaves[0].albedo, 1e-6)
     assert found.exposure == pytest.approx(wanted.exposure)
     for mesh in wanted.meshes:
         same = _find(found.meshes, mesh.name)
@@ -51,7 +50,7 @@ def check_the_box_has_a_camera_that_sees_it_and_a_black_world(boxed, width):
             point = bpy.data.objects[name].matrix_world @ vertex.co
             x, y, depth = world_to_camera_view(scene, scene.camera, point)
             assert -1e-3 <= x <= 1.001 and -1e-3 <= y <= 1.001 and depth > 0
-    assert scene_export.is_dark(scene.world)
+    assert world.is_dark(scene.world)
     assert scene.view_settings.view_transform == "Standard"
 
 
@@ -147,7 +146,7 @@ def check_a_scaled_and_turned_light_has_the_radiance_of_its_true_area(boxed):
     (light,) = found.lights
     width, height = np.linalg.norm(light.edge_u), np.linalg.norm(light.edge_v)
     close(sorted([width, height]), [0.2, 0.8], 1e-6)
-    factor = scene_export.area_light_factor(bpy.app.version)
+    factor = lights.light_units()["area"]
     close(light.radiance, np.array([1, 0.5, 0.25]) * 10.0 * factor / 0.16, 1e-4)
     middle = np.array(light.corner) + 0.5 * (np.array(light.edge_u) + np.array(light.edge_v))
     close(middle, lamp.matrix_world.translation, 1e-5)
@@ -155,91 +154,11 @@ def check_a_scaled_and_turned_light_has_the_radiance_of_its_true_area(boxed):
     assert direction @ np.array(lamp.matrix_world.col[2][:3]) < 0
 
 
-def _point(lamp):
-    lamp.data.type = "POINT"
-
-
-def _narrow(lamp):
-    lamp.data.spread = math.radians(90)
-
-
-def _disk(lamp):
-    lamp.data.shape = "DISK"
-
-
-def _portal(lamp):
-    lamp.data.cycles.is_portal = True
-    lamp.data.update_tag()
-
-
-def _negative(lamp):
-    lamp.data.energy = -1
-
-
-@pytest.mark.parametrize("spoil", [_point, _narrow, _disk, _portal, _negative])
-def check_a_light_that_cannot_be_baked_is_named(boxed, spoil):
-    lamp = bpy.data.objects["lamp"]
-    lamp.name = "My Lamp"
-    spoil(lamp)
-    bpy.context.view_layer.update()
-    sentence = error_of(bpy.ops.leaflight.bake)
-    assert '"My Lamp"' in sentence and "\n" not in sentence
-    assert boxed.leaflight.bake_path == ""
-
-
-def _bsdf(material):
-    return next(n for n in material.node_tree.nodes if n.type == "BSDF_DIFFUSE")
-
-
-def _textured(material):
-    checker = material.node_tree.nodes.new("ShaderNodeTexChecker")
-    material.node_tree.links.new(checker.outputs[0], _bsdf(material).inputs[0])
-
-
-def _replaced(kind, **inputs):
-    def spoil(material):
-        tree = material.node_tree
-        node = tree.nodes.new(kind)
-        for name, value in inputs.items():
-            node.inputs[name.replace("_", " ")].default_value = value
-        output = next(n for n in tree.nodes if n.type == "OUTPUT_MATERIAL")
-        tree.links.new(node.outputs[0], output.inputs[0])
-
-    return spoil
-
-
-@pytest.mark.parametrize(
-    "spoil",
-    [
-        _textured,
-        _replaced("ShaderNodeBsdfGlossy"),
-        _replaced("ShaderNodeEmission"),
-        _replaced("ShaderNodeBsdfPrincipled", Metallic=1.0),
-        _replaced("ShaderNodeBsdfPrincipled", Alpha=0.5),
-        _replaced("ShaderNodeBsdfPrincipled", Emission=(1.0, 1.0, 1.0, 1.0)),
-    ],
-)
-def check_a_material_that_cannot_be_baked_is_named_with_its_object(boxed, spoil):
-    floor = bpy.data.objects["floor"]
-    floor.name = "My Floor"
-    spoil(floor.data.materials[0])
-    sentence = error_of(bpy.ops.leaflight.bake)
-    assert '"My Floor"' in sentence and f'"{floor.data.materials[0].name}"' in sentence
-
-
-def check_a_bright_world_and_a_second_volume_are_refused(boxed, bump_file):
-    bpy.context.scene.world.color = (0.1, 0.1, 0.1)
-    assert "World" in error_of(bpy.ops.leaflight.bake)
-    bpy.context.scene.world.color = (0, 0, 0)
-    bpy.ops.leaflight.import_volume(
-        filepath=str(bump_file), dims=(24, 24, 24), value_type="float32"
-    )
-    assert f'"{boxed.name}"' in error_of(bpy.ops.leaflight.bake)
-
-
 def check_the_fingerprint_follows_what_lights_the_volume(boxed):
     def fingerprint():
-        return scene_export.fingerprint(boxed, _export(boxed)[0])
+        bpy.context.view_layer.update()
+        description, volumes, _ = scene_export.export_scene(bpy.context, boxed)
+        return scene_export.fingerprint(volumes, description)
 
     seen = {fingerprint()}
     assert fingerprint() in seen
@@ -251,7 +170,15 @@ def check_the_fingerprint_follows_what_lights_the_volume(boxed):
     seen.add(fingerprint())
     boxed.leaflight.high -= 1.0
     seen.add(fingerprint())
-    assert len(seen) == 5
+    boxed.leaflight.leaf_emission_strength = 0.5
+    seen.add(fingerprint())
+    boxed.leaflight.capped = True
+    seen.add(fingerprint())
+    bpy.context.scene.world.color = (0.1, 0.1, 0.1)
+    seen.add(fingerprint())
+    bpy.data.objects["floor"].data.materials[0] = None
+    seen.add(fingerprint())
+    assert len(seen) == 9
 
 
 def check_the_panel_says_when_the_bake_is_stale(baked):
@@ -265,3 +192,16 @@ def check_the_panel_says_when_the_bake_is_stale(baked):
     bpy.data.objects["floor"].location.z += 0.1
     bpy.context.view_layer.update()
     assert staleness.change_since_bake(bpy.context, baked) == ""
+
+
+def check_an_instanced_volume_is_refused(boxed):
+    collection = bpy.data.collections.new("Parts")
+    copy = boxed.copy()
+    copy.data = boxed.data.copy()
+    collection.objects.link(copy)
+    empty = bpy.data.objects.new("Copies", None)
+    empty.instance_type = "COLLECTION"
+    empty.instance_collection = collection
+    bpy.context.scene.collection.objects.link(empty)
+    bpy.context.view_layer.update()
+    assert f'"{copy.name}"' in error_of(bpy.ops.leaflight.bake)

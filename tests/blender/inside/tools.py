@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the checks share: reading meshes back, rendering exact pixels, reading reports."""
 
+from dataclasses import replace
+
 import bpy
 import numpy as np
 import pytest
 from leaflight import cache, core
+from leaflight.core.scene import Leaves, core_scene
 
 
 def close(a, b, tolerance):
@@ -14,16 +17,27 @@ def close(a, b, tolerance):
 def mesh_arrays(obj):
     """vertices (n, 3), triangles (m, 3) and radiance (n, 3) or None of the mesh of an object."""
     mesh = obj.data
-    vertices = np.empty(3 * len(mesh.vertices), np.float32)
-    mesh.vertices.foreach_get("co", vertices)
+    vertices = vertices_of(obj)
     triangles = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("vertex_index", triangles)
     radiance = None
     if "radiance" in mesh.attributes:
-        colours = np.empty(4 * len(mesh.vertices), np.float32)
-        mesh.attributes["radiance"].data.foreach_get("color", colours)
-        radiance = colours.reshape(-1, 4)[:, :3]
-    return vertices.reshape(-1, 3), triangles.reshape(-1, 3), radiance
+        radiance = colours_of(obj)
+    return vertices, triangles.reshape(-1, 3), radiance
+
+
+def vertices_of(obj):
+    """Vertices (n, 3) of the mesh of an object."""
+    vertices = np.empty(3 * len(obj.data.vertices), np.float32)
+    obj.data.vertices.foreach_get("co", vertices)
+    return vertices.reshape(-1, 3)
+
+
+def colours_of(obj, name="radiance"):
+    """Linear RGB (n, 3) of a colour attribute of the mesh of an object."""
+    colours = np.empty(4 * len(obj.data.vertices), np.float32)
+    obj.data.attributes[name].data.foreach_get("color", colours)
+    return colours.reshape(-1, 4)[:, :3]
 
 
 def expected_surface(obj, isovalue):
@@ -85,6 +99,11 @@ def render_exr(path, engine="CYCLES", samples=1, size=48):
     scene.view_settings.view_transform = "Standard"
     scene.cycles.samples = samples
     scene.cycles.use_denoising = False
+    scene.cycles.light_sampling_threshold = 0.0
+    scene.cycles.sample_clamp_indirect = 0.0
+    scene.cycles.blur_glossy = 0.0
+    for name in ("max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces"):
+        setattr(scene.cycles, name, 64)
     scene.cycles.use_adaptive_sampling = False
     scene.cycles.pixel_filter_type = "BOX"
     scene.cycles.filter_width = 0.01
@@ -92,6 +111,94 @@ def render_exr(path, engine="CYCLES", samples=1, size=48):
     scene.render.filepath = str(path)
     bpy.ops.render.render(write_still=True)
     return core._core.read_exr(str(path))
+
+
+def build_probe(albedo):
+    """A tiny Lambertian square at the origin that faces up, in a black world.
+
+    A camera hangs closely above it; lights belong beside the camera, not above.
+    """
+    scene = bpy.context.scene
+    scene.world = bpy.data.worlds.new("World")
+    scene.world.color = (0, 0, 0)
+    bpy.ops.mesh.primitive_plane_add(size=0.002)
+    probe = bpy.context.object
+    probe.data.materials.append(constant_material("ShaderNodeBsdfDiffuse", Color=(*albedo, 1.0)))
+    add_camera((0, 0, 0.1), (0, 0, 0), orthographic=0.001)
+    return probe
+
+
+def traced_probe(description, samples=1 << 19):
+    """Radiance (3,) of the probe by the core's path tracer; it is the first mesh of the scene."""
+    # A scene needs a volume: one that is black, far below the probe.
+    values = np.zeros((4, 4, 4), np.float32)
+    values[1:3, 1:3, 1:3] = 1.0
+    matrix = np.diag([0.01, 0.01, 0.01, 1.0])
+    matrix[2, 3] = -5.0
+    description = replace(description, leaves=[Leaves("far", (0.0, 0.0, 0.0))])
+    scene = core_scene(description, [core._core.Field(values, matrix)], (0.1, 0.9))
+    radiance, error = core._core.reference_surroundings(
+        scene, 0, [0], np.full((1, 2), 1 / 3), 0.5, samples
+    )
+    assert np.all(error < 0.003 * radiance)
+    return radiance[0]
+
+
+def rendered_probe(path, samples):
+    """Radiance (3,) of the probe by Cycles."""
+    bpy.context.view_layer.update()
+    return render_exr(path, samples=samples, size=16)[..., :3].mean(axis=(0, 1))
+
+
+def add_light(kind, location=(0, 0, 0), rotation=(0, 0, 0), **settings):
+    """A light object of the scene; settings: attributes of the light."""
+    light = bpy.data.lights.new("Lamp", kind)
+    for name, value in settings.items():
+        setattr(light, name, value)
+    obj = bpy.data.objects.new("Lamp", light)
+    obj.location, obj.rotation_euler = location, rotation
+    bpy.context.scene.collection.objects.link(obj)
+    return obj
+
+
+def constant_material(kind, **inputs):
+    """A material of one shader node of this kind, its inputs set by name."""
+    material = bpy.data.materials.new("Material")
+    material.use_nodes = True
+    nodes = material.node_tree.nodes
+    nodes.clear()
+    shader, output = nodes.new(kind), nodes.new("ShaderNodeOutputMaterial")
+    for name, value in inputs.items():
+        shader.inputs[name].default_value = value
+    material.node_tree.links.new(shader.outputs[0], output.inputs[0])
+    return material
+
+
+def noise_image(width, height):
+    """A float image of random colours, the same each time."""
+    return _image(np.random.default_rng(0).random((height, width, 3)), True)
+
+
+def smooth_image(width, height):
+    """An 8-bit image that changes little from pixel to pixel, and nothing at its seam.
+
+    Between pixels Cycles interpolates 8-bit colours while they are still encoded.
+    """
+    y, x = np.mgrid[:height, :width] / np.array([height, width]).reshape(2, 1, 1)
+    waves = [
+        np.cos(2 * np.pi * (k * x - k * y + phase)) for k, phase in ((1, 0), (1, 0.4), (2, 0.7))
+    ]
+    return _image(0.5 + 0.4 * np.stack(waves, axis=-1), False)
+
+
+def _image(colours, is_float):
+    height, width, _ = colours.shape
+    image = bpy.data.images.new("Picture", width, height, float_buffer=is_float)
+    pixels = np.ones((height, width, 4), np.float32)
+    pixels[..., :3] = colours
+    image.pixels.foreach_set(pixels.ravel())
+    image.update()
+    return image
 
 
 def camera_rays_down(width, size):

@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Work in a thread, so that Blender stays usable, shows how far it is, and Esc cancels."""
+
+import sys
+import threading
+
+import bpy
+
+from . import core
+
+LeaflightError = core.LeaflightError
+
+# The one work in progress, for the panels and for Cancel.
+_running = None
+
+
+class BackgroundWork:
+    """A function of a Progress, at work in a thread of its own."""
+
+    def __init__(self, work):
+        self.progress = core.Progress()
+        self._error = None
+        self._thread = threading.Thread(target=self._run, args=(work,), name="Leaflight bake")
+        self._thread.start()
+
+    def _run(self, work):
+        try:
+            work(self.progress)
+        except BaseException as error:  # result() raises it again, in the main thread
+            self._error = error
+
+    def is_alive(self):
+        return self._thread.is_alive()
+
+    def wait(self, seconds):
+        self._thread.join(seconds)
+
+    def cancel(self):
+        self.progress.cancel()
+
+    def status(self):
+        return f"{100.0 * self.progress.fraction:3.0f} % {self.progress.stage}"
+
+    def result(self):
+        """Waits for the end and raises what the work raised."""
+        self._thread.join()
+        if self._error is not None:
+            raise self._error
+
+
+class BackgroundOperator:
+    """An operator whose work is a job: modal for users, straight on for scripts.
+
+    start(context) returns the job, or raises LeaflightError. Its run(progress) works in any thread
+    and touches no Blender data; its apply() puts the result into the scene and returns a sentence
+    for the user; its warnings are sentences, too.
+    """
+
+    @classmethod
+    def is_free(cls):
+        if _running is not None:
+            cls.poll_message_set("A bake is running; Esc cancels it")
+        return _running is None
+
+    def invoke(self, context, _event):
+        return self.execute(context) if bpy.app.background else self.run_modal(context)
+
+    def run_modal(self, context):
+        global _running
+        try:
+            job = self.start(context)
+        except LeaflightError as error:
+            return self._fail(error)
+        _running = BackgroundWork(job.run)
+        self._job, self._work = job, _running
+        self._timer = context.window_manager.event_timer_add(0.1, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if event.type == "ESC" and event.value == "PRESS":
+            self._work.cancel()
+            return {"RUNNING_MODAL"}
+        if self._work.is_alive():
+            if event.type == "TIMER":
+                text = f"Leaflight  {self._work.status()}  (Esc cancels)"
+                context.workspace.status_text_set(text)
+                _redraw_panels(context)
+            return {"PASS_THROUGH"}
+        self._release(context)
+        return self._conclude(self._job, self._work.result)
+
+    def cancel(self, context):
+        """Blender quits or loads another file."""
+        self._work.cancel()
+        self._release(context)
+
+    def _release(self, context):
+        global _running
+        _running = None
+        context.window_manager.event_timer_remove(self._timer)
+        context.workspace.status_text_set(None)
+        _redraw_panels(context)
+
+    def execute(self, context):
+        try:
+            job = self.start(context)
+        except LeaflightError as error:
+            return self._fail(error)
+        work = BackgroundWork(job.run)
+        _print_progress(work)
+        return self._conclude(job, work.result)
+
+    def _conclude(self, job, result):
+        """Calls result, which raises what went wrong with the work, and applies the job."""
+        try:
+            result()
+            summary = job.apply()
+        except core.Cancelled:
+            self.report({"INFO"}, "The bake was cancelled; nothing has changed")
+            return {"CANCELLED"}
+        except LeaflightError as error:
+            return self._fail(error)
+        for warning in job.warnings:
+            self.report({"WARNING"}, warning)
+        self.report({"INFO"}, summary)
+        return {"FINISHED"}
+
+    def _fail(self, error):
+        self.report({"ERROR"}, str(error))
+        return {"CANCELLED"}
+
+
+def running():
+    """The BackgroundWork in progress, or None."""
+    return _running
+
+
+def cancel_running():
+    if _running is not None:
+        _running.cancel()
+
+
+def _print_progress(work):
+    """Waits for the work. A terminal gets a bar, anything else a line for each tenth."""
+    tenths = 0
+    while work.is_alive():
+        work.wait(0.2)
+        if sys.stdout.isatty():
+            filled = int(30 * work.progress.fraction)
+            bar = "#" * filled + "." * (30 - filled)
+            print(f"\rBake [{bar}] {work.status():<40}", end="", flush=True)
+        elif int(10 * work.progress.fraction) > tenths:
+            tenths = int(10 * work.progress.fraction)
+            print(f"Bake {work.status()}", flush=True)
+    if sys.stdout.isatty():
+        print()
+
+
+def _redraw_panels(context):
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()

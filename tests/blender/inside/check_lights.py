@@ -1,0 +1,286 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lights and worlds: a probe under each, rendered by Cycles and by the core."""
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+from leaflight import leaves, lights, scene_export, world
+from leaflight.core import LeaflightError
+from tools import (
+    add_light,
+    build_probe,
+    close,
+    constant_material,
+    noise_image,
+    rendered_probe,
+    smooth_image,
+    traced_probe,
+)
+
+
+@pytest.fixture
+def probe():
+    return build_probe((0.8, 0.5, 0.3))
+
+
+def assert_probe_agrees(probe, tmp_path, samples=256):
+    bpy.context.view_layer.update()
+    description, warnings = export(bpy.data.objects.new("Leaf", None))
+    assert warnings == []
+    expected = traced_probe(description)
+    assert expected.min() > 1e-3
+    rendered = rendered_probe(tmp_path / "probe.exr", samples)
+    close(rendered / expected, 1.0, 0.01)
+    return description
+
+
+def export(leaf):
+    description, _, warnings = scene_export.export_scene(bpy.context, leaf)
+    return description, warnings
+
+
+@pytest.fixture(autouse=True)
+def without_a_volume(monkeypatch):
+    """These scenes have none; what is lit would lie below the probe."""
+    box = np.array([[-1.0, -1.0, -1.0], [1.0, 1.0, 0.0]])
+    monkeypatch.setattr(leaves, "world_box", lambda obj: box)
+    monkeypatch.setattr(leaves, "export_leaves", lambda obj, several: None)
+
+
+@pytest.mark.parametrize("shape", ["SQUARE", "RECTANGLE", "DISK", "ELLIPSE"])
+def check_area_lights(probe, tmp_path, shape):
+    # Beside the camera, which would be in its way right above.
+    lamp = add_light("AREA", (0.4, 0.2, 1.0), (0.2, 0.3, 0.5), energy=5.0, color=(1.0, 0.7, 0.4))
+    lamp.data.shape = shape
+    lamp.data.size, lamp.data.size_y = 0.6, 0.4
+    lamp.scale = (1.5, 0.5, 1.0)
+    (light,) = assert_probe_agrees(probe, tmp_path).lights
+    assert light.ellipse == (shape in {"DISK", "ELLIPSE"})
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.1])
+def check_a_point_light_whose_object_is_scaled(probe, tmp_path, radius):
+    lamp = add_light("POINT", (0.6, 0.3, 1.5), energy=40.0, color=(1.0, 0.7, 0.4))
+    lamp.data.shadow_soft_size = radius
+    lamp.scale = (3.0, 3.0, 3.0)
+    (light,) = assert_probe_agrees(probe, tmp_path).lights
+    assert light.radius == pytest.approx(radius)
+
+
+@pytest.mark.parametrize("off_axis", [0.0, 0.25, 0.4])
+def check_a_spot(probe, tmp_path, off_axis):
+    lamp = add_light("SPOT", (0.5, 0.0, 2.0), energy=60.0, color=(1.0, 0.7, 0.4))
+    lamp.data.spot_size, lamp.data.spot_blend = 1.0, 0.5
+    lamp.data.shadow_soft_size = 0.0
+    lamp.rotation_euler.y = math.atan2(0.5, 2.0) + off_axis
+    (light,) = assert_probe_agrees(probe, tmp_path).lights
+    assert light.cone is not None
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.00918, 0.6])
+def check_a_sun(probe, tmp_path, angle):
+    sun = add_light("SUN", (9, 9, 9), (0.5, 0.2, 0.0), energy=2.0, color=(1.0, 0.7, 0.4))
+    sun.data.angle = angle
+    assert_probe_agrees(probe, tmp_path)
+
+
+def check_a_light_with_an_emission_node(probe, tmp_path):
+    lamp = add_light("POINT", (0.6, 0.3, 1.5), energy=40.0)
+    lamp.data.shadow_soft_size = 0.0
+    lamp.data.use_nodes = True
+    emission = next(n for n in lamp.data.node_tree.nodes if n.type == "EMISSION")
+    emission.inputs["Color"].default_value = (0.2, 0.4, 0.8, 1.0)
+    emission.inputs["Strength"].default_value = 2.5
+    assert_probe_agrees(probe, tmp_path)
+
+
+@pytest.mark.parametrize("kind", ["ShaderNodeEmission", "ShaderNodeBsdfPrincipled"])
+def check_an_emissive_mesh(probe, tmp_path, kind):
+    bpy.ops.mesh.primitive_plane_add(
+        size=0.7, location=(0.6, 0.1, 0.8), rotation=(0.3, math.pi - 0.5, 0.0)
+    )
+    if kind == "ShaderNodeEmission":
+        inputs = {"Color": (1.0, 0.6, 0.3, 1.0), "Strength": 3.0}
+    else:
+        inputs = {
+            "Base Color": (0, 0, 0, 1),
+            "Specular": 0.0,
+            "Emission": (1.0, 0.6, 0.3, 1.0),
+            "Emission Strength": 3.0,
+        }
+    bpy.context.object.data.materials.append(constant_material(kind, **inputs))
+    description = assert_probe_agrees(probe, tmp_path, samples=512)
+    close(description.meshes[1].emission, (3.0, 1.8, 0.9), 1e-6)
+
+
+def check_a_world_of_one_color(probe, tmp_path):
+    bpy.context.scene.world.color = (0.3, 0.5, 0.9)
+    description = assert_probe_agrees(probe, tmp_path, samples=64)
+    close(description.environment.radiance, (0.3, 0.5, 0.9), 1e-6)
+
+
+def _environment_texture(image):
+    world = bpy.context.scene.world
+    world.use_nodes = True
+    tree = world.node_tree
+    background = next(n for n in tree.nodes if n.type == "BACKGROUND")
+    texture = tree.nodes.new("ShaderNodeTexEnvironment")
+    texture.image = image
+    tree.links.new(texture.outputs[0], background.inputs["Color"])
+    background.inputs["Strength"].default_value = 1.7
+    return tree, texture
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("picture", [noise_image, smooth_image])
+def check_an_hdri(probe, tmp_path, picture, turned):
+    tree, texture = _environment_texture(picture(64, 32))
+    if turned:
+        mapping = tree.nodes.new("ShaderNodeMapping")
+        mapping.inputs["Rotation"].default_value = (0.4, 0.3, 1.1)
+        coordinates = tree.nodes.new("ShaderNodeTexCoord")
+        tree.links.new(coordinates.outputs["Generated"], mapping.inputs["Vector"])
+        tree.links.new(mapping.outputs[0], texture.inputs["Vector"])
+    description = assert_probe_agrees(probe, tmp_path, samples=1024)
+    assert description.environment.image.shape == (32, 64, 3)
+    assert np.array_equal(description.environment.world_to_image, np.eye(3)) != turned
+
+
+def _portal(lamp):
+    lamp.data.cycles.is_portal = True
+
+
+def _shadowless(lamp):
+    lamp.data.cycles.cast_shadow = False
+
+
+def _narrow(lamp):
+    lamp.data.spread = math.radians(90)
+
+
+def _square(lamp):
+    lamp.data.type = "SPOT"
+    lamp.data = bpy.data.lights[lamp.data.name]
+    lamp.data.use_square = True
+
+
+def _ies(lamp):
+    lamp.data.use_nodes = True
+    tree = lamp.data.node_tree
+    emission = next(n for n in tree.nodes if n.type == "EMISSION")
+    tree.links.new(tree.nodes.new("ShaderNodeTexIES").outputs[0], emission.inputs["Strength"])
+
+
+def _negative(lamp):
+    lamp.data.energy = -1
+
+
+@pytest.mark.parametrize(
+    "spoil, reason",
+    [
+        (_portal, "portal"),
+        (_shadowless, "shadows"),
+        (_narrow, "90 degrees"),
+        (_square, "square"),
+        (_ies, "IES"),
+        (_negative, "negative"),
+    ],
+)
+def check_a_light_that_cannot_be_baked_is_named(spoil, reason):
+    lamp = add_light("AREA", (0, 0, 1))
+    lamp.name = "My Lamp"
+    spoil(lamp)
+    bpy.context.view_layer.update()
+    sentence = sentence_of_export()
+    assert '"My Lamp"' in sentence and reason in sentence
+
+
+def sentence_of_export():
+    bpy.context.view_layer.update()
+    with pytest.raises(LeaflightError) as caught:
+        export(bpy.data.objects.new("Leaf", None))
+    sentence = str(caught.value)
+    assert "\n" not in sentence and sentence.endswith(".") and ":" in sentence
+    return sentence
+
+
+def check_a_wide_point_light_nearby_is_warned_of(probe):
+    lamp = add_light("POINT", (0.0, 0.0, 1.0), energy=10.0)
+    for radius, warned in ((0.05, False), (0.2, True)):
+        lamp.data.shadow_soft_size = radius
+        bpy.context.view_layer.update()
+        _, warnings = export(bpy.data.objects.new("Leaf", None))
+        assert len(warnings) == warned and all("4 %" in sentence for sentence in warnings)
+
+
+def check_a_light_that_some_rays_do_not_see_is_warned_of(probe):
+    lamp = add_light("POINT", (0.0, 0.0, 9.0), energy=10.0)
+    lamp.visible_camera = False
+    bpy.context.view_layer.update()
+    assert not export(bpy.data.objects.new("Leaf", None))[1]
+    lamp.visible_glossy = False
+    bpy.context.view_layer.update()
+    (warning,) = export(bpy.data.objects.new("Leaf", None))[1]
+    assert f'"{lamp.name}"' in warning
+
+
+def _sky(tree, texture):
+    background = next(n for n in tree.nodes if n.type == "BACKGROUND")
+    tree.links.new(tree.nodes.new("ShaderNodeTexSky").outputs[0], background.inputs["Color"])
+
+
+def _ball(tree, texture):
+    texture.projection = "MIRROR_BALL"
+
+
+def _moved(tree, texture):
+    mapping = tree.nodes.new("ShaderNodeMapping")
+    mapping.inputs["Location"].default_value = (0, 0, 1)
+    tree.links.new(mapping.outputs[0], texture.inputs["Vector"])
+
+
+def _by_normal(tree, texture):
+    coordinates = tree.nodes.new("ShaderNodeTexCoord")
+    tree.links.new(coordinates.outputs["Window"], texture.inputs["Vector"])
+
+
+def _without_image(tree, texture):
+    texture.image = None
+
+
+@pytest.mark.parametrize(
+    "spoil, reason",
+    [
+        (_sky, "Sky"),
+        (_ball, "Mirror Ball"),
+        (_moved, "moves"),
+        (_by_normal, "Texture Coordinate"),
+        (_without_image, "without an image"),
+    ],
+)
+def check_a_world_that_cannot_be_baked_is_named(probe, spoil, reason):
+    spoil(*_environment_texture(noise_image(8, 4)))
+    bpy.context.scene.world.name = "My World"
+    sentence = sentence_of_export()
+    assert '"My World"' in sentence and reason in sentence
+
+
+def check_dark_worlds(probe):
+    assert world.is_dark(None) and world.is_dark(bpy.context.scene.world)
+    image = bpy.data.images.new("Black", 8, 4, float_buffer=True)
+    _environment_texture(image)
+    assert world.is_dark(bpy.context.scene.world)
+    assert not world.is_dark(_bright())
+
+
+def _bright():
+    bright = bpy.data.worlds.new("Bright")
+    bright.color = (0, 0, 0.1)
+    return bright
+
+
+def check_units_of_other_versions():
+    assert lights.light_units((3, 4, 1))["area"] == 0.25
+    assert lights.light_units((5, 2, 2))["area"] == pytest.approx(1 / math.pi)

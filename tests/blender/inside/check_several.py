@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Several volumes in one scene: baked together, their isovalues linked by the leaf coordinate."""
+
+import bpy
+import numpy as np
+import pytest
+from leaflight import cache, isovalues, properties, scene_export, staleness
+from tools import assert_shows, close, mesh_arrays
+
+
+@pytest.fixture
+def pair(bumps, bump_file):
+    """Two volumes of different ranges beside each other, the second smaller, in one box."""
+    bpy.ops.leaflight.import_volume(
+        filepath=str(bump_file), dims=(24, 24, 24), value_type="float32", size=1.0
+    )
+    second = bpy.context.object
+    second.name = "second"
+    second.location.x += 1.8
+    second.leaflight.output = bumps.leaflight.output
+    bumps.leaflight.low, bumps.leaflight.high = 20.0, 100.0
+    second.leaflight.low, second.leaflight.high = 100.0, 160.0
+    _activate(bumps)
+    bumps.leaflight.isovalue = 50.0
+    bpy.ops.leaflight.build_cornell_box()
+    return bumps, second
+
+
+def _activate(obj):
+    bpy.context.view_layer.objects.active = obj
+    bpy.context.view_layer.update()
+
+
+def check_the_box_surrounds_both(pair):
+    floor = bpy.data.objects["floor"]
+    corners = np.array([floor.matrix_world @ v.co for v in floor.data.vertices])
+    for obj in pair:
+        box = np.array([obj.matrix_world @ v.co for v in obj.data.vertices])
+        assert np.all(corners.min(axis=0)[:2] <= box.min(axis=0)[:2] + 1e-4)
+        assert np.all(corners.max(axis=0)[:2] >= box.max(axis=0)[:2] - 1e-4)
+
+
+@pytest.mark.parametrize("active", [0, 1])
+def check_one_bake_holds_both(pair, active):
+    _activate(pair[active])
+    bpy.ops.leaflight.bake()
+    (path,) = {obj.leaflight.bake_path for obj in pair}
+    assert [obj.leaflight.bake_index for obj in pair] == [0, 1]
+    assert len({obj.leaflight.bake_id for obj in pair}) == 1
+    bake = cache.bake_of(pair[0])
+    assert bake is cache.bake_of(pair[1]) and len(bake.grids) == 2
+    assert [one.isovalues for one in bake.scene.leaves] == [(20.0, 100.0), (100.0, 160.0)]
+    assert [one.name for one in bake.scene.leaves] == [obj.name for obj in pair]
+    for index, obj in enumerate(pair):
+        vertices, _, radiance = mesh_arrays(obj)
+        matrix = np.array(obj.matrix_world, np.float64)
+        world = vertices @ matrix[:3, :3].T + matrix[:3, 3]
+        expected = bake.grids[index].lookup(bake.volumes[index].field(), world)
+        assert radiance.max() > 0.01
+        close(radiance, expected, 1e-4 * expected.max())
+        assert staleness.change_since_bake(bpy.context, obj) == ""
+    paths = {
+        node.image.filepath
+        for obj in pair
+        for node in obj.data.materials[0].node_tree.nodes
+        if node.type == "TEX_IMAGE"
+    }
+    assert len(paths) == 2
+
+
+def _leaf_coordinates(pair):
+    return [isovalues.leaf_coordinate(o.leaflight, o.leaflight.isovalue) for o in pair]
+
+
+def check_moving_one_moves_the_other(pair):
+    for first, second, obj, isovalue in (
+        (40.0, 115.0, 0, 40.0),
+        (80.0, 145.0, 1, 145.0),
+        (100.0, 160.0, 0, 100.0),
+    ):
+        pair[obj].leaflight.isovalue = isovalue
+        close([o.leaflight.isovalue for o in pair], [first, second], 1e-5)
+    pair[1].leaflight["isovalue"] = 130.0
+    pair[1].update_tag()
+    bpy.context.view_layer.update()
+    close([o.leaflight.isovalue for o in pair], [60.0, 130.0], 1e-5)
+    bpy.context.view_layer.update()
+    close([o.leaflight.isovalue for o in pair], [60.0, 130.0], 1e-5)
+    for obj in pair:
+        assert_shows(obj, obj.leaflight.isovalue)
+    close(_leaf_coordinates(pair), 0.5, 1e-6)
+
+
+def check_unlinked_and_hidden_volumes_stay(pair):
+    first, second = pair
+    before = second.leaflight.isovalue
+    second.leaflight.linked = False
+    first.leaflight.isovalue = 50.0
+    assert second.leaflight.isovalue == before
+    second.leaflight.linked = True
+    second.hide_render = True
+    first.leaflight.isovalue = 60.0
+    assert second.leaflight.isovalue == before
+    second.hide_render = False
+    first.leaflight.isovalue = 70.0
+    close(second.leaflight.isovalue, 137.5, 1e-5)
+
+
+def check_keyframes_of_one_lead_the_other(pair):
+    first, second = pair
+    for frame, isovalue in ((1, 40.0), (11, 80.0)):
+        first.leaflight.isovalue = isovalue
+        first.keyframe_insert(properties.ISOVALUE_PATH, frame=frame)
+    for key in first.animation_data.action.fcurves[0].keyframe_points:
+        key.interpolation = "LINEAR"
+    for frame, a, b in ((1, 40.0, 115.0), (6, 60.0, 130.0), (11, 80.0, 145.0)):
+        bpy.context.scene.frame_set(frame)
+        assert_shows(first, a)
+        assert_shows(second, second.leaflight.isovalue)
+        close(second.leaflight.isovalue, b, 1e-5)
+    # The animated one leads and never follows.
+    second.leaflight.isovalue = 100.0
+    bpy.context.view_layer.update()
+    assert_shows(first, 80.0)
+
+
+def check_the_window_of_the_bake_counts_from_then_on(pair):
+    first, second = pair
+    bpy.ops.leaflight.bake()
+    first.leaflight.low = -500.0
+    first.leaflight.isovalue = 60.0
+    close(second.leaflight.isovalue, 130.0, 1e-5)
+
+
+def check_a_hidden_one_is_not_baked_and_its_file_not_overwritten(pair, tmp_path):
+    first, second = pair
+    bpy.ops.leaflight.bake()
+    second.hide_render = True
+    bpy.context.view_layer.update()
+    description, volumes, _ = scene_export.export_scene(bpy.context, first)
+    assert volumes == [first] and description.leaves[0].isovalues is None
+    with pytest.raises(RuntimeError, match=f'lights "{second.name}"'):
+        bpy.ops.leaflight.bake()
+    first.leaflight.output = str(tmp_path / "first.vdb")
+    bpy.ops.leaflight.bake()
+    assert len(cache.bake_of(first).grids) == 1 and len(cache.bake_of(second).grids) == 2
+
+
+def check_undo_brings_both_back(pair):
+    names = [obj.name for obj in pair]
+    pair[0].leaflight.isovalue = 40.0
+    bpy.ops.ed.undo_push(message="forty")
+    pair[0].leaflight.isovalue = 80.0
+    bpy.ops.ed.undo_push(message="eighty")
+    bpy.ops.ed.undo()
+    pair = [bpy.data.objects[name] for name in names]
+    close([o.leaflight.isovalue for o in pair], [40.0, 115.0], 1e-5)
+    for obj in pair:
+        assert_shows(obj, obj.leaflight.isovalue)

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Both sides of the isosurfaces: baked, and each shown where it faces."""
+
+import bpy
+import numpy as np
+import pytest
+from leaflight import cache, shader
+from tools import close, colours_of, look_down, mesh_arrays, render_exr
+
+
+@pytest.fixture
+def two_sided(boxed):
+    boxed.leaflight.both_sides = True
+    bpy.ops.leaflight.bake()
+    return boxed
+
+
+def check_the_mesh_has_both(two_sided):
+    vertices, _, front = mesh_arrays(two_sided)
+    grid, field = cache.grid_of(two_sided), cache.volume_of(two_sided).field()
+    back = colours_of(two_sided, "radiance_back")
+    close(front, grid.lookup(field, vertices), 1e-6)
+    close(back, grid.lookup(field, vertices, back=True), 1e-6)
+    assert np.abs(back - front).max() > 0.01
+
+
+@pytest.mark.parametrize("shading", ["ATLAS", "ATTRIBUTE"])
+@pytest.mark.parametrize("engine", ["CYCLES", "BLENDER_EEVEE"])
+def check_each_side_shows_its_radiance(two_sided, tmp_path, engine, shading):
+    """A facet of the isosurface, seen from above and, turned over, from below."""
+    two_sided.leaflight.shading = shading
+    (material,) = two_sided.data.materials
+    grid, field = cache.grid_of(two_sided), cache.volume_of(two_sided).field()
+    vertices, _, _ = mesh_arrays(two_sided)
+    # A small triangle about a vertex that is bright on both sides.
+    bright = np.minimum(
+        grid.lookup(field, vertices).min(axis=1),
+        grid.lookup(field, vertices, back=True).min(axis=1),
+    )
+    middle = vertices[bright.argmax()].astype(np.float64)
+    matrix = np.array(two_sided.matrix_world, np.float64)
+    corners = np.array([[-0.02, -0.02, 0], [0.02, -0.02, 0], [0, 0.02, 0]])
+    local = middle + corners @ np.linalg.inv(matrix[:3, :3]).T
+    for obj in bpy.context.scene.objects:
+        obj.hide_render = True
+    world = matrix[:3, :3] @ middle + matrix[:3, 3]
+    camera = look_down(world[2] + 1.0, 0.001)
+    camera.location.x, camera.location.y = world[:2]
+    for order, back in (((0, 1, 2), False), ((0, 2, 1), True)):
+        mesh = bpy.data.meshes.new("Facet")
+        mesh.from_pydata(local.tolist(), [], [order])
+        mesh.materials.append(material)
+        for name, side in (("radiance", False), ("radiance_back", True)):
+            colours = np.ones((3, 4), np.float32)
+            colours[:, :3] = grid.lookup(field, middle[None], back=side)
+            attribute = mesh.attributes.new(name, "FLOAT_COLOR", "POINT")
+            attribute.data.foreach_set("color", colours.ravel())
+        facet = bpy.data.objects.new("Facet", mesh)
+        facet.matrix_world = two_sided.matrix_world
+        bpy.context.scene.collection.objects.link(facet)
+        pixels = render_exr(tmp_path / "facet.exr", engine, size=4)[..., :3]
+        expected = grid.lookup(field, middle[None], back=back)[0]
+        assert expected.min() > 0.005
+        close(pixels.mean(axis=(0, 1)), expected, 2e-3 + 0.01 * expected.max())
+        bpy.data.objects.remove(facet)
+
+
+def check_each_side_has_its_atlas(two_sided):
+    nodes = two_sided.leaflight.baked_material.node_tree.nodes
+    images = {node.image for node in nodes if node.type == "TEX_IMAGE"}
+    paths = {bpy.path.abspath(image.filepath) for image in images}
+    bake = two_sided.leaflight.bake_path
+    assert paths == {shader.atlas_path(bake), shader.atlas_path(bake, back=True)}
+
+
+def check_one_side_again(two_sided):
+    two_sided.leaflight.both_sides = False
+    bpy.ops.leaflight.bake()
+    assert "radiance_back" not in two_sided.data.attributes
+    kinds = {node.type for node in two_sided.leaflight.baked_material.node_tree.nodes}
+    assert "BSDF_DIFFUSE" in kinds
