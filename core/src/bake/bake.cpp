@@ -20,6 +20,10 @@ namespace {
 constexpr std::size_t photons_per_piece = 4096;
 constexpr std::size_t texels_per_piece = 64;
 constexpr int surroundings_samples = 8;
+// Vertices of the surroundings are fewer and farther apart than texels, and take more samples.
+constexpr int surroundings_share = 2;
+// A side of the surroundings is tried at every so many vertices before it is lit.
+constexpr std::size_t probe_stride = 16;
 // Progress is counted in rays; photons bounce a few times, paths more often.
 constexpr double rays_per_photon = 3, rays_per_gather = 1, rays_per_path = 6;
 
@@ -163,7 +167,7 @@ class Baker {
     if (plan_.surroundings) {
       fine_ = refine(scene().meshes);
       for (const FineMesh<D>& mesh : fine_) {
-        points += 2.0 * LeafNodes::count * mesh.vertices.size();
+        points += 1.0 * surroundings_share * LeafNodes::count * mesh.vertices.size();
       }
     }
     const double photons =
@@ -460,44 +464,55 @@ class Baker {
     for (std::size_t m = 0; m < result.meshes.size(); ++m) {
       if (scene().meshes[m].scattering != Scattering::diffuse) continue;
       for (const bool back : {false, true}) {
-        auto radiance = facets_radiance(result, m, back, estimator);
-        const bool dark = std::all_of(radiance.begin(), radiance.end(),
-                                      [](const auto& r) { return r == Vec<3, float>(0); });
-        if (!dark) result.radiance[m][back] = std::move(radiance);
+        // A side that is dark at some of its points for all c is taken to be dark.
+        if (dark(facets_radiance(result, m, back, probe_stride, estimator))) continue;
+        result.radiance[m][back] = facets_radiance(result, m, back, 1, estimator);
       }
     }
     return result;
   }
 
+  static bool dark(const std::vector<Vec<3, float>>& radiance) {
+    return std::all_of(radiance.begin(), radiance.end(),
+                       [](const auto& r) { return r == Vec<3, float>(0); });
+  }
+
+  // At every stride-th vertex of a mesh, for all nodes of c.
   std::vector<Vec<3, float>> facets_radiance(const SurroundingsRadiance<D>& result, std::size_t m,
-                                             bool back, const IndirectEstimator<D>* estimator) {
+                                             bool back, std::size_t stride,
+                                             const IndirectEstimator<D>* estimator) {
     const std::vector<FacetPoint>& places = result.meshes[m].places;
-    const std::size_t n = places.size(), count = n * LeafNodes::count;
+    const std::size_t n = (places.size() + stride - 1) / stride, count = n * LeafNodes::count;
     std::vector<Vec<3, float>> radiance(count);
-    const double work = settings_.samples * (1 + indirect_work());
+    const double work = surroundings_share * settings_.samples * (1 + indirect_work());
     parallel_range(
         count, texels_per_piece, work, progress_, [&](std::size_t begin, std::size_t end) {
           std::uint64_t rays = 0;
           for (std::size_t e = begin; e < end && !progress_.cancelled(); ++e) {
-            const FacetPoint& p = places[e % n];
+            const std::size_t vertex = e % n * stride;
+            const FacetPoint& p = places[vertex];
             const SurfacePoint<D> point = tracer_.facet_point(
                 p.mesh, p.facet, p.u, p.v, !back, result.nodes.node(static_cast<int>(e / n)));
-            radiance[e] = Vec<3, float>(mean_radiance(point, 2 * m + back, e, estimator, rays));
+            radiance[e] =
+                Vec<3, float>(mean_radiance(point, 2 * m + back, vertex, estimator, rays));
           }
           rays_ += rays;
         });
     return radiance;
   }
 
-  Rgb mean_radiance(const SurfacePoint<D>& point, std::uint64_t surface, std::size_t entry,
+  // All nodes of a vertex share their random numbers: what noise is left stands still while the
+  // isovalue moves.
+  Rgb mean_radiance(const SurfacePoint<D>& point, std::uint64_t surface, std::size_t vertex,
                     const IndirectEstimator<D>* estimator, std::uint64_t& rays) const {
-    const TexelKeys k = keys(Purpose::surroundings, surface, static_cast<std::uint32_t>(entry));
+    const TexelKeys k = keys(Purpose::surroundings, surface, static_cast<std::uint32_t>(vertex));
+    const int samples = surroundings_share * settings_.samples;
     Imath::V3d sum(0);
-    for (int i = 0; i < settings_.samples; ++i) {
+    for (int i = 0; i < samples; ++i) {
       sum += Imath::V3d(direct_sample(point, k, i, rays)) +
              Imath::V3d(indirect_sample(point, estimator, k, i, rays));
     }
-    return Rgb(sum / settings_.samples);
+    return Rgb(sum / samples);
   }
 
   const BakeSettings<D>& settings_;
