@@ -11,8 +11,9 @@ import numpy as np
 
 from . import _core
 from ._core import LeaflightError
+from .on_mesh import interpolated
 from .output import check_writable
-from .scene import SceneDescription, core_scene, fit_scene, match_leaves
+from .scene import SceneDescription, core_scene, fit_scene, isovalue_at, match_leaves
 from .scene_file import cornell_box, scene_from_json, scene_to_json
 from .settings import bake_settings, leaf_window
 from .version import __version__
@@ -87,10 +88,7 @@ class Bake:
 
     def isovalue_of(self, volume, isovalue):
         """The isovalue, in data units, that a volume (its number) shows at a leaf coordinate."""
-        if len(self.volumes) == 1:
-            return isovalue
-        lo, hi = self.scene.leaves[volume].isovalues
-        return lo + isovalue * (hi - lo)
+        return isovalue_at(self.scene, volume, isovalue)
 
     def surface(self, isovalue, volume=0, back=False):
         """The isosurface of a volume with its radiance, a Surface.
@@ -131,22 +129,59 @@ class Bake:
         Returns (radiance, standard_error), float32 (n, 3) each. Raises LeaflightError, Cancelled.
         """
         self.check_isovalue(isovalue, volume)
-        fields = [one.field() for one in self.volumes]
-        scene = core_scene(self.scene, fields, self.isovalues)
+        scene = self._core_scene()
         progress = progress or _core.Progress()
         return _core.reference(
             scene, points, isovalue, spp, seed, threads, progress, volume=volume, back=back
         )
 
+    def mesh_number(self, name):
+        """The number of the mesh of the surroundings of that name. Raises LeaflightError."""
+        names = [mesh.name for mesh in self.scene.meshes]
+        if name not in names:
+            raise LeaflightError(
+                f'There is no mesh "{name}" around the volumes: choose one of {", ".join(names)}.'
+            )
+        return names.index(name)
+
+    def mesh_radiance(self, mesh, points, isovalue, back=False):
+        """Baked radiance, float64 (n, 3), at points (n, 3) of a mesh of the surroundings.
+
+        mesh: its number; back: seen from where its normals point away. Raises LeaflightError.
+        """
+        self._check_window(isovalue)
+        if self.surroundings is None:
+            raise LeaflightError(
+                "The surroundings were not baked: bake again with them (--surroundings)."
+            )
+        vertices, triangles = self.surroundings.mesh(mesh)
+        radiance = self.surroundings.radiance(mesh, isovalue, back)
+        return interpolated(vertices, triangles, radiance, points)
+
+    def mesh_reference(
+        self,
+        mesh,
+        facets,
+        coordinates,
+        isovalue,
+        spp=1024,
+        seed=0,
+        threads=0,
+        progress=None,
+        back=False,
+    ):
+        """Path-traced radiance at points of a mesh (see on_mesh.py), as reference()."""
+        self._check_window(isovalue)
+        scene = self._core_scene()
+        progress = progress or _core.Progress()
+        return _core.reference_surroundings(
+            scene, mesh, facets, coordinates, isovalue, spp, seed, threads, progress, back
+        )
+
     def check_isovalue(self, isovalue, volume=0):
         """Raises LeaflightError unless the baked window and the volume's data hold the isovalue."""
         self._check_volume(volume)
-        lo, hi = self.isovalues
-        if not lo <= isovalue <= hi:
-            raise LeaflightError(
-                f"Isovalue {isovalue:g} lies outside the baked window {lo:g}..{hi:g}: choose one "
-                "inside or bake again with a wider window (--isovalues)."
-            )
+        self._check_window(isovalue)
         low, high = self.volumes[volume].field().range
         own = self.isovalue_of(volume, isovalue)
         if not low < own <= high:
@@ -154,6 +189,18 @@ class Bake:
             raise LeaflightError(
                 f"Isovalue {own:g} lies outside the data, whose values are {low:g}..{high:g}: "
                 "no isosurface exists there, choose one inside."
+            )
+
+    def _core_scene(self):
+        fields = [volume.field() for volume in self.volumes]
+        return core_scene(self.scene, fields, self.isovalues)
+
+    def _check_window(self, isovalue):
+        lo, hi = self.isovalues
+        if not lo <= isovalue <= hi:
+            raise LeaflightError(
+                f"Isovalue {isovalue:g} lies outside the baked window {lo:g}..{hi:g}: choose one "
+                "inside or bake again with a wider window (--isovalues)."
             )
 
     def _check_volume(self, volume):

@@ -175,6 +175,8 @@ def _compare(options):
             progress=progress,
             volume=options.volume,
             back=options.back,
+            mesh=options.mesh,
+            reference=options.reference,
         )
 
     result = run_with_progress(work, "compare")
@@ -247,12 +249,14 @@ def _flatland(options):
 def _errors(result):
     if result["points"] == 0:
         return "none"
-    relative = result["relative_rms"]
-    return (
-        f"RMS error {result['rms_percent']:.2f} % "
-        f"(of which the reference's noise {result['reference_noise_percent']:.2f} %), "
-        + (f"{100 * relative:.2f} % of the mean radiance" if relative is not None else "all dark")
-    )
+    noise = f"(of which the reference's noise {result['reference_noise_percent']:.2f} %)"
+    relative = "all dark"
+    if result["relative_rms"] is not None:
+        relative = (
+            f"{100 * result['relative_rms']:.2f} % of the mean radiance, mean ratio "
+            f"{result['mean_ratio']:.4f} +- {result['mean_ratio_error']:.4f}"
+        )
+    return f"RMS error {result['rms_percent']:.2f} % {noise}, {relative}"
 
 
 def _open(source, options):

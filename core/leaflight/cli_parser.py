@@ -4,6 +4,7 @@
 import argparse
 
 from ._core import LeaflightError
+from .compare import REFERENCES
 from .readers.raw import ENDIANS, TYPES
 from .sources import GENERATED
 from .version import __version__
@@ -63,6 +64,17 @@ def make_parser(commands):
     )
     compare.add_argument("--points", type=int, default=3000, metavar="N", help="points (3000)")
     compare.add_argument("--spp", type=int, default=1024, metavar="N", help="paths a point (1024)")
+    compare.add_argument(
+        "--reference",
+        choices=REFERENCES,
+        default=REFERENCES[0],
+        help="path: the core's own path tracer; cycles: Blender's (path)",
+    )
+    compare.add_argument(
+        "--mesh",
+        metavar="NAME",
+        help="compare on this mesh of the surroundings; --back: seen against its normals",
+    )
 
     flatland = subparsers.add_parser(
         "flatland", parents=[work, threads], help="light every isoline of an image in the plane"

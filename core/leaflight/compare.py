@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far a bake is from the path-traced truth on one isosurface."""
+"""How far a bake is from the path-traced truth on one isosurface, or on a mesh around it."""
 
 import time
 from dataclasses import dataclass
@@ -8,20 +8,36 @@ import numpy as np
 
 from . import _core
 from ._core import LeaflightError
+from .cycles import measure
+from .on_mesh import positions, random_places, random_points
 
+REFERENCES = ("path", "cycles")
 # Random rays by which a point shows itself to the outside.
 EXPOSURE_RAYS = 32
 
 
 def compare(
-    bake, isovalue, points=3000, spp=1024, seed=0, threads=0, progress=None, volume=0, back=False
+    bake,
+    isovalue,
+    points=3000,
+    spp=1024,
+    seed=0,
+    threads=0,
+    progress=None,
+    volume=0,
+    back=False,
+    mesh=None,
+    reference="path",
 ):
     """Compares baked with path-traced radiance at random points of one volume's isosurface.
 
-    back: on its inner side. `isovalue` is the leaf coordinate, as everywhere in a Bake.
+    back: on its inner side; mesh: the name of a mesh of the surroundings to compare on instead,
+    back then being the side from which its normals point away. reference: "path", the core's own
+    path tracer, or "cycles" (cycles.py). spp: paths a point. `isovalue` is the leaf coordinate, as
+    everywhere in a Bake.
 
     The points are distributed by area over the marching-cubes triangles; the bake is looked up
-    where the mesh is, the reference is traced from the leaf itself. Returns a dict with
+    where the mesh is, the core's reference is traced from the leaf itself. Returns a dict with
 
     rms_percent              RMS error of the colours in percent (thesis Eq. 4.11, corrected: a
                              colour is radiance times exposure, clamped to 0..1)
@@ -29,89 +45,196 @@ def compare(
                              None where all is dark
     reference_noise_percent  what the reference's own noise adds to rms_percent (RMS standard error)
     mean_radiance            mean of the reference colours before clamping
-    exposed                  the same four, and their points, over the points that can be seen from
+    mean_ratio               mean of the baked radiance over that of the reference; None where all
+                             is dark
+    mean_ratio_error         its standard error from the noise of the reference
+    exposed                  the same six, and their points, over the points that can be seen from
                              outside the volume; a scan hides most of an isosurface in the dark;
-                             None of the inner side
-    and points, spp, isovalue, triangles, bake_seconds, reference_seconds.
+                             None of the inner side and of meshes
+    and points, spp, reference, isovalue, triangles, bake_seconds, reference_seconds.
     Raises LeaflightError, Cancelled.
     """
     if points < 1 or spp < 2:
         raise LeaflightError("compare needs at least 1 point and 2 samples per point.")
-    surface = bake.surface(isovalue, volume, back)
-    if len(surface.triangles) == 0:
-        raise LeaflightError(
-            f"Isovalue {isovalue:g} has no surface inside the data; choose another one."
-        )
-    positions = random_points(surface.vertices, surface.triangles, points, seed)
-    baked = bake.radiance(positions, volume, back).astype(np.float64)
-
+    place = _OnLeaf(bake, isovalue, volume, back) if mesh is None else _OnMesh(bake, mesh, back)
     start = time.perf_counter()
-    field, own = bake.volumes[volume].field(), bake.isovalue_of(volume, isovalue)
-    on_leaf = _core.project_to_leaf(field, positions, own)
-    reference, standard_error = (
-        array.astype(np.float64)
-        for array in bake.reference(
-            on_leaf, isovalue, spp, seed, threads, progress, volume=volume, back=back
-        )
-    )
+    trace = {"path": place.path_traced, "cycles": place.by_cycles}[reference]
+    truth = trace(isovalue, points, spp=spp, seed=seed, threads=threads, progress=progress)
     reference_seconds = time.perf_counter() - start
-
-    samples = _Samples(baked, reference, standard_error)
+    samples = _Samples(place.baked(isovalue, truth.points).astype(np.float64), truth)
     exposure = bake.scene.exposure
-    exposed = None
-    if not back:
-        seen = _core.exposed(field, on_leaf, own, EXPOSURE_RAYS, seed) > 0
-        exposed = samples.only(seen).errors(exposure)
+    exposed = place.exposed(isovalue, truth.points, seed)
     return {
         "isovalue": float(isovalue),
         "spp": int(spp),
-        "triangles": len(surface.triangles),
+        "reference": reference,
+        "triangles": place.triangles,
         **samples.errors(exposure),
-        "exposed": exposed,
+        "exposed": None if exposed is None else samples.errors(exposure, exposed),
         "bake_seconds": bake.statistics["seconds"],
         "reference_seconds": reference_seconds,
     }
 
 
 @dataclass(frozen=True, eq=False)
+class _Truth:
+    """The radiance of the reference at points: (n, 3) each, float64.
+
+    weights: (n,), by which means over the points are taken. mean_error: function of a mask (n,),
+    the standard error of the mean radiance over its points.
+    """
+
+    points: np.ndarray
+    weights: np.ndarray
+    radiance: np.ndarray
+    standard_error: np.ndarray
+    mean_error: object
+
+    @classmethod
+    def traced(cls, points, radiance, standard_error):
+        """Of the core's path tracer, whose points know nothing of each other."""
+        error = standard_error.astype(np.float64)
+
+        def mean_error(mask):
+            return float(np.sqrt((error[mask].mean(axis=1) ** 2).sum()) / mask.sum())
+
+        weights = np.ones(len(points))
+        return cls(points, weights, radiance.astype(np.float64), error, mean_error)
+
+    @classmethod
+    def measured(cls, measured):
+        probes = measured.probes
+        return cls(
+            probes.points,
+            probes.weights,
+            measured.radiance,
+            measured.standard_error,
+            measured.mean_error,
+        )
+
+
+def _check_diffuse(look):
+    if look.scattering != "diffuse":
+        raise LeaflightError(
+            f'What "{look.name}" shows depends on the view, since it is of {look.scattering}: '
+            "choose something diffuse."
+        )
+
+
+class _OnLeaf:
+    """The isosurface of a volume, on one side."""
+
+    def __init__(self, bake, isovalue, volume, back):
+        self.bake, self.volume, self.back = bake, volume, back
+        self.surface = bake.surface(isovalue, volume, back)
+        _check_diffuse(bake.scene.leaves[volume])
+        self.triangles = len(self.surface.triangles)
+        if self.triangles == 0:
+            raise LeaflightError(
+                f"Isovalue {isovalue:g} has no surface inside the data; choose another one."
+            )
+
+    def path_traced(self, isovalue, points, spp, seed, threads, progress):
+        on_mesh = random_points(self.surface.vertices, self.surface.triangles, points, seed)
+        on_leaf = self._projected(isovalue, on_mesh)
+        where = {"volume": self.volume, "back": self.back}
+        found = self.bake.reference(on_leaf, isovalue, spp, seed, threads, progress, **where)
+        return _Truth.traced(on_mesh, *found)
+
+    def by_cycles(self, isovalue, points, spp, **work):
+        where = {"volume": self.volume, "back": self.back}
+        return _by_cycles(self.bake, isovalue, points, spp, **where, **work)
+
+    def baked(self, isovalue, points):
+        return self.bake.radiance(points, self.volume, self.back)
+
+    def exposed(self, isovalue, points, seed):
+        """Which points can be seen from outside, a mask (n,); None of the inner side."""
+        if self.back:
+            return None
+        field, own = self._field(), self.bake.isovalue_of(self.volume, isovalue)
+        on_leaf = self._projected(isovalue, points)
+        return _core.exposed(field, on_leaf, own, EXPOSURE_RAYS, seed) > 0
+
+    def _projected(self, isovalue, points):
+        own = self.bake.isovalue_of(self.volume, isovalue)
+        return _core.project_to_leaf(self._field(), points, own)
+
+    def _field(self):
+        return self.bake.volumes[self.volume].field()
+
+
+class _OnMesh:
+    """A mesh of the surroundings, on one side."""
+
+    def __init__(self, bake, name, back):
+        self.bake, self.back, self.number = bake, back, bake.mesh_number(name)
+        self.mesh = bake.scene.meshes[self.number]
+        _check_diffuse(self.mesh)
+        self.triangles = len(self.mesh.triangles)
+
+    def path_traced(self, isovalue, points, spp, seed, threads, progress):
+        vertices, triangles = self.mesh.vertices, self.mesh.triangles
+        places = random_places(vertices, triangles, points, seed)
+        found = self.bake.mesh_reference(
+            self.number, *places, isovalue, spp, seed, threads, progress, back=self.back
+        )
+        return _Truth.traced(positions(vertices, triangles, *places), *found)
+
+    def by_cycles(self, isovalue, points, spp, **work):
+        where = {"mesh": self.number, "back": self.back}
+        return _by_cycles(self.bake, isovalue, points, spp, **where, **work)
+
+    def baked(self, isovalue, points):
+        return self.bake.mesh_radiance(self.number, points, isovalue, self.back)
+
+    def exposed(self, isovalue, points, seed):
+        return None
+
+
+def _by_cycles(bake, isovalue, points, spp, **where):
+    fields = [volume.field() for volume in bake.volumes]
+    return _Truth.measured(
+        measure(bake.scene, fields, isovalue, points=points, samples=spp, **where)
+    )
+
+
+@dataclass(frozen=True, eq=False)
 class _Samples:
-    """Radiance at some points, (n, 3) each."""
+    """Baked radiance (n, 3) at the points of the truth."""
 
     baked: np.ndarray
-    reference: np.ndarray
-    standard_error: np.ndarray
+    truth: _Truth
 
-    def only(self, mask):
-        return _Samples(self.baked[mask], self.reference[mask], self.standard_error[mask])
-
-    def errors(self, exposure):
-        """The figures that compare() documents; None where there are no points."""
-        if len(self.baked) == 0:
+    def errors(self, exposure, mask=None):
+        """The figures that compare() documents, over the points of a mask; None without points."""
+        if mask is None:
+            mask = np.ones(len(self.baked), dtype=bool)
+        if not mask.any():
             names = ("rms_percent", "relative_rms", "reference_noise_percent", "mean_radiance")
+            names += ("mean_ratio", "mean_ratio_error")
             return {"points": 0, **dict.fromkeys(names)}
-        baked, truth = (np.clip(x * exposure, 0, 1) for x in (self.baked, self.reference))
-        mean = float(self.reference.mean())
+        baked, truth = self.baked[mask], self.truth.radiance[mask]
+        weights = self.truth.weights[mask]
+        shown = [np.clip(x * exposure, 0, 1) for x in (baked, truth)]
+        mean = _mean(truth, weights)
+        ratio = _mean(baked, weights) / mean if mean > 0 else None
         return {
-            "points": len(self.baked),
-            "rms_percent": 100.0 * _rms(baked - truth),
-            "relative_rms": _rms(self.baked - self.reference) / mean if mean > 0 else None,
-            "reference_noise_percent": 100.0 * exposure * _rms(self.standard_error),
+            "points": len(baked),
+            "rms_percent": 100.0 * _rms(shown[0] - shown[1], weights),
+            "relative_rms": _rms(baked - truth, weights) / mean if mean > 0 else None,
+            "reference_noise_percent": 100.0
+            * exposure
+            * _rms(self.truth.standard_error[mask], weights),
             "mean_radiance": mean * exposure,
+            "mean_ratio": ratio,
+            "mean_ratio_error": ratio * self.truth.mean_error(mask) / mean if mean > 0 else None,
         }
 
 
-def random_points(vertices, triangles, count, seed):
-    """Points (count, 3), float64, uniformly distributed over the area of the triangles."""
-    rng = np.random.default_rng(seed)
-    a, b, c = (vertices[triangles[:, k]].astype(np.float64) for k in range(3))
-    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    cumulative = np.cumsum(areas)
-    chosen = np.searchsorted(cumulative, rng.random(count) * cumulative[-1], side="right")
-    chosen = np.minimum(chosen, len(triangles) - 1)
-    root, v = np.sqrt(rng.random(count))[:, None], rng.random(count)[:, None]
-    a, b, c = a[chosen], b[chosen], c[chosen]
-    return a + root * (b - a) + root * v * (c - b)
+def _mean(values, weights):
+    return float(np.average(values.mean(axis=1), weights=weights))
 
 
-def _rms(values):
-    return float(np.sqrt(np.mean(np.square(values))))
+def _rms(values, weights):
+    return float(np.sqrt(_mean(np.square(values), weights)))

@@ -237,6 +237,22 @@ def is_color(ramp):
     return len(ramp) == 3 and all(isinstance(x, Real) for x in ramp)
 
 
+def ramp_at(ramp, isovalue):
+    """The colour (3,) of a ramp at an isovalue in data units."""
+    if is_color(ramp):
+        return np.array(ramp, dtype=np.float64)
+    isovalues, colors = [stop[0] for stop in ramp], np.array([stop[1] for stop in ramp])
+    return np.array([np.interp(isovalue, isovalues, channel) for channel in colors.T])
+
+
+def isovalue_at(description, volume, c):
+    """The isovalue, in data units, that a volume (its number) shows at a leaf coordinate."""
+    if len(description.leaves) == 1:
+        return c
+    lo, hi = description.leaves[volume].isovalues
+    return lo + c * (hi - lo)
+
+
 def core_scene(description, fields, window):
     """The core's scene of a description in world coordinates with one Leaves for each field.
 

@@ -44,6 +44,26 @@ void bind_surface(py::module_& module) {
       py::arg("field"), py::arg("isovalue"),
       "Marching squares: (vertices (n, 2) world, outward unit normals (n, 2), segments (m, 2)).");
   module.def(
+      "normals",
+      [](const Field<3>& field, const DoubleArray& array) {
+        const std::vector<Vec3> points = to_points<3>(array);
+        std::vector<Vec<3, float>> normals(points.size());
+        {
+          const py::gil_scoped_release unlocked;
+          tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+            const CellPoint<3> at = locate(field, field.world_to_index.point(points[i]));
+            const Vec3 gradient =
+                field.world_to_index.pull_back_gradient(shading_gradient(field, at));
+            normals[i] = Vec<3, float>(-gradient.normalized());
+          });
+        }
+        const auto n = static_cast<py::ssize_t>(normals.size());
+        return adopt<float>(std::move(normals), {n, 3});
+      },
+      py::arg("field"), py::arg("points"),
+      "Outward unit normals float32 (n, 3) with which leaves are shaded at world points (n, 3) of\n"
+      "the domain; zero where there is none.");
+  module.def(
       "project_to_leaf",
       [](const Field<3>& field, const DoubleArray& array, double isovalue) {
         std::vector<Vec3> points = to_points<3>(array);

@@ -1,0 +1,326 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Builds a scene in a background Blender and lets Cycles measure the light on one of its meshes.
+
+cycles.py starts it within Blender, `blender -b --factory-startup --python cycles_scene.py --
+FOLDER`. It reads FOLDER/scene.npz, where "settings" is JSON (see cycles.py), and writes
+FOLDER/radiance.npy: float32 [pass, probe, RGB] in W/(m^2 sr).
+
+Cycles bakes COMBINED into an image, one pixel a probe. Baking into a colour attribute would measure
+the same, at every corner of every triangle: six times a vertex, and where triangles meet.
+"""
+
+import json
+import math
+import sys
+from pathlib import Path
+
+import bpy
+import mathutils
+import numpy as np
+
+# Radiance of an AREA light = factor * watts / area, from a Blender version on.
+AREA_LIGHT_FACTOR = (((3, 4, 0), 1.0 / 4.0), ((5, 0, 0), 1.0 / math.pi))
+# From which version on a spot no longer fades with the cosine to its axis, and a sun is no disc of
+# directions that is sampled uniformly, so that it is a little dimmer than its strength.
+NEW_LIGHTS = (5, 0, 0)
+
+# Neither cut paths short nor any of the shortcuts that trade noise for bias.
+UNBIASED = {
+    "max_bounces": 1024,
+    "diffuse_bounces": 1024,
+    "glossy_bounces": 1024,
+    "transmission_bounces": 1024,
+    "transparent_max_bounces": 1024,
+    "sample_clamp_direct": 0.0,
+    "sample_clamp_indirect": 0.0,
+    "light_sampling_threshold": 0.0,
+    "caustics_reflective": True,
+    "caustics_refractive": True,
+    "blur_glossy": 0.0,
+    "use_fast_gi": False,
+    "use_denoising": False,
+    "use_adaptive_sampling": False,
+}
+PASSES = {"DIRECT", "INDIRECT", "DIFFUSE", "GLOSSY", "TRANSMISSION", "EMIT"}
+
+
+def main(folder):
+    with np.load(folder / "scene.npz") as file:
+        arrays = dict(file)
+    settings = json.loads(str(arrays.pop("settings")))
+    scene = _empty_scene(settings["threads"])
+    objects = [
+        _object(scene, item, _arrays_of(arrays, f"object{i}."))
+        for i, item in enumerate(settings["objects"])
+    ]
+    for light in settings["lights"]:
+        _light(scene, light)
+    _world(scene, settings["environment"], arrays.get("environment"))
+    image = _target_image(objects[settings["target"]], settings["image_size"])
+    pixels = arrays["pixels"]
+    radiance = np.empty((settings["passes"], len(pixels), 3), np.float32)
+    for number in range(settings["passes"]):
+        scene.cycles.seed = settings["seed"] * settings["passes"] + number
+        scene.cycles.samples = settings["samples"]
+        bpy.ops.object.bake(
+            type="COMBINED", pass_filter=PASSES, target="IMAGE_TEXTURES", margin=0, use_clear=True
+        )
+        baked = np.empty(4 * image.size[0] * image.size[1], np.float32)
+        image.pixels.foreach_get(baked)
+        radiance[number] = baked.reshape(-1, 4)[pixels, :3]
+        print(f"leaflight pass {number + 1}", flush=True)
+    np.save(folder / "radiance.npy", radiance)
+
+
+def _arrays_of(arrays, prefix):
+    return {key[len(prefix) :]: value for key, value in arrays.items() if key.startswith(prefix)}
+
+
+def _empty_scene(threads):
+    for obj in list(bpy.data.objects):
+        bpy.data.objects.remove(obj)
+    scene = bpy.context.scene
+    scene.render.engine = "CYCLES"
+    scene.render.threads_mode = "FIXED" if threads else "AUTO"
+    if threads:
+        scene.render.threads = threads
+    for name, value in UNBIASED.items():
+        setattr(scene.cycles, name, value)
+    return scene
+
+
+def _object(scene, item, arrays):
+    """An object of a mesh: smooth with the normals where there are any, and otherwise flat."""
+    mesh = _filled_mesh(item["name"], arrays["vertices"], arrays["triangles"])
+    smooth = "normals" in arrays and len(mesh.polygons) > 0
+    mesh.polygons.foreach_set("use_smooth", np.full(len(mesh.polygons), smooth))
+    if smooth:
+        if hasattr(mesh, "use_auto_smooth"):
+            mesh.use_auto_smooth = True
+        mesh.normals_split_custom_set_from_vertices(arrays["normals"].tolist())
+    for name in ("uv", "target_uv"):
+        if name in arrays:
+            mesh.uv_layers.new(name=name).data.foreach_set("uv", arrays[name].ravel())
+    mesh.materials.append(_material(item, arrays.get("texture")))
+    obj = bpy.data.objects.new(item["name"], mesh)
+    scene.collection.objects.link(obj)
+    # Shadows are those of the triangles, without a shift towards the smooth surface.
+    obj.cycles.shadow_terminator_geometry_offset = 0.0
+    obj.cycles.shadow_terminator_offset = 0.0
+    return obj
+
+
+def _filled_mesh(name, vertices, triangles):
+    mesh = bpy.data.meshes.new(name)
+    mesh.vertices.add(len(vertices))
+    mesh.vertices.foreach_set("co", vertices.ravel())
+    mesh.loops.add(triangles.size)
+    mesh.loops.foreach_set("vertex_index", triangles.ravel())
+    mesh.polygons.add(len(triangles))
+    mesh.polygons.foreach_set("loop_start", np.arange(0, triangles.size, 3))
+    if not bpy.types.MeshPolygon.bl_rna.properties["loop_total"].is_readonly:
+        mesh.polygons.foreach_set("loop_total", np.full(len(triangles), 3))
+    mesh.update(calc_edges=True)
+    return mesh
+
+
+def _material(item, texture):
+    material = bpy.data.materials.new(item["name"])
+    material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    bsdf = tree.nodes.new(
+        {
+            "diffuse": "ShaderNodeBsdfDiffuse",
+            "mirror": "ShaderNodeBsdfGlossy",
+            "glass": "ShaderNodeBsdfGlass",
+        }[item["scattering"]]
+    )
+    bsdf.inputs["Roughness"].default_value = 0.0
+    if item["scattering"] != "diffuse" and _has_choice(bsdf, "distribution", "SHARP"):
+        bsdf.distribution = "SHARP"
+    if item["scattering"] == "glass":
+        bsdf.inputs["IOR"].default_value = item["ior"]
+    bsdf.inputs["Color"].default_value = (*item["albedo"], 1.0)
+    if texture is not None:
+        _texture(tree, bsdf.inputs["Color"], texture * np.float32(item["albedo"]))
+    shader = bsdf.outputs[0]
+    if max(item["emission"]) > 0:
+        emission = tree.nodes.new("ShaderNodeEmission")
+        _set_light(emission, item["emission"])
+        both = tree.nodes.new("ShaderNodeAddShader")
+        tree.links.new(shader, both.inputs[0])
+        tree.links.new(emission.outputs[0], both.inputs[1])
+        shader = both.outputs[0]
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(shader, output.inputs["Surface"])
+    return material
+
+
+def _has_choice(owner, name, choice):
+    return choice in owner.bl_rna.properties[name].enum_items
+
+
+def _texture(tree, socket, pixels):
+    node = tree.nodes.new("ShaderNodeTexImage")
+    node.image = _image("texture", pixels)
+    node.interpolation = "Linear"
+    node.extension = "REPEAT"
+    uv = tree.nodes.new("ShaderNodeUVMap")
+    uv.uv_map = "uv"
+    tree.links.new(uv.outputs["UV"], node.inputs["Vector"])
+    tree.links.new(node.outputs["Color"], socket)
+
+
+def _image(name, pixels):
+    """Linear colours, float32 [row, column, RGB], bottom row first."""
+    height, width = pixels.shape[:2]
+    image = bpy.data.images.new(name, width, height, float_buffer=True, is_data=True)
+    image.use_half_precision = False
+    rgba = np.ones((height, width, 4), np.float32)
+    rgba[..., :3] = pixels
+    image.pixels.foreach_set(rgba.ravel())
+    image.pack()
+    return image
+
+
+def _set_light(node, radiance):
+    """Of an Emission or a Background node."""
+    strongest = max(radiance)
+    node.inputs["Color"].default_value = (*(x / strongest for x in radiance), 1.0)
+    node.inputs["Strength"].default_value = strongest
+
+
+def _light(scene, item):
+    maker = {"AreaLight": _area_light, "PointLight": _point_light, "SunLight": _sun_light}
+    obj = maker[item["type"]](item)
+    obj.data.cycles.use_multiple_importance_sampling = True
+    scene.collection.objects.link(obj)
+
+
+def _area_light(item):
+    u, v = np.array(item["edge_u"]), np.array(item["edge_v"])
+    light = bpy.data.lights.new(item["name"], "AREA")
+    light.shape = "ELLIPSE" if item["ellipse"] else "RECTANGLE"
+    light.size, light.size_y = np.linalg.norm(u), np.linalg.norm(v)
+    area = light.size * light.size_y * (0.25 * math.pi if item["ellipse"] else 1.0)
+    factor = [factor for since, factor in AREA_LIGHT_FACTOR if bpy.app.version >= since][-1]
+    _set_energy(light, item["radiance"], area / factor)
+    # Its local axes are u, -v and -(u x v): it shines along its local -Z.
+    return _placed(light, np.array(item["corner"]) + 0.5 * (u + v), u, -v)
+
+
+def _point_light(item):
+    cone = item["cone"]
+    light = bpy.data.lights.new(item["name"], "SPOT" if cone else "POINT")
+    light.shadow_soft_size = item["radius"]
+    _set_energy(light, item["intensity"], 4.0 * math.pi)
+    if not cone:
+        return _placed(light, item["position"], (1, 0, 0), (0, 1, 0))
+    light.spot_size, light.spot_blend = cone["angle"], cone["blend"]
+    fades = bpy.app.version < NEW_LIGHTS
+    if cone["cosine_falloff"] != fades:
+        _correct_fading(light, cone["axis"], fades)
+    axis = np.array(cone["axis"])
+    beside = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    return _placed(light, item["position"], beside, np.cross(beside, axis))
+
+
+def _correct_fading(light, axis, fades):
+    """Undoes that Blender lets a spot fade with the cosine to its axis, or does it instead."""
+    light.use_nodes = True
+    tree = light.node_tree
+    emission = next(node for node in tree.nodes if node.type == "EMISSION")
+    geometry = tree.nodes.new("ShaderNodeNewGeometry")
+    cosine = tree.nodes.new("ShaderNodeVectorMath")
+    cosine.operation = "DOT_PRODUCT"
+    cosine.inputs[1].default_value = axis
+    tree.links.new(geometry.outputs["Incoming"], cosine.inputs[0])
+    strength = tree.nodes.new("ShaderNodeMath")
+    strength.operation = "POWER"
+    strength.inputs[1].default_value = -1.0 if fades else 1.0
+    absolute = tree.nodes.new("ShaderNodeMath")
+    absolute.operation = "ABSOLUTE"
+    tree.links.new(cosine.outputs["Value"], absolute.inputs[0])
+    tree.links.new(absolute.outputs[0], strength.inputs[0])
+    tree.links.new(strength.outputs[0], emission.inputs["Strength"])
+
+
+def _sun_light(item):
+    light = bpy.data.lights.new(item["name"], "SUN")
+    light.angle = item["angle"]
+    dimmed = 1.0
+    if bpy.app.version < NEW_LIGHTS:
+        # The mean cosine to its axis over the disc.
+        cosine = math.cos(0.5 * item["angle"])
+        dimmed = 2.0 * cosine / (1.0 + cosine)
+    _set_energy(light, item["irradiance"], 1.0 / dimmed)
+    direction = np.array(item["direction"])
+    beside = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
+    return _placed(light, (0, 0, 0), beside, np.cross(beside, direction))
+
+
+def _set_energy(light, amount, factor):
+    strongest = max(amount)
+    light.color = [x / strongest if strongest else 0.0 for x in amount]
+    light.energy = strongest * factor
+
+
+def _placed(light, position, x, y):
+    """An object with its local X and Y along two vectors at right angles."""
+    x, y = np.array(x) / np.linalg.norm(x), np.array(y) / np.linalg.norm(y)
+    obj = bpy.data.objects.new(light.name, light)
+    rotation = mathutils.Matrix(np.array([x, y, np.cross(x, y)]).T.tolist()).to_4x4()
+    obj.matrix_world = mathutils.Matrix.Translation(position) @ rotation
+    return obj
+
+
+def _world(scene, item, pixels):
+    scene.world = bpy.data.worlds.new("world")
+    scene.world.use_nodes = True
+    tree = scene.world.node_tree
+    tree.nodes.clear()
+    background = tree.nodes.new("ShaderNodeBackground")
+    background.inputs["Color"].default_value = (0.0, 0.0, 0.0, 1.0)
+    output = tree.nodes.new("ShaderNodeOutputWorld")
+    tree.links.new(background.outputs[0], output.inputs["Surface"])
+    if item is None or not max(item["radiance"]) > 0:
+        return
+    if pixels is None:
+        _set_light(background, item["radiance"])
+        return
+    node = tree.nodes.new("ShaderNodeTexEnvironment")
+    node.image = _image("environment", pixels * np.float32(item["radiance"]))
+    node.interpolation = "Linear"
+    tree.links.new(_turned(tree, item["world_to_image"]), node.inputs["Vector"])
+    tree.links.new(node.outputs["Color"], background.inputs["Color"])
+
+
+def _turned(tree, matrix):
+    """The socket of the direction of view, turned by a matrix (3 x 3)."""
+    direction = tree.nodes.new("ShaderNodeTexCoord").outputs["Generated"]
+    combined = tree.nodes.new("ShaderNodeCombineXYZ")
+    for row, socket in zip(matrix, combined.inputs):
+        dot = tree.nodes.new("ShaderNodeVectorMath")
+        dot.operation = "DOT_PRODUCT"
+        dot.inputs[1].default_value = row
+        tree.links.new(direction, dot.inputs[0])
+        tree.links.new(dot.outputs["Value"], socket)
+    return combined.outputs[0]
+
+
+def _target_image(obj, size):
+    """The image that Cycles bakes into, by the coordinates target_uv of the object's mesh."""
+    image = bpy.data.images.new("target", *size, float_buffer=True, is_data=True)
+    obj.data.uv_layers.active = obj.data.uv_layers["target_uv"]
+    nodes = obj.data.materials[0].node_tree.nodes
+    node = nodes.new("ShaderNodeTexImage")
+    node.image = image
+    nodes.active = node
+    obj.select_set(True)
+    bpy.context.view_layer.objects.active = obj
+    return image
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[-1]))

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Points on meshes of triangles, and values of vertices between the vertices.
+
+A point is a facet, a triangle's number, with barycentric coordinates (u, v) of its second and third
+vertex.
+"""
+
+import numpy as np
+
+# Points whose distances to all triangles are held in memory together.
+POINTS_AT_ONCE = 64
+
+
+def random_facets(vertices, triangles, count, rng):
+    """Numbers (count,) of triangles, drawn in proportion to their area."""
+    a, b, c = corners(vertices, triangles)
+    cumulative = np.cumsum(np.linalg.norm(np.cross(b - a, c - a), axis=1))
+    chosen = np.searchsorted(cumulative, rng.random(count) * cumulative[-1], side="right")
+    return np.minimum(chosen, len(triangles) - 1)
+
+
+def random_places(vertices, triangles, count, seed):
+    """Facets (count,) and coordinates (count, 2) of points uniform over the area."""
+    rng = np.random.default_rng(seed)
+    facets = random_facets(vertices, triangles, count, rng)
+    root, v = np.sqrt(rng.random(count)), rng.random(count)
+    return facets, np.stack([root - root * v, root * v], axis=1)
+
+
+def positions(vertices, triangles, facets, coordinates):
+    """World positions float64 (n, 3) of facets (n,) and coordinates (n, 2)."""
+    a, b, c = corners(vertices, triangles[facets])
+    return a + coordinates[:, :1] * (b - a) + coordinates[:, 1:] * (c - a)
+
+
+def random_points(vertices, triangles, count, seed):
+    """Points (count, 3), float64, uniformly distributed over the area of the triangles."""
+    return positions(vertices, triangles, *random_places(vertices, triangles, count, seed))
+
+
+def interpolated(vertices, triangles, values, points):
+    """Values (n, k) of the vertices at points (p, 3) of the mesh, (p, k)."""
+    a, b, c = corners(vertices, triangles)
+    across = np.stack([b - a, c - a], axis=1)
+    normals = np.cross(across[:, 0], across[:, 1])
+    areas = np.linalg.norm(normals, axis=1)
+    usable = areas > 0
+    a, across, normals, areas = a[usable], across[usable], normals[usable], areas[usable]
+    # Rows that turn a way from the first corner into (u, v, distance in sizes of the triangle).
+    edges = np.stack([across[:, 0], across[:, 1], normals / np.sqrt(areas)[:, None]], axis=2)
+    to_local = np.linalg.inv(edges)
+    result = np.empty((len(points), values.shape[1]))
+    for first in range(0, len(points), POINTS_AT_ONCE):
+        ways = points[first : first + POINTS_AT_ONCE, None] - a
+        local = np.einsum("fij,pfj->pfi", to_local, ways)
+        u, v, off = np.moveaxis(local, 2, 0)
+        outside = np.maximum(0.0, np.maximum(np.maximum(-u, -v), u + v - 1.0))
+        nearest = np.argmin(outside + np.abs(off), axis=1)
+        rows = np.arange(len(nearest))
+        u, v = u[rows, nearest, None], v[rows, nearest, None]
+        at_a, at_b, at_c = (values[triangles[usable][nearest, k]] for k in range(3))
+        result[first : first + POINTS_AT_ONCE] = at_a + u * (at_b - at_a) + v * (at_c - at_a)
+    return result
+
+
+def corners(vertices, triangles):
+    """The three vertices of the triangles, float64 (m, 3) each."""
+    return tuple(vertices[triangles[:, k]].astype(np.float64) for k in range(3))
