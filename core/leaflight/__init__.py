@@ -17,6 +17,7 @@ from .particles import lapr, nucleons
 from .readers import read_volume
 from .scene import fit_scene
 from .scene_file import cornell_box, load_scene
+from .settings import PhotonMap, Scattered
 from .version import __version__
 from .volume import Volume, bump_box, default_isovalue, default_window
 
@@ -24,7 +25,9 @@ __all__ = [
     "Bake",
     "Cancelled",
     "LeaflightError",
+    "PhotonMap",
     "Progress",
+    "Scattered",
     "Surface",
     "Volume",
     "__version__",

@@ -31,6 +31,7 @@ from .output import check_writable
 from .ply import write_ply
 from .progress import run_with_progress
 from .scene_file import cornell_box, load_scene
+from .settings import PhotonMap, Scattered
 from .sources import open_volume
 from .volume import default_isovalue, default_window
 
@@ -90,21 +91,17 @@ def _bake(options):
     if options.capped:
         scene = replace(scene, leaves=[replace(leaves, capped=True) for leaves in scene.leaves])
 
+    work_options = _work_options(options)
+
     def work(progress):
         return bake(
             volumes,
             scene,
-            isovalues=options.isovalues,
-            resolution=options.resolution,
-            samples=options.samples,
-            photons=options.photons,
             caustic_photons=options.caustic_photons,
-            estimator=options.estimator,
-            seed=options.seed,
-            threads=options.threads,
             both_sides=options.both_sides,
             surroundings=options.surroundings,
             progress=progress,
+            **work_options,
         )
 
     baked = run_with_progress(work, "bake")
@@ -129,6 +126,43 @@ def _bake(options):
         *_leaf_map(baked),
         *(f"skipped: {name} ({reason})" for name, reason in result["skipped_passes"]),
     ]
+
+
+def _work_options(options):
+    """What is baked, and how well: the arguments that bake and bake_flatland have in common."""
+    names = ("isovalues", "resolution", "samples", "photons", "estimator", "seed", "threads")
+    return {
+        **{name: getattr(options, name) for name in names},
+        "photon_map": _photon_map(options),
+        "scattered": _scattered(options),
+    }
+
+
+def _photon_map(options):
+    given = _given(options, k="k", radius="photon_radius", g="g", region="region")
+    return PhotonMap(**given) if given else None
+
+
+def _scattered(options):
+    given = _given(
+        options,
+        strategy="strategy",
+        count="count",
+        isovalues="isovalue_count",
+        filter="filter",
+        radius="filter_radius",
+    )
+    if not given:
+        return None
+    if "strategy" not in given or "count" not in given:
+        raise LeaflightError("Scattered samples need both --strategy NAME and --count N.")
+    return Scattered(**given)
+
+
+def _given(options, **names):
+    """The options that were given, by the names that the settings have for them."""
+    values = {name: getattr(options, option) for name, option in names.items()}
+    return {name: value for name, value in values.items() if value is not None}
 
 
 def _leaf_map(baked):
@@ -208,19 +242,10 @@ def _flatland(options):
     else:
         volume = read_image(options.image)
 
+    work_options = _work_options(options)
+
     def work(progress):
-        return bake_flatland(
-            volume,
-            scene,
-            isovalues=options.isovalues,
-            resolution=options.resolution,
-            samples=options.samples,
-            photons=options.photons,
-            estimator=options.estimator,
-            seed=options.seed,
-            threads=options.threads,
-            progress=progress,
-        )
+        return bake_flatland(volume, scene, progress=progress, **work_options)
 
     baked = run_with_progress(work, "flatland")
     isolines = options.isolines or [default_isovalue(volume)]

@@ -8,7 +8,7 @@ from .readers.raw import ENDIANS, TYPES
 from .sources import GENERATED
 from .version import __version__
 
-ESTIMATORS = ("gather", "volumetric", "path")
+ESTIMATORS = ("gather", "volumetric", "path", "thesis")
 
 
 class Parser(argparse.ArgumentParser):
@@ -145,6 +145,38 @@ def _work():
         "--photons", type=int, default=2_000_000, metavar="N", help="photons (2000000)"
     )
     parser.add_argument("--estimator", choices=ESTIMATORS, default="gather", help="(gather)")
+
+    thesis = parser.add_argument_group("of --estimator thesis")
+    thesis.add_argument("--k", type=int, metavar="N", help="photons of an estimate (200)")
+    thesis.add_argument(
+        "--photon-radius",
+        type=float,
+        metavar="R",
+        help="how far an estimate reaches, in longest sides of the volume (without limit)",
+    )
+    thesis.add_argument(
+        "--g", type=float, metavar="G", help="weight of isovalues against distances (10)"
+    )
+    thesis.add_argument(
+        "--region", metavar="NAME", help="sphere, clipped_sphere (default), box, cylinder, graph"
+    )
+
+    scattered = parser.add_argument_group("samples strewn over the domain, not in each texel")
+    scattered.add_argument(
+        "--strategy",
+        metavar="NAME",
+        help="uniform, stratified, importance, level_set, letters, slabs, regular",
+    )
+    scattered.add_argument(
+        "--count", type=int, metavar="N", help="how many, of --samples rays each"
+    )
+    scattered.add_argument(
+        "--isovalue-count", type=int, metavar="N", help="level_set: isovalues (9)"
+    )
+    scattered.add_argument("--filter", metavar="NAME", help="shepard (default), tent, box")
+    scattered.add_argument(
+        "--filter-radius", type=int, metavar="D", help="texels that a sample reaches (3)"
+    )
     return parser
 
 
