@@ -29,13 +29,14 @@ class Scattered:
     """Samples strewn over the domain and interpolated into texels (thesis 3.4, 4.4 and 4.5).
 
     strategy: "uniform", "stratified", "importance", "level_set", "letters", "slabs", "regular";
-    count: samples, each of them with all the rays; isovalues: of "level_set", how many;
-    filter: "shepard" (Eq. 3.11), "tent" or "box"; radius: texels that it reaches.
+    count: samples, each of them with all the rays; isovalues: of "level_set", how many, chosen
+    adaptively, or a sequence of them; filter: "shepard" (Eq. 3.11), "tent" or "box"; radius:
+    texels that it reaches.
     """
 
     strategy: str
     count: int
-    isovalues: int = 9
+    isovalues: object = 9
     filter: str = "shepard"
     radius: int = 3
 
@@ -115,7 +116,8 @@ def bake_settings(
         settings.set_photon_map(*astuple(photon_map))
     if scattered is not None:
         _whole("count", scattered.count, 1)
-        _whole("isovalues", scattered.isovalues, 1)
+        if np.ndim(scattered.isovalues) == 0:
+            _whole("isovalues", scattered.isovalues, 1)
         _whole("radius", scattered.radius, 0)
         settings.set_scattered(*astuple(scattered))
     return settings
