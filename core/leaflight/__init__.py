@@ -13,7 +13,7 @@ from . import flatland
 from ._core import Cancelled, LeaflightError, Progress
 from .bake import Bake, Surface, bake, load_bake
 from .compare import compare
-from .particles import lapr, nucleons
+from .particles import lapr, neuron, nucleons
 from .readers import read_volume
 from .scene import fit_scene
 from .scene_file import cornell_box, load_scene
@@ -42,6 +42,7 @@ __all__ = [
     "lapr",
     "load_bake",
     "load_scene",
+    "neuron",
     "nucleons",
     "read_volume",
 ]
