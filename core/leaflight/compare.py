@@ -89,15 +89,28 @@ class _Samples:
         if len(self.baked) == 0:
             names = ("rms_percent", "relative_rms", "reference_noise_percent", "mean_radiance")
             return {"points": 0, **dict.fromkeys(names)}
-        baked, truth = (np.clip(x * exposure, 0, 1) for x in (self.baked, self.reference))
         mean = float(self.reference.mean())
         return {
             "points": len(self.baked),
-            "rms_percent": 100.0 * _rms(baked - truth),
+            "rms_percent": rms_percent(self.baked, self.reference, exposure),
             "relative_rms": _rms(self.baked - self.reference) / mean if mean > 0 else None,
-            "reference_noise_percent": 100.0 * exposure * _rms(self.standard_error),
+            "reference_noise_percent": noise_percent(self.standard_error, exposure),
             "mean_radiance": mean * exposure,
         }
+
+
+def rms_percent(radiance, reference, exposure):
+    """RMS error of colours in percent (thesis Eq. 4.11, corrected), of radiance arrays (..., 3).
+
+    A colour is radiance times exposure, clamped to 0..1.
+    """
+    colours, truth = (np.clip(np.float64(x) * exposure, 0, 1) for x in (radiance, reference))
+    return 100.0 * _rms(colours - truth)
+
+
+def noise_percent(standard_error, exposure):
+    """What errors of a reference radiance, an array, add to rms_percent: squares add up."""
+    return 100.0 * exposure * _rms(np.float64(standard_error))
 
 
 def random_points(vertices, triangles, count, seed):
