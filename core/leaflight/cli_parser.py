@@ -81,6 +81,19 @@ def make_parser(commands):
         help="leave the picture at the plane's brightness, pi/2 of that in space",
     )
 
+    report = subparsers.add_parser(
+        "report", parents=[threads], help="the thesis's tables, computed anew beside the printed"
+    )
+    report.add_argument(
+        "--tables", action="store_true", required=True, help="Tables 3.1 and 4.2 and Fig. 4.9"
+    )
+    report.add_argument(
+        "--quick", action="store_true", help="fewer samples and rays: minutes, not half an hour"
+    )
+    report.add_argument(
+        "--out", default="report", metavar="DIR", help="folder to write into (report)"
+    )
+
     for name, command in subparsers.choices.items():
         command.set_defaults(command=commands[name])
         command.add_argument(
