@@ -64,6 +64,23 @@ def test_scattered_samples(bake_box, bake_flat, strategy):
         assert brightness(baked) == pytest.approx(brightness(truth), rel=0.5)
 
 
+def test_level_sets_of_given_isovalues(bake_flat):
+    """Samples on one isoline tell nothing of others but what is next to it."""
+    at_50, at_150 = (
+        bake_flat(scattered=Scattered("level_set", 2000, isovalues=(c,), radius=50))
+        for c in (50.0, 150)
+    )
+    truth = bake_flat()
+    for isovalue, near, far in ((50.0, at_50, at_150), (150.0, at_150, at_50)):
+        points = truth.isolines(isovalue).vertices
+        near, far = (
+            np.abs(b.radiance(points) - truth.radiance(points)).mean() for b in (near, far)
+        )
+        assert near < 0.5 * far
+    with pytest.raises(LeaflightError, match="500.*not in the isovalue window"):
+        bake_flat(scattered=Scattered("level_set", 10, isovalues=[50.0, 500.0]))
+
+
 def test_filters(bake_flat):
     results = [
         bake_flat(scattered=Scattered("uniform", 300, filter=name, radius=radius)).texture()
