@@ -13,10 +13,11 @@ from . import flatland
 from ._core import Cancelled, LeaflightError, Progress
 from .bake import Bake, Surface, bake, load_bake
 from .compare import compare
-from .particles import lapr, nucleons
+from .particles import lapr, neuron, nucleons
 from .readers import read_volume
 from .scene import fit_scene
 from .scene_file import cornell_box, load_scene
+from .settings import PhotonMap, Scattered
 from .version import __version__
 from .volume import Volume, bump_box, default_isovalue, default_window
 
@@ -24,7 +25,9 @@ __all__ = [
     "Bake",
     "Cancelled",
     "LeaflightError",
+    "PhotonMap",
     "Progress",
+    "Scattered",
     "Surface",
     "Volume",
     "__version__",
@@ -39,6 +42,7 @@ __all__ = [
     "lapr",
     "load_bake",
     "load_scene",
+    "neuron",
     "nucleons",
     "read_volume",
 ]

@@ -4,7 +4,7 @@
 import hashlib
 import json
 import time
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +15,7 @@ from .on_mesh import interpolated
 from .output import check_writable
 from .scene import SceneDescription, core_scene, fit_scene, isovalue_at, match_leaves
 from .scene_file import cornell_box, scene_from_json, scene_to_json
-from .settings import bake_settings, leaf_window
+from .settings import PhotonMap, bake_settings, leaf_window
 from .version import __version__
 from .volume import Volume
 
@@ -31,6 +31,8 @@ METADATA = (
     "photons",
     "caustic_photons",
     "estimator",
+    "photon_map",
+    "scattered",
     "seed",
     "both_sides",
     "surroundings",
@@ -221,6 +223,8 @@ def bake(
     photons=2_000_000,
     caustic_photons=None,
     estimator="gather",
+    photon_map=None,
+    scattered=None,
     seed=0,
     threads=0,
     both_sides=False,
@@ -236,7 +240,10 @@ def bake(
     resolution: texels along the longest axis (the other axes in proportion of their nodes), or
         (nx, ny, nz); None is one texel a node.
     samples: rays per texel; photons: number of photons; caustic_photons: of those that come by
-        mirrors and glass, None as many as photons; estimator: "gather", "volumetric", "path".
+        mirrors and glass, None as many as photons.
+    estimator: "gather", "volumetric", "path" or "thesis"; photon_map: PhotonMap of the last, None
+        for the thesis's; scattered: Scattered, for samples strewn over the domain instead of in
+        each texel, with `samples` rays each.
     seed: same seed, same result, whatever the threads; threads: 0 takes every core.
     both_sides: the inner side of each isosurface, too; surroundings: the meshes around them, too.
     progress: _core.Progress to poll or cancel from another thread.
@@ -256,6 +263,8 @@ def bake(
     leaves = [replace(leaves, source=None) for leaves in description.leaves]
     description = replace(description, leaves=leaves)
     window = leaf_window(isovalues, volumes, leaves)
+    if estimator == "thesis" and photon_map is None:
+        photon_map = PhotonMap()
     settings = bake_settings(
         _core.BakeSettings,
         volumes[0].field().dims,
@@ -264,6 +273,8 @@ def bake(
         photons=photons,
         caustic_photons=caustic_photons,
         estimator=estimator,
+        photon_map=photon_map,
+        scattered=scattered,
         seed=seed,
         threads=threads,
         both_sides=both_sides,
@@ -294,6 +305,8 @@ def bake(
         "photons": str(photons),
         "caustic_photons": str(settings.caustic_photons),
         "estimator": estimator,
+        "photon_map": json.dumps(photon_map and asdict(photon_map)),
+        "scattered": json.dumps(scattered and asdict(scattered)),
         "seed": str(seed),
         "both_sides": json.dumps(bool(both_sides)),
         "surroundings": json.dumps(bool(surroundings)),

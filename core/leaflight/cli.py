@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line: info, bake, surface, compare and flatland.
+"""The command line: info, bake, surface, compare, flatland and report.
 
 Results go to stdout, with --json as one JSON object on the last line; progress goes to stderr.
-Exit status: 0; 2 after an error, told in one line on stderr; 130 after Ctrl-C; after both nothing
-is written.
+Exit status: 0; 1 when a report found an error that is not what it must be; 2 after an error, told
+in one line on stderr; 130 after Ctrl-C; after the last two nothing is written.
 """
 
 import json
@@ -18,6 +18,7 @@ from ._core import Cancelled, LeaflightError
 from .bake import bake, load_bake
 from .cli_parser import make_parser
 from .compare import compare
+from .experiments import QUICK, Effort
 from .flat_scene import load_flat_scene
 from .flatland import (
     BRIGHTNESS_CORRECTION,
@@ -30,7 +31,9 @@ from .images import write_png
 from .output import check_writable
 from .ply import write_ply
 from .progress import run_with_progress
+from .report import report_tables
 from .scene_file import cornell_box, load_scene
+from .settings import PhotonMap, Scattered
 from .sources import open_volume
 from .volume import default_isovalue, default_window
 
@@ -50,7 +53,7 @@ def main(arguments=None):
         print(sentence)
     if options.json:
         print(json.dumps(result))
-    return 0
+    return 0 if result.get("passed", True) else 1
 
 
 def _info(options):
@@ -90,21 +93,17 @@ def _bake(options):
     if options.capped:
         scene = replace(scene, leaves=[replace(leaves, capped=True) for leaves in scene.leaves])
 
+    work_options = _work_options(options)
+
     def work(progress):
         return bake(
             volumes,
             scene,
-            isovalues=options.isovalues,
-            resolution=options.resolution,
-            samples=options.samples,
-            photons=options.photons,
             caustic_photons=options.caustic_photons,
-            estimator=options.estimator,
-            seed=options.seed,
-            threads=options.threads,
             both_sides=options.both_sides,
             surroundings=options.surroundings,
             progress=progress,
+            **work_options,
         )
 
     baked = run_with_progress(work, "bake")
@@ -129,6 +128,43 @@ def _bake(options):
         *_leaf_map(baked),
         *(f"skipped: {name} ({reason})" for name, reason in result["skipped_passes"]),
     ]
+
+
+def _work_options(options):
+    """What is baked, and how well: the arguments that bake and bake_flatland have in common."""
+    names = ("isovalues", "resolution", "samples", "photons", "estimator", "seed", "threads")
+    return {
+        **{name: getattr(options, name) for name in names},
+        "photon_map": _photon_map(options),
+        "scattered": _scattered(options),
+    }
+
+
+def _photon_map(options):
+    given = _given(options, k="k", radius="photon_radius", g="g", region="region")
+    return PhotonMap(**given) if given else None
+
+
+def _scattered(options):
+    given = _given(
+        options,
+        strategy="strategy",
+        count="count",
+        isovalues="isovalue_count",
+        filter="filter",
+        radius="filter_radius",
+    )
+    if not given:
+        return None
+    if "strategy" not in given or "count" not in given:
+        raise LeaflightError("Scattered samples need both --strategy NAME and --count N.")
+    return Scattered(**given)
+
+
+def _given(options, **names):
+    """The options that were given, by the names that the settings have for them."""
+    values = {name: getattr(options, option) for name, option in names.items()}
+    return {name: value for name, value in values.items() if value is not None}
 
 
 def _leaf_map(baked):
@@ -210,19 +246,10 @@ def _flatland(options):
     else:
         volume = read_image(options.image)
 
+    work_options = _work_options(options)
+
     def work(progress):
-        return bake_flatland(
-            volume,
-            scene,
-            isovalues=options.isovalues,
-            resolution=options.resolution,
-            samples=options.samples,
-            photons=options.photons,
-            estimator=options.estimator,
-            seed=options.seed,
-            threads=options.threads,
-            progress=progress,
-        )
+        return bake_flatland(volume, scene, progress=progress, **work_options)
 
     baked = run_with_progress(work, "flatland")
     isolines = options.isolines or [default_isovalue(volume)]
@@ -243,6 +270,23 @@ def _flatland(options):
         f"{options.out}: isovalues {lo:g}..{hi:g} in {baked.scene.name}, "
         f"{_by(result['resolution'])} texels, {result['seconds']:.1f} s",
         f"{png}: isolines {', '.join(f'{isovalue:g}' for isovalue in isolines)}",
+    ]
+
+
+def _report(options):
+    effort = replace(
+        QUICK if options.quick else Effort(), seed=options.seed, threads=options.threads
+    )
+    result = report_tables(options.out, effort, run_with_progress)
+    return result, [
+        *(
+            f"{row['table']}, {row['strategy']}: {row['ours']:.2f} %"
+            + (f", thesis {row['printed']:g} %" if row["printed"] else "")
+            + f" ({row['verdict']})"
+            for row in result["rows"]
+        ),
+        f"{Path(options.out) / 'tables.md'}: "
+        + ("all as it must be" if result["passed"] else "some errors are not what they must be"),
     ]
 
 
@@ -274,4 +318,5 @@ COMMANDS = {
     "surface": _surface,
     "compare": _compare,
     "flatland": _flatland,
+    "report": _report,
 }

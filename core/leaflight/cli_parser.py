@@ -9,7 +9,7 @@ from .readers.raw import ENDIANS, TYPES
 from .sources import GENERATED
 from .version import __version__
 
-ESTIMATORS = ("gather", "volumetric", "path")
+ESTIMATORS = ("gather", "volumetric", "path", "thesis")
 
 
 class Parser(argparse.ArgumentParser):
@@ -93,6 +93,19 @@ def make_parser(commands):
         help="leave the picture at the plane's brightness, pi/2 of that in space",
     )
 
+    report = subparsers.add_parser(
+        "report", parents=[threads], help="the thesis's tables, computed anew beside the printed"
+    )
+    report.add_argument(
+        "--tables", action="store_true", required=True, help="Tables 3.1 and 4.2 and Fig. 4.9"
+    )
+    report.add_argument(
+        "--quick", action="store_true", help="fewer samples and rays: minutes, not half an hour"
+    )
+    report.add_argument(
+        "--out", default="report", metavar="DIR", help="folder to write into (report)"
+    )
+
     for name, command in subparsers.choices.items():
         command.set_defaults(command=commands[name])
         command.add_argument(
@@ -157,6 +170,38 @@ def _work():
         "--photons", type=int, default=2_000_000, metavar="N", help="photons (2000000)"
     )
     parser.add_argument("--estimator", choices=ESTIMATORS, default="gather", help="(gather)")
+
+    thesis = parser.add_argument_group("of --estimator thesis")
+    thesis.add_argument("--k", type=int, metavar="N", help="photons of an estimate (200)")
+    thesis.add_argument(
+        "--photon-radius",
+        type=float,
+        metavar="R",
+        help="how far an estimate reaches, in longest sides of the volume (without limit)",
+    )
+    thesis.add_argument(
+        "--g", type=float, metavar="G", help="weight of isovalues against distances (10)"
+    )
+    thesis.add_argument(
+        "--region", metavar="NAME", help="sphere, clipped_sphere (default), box, cylinder, graph"
+    )
+
+    scattered = parser.add_argument_group("samples strewn over the domain, not in each texel")
+    scattered.add_argument(
+        "--strategy",
+        metavar="NAME",
+        help="uniform, stratified, importance, level_set, letters, slabs, regular",
+    )
+    scattered.add_argument(
+        "--count", type=int, metavar="N", help="how many, of --samples rays each"
+    )
+    scattered.add_argument(
+        "--isovalue-count", type=int, metavar="N", help="level_set: isovalues (9)"
+    )
+    scattered.add_argument("--filter", metavar="NAME", help="shepard (default), tent, box")
+    scattered.add_argument(
+        "--filter-radius", type=int, metavar="D", help="texels that a sample reaches (3)"
+    )
     return parser
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from . import _core
 from ._core import LeaflightError
+from .color_error import noise_percent, rms, rms_percent
 from .cycles import measure
 from .on_mesh import positions, random_places, random_points
 
@@ -216,16 +217,15 @@ class _Samples:
             return {"points": 0, **dict.fromkeys(names)}
         baked, truth = self.baked[mask], self.truth.radiance[mask]
         weights = self.truth.weights[mask]
-        shown = [np.clip(x * exposure, 0, 1) for x in (baked, truth)]
         mean = _mean(truth, weights)
         ratio = _mean(baked, weights) / mean if mean > 0 else None
         return {
             "points": len(baked),
-            "rms_percent": 100.0 * _rms(shown[0] - shown[1], weights),
-            "relative_rms": _rms(baked - truth, weights) / mean if mean > 0 else None,
-            "reference_noise_percent": 100.0
-            * exposure
-            * _rms(self.truth.standard_error[mask], weights),
+            "rms_percent": rms_percent(baked, truth, exposure, weights),
+            "relative_rms": rms(baked - truth, weights) / mean if mean > 0 else None,
+            "reference_noise_percent": noise_percent(
+                self.truth.standard_error[mask], exposure, weights
+            ),
             "mean_radiance": mean * exposure,
             "mean_ratio": ratio,
             "mean_ratio_error": ratio * self.truth.mean_error(mask) / mean if mean > 0 else None,
@@ -234,7 +234,3 @@ class _Samples:
 
 def _mean(values, weights):
     return float(np.average(values.mean(axis=1), weights=weights))
-
-
-def _rms(values, weights):
-    return float(np.sqrt(_mean(np.square(values), weights)))

@@ -103,6 +103,8 @@ def bake_flatland(
     samples=64,
     photons=2_000_000,
     estimator="gather",
+    photon_map=None,
+    scattered=None,
     seed=0,
     threads=0,
     progress=None,
@@ -126,6 +128,8 @@ def bake_flatland(
         photons=photons,
         caustic_photons=None,
         estimator=estimator,
+        photon_map=photon_map,
+        scattered=scattered,
         seed=seed,
         threads=threads,
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stand-ins for the thesis's particle data, each two densities in the unit cube (thesis 5.1).
+"""Stand-ins for the thesis's data, densities in the unit cube (thesis 5.1).
 
 The originals are not public. These are of the same kind: seeded sets of particles, each set
 convolved with a Gaussian into a density of its own, scaled to 0..255.
@@ -85,6 +85,29 @@ def _plume(rng, droplets):
             for centre, radius in zip(centres, radii[:, 0])
         ]
     )
+
+
+def neuron(n=150):
+    """A neuron: a cell body and dendrites that fork, a Volume of n^3 nodes that is mostly empty."""
+    return _density("neuron", "neuron", _neuron_positions(), 0.014, n)
+
+
+def _neuron_positions():
+    rng = np.random.default_rng(3)
+    centre = np.array([[0.5, 0.45, 0.5]])
+    points = [centre + 0.06 * _ball(rng, 250)]
+    ends = [(centre, direction[None]) for direction in _directions(rng, 7)]
+    for _ in range(3):
+        growing, ends = ends, []
+        for position, direction in growing:
+            for _ in range(int(rng.uniform(20, 50))):
+                direction = _unit(direction + 0.12 * rng.normal(size=(1, 3)))
+                position = position + 0.005 * direction
+                points.append(position)
+            fork = 0.5 * rng.normal(size=(1, 3))
+            ends += [(position, _unit(direction + fork)), (position, _unit(direction - fork))]
+    points = np.concatenate(points)
+    return points[(np.abs(points - 0.5) < 0.44).all(axis=1)]
 
 
 def _density(source, name, particles, sigma, n):

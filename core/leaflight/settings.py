@@ -1,10 +1,44 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The settings of a bake, checked: the window of isovalues and how much work is done."""
 
+from dataclasses import astuple, dataclass
+
 import numpy as np
 
 from ._core import LeaflightError
 from .volume import default_window
+
+
+@dataclass(frozen=True)
+class PhotonMap:
+    """How the estimator "thesis" counts photons (thesis 4.3.5).
+
+    k: photons of an estimate; radius: how far it reaches at most, in longest sides of the volumes,
+    0 for no limit; g: how much longer a unit of the range counts than one of the domain;
+    region: "sphere", "clipped_sphere", "box", "cylinder" or "graph".
+    """
+
+    k: int = 200
+    radius: float = 0.0
+    g: float = 10.0
+    region: str = "clipped_sphere"
+
+
+@dataclass(frozen=True)
+class Scattered:
+    """Samples strewn over the domain and interpolated into texels (thesis 3.4, 4.4 and 4.5).
+
+    strategy: "uniform", "stratified", "importance", "level_set", "letters", "slabs", "regular";
+    count: samples, each of them with all the rays; isovalues: of "level_set", how many, chosen
+    adaptively, or a sequence of them; filter: "shepard" (Eq. 3.11), "tent" or "box"; radius:
+    texels that it reaches.
+    """
+
+    strategy: str
+    count: int
+    isovalues: object = 9
+    filter: str = "shepard"
+    radius: int = 3
 
 
 def leaf_window(isovalues, volumes, leaves):
@@ -50,13 +84,16 @@ def bake_settings(
     estimator,
     seed,
     threads,
+    photon_map=None,
+    scattered=None,
     both_sides=False,
     surroundings=False,
 ):
     """The core's settings, a kind (_core.BakeSettings or BakeSettings2) for nodes dims.
 
     resolution: None, one number along the longest axis, or one for each axis. caustic_photons:
-    None is as many as photons. Raises LeaflightError.
+    None is as many as photons. photon_map: PhotonMap, None for the thesis's.
+    scattered: Scattered, None for samples in each texel. Raises LeaflightError.
     """
     settings = kind()
     settings.resolution = _texels(resolution, dims)
@@ -69,6 +106,20 @@ def bake_settings(
     settings.threads = _whole("threads", threads, 0)
     settings.both_sides = bool(both_sides)
     settings.surroundings = bool(surroundings)
+    if photon_map is not None:
+        if estimator != "thesis":
+            raise LeaflightError(
+                f'The photon map belongs to the estimator "thesis", not to "{estimator}": '
+                "leave it out or choose that estimator."
+            )
+        _whole("k", photon_map.k, 2)
+        settings.set_photon_map(*astuple(photon_map))
+    if scattered is not None:
+        _whole("count", scattered.count, 1)
+        if np.ndim(scattered.isovalues) == 0:
+            _whole("isovalues", scattered.isovalues, 1)
+        _whole("radius", scattered.radius, 0)
+        settings.set_scattered(*astuple(scattered))
     return settings
 
 

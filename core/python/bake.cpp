@@ -177,8 +177,9 @@ void bind_settings(py::module_& module, const std::string& suffix) {
           "clipped_sphere, box, cylinder or graph.")
       .def(
           "set_scattered",
-          [](Settings& s, const std::string& strategy, std::size_t count, int isovalues,
-             const std::string& filter, int radius) {
+          [](Settings& s, const std::string& strategy, std::size_t count,
+             const std::variant<int, std::vector<double>>& isovalues, const std::string& filter,
+             int radius) {
             ScatteredBake scattered;
             scattered.samples.strategy = sample_strategy_from(strategy);
             scattered.samples.samples = count;
@@ -189,8 +190,9 @@ void bind_settings(py::module_& module, const std::string& suffix) {
           py::arg("strategy"), py::arg("count"), py::arg("isovalues") = 9,
           py::arg("filter") = "shepard", py::arg("radius") = 3,
           "Samples strewn over the domain (uniform, stratified, importance, level_set, letters,\n"
-          "slabs, regular; `isovalues` of level_set) and interpolated (shepard, tent, box) into\n"
-          "texels up to `radius` away, instead of samples in each texel.");
+          "slabs, regular; `isovalues` of level_set: how many, or which) and interpolated "
+          "(shepard,\n"
+          "tent, box) into texels up to `radius` away, instead of samples in each texel.");
 }
 
 // The photons as points, for a look at them (thesis 4.3.5).

@@ -190,6 +190,25 @@ TEST(SampleStrategy, LevelSetSamplesLieUniformlyOnTheIsosurfaces) {
   EXPECT_LT((mean / 20'000).length(), 0.01);
 }
 
+TEST(SampleStrategy, LevelSetTakesTheIsovaluesItIsGiven) {
+  const Field<2> field = test::ball<2>(41);
+  SampleSettings settings;
+  settings.strategy = SampleStrategy::level_set;
+  settings.samples = 1000;
+  settings.isovalues = std::vector<double>{0.7, 0.8};
+  int low = 0;
+  for (const Vec<2>& p : sample_positions(field, {0.6, 0.9}, settings)) {
+    const double h = value_at(field, p);
+    ASSERT_NEAR(h, h < 0.75 ? 0.7 : 0.8, 1e-9);
+    low += h < 0.75;
+  }
+  // Circles of radii 0.3 and 0.2.
+  EXPECT_NEAR(low, 600, 80);
+  EXPECT_THROW(sample_positions(field, {0.75, 0.9}, settings), Error);
+  settings.isovalues = std::vector<double>{};
+  EXPECT_THROW(sample_positions(field, {0.6, 0.9}, settings), Error);
+}
+
 TEST(SampleStrategy, LettersLeaveTheBottomOut) {
   for (const auto& p : positions(bumps<2>(33), SampleStrategy::letters, 5000)) {
     ASSERT_GT(p.y / 32, 0.3);

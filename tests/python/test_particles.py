@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from leaflight import LeaflightError
-from leaflight.particles import lapr, nucleons
+from leaflight.particles import lapr, neuron, nucleons
 from leaflight.sources import GENERATED, is_generated, open_volume
 
 
@@ -36,12 +36,24 @@ def test_the_nodes_sample_one_density(generate):
         )
 
 
+def test_neuron():
+    """Dendrites fill little of the volume, and reach far without touching its border."""
+    values = neuron(60).values
+    assert values.shape == (60,) * 3 and values.max() == 255
+    branches = values > 30
+    assert 0.002 < branches.mean() < 0.02 and (values < 1).mean() > 0.9
+    for axis in range(3):
+        extent = np.flatnonzero(branches.any(axis=tuple({0, 1, 2} - {axis})))
+        assert extent[0] > 0 and extent[-1] < 59 and len(extent) > 25
+
+
 def test_same_every_time():
     np.testing.assert_array_equal(lapr(9)[1].values, lapr(9)[1].values)
 
 
 def test_names():
-    assert set(GENERATED) == {"bump_box", "nucleons:0", "nucleons:1", "lapr:0", "lapr:1"}
+    particles = {"nucleons:0", "nucleons:1", "lapr:0", "lapr:1", "neuron"}
+    assert set(GENERATED) == {"bump_box", *particles}
     for name in GENERATED:
         volume = open_volume(name, dims=[8])
         assert volume.source == name and volume.values.shape == (8, 8, 8)

@@ -301,10 +301,11 @@ class Baker {
   // |grad c| dV = dA dc makes it a mean over the area of the leaves, which is what a lookup on them
   // wants: steep places are surfaces, flat ones noise.
   template <class Radiance>
-  std::vector<Average> over_texels(std::size_t volume, bool above, double work, Radiance radiance) {
+  std::vector<Average> over_texels(std::size_t volume, bool above, double work, bool is_random,
+                                   Radiance radiance) {
     const TexelLattice<D>& lattice = lattices_[volume];
     if (settings_.scattered && !lattice.active.empty()) {
-      return over_scattered(volume, above, work, radiance);
+      return over_scattered(volume, above, work, is_random ? settings_.samples : 1, radiance);
     }
     return over_lattice(volume, above, lattice, settings_.samples, work, radiance);
   }
@@ -331,9 +332,10 @@ class Baker {
     return averages;
   }
 
-  // The same for samples strewn over the domain, each with all its rays at one point.
+  // The same for samples strewn over the domain: each is the mean of some estimates at its point,
+  // of which one is enough where they do not differ.
   template <class Radiance>
-  std::vector<Average> over_scattered(std::size_t volume, bool above, double work,
+  std::vector<Average> over_scattered(std::size_t volume, bool above, double work, int estimates,
                                       Radiance radiance) {
     const Volume<D>& of = scene().volumes[volume];
     const std::vector<Vec<D>>& positions = positions_[volume];
@@ -350,10 +352,10 @@ class Baker {
                        const TexelKeys k =
                            keys(Purpose::scattered, volume, static_cast<std::uint32_t>(s));
                        Imath::V3d sum(0);
-                       for (int i = 0; i < settings_.samples; ++i) {
+                       for (int i = 0; i < estimates; ++i) {
                          sum += Imath::V3d(radiance(point, k, i, rays));
                        }
-                       values[s] = Rgb(sum / settings_.samples);
+                       values[s] = Rgb(sum / estimates);
                      }
                      rays_ += rays;
                    });
@@ -367,7 +369,7 @@ class Baker {
   }
 
   std::vector<Average> direct_pass(std::size_t volume, bool above) {
-    return over_texels(volume, above, 1,
+    return over_texels(volume, above, 1, true,
                        [&](const SurfacePoint<D>& point, const TexelKeys& k, int i,
                            std::uint64_t& rays) { return direct_sample(point, k, i, rays); });
   }
@@ -379,7 +381,7 @@ class Baker {
     std::vector<Average> averages(lattices_[volume].active.size());
     if (per_texel || plan_.caustics || scene().volumes[volume].emission.largest() > 0) {
       averages = over_texels(
-          volume, above, per_texel ? indirect_work() : 0,
+          volume, above, per_texel ? indirect_work() : 0, per_texel && per_texel->is_random(),
           [&](const SurfacePoint<D>& point, const TexelKeys& k, int i, std::uint64_t& rays) {
             return indirect_sample(point, per_texel, k, i, rays);
           });

@@ -291,10 +291,27 @@ void append_areas(const IsosurfaceMesh& mesh, std::vector<double>& areas) {
 }
 
 template <int D>
+std::vector<double> level_set_isovalues(const Sampler<D>& sampler) {
+  const IsovalueWindow& window = sampler.window();
+  const auto& wanted = sampler.settings().isovalues;
+  if (const int* count = std::get_if<int>(&wanted)) {
+    return adaptive_isovalues(sampler.field(), window, *count);
+  }
+  const auto& isovalues = std::get<std::vector<double>>(wanted);
+  for (const double c : isovalues) {
+    if (window.contains(c)) continue;
+    throw Error("The isovalue " + std::to_string(c) +
+                " of the strategy 'level_set' is not in the isovalue window " +
+                std::to_string(window.min) + ".." + std::to_string(window.max) +
+                "; choose another or widen the window.");
+  }
+  return isovalues;
+}
+
+template <int D>
 std::vector<Vec<D>> level_set_positions(const Sampler<D>& sampler) {
   const Field<D>& field = sampler.field();
-  const std::vector<double> isovalues =
-      adaptive_isovalues(field, sampler.window(), sampler.settings().isovalues);
+  const std::vector<double> isovalues = level_set_isovalues(sampler);
   std::vector<decltype(contour(field, 0.0))> meshes;
   std::vector<std::size_t> first;  // facet of each mesh
   std::vector<double> areas;       // of all facets, then summed up to each

@@ -126,6 +126,7 @@ class VolumetricEstimator final : public IndirectEstimator<D> {
     if (slot == TexelLattice<D>::inactive) return Rgb(0);
     return brdf * leaf.photons->soft(slot, point.above);
   }
+  bool is_random() const override { return false; }
 
  private:
   const std::vector<LeafRadiance<D>>& leaves_;

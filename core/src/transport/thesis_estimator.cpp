@@ -19,6 +19,7 @@ class ThesisEstimator final : public IndirectEstimator<D> {
     return brdf * photons_[point.volume].irradiance(point.position, point.c, point.above,
                                                     point.geometric_normal * point.gradient_length);
   }
+  bool is_random() const override { return false; }
 
  private:
   const std::vector<PhotonMap<D>>& photons_;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "leaflight/scene/scene.h"
@@ -13,7 +14,7 @@ namespace leaflight {
 //   uniform     at random over the domain (thesis 3.4.1 and 4.5)
 //   stratified  one at random in each cell of a grid with the domain's proportions (thesis 4.7)
 //   importance  more in data cells whose values span more of the window (thesis Eq. 4.12)
-//   level_set   uniform over the isosurfaces of a few adaptive isovalues (thesis 3.4.1)
+//   level_set   uniform over the isosurfaces of a few isovalues (thesis 3.4.1)
 //   letters     within the letters B, A, D, the domain's bottom left out: the thesis's bad example
 //               in the plane, extruded along z in space
 //   slabs       within five thin diagonal slabs: the thesis's bad example in space
@@ -27,7 +28,8 @@ std::string name_of(SampleStrategy strategy);
 struct SampleSettings {
   SampleStrategy strategy = SampleStrategy::stratified;
   std::size_t samples = 1'000'000;
-  int isovalues = 9;  // of level_set
+  // Of level_set: how many adaptive ones, or which, in data units.
+  std::variant<int, std::vector<double>> isovalues = 9;
   std::uint64_t seed = 0;
 };
 

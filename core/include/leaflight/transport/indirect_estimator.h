@@ -21,6 +21,8 @@ class IndirectEstimator {
   // for all further choices. Adds the rays traced to `rays`.
   virtual Rgb indirect_radiance(const SurfacePoint<D>& point, const std::array<double, 2>& u,
                                 Random& random, std::uint64_t& rays) const = 0;
+  // Whether samples of one point differ.
+  virtual bool is_random() const { return true; }
 };
 
 // Unbiased: follows the path until Russian roulette ends it, with a shadow ray at each diffuse

@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Errors of colours, as the thesis measures them.
+
+A colour is radiance times exposure, clamped to 0..1. Radiance arrays are (..., 3); weights, by which
+means are taken, have their shape without the last axis, None weighs all alike.
+"""
+
+import numpy as np
+
+
+def rms_percent(radiance, reference, exposure, weights=None):
+    """RMS error of colours in percent (thesis Eq. 4.11, corrected)."""
+    colours, truth = (np.clip(np.float64(x) * exposure, 0, 1) for x in (radiance, reference))
+    return 100.0 * rms(colours - truth, weights)
+
+
+def noise_percent(standard_error, exposure, weights=None):
+    """What errors of a reference radiance, an array, add to rms_percent: squares add up."""
+    return 100.0 * exposure * rms(np.float64(standard_error), weights)
+
+
+def rms(values, weights=None):
+    """Root of the weighted mean of squares over all channels."""
+    squares = np.square(np.float64(values)).mean(axis=-1)
+    return float(np.sqrt(np.average(squares, weights=weights)))

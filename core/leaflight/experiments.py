@@ -1,0 +1,370 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The thesis's tables on sampling, computed anew: the same scenes, samples and measure of error.
+
+Each table is a function of (effort, run), where run(work, label) calls work(progress) with a
+Progress and returns its result, as run_with_progress does.
+"""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from . import _core
+from .bake import bake
+from .color_error import noise_percent, rms_percent
+from .flatland import BRIGHTNESS_CORRECTION, bake_flatland, bump_box_2d
+from .particles import neuron
+from .pictures import slice_picture, surface_picture, texture_picture
+from .scene import core_scene, fit_scene, match_leaves
+from .scene_file import cornell_box, load_scene
+from .settings import Scattered
+from .volume import bump_box
+
+# Strategies that leave gaps must be this many times worse than uniform samples.
+BAD = ("letters", "slabs", "level_set")
+CLEARLY_WORSE = 3.0
+# The isosurface of thesis Table 4.2, and the isovalues of its level sets.
+ISOVALUE = 47.0
+THESIS_ISOVALUES = (0.01, 6.4744, 13.17, 19.3451, 24.8489, 29.5883, 39.0118, 56.6704, 160.873)
+NEURON_ISOVALUE = 30.0
+# In space: with fewer in all, noise rules the rows whose texels are not means over neighbours.
+ENOUGH_RAYS = 64_000_000
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much work the tables take, by default that of the full report; and its seed.
+
+    rays: shadow and gather rays of each scattered sample. References are a texture of regular
+    samples in the plane, and in space paths at some vertices of an isosurface.
+    """
+
+    photons: int = 2_000_000
+    flat_texels: int = 800
+    flat_samples: int = 20_000
+    flat_rays: int = 64
+    flat_reference_samples: int = 10_000_000
+    flat_reference_rays: int = 16
+    texels: int = 100
+    # The columns of Table 4.2.
+    samples_and_rays: tuple = ((1_000_000, 64), (10_000_000, 8))
+    vertices: int = 4000
+    paths: int = 16_384
+    picture_paths: int = 256
+    neuron_texels: int = 60
+    neuron_samples: int = 64_000
+    neuron_rays: int = 16
+    # How many times as many stratified samples as by importance.
+    neuron_factors: tuple = (1, 4, 8, 32)
+    seed: int = 0
+    threads: int = 0
+
+
+QUICK = Effort(
+    flat_reference_rays=4,
+    samples_and_rays=((1_000_000, 32),),
+    vertices=2000,
+    paths=8192,
+    neuron_factors=(1, 8),
+)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What a row is computed with. scattered: None for samples in each texel.
+
+    printed: the thesis's error, if it has one; judged: whether the error must be as low as the
+    thesis's, or high for a bad strategy.
+    """
+
+    name: str
+    samples: int
+    rays: int
+    scattered: object = None
+    printed: object = None
+    estimator: str = "gather"
+    judged: bool = True
+
+
+@dataclass(frozen=True)
+class Row:
+    """The result of a trial, a bake of so many seconds.
+
+    error: RMS in percent; verdict: in words; passed: whether the error is what it must be, None
+    where nothing is asked.
+    """
+
+    trial: Trial
+    error: float
+    seconds: float
+    verdict: str = "for comparison"
+    passed: object = None
+
+
+@dataclass(frozen=True)
+class Table:
+    """name: of its files; notes: sentences; pictures: of each kind {name: uint8 [y, x, RGB]}."""
+
+    name: str
+    title: str
+    rows: list
+    notes: list
+    pictures: dict
+
+
+def table_3_1(effort, run):
+    """Textures of the 2D bump box (thesis Table 3.1)."""
+    box = bump_box_2d(effort.flat_texels)
+
+    def baked(trial, seed):
+        def work(progress):
+            return bake_flatland(
+                box,
+                isovalues=box.data_range(),
+                samples=trial.rays,
+                photons=effort.photons,
+                scattered=trial.scattered,
+                seed=seed,
+                threads=effort.threads,
+                progress=progress,
+            )
+
+        return run(work, f"table 3.1: {trial.name}")
+
+    # Another seed: with the same photons, their noise would cancel out.
+    reference = baked(_flat_reference(effort), effort.seed + 1)
+    truth, exposure = reference.texture(), BRIGHTNESS_CORRECTION * reference.scene.exposure
+    noise = noise_percent(reference.grid.dense("radiance_error"), exposure)
+    rows, pictures = [], {"reference": texture_picture(truth, exposure)}
+    for trial in _flat_trials(effort):
+        result = baked(trial, effort.seed)
+        texture = result.texture()
+        error = rms_percent(texture, truth, exposure)
+        rows.append(Row(trial, error, result.statistics["seconds"]))
+        if trial.printed:
+            pictures[trial.name] = texture_picture(texture, exposure)
+    notes = [
+        f"{effort.flat_texels} x {effort.flat_texels} texels, all isovalues. The error is that of "
+        "the texture's pixels.",
+        f"The reference is made of {effort.flat_reference_samples:,} regular samples with "
+        f"{effort.flat_reference_rays} rays each, averaged over each texel; mean colour "
+        f"{np.clip(truth * exposure, 0, 1).mean():.2f}. Its standard error, in which differences "
+        f"within a texel count, too, is {noise:.2f} %; nothing is subtracted.",
+        "Shepard's filter, as far-reaching as in figures 3.17 to 3.19 of the thesis: 16 texels, "
+        "but 566 and 400 to fill the gaps of letters and level sets.",
+    ]
+    title = "Table 3.1: textures of the 2D bump box"
+    return Table("table_3_1", title, judged(rows), notes, {"textures": pictures})
+
+
+def _flat_reference(effort):
+    samples = effort.flat_reference_samples
+    scattered = Scattered("regular", samples, filter="box", radius=0)
+    return Trial("reference", samples, effort.flat_reference_rays, scattered)
+
+
+def _flat_trials(effort):
+    def trial(name, printed=None, strategy=None, reach=16):
+        radius = max(1, reach * effort.flat_texels // 800)
+        scattered = Scattered(strategy or name, effort.flat_samples, 10, radius=radius)
+        return Trial(name, effort.flat_samples, effort.flat_rays, scattered, printed)
+
+    return [
+        trial("uniform", 2.2),
+        trial("non-uniform (letters)", 18.9, "letters", 566),
+        trial("level sets (10 adaptive)", 7.4, "level_set", 400),
+        trial("stratified"),
+        trial("regular"),
+        trial("importance"),
+    ]
+
+
+def table_4_2(effort, run):
+    """An isosurface of the 3D bump box (thesis Table 4.2)."""
+    scene = load_scene(Path(__file__).resolve().parent / "scenes" / "bump_box.json")
+    box = _Isosurface("table 4.2", bump_box(effort.texels), scene, ISOVALUE, effort, run)
+    rows, slices, views = [], {}, {}
+    for column, work in enumerate(effort.samples_and_rays):
+        block = []
+        for trial in _space_trials(column, *work):
+            result = box.bake(trial)
+            block.append(box.row(trial, result))
+            if trial.printed and column == 0:
+                texture = result.grid.dense("radiance")
+                slices[trial.name] = slice_picture(texture, result.scene.exposure, zoom=4)
+                views[trial.name] = box.picture(result.radiance(box.vertices))
+        rows += judged(block)
+    views = {"reference": box.reference_picture(), **views}
+    notes = [
+        f"{effort.texels}^3 texels, all isovalues. {box.note()}",
+        "Filters: slabs and level sets have that of the thesis, Shepard's with a reach of 3 "
+        "texels; samples that leave no gaps have a tent of 1 texel (thesis 3.4.2), save in the row "
+        "that says otherwise.",
+        "The thesis does not say how many slabs it has; here they are five. Where samples leave "
+        "gaps, the gather rays of others look up what was filled in.",
+        "Samples in each texel are what a bake takes by default: as many rays in all as the "
+        "scattered ones.",
+    ]
+    title = f"Table 4.2: isosurface {ISOVALUE:g} of the 3D bump box"
+    return Table("table_4_2", title, rows, notes, {"slices": slices, "isosurfaces": views})
+
+
+def _space_trials(column, samples, rays):
+    """The rows of a column of thesis Table 4.2, numbered from 0."""
+
+    def trial(name, strategy, filtering, isovalues=9, **options):
+        return Trial(
+            name, samples, rays, Scattered(strategy, samples, isovalues, *filtering), **options
+        )
+
+    shepard, tent = ("shepard", 3), ("tent", 1)
+    uniform, slabs, level_sets = ((1.29, 9.55, 3.59), (1.08, 9.57, 3.47))[column]
+    enough = samples * rays >= ENOUGH_RAYS
+    trials = [
+        trial("uniform", "uniform", tent, printed=uniform),
+        trial("non-uniform (slabs)", "slabs", shepard, printed=slabs),
+        trial(
+            "level sets (the thesis's 9)",
+            "level_set",
+            shepard,
+            THESIS_ISOVALUES,
+            printed=level_sets,
+        ),
+        trial("level sets (9 of our own)", "level_set", shepard),
+        trial("stratified", "stratified", tent),
+        trial("importance", "importance", tent),
+        Trial("samples in each texel", samples, rays, judged=enough),
+    ]
+    if column == 0:
+        trials += [
+            trial("uniform, Shepard's filter", "uniform", shepard, judged=enough),
+            trial(
+                "uniform, the thesis's estimator", "uniform", tent, estimator="thesis", judged=False
+            ),
+        ]
+    return trials
+
+
+def table_4_9(effort, run):
+    """Importance against stratified samples on a neuron (thesis Fig. 4.9)."""
+    volume = neuron(effort.neuron_texels)
+    surface = _Isosurface("figure 4.9", volume, cornell_box(), NEURON_ISOVALUE, effort, run)
+
+    def row(strategy, samples):
+        scattered = Scattered(strategy, samples, filter="tent", radius=1)
+        trial = Trial(strategy, samples, effort.neuron_rays, scattered)
+        return surface.row(trial, surface.bake(trial))
+
+    importance = row("importance", effort.neuron_samples)
+    rows = [importance]
+    for factor in effort.neuron_factors:
+        stratified = row("stratified", factor * effort.neuron_samples)
+        passed = importance.error <= stratified.error
+        verdict = f"{'no better' if passed else 'better'} than importance"
+        rows.append(replace(stratified, passed=passed, verdict=verdict))
+    notes = [
+        f"A neuron-like volume of {effort.neuron_texels}^3 voxels in the Cornell box, one texel a "
+        f"voxel; isosurface {NEURON_ISOVALUE:g}. {surface.note()}",
+        "The thesis shows 2 million samples by importance (Eq. 4.12) to be as good as 64 million "
+        "stratified ones on its neuron of 150^3 voxels.",
+    ]
+    views = {"reference": surface.reference_picture()}
+    title = "Figure 4.9: importance against stratified samples"
+    return Table("figure_4_9", title, rows, notes, {"isosurfaces": views})
+
+
+def judged(rows):
+    """The rows with their verdicts; the first is that of uniform samples, with a printed error.
+
+    Good strategies must not exceed the printed error of uniform samples, bad ones must be clearly
+    worse than ours.
+    """
+    uniform = rows[0]
+    limit = uniform.trial.printed
+    judged = []
+    for row in rows:
+        if not row.trial.judged:
+            pass
+        elif row.trial.scattered and row.trial.scattered.strategy in BAD:
+            ratio = row.error / uniform.error
+            passed = ratio >= CLEARLY_WORSE
+            verdict = f"{ratio:.1f} times uniform" + ("" if passed else ", too good")
+            row = replace(row, passed=passed, verdict=verdict)
+        else:
+            passed = row.error <= limit
+            verdict = f"{'at or below' if passed else 'above'} {limit:g}"
+            row = replace(row, passed=passed, verdict=verdict)
+        judged.append(row)
+    return judged
+
+
+class _Isosurface:
+    """An isosurface of a volume, and its path-traced radiance at some of its vertices."""
+
+    def __init__(self, label, volume, scene, isovalue, effort, run):
+        self._label, self._volume, self._isovalue = label, volume, isovalue
+        self._effort, self._run = effort, run
+        self._scene = fit_scene(match_leaves(scene, [volume]), [volume])
+        self.vertices, _, self._triangles = _core.contour(volume.field(), isovalue)
+        count = min(effort.vertices, len(self.vertices))
+        chosen = np.random.default_rng(effort.seed).choice(len(self.vertices), count, False)
+        self._points = self.vertices[np.sort(chosen)]
+        self._truth, error = self._reference(self._points, effort.paths, "reference")
+        self._noise = noise_percent(error, self._scene.exposure)
+
+    def bake(self, trial):
+        """The Bake of a trial, whose samples in each texel are as many rays as it has in all."""
+        texels = self._volume.values.size
+        rays = trial.rays if trial.scattered else max(1, trial.samples * trial.rays // texels)
+
+        def work(progress):
+            return bake(
+                self._volume,
+                self._scene,
+                isovalues=self._volume.data_range(),
+                samples=rays,
+                photons=self._effort.photons,
+                estimator=trial.estimator,
+                scattered=trial.scattered,
+                seed=self._effort.seed,
+                threads=self._effort.threads,
+                progress=progress,
+            )
+
+        return self._run(work, f"{self._label}: {trial.name}")
+
+    def row(self, trial, baked):
+        radiance = baked.radiance(self._points)
+        error = rms_percent(radiance, self._truth, self._scene.exposure)
+        return Row(trial, error, baked.statistics["seconds"])
+
+    def note(self):
+        """Where errors are taken, and against what."""
+        return (
+            f"The error is that at {len(self._points)} of the isosurface's {len(self.vertices)} "
+            f"vertices, against {self._effort.paths} paths at each; mean colour "
+            f"{np.clip(self._truth * self._scene.exposure, 0, 1).mean():.2f}. The "
+            f"reference's own noise is {self._noise:.2f} %; nothing is subtracted."
+        )
+
+    def picture(self, radiance):
+        """The isosurface with a radiance (n, 3) of its vertices."""
+        return surface_picture(self.vertices, self._triangles, radiance, self._scene.exposure)
+
+    def reference_picture(self):
+        paths = self._effort.picture_paths
+        radiance, _ = self._reference(self.vertices, paths, "picture of the reference")
+        return self.picture(radiance)
+
+    def _reference(self, points, paths, name):
+        field, effort = self._volume.field(), self._effort
+        scene = core_scene(self._scene, [field], self._volume.data_range())
+        on_leaf = _core.project_to_leaf(field, points, self._isovalue)
+
+        def work(progress):
+            return _core.reference(
+                scene, on_leaf, self._isovalue, paths, effort.seed, effort.threads, progress
+            )
+
+        return self._run(work, f"{self._label}: {name}")
