@@ -30,6 +30,7 @@ METADATA = (
     "samples",
     "photons",
     "caustic_photons",
+    "soft_spacing",
     "estimator",
     "photon_map",
     "scattered",
@@ -222,6 +223,7 @@ def bake(
     samples=32,
     photons=2_000_000,
     caustic_photons=None,
+    soft_spacing=1,
     estimator="gather",
     photon_map=None,
     scattered=None,
@@ -245,6 +247,8 @@ def bake(
         for the thesis's; scattered: Scattered, for samples strewn over the domain instead of in
         each texel, with `samples` rays each.
     seed: same seed, same result, whatever the threads; threads: 0 takes every core.
+    soft_spacing: texels between the points that soft light is gathered at; more is faster where the
+        light is smooth, see docs/accuracy.md.
     both_sides: the inner side of each isosurface, too; surroundings: the meshes around them, too.
     progress: _core.Progress to poll or cancel from another thread.
     Returns a Bake. Raises LeaflightError for input that cannot be baked, Cancelled.
@@ -272,6 +276,7 @@ def bake(
         samples=samples,
         photons=photons,
         caustic_photons=caustic_photons,
+        soft_spacing=soft_spacing,
         estimator=estimator,
         photon_map=photon_map,
         scattered=scattered,
@@ -304,6 +309,7 @@ def bake(
         "samples": str(samples),
         "photons": str(photons),
         "caustic_photons": str(settings.caustic_photons),
+        "soft_spacing": str(settings.soft_spacing),
         "estimator": estimator,
         "photon_map": json.dumps(photon_map and asdict(photon_map)),
         "scattered": json.dumps(scattered and asdict(scattered)),

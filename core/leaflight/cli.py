@@ -100,6 +100,7 @@ def _bake(options):
             volumes,
             scene,
             caustic_photons=options.caustic_photons,
+            soft_spacing=options.soft_spacing,
             both_sides=options.both_sides,
             surroundings=options.surroundings,
             progress=progress,

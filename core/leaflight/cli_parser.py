@@ -49,6 +49,13 @@ def make_parser(commands):
         metavar="N",
         help="photons by way of mirrors and glass (as many as photons)",
     )
+    bake.add_argument(
+        "--soft-spacing",
+        type=int,
+        default=1,
+        metavar="N",
+        help="texels between the points that soft light is gathered at (1)",
+    )
     for option, text in (
         ("--both-sides", "light the inner side of isosurfaces, too"),
         ("--surroundings", "keep the light on the surroundings, too"),

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Errors of colours, as the thesis measures them.
 
-A colour is radiance times exposure, clamped to 0..1. Radiance arrays are (..., 3); weights, by which
-means are taken, have their shape without the last axis, None weighs all alike.
+A colour is radiance times exposure, clamped to 0..1. Radiance arrays are (..., 3); weights, by
+which means are taken, have their shape without the last axis, None weighs all alike.
 """
 
 import numpy as np

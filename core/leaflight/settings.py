@@ -86,6 +86,7 @@ def bake_settings(
     threads,
     photon_map=None,
     scattered=None,
+    soft_spacing=1,
     both_sides=False,
     surroundings=False,
 ):
@@ -104,6 +105,7 @@ def bake_settings(
     settings.estimator = estimator
     settings.seed = _whole("seed", seed, 0)
     settings.threads = _whole("threads", threads, 0)
+    settings.soft_spacing = _whole("soft_spacing", soft_spacing, 1)
     settings.both_sides = bool(both_sides)
     settings.surroundings = bool(surroundings)
     if photon_map is not None:
