@@ -2,15 +2,12 @@
 """How far a bake is from the path-traced truth on one isosurface, or on a mesh around it."""
 
 import time
-from dataclasses import dataclass
-
-import numpy as np
 
 from . import _core
 from ._core import LeaflightError
-from .color_error import noise_percent, rms, rms_percent
 from .cycles import measure
 from .on_mesh import positions, random_places, random_points
+from .truth import Truth, errors_of
 
 REFERENCES = ("path", "cycles")
 # Random rays by which a point shows itself to the outside.
@@ -62,56 +59,18 @@ def compare(
     trace = {"path": place.path_traced, "cycles": place.by_cycles}[reference]
     truth = trace(isovalue, points, spp=spp, seed=seed, threads=threads, progress=progress)
     reference_seconds = time.perf_counter() - start
-    samples = _Samples(place.baked(isovalue, truth.points).astype(np.float64), truth)
-    exposure = bake.scene.exposure
+    baked, exposure = place.baked(isovalue, truth.points), bake.scene.exposure
     exposed = place.exposed(isovalue, truth.points, seed)
     return {
         "isovalue": float(isovalue),
         "spp": int(spp),
         "reference": reference,
         "triangles": place.triangles,
-        **samples.errors(exposure),
-        "exposed": None if exposed is None else samples.errors(exposure, exposed),
+        **errors_of(baked, truth, exposure),
+        "exposed": None if exposed is None else errors_of(baked, truth, exposure, exposed),
         "bake_seconds": bake.statistics["seconds"],
         "reference_seconds": reference_seconds,
     }
-
-
-@dataclass(frozen=True, eq=False)
-class _Truth:
-    """The radiance of the reference at points: (n, 3) each, float64.
-
-    weights: (n,), by which means over the points are taken. mean_error: function of a mask (n,),
-    the standard error of the mean radiance over its points.
-    """
-
-    points: np.ndarray
-    weights: np.ndarray
-    radiance: np.ndarray
-    standard_error: np.ndarray
-    mean_error: object
-
-    @classmethod
-    def traced(cls, points, radiance, standard_error):
-        """Of the core's path tracer, whose points know nothing of each other."""
-        error = standard_error.astype(np.float64)
-
-        def mean_error(mask):
-            return float(np.sqrt((error[mask].mean(axis=1) ** 2).sum()) / mask.sum())
-
-        weights = np.ones(len(points))
-        return cls(points, weights, radiance.astype(np.float64), error, mean_error)
-
-    @classmethod
-    def measured(cls, measured):
-        probes = measured.probes
-        return cls(
-            probes.points,
-            probes.weights,
-            measured.radiance,
-            measured.standard_error,
-            measured.mean_error,
-        )
 
 
 def _check_diffuse(look):
@@ -140,7 +99,7 @@ class _OnLeaf:
         on_leaf = self._projected(isovalue, on_mesh)
         where = {"volume": self.volume, "back": self.back}
         found = self.bake.reference(on_leaf, isovalue, spp, seed, threads, progress, **where)
-        return _Truth.traced(on_mesh, *found)
+        return Truth.traced(on_mesh, *found)
 
     def by_cycles(self, isovalue, points, spp, **work):
         where = {"volume": self.volume, "back": self.back}
@@ -180,7 +139,7 @@ class _OnMesh:
         found = self.bake.mesh_reference(
             self.number, *places, isovalue, spp, seed, threads, progress, back=self.back
         )
-        return _Truth.traced(positions(vertices, triangles, *places), *found)
+        return Truth.traced(positions(vertices, triangles, *places), *found)
 
     def by_cycles(self, isovalue, points, spp, **work):
         where = {"mesh": self.number, "back": self.back}
@@ -195,42 +154,6 @@ class _OnMesh:
 
 def _by_cycles(bake, isovalue, points, spp, **where):
     fields = [volume.field() for volume in bake.volumes]
-    return _Truth.measured(
+    return Truth.measured(
         measure(bake.scene, fields, isovalue, points=points, samples=spp, **where)
     )
-
-
-@dataclass(frozen=True, eq=False)
-class _Samples:
-    """Baked radiance (n, 3) at the points of the truth."""
-
-    baked: np.ndarray
-    truth: _Truth
-
-    def errors(self, exposure, mask=None):
-        """The figures that compare() documents, over the points of a mask; None without points."""
-        if mask is None:
-            mask = np.ones(len(self.baked), dtype=bool)
-        if not mask.any():
-            names = ("rms_percent", "relative_rms", "reference_noise_percent", "mean_radiance")
-            names += ("mean_ratio", "mean_ratio_error")
-            return {"points": 0, **dict.fromkeys(names)}
-        baked, truth = self.baked[mask], self.truth.radiance[mask]
-        weights = self.truth.weights[mask]
-        mean = _mean(truth, weights)
-        ratio = _mean(baked, weights) / mean if mean > 0 else None
-        return {
-            "points": len(baked),
-            "rms_percent": rms_percent(baked, truth, exposure, weights),
-            "relative_rms": rms(baked - truth, weights) / mean if mean > 0 else None,
-            "reference_noise_percent": noise_percent(
-                self.truth.standard_error[mask], exposure, weights
-            ),
-            "mean_radiance": mean * exposure,
-            "mean_ratio": ratio,
-            "mean_ratio_error": ratio * self.truth.mean_error(mask) / mean if mean > 0 else None,
-        }
-
-
-def _mean(values, weights):
-    return float(np.average(values.mean(axis=1), weights=weights))

@@ -18,6 +18,10 @@ settings.register_profile("repeatable", derandomize=True, deadline=None, max_exa
 settings.load_profile("repeatable")
 
 ROOT = Path(__file__).resolve().parents[2]
+# Flatland's is of a kind of its own.
+SHIPPED = sorted(
+    path.name for path in (ROOT / "scenes").glob("*.json") if "flatland" not in path.name
+)
 COLIN27 = Path("/usr/share/mricron/templates/ch2.nii.gz")
 
 # Small enough for every test to bake anew where it must: well below a second.
@@ -64,6 +68,12 @@ def box_file(box_bake, tmp_path_factory):
     path = tmp_path_factory.mktemp("bake") / "box.vdb"
     box_bake.save(path)
     return path
+
+
+@pytest.fixture(params=SHIPPED)
+def shipped(request):
+    """Each of the scene files that come with the program."""
+    return leaflight.load_scene(ROOT / "scenes" / request.param)
 
 
 @pytest.fixture(scope="session")

@@ -61,6 +61,45 @@ def test_exposed_points_are_those_seen_from_outside():
     assert (exposed == outer).mean() > 0.999
 
 
+def test_compare_on_a_wall(lapr_bake):
+    result = leaflight.compare(lapr_bake, 0.5, points=300, spp=256, mesh="floor")
+    assert result["points"] == 300 and result["triangles"] == 2 and result["exposed"] is None
+    assert result["mean_ratio"] == pytest.approx(1, abs=0.03 + 4 * result["mean_ratio_error"])
+    assert 0 < result["relative_rms"] < 0.5
+    outside = leaflight.compare(lapr_bake, 0.5, points=50, spp=4, mesh="floor", back=True)
+    # Seen from below it is black.
+    assert outside["mean_radiance"] == 0 and outside["mean_ratio"] is None
+
+
+def test_compare_on_walls_needs_them(box_bake, lapr_bake):
+    with pytest.raises(LeaflightError, match="--surroundings"):
+        leaflight.compare(box_bake, 47.0, points=10, spp=4, mesh="far wall")
+    with pytest.raises(LeaflightError, match="choose one of floor, ceiling"):
+        leaflight.compare(lapr_bake, 0.5, points=10, spp=4, mesh="moon")
+
+
+def test_a_mirror_has_no_radiance_of_its_own(box_bake):
+    mirrors = [replace(leaves, scattering="mirror") for leaves in box_bake.scene.leaves]
+    bake = replace(box_bake, scene=replace(box_bake.scene, leaves=mirrors))
+    with pytest.raises(LeaflightError, match="depends on the view"):
+        leaflight.compare(bake, 47.0, points=10, spp=4)
+
+
+def test_cycles_needs_blender(box_bake, tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(LeaflightError, match="install the Debian package blender"):
+        leaflight.compare(box_bake, 47.0, points=10, spp=4, reference="cycles")
+
+
+def test_what_blender_says_when_it_fails(box_bake, tmp_path, monkeypatch):
+    blender = tmp_path / "blender"
+    blender.write_text("#!/bin/sh\necho no display\nexit 3\n")
+    blender.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(LeaflightError, match="Blender failed: no display"):
+        leaflight.compare(box_bake, 47.0, points=10, spp=4, reference="cycles")
+
+
 @pytest.mark.parametrize("arguments", [{"points": 0}, {"spp": 0}, {"isovalue": 10.0}])
 def test_bad_arguments(box_bake, arguments):
     with pytest.raises(LeaflightError):

@@ -24,11 +24,6 @@ from leaflight.scene_file import scene_to_json
 from leaflight.sources import open_volume
 
 
-@pytest.fixture(params=["cornell.json", "bump_box.json", "nucleons.json", "lapr.json"])
-def shipped(request, root):
-    return load_scene(root / "scenes" / request.param)
-
-
 def brick(scale=1.0, offset=(0.0, 0.0, 0.0)):
     """A volume of 4 x 6 x 11 nodes whose x axis is mirrored."""
     matrix = np.diag([-scale, scale, scale, 1.0])

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Radiance that a reference finds at points, and the errors of what is compared with it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .color_error import noise_percent, rms, rms_percent
+
+FIGURES = (
+    "rms_percent",
+    "relative_rms",
+    "reference_noise_percent",
+    "mean_radiance",
+    "mean_ratio",
+    "mean_ratio_error",
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Truth:
+    """The radiance of a reference at points, and its standard error: (n, 3) each, float64.
+
+    weights: (n,), by which means over the points are taken. mean_error: function of a mask (n,),
+    the standard error of the mean radiance over its points.
+    """
+
+    points: np.ndarray
+    weights: np.ndarray
+    radiance: np.ndarray
+    standard_error: np.ndarray
+    mean_error: object
+
+    @classmethod
+    def traced(cls, points, radiance, standard_error):
+        """Of the core's path tracer, whose points know nothing of each other."""
+        error = standard_error.astype(np.float64)
+
+        def mean_error(mask):
+            return float(np.sqrt((error[mask].mean(axis=1) ** 2).sum()) / mask.sum())
+
+        weights = np.ones(len(points))
+        return cls(points, weights, radiance.astype(np.float64), error, mean_error)
+
+    @classmethod
+    def measured(cls, measured):
+        probes = measured.probes
+        return cls(
+            probes.points,
+            probes.weights,
+            measured.radiance,
+            measured.standard_error,
+            measured.mean_error,
+        )
+
+
+def errors_of(radiance, truth, exposure, mask=None):
+    """Errors of radiance (n, 3) against the truth at its points, or those of a mask (n,).
+
+    A dict of points and the six figures that compare() documents, None where there are no points.
+    """
+    if mask is None:
+        mask = np.ones(len(radiance), dtype=bool)
+    if not mask.any():
+        return {"points": 0, **dict.fromkeys(FIGURES)}
+    own, true = radiance[mask].astype(np.float64), truth.radiance[mask]
+    weights = truth.weights[mask]
+    mean = _mean(true, weights)
+    ratio = _mean(own, weights) / mean if mean > 0 else None
+    return {
+        "points": len(own),
+        "rms_percent": rms_percent(own, true, exposure, weights),
+        "relative_rms": rms(own - true, weights) / mean if mean > 0 else None,
+        "reference_noise_percent": noise_percent(truth.standard_error[mask], exposure, weights),
+        "mean_radiance": mean * exposure,
+        "mean_ratio": ratio,
+        "mean_ratio_error": ratio * truth.mean_error(mask) / mean if mean > 0 else None,
+    }
+
+
+def _mean(values, weights):
+    return float(np.average(values.mean(axis=1), weights=weights))

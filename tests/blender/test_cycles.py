@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The bake and the core's path tracer against Cycles, which builds the same scenes for itself.
+
+Smaller than what docs/accuracy.md reports, so that the volumes are coarse: 32 or 48 nodes a side.
+"""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import leaflight
+from leaflight import Cancelled, Progress, _core
+from leaflight.cycles import measure
+from leaflight.scene import core_scene, fit_scene, match_leaves
+from leaflight.sources import open_volume
+from leaflight.truth import Truth, errors_of
+
+SCENES = Path(__file__).resolve().parents[2] / "scenes"
+SAMPLES = 512
+POINTS = 800
+# Of the mean radiance, beyond three standard errors.
+MEAN_TOLERANCE = 0.01
+
+
+def baked(scene, sources, n, **settings):
+    volumes = [open_volume(source, dims=[n]) for source in sources]
+    scene = leaflight.load_scene(SCENES / scene)
+    settings = {"samples": 16, "photons": 500_000, "surroundings": True, **settings}
+    return leaflight.bake(volumes, scene, **settings)
+
+
+def assert_agrees(bake, c, most, **where):
+    """most: RMS error of the bake over the mean radiance, without the noise of Cycles."""
+    result = leaflight.compare(bake, c, POINTS, SAMPLES, reference="cycles", **where)
+    assert abs(result["mean_ratio"] - 1) < MEAN_TOLERANCE + 3 * result["mean_ratio_error"]
+    noise = result["reference_noise_percent"] / 100 / result["mean_radiance"]
+    assert result["relative_rms"] ** 2 - noise**2 < most**2
+    assert noise < 0.2 and result["mean_radiance"] > 0.01
+
+
+def test_mirror():
+    bake = baked("mirror.json", ["bump_box"], 32)
+    assert_agrees(bake, 47.0, 0.1)
+    assert_agrees(bake, 47.0, 0.1, mesh="bottom wall")
+
+
+def test_caustics_of_glass_balls():
+    bake = baked("caustic.json", ["bump_box"], 32)
+    assert_agrees(bake, 47.0, 0.15)
+    assert_agrees(bake, 47.0, 0.12, mesh="floor")
+
+
+def test_caustic_of_a_glass_isosurface():
+    assert_agrees(baked("glass_leaf.json", ["bump_box"], 32), 47.0, 0.15, mesh="floor")
+
+
+def test_two_fields():
+    bake = baked("nucleons.json", ["nucleons:0", "nucleons:1"], 48, surroundings=False)
+    assert_agrees(bake, 0.5, 0.3, volume=0)
+    assert_agrees(bake, 0.5, 0.3, volume=1)
+
+
+def test_walls_at_three_isovalues():
+    bake = baked("cornell.json", ["bump_box"], 32)
+    for c in (10.0, 47.0, 100.0):
+        assert_agrees(bake, c, 0.06, mesh="floor")
+    assert_agrees(bake, 47.0, 0.06, mesh="back wall")
+
+
+@pytest.mark.parametrize("back", [False, True])
+def test_path_tracer_under_every_light(back):
+    volume = leaflight.bump_box(32)
+    description = match_leaves(leaflight.load_scene(SCENES / "lights.json"), [volume])
+    scene, fields = fit_scene(description, [volume]), [volume.field()]
+    measured = measure(scene, fields, 47.0, points=POINTS, samples=SAMPLES, back=back)
+    on_leaf = _core.project_to_leaf(fields[0], measured.probes.points, 47.0)
+    core = core_scene(scene, fields, (3.0, 190.0))
+    traced = Truth.traced(on_leaf, *_core.reference(core, on_leaf, 47.0, SAMPLES, back=back))
+    errors = errors_of(traced.radiance, Truth.measured(measured), 1.0)
+    noise = traced.mean_error(np.ones(len(on_leaf), bool)) / traced.radiance.mean()
+    error = np.hypot(noise, errors["mean_ratio_error"])
+    assert abs(errors["mean_ratio"] - 1) < MEAN_TOLERANCE + 3 * error
+
+
+def test_a_lamp_of_twice_the_power_is_noticed():
+    bake = baked("mirror.json", ["bump_box"], 16, photons=100_000, surroundings=False)
+    (lamp,) = bake.scene.lights
+    brighter = replace(lamp, radiance=tuple(2 * x for x in lamp.radiance))
+    wrong = replace(bake, scene=replace(bake.scene, lights=[brighter]))
+    result = leaflight.compare(wrong, 47.0, 100, 64, reference="cycles")
+    assert result["mean_ratio"] == pytest.approx(0.5, abs=0.05)
+
+
+def test_cancelling_ends_blender():
+    volume = leaflight.bump_box(16)
+    scene = match_leaves(leaflight.load_scene(SCENES / "bump_box.json"), [volume])
+    progress = Progress()
+    progress.cancel()
+    with pytest.raises(Cancelled):
+        measure(scene, [volume.field()], 47.0, samples=10**6, progress=progress)

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Points on meshes of triangles, and the probes that are spread over them for Cycles."""
+
+import numpy as np
+import pytest
+
+from leaflight.cycles import _lay_out, _mesh, _pack
+from leaflight.on_mesh import interpolated, positions, random_places
+from leaflight.scene import Mesh
+
+# A bent sheet of three triangles, the last one much smaller than the others.
+VERTICES = np.array([[0, 0, 0], [3, 0, 0], [3, 3, 0], [0, 3, 0], [3, 0, 0.5]], dtype=np.float32)
+TRIANGLES = np.array([[0, 1, 2], [0, 2, 3], [1, 4, 2]], dtype=np.uint32)
+AREAS = np.array([4.5, 4.5, 0.75])
+
+
+def linear(points):
+    return np.stack([points @ [1.0, 2.0, 3.0], 5.0 - points @ [2.0, 0.0, 1.0]], axis=-1)
+
+
+def test_what_is_linear_over_the_mesh_is_interpolated_exactly():
+    points = positions(VERTICES, TRIANGLES, *random_places(VERTICES, TRIANGLES, 500, seed=2))
+    found = interpolated(VERTICES, TRIANGLES, linear(VERTICES), points)
+    np.testing.assert_allclose(found, linear(points), atol=1e-5)
+
+
+def test_triangles_without_area_hold_no_points():
+    flat = np.concatenate([TRIANGLES, [[0, 0, 1], [2, 2, 2]]]).astype(np.uint32)
+    points = positions(VERTICES, flat, *random_places(VERTICES, flat, 100, seed=2))
+    found = interpolated(VERTICES, flat, linear(VERTICES), points)
+    np.testing.assert_allclose(found, linear(points), atol=1e-5)
+
+
+@pytest.mark.parametrize("sides", [[3, 1, 0, 2, 1, 1], [1], [5], [1] * 100, [0, 40, 1]])
+def test_squares_of_pixels_do_not_overlap(sides):
+    places, (width, height) = _pack(np.array(sides))
+    taken = np.zeros((height, width), dtype=int)
+    assert set(places) == {i for i, side in enumerate(sides) if side > 0}
+    for number, (x, y) in places.items():
+        assert x + sides[number] <= width and y + sides[number] <= height
+        taken[y : y + sides[number], x : x + sides[number]] += 1
+    assert taken.max() == 1
+
+
+@pytest.mark.parametrize("count", [1, 3, 400])
+def test_probes_lie_where_cycles_bakes_their_pixels(count):
+    mesh = _mesh(Mesh("sheet", VERTICES, TRIANGLES, (0.5, 0.5, 0.5)))
+    probes, pixels, (width, height), uv = _lay_out(mesh, count, seed=3)
+    assert len(set(pixels)) == len(pixels) >= count
+    # The centre of the pixel, through the texture coordinates of the facet.
+    a, b, c = (uv[probes.facets, k] * [width, height] for k in range(3))
+    u, v = probes.coordinates.T[..., None]
+    assert (u > 0).all() and (v > 0).all() and (u + v < 1).all()
+    centres = np.stack([pixels % width, pixels // width], axis=1) + 0.5
+    np.testing.assert_allclose(a + u * (b - a) + v * (c - a), centres, atol=1e-3)
+    on_mesh = positions(VERTICES, TRIANGLES, probes.facets, probes.coordinates)
+    np.testing.assert_array_equal(probes.points, on_mesh)
+    shares = np.bincount(probes.facets, probes.weights, minlength=3)
+    assert shares.sum() == pytest.approx(1)
+    if count == 400:
+        np.testing.assert_allclose(shares, AREAS / AREAS.sum(), atol=4 * np.sqrt(0.25 / count))
