@@ -126,9 +126,10 @@ TEST(Specular, FurnaceIsExact) {
   for (const EstimatorName estimator : {EstimatorName::gather, EstimatorName::volumetric}) {
     const test::Agreement found =
         test::agreement(scene, points, reference, estimator, 64, 2'000'000);
-    // The photons' density has a bias of 1.2 % here, since caustics are a large part.
+    // The caches have a bias, measured as 1.8 % for `gather` (of which 1.1 % without mirror and
+    // glass) and 1.0 % for `volumetric`.
     EXPECT_NEAR(found.mean_ratio * test::mean_of(reference) * 0.5, 1,
-                test::sanitized ? 0.3 : 0.015);
+                test::sanitized ? 0.3 : 0.025);
   }
 }
 
