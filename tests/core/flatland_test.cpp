@@ -125,8 +125,8 @@ TEST(Flatland, EstimatorsAgreeWithThePathTracer) {
        {EstimatorName::gather, EstimatorName::volumetric, EstimatorName::path}) {
     const test::Agreement found =
         test::agreement(scene, points, reference, estimator, 256, 1'000'000);
-    EXPECT_NEAR(found.mean_ratio, 1, 0.01);
-    EXPECT_LT(found.relative_rms, 0.05);
+    EXPECT_NEAR(found.mean_ratio, 1, test::sanitized ? 0.1 : 0.01);
+    EXPECT_LT(found.relative_rms, test::sanitized ? 1 : 0.05);
   }
 }
 
