@@ -47,19 +47,35 @@ def test_mirror():
 
 
 def test_caustics_of_glass_balls():
-    bake = baked("caustic.json", ["bump_box"], 32)
+    bake = baked("caustic.json", ["bump_box"], 32, caustic_photons=8_000_000)
     assert_agrees(bake, 47.0, 0.15)
     assert_agrees(bake, 47.0, 0.12, mesh="floor")
 
 
 def test_caustic_of_a_glass_isosurface():
-    assert_agrees(baked("glass_leaf.json", ["bump_box"], 32), 47.0, 0.15, mesh="floor")
+    bake = baked("glass_leaf.json", ["bump_box"], 32, caustic_photons=16_000_000)
+    assert_agrees(bake, 47.0, 0.15, mesh="floor")
 
 
 def test_two_fields():
     bake = baked("nucleons.json", ["nucleons:0", "nucleons:1"], 48, surroundings=False)
-    assert_agrees(bake, 0.5, 0.3, volume=0)
-    assert_agrees(bake, 0.5, 0.3, volume=1)
+    fields = [volume.field() for volume in bake.volumes]
+    for volume in (0, 1):
+        where = {"points": POINTS, "samples": SAMPLES, "volume": volume}
+        truth = Truth.measured(measure(bake.scene, fields, 0.5, **where))
+        traced = bake.reference(truth.points, 0.5, SAMPLES, volume=volume)
+        assert_same_mean(Truth.traced(truth.points, *traced), truth)
+        # The nucleons are balls of two voxels here, lit from one side, which a texel cannot tell
+        # from the other: 10 % are missing at this size, 7 to 9 % at 64 nodes (docs/accuracy.md).
+        errors = errors_of(bake.radiance(truth.points, volume), truth, 1.0)
+        assert abs(errors["mean_ratio"] - 1) < 0.12 and errors["relative_rms"] < 0.6
+
+
+def assert_same_mean(traced, truth):
+    errors = errors_of(traced.radiance, truth, 1.0)
+    noise = traced.mean_error(np.ones(len(traced.points), bool)) / traced.radiance.mean()
+    error = np.hypot(noise, errors["mean_ratio_error"])
+    assert abs(errors["mean_ratio"] - 1) < MEAN_TOLERANCE + 3 * error
 
 
 def test_walls_at_three_isovalues():
@@ -78,10 +94,7 @@ def test_path_tracer_under_every_light(back):
     on_leaf = _core.project_to_leaf(fields[0], measured.probes.points, 47.0)
     core = core_scene(scene, fields, (3.0, 190.0))
     traced = Truth.traced(on_leaf, *_core.reference(core, on_leaf, 47.0, SAMPLES, back=back))
-    errors = errors_of(traced.radiance, Truth.measured(measured), 1.0)
-    noise = traced.mean_error(np.ones(len(on_leaf), bool)) / traced.radiance.mean()
-    error = np.hypot(noise, errors["mean_ratio_error"])
-    assert abs(errors["mean_ratio"] - 1) < MEAN_TOLERANCE + 3 * error
+    assert_same_mean(traced, Truth.measured(measured))
 
 
 def test_a_lamp_of_twice_the_power_is_noticed():
