@@ -126,7 +126,7 @@ class Environment:
     """Light from all around: a radiance in W/(m^2 sr) that multiplies the image, if there is one.
 
     image: float32 [row, column, 3], latitude-longitude, bottom row first; its centre column is seen
-    along -y, its upper rows towards +z, after world_to_image (3 x 3, nested tuples) turned the
+    along +x, its upper rows towards +z, after world_to_image (3 x 3, nested tuples) turned the
     direction.
     """
 
