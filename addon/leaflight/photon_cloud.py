@@ -138,7 +138,7 @@ class PhotonJob:
         obj.hide_render = True
         collection = bpy.data.collections.get(self._collection) or scene.collection
         collection.objects.link(obj)
-        material = _material()
+        material = shader.shared_material(_PHOTONS, "Leaflight Photons", FLUX)
         mesh.materials.append(material)
         modifier = obj.modifiers.new("Points", "NODES")
         modifier.node_group = _points(name, self._radius, material)
@@ -155,18 +155,6 @@ def _fill(mesh, positions, flux, c, direct):
     attribute = mesh.attributes.new(DIRECT, "BOOLEAN", "POINT")
     attribute.data.foreach_set("value", np.ascontiguousarray(direct, bool))
     mesh.update()
-
-
-def _material():
-    """One material for all photons of the file."""
-    for material in bpy.data.materials:
-        if _PHOTONS in material:
-            return material
-    material = bpy.data.materials.new("Leaflight Photons")
-    material[_PHOTONS] = True
-    material.cycles.sample_as_light = False
-    shader.build_attribute(material, FLUX, FLUX)
-    return material
 
 
 def _points(name, radius, material):

@@ -51,6 +51,19 @@ def build_attribute(material, front, back=None):
     graph.emit_sides(*(graph.attribute(name) for name in (front, back) if name))
 
 
+def shared_material(tag, name, front, back=None):
+    """The one material of the file, marked by the ID property `tag`, with build_attribute()."""
+    for material in bpy.data.materials:
+        if tag in material:
+            return material
+    material = bpy.data.materials.new(name)
+    material[tag] = True
+    # As lights of many triangles its objects would add noise.
+    material.cycles.sample_as_light = False
+    build_attribute(material, front, back)
+    return material
+
+
 def build_atlas(material, images, resolution, columns, texel_from_object):
     """Emission of a radiance grid of this resolution (nx, ny, nz), from its atlas.
 

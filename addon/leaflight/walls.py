@@ -92,7 +92,9 @@ def _build(scene, leader):
     collection = bpy.data.collections.new(COLLECTION)
     collection[_COLLECTION] = True
     scene.collection.children.link(collection)
-    material = _material()
+    material = shader.shared_material(
+        _WALL_MATERIAL, "Leaflight Wall", surface_object.RADIANCE, surface_object.RADIANCE_BACK
+    )
     for index, mesh in enumerate(bake.scene.meshes):
         original = scene.objects.get(mesh.name)
         # What a mirror or glass shows depends on where it is seen from: these stay as they are.
@@ -113,19 +115,6 @@ def _display(bake, index, name, material):
     obj[_INDEX] = index
     obj.hide_select = True
     return obj
-
-
-def _material():
-    """One material for all displays of the file."""
-    for material in bpy.data.materials:
-        if _WALL_MATERIAL in material:
-            return material
-    material = bpy.data.materials.new("Leaflight Wall")
-    material[_WALL_MATERIAL] = True
-    # As lights of many triangles they would add noise.
-    material.cycles.sample_as_light = False
-    shader.build_attribute(material, surface_object.RADIANCE, surface_object.RADIANCE_BACK)
-    return material
 
 
 def _hide(scene, obj):

@@ -37,7 +37,7 @@ Field<D> field_from(const FloatArray& values, const DoubleArray& index_to_world)
 
 template <int D>
 py::array_t<double> bounds(const Field<D>& field) {
-  const WorldBox<D> box = world_box(field);
+  const Box<D> box = world_box(field);
   py::array_t<double> result({2, D});
   auto out = result.mutable_unchecked<2>();
   for (int a = 0; a < D; ++a) {

@@ -157,6 +157,24 @@ TEST(Plan, InnerSideIsNeededWhereALeafIsOpen) {
   EXPECT_TRUE(plan_for(lit_inside, EstimatorName::gather).inner_side);
 }
 
+// A lamp reaches with an edge of its box into a domain that lies askew; the lowest and highest
+// corners of the box are beside it.
+TEST(Plan, InnerSideIsNeededWhereALampReachesIn) {
+  Scene<3> scene = small_scene();
+  Affine<3> askew;
+  const double s = std::sqrt(0.5) / 24;
+  askew.column = {Vec3(s, s, 0), Vec3(-s, s, 0), Vec3(0, 0, 1.0 / 24)};
+  Field<3>& domain = scene.volumes[0].field;
+  domain = make_field(domain.values, domain.dims, askew, domain.owner);
+  PointLight<3> lamp;
+  lamp.radius = 0.5;
+  for (const double y : {0.0, -1.5}) {
+    lamp.position = Vec3(0.5, y, 0.5);
+    scene.lights = {lamp};
+    EXPECT_EQ(plan_for(scene, EstimatorName::gather).inner_side, y == 0) << y;
+  }
+}
+
 TEST(Plan, ForcingASkippedPassChangesNothing) {
   const Scene<3> scene = small_scene();
   Plan forced = plan_for(scene, EstimatorName::gather);

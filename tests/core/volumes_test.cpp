@@ -134,36 +134,46 @@ TEST(Leaves, HaveTwoSides) {
   }
 }
 
+// Baked and path-traced radiance at some vertices of all walls of a bake, for one leaf coordinate.
+struct WallRadiance {
+  double baked = 0, truth = 0, square = 0, count = 0;  // sums; square of the differences
+};
+
+WallRadiance wall_radiance(const Scene<3>& scene, const Baked<3>& baked, double c, int paths) {
+  const SurroundingsRadiance<3>& walls = baked.surroundings;
+  WallRadiance sums;
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    std::vector<FacetPoint> points;
+    std::vector<std::size_t> vertices;
+    for (std::size_t v = 0; v < walls.meshes[m].places.size(); v += 29) {
+      points.push_back(walls.meshes[m].places[v]);
+      vertices.push_back(v);
+    }
+    const auto reference =
+        reference_radiance(scene, points, test::reference_settings(c, paths, 1), ignored);
+    const auto radiance = radiance_at(walls, static_cast<int>(m), c, false);
+    for (std::size_t i = 0; i < points.size(); ++i, ++sums.count) {
+      const double found = radiance[vertices[i]].y, expected = reference[i].radiance.y;
+      sums.baked += found;
+      sums.truth += expected;
+      sums.square += std::pow(found - expected, 2);
+    }
+  }
+  return sums;
+}
+
 TEST(Surroundings, AreLitPerIsovalue) {
   const Scene<3> scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
   BakeSettings<3> settings;
   settings.surroundings = true;
   settings.samples = test::fewer(64);
   const Baked<3> baked = bake(scene, settings, ignored);
-  const SurroundingsRadiance<3>& walls = baked.surroundings;
-  ASSERT_EQ(walls.radiance.size(), scene.meshes.size());
+  ASSERT_EQ(baked.surroundings.radiance.size(), scene.meshes.size());
   for (const double c : {0.62, 0.75, 0.88}) {
-    double baked_sum = 0, truth = 0, square = 0, count = 0;
-    for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
-      std::vector<FacetPoint> points;
-      std::vector<std::size_t> vertices;
-      for (std::size_t v = 0; v < walls.meshes[m].places.size(); v += 29) {
-        points.push_back(walls.meshes[m].places[v]);
-        vertices.push_back(v);
-      }
-      const auto reference = reference_radiance(
-          scene, points, test::reference_settings(c, test::fewer(1024), 1), ignored);
-      const auto radiance = radiance_at(walls, static_cast<int>(m), c, false);
-      for (std::size_t i = 0; i < points.size(); ++i, ++count) {
-        const double found = radiance[vertices[i]].y, expected = reference[i].radiance.y;
-        baked_sum += found;
-        truth += expected;
-        square += std::pow(found - expected, 2);
-      }
-    }
+    const WallRadiance walls = wall_radiance(scene, baked, c, test::fewer(1024));
     if (test::sanitized) continue;
-    EXPECT_NEAR(baked_sum / truth, 1, 0.015) << c;
-    EXPECT_LT(std::sqrt(square / count) / (truth / count), 0.1) << c;
+    EXPECT_NEAR(walls.baked / walls.truth, 1, 0.015) << c;
+    EXPECT_LT(std::sqrt(walls.square / walls.count) / (walls.truth / walls.count), 0.1) << c;
   }
 }
 
@@ -178,25 +188,9 @@ TEST(Surroundings, ShowTheCausticOfAGlassLeaf) {
   settings.samples = test::fewer(64);
   settings.photons = test::fewer(2'000'000);
   settings.caustic_photons = test::fewer(8'000'000);
-  const Baked<3> baked = bake(scene, settings, ignored);
-  const SurroundingsRadiance<3>& walls = baked.surroundings;
-  double baked_sum = 0, truth = 0;
-  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
-    std::vector<FacetPoint> points;
-    std::vector<std::size_t> vertices;
-    for (std::size_t v = 0; v < walls.meshes[m].places.size(); v += 29) {
-      points.push_back(walls.meshes[m].places[v]);
-      vertices.push_back(v);
-    }
-    const auto reference = reference_radiance(
-        scene, points, test::reference_settings(0.8, test::fewer(4096), 1), ignored);
-    const auto radiance = radiance_at(walls, static_cast<int>(m), 0.8, false);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      baked_sum += radiance[vertices[i]].y;
-      truth += reference[i].radiance.y;
-    }
-  }
-  EXPECT_NEAR(baked_sum / truth, 1, test::sanitized ? 0.3 : 0.02);
+  const WallRadiance walls =
+      wall_radiance(scene, bake(scene, settings, ignored), 0.8, test::fewer(4096));
+  EXPECT_NEAR(walls.baked / walls.truth, 1, test::sanitized ? 0.3 : 0.02);
 }
 
 }  // namespace

@@ -8,7 +8,9 @@
 #include <cmath>
 #include <optional>
 
-#include "leaflight/bake/texel_samples.h"
+#include "leaflight/bake/leaf_averages.h"
+#include "leaflight/bake/light_surroundings.h"
+#include "leaflight/bake/point_sampler.h"
 #include "leaflight/math/error.h"
 #include "leaflight/math/parallel.h"
 #include "leaflight/transport/placement.h"
@@ -18,12 +20,7 @@ namespace leaflight {
 namespace {
 
 constexpr std::size_t photons_per_piece = 4096;
-constexpr std::size_t texels_per_piece = 64;
 constexpr int surroundings_samples = 8;
-// Vertices of the surroundings are fewer and farther apart than texels, and take more samples.
-constexpr int surroundings_share = 2;
-// A side of the surroundings is tried at every so many vertices before it is lit.
-constexpr std::size_t probe_stride = 16;
 // Progress is counted in rays; photons bounce a few times, paths more often.
 constexpr double rays_per_photon = 3, rays_per_gather = 1, rays_per_path = 6;
 
@@ -32,36 +29,6 @@ std::uint64_t peak_memory() {
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
-
-// Mean of samples and the variance of that mean.
-struct Average {
-  Rgb mean{0};
-  float variance = 0;
-};
-
-class Moments {
- public:
-  void add(const Rgb& sample, double weight) {
-    const double m = average(sample), weight2 = weight * weight;
-    weight_ += weight;
-    sum_ += Imath::V3d(sample) * weight;
-    weight2_ += weight2;
-    mean2_ += weight2 * m;
-    square2_ += weight2 * m * m;
-  }
-  Average average_of(int n) const {
-    if (n == 0) return {};
-    const Imath::V3d mean = sum_ / weight_;
-    const double m = (mean.x + mean.y + mean.z) / 3;
-    const double spread = square2_ - 2 * m * mean2_ + m * m * weight2_;
-    const double variance = std::max(0.0, spread) / (weight_ * weight_);
-    return {Rgb(mean), n > 1 ? static_cast<float>(variance * n / (n - 1)) : 0};
-  }
-
- private:
-  Imath::V3d sum_{0};
-  double weight_ = 0, weight2_ = 0, mean2_ = 0, square2_ = 0;
-};
 
 template <int D>
 class Baker {
@@ -75,9 +42,8 @@ class Baker {
           settings.resolution == Index<D>{} ? volume.field.dims : settings.resolution;
       // What a mirror or glass shows depends on the view, so that no texel can hold it.
       const bool stored = volume.scattering == Scattering::diffuse;
-      lattices_.push_back(stored ? make_lattice(volume.field, resolution,
-                                                volume.isovalue(scene.window.min),
-                                                volume.isovalue(scene.window.max))
+      const IsovalueWindow window = volume.isovalues(scene.window);
+      lattices_.push_back(stored ? make_lattice(volume.field, resolution, window.min, window.max)
                                  : inactive_lattice<D>(volume.field.dims, resolution));
       if (settings.scattered) positions_.push_back(strewn(volume, stored));
     }
@@ -115,7 +81,13 @@ class Baker {
       }
       baked.grids.push_back(assemble(v, direct, indirect));
     }
-    if (plan_.surroundings) baked.surroundings = surroundings_pass(estimator.get());
+    if (plan_.surroundings) {
+      progress_.begin("Radiance of the surroundings");
+      SurroundingsWork<D> work{std::move(fine_), surroundings_share * settings_.samples,
+                               1 + indirect_work(), settings_.seed};
+      baked.surroundings = light_surroundings(tracer_, sampler(), estimator.get(), std::move(work),
+                                              progress_, rays_);
+    }
     for (std::size_t v = 0; v < n; ++v) baked.grids[v].lattice = std::move(lattices_[v]);
     baked.statistics.rays = rays_;
     baked.statistics.skipped = plan_.skipped;
@@ -132,9 +104,7 @@ class Baker {
     if (!stored) return {};
     SampleSettings samples = settings_.scattered->samples;
     samples.seed = settings_.seed;
-    const IsovalueWindow& window = scene().window;
-    return sample_positions(volume.field,
-                            {volume.isovalue(window.min), volume.isovalue(window.max)}, samples);
+    return sample_positions(volume.field, volume.isovalues(scene().window), samples);
   }
 
   void check_anything_to_bake() const {
@@ -267,123 +237,46 @@ class Baker {
     }
   }
 
-  // Keys of a texel's low-discrepancy sequences; the position key is shared by all passes, so that
-  // they see the same points.
-  struct TexelKeys {
-    std::uint64_t position, light, gather, paths;
-  };
-  TexelKeys keys(Purpose purpose, std::uint64_t volume, std::uint32_t texel) const {
-    Random random = random_for(settings_.seed, purpose, volume << 32 | texel);
-    return {random.bits(), random.bits(), random.bits(), random.bits()};
-  }
+  PointSampler<D> sampler() const { return {lights_, leaves_, cache(), plan_.caustics}; }
 
-  Rgb direct_sample(const SurfacePoint<D>& point, const TexelKeys& k, int i,
-                    std::uint64_t& rays) const {
-    const double choice = lights_.has_choice() ? sobol_point(i, ~k.light)[0] : 0;
-    return lights_.direct_radiance(point, choice, sobol_point(i, k.light), rays);
-  }
-
-  // All but direct light.
-  Rgb indirect_sample(const SurfacePoint<D>& point, const IndirectEstimator<D>* estimator,
-                      const TexelKeys& k, int i, std::uint64_t& rays) const {
-    Rgb radiance = point.emission;
-    if (estimator) {
-      Random random(k.paths, 0, i);
-      radiance += estimator->indirect_radiance(point, sobol_point(i, k.gather), random, rays);
-    }
-    if (plan_.caustics) {
-      radiance += caustic_radiance(leaves_, cache(), point);
-    }
-    return radiance;
-  }
-
-  // Averages radiance(point, keys, i, rays) over the samples of every active texel. The weight
-  // |grad c| dV = dA dc makes it a mean over the area of the leaves, which is what a lookup on them
-  // wants: steep places are surfaces, flat ones noise.
+  // Averages radiance(point, keys, i, rays) over the texels of a volume, or over its scattered
+  // samples; where it is not random, one estimate at each of those is enough.
   template <class Radiance>
-  std::vector<Average> over_texels(std::size_t volume, bool above, double work, bool is_random,
-                                   Radiance radiance) {
+  std::vector<Average> over_texels(std::size_t volume, bool above, double rays_per_sample,
+                                   bool is_random, Radiance radiance) {
     const TexelLattice<D>& lattice = lattices_[volume];
-    if (settings_.scattered && !lattice.active.empty()) {
-      return over_scattered(volume, above, work, is_random ? settings_.samples : 1, radiance);
+    LeafSamples samples = leaf_samples(volume, above, settings_.samples, rays_per_sample);
+    if (!settings_.scattered || lattice.active.empty()) {
+      return average_texels(tracer_, lattice, samples, progress_, rays_, radiance);
     }
-    return over_lattice(volume, above, lattice, settings_.samples, work, radiance);
+    if (!is_random) samples.count = 1;
+    return average_scattered(tracer_, lattice, samples, positions_[volume],
+                             settings_.scattered->filter, progress_, rays_, radiance);
   }
 
-  template <class Radiance>
-  std::vector<Average> over_lattice(std::size_t volume, bool above, const TexelLattice<D>& lattice,
-                                    int samples, double work, Radiance radiance) {
-    std::vector<Average> averages(lattice.active.size());
-    parallel_range(averages.size(), texels_per_piece, work * samples, progress_,
-                   [&](std::size_t begin, std::size_t end) {
-                     std::uint64_t rays = 0;
-                     for (std::size_t s = begin; s < end && !progress_.cancelled(); ++s) {
-                       const TexelKeys k = keys(Purpose::texel, volume, lattice.active[s]);
-                       Moments moments;
-                       const int n = for_each_texel_sample(
-                           tracer_, static_cast<int>(volume), above, lattice, lattice.active[s],
-                           samples, k.position, [&](const SurfacePoint<D>& point, int i) {
-                             moments.add(radiance(point, k, i, rays), point.gradient_length);
-                           });
-                       averages[s] = moments.average_of(n);
-                     }
-                     rays_ += rays;
-                   });
-    return averages;
-  }
-
-  // The same for samples strewn over the domain: each is the mean of some estimates at its point,
-  // of which one is enough where they do not differ.
-  template <class Radiance>
-  std::vector<Average> over_scattered(std::size_t volume, bool above, double work, int estimates,
-                                      Radiance radiance) {
-    const Volume<D>& of = scene().volumes[volume];
-    const std::vector<Vec<D>>& positions = positions_[volume];
-    std::vector<Rgb> values(positions.size(), Rgb(0));
-    parallel_range(positions.size(), texels_per_piece, work * settings_.samples, progress_,
-                   [&](std::size_t begin, std::size_t end) {
-                     std::uint64_t rays = 0;
-                     for (std::size_t s = begin; s < end && !progress_.cancelled(); ++s) {
-                       const CellPoint<D> at = locate(of.field, positions[s]);
-                       const double h = interpolate(load_corners(of.field, at.cell), at.local);
-                       const SurfacePoint<D> point = tracer_.leaf_point(
-                           static_cast<int>(volume), at, of.leaf_coordinate(h), above);
-                       if (point.kind == HitKind::none) continue;
-                       const TexelKeys k =
-                           keys(Purpose::scattered, volume, static_cast<std::uint32_t>(s));
-                       Imath::V3d sum(0);
-                       for (int i = 0; i < estimates; ++i) {
-                         sum += Imath::V3d(radiance(point, k, i, rays));
-                       }
-                       values[s] = Rgb(sum / estimates);
-                     }
-                     rays_ += rays;
-                   });
-    const ScatteredTexels texels = interpolate_scattered(lattices_[volume], positions, values,
-                                                         settings_.scattered->filter, progress_);
-    std::vector<Average> averages;
-    for (std::size_t s = 0; s < texels.value.size(); ++s) {
-      averages.push_back({texels.value[s], texels.error[s] * texels.error[s]});
-    }
-    return averages;
+  LeafSamples leaf_samples(std::size_t volume, bool above, int count,
+                           double rays_per_sample) const {
+    return {static_cast<int>(volume), above, count, rays_per_sample, settings_.seed};
   }
 
   std::vector<Average> direct_pass(std::size_t volume, bool above) {
+    const PointSampler<D> from = sampler();
     return over_texels(volume, above, 1, true,
-                       [&](const SurfacePoint<D>& point, const TexelKeys& k, int i,
-                           std::uint64_t& rays) { return direct_sample(point, k, i, rays); });
+                       [&](const SurfacePoint<D>& point, const SampleKeys& keys, int i,
+                           std::uint64_t& rays) { return from.direct(point, keys, i, rays); });
   }
 
   std::vector<Average> indirect_pass(std::size_t volume, bool above,
                                      const IndirectEstimator<D>* estimator) {
     const bool records = estimator && settings_.soft_spacing > 1 && !settings_.scattered;
     const IndirectEstimator<D>* per_texel = records ? nullptr : estimator;
+    const PointSampler<D> from = sampler();
     std::vector<Average> averages(lattices_[volume].active.size());
     if (per_texel || plan_.caustics || scene().volumes[volume].emission.largest() > 0) {
       averages = over_texels(
           volume, above, per_texel ? indirect_work() : 0, per_texel && per_texel->is_random(),
-          [&](const SurfacePoint<D>& point, const TexelKeys& k, int i, std::uint64_t& rays) {
-            return indirect_sample(point, per_texel, k, i, rays);
+          [&](const SurfacePoint<D>& point, const SampleKeys& keys, int i, std::uint64_t& rays) {
+            return from.indirect(point, per_texel, keys, i, rays);
           });
     }
     if (!records) return averages;
@@ -406,15 +299,17 @@ class Baker {
     for (int a = 0; a < D; ++a) {
       resolution[a] = std::max(2, (lattice.resolution[a] - 1 + spacing - 1) / spacing + 1);
     }
-    const TexelLattice<D> coarse = make_lattice(
-        of.field, resolution, of.isovalue(scene().window.min), of.isovalue(scene().window.max));
-    const std::vector<Average> records = over_lattice(
-        volume, above, coarse, settings_.samples * spacing * spacing, indirect_work(),
-        [&](const SurfacePoint<D>& point, const TexelKeys& k, int i, std::uint64_t& rays) {
+    const IsovalueWindow window = of.isovalues(scene().window);
+    const TexelLattice<D> coarse = make_lattice(of.field, resolution, window.min, window.max);
+    const PointSampler<D> from = sampler();
+    const LeafSamples samples =
+        leaf_samples(volume, above, settings_.samples * spacing * spacing, indirect_work());
+    const std::vector<Average> records = average_texels(
+        tracer_, coarse, samples, progress_, rays_,
+        [&](const SurfacePoint<D>& point, const SampleKeys& keys, int i, std::uint64_t& rays) {
           SurfacePoint<D> white = point;
           white.albedo = Rgb(1);
-          Random random(k.paths, 0, i);
-          return estimator.indirect_radiance(white, sobol_point(i, k.gather), random, rays);
+          return from.soft(white, estimator, keys, i, rays);
         });
     std::vector<Average> soft(lattice.active.size());
     parallel_range(soft.size(), 1024, 0, progress_, [&](std::size_t begin, std::size_t end) {
@@ -455,66 +350,6 @@ class Baker {
       grid.radiance_back.emplace_back(direct[1][volume][s].mean + indirect[1][s].mean);
     }
     return grid;
-  }
-
-  SurroundingsRadiance<D> surroundings_pass(const IndirectEstimator<D>* estimator) {
-    progress_.begin("Radiance of the surroundings");
-    SurroundingsRadiance<D> result;
-    result.nodes = LeafNodes(scene());
-    result.meshes = std::move(fine_);
-    result.radiance.resize(result.meshes.size());
-    for (std::size_t m = 0; m < result.meshes.size(); ++m) {
-      if (scene().meshes[m].scattering != Scattering::diffuse) continue;
-      for (const bool back : {false, true}) {
-        // A side that is dark at some of its points for all c is taken to be dark.
-        if (dark(facets_radiance(result, m, back, probe_stride, estimator))) continue;
-        result.radiance[m][back] = facets_radiance(result, m, back, 1, estimator);
-      }
-    }
-    return result;
-  }
-
-  static bool dark(const std::vector<Vec<3, float>>& radiance) {
-    return std::all_of(radiance.begin(), radiance.end(),
-                       [](const auto& r) { return r == Vec<3, float>(0); });
-  }
-
-  // At every stride-th vertex of a mesh, for all nodes of c.
-  std::vector<Vec<3, float>> facets_radiance(const SurroundingsRadiance<D>& result, std::size_t m,
-                                             bool back, std::size_t stride,
-                                             const IndirectEstimator<D>* estimator) {
-    const std::vector<FacetPoint>& places = result.meshes[m].places;
-    const std::size_t n = (places.size() + stride - 1) / stride, count = n * LeafNodes::count;
-    std::vector<Vec<3, float>> radiance(count);
-    const double work = surroundings_share * settings_.samples * (1 + indirect_work());
-    parallel_range(
-        count, texels_per_piece, work, progress_, [&](std::size_t begin, std::size_t end) {
-          std::uint64_t rays = 0;
-          for (std::size_t e = begin; e < end && !progress_.cancelled(); ++e) {
-            const std::size_t vertex = e % n * stride;
-            const FacetPoint& p = places[vertex];
-            const SurfacePoint<D> point = tracer_.facet_point(
-                p.mesh, p.facet, p.u, p.v, !back, result.nodes.node(static_cast<int>(e / n)));
-            radiance[e] =
-                Vec<3, float>(mean_radiance(point, 2 * m + back, vertex, estimator, rays));
-          }
-          rays_ += rays;
-        });
-    return radiance;
-  }
-
-  // All nodes of a vertex share their random numbers: what noise is left stands still while the
-  // isovalue moves.
-  Rgb mean_radiance(const SurfacePoint<D>& point, std::uint64_t surface, std::size_t vertex,
-                    const IndirectEstimator<D>* estimator, std::uint64_t& rays) const {
-    const TexelKeys k = keys(Purpose::surroundings, surface, static_cast<std::uint32_t>(vertex));
-    const int samples = surroundings_share * settings_.samples;
-    Imath::V3d sum(0);
-    for (int i = 0; i < samples; ++i) {
-      sum += Imath::V3d(direct_sample(point, k, i, rays)) +
-             Imath::V3d(indirect_sample(point, estimator, k, i, rays));
-    }
-    return Rgb(sum / samples);
   }
 
   const BakeSettings<D>& settings_;

@@ -42,7 +42,18 @@ bool leaves_are_open(const Volume<D>& volume, const IsovalueWindow& window) {
   return false;
 }
 
-// Points that a light with a place may shine from.
+template <int D>
+std::vector<Vec<D>> corners(const Box<D>& box) {
+  std::vector<Vec<D>> points;
+  for (int i = 0; i < 1 << D; ++i) {
+    Vec<D> p;
+    for (int a = 0; a < D; ++a) p[a] = (i >> a & 1) ? box.high[a] : box.low[a];
+    points.push_back(p);
+  }
+  return points;
+}
+
+// Points that a light with a place may shine from lie between these.
 template <int D>
 std::vector<Vec<D>> corners(const AreaLight<D>& light) {
   std::vector<Vec<D>> points{light.corner};
@@ -53,7 +64,8 @@ std::vector<Vec<D>> corners(const AreaLight<D>& light) {
 }
 template <int D>
 std::vector<Vec<D>> corners(const PointLight<D>& light) {
-  return {light.position - Vec<D>(light.radius), light.position + Vec<D>(light.radius)};
+  return corners(
+      Box<D>{light.position - Vec<D>(light.radius), light.position + Vec<D>(light.radius)});
 }
 template <int D>
 std::vector<Vec<D>> corners(const SunLight<D>&) {
@@ -63,25 +75,16 @@ std::vector<Vec<D>> corners(const SunLight<D>&) {
 // Whether the box about some points, in index coordinates, overlaps the field's domain.
 template <int D>
 bool overlaps_domain(const Field<D>& field, const std::vector<Vec<D>>& points) {
-  if (points.empty()) return false;
-  Vec<D> low = field.world_to_index.point(points[0]), high = low;
-  for (const Vec<D>& point : points) {
-    const Vec<D> p = field.world_to_index.point(point);
-    for (int a = 0; a < D; ++a) {
-      low[a] = std::min(low[a], p[a]);
-      high[a] = std::max(high[a], p[a]);
-    }
-  }
-  for (int a = 0; a < D; ++a) {
-    if (!(high[a] >= 0 && low[a] <= field.dims[a] - 1)) return false;
-  }
-  return true;
+  Box<D> box, domain{Vec<D>(0.0), Vec<D>(0.0)};
+  for (const Vec<D>& point : points) box.extend(field.world_to_index.point(point));
+  for (int a = 0; a < D; ++a) domain.high[a] = field.dims[a] - 1;
+  return box.overlaps(domain);
 }
 
-// What stands in the domain may stand inside a leaf: a light, an emissive mesh, another volume.
+// A light or an emissive mesh in the domain may stand inside a leaf. Leaves that glow light each
+// other from inside, those of other volumes, too.
 template <int D>
-bool light_in_domain(const Scene<D>& scene, std::size_t number) {
-  const Volume<D>& volume = scene.volumes[number];
+bool light_in_domain(const Scene<D>& scene, const Volume<D>& volume) {
   if (volume.emission.largest() > 0) return true;
   for (const Light<D>& light : scene.lights) {
     const auto points = std::visit([](const auto& l) { return corners<D>(l); }, light);
@@ -91,11 +94,6 @@ bool light_in_domain(const Scene<D>& scene, std::size_t number) {
     if (!(largest(mesh.emission) > 0)) continue;
     const std::vector<Vec<D>> points(mesh.vertices.begin(), mesh.vertices.end());
     if (overlaps_domain<D>(volume.field, points)) return true;
-  }
-  for (std::size_t other = 0; other < scene.volumes.size(); ++other) {
-    if (other == number || !(scene.volumes[other].emission.largest() > 0)) continue;
-    const WorldBox<D> box = world_box(scene.volumes[other].field);
-    if (overlaps_domain<D>(volume.field, {box.low, box.high})) return true;
   }
   return volume.scattering == Scattering::glass;
 }
@@ -143,9 +141,9 @@ Plan make_plan(const Scene<D>& scene, const BakeSettings<D>& settings) {
          "the " + name_of(settings.estimator) + " estimator needs none");
   }
   bool inside = false, open = false;
-  for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
-    open = open || leaves_are_open(scene.volumes[v], scene.window);
-    inside = inside || light_in_domain(scene, v);
+  for (const Volume<D>& volume : scene.volumes) {
+    open = open || leaves_are_open(volume, scene.window);
+    inside = inside || light_in_domain(scene, volume);
   }
   const std::string dark =
       "every isosurface of the window is closed and no light stands within the volume";

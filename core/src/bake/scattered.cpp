@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "leaflight/bake/sample_average.h"
 #include "leaflight/math/error.h"
 #include "leaflight/math/kd_tree.h"
 #include "leaflight/math/parallel.h"
@@ -17,35 +18,6 @@ constexpr int widest_other = 32;
 constexpr std::size_t nearest_samples = 64;
 constexpr std::size_t texels_per_piece = 256;
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-// Weighted mean of samples and its standard error.
-class WeightedMean {
- public:
-  void add(const Rgb& value, double weight) {
-    const double m = average(value), weight2 = weight * weight;
-    ++count_;
-    weight_ += weight;
-    weight2_ += weight2;
-    sum_ += Imath::V3d(value) * weight;
-    mean2_ += weight2 * m;
-    square2_ += weight2 * m * m;
-  }
-  void store(ScatteredTexels& texels, std::size_t slot) const {
-    if (!(weight_ > 0)) return;
-    const Imath::V3d mean = sum_ / weight_;
-    const double m = (mean.x + mean.y + mean.z) / 3, n = count_;
-    const double spread = std::max(0.0, square2_ - 2 * m * mean2_ + m * m * weight2_);
-    texels.value[slot] = Rgb(mean);
-    texels.count[slot] = count_;
-    texels.error[slot] =
-        count_ > 1 ? static_cast<float>(std::sqrt(spread * n / (n - 1)) / weight_) : 0;
-  }
-
- private:
-  std::uint32_t count_ = 0;
-  Imath::V3d sum_{0};
-  double weight_ = 0, weight2_ = 0, mean2_ = 0, square2_ = 0;
-};
 
 template <int D>
 class Interpolator {
@@ -101,9 +73,16 @@ class Interpolator {
     return 1;
   }
 
-  void add(const Vec<D>& texel, std::uint32_t sample, WeightedMean& mean) const {
+  void add(const Vec<D>& texel, std::uint32_t sample, Moments& samples) const {
     const double w = weight((position_of(sample) - texel).length2());
-    if (w > 0) mean.add(values_[sample], w);
+    if (w > 0) samples.add(values_[sample], w);
+  }
+
+  void store(const Moments& samples, std::size_t slot) {
+    const Average average = samples.average();
+    texels_.value[slot] = average.mean;
+    texels_.count[slot] = samples.count();
+    texels_.error[slot] = std::sqrt(average.variance);
   }
 
   // Visits the samples of each nearest texel within the radius, in their order.
@@ -130,14 +109,14 @@ class Interpolator {
       }
       const std::size_t row = high[0] - low[0];
       high[0] = low[0] + 1;
-      WeightedMean mean;
+      Moments moments;
       for_each_index<D>(low, high, [&](const Index<D>& begin) {
         const std::size_t bin = lattice_.linear(begin);
         for (std::uint32_t s = first[bin]; s < first[bin + row]; ++s) {
-          add(to_vector<D>(texel), samples[s], mean);
+          add(to_vector<D>(texel), samples[s], moments);
         }
       });
-      mean.store(texels_, slot);
+      store(moments, slot);
     });
   }
 
@@ -156,16 +135,16 @@ class Interpolator {
       tree.nearest(query(texel), nearest_samples, limit2, found);
       std::sort(found.begin(), found.end(),
                 [](const Neighbour& a, const Neighbour& b) { return a.number < b.number; });
-      WeightedMean mean;
+      Moments moments;
       for (const Neighbour& n : found) {
         const Index<D> at = nearest_texel(position_of(n.number));
         bool reaches = true;
         for (int a = 0; a < D; ++a) {
           reaches = reaches && std::abs(at[a] - texel[a]) <= settings_.radius;
         }
-        if (reaches) add(to_vector<D>(texel), n.number, mean);
+        if (reaches) add(to_vector<D>(texel), n.number, moments);
       }
-      mean.store(texels_, slot);
+      store(moments, slot);
     });
   }
 

@@ -80,17 +80,12 @@ Field<D> make_field(const float* values, const Index<D>& dims, const Affine<D>& 
 }
 
 template <int D>
-WorldBox<D> world_box(const Field<D>& field) {
-  WorldBox<D> box{Vec<D>(std::numeric_limits<double>::infinity()),
-                  Vec<D>(-std::numeric_limits<double>::infinity())};
+Box<D> world_box(const Field<D>& field) {
+  Box<D> box;
   for (int corner = 0; corner < (1 << D); ++corner) {
     Vec<D> index;
     for (int a = 0; a < D; ++a) index[a] = ((corner >> a) & 1) * (field.dims[a] - 1);
-    const Vec<D> p = field.index_to_world.point(index);
-    for (int a = 0; a < D; ++a) {
-      box.low[a] = std::min(box.low[a], p[a]);
-      box.high[a] = std::max(box.high[a], p[a]);
-    }
+    box.extend(field.index_to_world.point(index));
   }
   return box;
 }
@@ -166,8 +161,8 @@ template Field<2> make_field<2>(const float*, const Index<2>&, const Affine<2>&,
                                 std::shared_ptr<const void>);
 template Field<3> make_field<3>(const float*, const Index<3>&, const Affine<3>&,
                                 std::shared_ptr<const void>);
-template WorldBox<2> world_box<2>(const Field<2>&);
-template WorldBox<3> world_box<3>(const Field<3>&);
+template Box<2> world_box<2>(const Field<2>&);
+template Box<3> world_box<3>(const Field<3>&);
 template CellPoint<2> locate<2>(const Field<2>&, const Vec<2>&);
 template CellPoint<3> locate<3>(const Field<3>&, const Vec<3>&);
 template double interpolate<2>(const CellCorners<2>&, const Vec<2>&);

@@ -189,7 +189,7 @@ void check_volume(const Volume<D>& volume, const IsovalueWindow& window) {
     throw Error("The range of isovalues of " + name +
                 " is empty; its upper end must be above its lower end.");
   }
-  const double low = volume.isovalue(window.min), high = volume.isovalue(window.max);
+  const auto [low, high] = volume.isovalues(window);
   if (high <= volume.field.min || low > volume.field.max) {
     std::ostringstream text;
     text << "The isovalue window " << low << " to " << high << " lies outside the data of " << name

@@ -8,32 +8,14 @@
 namespace leaflight {
 namespace {
 
-template <int D>
-WorldBox<D> empty_box() {
-  return {Vec<D>(std::numeric_limits<double>::infinity()),
-          Vec<D>(-std::numeric_limits<double>::infinity())};
-}
-
-template <int D>
-void extend(WorldBox<D>& box, const Vec<D>& p) {
-  for (int a = 0; a < D; ++a) {
-    box.low[a] = std::min(box.low[a], p[a]);
-    box.high[a] = std::max(box.high[a], p[a]);
-  }
-}
-
 // The box about the volumes, or about the meshes where there is no volume.
 template <int D>
-WorldBox<D> framed_box(const Scene<D>& scene) {
-  WorldBox<D> box = empty_box<D>();
-  for (const Volume<D>& volume : scene.volumes) {
-    const WorldBox<D> own = world_box(volume.field);
-    extend(box, own.low);
-    extend(box, own.high);
-  }
+Box<D> framed_box(const Scene<D>& scene) {
+  Box<D> box;
+  for (const Volume<D>& volume : scene.volumes) box.extend(world_box(volume.field));
   if (!scene.volumes.empty()) return box;
   for (const Mesh<D>& mesh : scene.meshes) {
-    for (const auto& v : mesh.vertices) extend(box, Vec<D>(v));
+    for (const auto& v : mesh.vertices) box.extend(Vec<D>(v));
   }
   return box;
 }
@@ -72,14 +54,13 @@ std::vector<Light<D>> in_frame(std::vector<Light<D>> lights, const Frame<D>& fra
 template <int D>
 BoundingSphere<D> bounds_of(const Scene<D>& scene, const Frame<D>& frame,
                             const std::vector<Mesh<D>>& meshes) {
-  WorldBox<D> box = empty_box<D>();
+  Box<D> box;
   for (const Volume<D>& volume : scene.volumes) {
-    const WorldBox<D> own = world_box(volume.field);
-    extend(box, frame.point(own.low));
-    extend(box, frame.point(own.high));
+    const Box<D> own = world_box(volume.field);
+    box.extend({frame.point(own.low), frame.point(own.high)});
   }
   for (const Mesh<D>& mesh : meshes) {
-    for (const auto& v : mesh.vertices) extend(box, Vec<D>(v));
+    for (const auto& v : mesh.vertices) box.extend(Vec<D>(v));
   }
   return {(box.low + box.high) * 0.5, 0.5 * (box.high - box.low).length() * (1 + 1e-6)};
 }
@@ -95,11 +76,9 @@ Vec<D> leave_plane(const Vec<D>& position, const Vec<D>& normal) {
 
 template <int D>
 Frame<D>::Frame(const Scene<D>& scene) {
-  const auto [low, high] = framed_box(scene);
-  double size = 0;
-  for (int a = 0; a < D; ++a) size = std::max(size, high[a] - low[a]);
-  centre = (low + high) * 0.5;
-  scale = 1 / size;
+  const Box<D> box = framed_box(scene);
+  centre = (box.low + box.high) * 0.5;
+  scale = 1 / box.longest_side();
 }
 
 template <int D>

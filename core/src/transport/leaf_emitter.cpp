@@ -13,17 +13,15 @@ LeafEmitter<D>::LeafEmitter(const SceneTracer<D>& tracer, int volume)
     : tracer_(tracer), volume_(volume) {
   const Volume<D>& of = tracer.scene().volumes[volume];
   if (!(of.emission.largest() > 0)) return;
-  const IsovalueWindow& window = tracer.scene().window;
   const double cell_volume = std::abs(determinant(tracer.index_to_frame(volume)));
   constexpr int size = 1 << IntervalPyramid<D>::log2_brick;
   const auto& level = of.field.pyramid.levels[0];
+  const IsovalueWindow isovalues = of.isovalues(tracer.scene().window);
   Index<D> none{};
   std::vector<double> powers;
   for_each_index<D>(none, level.dims, [&](const Index<D>& index) {
     const Interval& interval = level.at(index);
-    if (!(interval.min <= of.isovalue(window.max) && interval.max >= of.isovalue(window.min))) {
-      return;
-    }
+    if (!(interval.min <= isovalues.max && interval.max >= isovalues.min)) return;
     Brick brick;
     for (int a = 0; a < D; ++a) {
       brick.low[a] = index[a] * size;

@@ -81,25 +81,13 @@ void check_lights(const SceneTracer<D>& tracer) {
 }
 
 template <int D>
-bool overlaps_surroundings(const SceneTracer<D>& tracer, const std::vector<Vec<D>>& box) {
-  Vec<D> low(std::numeric_limits<double>::infinity()), high = -low;
+bool overlaps_surroundings(const SceneTracer<D>& tracer, const std::vector<Vec<D>>& points) {
+  Box<D> surroundings, box;
   for (const Mesh<D>& mesh : tracer.meshes()) {
-    for (const auto& vertex : mesh.vertices) {
-      for (int a = 0; a < D; ++a) {
-        low[a] = std::min<double>(low[a], vertex[a]);
-        high[a] = std::max<double>(high[a], vertex[a]);
-      }
-    }
+    for (const auto& vertex : mesh.vertices) surroundings.extend(Vec<D>(vertex));
   }
-  for (int a = 0; a < D; ++a) {
-    double box_low = box[0][a], box_high = box[0][a];
-    for (const Vec<D>& p : box) {
-      box_low = std::min(box_low, p[a]);
-      box_high = std::max(box_high, p[a]);
-    }
-    if (!(box_high >= low[a] && box_low <= high[a])) return false;
-  }
-  return true;
+  for (const Vec<D>& point : points) box.extend(point);
+  return box.overlaps(surroundings);
 }
 
 template <int D>

@@ -39,10 +39,8 @@ std::vector<PhotonMap<D>> make_photon_maps(const SceneTracer<D>& tracer,
     for (const StoredPhoton<D>& photon : photons) {
       if (photon.volume == static_cast<int>(v)) own.push_back(photon);
     }
-    const auto [low, high] = world_box(volumes[v].field);
-    double side = 0;
-    for (int a = 0; a < D; ++a) side = std::max(side, high[a] - low[a]);
     const Field<D>& field = volumes[v].field;
+    const double side = world_box(field).longest_side();
     const double range = (static_cast<double>(field.max) - field.min) / volumes[v].scale;
     maps.emplace_back(std::move(own), side * tracer.frame().scale, range, settings);
   }

@@ -5,6 +5,7 @@
 
 #include "leaflight/field/interval_pyramid.h"
 #include "leaflight/math/affine.h"
+#include "leaflight/math/box.h"
 
 namespace leaflight {
 
@@ -47,11 +48,7 @@ CellPoint<D> locate(const Field<D>& field, const Vec<D>& index_position);
 
 // The box, parallel to the world's axes, that the voxels fill.
 template <int D>
-struct WorldBox {
-  Vec<D> low, high;
-};
-template <int D>
-WorldBox<D> world_box(const Field<D>& field);
+Box<D> world_box(const Field<D>& field);
 
 template <int D>
 bool inside(const Field<D>& field, const Vec<D>& index_position) {

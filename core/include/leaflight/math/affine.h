@@ -33,13 +33,4 @@ double determinant(const Affine<D>& m);
 template <int D>
 Affine<D> inverse(const Affine<D>& m);
 
-// First `inner`, then `outer`.
-template <int D>
-Affine<D> compose(const Affine<D>& outer, const Affine<D>& inner) {
-  Affine<D> m;
-  for (int a = 0; a < D; ++a) m.column[a] = outer.vector(inner.column[a]);
-  m.origin = outer.point(inner.origin);
-  return m;
-}
-
 }  // namespace leaflight

@@ -55,6 +55,9 @@ struct Volume {
   double offset = 0, scale = 1;
 
   double isovalue(double c) const { return offset + scale * c; }
+  IsovalueWindow isovalues(const IsovalueWindow& window) const {
+    return {isovalue(window.min), isovalue(window.max)};
+  }
   double leaf_coordinate(double h) const { return (h - offset) / scale; }
 };
 

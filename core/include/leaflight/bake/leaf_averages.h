@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <atomic>
+
+#include "leaflight/bake/point_sampler.h"
+#include "leaflight/bake/sample_average.h"
+#include "leaflight/bake/scattered.h"
+#include "leaflight/bake/texel_samples.h"
+#include "leaflight/math/parallel.h"
+
+namespace leaflight {
+
+// Samples of the radiance of a volume's leaves, on one side: `count` in each texel, or at each of
+// some scattered points.
+struct LeafSamples {
+  int volume;
+  bool above;
+  int count;
+  double rays_per_sample;  // expected
+  std::uint64_t seed;
+};
+
+inline constexpr std::size_t texels_per_piece = 64;
+
+// Averages radiance(point, keys, i, rays) over the samples of every active texel. The weight
+// |grad c| dV = dA dc makes it a mean over the area of the leaves, which is what a lookup on them
+// wants: steep places are surfaces, flat ones noise.
+template <int D, class Radiance>
+std::vector<Average> average_texels(const SceneTracer<D>& tracer, const TexelLattice<D>& lattice,
+                                    const LeafSamples& samples, Progress& progress,
+                                    std::atomic<std::uint64_t>& rays, Radiance radiance) {
+  std::vector<Average> averages(lattice.active.size());
+  parallel_range(averages.size(), texels_per_piece, samples.rays_per_sample * samples.count,
+                 progress, [&](std::size_t begin, std::size_t end) {
+                   std::uint64_t traced = 0;
+                   for (std::size_t s = begin; s < end && !progress.cancelled(); ++s) {
+                     const std::uint32_t texel = lattice.active[s];
+                     const SampleKeys keys =
+                         sample_keys(samples.seed, Purpose::texel, samples.volume, texel);
+                     Moments moments;
+                     for_each_texel_sample(
+                         tracer, samples.volume, samples.above, lattice, texel, samples.count,
+                         keys.position, [&](const SurfacePoint<D>& point, int i) {
+                           moments.add(radiance(point, keys, i, traced), point.gradient_length);
+                         });
+                     averages[s] = moments.average();
+                   }
+                   rays += traced;
+                 });
+  return averages;
+}
+
+// The same from the mean radiance of each of some index positions, interpolated into the texels.
+template <int D, class Radiance>
+std::vector<Average> average_scattered(const SceneTracer<D>& tracer, const TexelLattice<D>& lattice,
+                                       const LeafSamples& samples,
+                                       const std::vector<Vec<D>>& positions,
+                                       const ScatteredSettings& filter, Progress& progress,
+                                       std::atomic<std::uint64_t>& rays, Radiance radiance) {
+  const Volume<D>& of = tracer.scene().volumes[samples.volume];
+  std::vector<Rgb> values(positions.size(), Rgb(0));
+  parallel_range(positions.size(), texels_per_piece, samples.rays_per_sample * samples.count,
+                 progress, [&](std::size_t begin, std::size_t end) {
+                   std::uint64_t traced = 0;
+                   for (std::size_t s = begin; s < end && !progress.cancelled(); ++s) {
+                     const CellPoint<D> at = locate(of.field, positions[s]);
+                     const double h = interpolate(load_corners(of.field, at.cell), at.local);
+                     const SurfacePoint<D> point = tracer.leaf_point(
+                         samples.volume, at, of.leaf_coordinate(h), samples.above);
+                     if (point.kind == HitKind::none) continue;
+                     const SampleKeys keys =
+                         sample_keys(samples.seed, Purpose::scattered, samples.volume,
+                                     static_cast<std::uint32_t>(s));
+                     Imath::V3d sum(0);
+                     for (int i = 0; i < samples.count; ++i) {
+                       sum += Imath::V3d(radiance(point, keys, i, traced));
+                     }
+                     values[s] = Rgb(sum / samples.count);
+                   }
+                   rays += traced;
+                 });
+  const ScatteredTexels texels =
+      interpolate_scattered(lattice, positions, values, filter, progress);
+  std::vector<Average> averages;
+  for (std::size_t s = 0; s < texels.value.size(); ++s) {
+    averages.push_back({texels.value[s], texels.error[s] * texels.error[s]});
+  }
+  return averages;
+}
+
+}  // namespace leaflight

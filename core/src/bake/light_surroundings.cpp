@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/bake/light_surroundings.h"
+
+#include <algorithm>
+
+#include "leaflight/math/parallel.h"
+
+namespace leaflight {
+namespace {
+
+constexpr std::size_t vertices_per_piece = 64;
+// A side of the surroundings is tried at every so many vertices before it is lit.
+constexpr std::size_t probe_stride = 16;
+
+using Radiance = std::vector<Vec<3, float>>;
+
+bool dark(const Radiance& radiance) {
+  return std::all_of(radiance.begin(), radiance.end(),
+                     [](const auto& r) { return r == Vec<3, float>(0); });
+}
+
+template <int D>
+class SurroundingsLighter {
+ public:
+  SurroundingsLighter(const SceneTracer<D>& tracer, const PointSampler<D>& sampler,
+                      const IndirectEstimator<D>* estimator, const SurroundingsWork<D>& work,
+                      Progress& progress, std::atomic<std::uint64_t>& rays)
+      : tracer_(tracer),
+        sampler_(sampler),
+        estimator_(estimator),
+        work_(work),
+        progress_(progress),
+        rays_(rays),
+        nodes_(tracer.scene()) {}
+
+  // One side of a mesh, for all nodes of c.
+  Radiance side(int mesh, bool back) const {
+    // A side that is dark at some of its points for all c is taken to be dark.
+    if (dark(vertices(mesh, back, probe_stride))) return {};
+    return vertices(mesh, back, 1);
+  }
+
+ private:
+  Radiance vertices(int mesh, bool back, std::size_t stride) const {
+    const std::vector<FacetPoint>& places = work_.meshes[mesh].places;
+    const std::size_t n = (places.size() + stride - 1) / stride, count = n * LeafNodes::count;
+    Radiance radiance(count);
+    parallel_range(count, vertices_per_piece, work_.samples * work_.rays_per_sample, progress_,
+                   [&](std::size_t begin, std::size_t end) {
+                     std::uint64_t rays = 0;
+                     for (std::size_t e = begin; e < end && !progress_.cancelled(); ++e) {
+                       const std::size_t vertex = e % n * stride;
+                       const FacetPoint& p = places[vertex];
+                       const SurfacePoint<D> point = tracer_.facet_point(
+                           p.mesh, p.facet, p.u, p.v, !back, nodes_.node(static_cast<int>(e / n)));
+                       // All nodes of a vertex share their random numbers: what noise is left
+                       // stands still while the isovalue moves.
+                       const SampleKeys keys =
+                           sample_keys(work_.seed, Purpose::surroundings, 2 * mesh + back,
+                                       static_cast<std::uint32_t>(vertex));
+                       radiance[e] = Vec<3, float>(mean_radiance(point, keys, rays));
+                     }
+                     rays_ += rays;
+                   });
+    return radiance;
+  }
+
+  Rgb mean_radiance(const SurfacePoint<D>& point, const SampleKeys& keys,
+                    std::uint64_t& rays) const {
+    Imath::V3d sum(0);
+    for (int i = 0; i < work_.samples; ++i) {
+      sum += Imath::V3d(sampler_.direct(point, keys, i, rays)) +
+             Imath::V3d(sampler_.indirect(point, estimator_, keys, i, rays));
+    }
+    return Rgb(sum / work_.samples);
+  }
+
+  const SceneTracer<D>& tracer_;
+  const PointSampler<D>& sampler_;
+  const IndirectEstimator<D>* estimator_;
+  const SurroundingsWork<D>& work_;
+  Progress& progress_;
+  std::atomic<std::uint64_t>& rays_;
+  LeafNodes nodes_;
+};
+
+}  // namespace
+
+template <int D>
+SurroundingsRadiance<D> light_surroundings(const SceneTracer<D>& tracer,
+                                           const PointSampler<D>& sampler,
+                                           const IndirectEstimator<D>* estimator,
+                                           SurroundingsWork<D> work, Progress& progress,
+                                           std::atomic<std::uint64_t>& rays) {
+  const SurroundingsLighter<D> lighter(tracer, sampler, estimator, work, progress, rays);
+  SurroundingsRadiance<D> result;
+  result.nodes = LeafNodes(tracer.scene());
+  result.radiance.resize(work.meshes.size());
+  for (std::size_t m = 0; m < result.radiance.size(); ++m) {
+    if (tracer.scene().meshes[m].scattering != Scattering::diffuse) continue;
+    for (const bool back : {false, true}) {
+      result.radiance[m][back] = lighter.side(static_cast<int>(m), back);
+    }
+  }
+  result.meshes = std::move(work.meshes);
+  return result;
+}
+
+template SurroundingsRadiance<2> light_surroundings(const SceneTracer<2>&, const PointSampler<2>&,
+                                                    const IndirectEstimator<2>*,
+                                                    SurroundingsWork<2>, Progress&,
+                                                    std::atomic<std::uint64_t>&);
+template SurroundingsRadiance<3> light_surroundings(const SceneTracer<3>&, const PointSampler<3>&,
+                                                    const IndirectEstimator<3>*,
+                                                    SurroundingsWork<3>, Progress&,
+                                                    std::atomic<std::uint64_t>&);
+
+}  // namespace leaflight
