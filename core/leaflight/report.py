@@ -69,15 +69,20 @@ def _cells(row):
         row.seconds,
         row.verdict,
     )
-    return dict(zip(COLUMNS, cells, strict=True))
+    return {**dict(zip(COLUMNS, cells, strict=True)), **row.others}
+
+
+def _columns(table):
+    return [*COLUMNS, *table.rows[0].others]
 
 
 def _csv(table, seed):
     text = io.StringIO()
-    writer = csv.DictWriter(text, [*COLUMNS, "passed", "seed"], lineterminator="\n")
+    writer = csv.DictWriter(text, [*_columns(table), "passed", "seed"], lineterminator="\n")
     writer.writeheader()
     for row in table.rows:
-        writer.writerow({**_cells(row), "passed": row.passed, "seed": seed})
+        own = seed + row.trial.repetition
+        writer.writerow({**_cells(row), "passed": row.passed, "seed": own})
     return text.getvalue()
 
 
@@ -88,13 +93,16 @@ def _markdown(tables, seed):
         f"Written by `scripts/leaflight report --tables` with seed {seed} on {os.cpu_count()} "
         "cores. Errors are RMS in percent (thesis Eq. 4.11, corrected) and the same in every run; "
         "seconds are those of each bake. Uniform, stratified, regular and importance samples must "
-        "not exceed the error that the thesis prints for uniform ones; strategies that leave gaps "
-        "must err at least three times as much as our uniform samples.",
+        "not exceed the error that the thesis prints for uniform ones, whatever their filter; nor "
+        "must samples in each texel, which the thesis does not have. Strategies that leave gaps "
+        "must err at least three times as much as our uniform samples. Percent are of a displayed "
+        "colour of 1, so that they grow with a scene's brightness; the thesis's is not known.",
     ]
     for table in tables:
         lines += ["", f"## {table.title}", ""]
-        lines += [_line(COLUMNS), "|" + "---|" * len(COLUMNS)]
-        lines += [_line(_printed(_cells(row))) for row in table.rows]
+        lines += [_line(_columns(table)), "|" + "---|" * len(_columns(table))]
+        for row in table.rows:
+            lines += [_line(_printed(name, cell) for name, cell in _cells(row).items())]
         lines += ["", *(f"- {note}" for note in table.notes)]
         for kind, pictures in table.pictures.items():
             names = ", ".join(pictures)
@@ -103,11 +111,12 @@ def _markdown(tables, seed):
     return "\n".join(lines) + "\n"
 
 
-def _printed(cells):
-    formats = {"samples": "{:,}", "ours": "{:.2f}", "seconds": "{:.1f}"}
-    return [
-        "" if cell is None else formats.get(name, "{}").format(cell) for name, cell in cells.items()
-    ]
+def _printed(name, cell):
+    if cell is None:
+        return ""
+    number = "{:.2f}" if isinstance(cell, float) else "{}"
+    formats = {"samples": "{:,}", "printed": "{:g}", "seconds": "{:.1f}"}
+    return formats.get(name, number).format(cell)
 
 
 def _line(cells):
