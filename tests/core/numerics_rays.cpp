@@ -71,7 +71,7 @@ Count count_rays(const Field<3>& field, double isovalue, std::uint64_t seed, int
   return count;
 }
 
-int rays_of(int usual) { return static_cast<int>(test::trials(usual, 100 * usual)); }
+int rays_of(int usual) { return static_cast<int>(test::trials(usual, 10 * usual)); }
 
 // Along an edge of the grid, from outside or within.
 void along_edge(Random& random, LeafRay<3>& ray) {

@@ -47,7 +47,7 @@ Vec3 departure(const Vec3& normal, Random& random) {
   return (tangent + normal * std::pow(10, -12 * random.uniform())).normalized();
 }
 
-int rays_of(int usual) { return static_cast<int>(test::trials(usual, 100 * usual)); }
+int rays_of(int usual) { return static_cast<int>(test::trials(usual, 10 * usual)); }
 
 TEST(NumericsReintersection, PlaneLeafIsNotMetAgain) {
   const Field<3> field = linear();
