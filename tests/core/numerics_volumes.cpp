@@ -153,6 +153,18 @@ TEST(NumericsVolumes, InfiniteValuesAreRefused) {
   }
 }
 
+// Around 1e6 single precision has steps of 1/16: a variation of 1e-3 is lost, and that is said.
+TEST(NumericsVolumes, VariationBelowSinglePrecisionIsRefused) {
+  const auto h = [](int i, int j, int k) { return 1e6 + 1e-3 * ball(i, j, k); };
+  try {
+    field_of({13, 13, 13}, h);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("same value 1e+06 in single precision"),
+              std::string::npos);
+  }
+}
+
 // The lamp lies in a leaf, shines from within one, or touches it with its edge.
 TEST(NumericsVolumes, LightOnALeaf) {
   const Field<3> field = test::sampled<3>(13, [](const Vec3& x) { return x.z; });
