@@ -214,8 +214,8 @@ py::tuple photon_points(const Scene<D>& scene, std::uint64_t count, std::uint64_
     watched.begin("Tracing photons");
     for (const auto& photon : collect_photons(tracer, lights, seed, count, watched, rays)) {
       positions.push_back(Vec<D>(photon.position) / tracer.frame().scale + tracer.frame().centre);
-      flux.emplace_back(photon.flux_height);
-      c.push_back(photon.c);
+      flux.emplace_back(photon.flux_height * static_cast<Real>(scene.window.height()));
+      c.push_back(static_cast<float>(photon.c));
       direct.push_back(photon.direct);
     }
   }
@@ -237,7 +237,10 @@ py::dict photon_balance(const Scene<D>& scene, std::uint64_t count, std::uint64_
         tracer, lights, PhotonPaths::all, seed, 0, count, count, [](const PhotonHit<D>&) {},
         &balance);
   }
-  const auto triple = [](const Imath::V3d& v) { return std::array<double, 3>{v.x, v.y, v.z}; };
+  const auto triple = [&](const Imath::V3d& v) {
+    const Imath::V3d flux_height = v * scene.window.height();
+    return std::array<double, 3>{flux_height.x, flux_height.y, flux_height.z};
+  };
   py::dict result;
   result["emitted"] = triple(balance.emitted);
   result["absorbed"] = triple(balance.absorbed);

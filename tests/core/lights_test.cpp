@@ -161,8 +161,9 @@ void expect_photons_agree(const Scene<D>& scene) {
                 [&](const PhotonHit<D>& photon) {
                   if (photon.arrival == Arrival::direct && photon.point.kind == HitKind::leaf &&
                       !photon.point.above) {
-                    landed += average(photon.flux_height);
-                    landed2 += std::pow(average(photon.flux_height), 2);
+                    const double flux = average(photon.flux_height) * scene.window.height();
+                    landed += flux;
+                    landed2 += flux * flux;
                   }
                 });
   // Integral over the volume of irradiance |grad c| dV.

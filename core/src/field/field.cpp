@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <sstream>
 #include <string>
 
 #include "leaflight/math/error.h"
@@ -69,8 +70,11 @@ Field<D> make_field(const float* values, const Index<D>& dims, const Affine<D>& 
     throw Error("All voxels of the volume are NaN, so it has no isosurface; check the file.");
   }
   if (s.min == s.max) {
-    throw Error("All voxels of the volume have the same value " + std::to_string(s.min) +
-                ", so it has no isosurface; check the file.");
+    std::ostringstream text;
+    text << "All voxels of the volume have the same value " << s.min
+         << " in single precision, so it has no isosurface; check the file, and subtract what its "
+            "values have in common.";
+    throw Error(text.str());
   }
   field.min = s.min;
   field.max = s.max;

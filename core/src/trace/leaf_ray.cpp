@@ -189,6 +189,13 @@ class Traversal {
     return std::nullopt;
   }
 
+  // Whether h - c is what is left of a zero by the dozen roundings of along_segment().
+  bool is_rounding(double difference, const CellCorners<D>& corners) const {
+    double size = 0;
+    for (const double h : corners.h) size = std::max(size, std::abs(h - ray_.isovalue));
+    return std::abs(difference) <= 16 * std::numeric_limits<double>::epsilon() * size;
+  }
+
   std::optional<LeafHit<D>> cross_cell(double t_exit) {
     const CellCorners<D> corners = load_corners(field_, cell_);
     int above_count = 0;
@@ -207,10 +214,16 @@ class Traversal {
     const Vec<D> from = at_start_ ? ray_.origin.local : local(t_);
     const Vec<D> to = local(t_out);
     SegmentPolynomial p = along_segment<D>(corners, ray_.isovalue, from, to);
-    // A ray that starts on its leaf starts at a root: taking it out leaves no self-intersection.
-    if (ray_.starts_on_leaf && t_ == 0) p[0] = 0;
+    // A ray that starts on its leaf starts at a root: taking it out leaves no self-intersection. On
+    // a short way the slope, too, would be lost in the rounding of its ends.
+    if (ray_.starts_on_leaf && t_ == 0) {
+      p[0] = 0;
+      p[1] = geometric_gradient(corners, from).dot(ray_.direction) * t_out;
+    }
     if (state_ == State::unknown) state_ = state_of(p[0] >= 0);
     const bool above = state_ == State::above;
+    // So does a ray that grazes its leaf enter the next cells.
+    if (ray_.starts_on_leaf && (p[0] >= 0) != above && is_rounding(p[0], corners)) p[0] = 0;
     if (const auto s = first_crossing(p, above)) {
       const double t = t_ + *s * (t_out - t_);
       return LeafHit<D>{t, {cell_, from + (to - from) * *s}, above};

@@ -15,6 +15,14 @@ constexpr int largest_soft_radius = 4, largest_caustic_radius = 2;
 // within the window, which a cap fills as a thin layer.
 constexpr int measure_points = 2, finer_measure_points = 4;
 
+// The share of the values within `reach` of c that lies in the window: where it is narrower than
+// the change of h from one point to the next, the points alone would miss it.
+double share_in_window(const IsovalueWindow& window, double c, double reach) {
+  if (!(reach > 0)) return window.contains(c);
+  const double low = std::max(window.min, c - reach), high = std::min(window.max, c + reach);
+  return std::max(0.0, high - low) / (2 * reach);
+}
+
 // Mean of |grad h| over a texel's box, of its part that leaves of the window pass.
 struct MeanGradient {
   double value = 0;
@@ -37,19 +45,26 @@ MeanGradient mean_gradient(const Volume<D>& volume, const IsovalueWindow& window
     const CellPoint<D> point = locate(field, position);
     const CellCorners<D> corners = load_corners(field, point.cell);
     const double h = interpolate(corners, point.local);
-    // Also false for NaN: masked cells hold no leaf.
-    if (!inside(field, position) || !window.contains(volume.leaf_coordinate(h))) {
+    // Masked cells hold no leaf.
+    if (!inside(field, position) || std::isnan(h)) {
       mean.whole = false;
       return;
     }
-    mean.value +=
-        frame_to_index.pull_back_gradient(geometric_gradient(corners, point.local)).length();
+    const Vec<D> gradient = geometric_gradient(corners, point.local);
+    double reach = 0;
+    for (int a = 0; a < D; ++a) {
+      reach += std::abs(gradient[a]) * lattice.voxels_per_texel[a] / (2 * points * volume.scale);
+    }
+    const double share = share_in_window(window, volume.leaf_coordinate(h), reach);
+    mean.whole = mean.whole && share == 1;
+    mean.value += share * frame_to_index.pull_back_gradient(gradient).length();
   });
   mean.value /= static_cast<double>(cell_count<D>(all));
   return mean;
 }
 
-// Integral of |grad c| over the part of a texel's box that leaves of the window pass, in the frame.
+// Integral of |grad c| over the part of a texel's box that leaves of the window pass, in the frame,
+// heights being in units of the window's.
 template <int D>
 float coarea_measure(const Volume<D>& volume, const IsovalueWindow& window,
                      const TexelLattice<D>& lattice, std::uint32_t texel,
@@ -58,7 +73,7 @@ float coarea_measure(const Volume<D>& volume, const IsovalueWindow& window,
   if (!mean.whole) {
     mean = mean_gradient(volume, window, lattice, texel, frame_to_index, finer_measure_points);
   }
-  return static_cast<float>(mean.value * texel_volume / volume.scale);
+  return static_cast<float>(mean.value * texel_volume / volume.scale / window.height());
 }
 
 // Running sums over 2 radius + 1 values along one axis of a dense grid, zero outside.

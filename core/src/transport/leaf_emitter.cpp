@@ -16,6 +16,7 @@ LeafEmitter<D>::LeafEmitter(const SceneTracer<D>& tracer, int volume)
   const double cell_volume = std::abs(determinant(tracer.index_to_frame(volume)));
   constexpr int size = 1 << IntervalPyramid<D>::log2_brick;
   const auto& level = of.field.pyramid.levels[0];
+  const double height = tracer.scene().window.height();
   const IsovalueWindow isovalues = of.isovalues(tracer.scene().window);
   Index<D> none{};
   std::vector<double> powers;
@@ -33,7 +34,7 @@ LeafEmitter<D>::LeafEmitter(const SceneTracer<D>& tracer, int volume)
       const double h = interpolate(load_corners(of.field, cell), middle.local);
       if (std::isnan(h)) return;
       const SurfacePoint<D> p = tracer.leaf_point(volume, middle, of.leaf_coordinate(h), false);
-      power += average(p.emission) * p.gradient_length;
+      power += average(p.emission) * p.gradient_length / height;
     });
     // A brick whose middles are dark may still shine elsewhere.
     power = std::max(power, 1e-3 * of.emission.largest());
@@ -64,9 +65,10 @@ typename LeafEmitter<D>::Sample LeafEmitter<D>::sample(double choice, Random& ra
   if (!tracer_.scene().window.contains(c)) return sample;
   sample.point = tracer_.leaf_point(volume_, at, c, above);
   const double volume = cells * std::abs(determinant(tracer_.index_to_frame(volume_)));
+  const double steepness = sample.point.gradient_length / tracer_.scene().window.height();
   sample.flux_height =
-      sample.point.emission * static_cast<Real>(2 * projected_hemisphere<D> * volume *
-                                                sample.point.gradient_length / picked.probability);
+      sample.point.emission *
+      static_cast<Real>(2 * projected_hemisphere<D> * volume * steepness / picked.probability);
   return sample;
 }
 

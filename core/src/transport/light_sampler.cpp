@@ -52,7 +52,7 @@ LightSampler<D>::LightSampler(const SceneTracer<D>& tracer) : tracer_(tracer) {
     near.push_back(pi * power.back() / (all_directions<D> * parallel_area(tracer.bounds())));
   }
   for (const LeafEmitter<D>& leaf : leaves_) {
-    power.push_back(leaf.power_height() / scene.window.height());
+    power.push_back(leaf.power_height());
   }
   // A tenth of the shadow rays goes to all alike, in case the middle of the scene misleads.
   double sum = 0, shining = 0;
@@ -64,7 +64,6 @@ LightSampler<D>::LightSampler(const SceneTracer<D>& tracer) : tracer_(tracer) {
 
 template <int D>
 double LightSampler<D>::largest_flux_height() const {
-  const double height = tracer_.scene().window.height();
   double most = 0;
   const auto consider = [&](std::size_t number, double flux_height) {
     const double p = by_power_.probability(number);
@@ -72,14 +71,14 @@ double LightSampler<D>::largest_flux_height() const {
     if (p > 0) most = std::max(most, flux_height / p);
   };
   for (std::size_t i = 0; i < tracer_.lights().size(); ++i) {
-    consider(i, largest_flux_of(tracer_.lights()[i], tracer_.bounds()) * height);
+    consider(i, largest_flux_of(tracer_.lights()[i], tracer_.bounds()));
   }
   for (std::size_t i = 0; i < meshes_.size(); ++i) {
     const double radiance = largest(meshes_[i].radiance());
-    consider(first_mesh() + i, radiance * 2 * projected_hemisphere<D> * meshes_[i].area() * height);
+    consider(first_mesh() + i, radiance * 2 * projected_hemisphere<D> * meshes_[i].area());
   }
   if (environment_) {
-    consider(environment_number(), environment_->largest_flux(tracer_.bounds()) * height);
+    consider(environment_number(), environment_->largest_flux(tracer_.bounds()));
   }
   for (std::size_t i = 0; i < leaves_.size(); ++i) {
     consider(first_leaf() + i, leaves_[i].largest_flux_height());
@@ -147,8 +146,7 @@ PhotonStart<D> LightSampler<D>::emit(double c, double choice,
   start.from.position = photon.origin;
   start.from.c = c;
   start.direction = photon.direction;
-  start.flux_height =
-      photon.flux * static_cast<Real>(tracer_.scene().window.height() / picked.probability);
+  start.flux_height = photon.flux / static_cast<Real>(picked.probability);
   return start;
 }
 

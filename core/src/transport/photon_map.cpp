@@ -44,9 +44,8 @@ std::vector<StoredPhoton<D>> collect_photons(const SceneTracer<D>& tracer,
           tracer, lights, PhotonPaths::all, seed, first, last, count,
           [&](const PhotonHit<D>& photon) {
             if (photon.point.kind != HitKind::leaf) return;
-            stored[p].push_back({Vec<D, float>(photon.point.position),
-                                 static_cast<float>(photon.point.c), photon.flux_height,
-                                 photon.point.volume, photon.point.above,
+            stored[p].push_back({Vec<D, float>(photon.point.position), photon.point.c,
+                                 photon.flux_height, photon.point.volume, photon.point.above,
                                  photon.arrival == Arrival::direct});
           });
     }
@@ -80,10 +79,11 @@ void validate(const PhotonMapSettings& settings) {
 
 template <int D>
 PhotonMap<D>::PhotonMap(std::vector<StoredPhoton<D>> photons, double domain_extent,
-                        double range_extent, const PhotonMapSettings& settings)
+                        double range_extent, const PhotonMapSettings& settings, double height)
     : photons_(std::move(photons)),
       settings_(settings),
-      kappa_(settings.g * domain_extent / range_extent) {
+      kappa_(settings.g * domain_extent / range_extent),
+      height_(height) {
   validate(settings);
   if (photons_.size() > std::numeric_limits<std::uint32_t>::max()) {
     throw Error("The photon map would hold " + std::to_string(photons_.size()) +
@@ -193,7 +193,7 @@ Rgb PhotonMap<D>::irradiance(const Vec<D>& position, double c, bool above,
       add_all();
       break;
   }
-  return volume > 0 ? Rgb(sum / volume) : Rgb(0);
+  return volume > 0 ? Rgb(sum * (height_ / volume)) : Rgb(0);
 }
 
 template std::vector<StoredPhoton<2>> collect_photons<2>(const SceneTracer<2>&,

@@ -122,7 +122,8 @@ template <int D>
 Rgb SurfaceCache<D>::density(const FluxAccumulator& flux, std::size_t entry) const {
   if (flux.empty()) return Rgb(0);
   const int node = static_cast<int>(entry % LeafNodes::count);
-  const double measure = facet_of(entry).patch_area * nodes_.height(node);
+  const double height = nodes_.height(node) / tracer_.scene().window.height();
+  const double measure = facet_of(entry).patch_area * height;
   if (!(measure > 0)) return Rgb(0);
   Rgb irradiance;
   for (int i = 0; i < 3; ++i) irradiance[i] = static_cast<Real>(flux.flux(entry, i) / measure);

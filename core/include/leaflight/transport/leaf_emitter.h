@@ -17,8 +17,8 @@ class LeafEmitter {
  public:
   LeafEmitter(const SceneTracer<D>& tracer, int volume);
 
-  // Power integrated over the leaf coordinate, averaged over the channels and estimated at the
-  // middles of cells: what emitters are chosen by.
+  // Power integrated over the leaf coordinate, in units of the window's height, averaged over the
+  // channels and estimated at the middles of cells: what emitters are chosen by.
   double power_height() const { return by_power_.total(); }
   // An upper bound, roughly, of the largest channel of a sample's flux-height.
   double largest_flux_height() const { return 16 * power_height(); }

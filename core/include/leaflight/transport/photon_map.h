@@ -12,7 +12,7 @@ namespace leaflight {
 template <int D>
 struct StoredPhoton {
   Vec<D, float> position;  // frame
-  float c;
+  double c;
   Rgb flux_height;
   int volume;   // whose leaf it met
   bool above;   // it came from the side h >= c, the inside
@@ -48,9 +48,9 @@ template <int D>
 class PhotonMap {
  public:
   // The photons of one volume. `domain_extent`: the longest side of its box in the frame;
-  // `range_extent`: of the leaf coordinate over its data.
+  // `range_extent`: of the leaf coordinate over its data; `height`: the unit of flux-heights.
   PhotonMap(std::vector<StoredPhoton<D>> photons, double domain_extent, double range_extent,
-            const PhotonMapSettings& settings);
+            const PhotonMapSettings& settings, double height = 1);
 
   // At a point of the leaf, on its side `above`, from the photons that came from that side.
   // `gradient` is that of c in the frame, of either sign; the spheres do not need it.
@@ -70,7 +70,7 @@ class PhotonMap {
 
   std::vector<StoredPhoton<D>> photons_;
   PhotonMapSettings settings_;
-  double kappa_;
+  double kappa_, height_;
   double lowest_ = 0;  // of c; the tree's last coordinate is kappa (c - lowest)
   std::vector<Side> sides_;
 };

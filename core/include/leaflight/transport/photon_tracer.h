@@ -13,9 +13,10 @@ namespace leaflight {
 enum class Arrival { direct, caustic, indirect };
 
 // A photon where it meets a diffuse surface. Its flux-height is F = Phi H / n (thesis Eq. 4.4):
-// flux per photon times the height of the isovalue window, since n photons share all isovalues. On
-// leaves it carries the factor |w.Ns| / |w.Ng| of shading normals (Veach 1997, ch. 5), so that flux
-// per area is irradiance with respect to the shading normal.
+// flux per photon times the height of the isovalue window, since n photons share all isovalues.
+// Heights are in units of the window's, H = 1: in those of the data, single precision would
+// underflow or overflow. On leaves it carries the factor |w.Ns| / |w.Ng| of shading normals (Veach
+// 1997, ch. 5), so that flux per area is irradiance with respect to the shading normal.
 template <int D>
 struct PhotonHit {
   const Hit<D>& hit;

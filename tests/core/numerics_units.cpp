@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <map>
+
+#include "figures.h"
+
+namespace leaflight {
+namespace {
+
+constexpr int voxels = 17;
+
+// The same scene told in other units: data a h + b, lengths s x + d, light l L.
+struct Units {
+  std::string name;
+  double scale = 1, offset = 0;       // of values
+  double size = 1, displacement = 0;  // of lengths
+  double light = 1;
+};
+
+Vec3 told(const Units& units, const Vec3& p) {
+  return p * units.size + Vec3(1, -1, 1) * units.displacement;
+}
+
+// A ball of 256 levels in a room with a lamp, all of it at multiples of 1/64. No level is an end of
+// the window, which rounding could leave out.
+Scene<3> scene_in(const Units& units, bool glowing = false) {
+  Field<3> field = test::sampled<3>(voxels, [&](const Vec3& x) {
+    const double level = std::round(256 * (1 - (x - Vec3(0.45, 0.5, 0.55)).length()));
+    return units.scale * (level / 16 + units.offset);
+  });
+  Affine<3> place = field.index_to_world;
+  for (Vec3& column : place.column) column *= units.size;
+  place.origin = told(units, place.origin);
+  field = make_field<3>(field.values, field.dims, place, field.owner);
+  const auto isovalue = [&](double c) { return units.scale * (c + units.offset); };
+  Scene<3> scene =
+      test::scene_of(std::move(field), Rgb(0.75f), {isovalue(10.03125), isovalue(13.96875)});
+  const Rgb radiance(static_cast<Real>(3 * units.light));
+  if (glowing) {
+    scene.volumes[0].emission = ColorRamp({{isovalue(11), Rgb(0)}, {isovalue(13), radiance}});
+  }
+  for (const test::Side& side : test::cube_sides(-0.25, 1.25)) {
+    scene.meshes.push_back(test::wall("wall", told(units, side.corner), side.u * units.size,
+                                      side.v * units.size, Rgb(0.5f, 0.25f, 0.75f)));
+  }
+  if (!glowing) {
+    scene.lights.push_back(
+        AreaLight<3>{"lamp",
+                     told(units, {0.25, 0.25, 1.234375}),
+                     {Vec3(0, 0.5, 0) * units.size, Vec3(0.5, 0, 0) * units.size},
+                     radiance});
+  }
+  return scene;
+}
+
+RadianceGrid<3> baked(const Scene<3>& scene, EstimatorName estimator) {
+  BakeSettings<3> settings;
+  settings.samples = 2;
+  settings.photons = settings.caustic_photons = test::fewer(20'000);
+  settings.estimator = estimator;
+  settings.both_sides = true;
+  Progress progress;
+  return bake(scene, settings, progress).grids[0];
+}
+
+struct Difference {
+  bool same_texels = false;
+  double mean = 0, rms = 0, most = 0;  // over the plain mean
+};
+
+Difference difference(const RadianceGrid<3>& plain, const RadianceGrid<3>& other, double light) {
+  Difference d;
+  d.same_texels = plain.lattice.active == other.lattice.active;
+  if (!d.same_texels) return d;
+  double sum = 0, other_sum = 0, square = 0;
+  for (std::size_t s = 0; s < plain.radiance.size(); ++s) {
+    for (int k = 0; k < 3; ++k) {
+      const double a = plain.radiance[s][k], b = other.radiance[s][k] / light;
+      sum += a;
+      other_sum += b;
+      square += (a - b) * (a - b);
+      d.most = std::max(d.most, std::abs(a - b));
+    }
+  }
+  const double count = 3.0 * static_cast<double>(plain.radiance.size()), mean = sum / count;
+  d.mean = std::abs(other_sum - sum) / sum;
+  d.rms = std::sqrt(square / count) / mean;
+  d.most /= mean;
+  return d;
+}
+
+const RadianceGrid<3>& plain(EstimatorName estimator, bool glowing) {
+  static std::map<std::pair<EstimatorName, bool>, RadianceGrid<3>> known;
+  auto found = known.find({estimator, glowing});
+  if (found == known.end()) {
+    found =
+        known.emplace(std::pair{estimator, glowing}, baked(scene_in({}, glowing), estimator)).first;
+  }
+  return found->second;
+}
+
+void expect_alike(const Units& units, double most_rms, bool glowing = false) {
+  for (const EstimatorName estimator : {EstimatorName::gather, EstimatorName::volumetric,
+                                        EstimatorName::path, EstimatorName::thesis}) {
+    const RadianceGrid<3> other = baked(scene_in(units, glowing), estimator);
+    const Difference d = difference(plain(estimator, glowing), other, units.light);
+    const std::string name =
+        units.name + (glowing ? ", glowing leaves, " : ", ") + name_of(estimator);
+    EXPECT_TRUE(d.same_texels) << name;
+    EXPECT_LE(d.rms, most_rms) << name;
+    test::figure(name + ": relative RMS", d.rms);
+    test::figure(name + ": relative maximum", d.most);
+    test::figure(name + ": difference of the means", d.mean);
+  }
+}
+
+// Powers of two scale without rounding: every bit is the same. 2^100 is 1.3e30.
+constexpr double huge = 0x1p100, tiny = 0x1p-100;
+
+TEST(NumericsUnits, HugeAndTinyValuesChangeNothing) {
+  expect_alike({"values 1e30", huge}, 0);
+  expect_alike({"values 1e-30", tiny}, 0);
+}
+
+TEST(NumericsUnits, HugeAndTinyValuesOfGlowingLeavesChangeNothing) {
+  expect_alike({"values 1e30", huge}, 0, true);
+  expect_alike({"values 1e-30", tiny}, 0, true);
+}
+
+TEST(NumericsUnits, DimLightChangesNothing) {
+  Units units{"values 1e-30, light 1e-6", tiny};
+  units.light = 0x1p-20;
+  expect_alike(units, 0);
+}
+
+TEST(NumericsUnits, LengthsChangeNothing) {
+  Units units{"lengths 1e-8"};
+  units.size = 0x1p-27;
+  expect_alike(units, 0);
+  units = {"lengths 1e8"};
+  units.size = 0x1p27;
+  expect_alike(units, 0);
+}
+
+// Single precision holds the walls' coordinates of multiples of 1/64 there.
+TEST(NumericsUnits, DisplacementChangesNothing) {
+  Units units{"displaced by 1.3e5 sizes"};
+  units.displacement = 0x1p17;
+  expect_alike(units, 0);
+}
+
+// At 1e6 a double knows the isovalue to 6e-11, and the leaf to as much of the domain; radiance is
+// rounded to 6e-8.
+TEST(NumericsUnits, Offset) {
+  expect_alike({"values - 1000", 1, -1000}, 0);
+  expect_alike({"values + 1e6", 1, 1e6}, 1e-6);
+}
+
+// Values and the walls' vertices are rounded to 6e-8 here, in single precision. Of 20,000 photons
+// with 5 hits each about one meets another texel, which changes boxes of some 100 photons by 1 %.
+TEST(NumericsUnits, DecimalUnits) {
+  expect_alike({"values * 0.1", 0.1}, 1e-2);
+  Units units{"lengths * 25.4, displaced by 0.3"};
+  units.size = 25.4;
+  units.displacement = 0.3;
+  expect_alike(units, 1e-2);
+}
+
+}  // namespace
+}  // namespace leaflight

@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "figures.h"
+#include "leaflight/math/error.h"
+#include "leaflight/math/sampling.h"
+
+namespace leaflight {
+namespace {
+
+// h at voxels, the longest side of the box about them being 1.
+Field<3> field_of(const Index<3>& dims, const std::function<double(int, int, int)>& h,
+                  Affine<3> transform = {{Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}}) {
+  std::vector<float> values;
+  for (int k = 0; k < dims[2]; ++k) {
+    for (int j = 0; j < dims[1]; ++j) {
+      for (int i = 0; i < dims[0]; ++i) values.push_back(static_cast<float>(h(i, j, k)));
+    }
+  }
+  const Field<3> measured = test::field_from<3>(values, dims, transform);
+  const Box<3> box = world_box(measured);
+  const double scale = 1 / box.longest_side();
+  for (Vec3& column : transform.column) column *= scale;
+  transform.origin = (transform.origin - (box.low + box.high) * 0.5) * scale + Vec3(0.5);
+  return test::field_from<3>(std::move(values), dims, transform);
+}
+
+struct Case {
+  std::string name;
+  Field<3> field;
+  IsovalueWindow window;
+};
+
+double ball(int i, int j, int k) { return 1 - (Vec3(i, j, k) / 12 - Vec3(0.5)).length(); }
+
+std::vector<Case> cases() {
+  const Index<3> cube{13, 13, 13};
+  Random random(107);
+  const auto any = [&](int, int, int) { return random.uniform(); };
+  const auto scaled = [](double a, double b) {
+    return [a, b](int i, int j, int k) { return a * ball(i, j, k) + b; };
+  };
+  const auto integers = [&](int, int, int) { return std::floor(256 * random.uniform()); };
+  const auto steps = [](int i, int j, int k) { return std::floor(4 * ball(i, j, k)); };
+  const auto thin = [](int, int, int k) { return k == 6 ? 1.0 : 0.0; };
+  const auto spike = [](int i, int j, int k) { return i == 6 && j == 6 && k == 6 ? 1.0 : 0.0; };
+  const auto board = [](int i, int j, int k) { return (i + j + k) % 2; };
+  const auto critical = [](int i, int j, int k) {
+    return std::sin(pi * i / 3.0) * std::sin(pi * j / 3.0) * std::sin(pi * k / 3.0);
+  };
+  const auto saddle = [](int i, int j, int k) {
+    const double x = i - 6.0, y = j - 6.0, z = k - 6.0;
+    return x * x + y * y - 2 * z * z;
+  };
+  const auto holes = [&](int i, int j, int k) {
+    return random.uniform() < 0.05 ? std::nan("") : ball(i, j, k);
+  };
+  const Vec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
+  return {
+      {"values 1e-30", field_of(cube, scaled(1e-30, 0)), {0.6e-30, 0.9e-30}},
+      {"values 1e30", field_of(cube, scaled(1e30, 0)), {0.6e30, 0.9e30}},
+      {"negative values", field_of(cube, scaled(1, -7)), {-6.4, -6.1}},
+      // Single precision has 8 values in this window.
+      {"1e6 and 0.5", field_of(cube, scaled(1, 1e6)), {1e6 + 0.5, 1e6 + 1}},
+      {"1000 and 1e-3", field_of(cube, scaled(1e-3, 1000)), {1000.0006, 1000.0009}},
+      {"values 1e-30 to 1e30",
+       field_of(cube, [&](int, int, int) { return std::pow(10, 60 * random.uniform() - 30); }),
+       {1e-30, 1e30}},
+      {"8 bits at integers", field_of(cube, integers), {100, 101}},
+      {"plateaus", field_of(cube, steps), {1, 3}},
+      {"wall of one voxel", field_of(cube, thin), {0.2, 0.9}},
+      {"one voxel", field_of(cube, spike), {0.2, 0.9}},
+      {"checkerboard", field_of(cube, board), {0.2, 0.8}},
+      {"noise", field_of(cube, any), {0.3, 0.7}},
+      {"all isovalues", field_of(cube, ball), {1 - std::sqrt(0.75), 1}},
+      {"beyond the isovalues", field_of(cube, ball), {-1e3, 1e3}},
+      {"narrow window", field_of(cube, ball), {0.7, 0.7 + 1e-12}},
+      {"critical points", field_of(cube, critical), {-0.65, 0.65}},
+      {"saddle", field_of(cube, saddle), {-1e-3, 1e-3}},
+      {"2 x 2 x 2", field_of({2, 2, 2}, any), {0.3, 0.7}},
+      {"2 x 7 x 5", field_of({2, 7, 5}, any), {0.3, 0.7}},
+      {"9 x 2 x 30", field_of({9, 2, 30}, any), {0.3, 0.7}},
+      {"spacing 1:1:100", field_of(cube, ball, {{x, y, z * 100}}), {0.6, 0.9}},
+      {"sheared", field_of(cube, ball, {{x, x * 5 + y, x - y * 3 + z}}), {0.6, 0.9}},
+      {"mirrored", field_of(cube, ball, {{-x, y, z}}), {0.6, 0.9}},
+      {"voxels without data", field_of(cube, holes), {0.5, 0.9}},
+  };
+}
+
+// Under a lamp and a dim sky.
+Scene<3> lit(const Field<3>& field, const IsovalueWindow& window) {
+  Scene<3> scene = test::scene_of(field, Rgb(0.75f), window);
+  scene.lights = {
+      AreaLight<3>{"lamp", {0.2, 0.2, 1.28}, {Vec3(0, 0.6, 0), Vec3(0.6, 0, 0)}, Rgb(3)}};
+  scene.environment.emplace();
+  scene.environment->radiance = Rgb(0.1f);
+  return scene;
+}
+
+BakeSettings<3> quick(EstimatorName estimator) {
+  BakeSettings<3> settings;
+  settings.samples = 2;
+  settings.photons = settings.caustic_photons = test::fewer(5000);
+  settings.estimator = estimator;
+  settings.both_sides = true;
+  return settings;
+}
+
+const std::vector<EstimatorName> estimators{EstimatorName::gather, EstimatorName::volumetric,
+                                            EstimatorName::path, EstimatorName::thesis};
+
+bool is_light(const std::vector<Vec<3, float>>& radiance) {
+  return std::all_of(radiance.begin(), radiance.end(), [](const Vec<3, float>& r) {
+    return std::isfinite(r.x + r.y + r.z) && r.x >= 0 && r.y >= 0 && r.z >= 0;
+  });
+}
+
+// Finite and not negative, with light somewhere, on one side or the other.
+void expect_light(const Scene<3>& scene, const std::string& name) {
+  for (const EstimatorName estimator : estimators) {
+    Progress progress;
+    const RadianceGrid<3> grid = bake(scene, quick(estimator), progress).grids[0];
+    const std::string what = name + ", " + name_of(estimator);
+    EXPECT_TRUE(is_light(grid.radiance)) << what;
+    EXPECT_TRUE(is_light(grid.radiance_indirect)) << what;
+    EXPECT_TRUE(is_light(grid.radiance_back)) << what;
+    for (const float e : grid.radiance_error) ASSERT_TRUE(std::isfinite(e) && e >= 0) << what;
+    double sum = 0;
+    for (const auto& side : {grid.radiance, grid.radiance_back}) {
+      for (const auto& r : side) sum += r.x + r.y + r.z;
+    }
+    EXPECT_GT(sum, 0) << what;
+  }
+}
+
+TEST(NumericsVolumes, BakesAreFinite) {
+  for (const Case& hard : cases()) expect_light(lit(hard.field, hard.window), hard.name);
+}
+
+// All the leaves at once of two volumes whose values are 60 decades apart.
+TEST(NumericsVolumes, TwoRangesAreFinite) {
+  std::vector<Case> all = cases();
+  Scene<3> scene = lit(all[0].field, {0.6, 0.9});
+  scene.volumes[0].scale = 1e-30;
+  scene.volumes.push_back(scene.volumes[0]);
+  scene.volumes[1].field = all[1].field;
+  scene.volumes[1].scale = 1e30;
+  expect_light(scene, "two ranges");
+}
+
+TEST(NumericsVolumes, InfiniteValuesAreRefused) {
+  for (const double infinite : {HUGE_VAL, -HUGE_VAL}) {
+    const auto h = [&](int i, int j, int k) { return i == 1 ? infinite : j + k; };
+    EXPECT_THROW(field_of({3, 3, 3}, h), Error);
+  }
+}
+
+// Around 1e6 single precision has steps of 1/16: a variation of 1e-3 is lost, and that is said.
+TEST(NumericsVolumes, VariationBelowSinglePrecisionIsRefused) {
+  const auto h = [](int i, int j, int k) { return 1e6 + 1e-3 * ball(i, j, k); };
+  try {
+    field_of({13, 13, 13}, h);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("same value 1e+06 in single precision"),
+              std::string::npos);
+  }
+}
+
+// The lamp lies in a leaf, shines from within one, or touches it with its edge.
+TEST(NumericsVolumes, LightOnALeaf) {
+  const Field<3> field = test::sampled<3>(13, [](const Vec3& x) { return x.z; });
+  Scene<3> scene = lit(field, {0.2, 0.8});
+  scene.environment.reset();
+  const Vec3 x(0.5, 0, 0), y(0, 0.5, 0), z(0, 0, 0.5);
+  scene.lights = {AreaLight<3>{"in a leaf", {0.25, 0.25, 0.5}, {x, y}, Rgb(1)}};
+  expect_light(scene, "lamp in a leaf, shining up");
+  scene.lights = {AreaLight<3>{"in a leaf", {0.25, 0.25, 0.5}, {y, x}, Rgb(1)}};
+  expect_light(scene, "lamp in a leaf, shining down");
+  scene.lights = {AreaLight<3>{"on edge", {0.25, 0.5, 0.25}, {x, z}, Rgb(1)}};
+  expect_light(scene, "lamp across leaves");
+  for (const double radius : {0.0, 1e-12, 0.1}) {
+    PointLight<3> bulb;
+    bulb.intensity = Rgb(1);
+    bulb.radius = radius;
+    bulb.position = Vec3(0.5);
+    scene.lights = {bulb};
+    expect_light(scene, "bulb in a leaf");
+  }
+}
+
+// A leaf in the plane of a wall, on one side of it and on the other, and across it.
+TEST(NumericsVolumes, LeafOnAWall) {
+  const Field<3> field = test::sampled<3>(13, [](const Vec3& x) { return x.z; });
+  Scene<3> scene = lit(field, {0.499, 0.501});
+  const Vec3 x(0.6, 0, 0), y(0, 0.6, 0), z(0, 0, 0.6);
+  scene.meshes = {test::wall("in a leaf", {0.2, 0.2, 0.5}, x, y, Rgb(0.5f))};
+  expect_light(scene, "wall in a leaf");
+  scene.meshes.back() = test::wall("across leaves", {0.2, 0.5, 0.2}, x, z, Rgb(0.5f));
+  expect_light(scene, "wall across leaves");
+}
+
+// In a closed white box of radiance 1 and albedo 1/2 everything white has the radiance 2, whatever
+// the transform of the volume: planes, as they have no shading of their own.
+TEST(NumericsVolumes, FurnaceInAnyTransform) {
+  const Vec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
+  const std::vector<std::pair<std::string, Affine<3>>> transforms{
+      {"plain", {{x, y, z}}},
+      {"mirrored", {{-x, y, z}}},
+      {"spacing 1:1:100", {{x, y, z * 100}}},
+      {"spacing 100:1:1", {{x * 100, y, z}}},
+      {"sheared", {{x, x * 5 + y, x - y * 3 + z}}},
+      {"sheared, mirrored, 1:1:100", {{-x, x * 5 + y, (x - y * 3 + z) * 100}}}};
+  for (const auto& [name, transform] : transforms) {
+    const auto h = [](int i, int j, int k) { return i + 2 * j + 3 * k; };
+    const Scene<3> scene =
+        test::furnace(field_of({9, 9, 9}, h, transform), {20, 28}, 1, static_cast<Real>(0.5));
+    BakeSettings<3> settings = quick(EstimatorName::path);
+    settings.samples = test::fewer(64);
+    Progress progress;
+    const RadianceGrid<3> grid = bake(scene, settings, progress).grids[0];
+    double sum = 0, variance = 0, texels = 0;
+    for (std::size_t s = 0; s < grid.radiance.size(); ++s) {
+      // Black texels are corners of the window's bounds that no leaf of it reaches.
+      texels += grid.radiance[s].x > 0;
+      sum += grid.radiance[s].x;
+      variance += grid.radiance_error[s] * grid.radiance_error[s];
+    }
+    EXPECT_GT(texels, 0.9 * static_cast<double>(grid.radiance.size())) << name;
+    const double z_score = (sum - 2 * texels) / std::sqrt(variance);
+    // Six tests at a level of 1e-4 together.
+    EXPECT_LT(std::abs(z_score), 4.3) << name;
+    test::figure("furnace, " + name + ": mean radiance over 2", sum / texels / 2);
+    test::figure("furnace, " + name + ": z-score", z_score);
+  }
+}
+
+// A window is as narrow as its owner likes: the radiance is 2 on the leaves of all.
+TEST(NumericsVolumes, FurnaceInNarrowWindows) {
+  for (const double height : {1e-2, 1e-3, 1e-12}) {
+    for (const EstimatorName estimator : estimators) {
+      const Scene<3> scene = test::furnace(
+          test::ball<3>(25), {0.72 - height / 2, 0.72 + height / 2}, 1, static_cast<Real>(0.5));
+      BakeSettings<3> settings = quick(estimator);
+      settings.samples = test::fewer(16);
+      settings.photons = test::fewer(100'000);
+      settings.both_sides = false;
+      Progress progress;
+      const Baked<3> baked = bake(scene, settings, progress);
+      const std::vector<Vec3> points = test::leaf_points(test::field_of(scene), 0.72, 5);
+      double sum = 0, square = 0;
+      for (const Vec3& point : points) {
+        const double radiance = test::lookup_world(scene, baked, point).x;
+        sum += radiance;
+        square += radiance * radiance;
+      }
+      const auto n = static_cast<double>(points.size());
+      const double mean = sum / n, error = std::sqrt((square / n - mean * mean) / n);
+      std::ostringstream what;
+      what << "furnace, window of " << height << ", " << name_of(estimator);
+      // Neighbouring points share texels and photons: eight count as one. Shading normals cost 1 %.
+      if (!test::sanitized) {
+        EXPECT_LT(std::abs(mean - 2), 4 * std::sqrt(8) * error + 0.02) << what.str();
+      }
+      test::figure(what.str() + ": mean radiance over 2", mean / 2);
+      test::figure(what.str() + ": its standard error", error / 2);
+    }
+  }
+}
+
+// The same ball stored from right to left: the same texels are lit, by the same light but for
+// noise.
+TEST(NumericsVolumes, StoredTheOtherWayRound) {
+  Affine<3> mirror{{Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}};
+  const auto off_centre = [](int i, int j, int k) { return ball(i + 2, j, k - 1); };
+  const auto reversed = [&](int i, int j, int k) { return off_centre(12 - i, j, k); };
+  BakeSettings<3> settings = quick(EstimatorName::path);
+  settings.samples = test::fewer(64);
+  Progress first, second;
+  const RadianceGrid<3> a =
+      bake(test::cornell(field_of({13, 13, 13}, off_centre), {0.6, 0.9}), settings, first).grids[0];
+  const RadianceGrid<3> b =
+      bake(test::cornell(field_of({13, 13, 13}, reversed, mirror), {0.6, 0.9}), settings, second)
+          .grids[0];
+  ASSERT_EQ(a.radiance.size(), b.radiance.size());
+  double difference = 0, variance = 0, sum = 0;
+  for (std::size_t s = 0; s < a.radiance.size(); ++s) {
+    Index<3> texel = a.lattice.texel(a.lattice.active[s]);
+    texel[0] = 12 - texel[0];
+    const std::int32_t other = b.lattice.slot[b.lattice.linear(texel)];
+    ASSERT_NE(other, TexelLattice<3>::inactive);
+    const Vec<3, float> r = a.radiance[s], q = b.radiance[other];
+    sum += (r.x + r.y + r.z) / 3;
+    difference += (q.x + q.y + q.z - r.x - r.y - r.z) / 3;
+    variance += std::pow(a.radiance_error[s], 2) + std::pow(b.radiance_error[other], 2);
+  }
+  EXPECT_LT(std::abs(difference), 4 * std::sqrt(variance));
+  test::figure("stored the other way round: ratio of the means", 1 + difference / sum);
+  test::figure("stored the other way round: its standard error", std::sqrt(variance) / sum);
+}
+
+}  // namespace
+}  // namespace leaflight

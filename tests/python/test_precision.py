@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Single precision against the build that keeps radiance in double precision (preset double)."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+ESTIMATORS = ("gather", "volumetric", "path", "thesis")
+EPSILON = np.finfo(np.float32).eps
+# A radiance is a product of some 20 rounded factors and a few sums of such products: 64 roundings
+# of half an epsilon are more than it can collect. Positions are double in both builds.
+MOST = 32 * EPSILON
+
+BAKES = """
+import sys
+import leaflight
+import numpy as np
+
+scene = leaflight.load_scene(sys.argv[1])
+grids = {}
+for estimator in sys.argv[3:]:
+    baked = leaflight.bake(
+        leaflight.bump_box(20), scene, samples=4, photons=20_000, isovalues=(30.0, 70.0),
+        estimator=estimator, both_sides=True,
+    )
+    for name in ("radiance", "radiance_back"):
+        grids[f"{estimator} {name}"] = baked.grid.dense(name)
+np.savez(sys.argv[2], **grids)
+"""
+
+
+def bakes(root, preset, folder):
+    """Bakes by the module of a preset, in a process of its own; skips where it is not built."""
+    package = root / "build" / preset / "python"
+    if not list((package / "leaflight").glob("_core*.so")):
+        pytest.skip(f"the preset {preset} is not built")
+    path = folder / f"{preset}.npz"
+    subprocess.run(
+        [sys.executable, "-c", BAKES, root / "scenes" / "bump_box.json", path, *ESTIMATORS],
+        check=True,
+        timeout=300,
+        env=os.environ | {"PYTHONPATH": str(package)},
+    )
+    return np.load(path)
+
+
+@pytest.fixture(scope="module")
+def both(root, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("precision")
+    return [bakes(root, preset, folder) for preset in ("release", "double")]
+
+
+@pytest.mark.parametrize("estimator", ESTIMATORS)
+def test_single_precision_is_enough(both, estimator, record_property):
+    for side in ("radiance", "radiance_back"):
+        single, double = (grids[f"{estimator} {side}"].astype(np.float64) for grids in both)
+        mean = double[double > 0].mean()
+        error = np.abs(single - double)
+        # Both builds at work, on the same texels.
+        assert 0 < error.max() and ((single > 0) == (double > 0)).all()
+        record_property(f"{side}: largest error over the mean", error.max() / mean)
+        record_property(f"{side}: RMS error over the mean", np.sqrt((error**2).mean()) / mean)
+        assert (error <= MOST * (double + mean)).all()
