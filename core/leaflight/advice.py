@@ -47,16 +47,16 @@ def budget_rows(curves):
         found = sorted(filter(None, (_best(curve, budget) for curve in own)), key=_error)
         if len(found) >= CHOICES:
             (first, point), (second, other), *_ = found
-            rows.append(
-                {
-                    "seconds at most": budget,
-                    "choose": first,
-                    "rays": point.samples,
-                    "RMS %": point.error,
-                    "next": second,
-                    "its RMS %": other.error,
-                }
-            )
+            row = {
+                "choose": first,
+                "rays": point.samples,
+                "RMS %": point.error,
+                "next": second,
+                "its RMS %": other.error,
+            }
+            # A larger budget that buys nothing more is none of its own.
+            if not rows or {**rows[-1], **row} != rows[-1]:
+                rows.append({"seconds at most": budget, **row})
         if budget >= most:
             break
     return rows
@@ -81,17 +81,16 @@ def _samples(analysis):
     fit = analysis.errors.get(DEFAULT)
     if fit is None:
         return None
-    floor = root(fit.interval(0))
+    floor, rate = root(fit.interval(0)), analysis.slopes[DEFAULT].value
+    text = (
+        f"**Samples.** With {DEFAULT}, twice the rays and photons leave {2**rate:.2f} of the noise"
+    )
     if not floor.value > 0:
-        return (
-            f"**Samples.** The error of {DEFAULT} does not flatten within the samples measured: "
-            "four times the samples halve it."
-        )
+        return f"{text}; no floor shows within the samples measured."
     enough = samples_for(np.sqrt(2.0) * floor.value, fit)
     return (
-        f"**Samples.** With {DEFAULT}, noise and floor are alike at {enough:.0f} rays a texel; "
-        f"the floor is {floor.value:.2f} % ({floor.low:.2f} to {floor.high:.2f}). With fewer rays, "
-        "four times as many halve the error; with more, a finer texture does more."
+        f"{text}; at {enough:.0f} rays a texel it is as small as the floor of {floor.value:.2f} % "
+        f"({floor.low:.2f} to {floor.high:.2f}), beyond which a finer texture does more."
     )
 
 
@@ -154,17 +153,20 @@ def _thesis(curves):
 
 
 def _break_even(analysis):
-    known = [(error, found) for error, found in analysis.break_even if 0 < found.value < np.inf]
+    known = [
+        row
+        for row in analysis.break_even
+        if row["bake"] == DEFAULT and 0 < row["isosurfaces"].value < np.inf
+    ]
     if not known:
         return None
-    values = [found.value for _, found in known]
-    errors = [error for error, _ in known]
+    first, last = known[0], known[-1]
     low, high = THESIS_BREAK_EVEN
     return (
         "**One bake or Cycles for each isosurface.** One bake of all isosurfaces takes as long as "
-        f"{min(values):.1f} to {max(values):.1f} of them in Cycles at the same error "
-        f"({max(errors):.1f} to {min(errors):.1f} %); the thesis says {low} to {high}. For "
-        "more of them, or to move the isovalue, bake."
+        f"{first['isosurfaces'].value:.1f} of them in Cycles at an error of {first['RMS %']:.1f} % "
+        f"and {last['isosurfaces'].value:.1f} at {last['RMS %']:.1f} %; the thesis says {low} to "
+        f"{high}. For more of them, or to move the isovalue, bake."
     )
 
 

@@ -40,19 +40,19 @@ class CurveEffort:
     texels: int = 100
     rays: tuple = (1, 2, 4, 8, 16, 32, 64)
     slow_rays: tuple = (1, 2, 4, 8)
-    cycles: tuple = (1, 2, 4, 8, 16, 32, 64, 128)
+    cycles: tuple = (1, 2, 4, 8, 16, 32, 64, 128, 256)
     repetitions: int = 3
     vertices: int = 1500
     paths: int = 65_536
 
 
 QUICK_CURVES = CurveEffort(
-    texels=48,
+    texels=40,
     rays=(1, 2, 4, 8, 16, 32),
     slow_rays=(1, 2, 4, 8),
-    cycles=(1, 2, 4, 8, 16, 32, 64),
+    cycles=(1, 2, 4, 8, 16, 32, 64, 128),
     repetitions=2,
-    vertices=900,
+    vertices=600,
     paths=16_384,
 )
 

@@ -26,14 +26,15 @@ class Estimate:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """y = sum of coefficients times columns.
+    """y = first + second * samples^power.
 
-    coefficients: (k,); covariance: (k, k); freedom: points less coefficients.
+    coefficients: (first, second); covariance: theirs, (2, 2); freedom: points less 2.
     """
 
     coefficients: np.ndarray
     covariance: np.ndarray
     freedom: int
+    power: float = 1.0
 
     def interval(self, number):
         """The Estimate of a coefficient."""
@@ -61,23 +62,20 @@ def quantile(freedom):
 
 def slope(samples, errors):
     """The Estimate of d log error / d log samples."""
-    x = np.log(np.float64(samples))
-    fit = _least_squares(np.stack([np.ones_like(x), x], axis=1), np.log(np.float64(errors)))
-    return fit.interval(1)
+    return _least_squares(np.log(samples), np.log(errors), 1.0).interval(1)
 
 
-def noise_and_floor(samples, errors):
-    """The Fit of error^2 = floor^2 + a / samples: its coefficients are (floor^2, a)."""
-    squares = np.square(np.float64(errors))
-    columns = np.stack([np.ones_like(squares), 1.0 / np.float64(samples)], axis=1)
-    return _relative(columns, squares)
+def noise_and_floor(samples, errors, power=-0.5):
+    """The Fit of error^2 = floor^2 + a samples^(2 power): its coefficients are (floor^2, a).
+
+    power: the slope of the noise, -0.5 for random samples.
+    """
+    return _least_squares(samples, np.square(errors), 2.0 * power, relative=True)
 
 
 def cost(samples, seconds):
     """The Fit of seconds = start + each * samples: its coefficients are (start, each)."""
-    seconds = np.float64(seconds)
-    columns = np.stack([np.ones_like(seconds), np.float64(samples)], axis=1)
-    return _relative(columns, seconds)
+    return _least_squares(samples, seconds, 1.0, relative=True)
 
 
 def root(estimate):
@@ -87,64 +85,50 @@ def root(estimate):
 
 
 def samples_for(error, fit):
-    """Samples with which error^2 = floor^2 + a / samples; infinite below the floor."""
-    return _samples_for(error, fit.coefficients[None])[0]
+    """Samples with which a fit of noise and floor has an error; infinite below the floor."""
+    return float(_samples_for(error, fit.coefficients[None], fit.power)[0])
 
 
-def seconds_for(error, fit, costs):
-    """Seconds that an error takes by two Fits, of the error and of the cost; may be infinite."""
-    return _seconds(error, fit.coefficients[None], costs.coefficients[None])[0]
+def break_even(error, seconds, fit, costs, seed=0):
+    """The Estimate of how many isosurfaces a bake of so many seconds and this error is worth.
 
-
-def break_even(error, bake, other, seed=0):
-    """The Estimate of how many isosurfaces one bake is worth, when both have the error.
-
-    bake, other: (Fit of the error, Fit of the cost), of the bake and of one isosurface. The value
-    is infinite where the bake cannot reach the error and 0 where the other cannot.
+    fit, costs: Fits of the error and of the seconds with which one isosurface is computed without
+    a bake. The value is 0 where that does not reach the error.
     """
     rng = np.random.default_rng(seed)
 
-    def ratio(coefficients):
-        bake_seconds, other_seconds = (_seconds(error, *coefficients[i : i + 2]) for i in (0, 2))
-        with np.errstate(invalid="ignore"):
-            return bake_seconds / other_seconds
+    def isosurfaces(errors, prices):
+        start, each = np.maximum(prices, 0.0).T
+        return seconds / (start + each * _samples_for(error, errors, fit.power))
 
-    fits = [*bake, *other]
-    value = float(ratio([fit.coefficients[None] for fit in fits])[0])
-    drawn = ratio([fit.drawn(DRAWS, rng) for fit in fits])
+    value = isosurfaces(fit.coefficients[None], costs.coefficients[None])[0]
+    drawn = isosurfaces(fit.drawn(DRAWS, rng), costs.drawn(DRAWS, rng))
     tail = 0.5 * (1.0 - CONFIDENCE)
-    # Not the mean of two neighbours, of which one may be infinite.
-    low, high = np.quantile(drawn, (tail, 1.0 - tail), method="nearest")
-    return Estimate(value, float(low), float(high))
+    low, high = np.quantile(drawn, (tail, 1.0 - tail))
+    return Estimate(float(value), float(low), float(high))
 
 
-def _samples_for(error, coefficients):
+def _samples_for(error, coefficients, power):
     """Of coefficients (n, 2); noise and floor are not below 0."""
     floor_squared, a = np.maximum(coefficients, 0.0).T
     above = error**2 - floor_squared
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(above > 0, a / above, np.inf)
+        return np.where(above > 0, (a / above) ** (-1.0 / power), np.inf)
 
 
-def _seconds(error, coefficients, costs):
-    samples = _samples_for(error, coefficients)
-    start, each = np.maximum(costs, 0.0).T
-    return start + each * samples
-
-
-def _relative(columns, values):
-    """Least squares of relative deviations from values (n,) above 0."""
-    return _least_squares(columns / values[:, None], np.ones_like(values))
-
-
-def _least_squares(columns, values):
+def _least_squares(samples, values, power, relative=False):
+    """The Fit of values (n,); relative: of their relative deviations."""
+    values = np.float64(values)
+    columns = np.stack([np.ones_like(values), np.float64(samples) ** power], axis=1)
+    if relative:
+        columns, values = columns / values[:, None], np.ones_like(values)
     coefficients, *_ = np.linalg.lstsq(columns, values, rcond=None)
-    freedom = len(values) - columns.shape[1]
+    freedom = len(values) - 2
     if freedom < 1:
-        return Fit(coefficients, np.full((columns.shape[1],) * 2, np.nan), freedom)
+        return Fit(coefficients, np.full((2, 2), np.nan), freedom, power)
     residuals = values - columns @ coefficients
     covariance = np.linalg.inv(columns.T @ columns) * (residuals @ residuals) / freedom
-    return Fit(coefficients, covariance, freedom)
+    return Fit(coefficients, covariance, freedom, power)
 
 
 def check_statistics():

@@ -45,6 +45,7 @@ def error_against_seconds(curves):
             fontsize=8,
         )
         _logarithmic(panel, title, "seconds of a processor")
+        panel.legend(fontsize=8, frameon=False)
     panels[0].set_ylabel("RMS error, %")
     return _png(figure)
 
@@ -54,13 +55,13 @@ def convergence(curves, fits):
 
     fits: by the names of the curves that are shown, Fit of noise_and_floor.
     """
-    columns = 3
+    columns = 4
     rows = -(-len(fits) // columns)
-    figure = _figure(11, 3.1 * rows)
+    figure = _figure(12, 2.6 * rows + 0.4)
     panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     for panel in panels.ravel()[len(fits) :]:
         panel.remove()
-    for panel, (name, fit) in zip(panels.ravel(), fits.items()):
+    for number, (panel, (name, fit)) in enumerate(zip(panels.ravel(), fits.items())):
         points = curves.of(name).points
         samples = np.array([point.samples for point in points], dtype=float)
         panel.plot(samples, [point.error for point in points], "o", color=COLOURS[0], label="error")
@@ -68,39 +69,46 @@ def convergence(curves, fits):
         panel.plot(samples, noise, "x", color=COLOURS[3], label="noise, from seed to seed")
         fine = np.geomspace(samples.min(), samples.max(), 100)
         floor_squared, a = np.maximum(fit.coefficients, 0.0)
-        fitted = np.sqrt(floor_squared + a / fine)
+        fitted = np.sqrt(floor_squared + a * fine**fit.power)
         panel.plot(fine, fitted, "-", color=COLOURS[0], linewidth=1, label="fit")
-        if floor_squared > 0:
-            panel.axhline(
-                np.sqrt(floor_squared), color="0.5", linewidth=1, linestyle="--", label="floor"
-            )
-        _logarithmic(panel, name, "rays a texel; of Cycles, samples a corner")
-    for row in panels[:-1]:
-        for panel in row:
-            panel.set_xlabel("")
+        floor = np.sqrt(floor_squared) or np.nan
+        panel.axhline(floor, color="0.5", linewidth=1, linestyle="--", label="floor of the fit")
+        _logarithmic(panel, name, "samples" if number >= len(fits) - columns else "")
+        if number >= len(fits) - columns:
+            panel.tick_params(labelbottom=True)
     for panel in panels[:, 0]:
         panel.set_ylabel("%")
+    panels[0, 0].legend(fontsize=7, frameon=False)
     return _png(figure)
 
 
 def break_even(rows, thesis):
     """Isosurfaces after which one bake is worth it, against the error that both have.
 
-    rows: (error, Estimate); thesis: (lowest, highest) of what it says.
+    rows: see sections.py; thesis: (lowest, highest) of what it says.
     """
-    figure = _figure(6.2, 3.8)
+    figure = _figure(6.6, 4.0)
     panel = figure.subplots()
-    rows = [(error, found) for error, found in rows if np.isfinite(found.high)]
     panel.axhspan(*thesis, color="0.9", label="thesis")
-    if rows:
-        errors, values = zip(*[(error, found.value) for error, found in rows])
-        below = [found.value - found.low for _, found in rows]
-        above = [found.high - found.value for _, found in rows]
+    for number, name in enumerate(dict.fromkeys(row["bake"] for row in rows)):
+        # A place on a logarithmic axis has only what is above 0.
+        own = [row for row in rows if row["bake"] == name and row["isosurfaces"].value > 0]
+        found = [row["isosurfaces"] for row in own]
         panel.errorbar(
-            errors, values, (below, above), color=COLOURS[0], marker="o", capsize=3, label="ours"
+            [row["RMS %"] for row in own],
+            [one.value for one in found],
+            (
+                [one.value - max(one.low, 0.05 * one.value) for one in found],
+                [one.high - one.value for one in found],
+            ),
+            color=COLOURS[number],
+            marker=MARKERS[number],
+            capsize=3,
+            label=name,
         )
     _logarithmic(panel, "one bake against Cycles at equal error", "RMS error of both, %")
     panel.set_ylabel("isosurfaces")
+    panel.legend(fontsize=8, frameon=False)
     return _png(figure)
 
 
@@ -117,7 +125,6 @@ def _logarithmic(panel, title, x):
     panel.set_axisbelow(True)
     panel.set_title(title, fontsize=10)
     panel.set_xlabel(x)
-    panel.legend(fontsize=8, frameon=False)
 
 
 def _png(figure):

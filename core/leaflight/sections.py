@@ -13,13 +13,20 @@ from .fits import break_even, cost, noise_and_floor, root, samples_for, slope
 
 # From how many to how many isosurfaces the thesis breaks even.
 THESIS_BREAK_EVEN = (3, 11)
+# The bakes that are held against Cycles.
+WORTH = (DEFAULT, f"{DEFAULT}, spacing 2")
 MEBIBYTE = 2**20
 
 
 @dataclass(frozen=True, eq=False)
 class Analysis:
-    """Fits by the name of each curve, and rows of (error, Estimate) of where bakes break even."""
+    """What the curves tell.
 
+    slopes: Estimates of the slope of each curve's noise, errors and costs: Fits, by name;
+    break_even: rows, dicts.
+    """
+
+    slopes: dict
     errors: dict
     costs: dict
     break_even: list
@@ -27,20 +34,35 @@ class Analysis:
 
 def analysed(curves, seed):
     """The Analysis of Curves."""
-    errors, costs = {}, {}
+    slopes, errors, costs = {}, {}, {}
     for curve in curves.curves:
-        samples = [point.samples for point in curve.points]
-        errors[curve.name] = noise_and_floor(samples, [point.error for point in curve.points])
-        costs[curve.name] = cost(samples, [point.seconds for point in curve.points])
-    rows = []
-    if CYCLES in errors:
-        bake, other = ((errors[name], costs[name]) for name in (DEFAULT, CYCLES))
-        for point in curves.of(DEFAULT).points:
-            # At the fitted error, so that the bake's effort is the measured one.
-            floor_squared, a = np.maximum(bake[0].coefficients, 0.0)
-            error = float(np.sqrt(floor_squared + a / point.samples))
-            rows.append((error, break_even(error, bake, other, seed)))
-    return Analysis(errors, costs, rows)
+        name, samples = curve.name, [point.samples for point in curve.points]
+        slopes[name] = slope(samples, [point.noise for point in curve.points])
+        values = [point.error for point in curve.points]
+        errors[name] = noise_and_floor(samples, values, slopes[name].value)
+        costs[name] = cost(samples, [point.seconds for point in curve.points])
+    return Analysis(slopes, errors, costs, list(_break_even_rows(curves, errors, costs, seed)))
+
+
+def _break_even_rows(curves, errors, costs, seed):
+    """One row for each bake of the default and of the one with wider spacing."""
+    cycles = curves.of(CYCLES)
+    if cycles is None:
+        return
+    least = min(point.error for point in cycles.points)
+    for name in WORTH:
+        for point in curves.of(name).points:
+            isosurfaces = break_even(
+                point.error, point.seconds, errors[CYCLES], costs[CYCLES], seed
+            )
+            yield {
+                "bake": name,
+                "rays": point.samples,
+                "RMS %": point.error,
+                "seconds": point.seconds,
+                "isosurfaces": isosurfaces,
+                "beyond what Cycles was measured at": "yes" if point.error < least else "",
+            }
 
 
 def curve_rows(curves):
@@ -92,23 +114,24 @@ def curves_text(curves):
 
 
 def slope_rows(curves, analysis):
-    """One row for each curve: slopes, floor and noise, with their intervals."""
+    """One row for each curve: slopes and floors, with their intervals."""
     rows = []
     for curve in curves.curves:
         samples = [point.samples for point in curve.points]
-        fit = analysis.errors[curve.name]
-        floor, one = root(fit.interval(0)), root(fit.interval(1))
-        own = np.sqrt(max(0.0, floor.value**2 - curves.reference.noise**2))
+        fit, last = analysis.errors[curve.name], curve.points[-1]
+        floor = root(fit.interval(0))
         enough = samples_for(np.sqrt(2.0) * floor.value, fit) if floor.value > 0 else np.inf
         rows.append(
             {
                 "curve": curve.name,
                 "slope of the error": slope(samples, [point.error for point in curve.points]),
-                "slope of the noise": slope(samples, [point.noise for point in curve.points]),
-                "error of one sample, %": one,
+                "slope of the noise": analysis.slopes[curve.name],
                 "floor, %": floor,
-                "floor less the reference's noise, %": float(own),
-                "samples for noise = floor": float(enough),
+                "samples for noise = floor": enough,
+                "most samples": last.samples,
+                "error less noise there, %": float(
+                    np.sqrt(max(0.0, last.error**2 - last.noise**2))
+                ),
             }
         )
     return rows
@@ -119,22 +142,19 @@ def slopes_text(curves, analysis):
         "![Error and noise against samples, with fits](images/convergence.png)",
         "",
         "- Slopes are d log / d log samples by least squares, with their intervals of 95 % "
-        "(Student's t). Unbiased noise has -0.5; samples that are spread evenly do better. The "
-        "noise is the deviation among seeds, which knows nothing of reference or floor.",
+        "(Student's t). Random samples have -0.5. Photons double with the rays, and the samples of "
+        "a texel are spread evenly: noise of both falls faster together. Colours are clamped, "
+        "which makes large errors of few rays smaller and slopes flatter. The noise is the "
+        "deviation among seeds, which knows nothing of reference or floor.",
         "- The floor is what remains of the error with ever more samples, by a fit of error^2 = "
-        "floor^2 + a / samples to all points; it holds the texture's resolution, the estimator's "
-        "bias and the reference's noise. From the samples in the last column on, the noise is "
-        "less than the floor.",
-        "- A slope of the error nearer to 0 than that of the noise is a floor. The fit "
-        "takes noise to fall as 1 / samples in squares: where the slope of the noise is another, "
-        "its floor is only as good as that.",
+        "floor^2 + a samples^(2 slope), with the slope of the noise; it holds the texture's "
+        f"resolution, the estimator's bias and the reference's noise ({curves.reference.noise:.2f} "
+        "%). With more samples than those for noise = floor, the noise is less than the floor.",
+        "- The last column is a floor without a fit: error and noise measured with the most "
+        "samples, the one less the other in squares.",
         "",
         *table(slope_rows(curves, analysis), SLOPE_FORMATS),
     ]
-
-
-def break_even_rows(analysis):
-    return [{"RMS %": error, "isosurfaces": found} for error, found in analysis.break_even]
 
 
 def break_even_text(curves, analysis):
@@ -144,15 +164,15 @@ def break_even_text(curves, analysis):
     return [
         "![Isosurfaces after which a bake is worth it](images/break_even.png)",
         "",
-        f"- So many isosurfaces of the bump box take Cycles as long as one bake of all of them "
-        f"({DEFAULT}, the whole range of isovalues) with the same error, from the fits of error "
-        f"and of seconds against samples. The thesis says {low} to {high}.",
-        "- Intervals of 95 % come from fits drawn at random within their covariances. Seconds of "
-        "other runs may lie outside where the machine is busier during one of the two.",
-        "- 0: Cycles does not reach the error, because the triangles of its mesh are not the leaf; "
-        "inf: the bake does not, because of its floor.",
+        "- So many isosurfaces of the bump box take Cycles as long as one bake of all of them, of "
+        "the whole range of isovalues, with the same error: the measured seconds of the bake over "
+        "those of Cycles for one isosurface, by the fits of its error and its seconds against "
+        f"samples. The thesis says {low} to {high}.",
+        "- Intervals of 95 % come from Cycles' fits, drawn at random within their covariances; "
+        "what one run measures lies in those of another as long as the machine is alike busy. 0: "
+        "Cycles does not reach the error, because the triangles of its mesh are not the leaf.",
         "",
-        *table(break_even_rows(analysis), BREAK_EVEN_FORMATS),
+        *table(analysis.break_even, BREAK_EVEN_FORMATS),
     ]
 
 
@@ -273,12 +293,17 @@ CURVE_FORMATS = {
 SLOPE_FORMATS = {
     "slope of the error": "{:.2f}",
     "slope of the noise": "{:.2f}",
-    "error of one sample, %": "{:.1f}",
     "floor, %": "{:.2f}",
-    "floor less the reference's noise, %": "{:.2f}",
     "samples for noise = floor": "{:.0f}",
+    "most samples": "{}",
+    "error less noise there, %": "{:.2f}",
 }
-BREAK_EVEN_FORMATS = {"RMS %": "{:.2f}", "isosurfaces": "{:.1f}"}
+BREAK_EVEN_FORMATS = {
+    "rays": "{}",
+    "RMS %": "{:.2f}",
+    "seconds": "{:.2f}",
+    "isosurfaces": "{:.1f}",
+}
 DATA_FORMATS = {
     "texels": "{:,}",
     "bake s": "{:.1f}",

@@ -15,7 +15,6 @@ from leaflight.fits import (
     quantile,
     root,
     samples_for,
-    seconds_for,
     slope,
 )
 
@@ -86,6 +85,15 @@ def test_quantiles_are_students():
     assert quantile(5) == pytest.approx(2.571, abs=1e-3)
 
 
+@pytest.mark.parametrize("power", [-0.5, -0.8])
+def test_floor_of_noise_with_another_slope(power):
+    errors = np.sqrt(1.5**2 + 80.0 * SAMPLES ** (2 * power))
+    fit = noise_and_floor(SAMPLES, errors, power)
+    assert root(fit.interval(0)).value == pytest.approx(1.5)
+    n = samples_for(2.0, fit)
+    assert 1.5**2 + 80.0 * n ** (2 * power) == pytest.approx(4.0)
+
+
 def fits_of(floor, a, start, each, spread=0.0, seed=0):
     rng = np.random.default_rng(seed)
     errors, seconds = error_of(SAMPLES, floor, a), start + each * SAMPLES
@@ -96,38 +104,23 @@ def fits_of(floor, a, start, each, spread=0.0, seed=0):
 
 
 def test_break_even():
-    bake, other = fits_of(0.5, 64.0, 2.0, 1.0), fits_of(0.2, 36.0, 0.5, 0.25)
-    error = 2.0
-    expected = (2.0 + 64.0 / (4 - 0.25)) / (0.5 + 0.25 * 36.0 / (4 - 0.04))
-    assert seconds_for(error, *bake) == pytest.approx(2.0 + 64.0 / 3.75)
-    found = break_even(error, bake, other)
+    found = break_even(2.0, 20.0, *fits_of(0.2, 36.0, 0.5, 0.25))
+    expected = 20.0 / (0.5 + 0.25 * 36.0 / (4 - 0.04))
     assert found.value == pytest.approx(expected)
-    assert found.low == pytest.approx(expected, rel=1e-3) == found.high
+    assert found.low == pytest.approx(expected, rel=1e-3) and found.high == pytest.approx(found.low)
 
 
 def test_break_even_of_uncertain_fits():
-    truth = (2.0 + 64.0 / (4 - 0.25)) / (0.5 + 0.25 * 36.0 / (4 - 0.04))
-    found = [
-        break_even(
-            2.0,
-            fits_of(0.5, 64.0, 2.0, 1.0, 0.03, seed),
-            fits_of(0.2, 36.0, 0.5, 0.25, 0.03, 1000 + seed),
-        )
-        for seed in range(100)
-    ]
+    truth = 20.0 / (0.5 + 0.25 * 36.0 / (4 - 0.04))
+    found = [break_even(2.0, 20.0, *fits_of(0.2, 36, 0.5, 0.25, 0.03, k)) for k in range(200)]
     assert all(one.low < one.value < one.high for one in found)
-    # 95 of 100, and four standard deviations.
-    assert sum(holds(one, truth) for one in found) >= 95 - 4 * np.sqrt(100 * 0.95 * 0.05)
-    again = break_even(2.0, fits_of(0.5, 64.0, 2.0, 1.0, 0.03), fits_of(0.2, 36.0, 0.5, 0.25, 0.03))
-    assert again == break_even(
-        2.0, fits_of(0.5, 64.0, 2.0, 1.0, 0.03), fits_of(0.2, 36.0, 0.5, 0.25, 0.03)
-    )
+    # 95 % of 200, and four standard deviations.
+    assert sum(holds(one, truth) for one in found) >= 190 - 4 * np.sqrt(200 * 0.95 * 0.05)
+    assert found[0] == break_even(2.0, 20.0, *fits_of(0.2, 36, 0.5, 0.25, 0.03, 0))
 
 
 def test_break_even_below_a_floor():
-    good, bad = fits_of(0.1, 64.0, 2.0, 1.0), fits_of(1.0, 64.0, 2.0, 1.0)
-    assert break_even(0.5, bad, good).value == np.inf
-    assert break_even(0.5, good, bad).value == 0
+    assert break_even(0.5, 20.0, *fits_of(1.0, 36.0, 0.5, 0.25)).value == 0
 
 
 def test_without_scipy(monkeypatch):

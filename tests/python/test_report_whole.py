@@ -18,10 +18,10 @@ import leaflight.cli as command_line
 import leaflight.report as report_module
 from leaflight import Cancelled, LeaflightError, Progress
 from leaflight.advice import advice, budget_rows
-from leaflight.curves import CYCLES, KINDS, CurveEffort, measure_curves
+from leaflight.curves import CYCLES, KINDS, Curve, CurveEffort, Curves, Point, measure_curves
 from leaflight.data_sets import DATA_SETS, QUICK_DATA, DataEffort, measure_data_sets
 from leaflight.experiments import QUICK, Row, Table, Trial
-from leaflight.memory import measured
+from leaflight.memory import Cost, measured
 from leaflight.plots import check_plotting
 from leaflight.report import QUICK_REPORT, ReportEffort, report
 from leaflight.sections import analysed, slope_rows
@@ -51,9 +51,39 @@ def one_table(effort, run):
     return Table("table", "Table", [row], ["A note."], {"slices": {"ours": picture}})
 
 
+# Estimators without a cache of the surroundings, whose bakes are short.
+SHORT = tuple(kind for kind in KINDS if kind.name in ("path", "volumetric", "thesis"))
+
+
 @pytest.fixture(scope="module")
-def curves():
-    return measure_curves(TINY_CURVES, quietly, cycles=False)
+def short():
+    """Measured curves."""
+    return measure_curves(TINY_CURVES, quietly, cycles=False, kinds=SHORT)
+
+
+@pytest.fixture(scope="module")
+def curves(short):
+    """All curves as if they had been measured: error^2 = 1 + 100 / rays, the path's without 1."""
+
+    def point(kind, rays):
+        own = Cost(0.5 + 0.1 * rays, 1000 * rays, 2**27, 2**20)
+        floor = 0.0 if kind.name == "path" else 1.0
+        return Point(rays, [own, own], np.sqrt(floor + 100 / rays), np.sqrt(90 / rays))
+
+    made = [Curve(kind.name, kind.group, [point(kind, n) for n in (1, 2, 4, 8)]) for kind in KINDS]
+    return Curves(made, short.reference, TINY_CURVES)
+
+
+@pytest.fixture
+def with_cycles(curves):
+    """The same with Cycles, which takes a tenth of the seconds for one isosurface."""
+    points = [
+        Point(
+            n, [Cost(0.05 + 0.01 * n, None, 2**28, None)] * 2, np.sqrt(1 + 100 / n), 10 / n**0.5
+        )
+        for n in (1, 2, 4, 8, 16)
+    ]
+    return replace(curves, curves=[*curves.curves, Curve(CYCLES, "Cycles", points)])
 
 
 @pytest.fixture(scope="module")
@@ -71,9 +101,9 @@ def written(curves, data, tmp_path_factory):
         return folder, report(folder, TINY, quietly, tables=(one_table,))
 
 
-def test_curves_fall(curves):
-    assert [curve.name for curve in curves.curves] == [kind.name for kind in KINDS]
-    for curve in curves.curves:
+def test_curves_fall(short):
+    assert [curve.name for curve in short.curves] == [kind.name for kind in SHORT]
+    for curve in short.curves:
         points = curve.points
         wanted = TINY_CURVES.slow_rays if curve.name == "thesis" else TINY_CURVES.rays
         assert tuple(point.samples for point in points) == wanted
@@ -83,23 +113,29 @@ def test_curves_fall(curves):
             assert 0 < point.noise < 1.1 * point.error < 60
             assert len(point.costs) == 2 and 0 < point.seconds
             assert all(cost.rays > 0 and cost.file > 10_000 < cost.peak for cost in point.costs)
-    assert 0 < curves.reference.noise < 5 and curves.of("moon") is None
+    assert 0 < short.reference.noise < 5 and short.of("moon") is None
 
 
-def test_noise_of_paths_falls_as_it_must(curves):
-    """The estimator `path` has independent texels: from seed to seed its noise halves at 4 n."""
-    noise = [point.noise for point in curves.of("path").points]
+def test_noise_of_paths_falls_as_it_must(short):
+    """From seed to seed the noise of the estimator `path` halves with four times the rays."""
+    noise = [point.noise for point in short.of("path").points]
     slope = np.polyfit(np.log(TINY_CURVES.rays), np.log(noise), 1)[0]
     assert -0.75 < slope < -0.3
 
 
-def test_errors_are_the_same_in_every_run(curves):
-    kinds = tuple(kind for kind in KINDS if kind.name == "gather")
+def test_errors_are_the_same_in_every_run(short):
     effort = replace(TINY_CURVES, rays=(4,))
-    again = measure_curves(effort, quietly, threads=1, cycles=False, kinds=kinds)
-    (point,) = again.of("gather").points
-    assert point.error == curves.of("gather").points[2].error
-    assert point.noise == curves.of("gather").points[2].noise
+    again = measure_curves(effort, quietly, threads=1, cycles=False, kinds=SHORT[:2])
+    for curve in again.curves:
+        (point,), before = curve.points, short.of(curve.name).points[2]
+        assert (point.error, point.noise) == (before.error, before.noise)
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in SHORT], ids=str)
+def test_every_kind_is_baked(kind):
+    effort = replace(TINY_CURVES, texels=8, rays=(2,), repetitions=2, vertices=30, paths=16)
+    (curve,) = measure_curves(effort, quietly, cycles=False, kinds=(kind,)).curves
+    assert 0 < curve.points[0].error < 60
 
 
 @pytest.mark.skipif(not HAS_BLENDER, reason="Blender is not installed")
@@ -145,12 +181,18 @@ def test_the_thesis_prints():
     assert len(printed) == 4 and 2.9 < min(break_even) < max(break_even) < 11
 
 
-def test_slopes(curves):
+def test_slopes(curves, with_cycles):
     rows = {row["curve"]: row for row in slope_rows(curves, analysed(curves, 0))}
-    for row in rows.values():
-        assert row["slope of the error"].low < 0 and row["floor, %"].value < 60
-    path = rows["path"]["slope of the noise"]
-    assert path.low < path.value < path.high
+    assert rows["gather"]["floor, %"].value == pytest.approx(1)
+    assert rows["gather"]["samples for noise = floor"] == pytest.approx(100)
+    assert rows["path"]["slope of the error"].value == pytest.approx(-0.5)
+    assert rows["path"]["floor, %"].value == pytest.approx(0, abs=1e-3)
+    assert all(row["slope of the noise"].value == pytest.approx(-0.5) for row in rows.values())
+    assert analysed(curves, 0).break_even == []
+    rows = analysed(with_cycles, 0).break_even
+    assert {row["bake"] for row in rows} == {"gather", "gather, spacing 2"}
+    for row in rows:
+        assert row["isosurfaces"].value == pytest.approx(10)
 
 
 def test_budgets(curves):
@@ -165,6 +207,16 @@ def test_advice_without_data(curves):
     text = "\n".join(advice(curves, analysed(curves, 0), []))
     assert "**Samples.**" in text and "**Spacing.**" in text and "nan" not in text
     assert "**Data.**" not in text and "Cycles" not in text
+
+
+def test_with_cycles(with_cycles, data, tmp_path, monkeypatch):
+    monkeypatch.setattr(report_module, "measure_curves", lambda *_, **__: with_cycles)
+    monkeypatch.setattr(report_module, "measure_data_sets", lambda *_, **__: data)
+    report(tmp_path, TINY, quietly, tables=(one_table,))
+    text = (tmp_path / "report.md").read_text()
+    assert "10.0 (10.0 .. 10.0)" in text and "as long as 10.0 of them in Cycles" in text
+    assert (tmp_path / "images" / "break_even.png").exists()
+    assert (tmp_path / "csv" / "break_even.csv").exists()
 
 
 def test_files(written):
