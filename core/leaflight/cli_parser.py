@@ -107,7 +107,7 @@ def make_parser(commands):
         "--tables", action="store_true", help="Tables 3.1 and 4.2 and Fig. 4.9 of the thesis alone"
     )
     report.add_argument(
-        "--quick", action="store_true", help="less of everything: minutes, not hours"
+        "--quick", action="store_true", help="less of everything: ten minutes, not hours"
     )
     report.add_argument(
         "--out", default="report", metavar="DIR", help="folder to write into (report)"

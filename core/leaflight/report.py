@@ -172,20 +172,19 @@ def _result(folder, tables, seed):
 
 def _reductions(effort):
     """What is less than in the full report, as a paragraph, if anything is."""
-    less = [
-        f"{field.name} {_short(getattr(part, field.name))}, not {_short(getattr(full, field.name))}"
-        for part, full in zip(_parts(effort), _parts(ReportEffort()))
-        for field in fields(part)
-        if field.name not in ("seed", "threads")
-        and getattr(part, field.name) != getattr(full, field.name)
-    ]
-    if not less:
-        return []
-    return ["", f"Reduced (`--quick`): {'; '.join(less)}."]
-
-
-def _parts(effort):
-    return effort.tables, effort.curves, effort.data
+    full, parts = ReportEffort(), []
+    for title, name in (("tables", "tables"), ("curves", "curves"), ("data sets", "data")):
+        own, other = getattr(effort, name), getattr(full, name)
+        less = [
+            f"{field.name} {_short(getattr(own, field.name))} instead of "
+            f"{_short(getattr(other, field.name))}"
+            for field in fields(own)
+            if field.name not in ("seed", "threads")
+            and getattr(own, field.name) != getattr(other, field.name)
+        ]
+        if less:
+            parts.append(f"{title}: {', '.join(less)}")
+    return ["", f"Reduced (`--quick`): {'; '.join(parts)}."] if parts else []
 
 
 def _short(value):

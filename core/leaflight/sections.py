@@ -141,11 +141,12 @@ def slopes_text(curves, analysis):
     return [
         "![Error and noise against samples, with fits](images/convergence.png)",
         "",
-        "- Slopes are d log / d log samples by least squares, with their intervals of 95 % "
-        "(Student's t). Random samples have -0.5. Photons double with the rays, and the samples of "
-        "a texel are spread evenly: noise of both falls faster together. Colours are clamped, "
-        "which makes large errors of few rays smaller and slopes flatter. The noise is the "
-        "deviation among seeds, which knows nothing of reference or floor.",
+        "- Samples are rays a texel, of Cycles those at a corner of a triangle. Slopes are "
+        "d log / d log samples by least squares, with their intervals of 95 % (Student's t). "
+        "Random samples have -0.5. Photons double with the rays, and the samples of a texel are "
+        "spread evenly: noise of both falls faster together. Colours are clamped, which makes "
+        "large errors of few rays smaller and slopes flatter. The noise is the deviation among "
+        "seeds, which knows nothing of reference or floor.",
         "- The floor is what remains of the error with ever more samples, by a fit of error^2 = "
         "floor^2 + a samples^(2 slope), with the slope of the noise; it holds the texture's "
         f"resolution, the estimator's bias and the reference's noise ({curves.reference.noise:.2f} "
@@ -184,6 +185,7 @@ def data_rows(rows):
         result.append(
             {
                 "data set": row.data_set.name,
+                "isovalues": ", ".join(f"{c:g}" for c in row.data_set.isovalues),
                 "texels": row.texels,
                 "bake s": row.cost.seconds,
                 "direct s": row.direct,
@@ -212,7 +214,7 @@ def data_text(rows, absent, effort):
         "thesis's are those of two Pentium 4 Xeon of 3 GHz. Break-even is the one over the other.",
         "- Of the thesis's volumes the brain alone is public. The others are generated stand-ins "
         "of the same kind and size; RMS % grows with a scene's brightness, which the "
-        "thesis does not tell.",
+        "thesis does not tell. Isovalues of two volumes run from 0 to 1 over the window of each.",
     ]
     if effort.texels < 1:
         lines += [
