@@ -122,7 +122,7 @@ def report(folder, effort, run, data=None, tables=TABLES):
         picture = break_even(analysis.break_even, sections.THESIS_BREAK_EVEN)
         files["images/break_even.png"] = picture
     _write(folder, files)
-    return {**_result(folder, done, seed), **found}
+    return {**_result(folder, done, seed), **_finite(found)}
 
 
 def report_tables(folder, effort, run, tables=TABLES):
@@ -207,6 +207,20 @@ def _split(rows):
         }
         for row in rows
     ]
+
+
+def _finite(found):
+    """Rows that JSON can hold: what is infinite or not known is None."""
+    return {
+        name: [
+            {
+                key: None if isinstance(cell, float) and not np.isfinite(cell) else cell
+                for key, cell in row.items()
+            }
+            for row in rows
+        ]
+        for name, rows in found.items()
+    }
 
 
 def _cells(row):

@@ -15,6 +15,7 @@ from PIL import Image
 
 import leaflight
 import leaflight.cli as command_line
+import leaflight.curves as curves_module
 import leaflight.report as report_module
 from leaflight import Cancelled, LeaflightError, Progress
 from leaflight.advice import advice, budget_rows
@@ -140,8 +141,10 @@ def test_kinds_with_caches_are_baked(name):
 
 
 @pytest.mark.skipif(not HAS_BLENDER, reason="Blender is not installed")
-def test_cycles_bakes_the_same_light():
-    effort = replace(TINY_CURVES, texels=10, cycles=(16, 64))
+def test_cycles_bakes_the_same_light(monkeypatch):
+    # Blender starts for each isosurface and seed.
+    monkeypatch.setattr(curves_module, "ISOVALUES", (47.0,))
+    effort = replace(TINY_CURVES, cycles=(16, 64))
     found = measure_curves(effort, quietly, kinds=())
     assert [curve.name for curve in found.curves] == [CYCLES]
     few, many = found.of(CYCLES).points
@@ -213,7 +216,8 @@ def test_advice_without_data(curves):
 def test_with_cycles(with_cycles, data, tmp_path, monkeypatch):
     monkeypatch.setattr(report_module, "measure_curves", lambda *_, **__: with_cycles)
     monkeypatch.setattr(report_module, "measure_data_sets", lambda *_, **__: data)
-    report(tmp_path, TINY, quietly, tables=(one_table,))
+    result = report(tmp_path, TINY, quietly, tables=(one_table,))
+    assert len(json.loads(json.dumps(result, allow_nan=False))["break_even"]) == 8
     text = (tmp_path / "report.md").read_text()
     assert "10.0 (10.0 .. 10.0)" in text and "as long as 10.0 of them in Cycles" in text
     assert (tmp_path / "images" / "break_even.png").exists()
