@@ -31,7 +31,7 @@ from .images import write_png
 from .output import check_writable
 from .ply import write_ply
 from .progress import run_with_progress
-from .report import report_tables
+from .report import QUICK_REPORT, ReportEffort, report, report_tables
 from .scene_file import cornell_box, load_scene
 from .settings import PhotonMap, Scattered
 from .sources import open_volume
@@ -275,20 +275,36 @@ def _flatland(options):
 
 
 def _report(options):
-    effort = replace(
-        QUICK if options.quick else Effort(), seed=options.seed, threads=options.threads
-    )
-    result = report_tables(options.out, effort, run_with_progress)
+    work = {"seed": options.seed, "threads": options.threads}
+    if options.tables:
+        if options.data is not None:
+            raise LeaflightError("report: --data has no meaning with --tables; leave one out.")
+        effort = replace(QUICK if options.quick else Effort(), **work)
+        result = report_tables(options.out, effort, run_with_progress)
+    else:
+        _check_folder(options.data)
+        effort = QUICK_REPORT if options.quick else ReportEffort()
+        effort = replace(effort, tables=replace(effort.tables, **work))
+        result = report(options.out, effort, run_with_progress, options.data)
     return result, [
+        *(
+            f"{row['data set']}: {row['RMS %']:.2f} %, {row['bake s']:.1f} s"
+            for row in result.get("data_sets", [])
+        ),
         *(
             f"{row['table']}, {row['strategy']}: {row['ours']:.2f} %"
             + (f", thesis {row['printed']:g} %" if row["printed"] else "")
             + f" ({row['verdict']})"
             for row in result["rows"]
         ),
-        f"{Path(options.out) / 'tables.md'}: "
+        f"{Path(options.out) / ('tables.md' if options.tables else 'report.md')}: "
         + ("all as it must be" if result["passed"] else "some errors are not what they must be"),
     ]
+
+
+def _check_folder(data):
+    if data is not None and not Path(data).is_dir():
+        raise LeaflightError(f"{data}: there is no such folder; give that of the data sets.")
 
 
 def _errors(result):

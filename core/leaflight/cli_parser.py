@@ -101,16 +101,19 @@ def make_parser(commands):
     )
 
     report = subparsers.add_parser(
-        "report", parents=[threads], help="the thesis's tables, computed anew beside the printed"
+        "report", parents=[threads], help="measure errors and seconds, and write a report of them"
     )
     report.add_argument(
-        "--tables", action="store_true", required=True, help="Tables 3.1 and 4.2 and Fig. 4.9"
+        "--tables", action="store_true", help="Tables 3.1 and 4.2 and Fig. 4.9 of the thesis alone"
     )
     report.add_argument(
-        "--quick", action="store_true", help="fewer samples and rays: minutes, not half an hour"
+        "--quick", action="store_true", help="less of everything: ten minutes, not hours"
     )
     report.add_argument(
         "--out", default="report", metavar="DIR", help="folder to write into (report)"
+    )
+    report.add_argument(
+        "--data", metavar="DIR", help="folder of real data sets, which are left out without it"
     )
 
     for name, command in subparsers.choices.items():

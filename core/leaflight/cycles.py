@@ -104,25 +104,51 @@ def measure(
     probes, pixels, size, target.corners["target_uv"] = _lay_out(target, points, seed)
     if back:
         target.flip()
+    settings, arrays = _scene(description, leaves + meshes, target, threads)
+    settings["image_size"] = size
+    each = -(-samples // PASSES)
+    settings["passes"] = [(each, seed * PASSES + number) for number in range(PASSES)]
+    radiance, _ = _run(settings, arrays | {"pixels": pixels}, progress)
+    return Measured(probes, radiance.astype(np.float64))
+
+
+def bake_vertices(description, surface, samples, *, seed=0, threads=0, progress=None):
+    """What Blender's users do instead: Cycles bakes one isosurface into its mesh's vertices.
+
+    description: in world coordinates, with one Leaves; surface: the Isosurface (isosurfaces.py);
+    samples: of paths at each corner of a triangle, one number for each pass.
+    Returns (radiance float32 [pass, vertex, RGB], seconds of a processor [pass], the most bytes
+    that Blender held up to each [pass]). Raises LeaflightError, Cancelled.
+    """
+    leaves = description.leaves[0]
+    ramps = (ramp_at(ramp, surface.isovalue) for ramp in (leaves.albedo, leaves.emission))
+    vertices = {"vertices": surface.vertices, "normals": surface.normals}
+    target = _Object(_look(leaves, *ramps), vertices, {"triangles": surface.triangles})
+    objects = [target, *(_mesh(mesh) for mesh in description.meshes)]
+    settings, arrays = _scene(description, objects, target, threads)
+    settings["image_size"] = None
+    settings["passes"] = [(count, seed) for count in samples]
+    radiance, costs = _run(settings, arrays, progress)
+    return radiance, costs[:, 0], costs[:, 1]
+
+
+def _scene(description, objects, target, threads):
+    """The settings and arrays that cycles_scene.py reads, save what is particular to the target."""
     environment = description.environment
     settings = {
-        "objects": [one.look for one in leaves + meshes],
+        "objects": [one.look for one in objects],
         "lights": [{"type": type(light).__name__, **asdict(light)} for light in description.lights],
         "environment": environment
         and {"radiance": environment.radiance, "world_to_image": environment.world_to_image},
-        "target": (leaves + meshes).index(target),
-        "image_size": size,
-        "samples": -(-samples // PASSES),
-        "passes": PASSES,
-        "seed": seed,
+        "target": objects.index(target),
         "threads": threads,
     }
-    arrays = {"pixels": pixels}
-    for i, one in enumerate(leaves + meshes):
+    arrays = {}
+    for i, one in enumerate(objects):
         arrays |= {f"object{i}.{key}": value for key, value in one.arrays().items()}
     if environment is not None and environment.image is not None:
         arrays["environment"] = environment.image
-    return Measured(probes, _run(settings, arrays, progress).astype(np.float64))
+    return settings, arrays
 
 
 @dataclass(eq=False)
@@ -232,7 +258,7 @@ def _pack(sides):
 
 
 def _run(settings, arrays, progress):
-    """The radiance that cycles_scene.py writes, float32 [pass, probe, RGB]."""
+    """The radiance and the costs that cycles_scene.py writes."""
     blender = shutil.which("blender")
     if blender is None:
         raise LeaflightError(
@@ -261,4 +287,4 @@ def _run(settings, arrays, progress):
         if process.returncode != 0 or not result.exists():
             lines = (Path(folder) / "log").read_text(errors="replace").strip().splitlines()
             raise LeaflightError(f"Blender failed: {' / '.join(lines[-3:])}")
-        return np.load(result)
+        return np.load(result), np.load(Path(folder) / "costs.npy")

@@ -3,15 +3,19 @@
 
 cycles.py starts it within Blender, `blender -b --factory-startup --python cycles_scene.py --
 FOLDER`. It reads FOLDER/scene.npz, where "settings" is JSON (see cycles.py), and writes
-FOLDER/radiance.npy: float32 [pass, probe, RGB] in W/(m^2 sr).
+FOLDER/radiance.npy, float32 [pass, probe, RGB] in W/(m^2 sr), and FOLDER/costs.npy, float64
+[pass, 2]: seconds of a processor and the most bytes held so far.
 
-Cycles bakes COMBINED into an image, one pixel a probe. Baking into a colour attribute would measure
-the same, at every corner of every triangle: six times a vertex, and where triangles meet.
+Cycles bakes COMBINED into an image, one pixel a probe. Baking into a colour attribute measures the
+same, at every corner of every triangle: six times a vertex, and where triangles meet. It is what
+users do, and what the report compares with; the probes are then the vertices.
 """
 
 import json
 import math
+import resource
 import sys
+import time
 from pathlib import Path
 
 import bpy
@@ -56,20 +60,20 @@ def main(folder):
     for light in settings["lights"]:
         _light(scene, light)
     _world(scene, settings["environment"], arrays.get("environment"))
-    image = _target_image(objects[settings["target"]], settings["image_size"])
-    pixels = arrays["pixels"]
-    radiance = np.empty((settings["passes"], len(pixels), 3), np.float32)
-    for number in range(settings["passes"]):
-        scene.cycles.seed = settings["seed"] * settings["passes"] + number
-        scene.cycles.samples = settings["samples"]
-        bpy.ops.object.bake(
-            type="COMBINED", pass_filter=PASSES, target="IMAGE_TEXTURES", margin=0, use_clear=True
-        )
-        baked = np.empty(4 * image.size[0] * image.size[1], np.float32)
-        image.pixels.foreach_get(baked)
-        radiance[number] = baked.reshape(-1, 4)[pixels, :3]
-        print(f"leaflight pass {number + 1}", flush=True)
-    np.save(folder / "radiance.npy", radiance)
+    target = _Target(objects[settings["target"]], settings["image_size"], arrays.get("pixels"))
+    radiance, costs = [], []
+    for samples, seed in settings["passes"]:
+        scene.cycles.seed = seed
+        scene.cycles.samples = samples
+        start = time.process_time()
+        target.bake()
+        seconds = time.process_time() - start
+        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+        radiance.append(target.read())
+        costs.append((seconds, peak))
+        print(f"leaflight pass {len(radiance)}", flush=True)
+    np.save(folder / "costs.npy", np.array(costs))
+    np.save(folder / "radiance.npy", np.array(radiance))
 
 
 def _arrays_of(arrays, prefix):
@@ -309,16 +313,46 @@ def _turned(tree, matrix):
     return combined.outputs[0]
 
 
+class _Target:
+    """What Cycles bakes into: pixels of an image of a size, or the object's vertices if it is None.
+
+    The image is laid out by the coordinates target_uv of the object's mesh.
+    """
+
+    def __init__(self, obj, size, pixels):
+        self._mesh, self._pixels = obj.data, pixels
+        self._image = None if size is None else _target_image(obj, size)
+        if self._image is None:
+            self._mesh.color_attributes.new("target", "FLOAT_COLOR", "POINT")
+            self._mesh.attributes.active_color = self._mesh.color_attributes["target"]
+        obj.select_set(True)
+        bpy.context.view_layer.objects.active = obj
+
+    def bake(self):
+        kind = "VERTEX_COLORS" if self._image is None else "IMAGE_TEXTURES"
+        bpy.ops.object.bake(
+            type="COMBINED", pass_filter=PASSES, target=kind, margin=0, use_clear=True
+        )
+
+    def read(self):
+        """The radiance float32 [probe, RGB]."""
+        if self._image is None:
+            colours = np.empty(4 * len(self._mesh.vertices), np.float32)
+            self._mesh.color_attributes["target"].data.foreach_get("color", colours)
+            return colours.reshape(-1, 4)[:, :3]
+        baked = np.empty(4 * self._image.size[0] * self._image.size[1], np.float32)
+        self._image.pixels.foreach_get(baked)
+        return baked.reshape(-1, 4)[self._pixels, :3]
+
+
 def _target_image(obj, size):
-    """The image that Cycles bakes into, by the coordinates target_uv of the object's mesh."""
+    """An image that the object's material names as the one to bake into."""
     image = bpy.data.images.new("target", *size, float_buffer=True, is_data=True)
     obj.data.uv_layers.active = obj.data.uv_layers["target_uv"]
     nodes = obj.data.materials[0].node_tree.nodes
     node = nodes.new("ShaderNodeTexImage")
     node.image = image
     nodes.active = node
-    obj.select_set(True)
-    bpy.context.view_layer.objects.active = obj
     return image
 
 

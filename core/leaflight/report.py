@@ -1,59 +1,226 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The report: the thesis's tables beside ours, as Markdown, CSV and pictures."""
+"""The report: figures, plots and the thesis's tables beside ours, as Markdown, CSV and PNG."""
 
 import csv
 import io
 import os
 import re
+import shutil
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 import numpy as np
 
+from . import sections
 from ._core import LeaflightError
-from .experiments import table_3_1, table_4_2, table_4_9
+from .advice import advice
+from .curves import QUICK_CURVES, CurveEffort, measure_curves
+from .data_sets import QUICK_DATA, DataEffort, measure_data_sets
+from .experiments import QUICK, Effort, table_3_1, table_4_2, table_4_9
+from .fits import check_statistics
 from .images import write_png
 from .output import check_writable, replaced
 from .pictures import side_by_side
+from .plots import break_even, check_plotting, convergence, error_against_seconds
 
 TABLES = (table_3_1, table_4_2, table_4_9)
 COLUMNS = ("strategy", "samples", "rays", "filter", "ours", "printed", "seconds", "verdict")
 # Pixels, about, of each picture among those side by side.
 BESIDE = 300
+TABLES_SAY = (
+    "Errors are RMS in percent (thesis Eq. 4.11, corrected) and the same in every run; "
+    "seconds are those of each bake by the clock. Uniform, stratified, regular and importance "
+    "samples must not exceed the error that the thesis prints for uniform ones, whatever their "
+    "filter; nor must samples in each texel, which the thesis does not have. Strategies that leave "
+    "gaps must err at least three times as much as our uniform samples. Percent are of a displayed "
+    "colour of 1, so that they grow with a scene's brightness; the thesis's is not known."
+)
+
+
+@dataclass(frozen=True)
+class ReportEffort:
+    """How much work the report takes; its seed and threads are those of the tables."""
+
+    tables: Effort = Effort()
+    curves: CurveEffort = CurveEffort()
+    data: DataEffort = DataEffort()
+
+
+# Less than `--tables --quick` alone: all tables and all else take ten minutes.
+QUICK_TABLES = replace(
+    QUICK,
+    flat_reference_samples=2_560_000,
+    samples_and_rays=((1_000_000, 32),),
+    vertices=1000,
+    picture_paths=64,
+)
+QUICK_REPORT = ReportEffort(QUICK_TABLES, QUICK_CURVES, QUICK_DATA)
+
+
+def report(folder, effort, run, data=None, tables=TABLES):
+    """Measures everything; writes folder/report.md, folder/images/*.png and folder/csv/*.csv.
+
+    effort: a ReportEffort; run(work, label): see experiments.py; data: the folder of the real data
+    sets, or None. Returns a dict: "out", "seed", "passed" (no row of the tables failed), "rows" as
+    those of report_tables, and "curves", "slopes", "break_even", "data_sets", "memory": lists of
+    dicts. Raises LeaflightError, Cancelled, and then writes nothing.
+    """
+    folder = _prepared(folder, "report.md")
+    check_plotting()
+    check_statistics()
+    seed, threads = effort.tables.seed, effort.tables.threads
+    work = {"seed": seed, "threads": threads}
+    has_cycles = shutil.which("blender") is not None
+    curves = measure_curves(effort.curves, run, cycles=has_cycles, **work)
+    rows, absent = measure_data_sets(effort.data, run, folder=data, **work)
+    done = [table(effort.tables, run) for table in tables]
+
+    analysis = sections.analysed(curves, seed)
+    parts = {
+        "Error against seconds": sections.curves_text(curves),
+        "Convergence": sections.slopes_text(curves, analysis),
+        "One bake against Cycles": sections.break_even_text(curves, analysis),
+        "The thesis's data sets (Fig. 5.14)": sections.data_text(rows, absent, effort.data),
+        "Memory": sections.memory_text(curves, rows),
+    }
+    lines = [
+        "# Report",
+        "",
+        f"Written by `scripts/leaflight report` with seed {seed} on {os.cpu_count()} cores, from "
+        "nothing but the program, the data and the seed: errors come out the same in every run, "
+        "seconds do not.",
+        *_reductions(effort),
+        "",
+        "## What to choose when",
+        "",
+        *advice(curves, analysis, rows),
+    ]
+    for title, part in parts.items():
+        lines += ["", f"## {title}", "", *part]
+    lines += ["", "## The thesis's tables", "", TABLES_SAY]
+    lines += _tables_text(done, "###")
+    lines += [
+        "",
+        "The thesis leaves irradiance caching in four dimensions to the future (4.3.6). Ours are "
+        "the curves with a spacing, and docs/accuracy.md has more of them.",
+    ]
+    found = {
+        "curves": sections.curve_rows(curves),
+        "slopes": _split(sections.slope_rows(curves, analysis)),
+        "break_even": _split(analysis.break_even),
+        "data_sets": sections.data_rows(rows),
+        "memory": sections.memory_rows(curves, rows),
+    }
+    files = {
+        "images/curves.png": error_against_seconds(curves),
+        "images/convergence.png": convergence(curves, analysis.errors),
+        **{f"csv/{name}.csv": _csv(rows) for name, rows in found.items() if rows},
+        **_table_files(done, seed, each=False),
+        "report.md": "\n".join(lines) + "\n",
+    }
+    if analysis.break_even:
+        picture = break_even(analysis.break_even, sections.THESIS_BREAK_EVEN)
+        files["images/break_even.png"] = picture
+    _write(folder, files)
+    return {**_result(folder, done, seed), **_finite(found)}
 
 
 def report_tables(folder, effort, run, tables=TABLES):
-    """Computes tables and writes folder/tables.md, a .csv each and folder/images/*.png.
+    """Computes tables and writes folder/tables.md, folder/images/*.png, folder/csv/*.csv.
 
     effort: an Effort; run(work, label): see experiments.py. Returns a dict: "out", "seed",
     "passed" (no row failed) and "rows", a list of dicts with "table", "passed" and the COLUMNS.
     Raises LeaflightError, Cancelled, and then writes nothing.
     """
+    folder = _prepared(folder, "tables.md")
+    done = [table(effort, run) for table in tables]
+    lines = [
+        "# The thesis's tables, computed anew",
+        "",
+        f"Written by `scripts/leaflight report --tables` with seed {effort.seed} on "
+        f"{os.cpu_count()} cores. {TABLES_SAY}",
+        *_tables_text(done, "##"),
+    ]
+    files = {**_table_files(done, effort.seed, each=True), "tables.md": "\n".join(lines) + "\n"}
+    _write(folder, files)
+    return _result(folder, done, effort.seed)
+
+
+def _prepared(folder, name):
+    """The folder, made with those for images and figures, and able to hold a file of the name."""
     folder = Path(folder)
-    images = folder / "images"
     try:
-        images.mkdir(parents=True, exist_ok=True)
+        for part in ("images", "csv"):
+            (folder / part).mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise LeaflightError(
             f"{folder}: cannot make this folder: {error.strerror}; choose another (--out)."
         ) from None
-    check_writable(folder / "tables.md", ".md")
-    done = [table(effort, run) for table in tables]
-    for table in done:
-        _write(folder / f"{table.name}.csv", _csv(table, effort.seed))
-        for kind, pictures in table.pictures.items():
-            for name, picture in pictures.items():
-                write_png(images / f"{table.name}_{kind}_{_file_name(name)}.png", picture)
-            reduction = max(1, round(max(map(np.shape, pictures.values()))[1] / BESIDE))
-            row = side_by_side(list(pictures.values()), reduction)
-            write_png(images / f"{table.name}_{kind}.png", row)
-    _write(folder / "tables.md", _markdown(done, effort.seed))
+    check_writable(folder / name, ".md")
+    return folder
+
+
+def _result(folder, tables, seed):
     rows = [
         {"table": table.name, "passed": row.passed, **_cells(row)}
-        for table in done
+        for table in tables
         for row in table.rows
     ]
     passed = all(row["passed"] is not False for row in rows)
-    return {"out": str(folder), "seed": effort.seed, "passed": passed, "rows": rows}
+    return {"out": str(folder), "seed": seed, "passed": passed, "rows": rows}
+
+
+def _reductions(effort):
+    """What is less than in the full report, as a paragraph, if anything is."""
+    full, parts = ReportEffort(), []
+    for title, name in (("tables", "tables"), ("curves", "curves"), ("data sets", "data")):
+        own, other = getattr(effort, name), getattr(full, name)
+        less = [
+            f"{field.name} {_short(getattr(own, field.name))} instead of "
+            f"{_short(getattr(other, field.name))}"
+            for field in fields(own)
+            if field.name not in ("seed", "threads")
+            and getattr(own, field.name) != getattr(other, field.name)
+        ]
+        if less:
+            parts.append(f"{title}: {', '.join(less)}")
+    return ["", f"Reduced (`--quick`): {'; '.join(parts)}."] if parts else []
+
+
+def _short(value):
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_short, value))})"
+    return f"{value:,}" if isinstance(value, int) else f"{value:g}"
+
+
+def _split(rows):
+    """Rows whose Estimates are cells of their own: value, low and high."""
+    return [
+        {
+            key: cell
+            for name, value in row.items()
+            for key, cell in (
+                ((name, value.value), (f"{name}, low", value.low), (f"{name}, high", value.high))
+                if hasattr(value, "low")
+                else ((name, value),)
+            )
+        }
+        for row in rows
+    ]
+
+
+def _finite(found):
+    """Rows that JSON can hold: what is infinite or not known is None."""
+    return {
+        name: [
+            {
+                key: None if isinstance(cell, float) and not np.isfinite(cell) else cell
+                for key, cell in row.items()
+            }
+            for row in rows
+        ]
+        for name, rows in found.items()
+    }
 
 
 def _cells(row):
@@ -76,30 +243,37 @@ def _columns(table):
     return [*COLUMNS, *table.rows[0].others]
 
 
-def _csv(table, seed):
+def _table_files(tables, seed, each):
+    """Pictures and figures by their names; each: every picture on its own, too."""
+    files = {}
+    for table in tables:
+        rows = [
+            {**_cells(row), "passed": row.passed, "seed": seed + row.trial.repetition}
+            for row in table.rows
+        ]
+        files[f"csv/{table.name}.csv"] = _csv(rows)
+        for kind, pictures in table.pictures.items():
+            if each:
+                for name, picture in pictures.items():
+                    files[f"images/{table.name}_{kind}_{_file_name(name)}.png"] = picture
+            reduction = max(1, round(max(map(np.shape, pictures.values()))[1] / BESIDE))
+            row = side_by_side(list(pictures.values()), reduction)
+            files[f"images/{table.name}_{kind}.png"] = row
+    return files
+
+
+def _csv(rows):
     text = io.StringIO()
-    writer = csv.DictWriter(text, [*_columns(table), "passed", "seed"], lineterminator="\n")
+    writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
     writer.writeheader()
-    for row in table.rows:
-        own = seed + row.trial.repetition
-        writer.writerow({**_cells(row), "passed": row.passed, "seed": own})
+    writer.writerows(rows)
     return text.getvalue()
 
 
-def _markdown(tables, seed):
-    lines = [
-        "# The thesis's tables, computed anew",
-        "",
-        f"Written by `scripts/leaflight report --tables` with seed {seed} on {os.cpu_count()} "
-        "cores. Errors are RMS in percent (thesis Eq. 4.11, corrected) and the same in every run; "
-        "seconds are those of each bake. Uniform, stratified, regular and importance samples must "
-        "not exceed the error that the thesis prints for uniform ones, whatever their filter; nor "
-        "must samples in each texel, which the thesis does not have. Strategies that leave gaps "
-        "must err at least three times as much as our uniform samples. Percent are of a displayed "
-        "colour of 1, so that they grow with a scene's brightness; the thesis's is not known.",
-    ]
+def _tables_text(tables, heading):
+    lines = []
     for table in tables:
-        lines += ["", f"## {table.title}", ""]
+        lines += ["", f"{heading} {table.title}", ""]
         lines += [_line(_columns(table)), "|" + "---|" * len(_columns(table))]
         for row in table.rows:
             lines += [_line(_printed(name, cell) for name, cell in _cells(row).items())]
@@ -108,7 +282,7 @@ def _markdown(tables, seed):
             names = ", ".join(pictures)
             lines += ["", f"![{names}](images/{table.name}_{kind}.png)", ""]
             lines += [f"*{kind.capitalize()}: {names}.*"]
-    return "\n".join(lines) + "\n"
+    return lines
 
 
 def _printed(name, cell):
@@ -127,6 +301,11 @@ def _file_name(name):
     return re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
 
 
-def _write(path, text):
-    with replaced(path) as temporary:
-        temporary.write_text(text)
+def _write(folder, files):
+    """files: by name in the folder, text, bytes or pictures; each is written whole or not."""
+    for name, content in files.items():
+        if isinstance(content, np.ndarray):
+            write_png(folder / name, content)
+            continue
+        with replaced(folder / name) as temporary:
+            temporary.write_bytes(content if isinstance(content, bytes) else content.encode())

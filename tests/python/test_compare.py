@@ -61,6 +61,23 @@ def test_exposed_points_are_those_seen_from_outside():
     assert (exposed == outer).mean() > 0.999
 
 
+@pytest.mark.parametrize("n", [8, 15, 20])
+def test_the_border_is_lit(bump_scene, n):
+    """Vertices on the border of the domain belong to it, however the map to the index rounds."""
+    volume = leaflight.bump_box(n)
+    baked = leaflight.bake(volume, bump_scene, samples=1, photons=1000, isovalues=(30.0, 70.0))
+    vertices = baked.surface(47.0).vertices
+    on_leaf = leaflight._core.project_to_leaf(volume.field(), vertices, 47.0)
+    on_border = ((vertices == 0) | (vertices == 1)).any(axis=1)
+    # The scene is open towards z = 1: from there some light comes wherever the lamp is not seen.
+    dark = (baked.reference(on_leaf, 47.0, spp=64)[0] == 0).all(axis=1)
+    assert on_border.sum() > 10 and dark[on_border].mean() < 0.02
+    moved = on_leaf + [0.0, 0.0, 1e-9]
+    assert ((baked.reference(moved, 47.0, spp=64)[0] == 0).all(axis=1) == dark).all()
+    exposed = leaflight._core.exposed(volume.field(), on_leaf, 47.0, 32, 0) > 0
+    assert exposed[on_border].mean() > 0.5
+
+
 def test_compare_on_a_wall(lapr_bake):
     result = leaflight.compare(lapr_bake, 0.5, points=300, spp=256, mesh="floor")
     assert result["points"] == 300 and result["triangles"] == 2 and result["exposed"] is None

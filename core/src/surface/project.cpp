@@ -3,12 +3,14 @@
 
 #include <cmath>
 
+#include "leaflight/field/given_point.h"
+
 namespace leaflight {
 
 template <int D>
 Vec<D> project_to_leaf(const Field<D>& field, const Vec<D>& world, double isovalue) {
   const Vec<D> start = field.world_to_index.point(world);
-  if (!inside(field, start)) return world;
+  if (!holds_given(field, start)) return world;
   const auto value = [&](const Vec<D>& p) {
     const CellPoint<D> point = locate(field, p);
     return interpolate(load_corners(field, point.cell), point.local) - isovalue;

@@ -3,6 +3,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "leaflight/field/given_point.h"
 #include "leaflight/math/low_discrepancy.h"
 #include "leaflight/math/random.h"
 #include "leaflight/math/sampling.h"
@@ -15,7 +16,7 @@ template <int D>
 bool is_exposed(const Field<D>& field, const Vec<D>& world, double isovalue, int directions,
                 std::uint64_t key) {
   const Vec<D> index = field.world_to_index.point(world);
-  if (!inside(field, index)) return false;
+  if (!holds_given(field, index)) return false;
   LeafRay<D> ray;
   ray.origin = locate(field, index);
   ray.position = ray.origin.index_position();

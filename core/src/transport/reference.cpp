@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "leaflight/field/given_point.h"
 #include "leaflight/math/error.h"
 #include "leaflight/math/low_discrepancy.h"
 #include "leaflight/math/parallel.h"
@@ -67,7 +68,7 @@ std::vector<ReferenceRadiance> reference_radiance(const Scene<D>& scene,
   return trace_reference<D>(scene, points.size(), settings, progress,
                             [&](const SceneTracer<D>& tracer, std::size_t p) -> SurfacePoint<D> {
                               const Vec<D> index = field.world_to_index.point(points[p]);
-                              if (!inside(field, index)) return {};
+                              if (!holds_given(field, index)) return {};
                               return tracer.leaf_point(settings.volume, locate(field, index),
                                                        settings.c, settings.above);
                             });
