@@ -11,6 +11,7 @@ import numpy as np
 
 from . import _core
 from ._core import LeaflightError
+from .color_error import estimated_rms_percent
 from .on_mesh import interpolated
 from .output import check_writable
 from .scene import SceneDescription, core_scene, fit_scene, isovalue_at, match_leaves
@@ -62,7 +63,8 @@ class Bake:
     `isovalue` always is the leaf coordinate (see scene.py): the isovalue of a single volume, and
     0..1 with several. isovalues: (lo, hi), the baked window of it.
     grids: one _core.RadianceGrid for each volume; surroundings: _core.SurroundingsRadiance or None.
-    statistics: seconds, rays, rays_per_second, texels, peak_memory_bytes, skipped_passes.
+    statistics: seconds, rays, rays_per_second, texels, peak_memory_bytes, skipped_passes, and
+        estimated_rms_percent, the RMS of the noise that the texels report, in the units of compare.
     metadata: text by key, everything the result depends on; equal bakes have equal metadata.
     """
 
@@ -318,6 +320,7 @@ def bake(
         "surroundings": json.dumps(bool(surroundings)),
     }
     statistics = dict(baked.statistics)
+    statistics["estimated_rms_percent"] = estimated_rms_percent(baked.grids, description.exposure)
     statistics["rays_per_second"] = statistics["rays"] / max(statistics["seconds"], 1e-9)
     return Bake(volumes, description, window, baked.grids, baked.surroundings, statistics, metadata)
 

@@ -125,7 +125,8 @@ def _bake(options):
         f"{options.out}: isovalues {lo:g}..{hi:g} in {baked.scene.name}, "
         f"{result['texels']} texels, {result['seconds']:.1f} s, "
         f"{result['rays_per_second'] / 1e6:.2f} million rays/s, "
-        f"{result['peak_memory_bytes'] / 2**20:.0f} MiB",
+        f"{result['peak_memory_bytes'] / 2**20:.0f} MiB, "
+        f"noise about {result['estimated_rms_percent']:.2f} %",
         *_leaf_map(baked),
         *(f"skipped: {name} ({reason})" for name, reason in result["skipped_passes"]),
     ]

@@ -19,6 +19,24 @@ def noise_percent(standard_error, exposure, weights=None):
     return 100.0 * exposure * rms(np.float64(standard_error), weights)
 
 
+def estimated_rms_percent(grids, exposure):
+    """RMS over the texels of radiance grids of the error that they report, in percent of a colour.
+
+    A texel's is half the width of radiance +- error, clamped: what lies beyond white does not
+    count. Slices one by one, which bounds the memory. 0 where there is no texel.
+    """
+    squares, texels = 0.0, 0
+    for grid in grids:
+        slices = zip(grid.mask(), grid.dense("radiance"), grid.dense("radiance_error"))
+        for mask, radiance, error in slices:
+            active = mask.astype(bool)
+            colours, width = exposure * radiance[active], exposure * error[active][..., None]
+            low, high = np.clip(colours - width, 0, 1), np.clip(colours + width, 0, 1)
+            squares += float(np.square(np.float64(high - low) / 2).mean(axis=-1).sum())
+            texels += int(active.sum())
+    return 100.0 * float(np.sqrt(squares / max(texels, 1)))
+
+
 def rms(values, weights=None):
     """Root of the weighted mean of squares over all channels."""
     squares = np.square(np.float64(values)).mean(axis=-1)

@@ -13,6 +13,7 @@
 #include "leaflight/bake/point_sampler.h"
 #include "leaflight/math/error.h"
 #include "leaflight/math/parallel.h"
+#include "leaflight/math/sampling.h"
 #include "leaflight/transport/placement.h"
 #include "leaflight/transport/thesis_estimator.h"
 
@@ -279,6 +280,7 @@ class Baker {
             return from.indirect(point, per_texel, keys, i, rays);
           });
     }
+    add_photon_noise(averages, volume, above, estimator);
     if (!records) return averages;
     const std::vector<Average> soft = soft_from_records(volume, above, *estimator);
     for (std::size_t s = 0; s < soft.size(); ++s) {
@@ -286,6 +288,32 @@ class Baker {
       averages[s].variance += soft[s].variance;
     }
     return averages;
+  }
+
+  // What all samples of a texel have in common, and so do not show: the noise of the photons'
+  // density. Final gather rays look it up at so many places that it averages out.
+  void add_photon_noise(std::vector<Average>& averages, std::size_t volume, bool above,
+                        const IndirectEstimator<D>* estimator) const {
+    const bool volumetric = estimator && settings_.estimator == EstimatorName::volumetric;
+    const bool thesis = estimator && settings_.estimator == EstimatorName::thesis;
+    const LeafCache<D>* photons = leaves_[volume].photons;
+    const TexelLattice<D>& lattice = lattices_[volume];
+    for (std::size_t s = 0; s < averages.size(); ++s) {
+      if (thesis) {
+        const double mean = average(averages[s].mean);
+        averages[s].variance += static_cast<float>(mean * mean / settings_.photon_map.k);
+      }
+      if (!photons || !(volumetric || plan_.caustics)) continue;
+      const auto slot = static_cast<std::int32_t>(s);
+      const Vec<D> centre =
+          to_vector<D>(lattice.texel(lattice.active[s])) * lattice.voxels_per_texel;
+      const auto brdf = static_cast<float>(average(albedo_near(scene().volumes[volume], centre)) /
+                                           projected_hemisphere<D>);
+      float variance = 0;
+      if (volumetric) variance += photons->soft_variance(slot, above);
+      if (plan_.caustics) variance += photons->caustic_variance(slot, above);
+      averages[s].variance += brdf * brdf * variance;
+    }
   }
 
   // Soft light gathered at the points of a coarser lattice, as for a white leaf, and interpolated.

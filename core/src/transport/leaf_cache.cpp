@@ -165,6 +165,10 @@ void LeafCache<D>::estimate(Density& density, int radius, const std::vector<floa
       density.irradiance[s][channel] = area[s] > 0 ? sums[s] / area[s] : 0;
     }
   }
+  density.variance = smooth(lattice_, radius, progress, [&](std::size_t s) {
+    return static_cast<float>(density.flux.variance(s));
+  });
+  for (std::size_t s = 0; s < n; ++s) density.variance[s] /= area[s] > 0 ? area[s] * area[s] : 1;
   density.flux = FluxAccumulator(0, 1, 1);
 }
 

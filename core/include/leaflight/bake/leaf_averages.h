@@ -4,6 +4,7 @@
 #include <atomic>
 
 #include "leaflight/bake/point_sampler.h"
+#include "leaflight/bake/pooled_variance.h"
 #include "leaflight/bake/sample_average.h"
 #include "leaflight/bake/scattered.h"
 #include "leaflight/bake/texel_samples.h"
@@ -30,24 +31,33 @@ template <int D, class Radiance>
 std::vector<Average> average_texels(const SceneTracer<D>& tracer, const TexelLattice<D>& lattice,
                                     const LeafSamples& samples, Progress& progress,
                                     std::atomic<std::uint64_t>& rays, Radiance radiance) {
+  struct Drawn {
+    Rgb radiance;
+    double weight;
+  };
   std::vector<Average> averages(lattice.active.size());
-  parallel_range(averages.size(), texels_per_piece, samples.rays_per_sample * samples.count,
-                 progress, [&](std::size_t begin, std::size_t end) {
-                   std::uint64_t traced = 0;
-                   for (std::size_t s = begin; s < end && !progress.cancelled(); ++s) {
-                     const std::uint32_t texel = lattice.active[s];
-                     const SampleKeys keys =
-                         sample_keys(samples.seed, Purpose::texel, samples.volume, texel);
-                     Moments moments;
-                     for_each_texel_sample(
-                         tracer, samples.volume, samples.above, lattice, texel, samples.count,
-                         keys.position, [&](const SurfacePoint<D>& point, int i) {
-                           moments.add(radiance(point, keys, i, traced), point.gradient_length);
-                         });
-                     averages[s] = moments.average();
-                   }
-                   rays += traced;
-                 });
+  parallel_range(
+      averages.size(), texels_per_piece, samples.rays_per_sample * samples.count, progress,
+      [&](std::size_t begin, std::size_t end) {
+        std::uint64_t traced = 0;
+        std::vector<Drawn> drawn;
+        for (std::size_t s = begin; s < end && !progress.cancelled(); ++s) {
+          const std::uint32_t texel = lattice.active[s];
+          const SampleKeys keys = sample_keys(samples.seed, Purpose::texel, samples.volume, texel);
+          drawn.clear();
+          for_each_texel_sample(
+              tracer, samples.volume, samples.above, lattice, texel, samples.count, keys.position,
+              [&](const SurfacePoint<D>& point, int i) {
+                drawn.push_back({radiance(point, keys, i, traced), point.gradient_length});
+              });
+          // There may be fewer than asked for.
+          Moments moments(static_cast<int>(drawn.size()) / blocks_per_texel);
+          for (const Drawn& d : drawn) moments.add(d.radiance, d.weight);
+          averages[s] = moments.average();
+        }
+        rays += traced;
+      });
+  pool_variances(lattice, averages, progress);
   return averages;
 }
 
@@ -84,7 +94,7 @@ std::vector<Average> average_scattered(const SceneTracer<D>& tracer, const Texel
       interpolate_scattered(lattice, positions, values, filter, progress);
   std::vector<Average> averages;
   for (std::size_t s = 0; s < texels.value.size(); ++s) {
-    averages.push_back({texels.value[s], texels.error[s] * texels.error[s]});
+    averages.push_back({texels.value[s], texels.error[s] * texels.error[s], 1});
   }
   return averages;
 }

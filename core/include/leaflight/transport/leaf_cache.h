@@ -36,12 +36,21 @@ class LeafCache {
   Rgb soft(std::int32_t slot, bool above) const { return value(sides_[above].soft, slot); }
   Rgb caustic(std::int32_t slot, bool above) const { return value(sides_[above].caustic, slot); }
 
+  // Variances of these, of the mean over the colours, from the number of photons.
+  float soft_variance(std::int32_t slot, bool above) const {
+    return variance(sides_[above].soft, slot);
+  }
+  float caustic_variance(std::int32_t slot, bool above) const {
+    return variance(sides_[above].caustic, slot);
+  }
+
  private:
   // Photons of one kind on one side, then their irradiance.
   struct Density {
     FluxAccumulator flux{0, 1, 1};
     std::atomic<std::uint64_t> stored{0};
     std::vector<Rgb> irradiance;
+    std::vector<float> variance;
   };
   struct Side {
     SideContents contents = SideContents::nothing;
@@ -49,6 +58,9 @@ class LeafCache {
   };
   static Rgb value(const Density& density, std::int32_t slot) {
     return density.irradiance.empty() ? Rgb(0) : density.irradiance[slot];
+  }
+  static float variance(const Density& density, std::int32_t slot) {
+    return density.variance.empty() ? 0 : density.variance[slot];
   }
   void estimate(Density& density, int radius, const std::vector<float>& measure,
                 Progress& progress);

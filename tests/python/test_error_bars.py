@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The error that a bake reports for each texel is its true one: 95 % intervals hold that often."""
+
+import numpy as np
+import pytest
+
+import leaflight
+from leaflight.coverage import QUANTILE, coverage
+from leaflight.particles import neuron, nucleons
+
+SEEDS = 3
+# For a count of independent texels; the chance of a false alarm is that of 4 standard errors.
+ALLOWANCE = 4.0
+
+
+@pytest.fixture
+def volumes(bump_scene):
+    return {
+        "bump box": (leaflight.bump_box(20), bump_scene, None),
+        "neuron": (neuron(28), None, (20.0, 200.0)),
+        "nucleons": (nucleons(24)[0], None, (20.0, 170.0)),
+    }
+
+
+@pytest.mark.parametrize(
+    "name, estimator",
+    [
+        ("bump box", "gather"),
+        ("neuron", "gather"),
+        ("nucleons", "gather"),
+        ("nucleons", "volumetric"),
+        ("nucleons", "path"),
+    ],
+)
+def test_intervals_hold(volumes, name, estimator):
+    volume, scene, isovalues = volumes[name]
+    found = coverage(
+        volume, scene, seeds=SEEDS, estimator=estimator, photons=100_000, isovalues=isovalues
+    )
+    assert found.z.size > 3000
+    allowance = ALLOWANCE * np.sqrt(0.05 * 0.95 / found.z.size)
+    assert 0.93 - allowance <= found.within() <= 0.97 + allowance
+    # Not by being wide alone: half the error holds far fewer, 67 % of a normal distribution.
+    assert 0.6 < found.within(QUANTILE / 2) < 0.8
+
+
+def test_no_texel_is_sure_to_be_dark(volumes):
+    """In the window's last texels hardly a sample is found; they take their neighbours' light."""
+    volume, scene, isovalues = volumes["nucleons"]
+    grid = leaflight.bake(volume, scene, isovalues=isovalues, photons=10_000, samples=8).grid
+    active = grid.mask().astype(bool)
+    assert (grid.dense("radiance_error")[active] == 0).mean() < 0.001
+
+
+def test_estimated_error_of_the_bake(bump_scene):
+    """It falls like that of so many more samples, and is what two seeds differ by."""
+    few, more = (
+        leaflight.bake(leaflight.bump_box(20), bump_scene, photons=100_000, samples=samples)
+        for samples in (8, 128)
+    )
+    estimated = few.statistics["estimated_rms_percent"]
+    assert 0 < more.statistics["estimated_rms_percent"] < estimated / 3
+    active = few.grid.mask().astype(bool)
+    colours = [
+        np.clip(one.grid.dense("radiance")[active] * bump_scene.exposure, 0, 1)
+        for one in (few, more)
+    ]
+    true = 100 * np.sqrt(np.square(colours[0] - colours[1]).mean())
+    assert true / 2 < estimated < 2 * true
