@@ -175,7 +175,8 @@ class Baker {
                                                   : SideContents::nothing;
     for (std::size_t v = 0; v < lattices_.size(); ++v) {
       caches_.push_back(std::make_unique<LeafCache<D>>(
-          tracer_, static_cast<int>(v), lattices_[v], inner, plan_.caustics, photon_flux, photons));
+          tracer_, static_cast<int>(v), lattices_[v], inner,
+          settings_.estimator == EstimatorName::volumetric, plan_.caustics, photon_flux, photons));
     }
     if (plan_.surroundings_cache || gathers()) {
       surroundings_.emplace(tracer_, plan_.caustics, photon_flux, photons);

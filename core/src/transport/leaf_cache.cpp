@@ -117,15 +117,16 @@ std::vector<float> smooth(const TexelLattice<D>& lattice, int radius, Progress& 
 
 template <int D>
 LeafCache<D>::LeafCache(const SceneTracer<D>& tracer, int volume, const TexelLattice<D>& lattice,
-                        SideContents inner, bool caustics, double photon_flux,
+                        SideContents inner, bool soft_variance, bool caustics, double photon_flux,
                         std::uint64_t photons)
     : tracer_(tracer), volume_(volume), lattice_(lattice) {
   sides_[0].contents = SideContents::indirect;
   sides_[1].contents = inner;
   for (Side& side : sides_) {
     if (side.contents == SideContents::nothing) continue;
-    side.soft.flux = FluxAccumulator(lattice.active.size(), photon_flux, photons);
-    if (caustics) side.caustic.flux = FluxAccumulator(lattice.active.size(), photon_flux, photons);
+    const std::size_t texels = lattice.active.size();
+    side.soft.flux = FluxAccumulator(texels, photon_flux, photons, soft_variance);
+    if (caustics) side.caustic.flux = FluxAccumulator(texels, photon_flux, photons, true);
   }
 }
 
@@ -165,10 +166,12 @@ void LeafCache<D>::estimate(Density& density, int radius, const std::vector<floa
       density.irradiance[s][channel] = area[s] > 0 ? sums[s] / area[s] : 0;
     }
   }
-  density.variance = smooth(lattice_, radius, progress, [&](std::size_t s) {
-    return static_cast<float>(density.flux.variance(s));
-  });
-  for (std::size_t s = 0; s < n; ++s) density.variance[s] /= area[s] > 0 ? area[s] * area[s] : 1;
+  if (density.flux.has_variance()) {
+    density.variance = smooth(lattice_, radius, progress, [&](std::size_t s) {
+      return static_cast<float>(density.flux.variance(s));
+    });
+    for (std::size_t s = 0; s < n; ++s) density.variance[s] /= area[s] > 0 ? area[s] * area[s] : 1;
+  }
   density.flux = FluxAccumulator(0, 1, 1);
 }
 

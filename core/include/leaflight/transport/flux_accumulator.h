@@ -15,10 +15,12 @@ namespace leaflight {
 // variance of a sum: photons fall independently, nearly, so that their number is Poisson's.
 class FluxAccumulator {
  public:
-  // `photon_flux`: the largest flux with which a photon starts; `photons`: how many there are.
-  FluxAccumulator(std::size_t cells, double photon_flux, std::uint64_t photons)
+  // `photon_flux`: the largest flux with which a photon starts; `photons`: how many there are;
+  // `squares`: whether variance() will be asked for.
+  FluxAccumulator(std::size_t cells, double photon_flux, std::uint64_t photons,
+                  bool squares = false)
       : sums_(3 * cells),
-        squares_(cells),
+        squares_(squares ? cells : 0),
         // All photons may fall into one cell, each with up to `most` times its first flux.
         unit_(photon_flux * most * static_cast<double>(photons) / 0x1p62),
         limit_(photon_flux * most),
@@ -29,9 +31,11 @@ class FluxAccumulator {
       const double f = std::min(static_cast<double>(flux[i]), limit_);
       sums_[3 * cell + i].fetch_add(std::llrint(f / unit_), std::memory_order_relaxed);
     }
+    if (squares_.empty()) return;
     const double mean = std::min(static_cast<double>(average(flux)), limit_);
     squares_[cell].fetch_add(std::llrint(mean * mean / unit2_), std::memory_order_relaxed);
   }
+  bool has_variance() const { return !squares_.empty(); }
   double variance(std::size_t cell) const {
     return static_cast<double>(squares_[cell].load(std::memory_order_relaxed)) * unit2_;
   }

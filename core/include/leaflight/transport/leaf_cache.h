@@ -20,8 +20,10 @@ enum class SideContents { nothing, indirect, all };
 template <int D>
 class LeafCache {
  public:
+  // `soft_variance`: whether that will be asked for.
   LeafCache(const SceneTracer<D>& tracer, int volume, const TexelLattice<D>& lattice,
-            SideContents inner, bool caustics, double photon_flux, std::uint64_t photons);
+            SideContents inner, bool soft_variance, bool caustics, double photon_flux,
+            std::uint64_t photons);
 
   void deposit(const PhotonHit<D>& photon);
 
