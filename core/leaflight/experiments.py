@@ -230,7 +230,10 @@ def table_4_2(effort, run):
 
 
 def _space_trials(effort, column, samples, rays):
-    """The rows of a column of thesis Table 4.2, numbered from 0: every strategy with its filter."""
+    """The rows of a column of thesis Table 4.2, numbered from 0.
+
+    The first tries other filters, too; the second has the thesis's filter alone.
+    """
 
     def trial(name, strategy, filtering=("shepard", 3), isovalues=9, **options):
         return Trial(
@@ -249,9 +252,6 @@ def _space_trials(effort, column, samples, rays):
             printed=level_sets,
         ),
         trial("importance", "importance"),
-        trial("uniform, tent", "uniform", tent),
-        trial("importance, tent", "importance", tent),
-        Trial("samples in each texel", samples, rays),
     ]
     if column > 0:
         return trials
@@ -262,6 +262,9 @@ def _space_trials(effort, column, samples, rays):
     return [
         *trials,
         *again,
+        trial("uniform, tent", "uniform", tent),
+        trial("importance, tent", "importance", tent),
+        Trial("samples in each texel", samples, rays),
         trial("stratified", "stratified"),
         trial("stratified, tent", "stratified", tent),
         trial("level sets (9 of our own)", "level_set"),
