@@ -214,7 +214,7 @@ TEST(NumericsVolumes, FurnaceInAnyTransform) {
     const Scene<3> scene =
         test::furnace(field_of({9, 9, 9}, h, transform), {20, 28}, 1, static_cast<Real>(0.5));
     BakeSettings<3> settings = quick(EstimatorName::path);
-    settings.samples = test::fewer(64);
+    settings.samples = static_cast<int>(test::trials(64, 1024));
     Progress progress;
     const RadianceGrid<3> grid = bake(scene, settings, progress).grids[0];
     double sum = 0, variance = 0, texels = 0;
