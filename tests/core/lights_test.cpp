@@ -8,6 +8,7 @@
 #include "leaflight/math/sampling.h"
 #include "leaflight/transport/photon_tracer.h"
 #include "scenes.h"
+#include "statistics.h"
 
 namespace leaflight {
 namespace {
@@ -31,7 +32,7 @@ Irradiance irradiance_at(const Scene<3>& scene, const Vec3& point) {
 
 void expect_irradiance(const Scene<3>& scene, const Vec3& point, double expected) {
   const Irradiance e = irradiance_at(scene, point);
-  EXPECT_NEAR(e.mean, expected, 4 * e.error + 2e-4 * expected);
+  EXPECT_NEAR(e.mean, expected, test::z_limit() * e.error + 2e-4 * expected);
 }
 
 const Vec3 place(0.4, 0.6, 0.5);
@@ -91,7 +92,7 @@ TEST(Lights, EmissiveMeshIsItsArea) {
   mesh.meshes = {test::wall("glow", corner, u, v, Rgb(0))};
   mesh.meshes[0].emission = Rgb(4);
   const Irradiance a = irradiance_at(lamp, place), b = irradiance_at(mesh, place);
-  EXPECT_NEAR(a.mean, b.mean, 4 * std::hypot(a.error, b.error));
+  EXPECT_NEAR(a.mean, b.mean, test::z_limit() * std::hypot(a.error, b.error));
   EXPECT_GT(a.mean, 10 * a.error);
 }
 
@@ -123,7 +124,7 @@ TEST(Lights, EnvironmentImageIntegratesToItsIrradiance) {
     }
   }
   const Irradiance found = irradiance_at(scene, place);
-  EXPECT_NEAR(found.mean, expected, 4 * found.error + 2e-3 * expected);
+  EXPECT_NEAR(found.mean, expected, test::z_limit() * found.error + 2e-3 * expected);
   // Turned by a quarter about z with its image, the light comes from elsewhere.
   scene.environment->world_to_image.column = {Vec3(0, 1, 0), Vec3(-1, 0, 0), Vec3(0, 0, 1)};
   double turned = 0;
@@ -193,7 +194,7 @@ void expect_photons_agree(const Scene<D>& scene) {
     gathered2 += flux * flux;
   }
   // Both are sums of many small independent parts.
-  EXPECT_NEAR(landed, gathered, 4 * std::sqrt(landed2 + gathered2));
+  EXPECT_NEAR(landed, gathered, test::z_limit() * std::sqrt(landed2 + gathered2));
   EXPECT_LT(std::sqrt(landed2 + gathered2), (test::sanitized ? 0.3 : 0.03) * gathered);
 }
 

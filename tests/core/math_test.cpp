@@ -6,6 +6,7 @@
 #include "fields.h"
 #include "leaflight/math/low_discrepancy.h"
 #include "leaflight/math/sampling.h"
+#include "statistics.h"
 
 namespace leaflight {
 namespace {
@@ -27,7 +28,7 @@ TEST(Sobol, IsAZeroTwoSequence) {
   }
 }
 
-// chi-square over 8 x 8 equal bins of (cos^2, phi); 63 degrees of freedom, 99.99 % quantile 113.5.
+// chi-square over 8 x 8 equal bins of (cos^2, phi).
 TEST(CosineHemisphere, HasItsDensity) {
   Random random(1);
   const Vec3 n = Vec3(-0.3, 0.5, -0.8).normalized();
@@ -44,7 +45,7 @@ TEST(CosineHemisphere, HasItsDensity) {
   }
   double chi2 = 0;
   for (const int count : bins) chi2 += std::pow(count - samples / 64.0, 2) / (samples / 64.0);
-  EXPECT_LT(chi2, 113.5);
+  EXPECT_LT(chi2, test::chi_square_limit(63));
 }
 
 TEST(Affine, InverseUndoesIt) {

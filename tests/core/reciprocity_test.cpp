@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Light may be followed from its source or to it, and none is lost on the way.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "agreement.h"
+#include "leaflight/transport/photon_tracer.h"
+#include "statistics.h"
+
+namespace leaflight {
+namespace {
+
+// A ray that turns back at a glass surface goes the way that it came, in either direction with the
+// same share of the radiance over n^2 (n in the plane).
+template <int D>
+void expect_reversible() {
+  Random random(1);
+  SurfacePoint<D> point;
+  point.kind = HitKind::surroundings;
+  point.scattering = Scattering::glass;
+  point.albedo = Rgb(0.9f, 0.5f, 0.2f);
+  Vec<D> normal(0.0);
+  normal[D - 1] = 1;
+  point.geometric_normal = point.shading_normal = normal;
+  int through = 0;
+  for (int i = 0; i < 2000; ++i) {
+    point.ior = i % 2 ? 1.5 : 1 / 1.5;
+    Vec<D> direction(0.0);
+    direction[0] = 2 * random.uniform() - 1;
+    direction[D - 1] = -std::sqrt(1 - direction[0] * direction[0]);
+    const SpecularBounce<D> there = specular_bounce<D>(point, direction, random.uniform());
+    const bool refracted = there.direction[D - 1] < 0;
+    const SurfacePoint<D>& from = refracted ? there.from : point;
+    // The least u reflects and the greatest refracts, as long as both are possible.
+    const SpecularBounce<D> back =
+        specular_bounce<D>(from, -there.direction, refracted ? 1 - 1e-12 : 0);
+    ASSERT_LT((back.direction + direction).length(), 1e-6);
+    ASSERT_NEAR(back.radiance_scale * there.radiance_scale, 1, 1e-6);
+    ASSERT_NEAR(back.weight.x, there.weight.x, 1e-6);
+    if (!refracted) continue;
+    ++through;
+    EXPECT_NEAR(there.radiance_scale, std::pow(point.ior, 1 - D), 1e-6);
+    const double cosine = -direction[D - 1], other = -there.direction[D - 1];
+    EXPECT_NEAR(fresnel_reflectance(cosine, point.ior), fresnel_reflectance(other, 1 / point.ior),
+                1e-9);
+  }
+  EXPECT_GT(through, 500);
+}
+TEST(Reciprocity, OfGlass) {
+  expect_reversible<2>();
+  expect_reversible<3>();
+}
+
+// A flat leaf, whose shading normals are the geometric ones, in a box with a mirror on one side,
+// and two plates. The first plate, or the second, emits.
+constexpr double plate_area = 0.3 * 0.2;
+Scene<3> plates(int emitter, const Field<3>& leaves) {
+  Scene<3> scene = test::cornell(leaves, {0.2, 0.8});
+  scene.lights.clear();
+  scene.meshes[0].scattering = Scattering::mirror;
+  scene.meshes.push_back(test::wall("low", {0.1, 0.2, -0.2}, {0.3, 0, 0}, {0, 0.2, 0}, Rgb(0.5f)));
+  scene.meshes.push_back(
+      test::wall("upright", {0.9, 0.9, -0.1}, {0, -0.3, 0}, {0, 0, 0.2}, Rgb(0.3f)));
+  scene.meshes[scene.meshes.size() - 2 + emitter].emission = Rgb(5);
+  return scene;
+}
+Field<3> flat_leaves() {
+  return test::sampled<3>(9, [](const Vec3& x) { return x.z; });
+}
+
+struct Flux {
+  Imath::V3d mean{0}, variance{0};
+};
+
+// Flux over both sides of a plate, which emit alike, by paths from it.
+Flux received(const Scene<3>& scene, int plate, int points) {
+  const int mesh = static_cast<int>(scene.meshes.size()) - 2 + plate;
+  Random random(3 + plate);
+  std::vector<FacetPoint> places;
+  for (int i = 0; i < points; ++i) {
+    const double root = std::sqrt(random.uniform()), v = random.uniform();
+    places.push_back({mesh, i % 2, root * (1 - v), root * v, i % 4 < 2});
+  }
+  Progress progress;
+  const auto radiance = reference_radiance(
+      scene, places, test::reference_settings(0.5, test::fewer(256), 5 + plate), progress);
+  Flux flux;
+  const double scale = pi / scene.meshes[mesh].albedo.x * 2 * plate_area;
+  for (const auto& r : radiance) flux.mean += Imath::V3d(r.radiance) * (scale / points);
+  for (const auto& r : radiance) {
+    const Imath::V3d rest = Imath::V3d(r.radiance) * scale - flux.mean;
+    flux.variance += rest * rest / (points * (points - 1.0));
+  }
+  return flux;
+}
+
+void expect_same(const Flux& a, const Flux& b, double most_error) {
+  if (test::sanitized) return;
+  for (int k = 0; k < 3; ++k) {
+    const double error = std::sqrt(a.variance[k] + b.variance[k]);
+    EXPECT_NEAR(a.mean[k], b.mean[k], test::z_limit(3) * error);
+    EXPECT_LT(error, most_error * a.mean[k]);
+  }
+}
+
+// One plate receives from the other what it would send it (Helmholtz), by all ways there are.
+TEST(Reciprocity, OfTwoPlates) {
+  constexpr int points = test::fewer(6000);
+  const Flux there = received(plates(0, flat_leaves()), 1, points);
+  const Flux back = received(plates(1, flat_leaves()), 0, points);
+  expect_same(there, back, 0.02);
+}
+
+// Photons follow the ways of paths the other way round. With curved leaves this needs the factor of
+// shading normals.
+TEST(Reciprocity, OfPhotonsAndPaths) {
+  for (const bool curved : {false, true}) {
+    SCOPED_TRACE(curved);
+    Scene<3> scene = plates(0, curved ? test::ball<3>(17) : flat_leaves());
+    const Flux paths = received(scene, 1, test::fewer(3000));
+    // All photons belong to the leaf of the paths.
+    const double c = 0.5, height = 1e-6;
+    scene.window = {c - height / 2, c + height / 2};
+    const SceneTracer<3> tracer(scene);
+    const LightSampler<3> lights(tracer);
+    const int plate = static_cast<int>(scene.meshes.size()) - 1;
+    constexpr int batches = 20, count = test::fewer(50'000);
+    std::vector<Imath::V3d> sums(batches, Imath::V3d(0));
+    Flux photons;
+    for (int b = 0; b < batches; ++b) {
+      trace_photons(
+          tracer, lights, PhotonPaths::all, 100 + b, 0, count, count, [&](const PhotonHit<3>& hit) {
+            if (hit.point.kind == HitKind::surroundings && hit.point.place.mesh == plate) {
+              sums[b] += Imath::V3d(hit.flux_height) / height;
+            }
+          });
+      photons.mean += sums[b] / batches;
+    }
+    for (const auto& sum : sums) {
+      const Imath::V3d rest = sum - photons.mean;
+      photons.variance += rest * rest / (batches * (batches - 1.0));
+    }
+    expect_same(paths, photons, 0.03);
+  }
+}
+
+// What is emitted is absorbed or escapes, save for the noise of Russian roulette. Shading normals
+// do not conserve energy (Veach 1997, ch. 5), so that the leaf is flat.
+TEST(Energy, IsConservedWithinItsNoise) {
+  Scene<3> scene = plates(0, flat_leaves());
+  scene.environment = Environment<3>{};
+  scene.environment->radiance = Rgb(0.1f, 0.2f, 0.3f);
+  const SceneTracer<3> tracer(scene);
+  const LightSampler<3> lights(tracer);
+  constexpr int batches = 30, count = test::fewer(15'000);
+  for (int k = 0; k < 3; ++k) {
+    double sum = 0, sum2 = 0;
+    for (int b = 0; b < batches; ++b) {
+      PhotonBalance balance;
+      trace_photons(
+          tracer, lights, PhotonPaths::all, 200 + b, 0, count, count, [](const auto&) {}, &balance);
+      const double lost = 1 - (balance.absorbed[k] + balance.escaped[k]) / balance.emitted[k];
+      sum += lost / batches;
+      sum2 += lost * lost / batches;
+    }
+    const double error = std::sqrt((sum2 - sum * sum) / (batches - 1));
+    if (test::sanitized) continue;
+    EXPECT_LT(std::abs(test::z_of_t(sum / error, batches - 1)), test::z_limit(3)) << k;
+    EXPECT_LT(error, 0.002);
+  }
+}
+
+}  // namespace
+}  // namespace leaflight
