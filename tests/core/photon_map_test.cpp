@@ -198,7 +198,7 @@ void compare_with_volumetric(const Scene<D>& scene, std::uint64_t count) {
   const Field<D>& field = test::field_of(scene);
   const TexelLattice<D> lattice =
       make_lattice(field, field.dims, scene.window.min, scene.window.max);
-  LeafCache<D> cache(tracer, 0, lattice, SideContents::nothing, false,
+  LeafCache<D> cache(tracer, 0, lattice, SideContents::nothing, false, false,
                      lights.largest_flux_height() / static_cast<double>(count), count);
   trace_photons(tracer, lights, PhotonPaths::all, 1, 0, count, count,
                 [&](const PhotonHit<D>& photon) {
