@@ -126,6 +126,11 @@ class Bake:
             return np.zeros((len(points), 3), dtype=np.float32)
         return grid.lookup(self.volumes[volume].field(), points, back)
 
+    def radiance_error(self, points, volume=0):
+        """The standard error of radiance(), of its mean over the channels: float32 (n,)."""
+        self._check_volume(volume)
+        return self.grids[volume].lookup_error(self.volumes[volume].field(), points)
+
     def reference(
         self, points, isovalue, spp=1024, seed=0, threads=0, progress=None, volume=0, back=False
     ):

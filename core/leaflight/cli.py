@@ -223,9 +223,20 @@ def _compare(options):
     return result, [
         f"isovalue {isovalue}, all points: {_errors(result)}",
         *([f"isovalue {isovalue}, seen from outside: {_errors(exposed)}"] if exposed else []),
+        *([_parts(result["parts"])] if result["parts"] else []),
         f"bake {result['bake_seconds']:.1f} s, reference {result['reference_seconds']:.1f} s at "
         f"{result['points']} points with {result['spp']} paths each",
     ]
+
+
+def _parts(parts):
+    mesh = parts["mesh_percent"]
+    return (
+        f"of which noise of the bake {parts['noise_percent']:.2f} %, texture "
+        f"{parts['texture_percent']:.2f} %"
+        + ("" if mesh is None else f", mesh instead of the leaf {mesh:.2f} %")
+        + " (squares add up)"
+    )
 
 
 def _isovalue(baked, options):

@@ -7,7 +7,7 @@ from . import _core
 from ._core import LeaflightError
 from .cycles import measure
 from .on_mesh import positions, random_places, random_points
-from .truth import Truth, errors_of
+from .truth import Truth, errors_of, parts_of
 
 REFERENCES = ("path", "cycles")
 # Random rays by which a point shows itself to the outside.
@@ -49,6 +49,9 @@ def compare(
     exposed                  the same six, and their points, over the points that can be seen from
                              outside the volume; a scan hides most of an isosurface in the dark;
                              None of the inner side and of meshes
+    parts                    noise_percent, texture_percent and mesh_percent, of which rms_percent
+                             and the reference's noise are the sum of squares (truth.py); None of
+                             the inner side and of meshes
     and points, spp, reference, isovalue, triangles, bake_seconds, reference_seconds.
     Raises LeaflightError, Cancelled.
     """
@@ -61,12 +64,21 @@ def compare(
     reference_seconds = time.perf_counter() - start
     baked, exposure = place.baked(isovalue, truth.points), bake.scene.exposure
     exposed = place.exposed(isovalue, truth.points, seed)
+    parts = None
+    if mesh is None and not back:
+        path = truth
+        if reference != "path":
+            work = {"spp": spp, "seed": seed, "threads": threads, "progress": progress}
+            path = place.path_traced_at(isovalue, truth.points, **work)
+        error = bake.radiance_error(truth.points, volume)
+        parts = parts_of(baked, error, path, truth, exposure)
     return {
         "isovalue": float(isovalue),
         "spp": int(spp),
         "reference": reference,
         "triangles": place.triangles,
         **errors_of(baked, truth, exposure),
+        "parts": parts,
         "exposed": None if exposed is None else errors_of(baked, truth, exposure, exposed),
         "bake_seconds": bake.statistics["seconds"],
         "reference_seconds": reference_seconds,
@@ -96,6 +108,10 @@ class _OnLeaf:
 
     def path_traced(self, isovalue, points, spp, seed, threads, progress):
         on_mesh = random_points(self.surface.vertices, self.surface.triangles, points, seed)
+        return self.path_traced_at(isovalue, on_mesh, spp, seed, threads, progress)
+
+    def path_traced_at(self, isovalue, on_mesh, spp, seed, threads, progress):
+        """The same at the points of the leaf next to given ones of the mesh (n, 3)."""
         on_leaf = self._projected(isovalue, on_mesh)
         where = {"volume": self.volume, "back": self.back}
         found = self.bake.reference(on_leaf, isovalue, spp, seed, threads, progress, **where)

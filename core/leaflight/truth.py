@@ -54,6 +54,38 @@ class Truth:
         )
 
 
+def parts_of(radiance, error, path, truth, exposure):
+    """What the error of radiance (n, 3) against the truth consists of: a dict of percents.
+
+    error: (n,), the standard error that the bake reports for its radiance; path: Truth of the path
+    tracer at the same points of the leaf, which may be the truth itself. Squares add up:
+
+    noise_percent    the reported error
+    texture_percent  what else the bake differs by from the path tracer: its resolution, and the
+                     bias of its estimator
+    mesh_percent     what the path tracer differs by from the truth: a mesh stands for the leaf;
+                     None where the path tracer is the truth
+    """
+    weights = truth.weights
+    noise = noise_percent(error[:, None], exposure, weights)
+    path_noise = noise_percent(path.standard_error, exposure, weights)
+    mesh = None
+    if path is not truth:
+        truth_noise = noise_percent(truth.standard_error, exposure, weights)
+        of_path = rms_percent(path.radiance, truth.radiance, exposure, weights)
+        mesh = _without(of_path, path_noise, truth_noise)
+    of_bake = rms_percent(radiance, path.radiance, exposure, weights)
+    return {
+        "noise_percent": noise,
+        "texture_percent": _without(of_bake, path_noise, noise),
+        "mesh_percent": mesh,
+    }
+
+
+def _without(whole, *parts):
+    return float(np.sqrt(max(0.0, whole**2 - sum(part**2 for part in parts))))
+
+
 def errors_of(radiance, truth, exposure, mask=None):
     """Errors of radiance (n, 3) against the truth at its points, or those of a mask (n,).
 

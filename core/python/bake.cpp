@@ -79,6 +79,18 @@ py::array_t<float> lookup_at(const RadianceGrid<D>& grid, const Field<D>& field,
   return adopt<float>(std::move(radiance), {static_cast<py::ssize_t>(points.size()), 3});
 }
 
+template <int D>
+py::array_t<float> lookup_error_at(const RadianceGrid<D>& grid, const Field<D>& field,
+                                   const DoubleArray& array) {
+  const std::vector<Vec<D>> points = to_points<D>(array);
+  std::vector<float> error;
+  for (const Vec<D>& point : points) {
+    error.push_back(
+        lookup_error(grid.lattice, grid.radiance_error, field.world_to_index.point(point)));
+  }
+  return adopt<float>(std::move(error), {static_cast<py::ssize_t>(points.size())});
+}
+
 py::tuple atlas(const RadianceGrid<3>& grid, bool back) {
   const std::vector<Vec<3, float>>& values = side_of(grid, back);
   Atlas result;
@@ -263,7 +275,10 @@ void bind_grid(py::module_& module, const std::string& suffix) {
            "over the channels: float32 [z, y, x]. Zero at inactive texels.")
       .def("mask", &mask<D>, "uint8 [z, y, x], 1 at active texels.")
       .def("lookup", &lookup_at<D>, py::arg("field"), py::arg("points"), py::arg("back") = false,
-           "Linear radiance (n, 3) at world points (n, D), over active texels only.");
+           "Linear radiance (n, 3) at world points (n, D), over active texels only.")
+      .def("lookup_error", &lookup_error_at<D>, py::arg("field"), py::arg("points"),
+           "Standard error (n,) of the outer side's radiance at world points (n, D), of the mean\n"
+           "over the channels: that of independent texels.");
   if constexpr (D == 3) {
     grid.def("atlas", &atlas, py::arg("back") = false,
              "(pixels float32 [row, column, RGBA] bottom row first, columns, rows): slice k of "

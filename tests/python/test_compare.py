@@ -9,6 +9,7 @@ import pytest
 import leaflight
 from leaflight import LeaflightError
 from leaflight.compare import random_points
+from leaflight.truth import Truth, parts_of
 
 
 def test_random_points_are_uniform_over_the_area():
@@ -36,8 +37,33 @@ def test_compare(box_bake):
     assert result["reference_seconds"] > 0
     exposed = result["exposed"]
     assert 0 < exposed["points"] <= 200 and 0 < exposed["rms_percent"] < 25
+    # The parts and the reference's noise are the whole, unless noise alone exceeds it.
+    parts = result["parts"]
+    assert parts["mesh_percent"] is None and parts["noise_percent"] > 0
+    squares = [parts["noise_percent"], parts["texture_percent"], result["reference_noise_percent"]]
+    assert np.linalg.norm(squares) >= result["rms_percent"] * (1 - 1e-6)
     again = leaflight.compare(box_bake, 47.0, points=200, spp=64, threads=1)
     assert again["rms_percent"] == result["rms_percent"]
+
+
+def test_parts_of_an_error():
+    """Differences of known size are found again, each under its name."""
+    rng = np.random.default_rng(3)
+    n, weights = 200_000, rng.uniform(0.5, 1.5, 200_000)
+    leaf = rng.uniform(0.3, 0.6, (n, 3))
+    noise = 0.02 * rng.normal(size=(n, 1))
+    radiance = leaf + 0.03 * rng.normal(size=(n, 3)) + noise
+
+    def measured(values, error):
+        known = np.full((n, 3), error)
+        return Truth(None, weights, values + error * rng.normal(size=(n, 3)), known, None)
+
+    path, truth = measured(leaf, 0.01), measured(leaf + 0.04 * rng.normal(size=(n, 3)), 0.015)
+    parts = parts_of(radiance, np.full(n, 0.02), path, truth, 1.0)
+    assert parts["noise_percent"] == pytest.approx(2.0)
+    assert parts["texture_percent"] == pytest.approx(3.0, rel=0.01)
+    assert parts["mesh_percent"] == pytest.approx(4.0, rel=0.01)
+    assert parts_of(radiance, np.full(n, 0.02), path, path, 1.0)["mesh_percent"] is None
 
 
 def test_colours_saturate(box_bake):

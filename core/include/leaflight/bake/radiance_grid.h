@@ -27,4 +27,9 @@ template <int D>
 Vec<3, float> lookup(const TexelLattice<D>& lattice, const std::vector<Vec<3, float>>& values,
                      const Vec<D>& index_position);
 
+// The standard error of such a radiance, from those of the texels, which are independent.
+template <int D>
+float lookup_error(const TexelLattice<D>& lattice, const std::vector<float>& errors,
+                   const Vec<D>& index_position);
+
 }  // namespace leaflight
