@@ -175,8 +175,8 @@ TEST(NumericsCells, Random) {
 }
 
 TEST(NumericsCells, Smooth) {
-  expect_none_missed("smooth 3D", smooth_cell<3>, 0.15, 1e-3);
-  expect_none_missed("smooth 2D", smooth_cell<2>, 0.15, 1e-3);
+  expect_none_missed("smooth 3D", smooth_cell<3>, 0.1, 1e-3);
+  expect_none_missed("smooth 2D", smooth_cell<2>, 0.1, 1e-3);
 }
 
 TEST(NumericsCells, Plateau) {
@@ -196,8 +196,8 @@ TEST(NumericsCells, DoubleRoot) {
 
 // No tolerance at the ends of the segment: equal is above.
 TEST(NumericsCells, TiesFollowTheRule) {
-  expect_none_missed("exact ties 3D", exact_cell<3>, 0.2, 0.1, true);
-  expect_none_missed("exact ties 2D", exact_cell<2>, 0.2, 0.1, true);
+  expect_none_missed("exact ties 3D", exact_cell<3>, 0.15, 0.1, true);
+  expect_none_missed("exact ties 2D", exact_cell<2>, 0.15, 0.1, true);
 }
 
 }  // namespace

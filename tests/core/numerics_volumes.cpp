@@ -224,10 +224,12 @@ TEST(NumericsVolumes, FurnaceInAnyTransform) {
       sum += grid.radiance[s].x;
       variance += grid.radiance_error[s] * grid.radiance_error[s];
     }
-    EXPECT_GT(texels, 0.9 * static_cast<double>(grid.radiance.size())) << name;
     const double z_score = (sum - 2 * texels) / std::sqrt(variance);
-    // Six tests at a level of 1e-4 together.
-    EXPECT_LT(std::abs(z_score), 4.3) << name;
+    if (!test::sanitized) {
+      EXPECT_GT(texels, 0.9 * static_cast<double>(grid.radiance.size())) << name;
+      // Six tests at a level of 1e-4 together.
+      EXPECT_LT(std::abs(z_score), 4.3) << name;
+    }
     test::figure("furnace, " + name + ": mean radiance over 2", sum / texels / 2);
     test::figure("furnace, " + name + ": z-score", z_score);
   }
