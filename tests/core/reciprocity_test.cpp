@@ -132,7 +132,7 @@ TEST(Reciprocity, OfPhotonsAndPaths) {
       trace_photons(
           tracer, lights, PhotonPaths::all, 100 + b, 0, count, count, [&](const PhotonHit<3>& hit) {
             if (hit.point.kind == HitKind::surroundings && hit.point.place.mesh == plate) {
-              sums[b] += Imath::V3d(hit.flux_height) / height;
+              sums[b] += Imath::V3d(hit.flux_height);
             }
           });
       photons.mean += sums[b] / batches;
