@@ -258,8 +258,17 @@ def _table_files(tables, seed, each):
                     files[f"images/{table.name}_{kind}_{_file_name(name)}.png"] = picture
             reduction = max(1, round(max(map(np.shape, pictures.values()))[1] / BESIDE))
             row = side_by_side(list(pictures.values()), reduction)
-            files[f"images/{table.name}_{kind}.png"] = row
+            files[f"images/{table.name}_{kind}.png"] = row if each else _small_png(row)
     return files
+
+
+def _small_png(picture):
+    """The bytes of a PNG file with 128 colours: a document does not need more."""
+    from PIL import Image
+
+    file = io.BytesIO()
+    Image.fromarray(picture).quantize(128).save(file, "PNG", optimize=True)
+    return file.getvalue()
 
 
 def _csv(rows):
