@@ -38,7 +38,8 @@ class Effort:
 
     rays: shadow and gather rays of each scattered sample. References are a texture of regular
     samples in the plane, and in space paths at some vertices of an isosurface. repetitions: of
-    the first row of Table 4.2, with other seeds.
+    the first row of Table 4.2, with other seeds; filters: its rows with other filters and
+    estimators, too.
     """
 
     photons: int = 2_000_000
@@ -51,6 +52,7 @@ class Effort:
     # The columns of Table 4.2.
     samples_and_rays: tuple = ((1_000_000, 64), (10_000_000, 32))
     repetitions: int = 2
+    filters: bool = True
     vertices: int = 4000
     paths: int = 16_384
     picture_paths: int = 256
@@ -66,6 +68,7 @@ class Effort:
 QUICK = Effort(
     samples_and_rays=((1_000_000, 64),),
     repetitions=0,
+    filters=False,
     vertices=2000,
     paths=8192,
     neuron_factors=(1, 8),
@@ -232,7 +235,7 @@ def table_4_2(effort, run):
 def _space_trials(effort, column, samples, rays):
     """The rows of a column of thesis Table 4.2, numbered from 0.
 
-    The first tries other filters, too; the second has the thesis's filter alone.
+    The second has the thesis's filter alone.
     """
 
     def trial(name, strategy, filtering=("shepard", 3), isovalues=9, **options):
@@ -253,7 +256,7 @@ def _space_trials(effort, column, samples, rays):
         ),
         trial("importance", "importance"),
     ]
-    if column > 0:
+    if column > 0 or not effort.filters:
         return trials
     again = [
         trial(f"uniform, seed {effort.seed + i}", "uniform", printed=uniform, repetition=i)

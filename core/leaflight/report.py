@@ -50,7 +50,6 @@ class ReportEffort:
 QUICK_TABLES = replace(
     QUICK,
     flat_reference_samples=2_560_000,
-    samples_and_rays=((1_000_000, 32),),
     vertices=1000,
     picture_paths=64,
 )

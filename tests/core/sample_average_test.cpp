@@ -96,7 +96,7 @@ TEST(FluxAccumulator, KnowsItsVariance) {
   double sum = 0, sum2 = 0, reported = 0;
   Random random(2);
   for (int r = 0; r < repeats; ++r) {
-    FluxAccumulator flux(1, 3, photons);
+    FluxAccumulator flux(1, 3, photons, true);
     double total = 0;
     for (std::uint64_t p = 0; p < photons; ++p) {
       // One photon in a hundred arrives.

@@ -558,8 +558,9 @@ TEST(Emission, Leaves) {
                std::min(parts - 1, static_cast<int>((sample.point.position[a] + 0.5) * parts));
       }
       const double angle = D == 3 ? pi : 2;
-      const double volume = sample.flux_height.x /
-                            (2 * angle * sample.point.emission.x * sample.point.gradient_length);
+      const double steepness = sample.point.gradient_length / scene.window.height();
+      const double volume =
+          sample.flux_height.x / (2 * angle * sample.point.emission.x * steepness);
       sum[part] += volume;
       sum2[part] += volume * volume;
     }
