@@ -221,6 +221,23 @@ class Bake:
             )
 
 
+def placed(volumes, scene, isovalues):
+    """What is lit, from the arguments of bake(): (volumes, SceneDescription, window)."""
+    volumes = list(volumes) if isinstance(volumes, (list, tuple)) else [volumes]
+    for volume in volumes:
+        if np.ndim(volume.values) != 3:
+            raise LeaflightError(f"{volume.name}: this is no volume; light images with flatland.")
+    description = match_leaves(scene or cornell_box(), volumes)
+    volumes = [
+        volume.capped() if leaves.capped else volume
+        for volume, leaves in zip(volumes, description.leaves)
+    ]
+    description = fit_scene(description, volumes)
+    # Not what the result depends on: the volumes themselves are stored.
+    leaves = [replace(leaves, source=None) for leaves in description.leaves]
+    return volumes, replace(description, leaves=leaves), leaf_window(isovalues, volumes, leaves)
+
+
 def bake(
     volumes,
     scene=None,
@@ -260,20 +277,7 @@ def bake(
     progress: _core.Progress to poll or cancel from another thread.
     Returns a Bake. Raises LeaflightError for input that cannot be baked, Cancelled.
     """
-    volumes = list(volumes) if isinstance(volumes, (list, tuple)) else [volumes]
-    for volume in volumes:
-        if np.ndim(volume.values) != 3:
-            raise LeaflightError(f"{volume.name}: this is no volume; light images with flatland.")
-    description = match_leaves(scene or cornell_box(), volumes)
-    volumes = [
-        volume.capped() if leaves.capped else volume
-        for volume, leaves in zip(volumes, description.leaves)
-    ]
-    description = fit_scene(description, volumes)
-    # Not what the result depends on: the volumes themselves are stored.
-    leaves = [replace(leaves, source=None) for leaves in description.leaves]
-    description = replace(description, leaves=leaves)
-    window = leaf_window(isovalues, volumes, leaves)
+    volumes, description, window = placed(volumes, scene, isovalues)
     if estimator == "thesis" and photon_map is None:
         photon_map = PhotonMap()
     settings = bake_settings(
@@ -307,7 +311,7 @@ def bake(
                     "resolution": list(grid.resolution),
                     "capped": look.capped,
                 }
-                for volume, look, grid in zip(volumes, leaves, baked.grids)
+                for volume, look, grid in zip(volumes, description.leaves, baked.grids)
             ]
         ),
         "scene": scene_text,

@@ -29,7 +29,8 @@ from .flatland import (
 )
 from .images import write_png
 from .output import check_writable
-from .ply import write_ply
+from .photons import trace_photons
+from .ply import write_photons, write_ply
 from .progress import run_with_progress
 from .report import QUICK_REPORT, ReportEffort, report, report_tables
 from .scene_file import cornell_box, load_scene
@@ -81,17 +82,46 @@ def _info(options):
     ]
 
 
-def _bake(options):
+def _to_light(options, suffix):
+    """The volumes and the scene of a command that lights them and writes a file."""
     scene = load_scene(options.scene) if options.scene else cornell_box()
     sources = options.volumes or [leaves.source for leaves in scene.leaves]
     if None in sources:
         raise LeaflightError(
-            "bake: name a VOLUME, or give --scene a file whose volumes all have a source."
+            "Nothing to light: name a VOLUME, or give --scene a file whose volumes have a source."
         )
-    check_writable(options.out, ".vdb", *sources)
+    check_writable(options.out, suffix, *sources)
     volumes = [_open(source, options) for source in sources]
     if options.capped:
         scene = replace(scene, leaves=[replace(leaves, capped=True) for leaves in scene.leaves])
+    return volumes, scene
+
+
+def _photons(options):
+    volumes, scene = _to_light(options, ".ply")
+
+    def work(progress):
+        return trace_photons(
+            volumes,
+            scene,
+            count=options.photons,
+            isovalues=options.isovalues,
+            seed=options.seed,
+            progress=progress,
+        )
+
+    photons = run_with_progress(work, "photons")
+    write_photons(options.out, photons)
+    direct = int(photons.direct.sum())
+    result = {"out": options.out, "points": len(photons.direct), "direct": direct}
+    return result, [
+        f"{options.out}: {result['points']} arrivals of {photons.count} photons at isosurfaces, "
+        f"{direct} of them straight from a light"
+    ]
+
+
+def _bake(options):
+    volumes, scene = _to_light(options, ".vdb")
 
     work_options = _work_options(options)
 
@@ -345,6 +375,7 @@ COMMANDS = {
     "info": _info,
     "bake": _bake,
     "surface": _surface,
+    "photons": _photons,
     "compare": _compare,
     "flatland": _flatland,
     "report": _report,

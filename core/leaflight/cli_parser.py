@@ -36,11 +36,9 @@ def make_parser(commands):
     info = subparsers.add_parser("info", parents=[layout], help="what a volume holds")
     info.add_argument("volume", metavar="VOLUME", help=volume)
 
+    lit = _lit(volume)
     bake = subparsers.add_parser(
-        "bake", parents=[layout, work, threads], help="light every isosurface of volumes"
-    )
-    bake.add_argument(
-        "volumes", metavar="VOLUME", nargs="*", help=volume + " (those of the scene file)"
+        "bake", parents=[layout, lit, work, threads], help="light every isosurface of volumes"
     )
     bake.add_argument("--out", required=True, metavar="X.vdb", help="file to write")
     bake.add_argument(
@@ -59,12 +57,20 @@ def make_parser(commands):
     for option, text in (
         ("--both-sides", "light the inner side of isosurfaces, too"),
         ("--surroundings", "keep the light on the surroundings, too"),
-        ("--capped", "close isosurfaces at the border of the volume"),
     ):
         bake.add_argument(option, action="store_true", help=text)
 
     surface = subparsers.add_parser("surface", parents=[leaf], help="one lit isosurface as a mesh")
     surface.add_argument("--out", required=True, metavar="MESH.ply", help="file to write")
+
+    photons = subparsers.add_parser(
+        "photons", parents=[layout, lit, _scene()], help="photons on isosurfaces as points"
+    )
+    photons.add_argument("--out", required=True, metavar="POINTS.ply", help="file to write")
+    photons.add_argument(
+        "--photons", type=int, default=100_000, metavar="N", help="that lights send (100000)"
+    )
+    photons.add_argument("--seed", type=int, default=0, metavar="N", help="as of a bake (0)")
 
     compare = subparsers.add_parser(
         "compare", parents=[leaf, threads], help="the error of a bake against path tracing"
@@ -161,8 +167,20 @@ def _threads():
     return parser
 
 
-def _work():
-    """What is baked, and how well."""
+def _lit(volume):
+    """Volumes in space that are to be lit."""
+    parser = Parser(add_help=False)
+    parser.add_argument(
+        "volumes", metavar="VOLUME", nargs="*", help=volume + " (those of the scene file)"
+    )
+    parser.add_argument(
+        "--capped", action="store_true", help="close isosurfaces at the border of the volume"
+    )
+    return parser
+
+
+def _scene():
+    """In which light, and within which isovalues."""
     parser = Parser(add_help=False)
     parser.add_argument("--scene", metavar="FILE", help="scene file (a box around the data)")
     parser.add_argument(
@@ -172,6 +190,12 @@ def _work():
         metavar=("LO", "HI"),
         help="window to bake (from the data); of several volumes within 0..1",
     )
+    return parser
+
+
+def _work():
+    """What is baked, and how well."""
+    parser = Parser(add_help=False, parents=[_scene()])
     parser.add_argument(
         "--resolution", type=int, metavar="N", help="texels on the longest axis (one a voxel)"
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lit isosurfaces as PLY files."""
+"""Lit isosurfaces and photons as PLY files."""
 
 from .images import display_colours
 from .output import check_writable, replaced
@@ -11,17 +11,38 @@ def write_ply(path, surface, exposure):
     Vertex properties: x y z, nx ny nz, radiance_r radiance_g radiance_b (float, W/(m^2 sr), linear)
     and red green blue (uchar, see display_colours).
     """
+    colours = display_colours(surface.radiance, exposure)
+    properties = {
+        **_columns("nx ny nz", surface.normals),
+        **_columns("radiance_r radiance_g radiance_b", surface.radiance),
+        **_columns("red green blue", colours),
+    }
+    _write(path, surface.vertices, [("triangle", surface.triangles)], properties)
+
+
+def write_photons(path, photons):
+    """Writes Photons as binary PLY of points, as write_ply does.
+
+    Vertex properties: x y z (double), flux_r flux_g flux_b and leaf_coordinate (float, see
+    photons.py), direct (uchar, 0 or 1), red green blue (uchar).
+    """
+    properties = {
+        **_columns("flux_r flux_g flux_b", photons.flux_height),
+        "leaf_coordinate": photons.leaf_coordinate,
+        "direct": photons.direct.astype("uint8"),
+        **_columns("red green blue", display_colours(photons.colours(), 1.0)),
+    }
+    _write(path, photons.positions, [], properties)
+
+
+def _columns(names, values):
+    return dict(zip(names.split(), values.T))
+
+
+def _write(path, points, cells, properties):
     import meshio
 
     check_writable(path, ".ply")
-    colours = display_colours(surface.radiance, exposure)
-    properties = {}
-    for names, columns in (
-        (("nx", "ny", "nz"), surface.normals),
-        (("radiance_r", "radiance_g", "radiance_b"), surface.radiance),
-        (("red", "green", "blue"), colours),
-    ):
-        properties |= dict(zip(names, columns.T))
-    mesh = meshio.Mesh(surface.vertices, [("triangle", surface.triangles)], point_data=properties)
+    mesh = meshio.Mesh(points, cells, point_data=properties)
     with replaced(path) as temporary:
         mesh.write(temporary)

@@ -98,14 +98,14 @@ def bake_settings(
     """
     settings = kind()
     settings.resolution = _texels(resolution, dims)
-    settings.samples = _whole("samples", samples, 1)
-    settings.photons = _whole("photons", photons, 1)
+    settings.samples = whole("samples", samples, 1)
+    settings.photons = whole("photons", photons, 1)
     caustic_photons = photons if caustic_photons is None else caustic_photons
-    settings.caustic_photons = _whole("caustic_photons", caustic_photons, 0)
+    settings.caustic_photons = whole("caustic_photons", caustic_photons, 0)
     settings.estimator = estimator
-    settings.seed = _whole("seed", seed, 0)
-    settings.threads = _whole("threads", threads, 0)
-    settings.soft_spacing = _whole("soft_spacing", soft_spacing, 1)
+    settings.seed = whole("seed", seed, 0)
+    settings.threads = whole("threads", threads, 0)
+    settings.soft_spacing = whole("soft_spacing", soft_spacing, 1)
     settings.both_sides = bool(both_sides)
     settings.surroundings = bool(surroundings)
     if photon_map is not None:
@@ -114,13 +114,13 @@ def bake_settings(
                 f'The photon map belongs to the estimator "thesis", not to "{estimator}": '
                 "leave it out or choose that estimator."
             )
-        _whole("k", photon_map.k, 2)
+        whole("k", photon_map.k, 2)
         settings.set_photon_map(*astuple(photon_map))
     if scattered is not None:
-        _whole("count", scattered.count, 1)
+        whole("count", scattered.count, 1)
         if np.ndim(scattered.isovalues) == 0:
-            _whole("isovalues", scattered.isovalues, 1)
-        _whole("radius", scattered.radius, 0)
+            whole("isovalues", scattered.isovalues, 1)
+        whole("radius", scattered.radius, 0)
         settings.set_scattered(*astuple(scattered))
     return settings
 
@@ -129,16 +129,17 @@ def _texels(resolution, dims):
     if resolution is None:
         return (0,) * len(dims)
     if np.ndim(resolution) == 0:
-        longest = _whole("resolution", resolution, 2)
+        longest = whole("resolution", resolution, 2)
         return tuple(max(2, round(longest * n / max(dims))) for n in dims)
     if len(resolution) != len(dims):
         raise LeaflightError(
             f"The resolution must be one number of texels or {len(dims)}, one for each axis."
         )
-    return tuple(_whole("resolution", n, 2) for n in resolution)
+    return tuple(whole("resolution", n, 2) for n in resolution)
 
 
-def _whole(name, value, least):
+def whole(name, value, least):
+    """The value as an int of at least `least`. Raises LeaflightError."""
     if not least <= value < 2**31 or value != int(value):
         raise LeaflightError(f"{name} must be a whole number in {least}..{2**31 - 1}, not {value}.")
     return int(value)

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Photons as points."""
+
+import json
+
+import meshio
+import numpy as np
+import pytest
+
+import leaflight
+from leaflight import _core
+from leaflight.cli import main
+from leaflight.photons import trace_photons
+
+COUNT = 20_000
+
+
+@pytest.fixture(scope="module")
+def photons(bump_scene):
+    return trace_photons(leaflight.bump_box(24), bump_scene, count=COUNT, seed=3)
+
+
+def test_they_lie_on_their_leaves(photons):
+    field = leaflight.bump_box(24).field()
+    heights = field.sample(photons.positions)
+    low, high = field.range
+    inside = np.isfinite(heights)
+    assert inside.mean() > 0.99
+    error = np.abs(heights - photons.leaf_coordinate)[inside]
+    assert error.max() < 1e-3 * (high - low)
+    assert photons.count == COUNT and 0.1 < photons.direct.mean() < 0.9
+
+
+def test_they_carry_the_light_of_the_lamp(photons, bump_scene):
+    """No more direct light than the lamp emits over the window, and a good part of that."""
+    volume = leaflight.bump_box(24)
+    window = leaflight.bake(volume, bump_scene, samples=1, photons=1).isovalues
+    scene = leaflight.bake(volume, bump_scene, samples=1, photons=1).scene
+    core = leaflight.scene.core_scene(scene, [volume.field()], window)
+    emitted = np.array(_core.photon_balance(core, COUNT, 3)["emitted"])
+    direct = photons.flux_height[photons.direct].sum(axis=0)
+    assert (direct < emitted).all() and (direct > 0.05 * emitted).all()
+    colours = photons.colours()
+    assert colours.mean() == pytest.approx(0.5, rel=1e-4)
+
+
+def test_command(tmp_path, capsys, photons):
+    out = tmp_path / "photons.ply"
+    scene = leaflight.scene_file.__file__.replace("scene_file.py", "scenes/bump_box.json")
+    arguments = ["photons", "bump_box", "--dims", "24", "--scene", scene, "--seed", "3"]
+    assert main([*arguments, "--photons", str(COUNT), "--out", str(out), "--json"]) == 0
+    result = json.loads(capsys.readouterr().out.splitlines()[-1])
+    assert result["points"] == len(photons.positions) and result["direct"] == photons.direct.sum()
+    cloud = meshio.read(out)
+    np.testing.assert_array_equal(cloud.points, photons.positions)
+    np.testing.assert_array_equal(cloud.point_data["leaf_coordinate"], photons.leaf_coordinate)
+    np.testing.assert_array_equal(cloud.point_data["direct"], photons.direct)
+    np.testing.assert_array_equal(cloud.point_data["flux_g"], photons.flux_height[:, 1])
+    assert cloud.point_data["red"].dtype == np.uint8 and cloud.point_data["red"].std() > 1
+    assert main([*arguments, "--photons", "0", "--out", str(tmp_path / "none.ply")]) == 2
+    assert "photons must be" in capsys.readouterr().err
+    assert not (tmp_path / "none.ply").exists()
