@@ -8,7 +8,6 @@ the clock's where others are at work.
 """
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -17,7 +16,7 @@ from .cycles import bake_vertices
 from .isosurfaces import isosurfaces
 from .memory import Cost, measured
 from .scene import fit_scene, match_leaves
-from .scene_file import load_scene
+from .scene_file import packaged_scene
 from .settings import Scattered
 from .volume import bump_box
 
@@ -130,7 +129,7 @@ def measure_curves(effort, run, *, seed=0, threads=0, cycles=True, kinds=KINDS):
     cycles: whether Cycles gets a curve. Raises LeaflightError, Cancelled.
     """
     volume = bump_box(effort.texels)
-    scene = load_scene(Path(__file__).resolve().parent / "scenes" / "bump_box.json")
+    scene = packaged_scene("bump_box.json")
     scene = fit_scene(match_leaves(scene, [volume]), [volume])
     # Another seed than that of any bake.
     reference = isosurfaces(

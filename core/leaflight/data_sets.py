@@ -16,7 +16,7 @@ from .memory import Cost, measured
 from .particles import lapr, neuron, nucleons
 from .readers import read_volume
 from .scene import fit_scene, match_leaves
-from .scene_file import cornell_box, load_scene
+from .scene_file import cornell_box, packaged_scene
 from .settings import leaf_window
 
 COLIN27 = Path("/usr/share/mricron/templates/ch2.nii.gz")
@@ -178,8 +178,7 @@ def measure_data_sets(effort, run, *, folder=None, seed=0, threads=0, data_sets=
 
 
 def _row(data_set, volumes, effort, run, seed, threads):
-    scenes = Path(__file__).resolve().parent / "scenes"
-    scene = load_scene(scenes / data_set.scene) if data_set.scene else cornell_box()
+    scene = packaged_scene(data_set.scene) if data_set.scene else cornell_box()
     scene = fit_scene(match_leaves(scene, volumes), volumes)
     # Everything that the data hold, as the thesis's bakes do.
     whole = (0.0, 1.0) if len(volumes) > 1 else volumes[0].data_range()

@@ -6,18 +6,17 @@ Progress and returns its result, as run_with_progress does.
 """
 
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 
 import numpy as np
 
-from . import _core
 from .bake import bake
-from .color_error import noise_percent, rms_percent
+from .color_error import rms_percent
 from .flatland import BRIGHTNESS_CORRECTION, bake_flatland, bump_box_2d
+from .isosurfaces import isosurfaces
 from .particles import neuron
 from .pictures import slice_picture, surface_picture, texture_picture
-from .scene import core_scene, fit_scene, match_leaves
-from .scene_file import cornell_box, load_scene
+from .scene import fit_scene, match_leaves
+from .scene_file import cornell_box, packaged_scene
 from .settings import Scattered
 from .volume import bump_box
 
@@ -197,7 +196,7 @@ def _flat_trials(effort):
 
 def table_4_2(effort, run):
     """An isosurface of the 3D bump box (thesis Table 4.2)."""
-    scene = load_scene(Path(__file__).resolve().parent / "scenes" / "bump_box.json")
+    scene = packaged_scene("bump_box.json")
     volume = bump_box(effort.texels)
     box = _Isosurface("table 4.2", volume, scene, ISOVALUE, effort, run)
     others = {
@@ -335,12 +334,9 @@ class _Isosurface:
         self._label, self._volume, self._isovalue = label, volume, isovalue
         self._effort, self._run = effort, run
         self._scene = fit_scene(match_leaves(scene, [volume]), [volume])
-        self.vertices, _, self._triangles = _core.contour(volume.field(), isovalue)
-        count = min(effort.vertices, len(self.vertices))
-        chosen = np.random.default_rng(effort.seed).choice(len(self.vertices), count, False)
-        self._points = self.vertices[np.sort(chosen)]
-        self._truth, error = self._reference(self._points, effort.paths, "reference")
-        self._noise = noise_percent(error, self._scene.exposure)
+        self._reference = self._lit(effort.vertices, effort.paths, label)
+        self._mesh = self._reference.surfaces[0]
+        self.vertices = self._mesh.vertices
 
     def bake(self, trial):
         """The Bake of a trial, whose samples in each texel are as many rays as it has in all."""
@@ -364,36 +360,38 @@ class _Isosurface:
         return self._run(work, f"{self._label}: {trial.name}")
 
     def row(self, trial, baked):
-        radiance = baked.radiance(self._points)
-        error = rms_percent(radiance, self._truth, self._scene.exposure)
+        error = self._reference.error(self._reference.radiance(baked))
         return Row(trial, error, baked.statistics["seconds"])
 
     def note(self):
         """Where errors are taken, and against what."""
         return (
-            f"The error is that at {len(self._points)} of the isosurface's {len(self.vertices)} "
-            f"vertices, against {self._effort.paths} paths at each; mean colour "
-            f"{np.clip(self._truth * self._scene.exposure, 0, 1).mean():.2f}. The "
-            f"reference's own noise is {self._noise:.2f} %; nothing is subtracted."
+            f"The error is that at {len(self._mesh.chosen)} of the isosurface's "
+            f"{len(self.vertices)} vertices, against {self._effort.paths} paths at each; mean "
+            f"colour {self._reference.colour:.2f}. The "
+            f"reference's own noise is {self._reference.noise:.2f} %; nothing is subtracted."
         )
 
     def picture(self, radiance):
         """The isosurface with a radiance (n, 3) of its vertices."""
-        return surface_picture(self.vertices, self._triangles, radiance, self._scene.exposure)
+        return surface_picture(self.vertices, self._mesh.triangles, radiance, self._scene.exposure)
 
     def reference_picture(self):
-        paths = self._effort.picture_paths
-        radiance, _ = self._reference(self.vertices, paths, "picture of the reference")
-        return self.picture(radiance)
+        label = f"{self._label}: picture"
+        return self.picture(self._lit(len(self.vertices), self._effort.picture_paths, label).truth)
 
-    def _reference(self, points, paths, name):
-        field, effort = self._volume.field(), self._effort
-        scene = core_scene(self._scene, [field], self._volume.data_range())
-        on_leaf = _core.project_to_leaf(field, points, self._isovalue)
-
-        def work(progress):
-            return _core.reference(
-                scene, on_leaf, self._isovalue, paths, effort.seed, effort.threads, progress
-            )
-
-        return self._run(work, f"{self._label}: {name}")
+    def _lit(self, vertices, paths, label):
+        """The Isosurfaces of this one alone."""
+        window, effort = self._volume.data_range(), self._effort
+        return isosurfaces(
+            [self._volume],
+            self._scene,
+            window,
+            [self._isovalue],
+            vertices,
+            paths,
+            effort.seed,
+            effort.threads,
+            self._run,
+            label,
+        )

@@ -76,7 +76,12 @@ def load_scene(path):
 
 def cornell_box():
     """The default surroundings, in box coordinates: scenes/cornell.json."""
-    return load_scene(Path(__file__).resolve().parent / "scenes" / "cornell.json")
+    return packaged_scene("cornell.json")
+
+
+def packaged_scene(name):
+    """The SceneDescription of a file of the package's scenes. Raises LeaflightError."""
+    return load_scene(Path(__file__).resolve().parent / "scenes" / name)
 
 
 def scene_from_json(text, source="scene", folder="."):
