@@ -87,6 +87,8 @@ def bake_settings(
     photon_map=None,
     scattered=None,
     soft_spacing=1,
+    refine=0,
+    exposure=1.0,
     both_sides=False,
     surroundings=False,
     only_at=None,
@@ -108,6 +110,8 @@ def bake_settings(
     settings.seed = whole("seed", seed, 0)
     settings.threads = whole("threads", threads, 0)
     settings.soft_spacing = whole("soft_spacing", soft_spacing, 1)
+    settings.refine = whole("refine", refine, 0)
+    settings.exposure = exposure
     settings.both_sides = bool(both_sides)
     settings.surroundings = bool(surroundings)
     if only_at is not None:

@@ -12,6 +12,12 @@
 namespace leaflight::python {
 namespace {
 
+// Of all levels.
+template <int D>
+std::size_t texels_of(const RadianceGrid<D>& grid) {
+  return grid.lattice.active.size() + (grid.finer ? texels_of(*grid.finer) : 0);
+}
+
 template <int D>
 py::dict statistics(const Baked<D>& baked) {
   py::list skipped;
@@ -19,7 +25,7 @@ py::dict statistics(const Baked<D>& baked) {
     skipped.append(std::vector<std::string>{pass.pass, pass.reason});
   }
   std::size_t texels = 0;
-  for (const RadianceGrid<D>& grid : baked.grids) texels += grid.lattice.active.size();
+  for (const RadianceGrid<D>& grid : baked.grids) texels += texels_of(grid);
   py::dict result;
   result["seconds"] = baked.statistics.seconds;
   result["rays"] = baked.statistics.rays;
@@ -46,7 +52,22 @@ const std::vector<Vec<3, float>>& side_of(const RadianceGrid<D>& grid, bool back
 }
 
 template <int D>
-py::array_t<float> dense(const RadianceGrid<D>& grid, const std::string& name) {
+int levels_of(const RadianceGrid<D>& grid) {
+  return 1 + (grid.finer ? levels_of(*grid.finer) : 0);
+}
+
+template <int D>
+const RadianceGrid<D>& level_of(const RadianceGrid<D>& grid, int level) {
+  if (level < 0 || level >= levels_of(grid)) {
+    throw Error("The grid has no level " + std::to_string(level) + "; it has " +
+                std::to_string(levels_of(grid)) + ", numbered from 0.");
+  }
+  return level == 0 ? grid : level_of(*grid.finer, level - 1);
+}
+
+template <int D>
+py::array_t<float> dense(const RadianceGrid<D>& whole, const std::string& name, int level) {
+  const RadianceGrid<D>& grid = level_of(whole, level);
   std::vector<py::ssize_t> shape = array_shape(grid.lattice.resolution);
   if (name == "radiance_error") return spread(grid.lattice, grid.radiance_error, shape);
   shape.push_back(3);
@@ -58,7 +79,8 @@ py::array_t<float> dense(const RadianceGrid<D>& grid, const std::string& name) {
 }
 
 template <int D>
-py::array_t<std::uint8_t> mask(const RadianceGrid<D>& grid) {
+py::array_t<std::uint8_t> mask(const RadianceGrid<D>& whole, int level) {
+  const RadianceGrid<D>& grid = level_of(whole, level);
   std::vector<std::uint8_t> active(grid.lattice.texels(), 0);
   for (const std::uint32_t texel : grid.lattice.active) active[texel] = 1;
   return adopt<std::uint8_t>(std::move(active), array_shape(grid.lattice.resolution));
@@ -68,12 +90,14 @@ template <int D>
 py::array_t<float> lookup_at(const RadianceGrid<D>& grid, const Field<D>& field,
                              const DoubleArray& array, bool back) {
   const std::vector<Vec<D>> points = to_points<D>(array);
-  const std::vector<Vec<3, float>>& values = side_of(grid, back);
+  static_cast<void>(side_of(grid, back));
   std::vector<Vec<3, float>> radiance(points.size());
   {
     const py::gil_scoped_release unlocked;
     tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
-      radiance[i] = lookup(grid.lattice, values, field.world_to_index.point(points[i]));
+      const Vec<D> position = field.world_to_index.point(points[i]);
+      const RadianceGrid<D>& from = grid.at(position);
+      radiance[i] = lookup(from.lattice, side_of(from, back), position);
     });
   }
   return adopt<float>(std::move(radiance), {static_cast<py::ssize_t>(points.size()), 3});
@@ -85,8 +109,9 @@ py::array_t<float> lookup_error_at(const RadianceGrid<D>& grid, const Field<D>& 
   const std::vector<Vec<D>> points = to_points<D>(array);
   std::vector<float> error;
   for (const Vec<D>& point : points) {
-    error.push_back(
-        lookup_error(grid.lattice, grid.radiance_error, field.world_to_index.point(point)));
+    const Vec<D> position = field.world_to_index.point(point);
+    const RadianceGrid<D>& from = grid.at(position);
+    error.push_back(lookup_error(from.lattice, from.radiance_error, position));
   }
   return adopt<float>(std::move(error), {static_cast<py::ssize_t>(points.size())});
 }
@@ -172,6 +197,10 @@ void bind_settings(py::module_& module, const std::string& suffix) {
       .def_readwrite("threads", &Settings::threads, "0: all.")
       .def_readwrite("soft_spacing", &Settings::soft_spacing,
                      "Texels between the points that soft light is gathered at, 1: each texel.")
+      .def_readwrite("refine", &Settings::refine,
+                     "How many times texels are halved where light varies most.")
+      .def_readwrite("exposure", &Settings::exposure,
+                     "Radiance times this is a displayed colour; `refine` goes by colours.")
       .def_readwrite("both_sides", &Settings::both_sides,
                      "Bake the inner side too, where light can reach it.")
       .def_readwrite("surroundings", &Settings::surroundings,
@@ -273,13 +302,16 @@ void bind_grid(py::module_& module, const std::string& suffix) {
       module, ("RadianceGrid" + suffix).c_str(),
       "The radiance [W/(m^2 sr)] of every leaf of one volume within a window.");
   grid.def_property_readonly("resolution", [](const Grid& g) { return g.lattice.resolution; })
-      .def_property_readonly("texels", [](const Grid& g) { return g.lattice.active.size(); })
+      .def_property_readonly("texels", &texels_of<D>, "Active texels of all levels.")
+      .def_property_readonly("levels", &levels_of<D>,
+                             "1, and one for each time that texels were halved somewhere.")
       .def_property_readonly("has_back", &Grid::has_back, "Whether the inner side was baked.")
-      .def("dense", &dense<D>, py::arg("name"),
+      .def("dense", &dense<D>, py::arg("name"), py::arg("level") = 0,
            "radiance, radiance_indirect (all but the lights' direct light) or radiance_back (the\n"
            "inner side): float32 [z, y, x, 3]; radiance_error, the standard error of the mean\n"
-           "over the channels: float32 [z, y, x]. Zero at inactive texels.")
-      .def("mask", &mask<D>, "uint8 [z, y, x], 1 at active texels.")
+           "over the channels: float32 [z, y, x]. Zero at inactive texels. Those of level 1 and\n"
+           "above are half as wide, serve some cells alone and have 2 n - 1 where n were.")
+      .def("mask", &mask<D>, py::arg("level") = 0, "uint8 [z, y, x], 1 at active texels.")
       .def("lookup", &lookup_at<D>, py::arg("field"), py::arg("points"), py::arg("back") = false,
            "Linear radiance (n, 3) at world points (n, D), over active texels only.")
       .def("lookup_error", &lookup_error_at<D>, py::arg("field"), py::arg("points"),

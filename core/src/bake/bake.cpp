@@ -11,6 +11,7 @@
 #include "leaflight/bake/leaf_averages.h"
 #include "leaflight/bake/light_surroundings.h"
 #include "leaflight/bake/point_sampler.h"
+#include "leaflight/bake/refinement.h"
 #include "leaflight/math/error.h"
 #include "leaflight/math/parallel.h"
 #include "leaflight/math/sampling.h"
@@ -56,27 +57,34 @@ class Baker {
     }
     const std::size_t n = lattices_.size();
     leaves_.resize(n);
-    std::array<std::vector<std::vector<Average>>, 2> direct;
+    std::vector<SideAverages> direct(n);
     for (int side = 0; side < sides(); ++side) {
       progress_.begin(side == 0 ? "Direct light" : "Direct light of the inner side");
-      for (std::size_t v = 0; v < n; ++v) direct[side].push_back(direct_pass(v, side != 0));
+      for (std::size_t v = 0; v < n; ++v) {
+        direct[v][side] = direct_pass(v, side != 0, lattices_[v], 0);
+      }
     }
     for (std::size_t v = 0; v < n; ++v) {
       leaves_[v].lattice = &lattices_[v];
       leaves_[v].photons = caches_.empty() ? nullptr : caches_[v].get();
       for (int side = 0; side < sides(); ++side) {
-        for (const Average& a : direct[side][v]) leaves_[v].direct[side].push_back(a.mean);
+        for (const Average& a : direct[v][side]) leaves_[v].direct[side].push_back(a.mean);
       }
     }
     const std::unique_ptr<IndirectEstimator<D>> estimator = make_estimator();
     Baked<D> baked;
     for (std::size_t v = 0; v < n; ++v) {
-      std::array<std::vector<Average>, 2> indirect;
+      SideAverages indirect;
       for (int side = 0; side < sides(); ++side) {
         progress_.begin(side == 0 ? "Indirect light" : "Indirect light of the inner side");
-        indirect[side] = indirect_pass(v, side != 0, estimator.get());
+        indirect[side] = indirect_pass(v, side != 0, estimator.get(), lattices_[v], 0);
       }
-      baked.grids.push_back(assemble(v, direct, indirect));
+      baked.grids.push_back(make_grid<D>(direct[v], indirect));
+      direct[v] = {};
+    }
+    if (settings_.refine > 0) {
+      progress_.begin("Finer texels");
+      for (std::size_t v = 0; v < n; ++v) add_finer_texels(v, baked.grids[v], estimator.get());
     }
     if (plan_.surroundings) {
       progress_.begin("Radiance of the surroundings");
@@ -148,6 +156,8 @@ class Baker {
     for (std::size_t v = 0; v < lattices_.size(); ++v) {
       points += sides() * static_cast<double>(sample_places(v));
     }
+    // About as many finer texels are sampled as there are others.
+    points *= 1 + settings_.refine;
     if (plan_.surroundings) {
       fine_ = refine(scene().meshes);
       for (const FineMesh<D>& mesh : fine_) {
@@ -257,10 +267,8 @@ class Baker {
   // Averages radiance(point, keys, i, rays) over the texels of a volume, or over its scattered
   // samples; where it is not random, one estimate at each of those is enough.
   template <class Radiance>
-  std::vector<Average> over_texels(std::size_t volume, bool above, double rays_per_sample,
-                                   bool is_random, Radiance radiance) {
-    const TexelLattice<D>& lattice = lattices_[volume];
-    LeafSamples samples = leaf_samples(volume, above, settings_.samples, rays_per_sample);
+  std::vector<Average> over_texels(std::size_t volume, const TexelLattice<D>& lattice,
+                                   LeafSamples samples, bool is_random, Radiance radiance) {
     if (!settings_.scattered || lattice.active.empty()) {
       return average_texels(tracer_, lattice, samples, progress_, rays_, radiance);
     }
@@ -269,32 +277,39 @@ class Baker {
                              settings_.scattered->filter, progress_, rays_, radiance);
   }
 
-  LeafSamples leaf_samples(std::size_t volume, bool above, int count,
-                           double rays_per_sample) const {
-    return {static_cast<int>(volume), above, count, rays_per_sample, settings_.seed};
+  // Those of a texel, in a lattice whose texels were halved `level` times.
+  LeafSamples leaf_samples(std::size_t volume, bool above, double rays_per_sample,
+                           int level) const {
+    return {static_cast<int>(volume), above,          settings_.samples,
+            rays_per_sample,          settings_.seed, level};
   }
 
-  std::vector<Average> direct_pass(std::size_t volume, bool above) {
+  std::vector<Average> direct_pass(std::size_t volume, bool above, const TexelLattice<D>& lattice,
+                                   int level) {
     const PointSampler<D> from = sampler();
-    return over_texels(volume, above, 1, true,
+    return over_texels(volume, lattice, leaf_samples(volume, above, 1, level), true,
                        [&](const SurfacePoint<D>& point, const SampleKeys& keys, int i,
                            std::uint64_t& rays) { return from.direct(point, keys, i, rays); });
   }
 
   std::vector<Average> indirect_pass(std::size_t volume, bool above,
-                                     const IndirectEstimator<D>* estimator) {
-    const bool records = estimator && settings_.soft_spacing > 1 && !settings_.scattered;
+                                     const IndirectEstimator<D>* estimator,
+                                     const TexelLattice<D>& lattice, int level) {
+    // Where light varies, records of a coarser lattice would not do.
+    const bool records =
+        estimator && settings_.soft_spacing > 1 && !settings_.scattered && level == 0;
     const IndirectEstimator<D>* per_texel = records ? nullptr : estimator;
     const PointSampler<D> from = sampler();
-    std::vector<Average> averages(lattices_[volume].active.size());
+    std::vector<Average> averages(lattice.active.size());
     if (per_texel || plan_.caustics || scene().volumes[volume].emission.largest() > 0) {
       averages = over_texels(
-          volume, above, per_texel ? indirect_work() : 0, per_texel && per_texel->is_random(),
+          volume, lattice, leaf_samples(volume, above, per_texel ? indirect_work() : 0, level),
+          per_texel && per_texel->is_random(),
           [&](const SurfacePoint<D>& point, const SampleKeys& keys, int i, std::uint64_t& rays) {
             return from.indirect(point, per_texel, keys, i, rays);
           });
     }
-    add_photon_noise(averages, volume, above, estimator);
+    add_photon_noise(averages, volume, above, estimator, lattice);
     if (!records) return averages;
     const std::vector<Average> soft = soft_from_records(volume, above, *estimator);
     for (std::size_t s = 0; s < soft.size(); ++s) {
@@ -307,20 +322,21 @@ class Baker {
   // What all samples of a texel have in common, and so do not show: the noise of the photons'
   // density. Final gather rays look it up at so many places that it averages out.
   void add_photon_noise(std::vector<Average>& averages, std::size_t volume, bool above,
-                        const IndirectEstimator<D>* estimator) const {
+                        const IndirectEstimator<D>* estimator,
+                        const TexelLattice<D>& lattice) const {
     const bool volumetric = estimator && settings_.estimator == EstimatorName::volumetric;
     const bool thesis = estimator && settings_.estimator == EstimatorName::thesis;
     const LeafCache<D>* photons = leaves_[volume].photons;
-    const TexelLattice<D>& lattice = lattices_[volume];
     for (std::size_t s = 0; s < averages.size(); ++s) {
       if (thesis) {
         const double mean = average(averages[s].mean);
         averages[s].variance += static_cast<float>(mean * mean / settings_.photon_map.k);
       }
       if (!photons || !(volumetric || plan_.caustics)) continue;
-      const auto slot = static_cast<std::int32_t>(s);
       const Vec<D> centre =
           to_vector<D>(lattice.texel(lattice.active[s])) * lattice.voxels_per_texel;
+      const std::int32_t slot = lattices_[volume].nearest_slot(centre);
+      if (slot == TexelLattice<D>::inactive) continue;
       const auto brdf = static_cast<float>(average(albedo_near(scene().volumes[volume], centre)) /
                                            projected_hemisphere<D>);
       float variance = 0;
@@ -344,8 +360,8 @@ class Baker {
     const IsovalueWindow window = of.isovalues(scene().window);
     const TexelLattice<D> coarse = make_lattice(of.field, resolution, window.min, window.max);
     const PointSampler<D> from = sampler();
-    const LeafSamples samples =
-        leaf_samples(volume, above, settings_.samples * spacing * spacing, indirect_work());
+    LeafSamples samples = leaf_samples(volume, above, indirect_work(), 0);
+    samples.count *= spacing * spacing;
     const std::vector<Average> records = average_texels(
         tracer_, coarse, samples, progress_, rays_,
         [&](const SurfacePoint<D>& point, const SampleKeys& keys, int i, std::uint64_t& rays) {
@@ -373,25 +389,27 @@ class Baker {
     return soft;
   }
 
-  RadianceGrid<D> assemble(std::size_t volume,
-                           const std::array<std::vector<std::vector<Average>>, 2>& direct,
-                           const std::array<std::vector<Average>, 2>& indirect) const {
-    RadianceGrid<D> grid;
-    const std::vector<Average>& straight = direct[0][volume];
-    const std::size_t n = straight.size();
-    grid.radiance.resize(n);
-    grid.radiance_indirect.resize(n);
-    grid.radiance_error.resize(n);
-    for (std::size_t s = 0; s < n; ++s) {
-      grid.radiance[s] = Vec<3, float>(straight[s].mean + indirect[0][s].mean);
-      grid.radiance_indirect[s] = Vec<3, float>(indirect[0][s].mean);
-      grid.radiance_error[s] = std::sqrt(straight[s].variance + indirect[0][s].variance);
+  // Texels of half the width, again and again, where light varies most.
+  void add_finer_texels(std::size_t volume, RadianceGrid<D>& grid,
+                        const IndirectEstimator<D>* estimator) {
+    const Volume<D>& of = scene().volumes[volume];
+    const IsovalueWindow window = of.isovalues(scene().window);
+    grid.lattice = lattices_[volume];
+    RadianceGrid<D>* finest = &grid;
+    for (int level = 1; level <= settings_.refine; ++level) {
+      const auto cells = cells_to_refine(of.field, window, grid, settings_.exposure);
+      FinerTexels<D> texels = finer_texels(of.field, window, grid, cells);
+      if (texels.all.active.empty()) return;
+      SideAverages direct, indirect;
+      for (int side = 0; side < sides(); ++side) {
+        direct[side] = direct_pass(volume, side != 0, texels.sampled, level);
+        indirect[side] = indirect_pass(volume, side != 0, estimator, texels.sampled, level);
+      }
+      const RadianceGrid<D> sampled = make_grid<D>(direct, indirect);
+      finest->finer =
+          std::make_shared<RadianceGrid<D>>(finer_grid(grid, std::move(texels), sampled));
+      finest = finest->finer.get();
     }
-    if (!plan_.back) return grid;
-    for (std::size_t s = 0; s < n; ++s) {
-      grid.radiance_back.emplace_back(direct[1][volume][s].mean + indirect[1][s].mean);
-    }
-    return grid;
   }
 
   const BakeSettings<D>& settings_;

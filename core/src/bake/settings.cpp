@@ -44,6 +44,15 @@ void validate(const BakeSettings<D>& settings) {
                 " texels; choose between 1 and 64.");
   }
   validate(settings.photon_map);
+  if (!(settings.refine >= 0 && settings.refine <= 4)) {
+    throw Error("Texels cannot be refined " + std::to_string(settings.refine) +
+                " times; choose between 0 and 4.");
+  }
+  if (settings.refine > 0 && (settings.scattered || !settings.only_at.empty())) {
+    throw Error("Finer texels need samples in each texel; leave out " +
+                std::string(settings.scattered ? "the strategy" : "the points") +
+                " or the refinement.");
+  }
   if (!settings.only_at.empty() && settings.estimator != EstimatorName::path) {
     throw Error("The estimator " + name_of(settings.estimator) +
                 " needs all texels; bake those at some points alone with the path estimator.");

@@ -162,9 +162,9 @@ class GatherEstimator final : public IndirectEstimator<D> {
  private:
   // Leaves this near to each other, in texels, do not look each other up, but go on as paths: seen
   // from there a texel is wide, and holds the light of leaves that face and see other things. So
-  // many bounces at most; three of four rays of a scan meet nothing near (docs/architecture.md).
-  static constexpr double near = 4;
-  static constexpr int most_near_bounces = 3;
+  // many bounces at most; most rays of a scan meet nothing near (docs/architecture.md).
+  static constexpr double near = 8;
+  static constexpr int most_near_bounces = 4;
 
   Rgb gathered(const SurfacePoint<D>& point, const std::array<double, 2>& u, Random& random,
                std::uint64_t& rays, int near_bounces) const {

@@ -36,6 +36,8 @@ struct BakeSettings {
   // Texels between the points that soft light is gathered at; between them irradiance is
   // interpolated (an irradiance cache after Ward et al. 1988, with records on a lattice).
   int soft_spacing = 1;
+  int refine = 0;       // how many times texels are halved where light varies most (refinement.h)
+  double exposure = 1;  // radiance times this is a displayed colour, whose differences count there
   bool both_sides = false;       // the inner side's radiance too, where light can reach it
   bool surroundings = false;     // the radiance of the surroundings too, per leaf coordinate
   PhotonMapSettings photon_map;  // of the thesis's estimator
