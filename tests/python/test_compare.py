@@ -8,7 +8,7 @@ import pytest
 
 import leaflight
 from leaflight import LeaflightError
-from leaflight.compare import random_points
+from leaflight.on_mesh import random_points
 from leaflight.truth import Truth, parts_of
 
 
