@@ -261,14 +261,20 @@ def _pack(sides):
     return places, (width, y + row)
 
 
-def _run(settings, arrays, progress):
-    """The radiance and the costs that cycles_scene.py writes."""
+def find_blender():
+    """The path of Blender. Raises LeaflightError."""
     blender = shutil.which("blender")
     if blender is None:
         raise LeaflightError(
             "There is no Blender on the search path: install the Debian package blender, or "
-            "compare with --reference path."
+            "do without Cycles (compare with --reference path)."
         )
+    return blender
+
+
+def _run(settings, arrays, progress):
+    """The radiance and the costs that cycles_scene.py writes."""
+    blender = find_blender()
     with tempfile.TemporaryDirectory(prefix="leaflight-") as folder:
         np.savez(Path(folder) / "scene.npz", settings=json.dumps(settings), **arrays)
         command = [blender, "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1"]
