@@ -38,6 +38,7 @@ METADATA = (
     "seed",
     "both_sides",
     "surroundings",
+    "only_at_sha256",
 )
 
 
@@ -255,6 +256,7 @@ def bake(
     threads=0,
     both_sides=False,
     surroundings=False,
+    only_at=None,
     progress=None,
 ):
     """Computes the radiance of every isosurface, within a window, of a volume or of several.
@@ -274,6 +276,8 @@ def bake(
     soft_spacing: texels between the points that soft light is gathered at; more is faster where the
         light is smooth, see docs/accuracy.md.
     both_sides: the inner side of each isosurface, too; surroundings: the meshes around them, too.
+    only_at: world points (n, 3), to bake only the texels that lookups there use, with the estimator
+        "path"; for measuring.
     progress: _core.Progress to poll or cancel from another thread.
     Returns a Bake. Raises LeaflightError for input that cannot be baked, Cancelled.
     """
@@ -295,6 +299,7 @@ def bake(
         threads=threads,
         both_sides=both_sides,
         surroundings=surroundings,
+        only_at=only_at,
     )
     core = core_scene(description, [volume.field() for volume in volumes], window)
     baked = _core.bake(core, settings, progress or _core.Progress())
@@ -327,6 +332,7 @@ def bake(
         "seed": str(seed),
         "both_sides": json.dumps(bool(both_sides)),
         "surroundings": json.dumps(bool(surroundings)),
+        "only_at_sha256": "" if only_at is None else _sha256(np.float64(only_at)),
     }
     statistics = dict(baked.statistics)
     statistics["estimated_rms_percent"] = estimated_rms_percent(baked.grids, description.exposure)

@@ -89,12 +89,14 @@ def bake_settings(
     soft_spacing=1,
     both_sides=False,
     surroundings=False,
+    only_at=None,
 ):
     """The core's settings, a kind (_core.BakeSettings or BakeSettings2) for nodes dims.
 
     resolution: None, one number along the longest axis, or one for each axis. caustic_photons:
     None is as many as photons. photon_map: PhotonMap, None for the thesis's.
-    scattered: Scattered, None for samples in each texel. Raises LeaflightError.
+    scattered: Scattered, None for samples in each texel. only_at: world points (n, D), None for
+    all texels. Raises LeaflightError.
     """
     settings = kind()
     settings.resolution = _texels(resolution, dims)
@@ -108,6 +110,10 @@ def bake_settings(
     settings.soft_spacing = whole("soft_spacing", soft_spacing, 1)
     settings.both_sides = bool(both_sides)
     settings.surroundings = bool(surroundings)
+    if only_at is not None:
+        if len(only_at) == 0:
+            raise LeaflightError("only_at holds no points: give some, or None for all texels.")
+        settings.set_only_at(np.ascontiguousarray(only_at, dtype=np.float64))
     if photon_map is not None:
         if estimator != "thesis":
             raise LeaflightError(

@@ -177,6 +177,12 @@ void bind_settings(py::module_& module, const std::string& suffix) {
       .def_readwrite("surroundings", &Settings::surroundings,
                      "Bake the radiance of the surroundings per leaf coordinate too.")
       .def(
+          "set_only_at",
+          [](Settings& s, const DoubleArray& points) { s.only_at = to_points<D>(points); },
+          py::arg("points"),
+          "World points (n, D): bake only the texels that lookups there use, by the estimator "
+          "path.")
+      .def(
           "set_photon_map",
           [](Settings& s, int k, double radius, double g, const std::string& region) {
             s.photon_map = {k, radius, g, density_region_from(region), s.photon_map.direct};

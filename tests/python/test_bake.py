@@ -99,6 +99,23 @@ def test_resolution(small, resolution, texels):
     assert tuple(leaflight.bake(volume, resolution=resolution, **small).grid.resolution) == texels
 
 
+def test_only_some_texels(bump_scene, small):
+    """Where only lookups at some points are baked, they find the same there."""
+    volume, settings = leaflight.bump_box(12), {**small, "estimator": "path"}
+    points = np.random.default_rng(1).uniform(0.2, 0.8, (5, 3)) @ np.diag([11.0] * 3)
+    points = (np.c_[points, np.ones(5)] @ volume.index_to_world.T)[:, :3]
+    whole = leaflight.bake(volume, bump_scene, **settings)
+    some = leaflight.bake(volume, bump_scene, only_at=points, **settings)
+    np.testing.assert_array_equal(some.radiance(points), whole.radiance(points))
+    assert whole.radiance(points).min() > 0
+    assert 8 <= some.grid.texels <= 40 < whole.grid.texels
+    assert some.metadata["only_at_sha256"] and not whole.metadata["only_at_sha256"]
+    with pytest.raises(LeaflightError, match="holds no points"):
+        leaflight.bake(volume, bump_scene, only_at=points[:0], **settings)
+    with pytest.raises(LeaflightError, match="needs all texels; bake those"):
+        leaflight.bake(volume, bump_scene, only_at=points, **small)
+
+
 def test_surface(box_bake):
     surface = box_bake.surface(47.0)
     count = len(surface.vertices)

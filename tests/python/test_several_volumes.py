@@ -3,6 +3,7 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +11,8 @@ import pytest
 import leaflight
 from leaflight import LeaflightError, Volume, _core, load_bake
 from leaflight.scene import core_scene
+
+SCENES = Path(__file__).resolve().parents[2] / "scenes"
 
 
 def test_leaf_coordinate(lapr_bake):
@@ -40,6 +43,21 @@ def test_volumes_shade_each_other(lapr_scene):
     points = single.surface(100.0).vertices
     below = points[points[:, 2] < 0.45]
     assert both.radiance(below).mean() < 0.9 * single.radiance(below).mean()
+
+
+def test_near_leaves_do_not_look_each_other_up():
+    """Between the balls of glowing nucleons, texels hold the light of leaves that face away.
+
+    Gathered from texels however near, the neutrons' light was 19 % too much at 64 nodes.
+    """
+    scene = leaflight.load_scene(SCENES / "emission.json")
+    volumes = [leaflight.sources.open_volume(f"nucleons:{k}", dims=[32]) for k in (0, 1)]
+    settings = {"samples": 16, "photons": 500_000}
+    gathered, traced = (
+        [grid.dense("radiance").sum() for grid in leaflight.bake(volumes, scene, **work).grids]
+        for work in (settings, {"estimator": "path", **settings})
+    )
+    np.testing.assert_allclose(gathered, traced, rtol=0.06)
 
 
 def test_one_scene_for_any_volumes(small):

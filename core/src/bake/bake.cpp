@@ -39,13 +39,9 @@ class Baker {
       : settings_(settings), plan_(plan), progress_(progress), tracer_(scene), lights_(tracer_) {
     check_placement(tracer_);
     for (const Volume<D>& volume : scene.volumes) {
-      const Index<D> resolution =
-          settings.resolution == Index<D>{} ? volume.field.dims : settings.resolution;
       // What a mirror or glass shows depends on the view, so that no texel can hold it.
       const bool stored = volume.scattering == Scattering::diffuse;
-      const IsovalueWindow window = volume.isovalues(scene.window);
-      lattices_.push_back(stored ? make_lattice(volume.field, resolution, window.min, window.max)
-                                 : inactive_lattice<D>(volume.field.dims, resolution));
+      lattices_.push_back(lattice_of(volume, stored));
       if (settings.scattered) positions_.push_back(strewn(volume, stored));
     }
   }
@@ -100,6 +96,23 @@ class Baker {
   int sides() const { return plan_.back ? 2 : 1; }
   const SurfaceCache<D>* cache() const { return surroundings_ ? &*surroundings_ : nullptr; }
   bool gathers() const { return settings_.estimator == EstimatorName::gather; }
+
+  TexelLattice<D> lattice_of(const Volume<D>& volume, bool stored) const {
+    const Field<D>& field = volume.field;
+    const Index<D> resolution =
+        settings_.resolution == Index<D>{} ? field.dims : settings_.resolution;
+    if (!stored) return inactive_lattice<D>(field.dims, resolution);
+    const IsovalueWindow window = volume.isovalues(scene().window);
+    if (settings_.only_at.empty()) {
+      return make_lattice(field, resolution, window.min, window.max);
+    }
+    std::vector<Vec<D>> positions;
+    for (const Vec<D>& point : settings_.only_at) {
+      positions.push_back(field.world_to_index.point(point));
+    }
+    const std::vector<bool> considered = texels_around<D>(field.dims, resolution, positions);
+    return make_lattice(field, resolution, window.min, window.max, &considered);
+  }
 
   std::vector<Vec<D>> strewn(const Volume<D>& volume, bool stored) const {
     if (!stored) return {};
@@ -235,7 +248,7 @@ class Baker {
       case EstimatorName::thesis:
         return make_thesis_estimator(maps_, cache());
       default:
-        return make_gather_estimator(tracer_, leaves_, *surroundings_);
+        return make_gather_estimator(tracer_, lights_, leaves_, *surroundings_);
     }
   }
 

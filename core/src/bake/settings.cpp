@@ -44,6 +44,10 @@ void validate(const BakeSettings<D>& settings) {
                 " texels; choose between 1 and 64.");
   }
   validate(settings.photon_map);
+  if (!settings.only_at.empty() && settings.estimator != EstimatorName::path) {
+    throw Error("The estimator " + name_of(settings.estimator) +
+                " needs all texels; bake those at some points alone with the path estimator.");
+  }
   if (!(settings.threads >= 0 && settings.threads <= 4096)) {
     throw Error("The number of threads is " + std::to_string(settings.threads) +
                 "; choose 0 for all, or up to 4096.");

@@ -60,7 +60,7 @@ TexelLattice<D> inactive_lattice(const Index<D>& dims, const Index<D>& resolutio
 
 template <int D>
 TexelLattice<D> make_lattice(const Field<D>& field, const Index<D>& resolution, double low,
-                             double high) {
+                             double high, const std::vector<bool>* considered) {
   std::uint64_t texels = 1;
   for (int a = 0; a < D; ++a) {
     if (resolution[a] < 2 || resolution[a] > 65535) {
@@ -76,6 +76,7 @@ TexelLattice<D> make_lattice(const Field<D>& field, const Index<D>& resolution, 
   TexelLattice<D> lattice = inactive_lattice<D>(field.dims, resolution);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, texels, 4096), [&](const auto& range) {
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      if (considered && !(*considered)[i]) continue;
       const Index<D> texel = lattice.texel(static_cast<std::uint32_t>(i));
       Index<D> first, last;
       for (int a = 0; a < D; ++a) {
@@ -95,15 +96,20 @@ TexelLattice<D> make_lattice(const Field<D>& field, const Index<D>& resolution, 
 }
 
 template <int D>
-TexelWeights<D> linear_weights(const TexelLattice<D>& lattice, const Vec<D>& index_position) {
-  Index<D> base;
-  Vec<D> local;
+CellPoint<D> TexelLattice<D>::cell_point(const Vec<D>& index_position) const {
+  CellPoint<D> point;
   for (int a = 0; a < D; ++a) {
-    const double x = std::clamp(index_position[a] / lattice.voxels_per_texel[a], 0.0,
-                                static_cast<double>(lattice.resolution[a] - 1));
-    base[a] = std::min(static_cast<int>(x), lattice.resolution[a] - 2);
-    local[a] = x - base[a];
+    const double x = std::clamp(index_position[a] / voxels_per_texel[a], 0.0,
+                                static_cast<double>(resolution[a] - 1));
+    point.cell[a] = std::min(static_cast<int>(x), resolution[a] - 2);
+    point.local[a] = x - point.cell[a];
   }
+  return point;
+}
+
+template <int D>
+TexelWeights<D> linear_weights(const TexelLattice<D>& lattice, const Vec<D>& index_position) {
+  const auto [base, local] = lattice.cell_point(index_position);
   TexelWeights<D> result;
   double sum = 0;
   std::array<double, 1 << D> weight;
@@ -125,13 +131,34 @@ TexelWeights<D> linear_weights(const TexelLattice<D>& lattice, const Vec<D>& ind
   return result;
 }
 
+template <int D>
+std::vector<bool> texels_around(const Index<D>& dims, const Index<D>& resolution,
+                                const std::vector<Vec<D>>& index_positions) {
+  const TexelLattice<D> lattice = inactive_lattice<D>(dims, resolution);
+  std::vector<bool> around(lattice.texels(), false);
+  for (const Vec<D>& position : index_positions) {
+    const Index<D> low = lattice.cell_point(position).cell;
+    Index<D> high = low;
+    for (int& n : high) n += 2;
+    for_each_index<D>(low, high,
+                      [&](const Index<D>& texel) { around[lattice.linear(texel)] = true; });
+  }
+  return around;
+}
+
 template struct TexelLattice<2>;
 template struct TexelLattice<3>;
 template TexelLattice<2> inactive_lattice<2>(const Index<2>&, const Index<2>&);
 template TexelLattice<3> inactive_lattice<3>(const Index<3>&, const Index<3>&);
-template TexelLattice<2> make_lattice<2>(const Field<2>&, const Index<2>&, double, double);
-template TexelLattice<3> make_lattice<3>(const Field<3>&, const Index<3>&, double, double);
+template TexelLattice<2> make_lattice<2>(const Field<2>&, const Index<2>&, double, double,
+                                         const std::vector<bool>*);
+template TexelLattice<3> make_lattice<3>(const Field<3>&, const Index<3>&, double, double,
+                                         const std::vector<bool>*);
 template TexelWeights<2> linear_weights<2>(const TexelLattice<2>&, const Vec<2>&);
 template TexelWeights<3> linear_weights<3>(const TexelLattice<3>&, const Vec<3>&);
+template std::vector<bool> texels_around<2>(const Index<2>&, const Index<2>&,
+                                            const std::vector<Vec<2>>&);
+template std::vector<bool> texels_around<3>(const Index<3>&, const Index<3>&,
+                                            const std::vector<Vec<3>>&);
 
 }  // namespace leaflight

@@ -136,12 +136,15 @@ class VolumetricEstimator final : public IndirectEstimator<D> {
 template <int D>
 class GatherEstimator final : public IndirectEstimator<D> {
  public:
-  GatherEstimator(const SceneTracer<D>& tracer, const std::vector<LeafRadiance<D>>& leaves,
-                  const SurfaceCache<D>& surroundings)
-      : tracer_(tracer), surroundings_(surroundings) {
+  GatherEstimator(const SceneTracer<D>& tracer, const LightSampler<D>& lights,
+                  const std::vector<LeafRadiance<D>>& leaves, const SurfaceCache<D>& surroundings)
+      : tracer_(tracer), lights_(lights), leaves_(leaves), surroundings_(surroundings) {
     for (std::size_t v = 0; v < leaves.size(); ++v) {
       const LeafRadiance<D>& leaf = leaves[v];
       lattices_.push_back(leaf.lattice);
+      Affine<D> texel_to_frame = tracer.index_to_frame(static_cast<int>(v));
+      for (int a = 0; a < D; ++a) texel_to_frame.column[a] *= leaf.lattice->voxels_per_texel[a];
+      frame_to_texels_.push_back(inverse(texel_to_frame));
       emissive_.push_back(tracer.scene().volumes[v].emission.largest() > 0);
       std::array<std::vector<Rgb>, 2> sides;
       for (int side = 0; side < 2 && leaf.photons; ++side) {
@@ -153,14 +156,38 @@ class GatherEstimator final : public IndirectEstimator<D> {
 
   Rgb indirect_radiance(const SurfacePoint<D>& point, const std::array<double, 2>& u,
                         Random& random, std::uint64_t& rays) const override {
+    return gathered(point, u, random, rays, 0);
+  }
+
+ private:
+  // Leaves this near to each other, in texels, do not look each other up, but go on as paths: seen
+  // from there a texel is wide, and holds the light of leaves that face and see other things. So
+  // many bounces at most; three of four rays of a scan meet nothing near (docs/architecture.md).
+  static constexpr double near = 4;
+  static constexpr int most_near_bounces = 3;
+
+  Rgb gathered(const SurfacePoint<D>& point, const std::array<double, 2>& u, Random& random,
+               std::uint64_t& rays, int near_bounces) const {
     const Vec<D> direction = sample_cosine_hemisphere<D>(point.shading_normal, u);
     if (!leaves_surface(point, direction)) return Rgb(0);
     ++rays;
     const Hit<D> hit = tracer_.intersect(point, direction);
-    return point.albedo * incident(hit, direction, point.c, random, rays);
+    if (near_bounces == most_near_bounces || !is_near(hit, direction)) {
+      return point.albedo * incident(hit, direction, point.c, random, rays);
+    }
+    const SurfacePoint<D> met = tracer_.surface_point(hit, direction, point.c);
+    const double choice = random.uniform();
+    const std::array<double, 2> on_light = random.pair(), next = random.pair();
+    return point.albedo * (met.emission + lights_.direct_radiance(met, choice, on_light, rays) +
+                           caustic_radiance<D>(leaves_, nullptr, met) +
+                           gathered(met, next, random, rays, near_bounces + 1));
   }
 
- private:
+  bool is_near(const Hit<D>& hit, const Vec<D>& direction) const {
+    return hit.kind == HitKind::leaf && scattering_of(hit) == Scattering::diffuse &&
+           frame_to_texels_[hit.volume].vector(direction * hit.leaf.t).length2() < near * near;
+  }
+
   // Reflected radiance of one side of a volume's texels, with the albedo of the leaf through each.
   static std::vector<Rgb> side_radiance(const Volume<D>& volume, const LeafRadiance<D>& leaf,
                                         int side) {
@@ -233,8 +260,11 @@ class GatherEstimator final : public IndirectEstimator<D> {
   }
 
   const SceneTracer<D>& tracer_;
+  const LightSampler<D>& lights_;
+  const std::vector<LeafRadiance<D>>& leaves_;
   const SurfaceCache<D>& surroundings_;
   std::vector<const TexelLattice<D>*> lattices_;
+  std::vector<Affine<D>> frame_to_texels_;
   std::vector<char> emissive_;
   std::vector<std::array<std::vector<Rgb>, 2>> radiance_;  // per volume and side
 };
@@ -263,9 +293,9 @@ std::unique_ptr<IndirectEstimator<D>> make_volumetric_estimator(
 
 template <int D>
 std::unique_ptr<IndirectEstimator<D>> make_gather_estimator(
-    const SceneTracer<D>& tracer, const std::vector<LeafRadiance<D>>& leaves,
-    const SurfaceCache<D>& surroundings) {
-  return std::make_unique<GatherEstimator<D>>(tracer, leaves, surroundings);
+    const SceneTracer<D>& tracer, const LightSampler<D>& lights,
+    const std::vector<LeafRadiance<D>>& leaves, const SurfaceCache<D>& surroundings) {
+  return std::make_unique<GatherEstimator<D>>(tracer, lights, leaves, surroundings);
 }
 
 template <int D>
@@ -290,9 +320,11 @@ template std::unique_ptr<IndirectEstimator<2>> make_volumetric_estimator(
 template std::unique_ptr<IndirectEstimator<3>> make_volumetric_estimator(
     const std::vector<LeafRadiance<3>>&, const SurfaceCache<3>*);
 template std::unique_ptr<IndirectEstimator<2>> make_gather_estimator(
-    const SceneTracer<2>&, const std::vector<LeafRadiance<2>>&, const SurfaceCache<2>&);
+    const SceneTracer<2>&, const LightSampler<2>&, const std::vector<LeafRadiance<2>>&,
+    const SurfaceCache<2>&);
 template std::unique_ptr<IndirectEstimator<3>> make_gather_estimator(
-    const SceneTracer<3>&, const std::vector<LeafRadiance<3>>&, const SurfaceCache<3>&);
+    const SceneTracer<3>&, const LightSampler<3>&, const std::vector<LeafRadiance<3>>&,
+    const SurfaceCache<3>&);
 template Rgb caustic_radiance<2>(const std::vector<LeafRadiance<2>>&, const SurfaceCache<2>*,
                                  const SurfacePoint<2>&);
 template Rgb caustic_radiance<3>(const std::vector<LeafRadiance<3>>&, const SurfaceCache<3>*,

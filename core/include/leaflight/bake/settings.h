@@ -40,6 +40,9 @@ struct BakeSettings {
   bool surroundings = false;     // the radiance of the surroundings too, per leaf coordinate
   PhotonMapSettings photon_map;  // of the thesis's estimator
   std::optional<ScatteredBake> scattered;  // nothing: samples in each texel
+  // World positions: only the texels that lookups there use. Empty: all. Of the path estimator, as
+  // the others look up what other texels hold.
+  std::vector<Vec<D>> only_at;
 };
 
 // Throws Error for counts that make no sense.

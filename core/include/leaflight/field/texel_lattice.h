@@ -22,6 +22,8 @@ struct TexelLattice {
   std::size_t texels() const { return slot.size(); }
   std::size_t linear(const Index<D>& texel) const { return linear_number<D>(texel, resolution); }
   Index<D> texel(std::uint32_t linear) const { return index_of<D>(linear, resolution); }
+  // The cell between texels that holds an index position, clamped to the domain.
+  CellPoint<D> cell_point(const Vec<D>& index_position) const;
   // Slot of the texel nearest to an index position of the field, or inactive.
   std::int32_t nearest_slot(const Vec<D>& index_position) const;
 };
@@ -31,10 +33,11 @@ template <int D>
 TexelLattice<D> inactive_lattice(const Index<D>& dims, const Index<D>& resolution);
 
 // A texel is active if, somewhere within one texel of it, h takes a value of [low, high] on a
-// crossing. Throws Error when the lattice would not fit in memory.
+// crossing; `considered`: and if the texel of this number is among those. Throws Error when the
+// lattice would not fit in memory.
 template <int D>
 TexelLattice<D> make_lattice(const Field<D>& field, const Index<D>& resolution, double low,
-                             double high);
+                             double high, const std::vector<bool>* considered = nullptr);
 
 // Up to 2^D slots around an index position with their (bi-, tri-)linear weights, renormalised over
 // the active texels; all weights are zero if none is active.
@@ -45,5 +48,10 @@ struct TexelWeights {
 };
 template <int D>
 TexelWeights<D> linear_weights(const TexelLattice<D>& lattice, const Vec<D>& index_position);
+
+// Of all texels, those that lookups at some index positions may use.
+template <int D>
+std::vector<bool> texels_around(const Index<D>& dims, const Index<D>& resolution,
+                                const std::vector<Vec<D>>& index_positions);
 
 }  // namespace leaflight

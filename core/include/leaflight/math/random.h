@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 namespace leaflight {
@@ -17,6 +18,10 @@ class Random {
   std::uint64_t bits() { return mix(state_ += 0x9e3779b97f4a7c15ull); }
   // Uniform in [0, 1).
   double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
+  std::array<double, 2> pair() {
+    const double first = uniform();
+    return {first, uniform()};
+  }
 
   static std::uint64_t mix(std::uint64_t z) {
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;

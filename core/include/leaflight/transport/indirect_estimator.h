@@ -56,8 +56,8 @@ std::unique_ptr<IndirectEstimator<D>> make_volumetric_estimator(
 // h(y) = c, so the texture being baked is its own radiance cache.
 template <int D>
 std::unique_ptr<IndirectEstimator<D>> make_gather_estimator(
-    const SceneTracer<D>& tracer, const std::vector<LeafRadiance<D>>& leaves,
-    const SurfaceCache<D>& surroundings);
+    const SceneTracer<D>& tracer, const LightSampler<D>& lights,
+    const std::vector<LeafRadiance<D>>& leaves, const SurfaceCache<D>& surroundings);
 
 // What a point reflects of caustics, from the photons' density. `surroundings` may be null if the
 // point does not lie on them.
