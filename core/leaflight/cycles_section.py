@@ -54,11 +54,12 @@ def cycles_text(rows, absent, effort):
         "- RMS % is the error of the colours (thesis Eq. 4.11, corrected), from which nothing is "
         "subtracted. Its squares are the sum of those of the next four columns, but for chance. "
         "*Noise*: what rays and photons leave to chance, as the texels report it; more of them "
-        "make it smaller. Where light is smooth they report more than there is, and little or "
-        "nothing is left for the texture. *Texture*: what else keeps the bake from our path "
+        "make it smaller. *Texture*: what else keeps the bake from our path "
         "tracer on the leaf itself: texels are too coarse, or the estimator is not quite right. "
         "*Mesh*: what our path tracer and Cycles differ by, since Cycles sees triangles for the "
-        "leaf. *Noise of Cycles*: the judge's own.",
+        "leaf. *Noise of Cycles*: the judge's own. Texels and path tracer report up to a third "
+        "more noise than they have, for their samples are spread evenly: a texture or a mesh that "
+        "matters little next to it shows as 0.",
         "- The floor is the error of a perfect bake with these texels: each texel that the points "
         f"need is computed by {effort.floor_samples} paths instead, without photons or caches, "
         "and the noise of these and of Cycles is taken out. It holds the mesh, too. An error near "
