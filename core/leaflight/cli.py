@@ -15,6 +15,7 @@ import numpy as np
 
 from . import _core
 from ._core import Cancelled, LeaflightError
+from .against_cycles import QUICK_CYCLES, CyclesEffort
 from .bake import bake, load_bake
 from .cli_parser import make_parser
 from .compare import compare
@@ -32,7 +33,7 @@ from .output import check_writable
 from .photons import trace_photons
 from .ply import write_photons, write_ply
 from .progress import run_with_progress
-from .report import QUICK_REPORT, ReportEffort, report, report_tables
+from .report import QUICK_REPORT, ReportEffort, report, report_cycles, report_tables
 from .scene_file import cornell_box, load_scene
 from .settings import PhotonMap, Scattered
 from .sources import open_volume
@@ -323,15 +324,27 @@ def _report(options):
             raise LeaflightError("report: --data has no meaning with --tables; leave one out.")
         effort = replace(QUICK if options.quick else Effort(), **work)
         result = report_tables(options.out, effort, run_with_progress)
+        written = "tables.md"
+    elif options.cycles:
+        _check_folder(options.data)
+        effort = QUICK_CYCLES if options.quick else CyclesEffort()
+        result = report_cycles(options.out, effort, run_with_progress, options.data, **work)
+        written = "cycles.md"
     else:
         _check_folder(options.data)
         effort = QUICK_REPORT if options.quick else ReportEffort()
         effort = replace(effort, tables=replace(effort.tables, **work))
         result = report(options.out, effort, run_with_progress, options.data)
+        written = "report.md"
     return result, [
         *(
             f"{row['data set']}: {row['RMS %']:.2f} %, {row['bake s']:.1f} s"
             for row in result.get("data_sets", [])
+        ),
+        *(
+            f"{row['bake']} at {row['isovalue']:g} against Cycles: {row['RMS %']:.2f} %"
+            + (f", goal {row['goal %']:.2f} % {row['verdict']}" if row["verdict"] else "")
+            for row in result.get("against_cycles", [])
         ),
         *(
             f"{row['table']}, {row['strategy']}: {row['ours']:.2f} %"
@@ -339,7 +352,7 @@ def _report(options):
             + f" ({row['verdict']})"
             for row in result["rows"]
         ),
-        f"{Path(options.out) / ('tables.md' if options.tables else 'report.md')}: "
+        f"{Path(options.out) / written}: "
         + ("all as it must be" if result["passed"] else "some errors are not what they must be"),
     ]
 

@@ -109,9 +109,11 @@ def make_parser(commands):
     report = subparsers.add_parser(
         "report", parents=[threads], help="measure errors and seconds, and write a report of them"
     )
-    report.add_argument(
+    alone = report.add_mutually_exclusive_group()
+    alone.add_argument(
         "--tables", action="store_true", help="Tables 3.1 and 4.2 and Fig. 4.9 of the thesis alone"
     )
+    alone.add_argument("--cycles", action="store_true", help="bakes against Cycles alone")
     report.add_argument(
         "--quick", action="store_true", help="less of everything: ten minutes, not hours"
     )

@@ -14,25 +14,32 @@ def rms_percent(radiance, reference, exposure, weights=None):
     return 100.0 * rms(colours - truth, weights)
 
 
-def noise_percent(standard_error, exposure, weights=None):
-    """What errors of a reference radiance, an array, add to rms_percent: squares add up."""
-    return 100.0 * exposure * rms(np.float64(standard_error), weights)
+def noise_percent(radiance, standard_error, exposure, weights=None):
+    """What the standard errors of a radiance add to rms_percent: squares add up.
+
+    They have the shape of the radiance, or one channel for all of its.
+    """
+    return 100.0 * rms(_color_noise(radiance, standard_error, exposure), weights)
+
+
+def _color_noise(radiance, error, exposure):
+    """Half the width of radiance +- error, clamped: what lies beyond white does not count."""
+    radiance, error = exposure * np.float64(radiance), exposure * np.float64(error)
+    return 0.5 * (np.clip(radiance + error, 0, 1) - np.clip(radiance - error, 0, 1))
 
 
 def estimated_rms_percent(grids, exposure):
     """RMS over the texels of radiance grids of the error that they report, in percent of a colour.
 
-    A texel's is half the width of radiance +- error, clamped: what lies beyond white does not
-    count. Slices one by one, which bounds the memory. 0 where there is no texel.
+    Slices one by one, which bounds the memory. 0 where there is no texel.
     """
     squares, texels = 0.0, 0
     for grid in grids:
         slices = zip(grid.mask(), grid.dense("radiance"), grid.dense("radiance_error"))
         for mask, radiance, error in slices:
             active = mask.astype(bool)
-            colours, width = exposure * radiance[active], exposure * error[active][..., None]
-            low, high = np.clip(colours - width, 0, 1), np.clip(colours + width, 0, 1)
-            squares += float(np.square(np.float64(high - low) / 2).mean(axis=-1).sum())
+            noise = _color_noise(radiance[active], error[active][..., None], exposure)
+            squares += float(np.square(noise).mean(axis=-1).sum())
             texels += int(active.sum())
     return 100.0 * float(np.sqrt(squares / max(texels, 1)))
 

@@ -5,21 +5,16 @@ Thesis Fig. 5.14. Of its four data sets Colin27 alone is public; particles.py ge
 the same kind, and some scans stand beside them where there are any.
 """
 
-import tempfile
-import zipfile
 from dataclasses import dataclass
-from pathlib import Path
 
 from .bake import bake
 from .isosurfaces import isosurfaces
 from .memory import Cost, measured
 from .particles import lapr, neuron, nucleons
-from .readers import read_volume
 from .scene import fit_scene, match_leaves
 from .scene_file import cornell_box, packaged_scene
 from .settings import leaf_window
-
-COLIN27 = Path("/usr/share/mricron/templates/ch2.nii.gz")
+from .volume_recipes import bunny, colin27, generated, neuron_stack, nucleon
 
 
 @dataclass(frozen=True)
@@ -50,7 +45,7 @@ class Printed:
 
 @dataclass(frozen=True)
 class DataSet:
-    """volumes(folder, fineness): a list of Volumes, or None where they are absent.
+    """volumes(folder, fineness): see volume_recipes.py.
 
     isovalues: that are judged, leaf coordinates; scene: of the package, None is the Cornell box.
     """
@@ -88,75 +83,46 @@ class DataRow:
         return self.cost.seconds / self.direct
 
 
-def _generated(make, nodes):
-    def volumes(_, fineness):
-        made = make(max(8, round(fineness * nodes)))
-        return made if isinstance(made, list) else [made]
-
-    return volumes
-
-
-def _read(name, **layout):
-    def volumes(folder, _):
-        path = Path(folder) / name if folder else None
-        if path is None or not path.exists():
-            return None
-        if path.suffix != ".zip":
-            return [read_volume(str(path), **layout)]
-        with tempfile.TemporaryDirectory(prefix="leaflight-") as unpacked:
-            with zipfile.ZipFile(path) as archive:
-                stack = next(one for one in archive.namelist() if one.lower().endswith(".tif"))
-                return [read_volume(archive.extract(stack, unpacked), **layout)]
-
-    return volumes
-
-
-def _colin27(folder, _):
-    own = Path(folder) / COLIN27.name if folder else COLIN27
-    path = own if own.exists() else COLIN27
-    return [read_volume(str(path))] if path.exists() else None
-
-
 DATA_SETS = (
     DataSet(
         "nucleons, 2 x 101^3 (generated)",
-        _generated(nucleons, 101),
+        generated(nucleons, 101),
         (0.2, 0.4, 0.6),
         Printed(9685, 2155, 5.61),
         "nucleons.json",
     ),
     DataSet(
         "LAPR, 2 x 120^3 (generated)",
-        _generated(lapr, 120),
+        generated(lapr, 120),
         (0.2, 0.4, 0.6),
         Printed(5565, 522, 8.06),
         "lapr.json",
     ),
     DataSet(
         "neuron, 150^3 (generated)",
-        _generated(neuron, 150),
+        generated(neuron, 150),
         (30.0, 60.0, 100.0),
         Printed(4587, 1229, 5.70),
     ),
     DataSet(
         "brain, Colin27 (ch2.nii.gz)",
-        _colin27,
+        colin27,
         (24.5, 45.5, 70.5, 100.5, 150.5),
         Printed(5452, 1819, 6.53),
     ),
     DataSet(
         "nucleon (nucleon.raw)",
-        _read("nucleon.raw", dims=(41, 41, 41), type="uint8"),
+        nucleon,
         (20.5, 60.5, 100.5, 140.5, 180.5),
     ),
     DataSet(
         "neuron stack (rivulet_neuron.tif.zip)",
-        _read("rivulet_neuron.tif.zip"),
+        neuron_stack,
         (20.5, 60.5, 100.5),
     ),
     DataSet(
         "bunny (bunny_ct_half.nrrd)",
-        _read("bunny_ct_half.nrrd"),
+        bunny,
         (400.5, 800.5, 1200.5),
     ),
 )

@@ -50,7 +50,7 @@ class Isosurfaces:
     @property
     def noise(self):
         """What the reference's noise adds to error(), in squares."""
-        return noise_percent(self.standard_error, self.exposure)
+        return noise_percent(self.truth, self.standard_error, self.exposure)
 
     @property
     def colour(self):

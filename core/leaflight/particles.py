@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stand-ins for the thesis's data, densities in the unit cube (thesis 5.1).
+"""Densities of particles in the unit cube.
 
-The originals are not public. These are of the same kind: seeded sets of particles, each set
-convolved with a Gaussian into a density of its own, scaled to 0..255.
+Stand-ins for the thesis's data (thesis 5.1), whose originals are not public. These are of the same
+kind: seeded sets of particles, each set convolved with a Gaussian into a density of its own, scaled
+to 0..255. And the electron of a hydrogen atom, which is as smooth as volumes come.
 """
 
 import numpy as np
@@ -13,6 +14,8 @@ from .volume import on_unit_cube
 KERNEL_REACH = 4.0
 # Molecules that a droplet of radius 1 would hold.
 DROPLET_DENSITY = 1_500_000
+# Half the side of the box around the hydrogen atom, in Bohr radii: 98 % of the density is in it.
+HYDROGEN_REACH = 20.0
 
 
 def nucleons(n=101):
@@ -108,6 +111,29 @@ def _neuron_positions():
             ends += [(position, _unit(direction + fork)), (position, _unit(direction - fork))]
     points = np.concatenate(points)
     return points[(np.abs(points - 0.5) < 0.44).all(axis=1)]
+
+
+def hydrogen(n=64):
+    """Where the electron of a hydrogen atom is in the state 3d_z2: a Volume of n^3 nodes.
+
+    The probability density |psi_320|^2 over its maximum, hence 0..1: two lobes along z, with a
+    ring of a quarter of their height around them.
+    """
+    return on_unit_cube(n, _electron_3d, "hydrogen", "hydrogen")
+
+
+def _electron_3d(n):
+    """psi_320 = r^2 exp(-r/3) (3 cos^2 theta - 1) / (81 sqrt(6 pi)), r in Bohr radii.
+
+    Griffiths, Introduction to Quantum Mechanics, Tables 4.3 and 4.7.
+    """
+    x = np.linspace(-HYDROGEN_REACH, HYDROGEN_REACH, n)
+    z, y, x = np.meshgrid(x, x, x, indexing="ij")
+    squares = x**2 + y**2 + z**2
+    psi = (3 * z**2 - squares) * np.exp(-np.sqrt(squares) / 3)
+    # Highest on the axis at r = 6.
+    highest = 2 * 6**2 * np.exp(-2.0)
+    return ((psi / highest) ** 2).astype(np.float32)
 
 
 def _density(source, name, particles, sigma, n):

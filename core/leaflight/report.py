@@ -11,10 +11,12 @@ from pathlib import Path
 
 import numpy as np
 
-from . import sections
+from . import cycles_section, sections
 from ._core import LeaflightError
 from .advice import advice
+from .against_cycles import QUICK_CYCLES, CyclesEffort, measure_against_cycles
 from .curves import QUICK_CURVES, CurveEffort, measure_curves
+from .cycles import find_blender
 from .data_sets import QUICK_DATA, DataEffort, measure_data_sets
 from .experiments import QUICK, Effort, table_3_1, table_4_2, table_4_9
 from .fits import check_statistics
@@ -44,6 +46,7 @@ class ReportEffort:
     tables: Effort = Effort()
     curves: CurveEffort = CurveEffort()
     data: DataEffort = DataEffort()
+    cycles: CyclesEffort = CyclesEffort()
 
 
 # Less than `--tables --quick` alone: all tables and all else take ten minutes.
@@ -53,16 +56,17 @@ QUICK_TABLES = replace(
     vertices=1000,
     picture_paths=64,
 )
-QUICK_REPORT = ReportEffort(QUICK_TABLES, QUICK_CURVES, QUICK_DATA)
+QUICK_REPORT = ReportEffort(QUICK_TABLES, QUICK_CURVES, QUICK_DATA, QUICK_CYCLES)
 
 
 def report(folder, effort, run, data=None, tables=TABLES):
     """Measures everything; writes folder/report.md, folder/images/*.png and folder/csv/*.csv.
 
     effort: a ReportEffort; run(work, label): see experiments.py; data: the folder of the real data
-    sets, or None. Returns a dict: "out", "seed", "passed" (no row of the tables failed), "rows" as
-    those of report_tables, and "curves", "slopes", "break_even", "data_sets", "memory": lists of
-    dicts. Raises LeaflightError, Cancelled, and then writes nothing.
+    sets, or None. Returns a dict: "out", "seed", "passed" (no row of the tables failed and no goal
+    is missed), "rows" as those of report_tables, and "curves", "slopes", "break_even", "data_sets",
+    "against_cycles", "memory": lists of dicts. Raises LeaflightError, Cancelled, and then writes
+    nothing.
     """
     folder = _prepared(folder, "report.md")
     check_plotting()
@@ -72,6 +76,9 @@ def report(folder, effort, run, data=None, tables=TABLES):
     has_cycles = shutil.which("blender") is not None
     curves = measure_curves(effort.curves, run, cycles=has_cycles, **work)
     rows, absent = measure_data_sets(effort.data, run, folder=data, **work)
+    judged, unjudged = [], []
+    if has_cycles:
+        judged, unjudged = measure_against_cycles(effort.cycles, run, folder=data, **work)
     done = [table(effort.tables, run) for table in tables]
 
     analysis = sections.analysed(curves, seed)
@@ -79,6 +86,11 @@ def report(folder, effort, run, data=None, tables=TABLES):
         "Error against seconds": sections.curves_text(curves),
         "Convergence": sections.slopes_text(curves, analysis),
         "One bake against Cycles": sections.break_even_text(curves, analysis),
+        "Against Cycles": (
+            cycles_section.cycles_text(judged, unjudged, effort.cycles)
+            if has_cycles
+            else [sections.NO_BLENDER]
+        ),
         "The thesis's data sets (Fig. 5.14)": sections.data_text(rows, absent, effort.data),
         "Memory": sections.memory_text(curves, rows),
     }
@@ -108,6 +120,7 @@ def report(folder, effort, run, data=None, tables=TABLES):
         "slopes": _split(sections.slope_rows(curves, analysis)),
         "break_even": _split(analysis.break_even),
         "data_sets": sections.data_rows(rows),
+        "against_cycles": _split(cycles_section.cycles_rows(judged)),
         "memory": sections.memory_rows(curves, rows),
     }
     files = {
@@ -121,7 +134,7 @@ def report(folder, effort, run, data=None, tables=TABLES):
         picture = break_even(analysis.break_even, sections.THESIS_BREAK_EVEN)
         files["images/break_even.png"] = picture
     _write(folder, files)
-    return {**_result(folder, done, seed), **_finite(found)}
+    return {**_result(folder, seed, done, judged), **_finite(found)}
 
 
 def report_tables(folder, effort, run, tables=TABLES):
@@ -142,7 +155,32 @@ def report_tables(folder, effort, run, tables=TABLES):
     ]
     files = {**_table_files(done, effort.seed, each=True), "tables.md": "\n".join(lines) + "\n"}
     _write(folder, files)
-    return _result(folder, done, effort.seed)
+    return _result(folder, effort.seed, done)
+
+
+def report_cycles(folder, effort, run, data=None, *, seed=0, threads=0):
+    """Measures bakes against Cycles; writes folder/cycles.md and folder/csv/against_cycles.csv.
+
+    effort: a CyclesEffort; run, data: see report(). Returns a dict: "out", "seed", "passed" (no
+    goal is missed), "rows" (none) and "against_cycles", a list of dicts. Raises LeaflightError,
+    Cancelled, and then writes nothing.
+    """
+    find_blender()
+    folder = _prepared(folder, "cycles.md")
+    work = {"seed": seed, "threads": threads}
+    judged, absent = measure_against_cycles(effort, run, folder=data, **work)
+    lines = [
+        "# Against Cycles",
+        "",
+        f"Written by `scripts/leaflight report --cycles` with seed {seed} on {os.cpu_count()} "
+        "cores.",
+        "",
+        *cycles_section.cycles_text(judged, absent, effort),
+    ]
+    rows = _split(cycles_section.cycles_rows(judged))
+    files = {"csv/against_cycles.csv": _csv(rows), "cycles.md": "\n".join(lines) + "\n"}
+    _write(folder, files)
+    return {**_result(folder, seed, judged=judged), **_finite({"against_cycles": rows})}
 
 
 def _prepared(folder, name):
@@ -159,20 +197,23 @@ def _prepared(folder, name):
     return folder
 
 
-def _result(folder, tables, seed):
+def _result(folder, seed, tables=(), judged=()):
+    """judged: CyclesRows."""
     rows = [
         {"table": table.name, "passed": row.passed, **_cells(row)}
         for table in tables
         for row in table.rows
     ]
-    passed = all(row["passed"] is not False for row in rows)
+    verdicts = [row["passed"] for row in rows] + [row.passed for row in judged]
+    passed = all(verdict is not False for verdict in verdicts)
     return {"out": str(folder), "seed": seed, "passed": passed, "rows": rows}
 
 
 def _reductions(effort):
     """What is less than in the full report, as a paragraph, if anything is."""
     full, parts = ReportEffort(), []
-    for title, name in (("tables", "tables"), ("curves", "curves"), ("data sets", "data")):
+    titles = {"data": "data sets", "cycles": "against Cycles"}
+    for name in (field.name for field in fields(effort)):
         own, other = getattr(effort, name), getattr(full, name)
         less = [
             f"{field.name} {_short(getattr(own, field.name))} instead of "
@@ -182,13 +223,15 @@ def _reductions(effort):
             and getattr(own, field.name) != getattr(other, field.name)
         ]
         if less:
-            parts.append(f"{title}: {', '.join(less)}")
+            parts.append(f"{titles.get(name, name)}: {', '.join(less)}")
     return ["", f"Reduced (`--quick`): {'; '.join(parts)}."] if parts else []
 
 
 def _short(value):
     if isinstance(value, tuple):
         return f"({', '.join(map(_short, value))})"
+    if hasattr(value, "name"):
+        return value.name
     return f"{value:,}" if isinstance(value, int) else f"{value:g}"
 
 

@@ -16,6 +16,7 @@ THESIS_BREAK_EVEN = (3, 11)
 # The bakes that are held against Cycles.
 WORTH = (DEFAULT, f"{DEFAULT}, spacing 2")
 MEBIBYTE = 2**20
+NO_BLENDER = "There is no Blender on the search path, so that nothing can be said of Cycles."
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,7 +162,7 @@ def slopes_text(curves, analysis):
 def break_even_text(curves, analysis):
     low, high = THESIS_BREAK_EVEN
     if not analysis.break_even:
-        return ["There is no Blender on the search path, so that nothing can be said of Cycles."]
+        return [NO_BLENDER]
     return [
         "![Isosurfaces after which a bake is worth it](images/break_even.png)",
         "",
@@ -222,12 +223,17 @@ def data_text(rows, absent, effort):
             "errors are larger, the seconds fewer than with the texel a node that a bake has by "
             "default."
         ]
-    if absent:
-        lines += [
-            f"- Absent, hence left out: {'; '.join(absent)}. Name the folder that holds "
-            "the files with `--data DIR`."
-        ]
-    return [*lines, "", *table(data_rows(rows), DATA_FORMATS)]
+    return [*lines, *absent_text(absent), "", *table(data_rows(rows), DATA_FORMATS)]
+
+
+def absent_text(absent):
+    """What is said of data sets without data."""
+    if not absent:
+        return []
+    return [
+        f"- Absent, hence left out: {'; '.join(absent)}. Name the folder that holds "
+        "the files with `--data DIR`."
+    ]
 
 
 def memory_rows(curves, rows):

@@ -67,22 +67,23 @@ def parts_of(radiance, error, path, truth, exposure):
                      None where the path tracer is the truth
     """
     weights = truth.weights
-    noise = noise_percent(error[:, None], exposure, weights)
-    path_noise = noise_percent(path.standard_error, exposure, weights)
+    noise = noise_percent(radiance, error[:, None], exposure, weights)
+    path_noise = noise_percent(path.radiance, path.standard_error, exposure, weights)
     mesh = None
     if path is not truth:
-        truth_noise = noise_percent(truth.standard_error, exposure, weights)
+        truth_noise = noise_percent(truth.radiance, truth.standard_error, exposure, weights)
         of_path = rms_percent(path.radiance, truth.radiance, exposure, weights)
-        mesh = _without(of_path, path_noise, truth_noise)
+        mesh = without(of_path, path_noise, truth_noise)
     of_bake = rms_percent(radiance, path.radiance, exposure, weights)
     return {
         "noise_percent": noise,
-        "texture_percent": _without(of_bake, path_noise, noise),
+        "texture_percent": without(of_bake, path_noise, noise),
         "mesh_percent": mesh,
     }
 
 
-def _without(whole, *parts):
+def without(whole, *parts):
+    """What remains of a whole whose squares are those of the parts and the remainder's; or 0."""
     return float(np.sqrt(max(0.0, whole**2 - sum(part**2 for part in parts))))
 
 
@@ -103,7 +104,9 @@ def errors_of(radiance, truth, exposure, mask=None):
         "points": len(own),
         "rms_percent": rms_percent(own, true, exposure, weights),
         "relative_rms": rms(own - true, weights) / mean if mean > 0 else None,
-        "reference_noise_percent": noise_percent(truth.standard_error[mask], exposure, weights),
+        "reference_noise_percent": noise_percent(
+            true, truth.standard_error[mask], exposure, weights
+        ),
         "mean_radiance": mean * exposure,
         "mean_ratio": ratio,
         "mean_ratio_error": ratio * truth.mean_error(mask) / mean if mean > 0 else None,

@@ -8,7 +8,7 @@ import pytest
 
 import leaflight
 from leaflight import LeaflightError
-from leaflight.compare import random_points
+from leaflight.on_mesh import random_points
 from leaflight.truth import Truth, parts_of
 
 
@@ -71,6 +71,8 @@ def test_colours_saturate(box_bake):
     white = replace(box_bake, scene=replace(box_bake.scene, exposure=1e9))
     result = leaflight.compare(white, 47.0, points=50, spp=256)
     assert result["rms_percent"] < 1e-6 < result["relative_rms"]
+    # Nor does noise change what is white.
+    assert result["reference_noise_percent"] < 1e-6
 
 
 def test_exposed_points_are_those_seen_from_outside():

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The generated particle volumes."""
 
+from math import factorial
+
 import numpy as np
 import pytest
 
 from leaflight import LeaflightError
-from leaflight.particles import lapr, neuron, nucleons
+from leaflight.particles import HYDROGEN_REACH, hydrogen, lapr, neuron, nucleons
 from leaflight.sources import GENERATED, is_generated, open_volume
 
 
@@ -47,12 +49,33 @@ def test_neuron():
         assert extent[0] > 0 and extent[-1] < 59 and len(extent) > 25
 
 
+def test_hydrogen():
+    """One electron, whose mean distance is that of the state: (3 n^2 - l (l + 1)) / 2."""
+    values = np.float64(hydrogen(81).values)
+    assert values.max() == pytest.approx(1, abs=0.01) and values.min() >= 0
+    x = np.linspace(-HYDROGEN_REACH, HYDROGEN_REACH, 81)
+    z, y, x = np.meshgrid(x, x, x, indexing="ij")
+    r = np.sqrt(x**2 + y**2 + z**2)
+    # The highest density times the volume of a voxel, in Bohr radii: psi_320 is normalised.
+    highest = (2 * 36 * np.exp(-2) / 81) ** 2 / (6 * np.pi)
+    electrons = values * highest * (HYDROGEN_REACH / 40) ** 3
+    # Within a ball that the box holds: the integral of r^6 exp(-2 r / 3) over that of all r.
+    x = 2 * HYDROGEN_REACH / 3
+    within = 1 - np.exp(-x) * sum(x**k / factorial(k) for k in range(7))
+    assert electrons[r < HYDROGEN_REACH].sum() == pytest.approx(within, abs=1e-3)
+    assert (electrons * r).sum() / electrons.sum() == pytest.approx(10.5, rel=0.02)
+    # Nothing on the cone between lobes and ring, and a quarter of the lobes in the ring.
+    assert values[np.abs(3 * z**2 - r**2) < 1e-9].max() == 0
+    assert values[40].max() == pytest.approx(0.25, abs=0.005)
+    assert max(values.take(0, axis=axis).max() for axis in range(3)) < 0.02
+
+
 def test_same_every_time():
     np.testing.assert_array_equal(lapr(9)[1].values, lapr(9)[1].values)
 
 
 def test_names():
-    particles = {"nucleons:0", "nucleons:1", "lapr:0", "lapr:1", "neuron"}
+    particles = {"nucleons:0", "nucleons:1", "lapr:0", "lapr:1", "neuron", "hydrogen"}
     assert set(GENERATED) == {"bump_box", *particles}
     for name in GENERATED:
         volume = open_volume(name, dims=[8])

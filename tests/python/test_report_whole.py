@@ -19,6 +19,7 @@ import leaflight.curves as curves_module
 import leaflight.report as report_module
 from leaflight import Cancelled, LeaflightError, Progress
 from leaflight.advice import advice, budget_rows
+from leaflight.against_cycles import BUMP_BOX, CyclesRow
 from leaflight.curves import CYCLES, KINDS, Curve, CurveEffort, Curves, Point, measure_curves
 from leaflight.data_sets import DATA_SETS, QUICK_DATA, DataEffort, measure_data_sets
 from leaflight.experiments import QUICK, Row, Table, Trial
@@ -99,6 +100,7 @@ def written(curves, data, tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(report_module, "measure_curves", lambda *_, **__: curves)
         patch.setattr(report_module, "measure_data_sets", lambda *_, **__: data)
+        patch.setattr(report_module.shutil, "which", lambda _: None)
         return folder, report(folder, TINY, quietly, tables=(one_table,))
 
 
@@ -216,9 +218,20 @@ def test_advice_without_data(curves):
 def test_with_cycles(with_cycles, data, tmp_path, monkeypatch):
     monkeypatch.setattr(report_module, "measure_curves", lambda *_, **__: with_cycles)
     monkeypatch.setattr(report_module, "measure_data_sets", lambda *_, **__: data)
+    errors = {"points": 9, "rms_percent": 2.5, "reference_noise_percent": 0.4}
+    errors |= {"relative_rms": 0.1, "mean_ratio": 1.0, "mean_ratio_error": 0.01}
+    parts = {"noise_percent": 1.0, "texture_percent": 2.0, "mesh_percent": 0.5}
+    judged = CyclesRow(BUMP_BOX, 47.0, 1000, errors, parts, 2.0, 2.0)
+    found = [judged], ["tooth"]
+    monkeypatch.setattr(report_module, "measure_against_cycles", lambda *_, **__: found)
+    monkeypatch.setattr(report_module.shutil, "which", lambda _: "blender")
     result = report(tmp_path, TINY, quietly, tables=(one_table,))
     assert len(json.loads(json.dumps(result, allow_nan=False))["break_even"]) == 8
+    # The tables are as they must be, and the goal is missed.
+    assert result["passed"] is False and result["against_cycles"][0]["verdict"] == "missed"
+    assert (tmp_path / "csv" / "against_cycles.csv").exists()
     text = (tmp_path / "report.md").read_text()
+    assert "| 2.00 | missed |" in text and "left out: tooth." in text
     assert "10.0 (10.0 .. 10.0)" in text and "as long as 10.0 of them in Cycles" in text
     assert (tmp_path / "images" / "break_even.png").exists()
     assert (tmp_path / "csv" / "break_even.csv").exists()
@@ -243,6 +256,7 @@ def test_files(written):
     for row in result["data_sets"]:
         assert f"| {row['data set']} |" in text and f" {row['RMS %']:.2f} |" in text
     assert "5.61" in text and "Name the folder" in text and "There is no Blender" in text
+    assert "## Against Cycles\n\nThere is no Blender" in text
     assert "Reduced (`--quick`)" in text and "texels 16 instead of 100" in text
     assert "| samples in each texel |" in text and str(folder) not in text
 
@@ -297,6 +311,9 @@ def test_efforts():
     assert set(QUICK_REPORT.curves.rays) < set(full.curves.rays)
     assert QUICK_REPORT.data.texels < full.data.texels == 1 == full.data.fineness
     assert QUICK_DATA.fineness == 1
+    assert "against Cycles: cases (bump box, 48^3, hydrogen, 32^3) instead of (" in (
+        report_module._reductions(QUICK_REPORT)[1]
+    )
 
 
 def test_command_line(cli, tmp_path, monkeypatch):
