@@ -31,7 +31,8 @@ class Case:
 
     volumes(folder, fineness): see volume_recipes.py; isovalues: that are judged; goals: of each,
     RMS in percent, None is OF_FLOOR times the floor of the texture; texels: a node, along each
-    axis; scene: of the package, None is the Cornell box.
+    axis; refine: how many times they are halved where light varies most; rays: of a texel, as a
+    share of the effort's; scene: of the package, None is the Cornell box.
     """
 
     name: str
@@ -39,6 +40,8 @@ class Case:
     isovalues: tuple
     goals: tuple = None
     texels: float = 1.0
+    refine: int = 0
+    rays: float = 1.0
     scene: str = None
 
     def goal(self, isovalue, floor):
@@ -56,14 +59,36 @@ BUMP_BOX = Case(
     scene="bump_box.json",
 )
 HYDROGEN = Case(
-    "hydrogen, 64^3", generated(hydrogen, 64), (0.02, 0.15, 0.4), (2.0, 2.0, 2.0), texels=2.0
+    "hydrogen, 64^3", generated(hydrogen, 64), (0.02, 0.15, 0.4), (2.0, 2.0, 2.0), refine=2
 )
 CASES = (
     BUMP_BOX,
-    Case("nucleon (nucleon.raw)", nucleon, (60.5, 100.5, 140.5), (2.0, 2.0, 2.0), texels=3.0),
+    Case("nucleon (nucleon.raw)", nucleon, (60.5, 100.5, 140.5), (2.0, 2.0, 2.0), refine=3),
     HYDROGEN,
-    Case("bunny (bunny_ct_half.nrrd)", bunny, (400.5, 800.5, 1200.5), (2.0, 2.0, 2.0)),
-    Case("Colin27 (ch2.nii.gz), fine", colin27, (24.5, 45.5, 70.5), (3.0, 3.0, 4.0), texels=2.0),
+    Case(
+        "bunny (bunny_ct_half.nrrd)",
+        bunny,
+        (400.5, 800.5, 1200.5),
+        (2.0, 2.0, 2.0),
+        refine=1,
+        rays=0.5,
+    ),
+    Case(
+        "Colin27 (ch2.nii.gz), fine",
+        colin27,
+        (24.5, 45.5, 70.5),
+        (3.0, 3.0, 4.0),
+        texels=2.0,
+        rays=0.25,
+    ),
+    Case(
+        "Colin27 (ch2.nii.gz), refined",
+        colin27,
+        (24.5, 45.5, 70.5),
+        (3.0, 3.0, 4.0),
+        refine=2,
+        rays=0.5,
+    ),
     Case("Colin27 (ch2.nii.gz)", colin27, (100.5,)),
     Case("tooth (tooth16.raw)", tooth, (500.5, 650.5, 900.5)),
     Case("neuron stack (rivulet_neuron.tif.zip)", neuron_stack, (20.5, 60.5, 100.5)),
@@ -103,7 +128,8 @@ QUICK_CYCLES = CyclesEffort(
 
 @dataclass(frozen=True)
 class CyclesRow:
-    """One isosurface of a case. texels: of the whole bake; errors: errors_of() it against Cycles.
+    """One isosurface of a case. rays: of a texel; texels, seconds: of the whole bake, by the clock;
+    errors: errors_of() it against Cycles.
 
     parts: parts_of() these; floor: RMS in percent that converged texels leave, the noise of theirs
     and of Cycles taken out; goal: RMS in percent that is allowed, None where nothing is judged.
@@ -111,7 +137,9 @@ class CyclesRow:
 
     case: Case
     isovalue: float
+    rays: int
     texels: int
+    seconds: float
     errors: dict
     parts: dict
     floor: float
@@ -168,7 +196,8 @@ def _rows(case, volumes, effort, run, seed, threads):
             lambda progress: bake(volumes, scene, progress=progress, **settings, **more), label
         )
 
-    final = baked("bake", samples=effort.rays, photons=effort.photons)
+    rays = max(1, round(case.rays * effort.rays))
+    final = baked("bake", samples=rays, photons=effort.photons, refine=case.refine)
     # Another seed than the bakes'.
     work = {"spp": effort.paths, "seed": seed + 1, "threads": threads}
     found = [_found(LeafSide(final, c), effort.points, work, step) for c in case.isovalues]
@@ -186,7 +215,9 @@ def _rows(case, volumes, effort, run, seed, threads):
             CyclesRow(
                 case,
                 side.isovalue,
+                rays,
                 final.statistics["texels"],
+                final.statistics["seconds"],
                 errors_of(side.baked(truth.points), truth, final.scene.exposure),
                 side.parts(truth, path),
                 floor,

@@ -6,7 +6,10 @@ from .sections import absent_text, table
 
 CYCLES_FORMATS = {
     "isovalue": "{:g}",
+    "refine": "{}",
+    "rays": "{}",
     "texels": "{:,}",
+    "seconds": "{:.0f}",
     "points": "{:,}",
     "RMS %": "{:.2f}",
     "noise %": "{:.2f}",
@@ -27,7 +30,10 @@ def cycles_rows(rows):
         {
             "bake": row.case.name,
             "isovalue": row.isovalue,
+            "refine": row.case.refine,
+            "rays": row.rays,
             "texels": row.texels,
+            "seconds": row.seconds,
             "points": row.errors["points"],
             "RMS %": row.error,
             "noise %": row.parts["noise_percent"],
@@ -46,7 +52,7 @@ def cycles_rows(rows):
 
 def cycles_text(rows, absent, effort):
     lines = [
-        f"- Each bake with {effort.rays} rays a texel, {effort.photons:,} photons and all "
+        f"- Each bake with {effort.photons:,} photons and all "
         f"isosurfaces of its default window, against Cycles, which traces {effort.paths:,} paths "
         f"at each of about {effort.points:,} random points of an isosurface's mesh. Blender "
         "builds the scene for itself: marching cubes, smooth normals, caustics on, nothing "
@@ -57,13 +63,14 @@ def cycles_text(rows, absent, effort):
         "make it smaller. *Texture*: what else keeps the bake from our path "
         "tracer on the leaf itself: texels are too coarse, or the estimator is not quite right. "
         "*Mesh*: what our path tracer and Cycles differ by, since Cycles sees triangles for the "
-        "leaf. *Noise of Cycles*: the judge's own. Texels and path tracer report up to a third "
-        "more noise than they have, for their samples are spread evenly: a texture or a mesh that "
-        "matters little next to it shows as 0.",
-        "- The floor is the error of a perfect bake with these texels: each texel that the points "
-        f"need is computed by {effort.floor_samples} paths instead, without photons or caches, "
-        "and the noise of these and of Cycles is taken out. It holds the mesh, too. An error near "
-        "the floor can be lowered by a finer texture alone.",
+        "leaf. *Noise of Cycles*: the judge's own. Texels report up to a third more noise than "
+        "they have, for their samples are spread evenly: a texture that matters little next to it "
+        "shows as 0.",
+        "- *refine* says how many times texels are halved where light varies most.",
+        "- The floor is the error of a perfect bake with these texels, none of them halved: each "
+        f"texel that the points need is computed by {effort.floor_samples} paths instead, without "
+        "photons or caches, and the noise of these and of Cycles is taken out. It holds the mesh, "
+        "too. An error near the floor can be lowered by finer texels alone.",
         '- "RMS of the mean" is the error of the radiance, nothing clamped, over its mean; "mean '
         'off by", how much more or less light the bake has at all points together, with an '
         "interval of 95 % from the noise of Cycles.",
