@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "fields.h"
 #include "leaflight/math/low_discrepancy.h"
+#include "leaflight/math/ranked_set.h"
 #include "leaflight/math/sampling.h"
 #include "statistics.h"
 
@@ -58,6 +60,23 @@ TEST(Affine, InverseUndoesIt) {
   flat.column = {Vec<2>(2, 1), Vec<2>(-1, 3)};
   flat.origin = Vec<2>(5, 6);
   EXPECT_LT((inverse(flat).point(flat.point({0.3, -4})) - Vec<2>(0.3, -4)).length(), 1e-12);
+}
+
+TEST(RankedSet, KnowsWhatItHoldsAndItsPlace) {
+  Random random(11);
+  for (const std::size_t bound : {1u, 63u, 64u, 65u, 1000u, 4096u}) {
+    std::vector<std::uint32_t> numbers;
+    for (std::uint32_t n = 0; n < bound; ++n) {
+      if (random.uniform() < 0.4 || n % 500 > 400) numbers.push_back(n);
+    }
+    const RankedSet set(bound, numbers);
+    ASSERT_EQ(set.bound(), bound);
+    std::int32_t rank = 0;
+    for (std::uint32_t n = 0; n < bound; ++n) {
+      const bool holds = std::binary_search(numbers.begin(), numbers.end(), n);
+      ASSERT_EQ(set[n], holds ? rank++ : RankedSet::absent) << n << " of " << bound;
+    }
+  }
 }
 
 }  // namespace
