@@ -165,8 +165,8 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     refine: IntProperty(
         name="Refine",
         description="How many times texels are halved where light varies most, in a fifth of the "
-        "cells each time. Each time adds about as much as the bake takes without; once removes most "
-        "of the error of a coarse texture. The surface is then shown by vertex attribute",
+        "cells each time, against the error of coarse texels. Once doubles the time of the bake, "
+        "twice triples it. The surface is then shown by vertex attribute",
         default=0,
         min=0,
         max=4,
