@@ -132,6 +132,7 @@ def _bake(options):
             scene,
             caustic_photons=options.caustic_photons,
             soft_spacing=options.soft_spacing,
+            refine=options.refine,
             both_sides=options.both_sides,
             surroundings=options.surroundings,
             progress=progress,
@@ -149,6 +150,7 @@ def _bake(options):
             for leaves in baked.scene.leaves
         ],
         "resolution": list(baked.grid.resolution),
+        "levels": baked.grid.levels,
         **baked.statistics,
     }
     lo, hi = baked.isovalues

@@ -54,6 +54,13 @@ def make_parser(commands):
         metavar="N",
         help="texels between the points that soft light is gathered at (1)",
     )
+    bake.add_argument(
+        "--refine",
+        type=int,
+        default=0,
+        metavar="N",
+        help="how many times to halve texels where light varies most; once doubles the time (0)",
+    )
     for option, text in (
         ("--both-sides", "light the inner side of isosurfaces, too"),
         ("--surroundings", "keep the light on the surroundings, too"),

@@ -57,20 +57,6 @@ class Measured:
     probes: Probes
     passes: np.ndarray
 
-    @property
-    def radiance(self):
-        return self.passes.mean(axis=0)
-
-    @property
-    def standard_error(self):
-        return self.passes.std(axis=0, ddof=1) / np.sqrt(len(self.passes))
-
-    def mean_error(self, mask=slice(None)):
-        """Standard error of the mean over the probes of a mask and over the channels."""
-        weights = self.probes.weights[mask]
-        means = np.average(self.passes[:, mask].mean(axis=2), axis=1, weights=weights)
-        return float(means.std(ddof=1) / np.sqrt(len(means)))
-
 
 def measure(
     description,

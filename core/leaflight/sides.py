@@ -4,6 +4,8 @@
 isovalue always is the leaf coordinate. spp: paths a point; seed, threads, progress: see bake.py.
 """
 
+import numpy as np
+
 from . import _core
 from ._core import LeaflightError
 from .cycles import measure
@@ -12,6 +14,8 @@ from .truth import Truth, parts_of
 
 # Random rays by which a point shows itself to the outside.
 EXPOSURE_RAYS = 32
+# The path tracer's samples of a point are spread evenly; so many sets of them tell their error.
+PASSES = 8
 
 
 class LeafSide:
@@ -38,11 +42,12 @@ class LeafSide:
 
     def path_traced_at(self, on_mesh, spp, seed, threads, progress):
         """The same for given points of the mesh, traced from the leaf next to them."""
-        on_leaf = self._projected(on_mesh)
-        found = self.bake.reference(
-            on_leaf, self.isovalue, spp, seed, threads, progress, **self.where
+        passes = min(PASSES, spp)
+        on_leaf = np.tile(self._projected(on_mesh), (passes, 1))
+        radiance, _ = self.bake.reference(
+            on_leaf, self.isovalue, -(-spp // passes), seed, threads, progress, **self.where
         )
-        return Truth.traced(on_mesh, *found)
+        return _of_passes(on_mesh, radiance, passes)
 
     def by_cycles(self, count, spp, seed, threads, progress):
         """The Truth of Cycles at about so many random points."""
@@ -90,11 +95,20 @@ class MeshSide:
 
     def path_traced(self, count, spp, seed, threads, progress):
         vertices, triangles = self.mesh.vertices, self.mesh.triangles
-        places = random_places(vertices, triangles, count, seed)
-        found = self.bake.mesh_reference(
-            self.number, *places, self.isovalue, spp, seed, threads, progress, back=self.back
+        facets, coordinates = random_places(vertices, triangles, count, seed)
+        passes = min(PASSES, spp)
+        radiance, _ = self.bake.mesh_reference(
+            self.number,
+            np.tile(facets, passes),
+            np.tile(coordinates, (passes, 1)),
+            self.isovalue,
+            -(-spp // passes),
+            seed,
+            threads,
+            progress,
+            back=self.back,
         )
-        return Truth.traced(positions(vertices, triangles, *places), *found)
+        return _of_passes(positions(vertices, triangles, facets, coordinates), radiance, passes)
 
     def by_cycles(self, count, spp, seed, threads, progress):
         where = {"mesh": self.number, "back": self.back}
@@ -106,6 +120,10 @@ class MeshSide:
 
     def exposed(self, points, seed):
         return None
+
+
+def _of_passes(points, radiance, passes):
+    return Truth.of_passes(points, np.ones(len(points)), radiance.reshape(passes, -1, 3))
 
 
 def _check_diffuse(look):

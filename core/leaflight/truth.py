@@ -43,15 +43,27 @@ class Truth:
         return cls(points, weights, radiance.astype(np.float64), error, mean_error)
 
     @classmethod
+    def of_passes(cls, points, weights, passes):
+        """The mean of independent passes, [pass, n, RGB], and errors by their spread.
+
+        So they hold for samples that are spread evenly within a pass, which err less than random
+        ones would.
+        """
+        passes = passes.astype(np.float64)
+
+        def error(values):
+            return values.std(axis=0, ddof=1) / np.sqrt(len(passes))
+
+        def mean_error(mask):
+            means = np.average(passes[:, mask].mean(axis=2), axis=1, weights=weights[mask])
+            return float(error(means))
+
+        return cls(points, weights, passes.mean(axis=0), error(passes), mean_error)
+
+    @classmethod
     def measured(cls, measured):
-        probes = measured.probes
-        return cls(
-            probes.points,
-            probes.weights,
-            measured.radiance,
-            measured.standard_error,
-            measured.mean_error,
-        )
+        """Of Cycles (cycles.py)."""
+        return cls.of_passes(measured.probes.points, measured.probes.weights, measured.passes)
 
 
 def parts_of(radiance, error, path, truth, exposure):

@@ -5,6 +5,7 @@
 #include <tbb/task_arena.h>
 
 #include <cmath>
+#include <numeric>
 
 #include "fields.h"
 #include "leaflight/math/error.h"
@@ -19,10 +20,9 @@ TexelLattice<D> full_lattice(int n) {
   dims.fill(2 * n - 1);
   resolution.fill(n);
   TexelLattice<D> lattice = inactive_lattice<D>(dims, resolution);
-  for (std::size_t i = 0; i < lattice.texels(); ++i) {
-    lattice.slot[i] = static_cast<std::int32_t>(i);
-    lattice.active.push_back(static_cast<std::uint32_t>(i));
-  }
+  std::vector<std::uint32_t> all(lattice.texels());
+  std::iota(all.begin(), all.end(), 0);
+  lattice.activate(std::move(all));
   return lattice;
 }
 

@@ -142,7 +142,7 @@ def test_measured(by_paths):
 def test_cycles_is_the_judge():
     effort = replace(TINY, cases=(replace(BOX, isovalues=(47.0,), goals=(9.0,)),))
     (one,), absent = measure_against_cycles(effort, quietly)
-    assert absent == [] and one.passed and one.parts["mesh_percent"] < 3
+    assert absent == [] and one.passed and one.parts["mesh_percent"] < 5
     # Another noise than the path tracer's, and as many paths.
     assert 0.3 < one.errors["reference_noise_percent"] < 4 and abs(one.bias.value) < 5
 

@@ -6,10 +6,10 @@
 
 #include <chrono>
 #include <cmath>
-#include <optional>
 
 #include "leaflight/bake/leaf_averages.h"
 #include "leaflight/bake/light_surroundings.h"
+#include "leaflight/bake/photon_caches.h"
 #include "leaflight/bake/point_sampler.h"
 #include "leaflight/bake/refinement.h"
 #include "leaflight/math/error.h"
@@ -21,10 +21,8 @@
 namespace leaflight {
 namespace {
 
-constexpr std::size_t photons_per_piece = 4096;
-constexpr int surroundings_samples = 8;
 // Progress is counted in rays; photons bounce a few times, paths more often.
-constexpr double rays_per_photon = 3, rays_per_gather = 1, rays_per_path = 6;
+constexpr double rays_per_gather = 1, rays_per_path = 6;
 
 std::uint64_t peak_memory() {
   rusage usage;
@@ -51,9 +49,16 @@ class Baker {
     check_anything_to_bake();
     expect_work();
     const bool thesis = settings_.estimator == EstimatorName::thesis;
-    if (plan_.photons && thesis) fill_photon_maps();
+    if (plan_.photons && thesis) {
+      progress_.begin("Tracing photons");
+      std::uint64_t rays = 0;
+      const auto photons =
+          collect_photons(tracer_, lights_, settings_.seed, settings_.photons, progress_, rays);
+      maps_ = make_photon_maps(tracer_, photons, settings_.photon_map);
+      rays_ += rays;
+    }
     if (thesis ? plan_.surroundings_cache : plan_.photons || plan_.caustics) {
-      trace_photons_into_caches();
+      photons_ = trace_into_caches(tracer_, lights_, lattices_, settings_, plan_, progress_, rays_);
     }
     const std::size_t n = lattices_.size();
     leaves_.resize(n);
@@ -66,7 +71,7 @@ class Baker {
     }
     for (std::size_t v = 0; v < n; ++v) {
       leaves_[v].lattice = &lattices_[v];
-      leaves_[v].photons = caches_.empty() ? nullptr : caches_[v].get();
+      leaves_[v].photons = photons_.leaves.empty() ? nullptr : photons_.leaves[v].get();
       for (int side = 0; side < sides(); ++side) {
         for (const Average& a : direct[v][side]) leaves_[v].direct[side].push_back(a.mean);
       }
@@ -102,7 +107,7 @@ class Baker {
  private:
   const Scene<D>& scene() const { return tracer_.scene(); }
   int sides() const { return plan_.back ? 2 : 1; }
-  const SurfaceCache<D>* cache() const { return surroundings_ ? &*surroundings_ : nullptr; }
+  const SurfaceCache<D>* cache() const { return photons_.surroundings.get(); }
   bool gathers() const { return settings_.estimator == EstimatorName::gather; }
 
   TexelLattice<D> lattice_of(const Volume<D>& volume, bool stored) const {
@@ -175,79 +180,6 @@ class Baker {
     return settings_.scattered ? positions_[volume].size() : lattices_[volume].active.size();
   }
 
-  void fill_photon_maps() {
-    progress_.begin("Tracing photons");
-    std::uint64_t rays = 0;
-    const auto photons =
-        collect_photons(tracer_, lights_, settings_.seed, settings_.photons, progress_, rays);
-    maps_ = make_photon_maps(tracer_, photons, settings_.photon_map);
-    rays_ += rays;
-  }
-
-  void trace_photons_into_caches() {
-    // The largest flux-height with which any photon starts (thesis Eq. 4.4).
-    std::uint64_t photons = plan_.photons ? settings_.photons : 0;
-    std::uint64_t fewest = plan_.photons ? settings_.photons : settings_.caustic_photons;
-    if (plan_.caustics) {
-      photons += settings_.caustic_photons;
-      fewest = std::min(fewest, settings_.caustic_photons);
-    }
-    const double photon_flux = lights_.largest_flux_height() / static_cast<double>(fewest);
-    const SideContents inner = plan_.back         ? SideContents::indirect
-                               : plan_.inner_side ? SideContents::all
-                                                  : SideContents::nothing;
-    for (std::size_t v = 0; v < lattices_.size(); ++v) {
-      caches_.push_back(std::make_unique<LeafCache<D>>(
-          tracer_, static_cast<int>(v), lattices_[v], inner,
-          settings_.estimator == EstimatorName::volumetric, plan_.caustics, photon_flux, photons));
-    }
-    if (plan_.surroundings_cache || gathers()) {
-      surroundings_.emplace(tracer_, plan_.caustics, photon_flux, photons);
-    }
-    if (plan_.photons) {
-      progress_.begin("Tracing photons");
-      trace(PhotonPaths::all, settings_.photons);
-    }
-    if (plan_.caustics) {
-      progress_.begin("Tracing caustics");
-      trace(PhotonPaths::caustics, settings_.caustic_photons);
-    }
-    for (const auto& cache : caches_) cache->finish(progress_);
-    if (!plan_.surroundings_cache || !gathers()) return;
-    progress_.begin("Lighting the surroundings");
-    parallel_range(
-        surroundings_->entries(), 256, 0, progress_, [&](std::size_t begin, std::size_t end) {
-          std::uint64_t rays = 0;
-          for (std::size_t e = begin; e < end; ++e) {
-            surroundings_->finish(e, lights_, surroundings_samples, settings_.seed, rays);
-          }
-          rays_ += rays;
-        });
-  }
-
-  void trace(PhotonPaths paths, std::uint64_t count) {
-    parallel_range(count, photons_per_piece, rays_per_photon, progress_,
-                   [&](std::size_t begin, std::size_t end) {
-                     rays_ +=
-                         trace_photons(tracer_, lights_, paths, settings_.seed, begin, end, count,
-                                       [&](const PhotonHit<D>& photon) {
-                                         const bool caustic = photon.arrival == Arrival::caustic;
-                                         // Caustic photons bring these.
-                                         if (paths == PhotonPaths::all && plan_.caustics && caustic)
-                                           return;
-                                         store(photon);
-                                       });
-                   });
-  }
-
-  void store(const PhotonHit<D>& photon) {
-    if (photon.point.kind == HitKind::leaf) {
-      caches_[photon.point.volume]->deposit(photon);
-    } else if (plan_.surroundings_cache) {
-      surroundings_->deposit(photon);
-    }
-  }
-
   std::unique_ptr<IndirectEstimator<D>> make_estimator() const {
     if (!plan_.indirect) return nullptr;
     switch (settings_.estimator) {
@@ -258,7 +190,7 @@ class Baker {
       case EstimatorName::thesis:
         return make_thesis_estimator(maps_, cache());
       default:
-        return make_gather_estimator(tracer_, lights_, leaves_, *surroundings_);
+        return make_gather_estimator(tracer_, lights_, leaves_, *cache());
     }
   }
 
@@ -417,12 +349,11 @@ class Baker {
   Progress& progress_;
   SceneTracer<D> tracer_;
   LightSampler<D> lights_;
-  std::vector<TexelLattice<D>> lattices_;              // per volume
-  std::vector<std::unique_ptr<LeafCache<D>>> caches_;  // per volume
-  std::vector<LeafRadiance<D>> leaves_;                // per volume
-  std::vector<PhotonMap<D>> maps_;                     // per volume
-  std::vector<std::vector<Vec<D>>> positions_;         // of scattered samples, per volume
-  std::optional<SurfaceCache<D>> surroundings_;
+  std::vector<TexelLattice<D>> lattices_;  // per volume
+  PhotonCaches<D> photons_;
+  std::vector<LeafRadiance<D>> leaves_;         // per volume
+  std::vector<PhotonMap<D>> maps_;              // per volume
+  std::vector<std::vector<Vec<D>>> positions_;  // of scattered samples, per volume
   std::vector<FineMesh<D>> fine_;
   std::atomic<std::uint64_t> rays_{0};
 };

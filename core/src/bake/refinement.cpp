@@ -106,10 +106,13 @@ std::vector<bool> cells_to_refine(const Field<D>& field, const IsovalueWindow& w
   const RadianceGrid<D>& from = finest(grid);
   const Index<D> cells = cells_of(from.lattice);
   const std::vector<char> used = used_cells(grid);
-  std::vector<float> scores(used.size(), 0);
+  std::vector<std::uint32_t> candidates;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (used[i]) candidates.push_back(static_cast<std::uint32_t>(i));
+  }
+  std::vector<float> scores(candidates.size());
   tbb::parallel_for(std::size_t{0}, scores.size(), [&](std::size_t i) {
-    if (!used[i]) return;
-    const Index<D> cell = index_of<D>(i, cells);
+    const Index<D> cell = index_of<D>(candidates[i], cells);
     double score = variation(from, from.radiance, cell, exposure);
     if (from.has_back()) score += variation(from, from.radiance_back, cell, exposure);
     if (score > 0) score *= leaf_area(field, window, from.lattice, cell);
@@ -119,8 +122,8 @@ std::vector<bool> cells_to_refine(const Field<D>& field, const IsovalueWindow& w
   for (std::size_t i = 0; i < scores.size(); ++i) {
     if (scores[i] > 0) order.push_back(static_cast<std::uint32_t>(i));
   }
-  const auto count = static_cast<std::size_t>(
-      refined_share * static_cast<double>(std::count(used.begin(), used.end(), 1)));
+  const auto count =
+      static_cast<std::size_t>(refined_share * static_cast<double>(candidates.size()));
   if (count < order.size()) {
     // Numbers break ties, so that the choice is always the same.
     std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end(),
@@ -129,8 +132,8 @@ std::vector<bool> cells_to_refine(const Field<D>& field, const IsovalueWindow& w
                      });
     order.resize(count);
   }
-  std::vector<bool> chosen(scores.size(), false);
-  for (const std::uint32_t i : order) chosen[i] = true;
+  std::vector<bool> chosen(used.size(), false);
+  for (const std::uint32_t i : order) chosen[candidates[i]] = true;
   return chosen;
 }
 
@@ -154,7 +157,8 @@ FinerTexels<D> finer_texels(const Field<D>& field, const IsovalueWindow& window,
       touched[linear_number<D>(texel, resolution)] = true;
     });
   }
-  // Whether all cells that a texel touches, and in which anything is looked up, are refined.
+  // Whether all cells that a texel touches, and in which anything is looked up, are refined. Those
+  // that finer texels do not serve are looked up in others.
   const auto inside = [&](const Index<D>& texel) {
     Index<D> low, high;
     for (int a = 0; a < D; ++a) {
@@ -164,18 +168,18 @@ FinerTexels<D> finer_texels(const Field<D>& field, const IsovalueWindow& window,
     bool all = true;
     for_each_index<D>(low, high, [&](const Index<D>& cell) {
       const std::size_t i = linear_number<D>(cell, cell_counts);
-      all = all && (cells[i] || !used[i]);
+      all = all && (cells[i] || (!grid.finer && !used[i]));
     });
     return all;
   };
   FinerTexels<D> texels;
   texels.all = make_lattice(field, resolution, window.min, window.max, &touched);
   texels.sampled = inactive_lattice<D>(field.dims, resolution);
+  std::vector<std::uint32_t> sampled;
   for (const std::uint32_t texel : texels.all.active) {
-    if (!inside(texels.all.texel(texel))) continue;
-    texels.sampled.slot[texel] = static_cast<std::int32_t>(texels.sampled.active.size());
-    texels.sampled.active.push_back(texel);
+    if (inside(texels.all.texel(texel))) sampled.push_back(texel);
   }
+  texels.sampled.activate(std::move(sampled));
   return texels;
 }
 

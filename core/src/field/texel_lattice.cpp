@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "leaflight/field/texel_lattice.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -38,6 +37,12 @@ std::string product(const Index<D>& resolution) {
 }  // namespace
 
 template <int D>
+void TexelLattice<D>::activate(std::vector<std::uint32_t> numbers) {
+  active = std::move(numbers);
+  slot = RankedSet(texels(), active);
+}
+
+template <int D>
 std::int32_t TexelLattice<D>::nearest_slot(const Vec<D>& index_position) const {
   Index<D> texel;
   for (int a = 0; a < D; ++a) {
@@ -54,7 +59,7 @@ TexelLattice<D> inactive_lattice(const Index<D>& dims, const Index<D>& resolutio
   for (int a = 0; a < D; ++a) {
     lattice.voxels_per_texel[a] = static_cast<double>(dims[a] - 1) / (resolution[a] - 1);
   }
-  lattice.slot.assign(cell_count<D>(resolution), TexelLattice<D>::inactive);
+  lattice.slot = RankedSet(cell_count<D>(resolution), {});
   return lattice;
 }
 
@@ -74,24 +79,29 @@ TexelLattice<D> make_lattice(const Field<D>& field, const Index<D>& resolution, 
                 " texels is too large; choose a lower resolution.");
   }
   TexelLattice<D> lattice = inactive_lattice<D>(field.dims, resolution);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, texels, 4096), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+  // Pieces in the order of the texels.
+  constexpr std::size_t piece = 4096;
+  std::vector<std::vector<std::uint32_t>> pieces((texels + piece - 1) / piece);
+  tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t p) {
+    const std::size_t end = std::min<std::size_t>((p + 1) * piece, texels);
+    for (std::size_t i = p * piece; i < end; ++i) {
       if (considered && !(*considered)[i]) continue;
-      const Index<D> texel = lattice.texel(static_cast<std::uint32_t>(i));
+      const auto number = static_cast<std::uint32_t>(i);
+      const Index<D> texel = lattice.texel(number);
       Index<D> first, last;
       for (int a = 0; a < D; ++a) {
         const double step = lattice.voxels_per_texel[a];
         first[a] = std::max(0, static_cast<int>(std::floor((texel[a] - 1) * step)));
         last[a] = std::min(field.dims[a], static_cast<int>(std::ceil((texel[a] + 1) * step)) + 1);
       }
-      if (reached<D>(field, first, last, low, high)) lattice.slot[i] = 0;
+      if (reached<D>(field, first, last, low, high)) pieces[p].push_back(number);
     }
   });
-  for (std::size_t i = 0; i < texels; ++i) {
-    if (lattice.slot[i] == TexelLattice<D>::inactive) continue;
-    lattice.slot[i] = static_cast<std::int32_t>(lattice.active.size());
-    lattice.active.push_back(static_cast<std::uint32_t>(i));
+  std::vector<std::uint32_t> active;
+  for (const std::vector<std::uint32_t>& numbers : pieces) {
+    active.insert(active.end(), numbers.begin(), numbers.end());
   }
+  lattice.activate(std::move(active));
   return lattice;
 }
 

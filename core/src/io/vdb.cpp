@@ -127,9 +127,12 @@ Contents read_file(const std::string& path) {
   }
 }
 
-// Grids of the volumes after the first have a number.
-std::string numbered(const char* name, std::size_t volume) {
-  return volume == 0 ? name : std::string(name) + "_" + std::to_string(volume + 1);
+// Grids of the volumes after the first have a number, those of finer texels their level.
+std::string numbered(const char* name, std::size_t volume, int level = 0) {
+  std::string text = name;
+  if (volume > 0) text += "_" + std::to_string(volume + 1);
+  if (level > 0) text += "_level" + std::to_string(level);
+  return text;
 }
 
 template <class Grid>
@@ -206,16 +209,13 @@ namespace {
 using Vec3Grid = openvdb::Vec3SGrid;
 using SideRadiance = std::vector<Vec<3, float>>;
 
-void add_volume(openvdb::GridPtrVec& grids, std::size_t volume, const Field<3>& field,
-                const RadianceGrid<3>& grid) {
+void add_radiance(openvdb::GridPtrVec& grids, std::size_t volume, int level, const Field<3>& field,
+                  const RadianceGrid<3>& grid) {
   const TexelLattice<3>& lattice = grid.lattice;
   Affine<3> texel_to_world = field.index_to_world;
   for (int a = 0; a < 3; ++a) texel_to_world.column[a] *= lattice.voxels_per_texel[a];
-  const auto values = field_grid(numbered(field_name, volume), field);
-  values->insertMeta("leaflight_dims", openvdb::Vec3IMetadata(to_vdb(field.dims)));
-  grids.push_back(values);
   const auto add = [&](const char* name, const SideRadiance& radiance) {
-    grids.push_back(texel_grid<Vec3Grid>(numbered(name, volume), texel_to_world, lattice,
+    grids.push_back(texel_grid<Vec3Grid>(numbered(name, volume, level), texel_to_world, lattice,
                                          [&](std::size_t s) { return to_vdb(radiance[s]); }));
   };
   add(radiance_name, grid.radiance);
@@ -223,8 +223,17 @@ void add_volume(openvdb::GridPtrVec& grids, std::size_t volume, const Field<3>& 
   add(indirect_name, grid.radiance_indirect);
   if (grid.has_back()) add(back_name, grid.radiance_back);
   grids.push_back(
-      texel_grid<openvdb::FloatGrid>(numbered(error_name, volume), texel_to_world, lattice,
+      texel_grid<openvdb::FloatGrid>(numbered(error_name, volume, level), texel_to_world, lattice,
                                      [&](std::size_t s) { return grid.radiance_error[s]; }));
+  if (grid.finer) add_radiance(grids, volume, level + 1, field, *grid.finer);
+}
+
+void add_volume(openvdb::GridPtrVec& grids, std::size_t volume, const Field<3>& field,
+                const RadianceGrid<3>& grid) {
+  const auto values = field_grid(numbered(field_name, volume), field);
+  values->insertMeta("leaflight_dims", openvdb::Vec3IMetadata(to_vdb(field.dims)));
+  grids.push_back(values);
+  add_radiance(grids, volume, 0, field, grid);
 }
 
 constexpr int nodes = LeafNodes::count;
@@ -263,27 +272,27 @@ DenseVolume read_field(const Contents& file, std::size_t volume, const std::stri
   return field;
 }
 
-RadianceGrid<3> read_radiance(const Contents& file, std::size_t volume, const Index<3>& dims,
-                              const std::string& path) {
-  const auto radiance = require_grid<Vec3Grid>(file, numbered(radiance_name, volume), path);
-  const auto indirect = require_grid<Vec3Grid>(file, numbered(indirect_name, volume), path);
-  const auto error = require_grid<openvdb::FloatGrid>(file, numbered(error_name, volume), path);
-  const auto back = find_grid<Vec3Grid>(file, numbered(back_name, volume));
+RadianceGrid<3> read_radiance(const Contents& file, std::size_t volume, int level,
+                              const Index<3>& dims, const std::string& path) {
+  const auto name = [&](const char* base) { return numbered(base, volume, level); };
+  const auto radiance = require_grid<Vec3Grid>(file, name(radiance_name), path);
+  const auto indirect = require_grid<Vec3Grid>(file, name(indirect_name), path);
+  const auto error = require_grid<openvdb::FloatGrid>(file, name(error_name), path);
+  const auto back = find_grid<Vec3Grid>(file, name(back_name));
   RadianceGrid<3> grid;
   TexelLattice<3>& lattice = grid.lattice;
   lattice = inactive_lattice<3>(dims, dims_from(*radiance, path));
   const openvdb::CoordBBox box = box_of(lattice.resolution);
+  std::vector<std::uint32_t> active;
   for (auto texel = radiance->cbeginValueOn(); texel; ++texel) {
     if (!texel.isVoxelValue() || !box.isInside(texel.getCoord())) {
       throw Error("'" + path + "' is a damaged bake; bake again.");
     }
     const openvdb::Coord t = texel.getCoord();
-    lattice.active.push_back(static_cast<std::uint32_t>(lattice.linear({t[0], t[1], t[2]})));
+    active.push_back(static_cast<std::uint32_t>(lattice.linear({t[0], t[1], t[2]})));
   }
-  std::sort(lattice.active.begin(), lattice.active.end());
-  for (std::size_t s = 0; s < lattice.active.size(); ++s) {
-    lattice.slot[lattice.active[s]] = static_cast<std::int32_t>(s);
-  }
+  std::sort(active.begin(), active.end());
+  lattice.activate(std::move(active));
   const auto fetch = [&](const Vec3Grid& from, SideRadiance& into) {
     const auto access = from.getConstAccessor();
     for (const std::uint32_t texel : lattice.active) {
@@ -298,6 +307,16 @@ RadianceGrid<3> read_radiance(const Contents& file, std::size_t volume, const In
   for (const std::uint32_t texel : lattice.active) {
     const Index<3> t = lattice.texel(texel);
     grid.radiance_error.push_back(error_access.getValue(openvdb::Coord(t[0], t[1], t[2])));
+  }
+  if (find_grid<Vec3Grid>(file, numbered(radiance_name, volume, level + 1))) {
+    grid.finer =
+        std::make_shared<RadianceGrid<3>>(read_radiance(file, volume, level + 1, dims, path));
+    for (int a = 0; a < 3; ++a) {
+      if (grid.finer->lattice.resolution[a] != 2 * lattice.resolution[a] - 1 ||
+          grid.finer->has_back() != grid.has_back()) {
+        throw Error("'" + path + "' is a damaged bake; bake again.");
+      }
+    }
   }
   return grid;
 }
@@ -361,7 +380,7 @@ StoredBake read_bake(const std::string& path) {
   for (std::size_t v = 0; v == 0 || find_grid<openvdb::FloatGrid>(file, numbered(field_name, v));
        ++v) {
     bake.fields.push_back(read_field(file, v, path));
-    bake.baked.grids.push_back(read_radiance(file, v, bake.fields[v].dims, path));
+    bake.baked.grids.push_back(read_radiance(file, v, 0, bake.fields[v].dims, path));
   }
   read_surroundings(file, path, bake.baked.surroundings);
   const auto radiance = require_grid<Vec3Grid>(file, radiance_name, path);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "leaflight/field/field.h"
+#include "leaflight/math/ranked_set.h"
 
 namespace leaflight {
 
@@ -12,14 +13,16 @@ namespace leaflight {
 // active that a leaf of the window can reach: the others are never stored nor sampled.
 template <int D>
 struct TexelLattice {
-  static constexpr std::int32_t inactive = -1;
+  static constexpr std::int32_t inactive = RankedSet::absent;
 
   Index<D> resolution{};
   Vec<D> voxels_per_texel;
   std::vector<std::uint32_t> active;  // linear texel numbers, ascending, axis 0 fastest
-  std::vector<std::int32_t> slot;     // per texel: its place in `active`, or inactive
+  RankedSet slot;                     // of a texel: its place in `active`, or inactive
 
-  std::size_t texels() const { return slot.size(); }
+  std::size_t texels() const { return slot.bound(); }
+  // Ascending texel numbers.
+  void activate(std::vector<std::uint32_t> numbers);
   std::size_t linear(const Index<D>& texel) const { return linear_number<D>(texel, resolution); }
   Index<D> texel(std::uint32_t linear) const { return index_of<D>(linear, resolution); }
   // The cell between texels that holds an index position, clamped to the domain.

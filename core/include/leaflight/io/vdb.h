@@ -13,10 +13,11 @@ using Metadata = std::map<std::string, std::string>;
 
 // One bake: of each volume the grids `field`, `radiance`, `radiance_indirect` and, if baked,
 // `radiance_back` (vec3, half on disk) and `radiance_error`, sparse: no texel where no leaf passes.
-// From the second volume on their names end in _2, _3, ... The surroundings' radiance is the grid
-// `surroundings_radiance` over (vertex, node of c, 2 mesh + side). `metadata` goes to the first
-// radiance grid; what belongs to the run and not to its result goes under the key "statistics" to
-// the file itself. Written under a temporary name and renamed. Throws Error.
+// From the second volume on their names end in _2, _3, ..., those of finer texels in _level1, ...
+// The surroundings' radiance is the grid `surroundings_radiance` over (vertex, node of c, 2 mesh +
+// side). `metadata` goes to the first radiance grid; what belongs to the run and not to its result
+// goes under the key "statistics" to the file itself. Written under a temporary name and renamed.
+// Throws Error.
 void write_bake(const std::string& path, const std::vector<const Field<3>*>& fields,
                 const Baked<3>& baked, const Metadata& metadata);
 
