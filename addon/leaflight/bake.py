@@ -55,6 +55,7 @@ class BakeJob:
             "resolution": settings.resolution or None,
             "samples": settings.samples,
             "photons": settings.photons,
+            "refine": settings.refine,
             "estimator": settings.estimator,
             "seed": settings.seed,
             "both_sides": settings.both_sides,
@@ -113,6 +114,7 @@ class BakeJob:
         settings.bake_low, settings.bake_high = self.windows[index]
         settings.bake_surroundings = self.bake.surroundings is not None
         settings.bake_fingerprint = self.fingerprint
+        settings.bake_refined = self.bake.grids[index].levels > 1
         settings.bake_seconds = self.seconds
         settings.atlas_columns = self.atlas_columns[index]
         settings.bake_id = identifier
@@ -154,7 +156,7 @@ def _check_not_in_use(path, volumes):
 
 
 def _write_atlases(grid, path, index):
-    """Writes the atlas of each side that was baked. Returns their columns, 0 if too large."""
+    """Writes the atlas of each side that was baked. Returns their columns, 0 if there is none."""
     columns = shader.write_atlas(grid, shader.atlas_path(path, index))
     if columns and grid.has_back:
         shader.write_atlas(grid, shader.atlas_path(path, index, back=True), back=True)

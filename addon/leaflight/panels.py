@@ -168,6 +168,7 @@ class LEAFLIGHT_PT_bake(_VolumePanel, bpy.types.Panel):
         column.prop(settings, "resolution")
         column.prop(settings, "samples")
         column.prop(settings, "photons")
+        column.prop(settings, "refine")
         layout.prop(settings, "estimator")
         layout.prop(settings, "seed")
         layout.prop(settings, "output")

@@ -156,12 +156,12 @@ def atlas_path(bake_path, index=0, back=False):
 
 
 def write_atlas(grid, path, back=False):
-    """Writes the atlas of a radiance grid unless it would be too large.
+    """Writes the atlas of a radiance grid, unless that has finer texels or it would be too large.
 
     Returns its number of columns, each as wide as the grid, or 0 when nothing was written.
     """
     nx, ny, nz = grid.resolution
-    if nx * ny * nz > LARGEST_ATLAS**2:
+    if grid.levels > 1 or nx * ny * nz > LARGEST_ATLAS**2:
         return 0
     pixels, columns, _ = grid.atlas(back=back)
     if max(pixels.shape) > LARGEST_ATLAS:

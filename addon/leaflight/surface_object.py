@@ -191,11 +191,12 @@ def leaf_material(obj):
 
 def shading_in_use(settings):
     """(the shading mode, the reason when it is not the one chosen or an empty text)."""
-    if settings.shading == "ATLAS" and settings.bake_id and settings.atlas_columns == 0:
-        size = shader.LARGEST_ATLAS
-        reason = f"Vertex attribute: a volume texture would exceed {size} x {size} pixels"
-        return "ATTRIBUTE", reason
-    return settings.shading, ""
+    if settings.shading != "ATLAS" or not settings.bake_id or settings.atlas_columns > 0:
+        return settings.shading, ""
+    if settings.bake_refined:
+        return "ATTRIBUTE", "Vertex attribute: a volume texture holds no finer texels"
+    size = shader.LARGEST_ATLAS
+    return "ATTRIBUTE", f"Vertex attribute: a volume texture would exceed {size} x {size} pixels"
 
 
 def _baked_material(obj):

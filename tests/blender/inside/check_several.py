@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from leaflight import cache, isovalues, properties, scene_export, staleness
+from leaflight import cache, isovalues, properties, scene_export, staleness, surface_object
 from tools import assert_shows, close, mesh_arrays
 
 
@@ -66,6 +66,19 @@ def check_one_bake_holds_both(pair, active):
         if node.type == "TEX_IMAGE"
     }
     assert len(paths) == 2
+
+
+def check_each_has_its_finer_texels(pair):
+    pair[0].leaflight.refine = 1
+    bpy.ops.leaflight.bake()
+    bake = cache.bake_of(pair[0])
+    for index, obj in enumerate(pair):
+        grid = bake.grids[index]
+        assert grid.levels == 2
+        assert surface_object.shading_in_use(obj.leaflight)[0] == "ATTRIBUTE"
+        vertices, _, radiance = mesh_arrays(obj)
+        expected = grid.lookup(cache.volume_of(obj).field(), vertices)
+        close(radiance, expected, 1e-4 * expected.max())
 
 
 def _leaf_coordinates(pair):
