@@ -67,7 +67,10 @@ def shown_isovalue(obj):
 
 
 def contour(obj, isovalue):
-    """(vertices, normals, triangles) in local coordinates. Raises LeaflightError."""
+    """(vertices, normals, triangles) in local coordinates. Raises LeaflightError.
+
+    Where a bake has finer texels the mesh is finer, too.
+    """
     volume = cache.volume_of(obj)
     low, high = volume.data_range()
     if not low < isovalue <= high:
@@ -75,6 +78,8 @@ def contour(obj, isovalue):
             f"Isovalue {isovalue:g} lies outside the data, whose values are {low:g} to {high:g}: "
             "choose one inside."
         )
+    if is_lit(obj, isovalue):
+        return cache.grid_of(obj).contour(volume.field(), isovalue)
     return _core.contour(volume.field(), isovalue)
 
 

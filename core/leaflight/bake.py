@@ -98,14 +98,16 @@ class Bake:
         return isovalue_at(self.scene, volume, isovalue)
 
     def surface(self, isovalue, volume=0, back=False):
-        """The isosurface of a volume with its radiance, a Surface.
+        """The isosurface of a volume with its radiance, a Surface; finer where texels are.
 
         back: its inner side, towards higher values. Raises LeaflightError outside the window.
         """
         self.check_isovalue(isovalue, volume)
         field = self.volumes[volume].field()
         start = time.perf_counter()
-        vertices, normals, triangles = _core.contour(field, self.isovalue_of(volume, isovalue))
+        vertices, normals, triangles = self.grids[volume].contour(
+            field, self.isovalue_of(volume, isovalue)
+        )
         radiance = self.radiance(vertices, volume, back)
         if back:
             normals, triangles = -normals, np.ascontiguousarray(triangles[:, ::-1])

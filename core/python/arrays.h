@@ -11,6 +11,7 @@
 
 #include "leaflight/math/affine.h"
 #include "leaflight/math/error.h"
+#include "leaflight/surface/marching_cubes.h"
 
 namespace leaflight::python {
 
@@ -97,6 +98,15 @@ inline Rgb to_color(const Tuple<3>& v) {
 template <std::size_t D>
 std::vector<py::ssize_t> array_shape(const std::array<int, D>& dims) {
   return {dims.rbegin(), dims.rend()};
+}
+
+// (vertices (n, 3), normals (n, 3), triangles (m, 3)).
+inline py::tuple arrays_of(IsosurfaceMesh&& mesh) {
+  const auto n = static_cast<py::ssize_t>(mesh.vertices.size());
+  const auto m = static_cast<py::ssize_t>(mesh.triangles.size());
+  return py::make_tuple(adopt<float>(std::move(mesh.vertices), {n, 3}),
+                        adopt<float>(std::move(mesh.normals), {n, 3}),
+                        adopt<std::int32_t>(std::move(mesh.triangles), {m, 3}));
 }
 
 }  // namespace leaflight::python

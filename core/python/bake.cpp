@@ -7,6 +7,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "leaflight/bake/atlas.h"
+#include "leaflight/surface/split_edges.h"
 #include "leaflight/transport/reference.h"
 
 namespace leaflight::python {
@@ -101,6 +102,27 @@ py::array_t<float> lookup_at(const RadianceGrid<D>& grid, const Field<D>& field,
     });
   }
   return adopt<float>(std::move(radiance), {static_cast<py::ssize_t>(points.size()), 3});
+}
+
+// How many times texels were halved where a grid is looked up.
+int level_at(const RadianceGrid<3>& grid, const Vec3& index_position) {
+  const RadianceGrid<3>* const finest = &grid.at(index_position);
+  int level = 0;
+  for (const RadianceGrid<3>* g = &grid; g != finest; g = g->finer.get()) ++level;
+  return level;
+}
+
+py::tuple contour_of(const RadianceGrid<3>& grid, const Field<3>& field, double isovalue) {
+  IsosurfaceMesh mesh;
+  {
+    const py::gil_scoped_release unlocked;
+    mesh = contour(field, isovalue);
+    for (int level = 1; level < levels_of(grid); ++level) {
+      mesh = split_edges(field, isovalue, mesh,
+                         [&](const Vec3& middle) { return level_at(grid, middle) >= level; });
+    }
+  }
+  return arrays_of(std::move(mesh));
 }
 
 template <int D>
@@ -318,6 +340,9 @@ void bind_grid(py::module_& module, const std::string& suffix) {
            "Standard error (n,) of the outer side's radiance at world points (n, D), of the mean\n"
            "over the channels: that of independent texels.");
   if constexpr (D == 3) {
+    grid.def("contour", &contour_of, py::arg("field"), py::arg("isovalue"),
+             "contour() of the volume that the grid lights, with edges cut in two as often as "
+             "texels\nwere halved there, so that vertices show the finer texels.");
     grid.def("atlas", &atlas, py::arg("back") = false,
              "(pixels float32 [row, column, RGBA] bottom row first, columns, rows): slice k of "
              "the\ntexture is the tile in column k % columns and row k // columns, without "

@@ -19,11 +19,7 @@ void bind_surface(py::module_& module) {
           const py::gil_scoped_release unlocked;
           mesh = contour(field, isovalue);
         }
-        const auto n = static_cast<py::ssize_t>(mesh.vertices.size());
-        const auto m = static_cast<py::ssize_t>(mesh.triangles.size());
-        return py::make_tuple(adopt<float>(std::move(mesh.vertices), {n, 3}),
-                              adopt<float>(std::move(mesh.normals), {n, 3}),
-                              adopt<std::int32_t>(std::move(mesh.triangles), {m, 3}));
+        return arrays_of(std::move(mesh));
       },
       py::arg("field"), py::arg("isovalue"),
       "Marching cubes: (vertices (n, 3) world, outward unit normals (n, 3), triangles (m, 3)).");

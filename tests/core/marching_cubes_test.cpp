@@ -9,6 +9,7 @@
 
 #include "fields.h"
 #include "leaflight/math/sampling.h"
+#include "leaflight/surface/split_edges.h"
 
 namespace leaflight {
 namespace {
@@ -124,6 +125,46 @@ TEST(MarchingCubes, MaskedCellsLeaveAHole) {
 
 TEST(MarchingCubes, NothingOutsideTheData) {
   EXPECT_TRUE(contour(test::ball<3>(9), 5.0).triangles.empty());
+}
+
+// Cut on a part of the surface only, so that triangles have none, one, two and three edges cut.
+TEST(SplitEdges, LeavesNoCracksAndFollowsTheLeaf) {
+  const Field<3> field = test::ball<3>(21);
+  const IsosurfaceMesh mesh = contour(field, 0.7);
+  for (const double share : {0.0, 0.3, 0.7, 1.0}) {
+    // The same answer for the same edge, whichever triangle asks.
+    const auto wanted = [&](const Vec3& middle) {
+      const double x = 1e4 * (middle.x + 0.37 * middle.y + 0.71 * middle.z);
+      return x - std::floor(x) < share;
+    };
+    const IsosurfaceMesh split = split_edges(field, 0.7, mesh, wanted);
+    ASSERT_TRUE(closed(split)) << share;
+    EXPECT_EQ(euler_characteristic(split), 2);
+    const auto edges = 3 * mesh.triangles.size() / 2;
+    const auto cut = split.vertices.size() - mesh.vertices.size();
+    EXPECT_NEAR(static_cast<double>(cut) / static_cast<double>(edges), share, 0.03);
+    EXPECT_EQ(split.triangles.size(), mesh.triangles.size() + 2 * cut);
+    for (std::size_t v = mesh.vertices.size(); v < split.vertices.size(); ++v) {
+      const Vec3 p(split.vertices[v]);
+      const CellPoint<3> at = locate(field, field.world_to_index.point(p));
+      ASSERT_NEAR(interpolate(load_corners(field, at.cell), at.local), 0.7, 1e-5);
+      ASSERT_GT((p - Vec3(0.5)).normalized().dot(Vec3(split.normals[v])), 0.99);
+    }
+    // The leaf bulges out beyond chords.
+    const double gained = signed_volume(split) - signed_volume(mesh);
+    EXPECT_GE(gained, share * 1e-5) << share;
+    EXPECT_LE(gained, 4.0 / 3 * pi * 0.027 - signed_volume(mesh)) << share;
+  }
+}
+
+TEST(SplitEdges, LeavesNoCracksInNoise) {
+  const Field<3> field = test::noise<3>(12, 5, -1.0);
+  const IsosurfaceMesh mesh = contour(field, 0.5);
+  ASSERT_TRUE(closed(mesh));
+  const auto wanted = [](const Vec3& middle) { return middle.x < 5; };
+  const IsosurfaceMesh split = split_edges(field, 0.5, mesh, wanted);
+  EXPECT_TRUE(closed(split));
+  EXPECT_GT(split.triangles.size(), mesh.triangles.size());
 }
 
 }  // namespace

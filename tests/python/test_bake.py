@@ -92,8 +92,13 @@ def test_finer_texels(tmp_path, bump_scene, small):
     assert masks[1].shape == tuple(2 * n - 1 for n in masks[0].shape)
     assert fine.statistics["texels"] == fine.grid.texels == sum(mask.sum() for mask in masks)
     assert 0.2 * masks[0].sum() < masks[1].sum() < 4 * masks[0].sum()
-    # Within a cell that is served, texels of both levels stand at its corners.
     surface = fine.surface(47.0)
+    # The mesh is finer where texels are.
+    count = len(plain.surface(47.0).vertices)
+    assert 1.1 * count < len(surface.vertices) < 4 * count
+    np.testing.assert_array_equal(surface.vertices[:count], plain.surface(47.0).vertices)
+    heights = volume.field().sample(surface.vertices)
+    np.testing.assert_allclose(heights, 47.0, atol=0.01)
     other = plain.radiance(surface.vertices)
     changed = np.abs(surface.radiance - other).max(axis=1) > 0
     assert 0.1 < changed.mean() < 0.95

@@ -66,6 +66,8 @@ def check_the_surface_shows_the_finer_texels(refined):
     isovalue = refined.leaflight.isovalue
     assert_shows(refined, isovalue)
     vertices, _, radiance = mesh_arrays(refined)
+    coarse_mesh, _, _ = core._core.contour(cache.volume_of(refined).field(), isovalue)
+    assert 1.1 * len(coarse_mesh) < len(vertices) < 4 * len(coarse_mesh)
     world = _world(refined, vertices)
     close(radiance, ours.radiance(world), 1e-4 * radiance.max())
     coarse = _unrefined(refined)

@@ -42,10 +42,11 @@ def colours_of(obj, name="radiance"):
 
 def expected_surface(obj, isovalue):
     """The same three of the core itself, for the volume and the bake of an object."""
-    vertices, _, triangles = core._core.contour(cache.volume_of(obj).field(), isovalue)
-    bake = cache.bake_of(obj)
+    field, bake = cache.volume_of(obj).field(), cache.bake_of(obj)
     if bake is None:
+        vertices, _, triangles = core._core.contour(field, isovalue)
         return vertices, triangles, None
+    vertices, _, triangles = cache.grid_of(obj).contour(field, isovalue)
     surface = bake.surface(isovalue)
     return vertices, triangles, surface.radiance
 

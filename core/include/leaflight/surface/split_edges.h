@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+
+#include "leaflight/surface/marching_cubes.h"
+
+namespace leaflight {
+
+// The mesh with those edges cut in two whose middle, an index position, is wanted. What is cut off
+// one triangle is cut off its neighbour, too: no cracks. New vertices come last, on the leaf next
+// to the middle of their edge.
+IsosurfaceMesh split_edges(const Field<3>& field, double isovalue, const IsosurfaceMesh& mesh,
+                           const std::function<bool(const Vec3&)>& wanted);
+
+}  // namespace leaflight
