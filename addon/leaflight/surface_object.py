@@ -78,7 +78,12 @@ def contour(obj, isovalue):
             f"Isovalue {isovalue:g} lies outside the data, whose values are {low:g} to {high:g}: "
             "choose one inside."
         )
-    if is_lit(obj, isovalue):
+    try:
+        lit = is_lit(obj, isovalue)
+    except LeaflightError:
+        # A bake that cannot be read lights nothing; update() says why.
+        lit = False
+    if lit:
         return cache.grid_of(obj).contour(volume.field(), isovalue)
     return _core.contour(volume.field(), isovalue)
 

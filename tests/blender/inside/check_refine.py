@@ -17,6 +17,7 @@ from tools import (
     look_down,
     mesh_arrays,
     render_exr,
+    to_world,
     vertices_of,
 )
 
@@ -28,12 +29,6 @@ def refined(boxed):
     boxed.leaflight.refine = 1
     bpy.ops.leaflight.bake()
     return boxed
-
-
-def _world(obj, points):
-    """Points (n, 3) in the coordinates of an object, in world space."""
-    matrix = np.array(obj.matrix_world, np.float64)
-    return points @ matrix[:3, :3].T + matrix[:3, 3]
 
 
 def _unrefined(obj):
@@ -68,7 +63,7 @@ def check_the_surface_shows_the_finer_texels(refined):
     vertices, _, radiance = mesh_arrays(refined)
     coarse_mesh, _, _ = core._core.contour(cache.volume_of(refined).field(), isovalue)
     assert 1.1 * len(coarse_mesh) < len(vertices) < 4 * len(coarse_mesh)
-    world = _world(refined, vertices)
+    world = to_world(refined, vertices)
     close(radiance, ours.radiance(world), 1e-4 * radiance.max())
     coarse = _unrefined(refined)
     difference = np.abs(radiance - coarse.radiance(world)).max(axis=1)
@@ -81,7 +76,7 @@ def check_both_sides_have_finer_texels(boxed):
     boxed.leaflight.both_sides = True
     boxed.leaflight.refine = 1
     bpy.ops.leaflight.bake()
-    ours, world = cache.bake_of(boxed), _world(boxed, vertices_of(boxed))
+    ours, world = cache.bake_of(boxed), to_world(boxed, vertices_of(boxed))
     assert ours.grid.levels == 2
     for name, back in (("radiance", False), ("radiance_back", True)):
         shown = colours_of(boxed, name)
@@ -130,7 +125,7 @@ def check_the_reason_is_the_finer_texels_even_if_the_atlas_would_be_too_large(bo
 @pytest.mark.parametrize("engine", ["CYCLES", "BLENDER_EEVEE"])
 def check_renders_show_the_finer_texels(refined, tmp_path, engine):
     vertices, triangles, _ = mesh_arrays(refined)
-    world = _world(refined, vertices)
+    world = to_world(refined, vertices)
     for obj in bpy.context.scene.objects:
         obj.hide_render = obj != refined
     size, width = 64, 2.0
@@ -175,7 +170,7 @@ def check_a_saved_file_shows_the_finer_texels_again(refined, tmp_path):
     assert cache.bake_of(obj).grid.levels == 2
     vertices, _, radiance = mesh_arrays(obj)
     # The file holds 16 bits of each number.
-    close(radiance, before.radiance(_world(obj, vertices)), 2e-3 * radiance.max())
+    close(radiance, before.radiance(to_world(obj, vertices)), 2e-3 * radiance.max())
     _assert_by_vertices(obj)
 
 

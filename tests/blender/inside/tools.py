@@ -47,8 +47,13 @@ def expected_surface(obj, isovalue):
         vertices, _, triangles = core._core.contour(field, isovalue)
         return vertices, triangles, None
     vertices, _, triangles = cache.grid_of(obj).contour(field, isovalue)
-    surface = bake.surface(isovalue)
-    return vertices, triangles, surface.radiance
+    return vertices, triangles, bake.radiance(to_world(obj, vertices))
+
+
+def to_world(obj, points):
+    """Points (n, 3) in the coordinates of an object, in world space."""
+    matrix = np.array(obj.matrix_world, np.float64)
+    return points @ matrix[:3, :3].T + matrix[:3, 3]
 
 
 def assert_shows(obj, isovalue):
