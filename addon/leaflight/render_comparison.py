@@ -85,7 +85,8 @@ class LEAFLIGHT_OT_render_comparison(bpy.types.Operator):
             return {"CANCELLED"}
         rms, noise = result["leaf_rms_percent"], result["leaf_noise_percent"]
         leaf.leaflight.comparison = (
-            f"RMS {rms:.2f} % on the leaf, of which Cycles noise {noise:.2f} %"
+            f"RMS {rms:.2f} % on the leaf, of which Cycles noise {noise:.2f} %; mean off by "
+            f"{result['leaf_mean_off_percent']:+.2f} +- {result['leaf_mean_off_within']:.2f} %"
         )
         self.report({"INFO"}, f"{leaf.leaflight.comparison}; images in {folder}")
         return {"FINISHED"}
@@ -109,7 +110,8 @@ def compare(context, leaf, samples, baked_samples):
     coverage (height, width), the share of each pixel that the leaf fills; leaf_rms_percent over the
     pixels that the leaf fills and image_rms_percent over all (thesis Eq. 4.11 corrected: colours
     times exposure, clamped to 0..1); leaf_noise_percent, what the noise of Cycles adds to the
-    former; baked_seconds, cycles_seconds. Raises LeaflightError.
+    former; leaf_mean_off_percent, how much more radiance the leaf's pixels have than in Cycles,
+    nothing clamped, and leaf_mean_off_within, half of its interval of 95 %; baked_seconds, cycles_seconds. Raises LeaflightError.
     """
     scene = context.scene
     isovalue = leaf.evaluated_get(context.evaluated_depsgraph_get()).leaflight.isovalue
@@ -138,6 +140,7 @@ def compare(context, leaf, samples, baked_samples):
         "leaf_pixels": int(filled.sum()),
         "leaf_rms_percent": rms_percent(baked, cycles, exposure, filled),
         "leaf_noise_percent": 0.5 * rms_percent(*halves, exposure, filled),
+        **mean_off(baked, halves, filled),
         "image_rms_percent": rms_percent(baked, cycles, exposure, everywhere),
         "baked_seconds": baked_seconds,
         "cycles_seconds": cycles_seconds,
@@ -170,6 +173,22 @@ def rms_percent(image, reference, exposure, mask):
         return float("nan")
     a, b = (np.clip(exposure * x[mask], 0.0, 1.0).astype(np.float64) for x in (image, reference))
     return float(100.0 * np.sqrt(np.mean((a - b) ** 2)))
+
+
+def mean_off(image, halves, mask):
+    """By how many percent the mean of an image differs from that of two halves of Cycles' samples.
+
+    With half of its interval of 95 %, which the halves' difference tells, pixel by pixel; NaN where
+    the mask holds no pixels, or all is dark.
+    """
+    off = within = float("nan")
+    if mask.any():
+        own, *each = (x[mask].mean(axis=1, dtype=np.float64) for x in (image, *halves))
+        mean = 0.5 * (each[0].mean() + each[1].mean())
+        error = 0.5 * np.sqrt(np.sum((each[0] - each[1]) ** 2)) / len(own)
+        if mean > 0:
+            off, within = float(own.mean() / mean - 1), float(1.96 * error / mean)
+    return {"leaf_mean_off_percent": 100.0 * off, "leaf_mean_off_within": 100.0 * within}
 
 
 def write(scene, stem, result):

@@ -62,6 +62,20 @@ def check_images_and_figures(boxed, small_frame, tmp_path):
     rms = render_comparison.rms_percent(images["baked"], images["cycles"], 1.0, everywhere)
     assert rms == pytest.approx(result["image_rms_percent"], rel=1e-3)
     assert f"{result['leaf_rms_percent']:.2f}" in boxed.leaflight.comparison
+    assert abs(result["leaf_mean_off_percent"]) < 3
+    assert 0 < result["leaf_mean_off_within"] < 0.5
+    assert f"mean off by {result['leaf_mean_off_percent']:+.2f}" in boxed.leaflight.comparison
+
+
+def check_the_interval_of_the_mean_holds():
+    """Of halves with noise, 95 % of the intervals hold what the image is off by."""
+    random, mask, held = np.random.default_rng(2), np.ones((30, 30), bool), 0
+    for _ in range(400):
+        halves = [random.normal(1.0, 0.3, (30, 30, 1)) * np.ones(3) for _ in range(2)]
+        found = render_comparison.mean_off(np.full((30, 30, 3), 1.02), halves, mask)
+        off, within = found["leaf_mean_off_percent"], found["leaf_mean_off_within"]
+        held += abs(off - 2.0) < within
+    assert 365 < held < 394
 
 
 def check_rms_is_thesis_equation_4_11_corrected():
