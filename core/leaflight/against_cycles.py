@@ -91,7 +91,7 @@ CASES = (
     ),
     Case("Colin27 (ch2.nii.gz)", colin27, (100.5,)),
     # Its floor is so low that noise counts.
-    Case("tooth (tooth16.raw)", tooth, (500.5, 650.5, 900.5), refine=1, rays=4.0),
+    Case("tooth (tooth16.raw)", tooth, (500.5, 650.5, 900.5), rays=4.0),
     Case("neuron stack (rivulet_neuron.tif.zip)", neuron_stack, (20.5, 60.5, 100.5)),
 )
 # The same in little, of what needs no data.
