@@ -111,7 +111,8 @@ def compare(context, leaf, samples, baked_samples):
     pixels that the leaf fills and image_rms_percent over all (thesis Eq. 4.11 corrected: colours
     times exposure, clamped to 0..1); leaf_noise_percent, what the noise of Cycles adds to the
     former; leaf_mean_off_percent, how much more radiance the leaf's pixels have than in Cycles,
-    nothing clamped, and leaf_mean_off_within, half of its interval of 95 %; baked_seconds, cycles_seconds. Raises LeaflightError.
+    nothing clamped, and leaf_mean_off_within, half of its interval of 95 %; baked_seconds,
+    cycles_seconds. Raises LeaflightError.
     """
     scene = context.scene
     isovalue = leaf.evaluated_get(context.evaluated_depsgraph_get()).leaflight.isovalue
