@@ -47,10 +47,8 @@ void bind_surface(py::module_& module) {
         {
           const py::gil_scoped_release unlocked;
           tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
-            const CellPoint<3> at = locate(field, field.world_to_index.point(points[i]));
-            const Vec3 gradient =
-                field.world_to_index.pull_back_gradient(shading_gradient(field, at));
-            normals[i] = Vec<3, float>(-gradient.normalized());
+            normals[i] =
+                Vec<3, float>(shading_normal(field, field.world_to_index.point(points[i])));
           });
         }
         const auto n = static_cast<py::ssize_t>(normals.size());

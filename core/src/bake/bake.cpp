@@ -265,8 +265,7 @@ class Baker {
         averages[s].variance += static_cast<float>(mean * mean / settings_.photon_map.k);
       }
       if (!photons || !(volumetric || plan_.caustics)) continue;
-      const Vec<D> centre =
-          to_vector<D>(lattice.texel(lattice.active[s])) * lattice.voxels_per_texel;
+      const Vec<D> centre = lattice.centre(lattice.active[s]);
       const std::int32_t slot = lattices_[volume].nearest_slot(centre);
       if (slot == TexelLattice<D>::inactive) continue;
       const auto brdf = static_cast<float>(average(albedo_near(scene().volumes[volume], centre)) /
@@ -304,8 +303,7 @@ class Baker {
     std::vector<Average> soft(lattice.active.size());
     parallel_range(soft.size(), 1024, 0, progress_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t s = begin; s < end; ++s) {
-        const Vec<D> centre =
-            to_vector<D>(lattice.texel(lattice.active[s])) * lattice.voxels_per_texel;
+        const Vec<D> centre = lattice.centre(lattice.active[s]);
         const TexelWeights<D> weights = linear_weights(coarse, centre);
         for (int i = 0; i < (1 << D); ++i) {
           if (!(weights.weight[i] > 0)) continue;

@@ -61,14 +61,6 @@ double leaf_area(const Field<D>& field, const IsovalueWindow& window,
   return sum / (1 << D);
 }
 
-// Of a grid that is itself finer than another one: the one texel in the middle of the other's cell
-// is active in those cells alone that it serves, since all leaves through the cell reach it.
-template <int D>
-bool serves(const TexelLattice<D>& lattice, Index<D> cell) {
-  for (int& n : cell) n |= 1;
-  return lattice.slot[lattice.linear(cell)] != TexelLattice<D>::inactive;
-}
-
 template <int D>
 bool any_active(const TexelLattice<D>& lattice, const Index<D>& cell) {
   Index<D> end = cell;
@@ -88,12 +80,13 @@ const RadianceGrid<D>& finest(const RadianceGrid<D>& grid) {
 // The cells of the finest lattice in which it is looked up.
 template <int D>
 std::vector<char> used_cells(const RadianceGrid<D>& grid) {
-  const TexelLattice<D>& lattice = finest(grid).lattice;
-  const Index<D> cells = cells_of(lattice);
+  const RadianceGrid<D>& fine = finest(grid);
+  const Index<D> cells = cells_of(fine.lattice);
   std::vector<char> used(cell_count<D>(cells));
   tbb::parallel_for(std::size_t{0}, used.size(), [&](std::size_t i) {
     const Index<D> cell = index_of<D>(i, cells);
-    used[i] = grid.finer ? serves(lattice, cell) : any_active(lattice, cell);
+    const Vec<D> middle = (to_vector<D>(cell) + Vec<D>(0.5)) * fine.lattice.voxels_per_texel;
+    used[i] = any_active(fine.lattice, cell) && &grid.at(middle) == &fine;
   });
   return used;
 }
@@ -141,12 +134,11 @@ template <int D>
 FinerTexels<D> finer_texels(const Field<D>& field, const IsovalueWindow& window,
                             const RadianceGrid<D>& grid, const std::vector<bool>& cells) {
   const TexelLattice<D>& coarse = finest(grid).lattice;
-  const std::vector<char> used = used_cells(grid);
   const Index<D> cell_counts = cells_of(coarse);
   Index<D> resolution;
   for (int a = 0; a < D; ++a) resolution[a] = 2 * coarse.resolution[a] - 1;
   std::vector<bool> touched(cell_count<D>(resolution), false);
-  for (std::size_t i = 0; i < used.size(); ++i) {
+  for (std::size_t i = 0; i < cells.size(); ++i) {
     if (!cells[i]) continue;
     Index<D> low = index_of<D>(i, cell_counts), high;
     for (int a = 0; a < D; ++a) {
@@ -157,8 +149,8 @@ FinerTexels<D> finer_texels(const Field<D>& field, const IsovalueWindow& window,
       touched[linear_number<D>(texel, resolution)] = true;
     });
   }
-  // Whether all cells that a texel touches, and in which anything is looked up, are refined. Those
-  // that finer texels do not serve are looked up in others.
+  // Whether all cells that a texel touches are refined, or never looked up. What finer texels do
+  // not serve is looked up in coarser ones.
   const auto inside = [&](const Index<D>& texel) {
     Index<D> low, high;
     for (int a = 0; a < D; ++a) {
@@ -167,8 +159,8 @@ FinerTexels<D> finer_texels(const Field<D>& field, const IsovalueWindow& window,
     }
     bool all = true;
     for_each_index<D>(low, high, [&](const Index<D>& cell) {
-      const std::size_t i = linear_number<D>(cell, cell_counts);
-      all = all && (cells[i] || (!grid.finer && !used[i]));
+      const bool refined = cells[linear_number<D>(cell, cell_counts)];
+      all = all && (refined || (!grid.finer && !any_active(coarse, cell)));
     });
     return all;
   };
@@ -197,7 +189,7 @@ RadianceGrid<D> finer_grid(const RadianceGrid<D>& coarse, FinerTexels<D> texels,
       if (coarse.has_back()) grid.radiance_back.push_back(sampled.radiance_back[slot]);
       continue;
     }
-    const Vec<D> position = to_vector<D>(grid.lattice.texel(texel)) * grid.lattice.voxels_per_texel;
+    const Vec<D> position = grid.lattice.centre(texel);
     const RadianceGrid<D>& from = coarse.at(position);
     grid.radiance.push_back(lookup(from.lattice, from.radiance, position));
     grid.radiance_indirect.push_back(lookup(from.lattice, from.radiance_indirect, position));

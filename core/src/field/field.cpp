@@ -161,6 +161,14 @@ Vec<D> shading_gradient(const Field<D>& field, const CellPoint<D>& point) {
   return gradient;
 }
 
+template <int D>
+Vec<D> shading_normal(const Field<D>& field, const Vec<D>& index_position) {
+  const Vec<D> gradient = field.world_to_index.pull_back_gradient(
+      shading_gradient(field, locate(field, index_position)));
+  const double length = gradient.length();
+  return length > 0 ? gradient * (-1 / length) : Vec<D>(0.0);
+}
+
 template Field<2> make_field<2>(const float*, const Index<2>&, const Affine<2>&,
                                 std::shared_ptr<const void>);
 template Field<3> make_field<3>(const float*, const Index<3>&, const Affine<3>&,
@@ -173,6 +181,8 @@ template double interpolate<2>(const CellCorners<2>&, const Vec<2>&);
 template double interpolate<3>(const CellCorners<3>&, const Vec<3>&);
 template Vec<2> geometric_gradient<2>(const CellCorners<2>&, const Vec<2>&);
 template Vec<3> geometric_gradient<3>(const CellCorners<3>&, const Vec<3>&);
+template Vec<2> shading_normal<2>(const Field<2>&, const Vec<2>&);
+template Vec<3> shading_normal<3>(const Field<3>&, const Vec<3>&);
 template Vec<2> shading_gradient<2>(const Field<2>&, const CellPoint<2>&);
 template Vec<3> shading_gradient<3>(const Field<3>&, const CellPoint<3>&);
 

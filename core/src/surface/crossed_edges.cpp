@@ -84,12 +84,9 @@ void CrossedEdges<D>::place(std::vector<Vec<D, float>>& vertices,
         const double low = *h, high = h[stride_[a]];
         Vec<D> position = to_vector<D>(i);
         position[a] += (isovalue_ - low) / (high - low);
-        const Vec<D> gradient = field_.world_to_index.pull_back_gradient(
-            shading_gradient(field_, locate(field_, position)));
-        const double length = gradient.length();
         const std::int64_t v = e.number(a, bit);
         vertices[v] = Vec<D, float>(field_.index_to_world.point(position));
-        normals[v] = length > 0 ? Vec<D, float>(gradient * (-1 / length)) : Vec<D, float>(0);
+        normals[v] = Vec<D, float>(shading_normal(field_, position));
       }
     });
   });

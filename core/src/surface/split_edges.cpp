@@ -86,10 +86,9 @@ IsosurfaceMesh split_edges(const Field<3>& field, double isovalue, const Isosurf
   tbb::parallel_for(std::size_t{0}, edges.size(), [&](std::size_t i) {
     const auto [a, b] = ends(edges[i]);
     const Vec3 middle = middle_of(field, isovalue, a, b);
-    const CellPoint<3> at = locate(field, field.world_to_index.point(middle));
-    const Vec3 gradient = field.world_to_index.pull_back_gradient(shading_gradient(field, at));
     result.vertices[old + i] = Vec<3, float>(middle);
-    result.normals[old + i] = Vec<3, float>(-gradient.normalized());
+    result.normals[old + i] =
+        Vec<3, float>(shading_normal(field, field.world_to_index.point(middle)));
   });
   for (const Triangle& triangle : mesh.triangles) {
     std::array<std::int32_t, 3> middle;

@@ -194,8 +194,7 @@ class GatherEstimator final : public IndirectEstimator<D> {
     const TexelLattice<D>& lattice = *leaf.lattice;
     std::vector<Rgb> radiance(lattice.active.size());
     for (std::size_t s = 0; s < radiance.size(); ++s) {
-      const Vec<D> centre =
-          to_vector<D>(lattice.texel(lattice.active[s])) * lattice.voxels_per_texel;
+      const Vec<D> centre = lattice.centre(lattice.active[s]);
       radiance[s] = albedo_near(volume, centre) / static_cast<Real>(projected_hemisphere<D>) *
                     leaf.photons->irradiance(static_cast<std::int32_t>(s), side);
       if (!leaf.direct[side].empty()) radiance[s] += leaf.direct[side][s];

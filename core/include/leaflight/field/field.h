@@ -93,4 +93,9 @@ Vec<D> geometric_gradient(const CellCorners<D>& corners, const Vec<D>& local);
 template <int D>
 Vec<D> shading_gradient(const Field<D>& field, const CellPoint<D>& point);
 
+// The outward unit normal in world space with which the leaf through an index position is shaded;
+// zero where there is none.
+template <int D>
+Vec<D> shading_normal(const Field<D>& field, const Vec<D>& index_position);
+
 }  // namespace leaflight

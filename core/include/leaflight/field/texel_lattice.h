@@ -25,6 +25,10 @@ struct TexelLattice {
   void activate(std::vector<std::uint32_t> numbers);
   std::size_t linear(const Index<D>& texel) const { return linear_number<D>(texel, resolution); }
   Index<D> texel(std::uint32_t linear) const { return index_of<D>(linear, resolution); }
+  // Index position of the field at which a texel lies.
+  Vec<D> centre(std::uint32_t linear) const {
+    return to_vector<D>(texel(linear)) * voxels_per_texel;
+  }
   // The cell between texels that holds an index position, clamped to the domain.
   CellPoint<D> cell_point(const Vec<D>& index_position) const;
   // Slot of the texel nearest to an index position of the field, or inactive.
