@@ -7,7 +7,10 @@ namespace leaflight::python {
 
 void bind_field(pybind11::module_& module);
 void bind_scene(pybind11::module_& module);
+void bind_radiance_grid(pybind11::module_& module);
 void bind_bake(pybind11::module_& module);
+void bind_photons(pybind11::module_& module);
+void bind_reference(pybind11::module_& module);
 void bind_surface(pybind11::module_& module);
 void bind_io(pybind11::module_& module);
 

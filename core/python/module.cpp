@@ -38,7 +38,10 @@ PYBIND11_MODULE(_core, module) {
 
   python::bind_field(module);
   python::bind_scene(module);
+  python::bind_radiance_grid(module);
   python::bind_bake(module);
+  python::bind_photons(module);
+  python::bind_reference(module);
   python::bind_surface(module);
   python::bind_io(module);
 }

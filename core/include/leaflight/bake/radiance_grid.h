@@ -23,6 +23,8 @@ struct RadianceGrid {
   // Texels of half the width, which serve some cells instead; null: none do.
   std::shared_ptr<RadianceGrid> finer;
 
+  // Active ones, of all levels.
+  std::size_t texels() const { return lattice.active.size() + (finer ? finer->texels() : 0); }
   bool has_back() const { return !radiance_back.empty(); }
   // The finest grid that serves an index position.
   const RadianceGrid& at(const Vec<D>& index_position) const;

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/bake/radiance_grid.h"
+
+#include <tbb/parallel_for.h>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "leaflight/bake/atlas.h"
+#include "leaflight/surface/split_edges.h"
+
+namespace leaflight::python {
+namespace {
+
+template <int D, class Value>
+py::array_t<float> spread(const TexelLattice<D>& lattice, const std::vector<Value>& values,
+                          std::vector<py::ssize_t> shape) {
+  std::vector<Value> dense(lattice.texels(), Value(0));
+  for (std::size_t s = 0; s < values.size(); ++s) dense[lattice.active[s]] = values[s];
+  return adopt<float>(std::move(dense), std::move(shape));
+}
+
+template <int D>
+const std::vector<Vec<3, float>>& side_of(const RadianceGrid<D>& grid, bool back) {
+  if (back && !grid.has_back()) {
+    throw Error("This bake does not hold the inner side of its isosurfaces; bake both sides.");
+  }
+  return back ? grid.radiance_back : grid.radiance;
+}
+
+template <int D>
+int levels_of(const RadianceGrid<D>& grid) {
+  return 1 + (grid.finer ? levels_of(*grid.finer) : 0);
+}
+
+template <int D>
+const RadianceGrid<D>& level_of(const RadianceGrid<D>& grid, int level) {
+  if (level < 0 || level >= levels_of(grid)) {
+    throw Error("The grid has no level " + std::to_string(level) + "; it has " +
+                std::to_string(levels_of(grid)) + ", numbered from 0.");
+  }
+  return level == 0 ? grid : level_of(*grid.finer, level - 1);
+}
+
+template <int D>
+py::array_t<float> dense(const RadianceGrid<D>& whole, const std::string& name, int level) {
+  const RadianceGrid<D>& grid = level_of(whole, level);
+  std::vector<py::ssize_t> shape = array_shape(grid.lattice.resolution);
+  if (name == "radiance_error") return spread(grid.lattice, grid.radiance_error, shape);
+  shape.push_back(3);
+  if (name == "radiance") return spread(grid.lattice, grid.radiance, shape);
+  if (name == "radiance_indirect") return spread(grid.lattice, grid.radiance_indirect, shape);
+  if (name == "radiance_back") return spread(grid.lattice, side_of(grid, true), shape);
+  throw Error("A bake has no grid '" + name +
+              "'; choose radiance, radiance_indirect, radiance_back or radiance_error.");
+}
+
+template <int D>
+py::array_t<std::uint8_t> mask(const RadianceGrid<D>& whole, int level) {
+  const RadianceGrid<D>& grid = level_of(whole, level);
+  std::vector<std::uint8_t> active(grid.lattice.texels(), 0);
+  for (const std::uint32_t texel : grid.lattice.active) active[texel] = 1;
+  return adopt<std::uint8_t>(std::move(active), array_shape(grid.lattice.resolution));
+}
+
+template <int D>
+py::array_t<float> lookup_at(const RadianceGrid<D>& grid, const Field<D>& field,
+                             const DoubleArray& array, bool back) {
+  const std::vector<Vec<D>> points = to_points<D>(array);
+  static_cast<void>(side_of(grid, back));
+  std::vector<Vec<3, float>> radiance(points.size());
+  {
+    const py::gil_scoped_release unlocked;
+    tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+      const Vec<D> position = field.world_to_index.point(points[i]);
+      const RadianceGrid<D>& from = grid.at(position);
+      radiance[i] = lookup(from.lattice, side_of(from, back), position);
+    });
+  }
+  return adopt<float>(std::move(radiance), {static_cast<py::ssize_t>(points.size()), 3});
+}
+
+// How many times texels were halved where a grid is looked up.
+int level_at(const RadianceGrid<3>& grid, const Vec3& index_position) {
+  const RadianceGrid<3>* const finest = &grid.at(index_position);
+  int level = 0;
+  for (const RadianceGrid<3>* g = &grid; g != finest; g = g->finer.get()) ++level;
+  return level;
+}
+
+py::tuple contour_of(const RadianceGrid<3>& grid, const Field<3>& field, double isovalue) {
+  IsosurfaceMesh mesh;
+  {
+    const py::gil_scoped_release unlocked;
+    mesh = contour(field, isovalue);
+    for (int level = 1; level < levels_of(grid); ++level) {
+      mesh = split_edges(field, isovalue, mesh,
+                         [&](const Vec3& middle) { return level_at(grid, middle) >= level; });
+    }
+  }
+  return arrays_of(std::move(mesh));
+}
+
+template <int D>
+py::array_t<float> lookup_error_at(const RadianceGrid<D>& grid, const Field<D>& field,
+                                   const DoubleArray& array) {
+  const std::vector<Vec<D>> points = to_points<D>(array);
+  std::vector<float> error;
+  for (const Vec<D>& point : points) {
+    const Vec<D> position = field.world_to_index.point(point);
+    const RadianceGrid<D>& from = grid.at(position);
+    error.push_back(lookup_error(from.lattice, from.radiance_error, position));
+  }
+  return adopt<float>(std::move(error), {static_cast<py::ssize_t>(points.size())});
+}
+
+py::tuple atlas(const RadianceGrid<3>& grid, bool back) {
+  const std::vector<Vec<3, float>>& values = side_of(grid, back);
+  Atlas result;
+  {
+    const py::gil_scoped_release unlocked;
+    result = make_atlas(grid.lattice, values);
+  }
+  const int columns = result.columns, rows = result.rows;
+  return py::make_tuple(adopt<float>(std::move(result.pixels), {result.height, result.width, 4}),
+                        columns, rows);
+}
+
+template <int D>
+void bind_grid(py::module_& module, const std::string& suffix) {
+  using Grid = RadianceGrid<D>;
+  py::class_<Grid, std::shared_ptr<Grid>> grid(
+      module, ("RadianceGrid" + suffix).c_str(),
+      "The radiance [W/(m^2 sr)] of every leaf of one volume within a window.");
+  grid.def_property_readonly("resolution", [](const Grid& g) { return g.lattice.resolution; })
+      .def_property_readonly("texels", &Grid::texels, "Active texels of all levels.")
+      .def_property_readonly("levels", &levels_of<D>,
+                             "1, and one for each time that texels were halved somewhere.")
+      .def_property_readonly("has_back", &Grid::has_back, "Whether the inner side was baked.")
+      .def("dense", &dense<D>, py::arg("name"), py::arg("level") = 0,
+           "radiance, radiance_indirect (all but the lights' direct light) or radiance_back (the\n"
+           "inner side): float32 [z, y, x, 3]; radiance_error, the standard error of the mean\n"
+           "over the channels: float32 [z, y, x]. Zero at inactive texels. Those of level 1 and\n"
+           "above are half as wide, serve some cells alone and have 2 n - 1 where n were.")
+      .def("mask", &mask<D>, py::arg("level") = 0, "uint8 [z, y, x], 1 at active texels.")
+      .def("lookup", &lookup_at<D>, py::arg("field"), py::arg("points"), py::arg("back") = false,
+           "Linear radiance (n, 3) at world points (n, D), over active texels only.")
+      .def("lookup_error", &lookup_error_at<D>, py::arg("field"), py::arg("points"),
+           "Standard error (n,) of the outer side's radiance at world points (n, D), of the mean\n"
+           "over the channels: that of independent texels.");
+  if constexpr (D == 3) {
+    grid.def("contour", &contour_of, py::arg("field"), py::arg("isovalue"),
+             "contour() of the volume that the grid lights, with edges cut in two as often as "
+             "texels\nwere halved there, so that vertices show the finer texels.");
+    grid.def("atlas", &atlas, py::arg("back") = false,
+             "(pixels float32 [row, column, RGBA] bottom row first, columns, rows): slice k of "
+             "the\ntexture is the tile in column k % columns and row k // columns, without "
+             "padding.");
+  }
+}
+
+}  // namespace
+
+void bind_radiance_grid(py::module_& module) {
+  bind_grid<3>(module, "");
+  bind_grid<2>(module, "2");
+}
+
+}  // namespace leaflight::python
