@@ -31,8 +31,8 @@ class Case:
 
     volumes(folder, fineness): see volume_recipes.py; isovalues: that are judged; goals: of each,
     RMS in percent, None is OF_FLOOR times the floor of the texture; texels: a node, along each
-    axis; refine: how many times they are halved where light varies most; rays: of a texel, as a
-    share of the effort's; scene: of the package, None is the Cornell box.
+    axis; refine: how many times they are halved where light varies most; rays, paths: as shares of
+    the effort's; scene: of the package, None is the Cornell box.
     """
 
     name: str
@@ -42,6 +42,7 @@ class Case:
     texels: float = 1.0
     refine: int = 0
     rays: float = 1.0
+    paths: float = 1.0
     scene: str = None
 
     def goal(self, isovalue, floor):
@@ -71,7 +72,6 @@ CASES = (
         (400.5, 800.5, 1200.5),
         (2.0, 2.0, 2.0),
         refine=1,
-        rays=0.5,
     ),
     Case(
         "Colin27 (ch2.nii.gz), fine",
@@ -90,8 +90,15 @@ CASES = (
         rays=0.5,
     ),
     Case("Colin27 (ch2.nii.gz)", colin27, (100.5,)),
-    # Its floor is so low that noise counts.
-    Case("tooth (tooth16.raw)", tooth, (500.5, 650.5, 900.5), rays=4.0),
+    # Its floor is so low that noise counts, that of Cycles too.
+    Case(
+        "tooth (tooth16.raw)",
+        tooth,
+        (500.5, 650.5, 900.5),
+        refine=1,
+        rays=2.0,
+        paths=4.0,
+    ),
     Case("neuron stack (rivulet_neuron.tif.zip)", neuron_stack, (20.5, 60.5, 100.5)),
 )
 # The same in little, of what needs no data.
@@ -129,8 +136,8 @@ QUICK_CYCLES = CyclesEffort(
 
 @dataclass(frozen=True)
 class CyclesRow:
-    """One isosurface of a case. rays: of a texel; texels, seconds: of the whole bake, by the clock;
-    errors: errors_of() it against Cycles.
+    """One isosurface of a case. rays: of a texel; paths: of Cycles, at a point; texels, seconds: of
+    the whole bake, by the clock; errors: errors_of() it against Cycles.
 
     parts: parts_of() these; floor: RMS in percent that converged texels leave, the noise of theirs
     and of Cycles taken out; goal: RMS in percent that is allowed, None where nothing is judged.
@@ -139,6 +146,7 @@ class CyclesRow:
     case: Case
     isovalue: float
     rays: int
+    paths: int
     texels: int
     seconds: float
     errors: dict
@@ -200,7 +208,8 @@ def _rows(case, volumes, effort, run, seed, threads):
     rays = max(1, round(case.rays * effort.rays))
     final = baked("bake", samples=rays, photons=effort.photons, refine=case.refine)
     # Another seed than the bakes'.
-    work = {"spp": effort.paths, "seed": seed + 1, "threads": threads}
+    paths = max(1, round(case.paths * effort.paths))
+    work = {"spp": paths, "seed": seed + 1, "threads": threads}
     found = [_found(LeafSide(final, c), effort.points, work, step) for c in case.isovalues]
     converged = baked(
         "floor",
@@ -217,6 +226,7 @@ def _rows(case, volumes, effort, run, seed, threads):
                 case,
                 side.isovalue,
                 rays,
+                paths,
                 final.statistics["texels"],
                 final.statistics["seconds"],
                 errors_of(side.baked(truth.points), truth, final.scene.exposure),

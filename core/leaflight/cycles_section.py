@@ -11,6 +11,7 @@ CYCLES_FORMATS = {
     "texels": "{:,}",
     "seconds": "{:.0f}",
     "points": "{:,}",
+    "paths": "{:,}",
     "RMS %": "{:.2f}",
     "noise %": "{:.2f}",
     "texture %": "{:.2f}",
@@ -35,6 +36,7 @@ def cycles_rows(rows):
             "texels": row.texels,
             "seconds": row.seconds,
             "points": row.errors["points"],
+            "paths": row.paths,
             "RMS %": row.error,
             "noise %": row.parts["noise_percent"],
             "texture %": row.parts["texture_percent"],
@@ -52,11 +54,10 @@ def cycles_rows(rows):
 
 def cycles_text(rows, absent, effort):
     lines = [
-        f"- Each bake with {effort.photons:,} photons and all "
-        f"isosurfaces of its default window, against Cycles, which traces {effort.paths:,} paths "
-        f"at each of about {effort.points:,} random points of an isosurface's mesh. Blender "
-        "builds the scene for itself: marching cubes, smooth normals, caustics on, nothing "
-        "clamped or denoised.",
+        f"- Each bake with {effort.photons:,} photons and all isosurfaces of its default window, "
+        "against Cycles, which traces *paths* at each of about "
+        f"{effort.points:,} random points of an isosurface's mesh. Blender builds the scene for "
+        "itself: marching cubes, smooth normals, caustics on, nothing clamped or denoised.",
         "- RMS % is the error of the colours (thesis Eq. 4.11, corrected), from which nothing is "
         "subtracted. Its squares are the sum of those of the next four columns, but for chance. "
         "*Noise*: what rays and photons leave to chance, as the texels report it; more of them "

@@ -71,7 +71,8 @@ PARTS = {"noise_percent": 1.0, "texture_percent": 2.0, "mesh_percent": 0.5}
 
 def row(case, isovalue, rms, floor, **options):
     goal = case.goal(isovalue, floor)
-    return CyclesRow(case, isovalue, 32, 1000, 2.5, errors(rms, **options), PARTS, floor, goal)
+    found = errors(rms, **options)
+    return CyclesRow(case, isovalue, 32, 1024, 1000, 2.5, found, PARTS, floor, goal)
 
 
 def test_verdicts():

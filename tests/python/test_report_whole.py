@@ -221,7 +221,7 @@ def test_with_cycles(with_cycles, data, tmp_path, monkeypatch):
     errors = {"points": 9, "rms_percent": 2.5, "reference_noise_percent": 0.4}
     errors |= {"relative_rms": 0.1, "mean_ratio": 1.0, "mean_ratio_error": 0.01}
     parts = {"noise_percent": 1.0, "texture_percent": 2.0, "mesh_percent": 0.5}
-    judged = CyclesRow(BUMP_BOX, 47.0, 32, 1000, 2.5, errors, parts, 2.0, 2.0)
+    judged = CyclesRow(BUMP_BOX, 47.0, 32, 1024, 1000, 2.5, errors, parts, 2.0, 2.0)
     found = [judged], ["tooth"]
     monkeypatch.setattr(report_module, "measure_against_cycles", lambda *_, **__: found)
     monkeypatch.setattr(report_module.shutil, "which", lambda _: "blender")
