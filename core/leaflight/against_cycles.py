@@ -96,7 +96,7 @@ CASES = (
         tooth,
         (500.5, 650.5, 900.5),
         refine=1,
-        rays=2.0,
+        rays=4.0,
         paths=4.0,
     ),
     Case("neuron stack (rivulet_neuron.tif.zip)", neuron_stack, (20.5, 60.5, 100.5)),
