@@ -11,7 +11,7 @@ import numpy as np
 
 from .bake import bake
 from .color_error import noise_percent, rms_percent
-from .fits import Estimate
+from .fits import REACH, Estimate
 from .particles import hydrogen
 from .scene_file import cornell_box, packaged_scene
 from .sides import LeafSide
@@ -21,8 +21,6 @@ from .volume_recipes import bunny, colin27, generated, neuron_stack, nucleon, to
 
 # What is held against the floor of its texture may err this many times as much.
 OF_FLOOR = 1.15
-# Standard errors to each side of an interval of 95 %.
-REACH = 1.96
 
 
 @dataclass(frozen=True)

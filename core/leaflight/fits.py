@@ -11,6 +11,8 @@ import numpy as np
 from ._core import LeaflightError
 
 CONFIDENCE = 0.95
+# Standard errors to each side of its interval.
+REACH = 1.96
 # Fits drawn to see how far a break-even is certain.
 DRAWS = 4000
 
@@ -89,11 +91,12 @@ def samples_for(error, fit):
     return float(_samples_for(error, fit.coefficients[None], fit.power)[0])
 
 
-def break_even(error, seconds, fit, costs, seed=0):
+def break_even(error, seconds, fit, costs, varying=0.0, seed=0):
     """The Estimate of how many isosurfaces a bake of so many seconds and this error is worth.
 
     fit, costs: Fits of the error and of the seconds with which one isosurface is computed without
-    a bake. The value is 0 where that does not reach the error.
+    a bake; varying: by which share seconds of either may differ from one run to the next (95 %).
+    The value is 0 where that does not reach the error.
     """
     rng = np.random.default_rng(seed)
 
@@ -103,6 +106,8 @@ def break_even(error, seconds, fit, costs, seed=0):
 
     value = isosurfaces(fit.coefficients[None], costs.coefficients[None])[0]
     drawn = isosurfaces(fit.drawn(DRAWS, rng), costs.drawn(DRAWS, rng))
+    # The ratio of two that vary.
+    drawn *= rng.lognormal(0.0, np.sqrt(2) * varying / REACH, DRAWS)
     tail = 0.5 * (1.0 - CONFIDENCE)
     low, high = np.quantile(drawn, (tail, 1.0 - tail))
     return Estimate(float(value), float(low), float(high))

@@ -15,6 +15,8 @@ from .fits import break_even, cost, noise_and_floor, root, samples_for, slope
 THESIS_BREAK_EVEN = (3, 11)
 # The bakes that are held against Cycles.
 WORTH = (DEFAULT, f"{DEFAULT}, spacing 2")
+# By which share seconds vary from run to run on a shared machine (95 %).
+SECONDS_VARY = 0.1
 MEBIBYTE = 2**20
 NO_BLENDER = "There is no Blender on the search path, so that nothing can be said of Cycles."
 
@@ -54,7 +56,7 @@ def _break_even_rows(curves, errors, costs, seed):
     for name in WORTH:
         for point in curves.of(name).points:
             isosurfaces = break_even(
-                point.error, point.seconds, errors[CYCLES], costs[CYCLES], seed
+                point.error, point.seconds, errors[CYCLES], costs[CYCLES], SECONDS_VARY, seed
             )
             yield {
                 "bake": name,
@@ -102,8 +104,8 @@ def curves_text(curves):
         f"ray. Scattered samples have {RAYS} rays each and are as many as give the same rays in "
         "all; their filter is Shepard's, of 3 texels.",
         f"- Seconds are those of a processor, all threads together, medians of {repetitions}, one "
-        "curve after the other in turn. Where a machine is shared they still vary by some 10 %, "
-        "when both threads of a core are at work by more.",
+        "curve after the other in turn. Where a machine is shared they still vary by some "
+        f"{100 * SECONDS_VARY:.0f} %, when both threads of a core are at work by more.",
         f"- {CYCLES}: a background Blender bakes the same isosurface's mesh into its vertices, "
         "caustics on, nothing clamped or denoised. Blender starts and builds the scene before the "
         "clock does, and a first pass warms up; seconds are the mean of the isosurfaces. Cycles "
@@ -170,9 +172,11 @@ def break_even_text(curves, analysis):
         "the whole range of isovalues, with the same error: the measured seconds of the bake over "
         "those of Cycles for one isosurface, by the fits of its error and its seconds against "
         f"samples. The thesis says {low} to {high}.",
-        "- Intervals of 95 % come from Cycles' fits, drawn at random within their covariances; "
-        "what one run measures lies in those of another as long as the machine is alike busy. 0: "
-        "Cycles does not reach the error, because the triangles of its mesh are not the leaf.",
+        "- Intervals of 95 % come from Cycles' fits, drawn at random within their covariances, and "
+        f"from seconds that vary by {100 * SECONDS_VARY:.0f} % from one run to the next, those of "
+        "the bake and of Cycles each for themselves; where other work is done beside, they vary "
+        "more. 0: Cycles does not reach the error, because the triangles of its mesh are not the "
+        "leaf.",
         "",
         *table(analysis.break_even, BREAK_EVEN_FORMATS),
     ]

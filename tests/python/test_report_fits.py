@@ -119,6 +119,17 @@ def test_break_even_of_uncertain_fits():
     assert found[0] == break_even(2.0, 20.0, *fits_of(0.2, 36, 0.5, 0.25, 0.03, 0))
 
 
+def test_break_even_of_seconds_that_vary():
+    """Whoever measures both again finds the ratio within the interval."""
+    fits = fits_of(0.2, 36.0, 0.5, 0.25)
+    found = break_even(2.0, 20.0, *fits, varying=0.1)
+    assert found.value == break_even(2.0, 20.0, *fits).value
+    rng = np.random.default_rng(3)
+    bakes, singles = rng.lognormal(0, 0.1 / 1.96, (2, 10_000))
+    again = found.value * bakes / singles
+    assert np.mean((again > found.low) & (again < found.high)) == pytest.approx(0.95, abs=0.01)
+
+
 def test_break_even_below_a_floor():
     assert break_even(0.5, 20.0, *fits_of(1.0, 36.0, 0.5, 0.25)).value == 0
 

@@ -232,7 +232,8 @@ def test_with_cycles(with_cycles, data, tmp_path, monkeypatch):
     assert (tmp_path / "csv" / "against_cycles.csv").exists()
     text = (tmp_path / "report.md").read_text()
     assert "| 2.00 | missed |" in text and "left out: tooth." in text
-    assert "10.0 (10.0 .. 10.0)" in text and "as long as 10.0 of them in Cycles" in text
+    # Fits are exact, but seconds vary by 10 % on both sides.
+    assert "10.0 (8.7 .. 11.6)" in text and "as long as 10.0 of them in Cycles" in text
     assert (tmp_path / "images" / "break_even.png").exists()
     assert (tmp_path / "csv" / "break_even.csv").exists()
 
