@@ -69,7 +69,7 @@ CASES = (
         bunny,
         (400.5, 800.5, 1200.5),
         (2.0, 2.0, 2.0),
-        refine=1,
+        refine=2,
     ),
     Case(
         "Colin27 (ch2.nii.gz), fine",
