@@ -20,7 +20,8 @@ import numpy as np
 from bpy.props import IntProperty, StringProperty
 
 from . import core, isovalues, operator_checks, render, scene_export, surface_object
-from .core import _core
+from .core import _core, color_error
+from .core.fits import REACH
 
 LeaflightError = core.LeaflightError
 
@@ -172,8 +173,7 @@ def rms_percent(image, reference, exposure, mask):
     """Thesis Eq. 4.11, corrected, over the pixels of the mask; NaN where there are none."""
     if not mask.any():
         return float("nan")
-    a, b = (np.clip(exposure * x[mask], 0.0, 1.0).astype(np.float64) for x in (image, reference))
-    return float(100.0 * np.sqrt(np.mean((a - b) ** 2)))
+    return color_error.rms_percent(image[mask], reference[mask], exposure)
 
 
 def mean_off(image, halves, mask):
@@ -188,7 +188,7 @@ def mean_off(image, halves, mask):
         mean = 0.5 * (each[0].mean() + each[1].mean())
         error = 0.5 * np.sqrt(np.sum((each[0] - each[1]) ** 2)) / len(own)
         if mean > 0:
-            off, within = float(own.mean() / mean - 1), float(1.96 * error / mean)
+            off, within = float(own.mean() / mean - 1), float(REACH * error / mean)
     return {"leaf_mean_off_percent": 100.0 * off, "leaf_mean_off_within": 100.0 * within}
 
 

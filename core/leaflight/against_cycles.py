@@ -205,8 +205,8 @@ def _rows(case, volumes, effort, run, seed, threads):
 
     rays = max(1, round(case.rays * effort.rays))
     final = baked("bake", samples=rays, photons=effort.photons, refine=case.refine)
-    # Another seed than the bakes'.
     paths = max(1, round(case.paths * effort.paths))
+    # Another seed than the bakes'.
     work = {"spp": paths, "seed": seed + 1, "threads": threads}
     found = [_found(LeafSide(final, c), effort.points, work, step) for c in case.isovalues]
     converged = baked(
