@@ -63,7 +63,7 @@ def parse_arguments():
 
 def install(addon):
     bpy.ops.preferences.addon_install(filepath=str(addon.resolve()))
-    bpy.ops.preferences.addon_enable(module="leaflight")
+    bpy.ops.preferences.addon_enable(module="leaflight_addon")
 
 
 def show_on_terminal():

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Packs the Blender add-on, with the built Python package as its `core`, into one zip.
+"""Packs the Blender add-on and the built Python package into one zip.
 
     scripts/package_addon.py [--preset release]
 
@@ -28,9 +28,9 @@ def package_addon(preset="release"):
     target = ROOT / "build" / preset / "leaflight-addon.zip"
     partial = target.with_suffix(".partial")
     with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
-        _add_tree(archive, ADDON, "leaflight")
-        _add_tree(archive, package, "leaflight/core")
-        archive.write(ROOT / "LICENSE", "leaflight/LICENSE")
+        _add_tree(archive, ADDON, "leaflight_addon")
+        _add_tree(archive, package, "modules/leaflight")
+        archive.write(ROOT / "LICENSE", "leaflight_addon/LICENSE")
     os.replace(partial, target)
     return target
 

@@ -7,9 +7,9 @@ An isosurface baked with a texel a voxel, refined once and twice, and traced by 
 import sys
 
 import leaflight
-from leaflight.images import write_png
-from leaflight.particles import neuron
-from leaflight.pictures import side_by_side, surface_picture
+from leaflight.io.images import write_png
+from leaflight.volume.particles import neuron
+from leaflight.report.pictures import side_by_side, surface_picture
 
 ISOVALUE = 40.0
 PATHS = 256

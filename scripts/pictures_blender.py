@@ -18,7 +18,7 @@ def main():
         parser.add_argument(f"--{name}", type=Path, required=True)
     arguments = parser.parse_args(sys.argv[sys.argv.index("--") + 1 :])
     bpy.ops.preferences.addon_install(filepath=str(arguments.addon.resolve()))
-    bpy.ops.preferences.addon_enable(module="leaflight")
+    bpy.ops.preferences.addon_enable(module="leaflight_addon")
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     bpy.ops.leaflight.import_volume(filepath=str(arguments.volume.resolve()))
     leaf = bpy.context.object

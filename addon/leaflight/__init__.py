@@ -1,20 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Leaflight: bakes the light on every isosurface of a volume at once; the isovalue is then free."""
 
-from . import (
-    bake,
-    bake_flatland,
-    cornell_box,
-    flat_properties,
-    handlers,
-    import_image,
-    import_volume,
-    leaf_look,
-    panels,
-    photon_cloud,
-    properties,
-    render_comparison,
-)
+import importlib
+
+# Installed a moment ago, the folder of the package is new to Python.
+importlib.invalidate_caches()
+
+from .bake import bake, bake_flatland, photon_cloud  # noqa: E402
+from .compare import render_comparison  # noqa: E402
+from .importing import import_image, import_volume  # noqa: E402
+from .show import flat_properties, properties  # noqa: E402
+from .stage import cornell_box  # noqa: E402
+from .ui import handlers, leaf_look, panels  # noqa: E402
 
 bl_info = {
     "name": "Leaflight",

@@ -5,10 +5,9 @@ import sys
 import threading
 
 import bpy
+import leaflight
 
-from . import core
-
-LeaflightError = core.LeaflightError
+LeaflightError = leaflight.LeaflightError
 
 # The one work in progress, for the panels and for Cancel.
 _running = None
@@ -18,7 +17,7 @@ class BackgroundWork:
     """A function of a Progress, at work in a thread of its own."""
 
     def __init__(self, work):
-        self.progress = core.Progress()
+        self.progress = leaflight.Progress()
         self._error = None
         self._thread = threading.Thread(target=self._run, args=(work,), name="Leaflight bake")
         self._thread.start()
@@ -116,7 +115,7 @@ class BackgroundOperator:
         try:
             result()
             summary = job.apply()
-        except core.Cancelled:
+        except leaflight.Cancelled:
             self.report({"INFO"}, "The bake was cancelled; nothing has changed")
             return {"CANCELLED"}
         except LeaflightError as error:

@@ -11,15 +11,15 @@
 
 from . import flatland
 from ._core import Cancelled, LeaflightError, Progress
-from .bake import Bake, Surface, bake, load_bake
-from .compare import compare
-from .particles import lapr, neuron, nucleons
-from .readers import read_volume
-from .scene import fit_scene
-from .scene_file import cornell_box, load_scene
-from .settings import PhotonMap, Scattered
+from .bake.bake import Bake, Surface, bake, load_bake
+from .bake.settings import PhotonMap, Scattered
+from .io.readers import read_volume
+from .io.scene_file import cornell_box, load_scene
+from .measure.compare import compare
+from .scene.scene import fit_scene
 from .version import __version__
-from .volume import Volume, bump_box, default_isovalue, default_window
+from .volume.particles import lapr, neuron, nucleons
+from .volume.volume import Volume, bump_box, default_isovalue, default_window
 
 __all__ = [
     "Bake",

@@ -17,7 +17,7 @@ ROOT = HERE.parent.parent
 INSTALL = """
 import bpy, sys
 bpy.ops.preferences.addon_install(filepath=sys.argv[-1])
-bpy.ops.preferences.addon_enable(module="leaflight")
+bpy.ops.preferences.addon_enable(module="leaflight_addon")
 bpy.ops.wm.save_userpref()
 """
 

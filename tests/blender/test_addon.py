@@ -19,10 +19,10 @@ def test_in_blender(blender, checks):
 
 def test_zip_holds_the_addon_with_its_core(addon_zip):
     names = zipfile.ZipFile(addon_zip).namelist()
-    assert "leaflight/__init__.py" in names
-    assert "leaflight/core/__init__.py" in names
-    assert "leaflight/core/readers/nifti.py" in names
-    assert "leaflight/core/scenes/cornell.json" in names
-    assert any(name.startswith("leaflight/core/_core.") for name in names)
+    assert "leaflight_addon/__init__.py" in names
+    assert "modules/leaflight/__init__.py" in names
+    assert "modules/leaflight/io/readers/nifti.py" in names
+    assert "modules/leaflight/scenes/cornell.json" in names
+    assert any(name.startswith("modules/leaflight/_core.") for name in names)
     assert not any("__pycache__" in name for name in names)
     assert len(names) == len(set(names))

@@ -7,15 +7,14 @@ Smaller than what docs/accuracy.md reports, so that the volumes are coarse: 32 o
 from dataclasses import replace
 from pathlib import Path
 
+import leaflight
 import numpy as np
 import pytest
-
-import leaflight
 from leaflight import Cancelled, Progress, _core
-from leaflight.cycles import measure
-from leaflight.scene import core_scene, fit_scene, match_leaves
-from leaflight.sources import open_volume
-from leaflight.truth import Truth, errors_of
+from leaflight.io.sources import open_volume
+from leaflight.measure.cycles import measure
+from leaflight.measure.truth import Truth, errors_of
+from leaflight.scene.scene import core_scene, fit_scene, match_leaves
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
 SAMPLES = 512

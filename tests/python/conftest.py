@@ -5,13 +5,12 @@ import subprocess
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import leaflight
 import numpy as np
 import pytest
 from hypothesis import settings
-
-import leaflight
 from leaflight.cli import main
-from leaflight.particles import lapr
+from leaflight.volume.particles import lapr
 
 # The same examples in every run, however slow the machine: a failure is about the change at hand.
 settings.register_profile("repeatable", derandomize=True, deadline=None, max_examples=60)

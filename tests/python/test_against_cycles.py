@@ -6,13 +6,15 @@ import json
 import shutil
 from dataclasses import replace
 
+import leaflight.report.command as command_line
+import leaflight.report.report as report_module
 import numpy as np
 import pytest
-
-import leaflight.cli as command_line
-import leaflight.report as report_module
 from leaflight import Cancelled, LeaflightError, Progress
-from leaflight.against_cycles import (
+from leaflight.cli.progress import run_with_progress
+from leaflight.measure.sides import LeafSide
+from leaflight.measure.truth import Truth
+from leaflight.report.against_cycles import (
     BUMP_BOX,
     CASES,
     OF_FLOOR,
@@ -23,12 +25,10 @@ from leaflight.against_cycles import (
     floor_percent,
     measure_against_cycles,
 )
-from leaflight.cycles_section import cycles_rows, cycles_text
-from leaflight.report import report_cycles
-from leaflight.sides import LeafSide
-from leaflight.truth import Truth
-from leaflight.volume import bump_box
-from leaflight.volume_recipes import generated, tooth
+from leaflight.report.cycles_section import cycles_rows, cycles_text
+from leaflight.report.report import report_cycles
+from leaflight.report.volume_recipes import generated, tooth
+from leaflight.volume.volume import bump_box
 
 BOX = replace(BUMP_BOX, name="box", volumes=generated(bump_box, 16), goals=(9.0, 8.0, 0.1))
 TINY = CyclesEffort(
@@ -216,7 +216,7 @@ def test_command_line(cli, tmp_path, monkeypatch):
     assert outcome.status == 1 and "cycles.md: some errors" in outcome.out
     assert "a at 2.5 against Cycles: 3.00 %, goal 2.00 % missed" in outcome.out
     cli("report", "--cycles", "--quick", "--out", tmp_path)
-    run = command_line.run_with_progress
+    run = run_with_progress
     assert asked == [
         ((str(tmp_path), CyclesEffort(), run, str(tmp_path)), {"seed": 3, "threads": 0}),
         ((str(tmp_path), QUICK_CYCLES, run, None), {"seed": 0, "threads": 0}),

@@ -5,10 +5,9 @@ import json
 import threading
 import time
 
+import leaflight
 import numpy as np
 import pytest
-
-import leaflight
 from leaflight import Cancelled, LeaflightError, Progress, _core, load_bake
 
 GRIDS = ("radiance", "radiance_indirect", "radiance_error")

@@ -9,9 +9,8 @@ import time
 import meshio
 import numpy as np
 import pytest
-from PIL import Image
-
 from leaflight import _core
+from PIL import Image
 
 FLAT = ["--out", "OUT/x.exr", "--samples", "1", "--photons", "1000"]
 BAKE = ["--isovalues", "30", "70", "--samples", "4", "--photons", "20000"]

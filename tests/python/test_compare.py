@@ -3,13 +3,12 @@
 
 from dataclasses import replace
 
+import leaflight
 import numpy as np
 import pytest
-
-import leaflight
 from leaflight import LeaflightError
-from leaflight.on_mesh import random_points
-from leaflight.truth import Truth, parts_of
+from leaflight.measure.truth import Truth, parts_of
+from leaflight.scene.on_mesh import random_points
 
 
 def test_random_points_are_uniform_over_the_area():

@@ -7,7 +7,6 @@ import nibabel
 import numpy as np
 import pytest
 import tifffile
-
 from leaflight import LeaflightError, read_volume
 
 VALUES = np.random.default_rng(8).integers(0, 255, (6, 7, 8)).astype(np.uint8)

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The error that a bake reports for each texel is its true one: 95 % intervals hold that often."""
 
+import leaflight
 import numpy as np
 import pytest
-
-import leaflight
-from leaflight.coverage import QUANTILE, coverage
-from leaflight.particles import neuron, nucleons
+from leaflight.report.coverage import QUANTILE, coverage
+from leaflight.volume.particles import neuron, nucleons
 
 SEEDS = 3
 # For a count of independent texels; the chance of a false alarm is that of 4 standard errors.

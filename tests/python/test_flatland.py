@@ -6,10 +6,7 @@ import json
 
 import numpy as np
 import pytest
-from PIL import Image
-
 from leaflight import LeaflightError, _core
-from leaflight.flat_scene import fit_flat_scene, flat_box, load_flat_scene
 from leaflight.flatland import (
     BRIGHTNESS_CORRECTION,
     bake_flatland,
@@ -17,6 +14,8 @@ from leaflight.flatland import (
     picture,
     read_image,
 )
+from leaflight.flatland.flat_scene import fit_flat_scene, flat_box, load_flat_scene
+from PIL import Image
 
 SMALL = {"samples": 16, "photons": 50_000, "isovalues": (20.0, 200.0)}
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from leaflight import flatland, graph
+from leaflight import flatland
+from leaflight.flatland import graph
 
 
 @pytest.fixture(scope="module")

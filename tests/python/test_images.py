@@ -4,10 +4,9 @@
 import numpy as np
 import pytest
 import tifffile
-from PIL import Image
-
 from leaflight import LeaflightError, _core
-from leaflight.images import luminance, read_pixels, read_texture
+from leaflight.io.images import luminance, read_pixels, read_texture
+from PIL import Image
 
 GREY = np.arange(12, dtype=np.uint8).reshape(3, 4) * 20
 COLOR = np.stack([GREY, GREY // 2, 255 - GREY], axis=2)

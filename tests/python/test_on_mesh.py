@@ -3,10 +3,9 @@
 
 import numpy as np
 import pytest
-
-from leaflight.cycles import _lay_out, _mesh, _pack
-from leaflight.on_mesh import interpolated, positions, random_places
-from leaflight.scene import Mesh
+from leaflight.measure.cycles import _lay_out, _mesh, _pack
+from leaflight.scene.on_mesh import interpolated, positions, random_places
+from leaflight.scene.scene import Mesh
 
 # A bent sheet of three triangles, the last one much smaller than the others.
 VERTICES = np.array([[0, 0, 0], [3, 0, 0], [3, 3, 0], [0, 3, 0], [3, 0, 0.5]], dtype=np.float32)

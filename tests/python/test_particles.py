@@ -5,10 +5,9 @@ from math import factorial
 
 import numpy as np
 import pytest
-
 from leaflight import LeaflightError
-from leaflight.particles import HYDROGEN_REACH, hydrogen, lapr, neuron, nucleons
-from leaflight.sources import GENERATED, is_generated, open_volume
+from leaflight.io.sources import GENERATED, is_generated, open_volume
+from leaflight.volume.particles import HYDROGEN_REACH, hydrogen, lapr, neuron, nucleons
 
 
 @pytest.mark.parametrize("generate, thesis", [(nucleons, 101), (lapr, 120)])

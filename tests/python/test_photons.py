@@ -3,14 +3,14 @@
 
 import json
 
+import leaflight
 import meshio
 import numpy as np
 import pytest
-
-import leaflight
 from leaflight import _core
+from leaflight.bake.photons import trace_photons
+from leaflight.scene.scene import core_scene
 from leaflight.cli import main
-from leaflight.photons import trace_photons
 
 COUNT = 20_000
 
@@ -36,7 +36,7 @@ def test_they_carry_the_light_of_the_lamp(photons, bump_scene):
     volume = leaflight.bump_box(24)
     window = leaflight.bake(volume, bump_scene, samples=1, photons=1).isovalues
     scene = leaflight.bake(volume, bump_scene, samples=1, photons=1).scene
-    core = leaflight.scene.core_scene(scene, [volume.field()], window)
+    core = core_scene(scene, [volume.field()], window)
     emitted = np.array(_core.photon_balance(core, COUNT, 3)["emitted"])
     direct = photons.flux_height[photons.direct].sum(axis=0)
     assert (direct < emitted).all() and (direct > 0.05 * emitted).all()
@@ -44,10 +44,10 @@ def test_they_carry_the_light_of_the_lamp(photons, bump_scene):
     assert colours.mean() == pytest.approx(0.5, rel=1e-4)
 
 
-def test_command(tmp_path, capsys, photons):
+def test_command(root, tmp_path, capsys, photons):
     out = tmp_path / "photons.ply"
-    scene = leaflight.scene_file.__file__.replace("scene_file.py", "scenes/bump_box.json")
-    arguments = ["photons", "bump_box", "--dims", "24", "--scene", scene, "--seed", "3"]
+    scene = root / "scenes" / "bump_box.json"
+    arguments = ["photons", "bump_box", "--dims", "24", "--scene", str(scene), "--seed", "3"]
     assert main([*arguments, "--photons", str(COUNT), "--out", str(out), "--json"]) == 0
     result = json.loads(capsys.readouterr().out.splitlines()[-1])
     assert result["points"] == len(photons.positions) and result["direct"] == photons.direct.sum()

@@ -4,9 +4,8 @@
 import meshio
 import numpy as np
 import pytest
-
 from leaflight import LeaflightError, Surface
-from leaflight.ply import display_colours, write_ply
+from leaflight.io.ply import display_colours, write_ply
 
 
 @pytest.fixture

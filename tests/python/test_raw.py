@@ -9,9 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
-
 from leaflight import LeaflightError, read_volume
-from leaflight.readers.raw import ENDIANS, TYPES
+from leaflight.io.readers.raw import ENDIANS, TYPES
 
 
 @st.composite

@@ -7,7 +7,6 @@ import nibabel
 import numpy as np
 import pytest
 import tifffile
-
 from leaflight import read_volume
 
 AFFINE = np.array([[-2.0, 0, 0, 90], [0, 2.5, 0, -126], [0, 0.5, 3.0, -72], [0, 0, 0, 1]])

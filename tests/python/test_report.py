@@ -5,15 +5,14 @@ import csv
 import json
 from dataclasses import replace
 
+import leaflight.report.command as command_line
 import numpy as np
 import pytest
-from PIL import Image
-
-import leaflight.cli as command_line
 from leaflight import LeaflightError, Progress, Scattered
-from leaflight.experiments import QUICK, Effort, Row, Trial, judged, table_3_1
-from leaflight.pictures import side_by_side, slice_picture, surface_picture, texture_picture
-from leaflight.report import COLUMNS, report_tables
+from leaflight.report.experiments import QUICK, Effort, Row, Trial, judged, table_3_1
+from leaflight.report.pictures import side_by_side, slice_picture, surface_picture, texture_picture
+from leaflight.report.report import COLUMNS, report_tables
+from PIL import Image
 
 TINY = Effort(
     photons=20_000,

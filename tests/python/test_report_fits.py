@@ -5,9 +5,8 @@ import builtins
 
 import numpy as np
 import pytest
-
 from leaflight import LeaflightError
-from leaflight.fits import (
+from leaflight.report.fits import (
     break_even,
     check_statistics,
     cost,

@@ -9,24 +9,24 @@ import shutil
 import zipfile
 from dataclasses import replace
 
+import leaflight
+import leaflight.report.command as command_line
+import leaflight.report.curves as curves_module
+import leaflight.report.report as report_module
 import numpy as np
 import pytest
-from PIL import Image
-
-import leaflight
-import leaflight.cli as command_line
-import leaflight.curves as curves_module
-import leaflight.report as report_module
 from leaflight import Cancelled, LeaflightError, Progress
-from leaflight.advice import advice, budget_rows
-from leaflight.against_cycles import BUMP_BOX, CyclesRow
-from leaflight.curves import CYCLES, KINDS, Curve, CurveEffort, Curves, Point, measure_curves
-from leaflight.data_sets import DATA_SETS, QUICK_DATA, DataEffort, measure_data_sets
-from leaflight.experiments import QUICK, Row, Table, Trial
-from leaflight.memory import Cost, measured
-from leaflight.plots import check_plotting
-from leaflight.report import QUICK_REPORT, ReportEffort, report
-from leaflight.sections import analysed, slope_rows
+from leaflight.cli.progress import run_with_progress
+from leaflight.report.advice import advice, budget_rows
+from leaflight.report.against_cycles import BUMP_BOX, CyclesRow
+from leaflight.report.curves import CYCLES, KINDS, Curve, CurveEffort, Curves, Point, measure_curves
+from leaflight.report.data_sets import DATA_SETS, QUICK_DATA, DataEffort, measure_data_sets
+from leaflight.report.experiments import QUICK, Row, Table, Trial
+from leaflight.report.memory import Cost, measured
+from leaflight.report.plots import check_plotting
+from leaflight.report.report import QUICK_REPORT, ReportEffort, report
+from leaflight.report.sections import analysed, slope_rows
+from PIL import Image
 
 TINY_CURVES = CurveEffort(
     texels=16,
@@ -331,7 +331,7 @@ def test_command_line(cli, tmp_path, monkeypatch):
     assert json.loads(outcome.out.splitlines()[-1])["passed"] and "a: 2.00 %, 3.0 s" in outcome.out
     (folder, effort, run, data), *_ = asked
     assert folder == data == str(tmp_path) and effort.tables.seed == 3
-    assert effort.curves == QUICK_REPORT.curves and run is command_line.run_with_progress
+    assert effort.curves == QUICK_REPORT.curves and run is run_with_progress
     outcome = cli("report", "--data", tmp_path / "none")
     assert outcome.status == 2 and "there is no such folder" in outcome.err
     outcome = cli("report", "--tables", "--data", tmp_path)

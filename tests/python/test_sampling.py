@@ -4,10 +4,9 @@
 import json
 from dataclasses import asdict
 
+import leaflight
 import numpy as np
 import pytest
-
-import leaflight
 from leaflight import LeaflightError, PhotonMap, Scattered
 from leaflight.flatland import bake_flatland, bump_box_2d
 

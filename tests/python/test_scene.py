@@ -3,12 +3,13 @@
 
 from dataclasses import replace
 
+import leaflight
 import numpy as np
 import pytest
-
-import leaflight
 from leaflight import LeaflightError, Volume, fit_scene, load_scene
-from leaflight.scene import (
+from leaflight.io.scene_file import scene_to_json
+from leaflight.io.sources import open_volume
+from leaflight.scene.scene import (
     AreaLight,
     Cone,
     Environment,
@@ -20,8 +21,6 @@ from leaflight.scene import (
     core_scene,
     match_leaves,
 )
-from leaflight.scene_file import scene_to_json
-from leaflight.sources import open_volume
 
 
 def brick(scale=1.0, offset=(0.0, 0.0, 0.0)):

@@ -12,10 +12,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from PIL import Image
-
 from leaflight import LeaflightError, _core, load_scene
-from leaflight.scene import (
+from leaflight.io.scene_file import scene_from_json, scene_to_json
+from leaflight.scene.scene import (
     AreaLight,
     Cone,
     Environment,
@@ -25,8 +24,7 @@ from leaflight.scene import (
     SceneDescription,
     SunLight,
 )
-from leaflight.scene_file import scene_from_json, scene_to_json
-
+from PIL import Image
 
 PIXELS = base64.b64encode(zlib.compress(bytes(24))).decode()
 GOOD = {

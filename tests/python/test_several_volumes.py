@@ -5,12 +5,12 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import leaflight
 import numpy as np
 import pytest
-
-import leaflight
 from leaflight import LeaflightError, Volume, _core, load_bake
-from leaflight.scene import core_scene
+from leaflight.io.sources import open_volume
+from leaflight.scene.scene import core_scene
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
 
@@ -34,7 +34,7 @@ def test_single_volume_keeps_its_isovalues(box_bake):
 def test_volumes_shade_each_other(lapr_scene):
     """The dirt particle is darker above the exploding water than alone."""
     settings = {"samples": 16, "photons": 50_000}
-    dirt, water = (leaflight.sources.open_volume(f"lapr:{k}", dims=[24]) for k in (0, 1))
+    dirt, water = (open_volume(f"lapr:{k}", dims=[24]) for k in (0, 1))
     both = leaflight.bake([dirt, water], lapr_scene, **settings)
     alone = replace(lapr_scene, leaves=lapr_scene.leaves[:1])
     # Of a single volume the scene's isovalues are the window.
@@ -51,7 +51,7 @@ def test_near_leaves_do_not_look_each_other_up():
     Gathered from texels however near, the neutrons' light was 19 % too much at 64 nodes.
     """
     scene = leaflight.load_scene(SCENES / "emission.json")
-    volumes = [leaflight.sources.open_volume(f"nucleons:{k}", dims=[32]) for k in (0, 1)]
+    volumes = [open_volume(f"nucleons:{k}", dims=[32]) for k in (0, 1)]
     settings = {"samples": 16, "photons": 500_000}
     gathered, traced = (
         [grid.dense("radiance").sum() for grid in leaflight.bake(volumes, scene, **work).grids]
@@ -105,7 +105,7 @@ def test_inner_side(lapr_bake):
 
 
 def test_inner_side_that_no_light_reaches(lapr_scene):
-    volumes = [leaflight.sources.open_volume(f"lapr:{k}", dims=[16]) for k in (0, 1)]
+    volumes = [open_volume(f"lapr:{k}", dims=[16]) for k in (0, 1)]
     baked = leaflight.bake(volumes, lapr_scene, samples=2, photons=1000, both_sides=True)
     assert not baked.grids[1].has_back
     assert (baked.surface(0.2, 1, back=True).radiance == 0).all()
@@ -189,7 +189,7 @@ def test_leaf_coordinate_outside_the_window(lapr_bake):
 
 
 def test_window_of_several_volumes(lapr_scene):
-    volumes = [leaflight.sources.open_volume(f"lapr:{k}", dims=[12]) for k in (0, 1)]
+    volumes = [open_volume(f"lapr:{k}", dims=[12]) for k in (0, 1)]
     with pytest.raises(LeaflightError, match="outside"):
         leaflight.bake(volumes, lapr_scene, isovalues=(50, 200))
     with pytest.raises(LeaflightError, match="describes 2 volumes, but 1"):

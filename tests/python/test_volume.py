@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The built-in volume and the isovalues to begin with."""
 
+import leaflight
 import numpy as np
 import pytest
-
-import leaflight
 from leaflight import LeaflightError, Volume, default_isovalue, default_window
 
 

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from leaflight import render_comparison
+from leaflight_addon.compare import render_comparison
 from tools import add_light, constant_material, error_of, noise_image
 
 

@@ -5,9 +5,13 @@ import os
 import time
 
 import bpy
+import leaflight
 import numpy as np
 import pytest
-from leaflight import background, bake, cache, core, shader, surface_object
+from leaflight_addon import background
+from leaflight_addon.bake import bake
+from leaflight_addon.show import shader, surface_object
+from leaflight_addon.store import cache
 from tools import assert_shows, close, error_of, mesh_arrays
 
 
@@ -37,7 +41,7 @@ def check_the_surface_shows_the_radiance_of_the_bake(baked):
 def check_the_bake_is_the_one_the_python_package_makes(baked):
     settings = baked.leaflight
     ours = cache.bake_of(baked)
-    same = core.bake(
+    same = leaflight.bake(
         cache.world_volume(baked),
         ours.scene,
         isovalues=(settings.low, settings.high),
@@ -65,7 +69,7 @@ def check_a_turned_and_scaled_volume_is_baked_where_it_stands(boxed):
 
 
 def check_the_file_is_a_bake_of_the_python_package(baked):
-    loaded = core.load_bake(bpy.path.abspath(baked.leaflight.bake_path))
+    loaded = leaflight.load_bake(bpy.path.abspath(baked.leaflight.bake_path))
     points = cache.bake_of(baked).surface(baked.leaflight.isovalue).vertices
     ours = cache.bake_of(baked).radiance(points)
     close(loaded.radiance(points), ours, 2e-3 * ours.max())
@@ -107,7 +111,7 @@ def check_a_cancelled_bake_leaves_scene_and_disk_alone(boxed):
     assert work.is_alive() and work.progress.fraction > 0
     start = time.perf_counter()
     work.cancel()
-    with pytest.raises(core.Cancelled):
+    with pytest.raises(leaflight.Cancelled):
         work.result()
     assert time.perf_counter() - start < 1.0
     assert _state() == before
@@ -116,10 +120,10 @@ def check_a_cancelled_bake_leaves_scene_and_disk_alone(boxed):
 
 def check_a_bake_of_an_object_that_was_deleted_meanwhile_says_so(boxed):
     job = bake.BakeJob(bpy.context, boxed)
-    job.run(core.Progress())
+    job.run(leaflight.Progress())
     name = boxed.name
     bpy.data.objects.remove(boxed)
-    with pytest.raises(core.LeaflightError, match=name):
+    with pytest.raises(leaflight.LeaflightError, match=name):
         job.apply()
 
 

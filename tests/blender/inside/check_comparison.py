@@ -6,8 +6,8 @@ import json
 import bpy
 import numpy as np
 import pytest
-from leaflight import render_comparison
-from leaflight.core import _core
+from leaflight import _core
+from leaflight_addon.compare import render_comparison
 from tools import close, error_of
 
 
@@ -91,7 +91,7 @@ def check_rms_is_thesis_equation_4_11_corrected():
 
 
 def check_a_png_shows_linear_radiance_through_the_srgb_curve(tmp_path):
-    from leaflight import render
+    from leaflight_addon.compare import render
 
     scene = bpy.context.scene
     scene.view_settings.view_transform = "Filmic"
@@ -117,10 +117,11 @@ def check_outside_the_window_it_is_refused_and_nothing_has_changed(baked, small_
 
 
 def check_an_error_in_the_middle_restores_the_scene(baked, small_frame, tmp_path, monkeypatch):
-    from leaflight import core, render
+    import leaflight
+    from leaflight_addon.compare import render
 
     def fail(*_, **__):
-        raise core.LeaflightError("The render was cancelled; nothing has changed.")
+        raise leaflight.LeaflightError("The render was cancelled; nothing has changed.")
 
     before = _render_settings()
     still = render.cycles_still

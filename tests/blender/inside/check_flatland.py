@@ -4,8 +4,9 @@
 import bpy
 import numpy as np
 import pytest
-from leaflight import graph_object, scene_export, surface_object
-from leaflight.core import _core, flatland
+from leaflight import _core, flatland
+from leaflight_addon.show import graph_object, surface_object
+from leaflight_addon.stage import scene_export
 from tools import close, colours_of, error_of, smooth_image, vertices_of
 
 

@@ -2,10 +2,11 @@
 """File > Import > Volume for Leaflight."""
 
 import bpy
+import leaflight
 import nibabel
 import numpy as np
 import pytest
-from leaflight import core, surface_object
+from leaflight_addon.show import surface_object
 from tools import assert_shows, close, error_of, mesh_arrays
 
 N = 24
@@ -27,8 +28,8 @@ def check_the_longest_side_is_two_units_and_stands_on_the_floor(bumps):
 
 def check_the_slider_has_the_range_of_the_data(bumps):
     limits = bumps.leaflight.id_properties_ui("isovalue").as_dict()
-    volume = core.bump_box(N)
-    low, high = core.default_window(volume)
+    volume = leaflight.bump_box(N)
+    low, high = leaflight.default_window(volume)
     close([limits["min"], limits["max"]], [0, 255], 1e-4)
     close([limits["soft_min"], limits["soft_max"]], [low, high], 1e-3)
     assert bumps.leaflight.isovalue == limits["default"]

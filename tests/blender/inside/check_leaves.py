@@ -4,9 +4,12 @@
 import bpy
 import numpy as np
 import pytest
-from leaflight import cache, leaf_look, leaves, scene_export, surface_object
-from leaflight.core import LeaflightError, _core
-from leaflight.core.scene import is_color
+from leaflight import LeaflightError, _core
+from leaflight.scene.scene import is_color
+from leaflight_addon.show import leaves, surface_object
+from leaflight_addon.stage import scene_export
+from leaflight_addon.store import cache
+from leaflight_addon.ui import leaf_look
 from tools import close, error_of, mesh_arrays
 
 

@@ -6,8 +6,9 @@ import math
 import bpy
 import numpy as np
 import pytest
-from leaflight import leaves, lights, scene_export, world
-from leaflight.core import LeaflightError
+from leaflight import LeaflightError
+from leaflight_addon.show import leaves
+from leaflight_addon.stage import lights, scene_export, world
 from tools import (
     add_light,
     build_probe,

@@ -4,8 +4,8 @@
 import bpy
 import numpy as np
 import pytest
-from leaflight import materials, meshes
-from leaflight.core import LeaflightError
+from leaflight import LeaflightError
+from leaflight_addon.stage import materials, meshes
 from tools import (
     camera_rays_down,
     close,

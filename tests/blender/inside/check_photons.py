@@ -4,9 +4,10 @@
 import bpy
 import numpy as np
 import pytest
-from leaflight import cache, scene_export
-from leaflight.core import _core
-from leaflight.core.scene import core_scene
+from leaflight import _core
+from leaflight.scene.scene import core_scene
+from leaflight_addon.stage import scene_export
+from leaflight_addon.store import cache
 from tools import close, colours_of, error_of, look_down, render_exr, vertices_of
 
 

@@ -4,11 +4,14 @@
 import os
 
 import bpy
+import leaflight
 import mathutils
 import numpy as np
 import pytest
-from leaflight import bake, cache, core, shader, surface_object
-from leaflight.core.on_mesh import interpolated
+from leaflight.scene.on_mesh import interpolated
+from leaflight_addon.bake import bake
+from leaflight_addon.show import shader, surface_object
+from leaflight_addon.store import cache
 from tools import (
     assert_shows,
     camera_rays_down,
@@ -34,7 +37,7 @@ def refined(boxed):
 def _unrefined(obj):
     """The same bake without finer texels."""
     ours, settings = cache.bake_of(obj), obj.leaflight
-    return core.bake(
+    return leaflight.bake(
         ours.volume,
         ours.scene,
         isovalues=ours.isovalues,
@@ -61,7 +64,7 @@ def check_the_surface_shows_the_finer_texels(refined):
     isovalue = refined.leaflight.isovalue
     assert_shows(refined, isovalue)
     vertices, _, radiance = mesh_arrays(refined)
-    coarse_mesh, _, _ = core._core.contour(cache.volume_of(refined).field(), isovalue)
+    coarse_mesh, _, _ = leaflight._core.contour(cache.volume_of(refined).field(), isovalue)
     assert 1.1 * len(coarse_mesh) < len(vertices) < 4 * len(coarse_mesh)
     world = to_world(refined, vertices)
     close(radiance, ours.radiance(world), 1e-4 * radiance.max())
@@ -87,7 +90,7 @@ def check_both_sides_have_finer_texels(boxed):
 def check_the_report_counts_texels_of_all_levels(boxed):
     boxed.leaflight.refine = 1
     job = bake.BakeJob(bpy.context, boxed)
-    job.run(core.Progress())
+    job.run(leaflight.Progress())
     summary = job.apply()
     levels = [int(job.bake.grid.mask(level).sum()) for level in range(2)]
     assert min(levels) > 1000

@@ -4,7 +4,9 @@
 import bpy
 import numpy as np
 import pytest
-from leaflight import cache, handlers, properties
+from leaflight_addon.show import properties
+from leaflight_addon.store import cache
+from leaflight_addon.ui import handlers
 from tools import assert_shows, close, look_down, mesh_arrays, render_exr
 
 
@@ -98,7 +100,7 @@ def check_every_frame_of_a_rendered_animation(baked, tmp_path, engine):
         bpy.ops.render.render(animation=True)
     finally:
         bpy.app.handlers.render_post.remove(remember)
-    from leaflight.core import _core
+    from leaflight import _core
 
     for frame, isovalue in ((2, 48.0), (9, 104.0)):
         frame_pixels = _core.read_exr(str(tmp_path / f"frame{frame:04}.exr"))
@@ -185,9 +187,9 @@ def check_disabling_the_addon_removes_its_handlers_and_enabling_brings_them_back
         ]
 
     assert len(ours()) == len(handlers._HANDLERS)
-    bpy.ops.preferences.addon_disable(module="leaflight")
+    bpy.ops.preferences.addon_disable(module="leaflight_addon")
     assert not ours() and not hasattr(bpy.types.Object, "leaflight")
     assert not hasattr(bpy.types, "LEAFLIGHT_OT_bake")
-    bpy.ops.preferences.addon_enable(module="leaflight")
+    bpy.ops.preferences.addon_enable(module="leaflight_addon")
     assert hasattr(bpy.types.Object, "leaflight")
     bpy.data.objects[baked.name].leaflight.isovalue = 66.0

@@ -4,7 +4,9 @@
 import bpy
 import numpy as np
 import pytest
-from leaflight import cache, isovalues, properties, scene_export, staleness, surface_object
+from leaflight_addon.show import isovalues, properties, surface_object
+from leaflight_addon.stage import scene_export, staleness
+from leaflight_addon.store import cache
 from tools import assert_shows, close, mesh_arrays
 
 

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from leaflight import cache
+from leaflight_addon.store import cache
 from tools import camera_rays_down, close, look_down, render_exr
 
 SIZE, WIDTH = 96, 2.4

@@ -4,7 +4,8 @@
 import bpy
 import numpy as np
 import pytest
-from leaflight import cache, shader
+from leaflight_addon.show import shader
+from leaflight_addon.store import cache
 from tools import close, colours_of, look_down, mesh_arrays, render_exr
 
 

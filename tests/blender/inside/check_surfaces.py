@@ -6,7 +6,8 @@ import math
 import bpy
 import numpy as np
 import pytest
-from leaflight import leaves, scene_export
+from leaflight_addon.show import leaves
+from leaflight_addon.stage import scene_export
 from tools import (
     add_light,
     build_probe,

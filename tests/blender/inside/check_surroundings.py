@@ -2,9 +2,11 @@
 """The Cornell box out of Blender objects, and reading walls and lights back."""
 
 import bpy
+import leaflight
 import numpy as np
 import pytest
-from leaflight import cache, core, lights, scene_export, staleness, world
+from leaflight_addon.stage import lights, scene_export, staleness, world
+from leaflight_addon.store import cache
 from tools import close, error_of
 
 
@@ -19,7 +21,7 @@ def _find(items, name):
 
 
 def check_the_box_comes_back_as_it_was_described(boxed):
-    wanted = core.fit_scene(core.cornell_box(), cache.world_volume(boxed))
+    wanted = leaflight.fit_scene(leaflight.cornell_box(), cache.world_volume(boxed))
     found, warnings = _export(boxed)
     assert warnings == []
     assert len(found.meshes) == len(wanted.meshes) and len(found.lights) == len(wanted.lights)

@@ -4,7 +4,9 @@
 import bpy
 import numpy as np
 import pytest
-from leaflight import cache, display, properties, scene_export, staleness, walls
+from leaflight_addon.show import display, properties, walls
+from leaflight_addon.stage import scene_export, staleness
+from leaflight_addon.store import cache
 from tools import close, colours_of, render_exr
 
 
@@ -87,7 +89,7 @@ def check_frames_of_an_animation_show_each_its_own_light(lit, tmp_path, engine):
     scene.frame_start, scene.frame_end, scene.frame_step = 1, 4, 3
     scene.render.filepath = str(tmp_path / "frame####")
     bpy.ops.render.render(animation=True)
-    from leaflight.core import _core
+    from leaflight import _core
 
     for frame, still in stills.items():
         pixels = _core.read_exr(str(tmp_path / f"frame{frame:04}.exr"))[..., :3]

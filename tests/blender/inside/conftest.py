@@ -2,8 +2,8 @@
 """An empty scene for each check, and the bump box imported, boxed and baked in it."""
 
 import bpy
+import leaflight
 import pytest
-from leaflight import core
 
 N = 24
 
@@ -17,7 +17,7 @@ def empty_scene():
 def bump_file(tmp_path):
     """The bump box as a file without a header, voxels not cubic."""
     path = tmp_path / "bumps.raw"
-    core._core.bump_box(N).astype("<f4").tofile(path)
+    leaflight._core.bump_box(N).astype("<f4").tofile(path)
     return path
 
 

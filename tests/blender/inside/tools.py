@@ -4,10 +4,11 @@
 from dataclasses import replace
 
 import bpy
+import leaflight
 import numpy as np
 import pytest
-from leaflight import cache, core
-from leaflight.core.scene import Leaves, core_scene
+from leaflight.scene.scene import Leaves, core_scene
+from leaflight_addon.store import cache
 
 
 def close(a, b, tolerance):
@@ -44,7 +45,7 @@ def expected_surface(obj, isovalue):
     """The same three of the core itself, for the volume and the bake of an object."""
     field, bake = cache.volume_of(obj).field(), cache.bake_of(obj)
     if bake is None:
-        vertices, _, triangles = core._core.contour(field, isovalue)
+        vertices, _, triangles = leaflight._core.contour(field, isovalue)
         return vertices, triangles, None
     vertices, _, triangles = cache.grid_of(obj).contour(field, isovalue)
     return vertices, triangles, bake.radiance(to_world(obj, vertices))
@@ -116,7 +117,7 @@ def render_exr(path, engine="CYCLES", samples=1, size=48):
     scene.eevee.taa_render_samples = samples
     scene.render.filepath = str(path)
     bpy.ops.render.render(write_still=True)
-    return core._core.read_exr(str(path))
+    return leaflight._core.read_exr(str(path))
 
 
 def build_probe(albedo):
@@ -142,8 +143,8 @@ def traced_probe(description, samples=1 << 19):
     matrix = np.diag([0.01, 0.01, 0.01, 1.0])
     matrix[2, 3] = -5.0
     description = replace(description, leaves=[Leaves("far", (0.0, 0.0, 0.0))])
-    scene = core_scene(description, [core._core.Field(values, matrix)], (0.1, 0.9))
-    radiance, error = core._core.reference_surroundings(
+    scene = core_scene(description, [leaflight._core.Field(values, matrix)], (0.1, 0.9))
+    radiance, error = leaflight._core.reference_surroundings(
         scene, 0, [0], np.full((1, 2), 1 / 3), 0.5, samples
     )
     assert np.all(error < 0.003 * radiance)

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bake Isolines: the light of flatland, in the background."""
+
+import time
+import uuid
+
+import bpy
+import leaflight
+from leaflight import flatland
+from leaflight.flatland.flat_scene import load_flat_scene
+
+from .. import background, operator_checks
+from ..show import graph_object
+
+LeaflightError = leaflight.LeaflightError
+
+
+class FlatBakeJob:
+    """One bake of all isolines: what it needs, the work, and lighting the object by it."""
+
+    warnings = ()
+
+    def __init__(self, obj):
+        """Raises LeaflightError when the settings cannot be baked."""
+        settings = obj.leaflight_flat
+        self.object_name = obj.name
+        scene = bpy.path.abspath(settings.scene_file)
+        self._arguments = {
+            "volume": graph_object.field_of(obj),
+            "scene": load_flat_scene(scene) if scene else None,
+            "isovalues": (settings.low, settings.high),
+            "resolution": settings.resolution or None,
+            "samples": settings.samples,
+            "photons": settings.photons,
+            "seed": settings.seed,
+        }
+
+    def run(self, progress):
+        """In any thread: touches no Blender data."""
+        start = time.perf_counter()
+        self.bake = flatland.bake_flatland(**self._arguments, progress=progress)
+        if progress.cancelled:
+            raise leaflight.Cancelled
+        self.seconds = time.perf_counter() - start
+
+    def apply(self):
+        obj = bpy.data.objects.get(self.object_name)
+        if obj is None or not obj.leaflight_flat.is_flatland:
+            raise LeaflightError(
+                f'"{self.object_name}" is gone, so the bake lights nothing: import it again.'
+            )
+        identifier = uuid.uuid4().hex
+        graph_object.keep_bake(identifier, self.bake)
+        obj.leaflight_flat.bake_id = identifier
+        graph_object.rebuild(obj)
+        return f"Baked all isolines in {self.seconds:.1f} s"
+
+
+class LEAFLIGHT_OT_bake_flatland(background.BackgroundOperator, bpy.types.Operator):
+    bl_idname = "leaflight.bake_flatland"
+    bl_label = "Bake Isolines"
+    bl_description = "Compute the light on every isoline at once, within the plane. Esc cancels"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return cls.is_free() and operator_checks.has_flatland(cls, context)
+
+    def start(self, context):
+        return FlatBakeJob(context.object)
+
+
+def register():
+    bpy.utils.register_class(LEAFLIGHT_OT_bake_flatland)
+
+
+def unregister():
+    bpy.utils.unregister_class(LEAFLIGHT_OT_bake_flatland)

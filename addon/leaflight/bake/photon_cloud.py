@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# flake8: noqa: F722,F821  (Blender declares properties as annotations)
+"""Show Photon Map: the photons on all leaves as a cloud of points, to look at."""
+
+import bpy
+import leaflight
+import numpy as np
+from bpy.props import EnumProperty, FloatProperty, IntProperty
+from leaflight import _core
+from leaflight.scene.scene import core_scene
+
+from .. import background, operator_checks
+from ..show import display, isovalues, shader, surface_object
+from ..stage import scene_export
+from ..store import cache
+
+LeaflightError = leaflight.LeaflightError
+
+# Attributes of the points: colour, leaf coordinate, and whether a photon came straight from a light.
+FLUX, LEAF_COORDINATE, DIRECT = "flux", "leaf_coordinate", "direct"
+
+_KIND, _PHOTONS = "photons", "leaflight_photons"
+
+
+class LEAFLIGHT_OT_photon_cloud(background.BackgroundOperator, bpy.types.Operator):
+    bl_idname = "leaflight.photon_cloud"
+    bl_label = "Show Photon Map"
+    bl_description = (
+        "Trace photons through the present scene and show where they meet the isosurfaces, as "
+        "points with their color. The points do not render unless you enable it"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    count: IntProperty(
+        name="Photons",
+        description="Photons to emit; each may meet several isosurfaces, or none",
+        default=500_000,
+        min=1,
+        soft_max=10_000_000,
+    )
+    kind: EnumProperty(
+        name="Kind",
+        items=[
+            ("ALL", "All", "Direct and indirect photons"),
+            ("DIRECT", "Direct", "Photons that come straight from a light"),
+            ("INDIRECT", "Indirect", "Photons that were reflected or refracted before"),
+        ],
+    )
+    band: FloatProperty(
+        name="Band",
+        description="Part of the window of isovalues, about the present one, whose photons show",
+        default=1.0,
+        min=1e-4,
+        max=1.0,
+        subtype="FACTOR",
+    )
+    radius: FloatProperty(
+        name="Radius",
+        description="Radius of a point in Blender units",
+        default=0.004,
+        min=1e-6,
+        soft_max=0.1,
+    )
+    seed: IntProperty(name="Seed", description="Seed of the random numbers", min=0)
+
+    @classmethod
+    def poll(cls, context):
+        return cls.is_free() and operator_checks.has_volume(cls, context)
+
+    # Whether a user has been asked for the options: only scripts wait for the photons.
+    asked = False
+
+    def invoke(self, context, _event):
+        self.asked = True
+        return context.window_manager.invoke_props_dialog(self)
+
+    def execute(self, context):
+        return self.run_modal(context) if self.asked else super().execute(context)
+
+    def start(self, context):
+        return PhotonJob(context, context.object, self)
+
+
+class PhotonJob:
+    """Photons of the present scene: what they need, their paths, and the cloud of points."""
+
+    def __init__(self, context, obj, options):
+        """options: the operator's properties. Raises LeaflightError."""
+        settings = obj.leaflight
+        description, volumes, self.warnings = scene_export.export_scene(context, obj)
+        scene_export.check_light(description)
+        window = (settings.low, settings.high) if len(volumes) == 1 else (0.0, 1.0)
+        fields = [cache.world_volume(volume).field() for volume in volumes]
+        self._scene = core_scene(description, fields, window)
+        self._count, self._seed = options.count, options.seed
+        self._kind, self._radius = options.kind, options.radius
+        c = settings.isovalue
+        if len(volumes) > 1:
+            c = isovalues.leaf_coordinate(settings, c)
+        reach = 0.5 * options.band * (window[1] - window[0])
+        self._band = (c - reach, c + reach) if options.band < 1 else window
+        self._collection, self._object_name = context.collection.name, obj.name
+        self._scene_name = context.scene.name
+
+    def run(self, progress):
+        """In any thread: touches no Blender data."""
+        positions, flux, c, direct = _core.photon_points(
+            self._scene, self._count, self._seed, progress
+        )
+        if progress.cancelled:
+            raise leaflight.Cancelled
+        chosen = (c >= self._band[0]) & (c <= self._band[1])
+        if self._kind != "ALL":
+            chosen &= direct == (self._kind == "DIRECT")
+        self.positions, self.flux = positions[chosen], flux[chosen]
+        self.c, self.direct = c[chosen], direct[chosen]
+
+    def apply(self):
+        scene = bpy.data.scenes.get(self._scene_name)
+        if scene is None or not len(self.positions):
+            raise LeaflightError(
+                "No photon met an isosurface of the band: widen it, or emit more photons."
+            )
+        name = f"{self._object_name} Photons"
+        for old in [obj for obj in scene.objects if obj.get(_PHOTONS) == self._object_name]:
+            bpy.data.meshes.remove(old.data)
+        mesh = bpy.data.meshes.new(name)
+        _fill(mesh, self.positions, self.flux, self.c, self.direct)
+        obj = bpy.data.objects.new(name, mesh)
+        display.mark(obj, _KIND)
+        obj[_PHOTONS] = self._object_name
+        obj.hide_render = True
+        collection = bpy.data.collections.get(self._collection) or scene.collection
+        collection.objects.link(obj)
+        material = shader.shared_material(_PHOTONS, "Leaflight Photons", FLUX)
+        mesh.materials.append(material)
+        modifier = obj.modifiers.new("Points", "NODES")
+        modifier.node_group = _points(name, self._radius, material)
+        return f"{len(self.positions)} photons on isosurfaces"
+
+
+def _fill(mesh, positions, flux, c, direct):
+    mesh.vertices.add(len(positions))
+    mesh.vertices.foreach_set("co", np.ascontiguousarray(positions, np.float32).ravel())
+    # The flux of a photon says little to the eye; its mean shows as one.
+    surface_object.colour(mesh, FLUX, flux / max(float(flux.mean()), 1e-30))
+    attribute = mesh.attributes.new(LEAF_COORDINATE, "FLOAT", "POINT")
+    attribute.data.foreach_set("value", np.ascontiguousarray(c, np.float32))
+    attribute = mesh.attributes.new(DIRECT, "BOOLEAN", "POINT")
+    attribute.data.foreach_set("value", np.ascontiguousarray(direct, bool))
+    mesh.update()
+
+
+def _points(name, radius, material):
+    """Geometry nodes that put a small sphere on every vertex; Eevee shades nothing less."""
+    tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
+    if hasattr(tree, "interface"):
+        for direction in ("INPUT", "OUTPUT"):
+            tree.interface.new_socket(
+                "Geometry", in_out=direction, socket_type="NodeSocketGeometry"
+            )
+    else:
+        tree.inputs.new("NodeSocketGeometry", "Geometry")
+        tree.outputs.new("NodeSocketGeometry", "Geometry")
+    chain = [
+        tree.nodes.new(kind)
+        for kind in (
+            "NodeGroupInput",
+            "GeometryNodeInstanceOnPoints",
+            "GeometryNodeRealizeInstances",
+            "GeometryNodeSetMaterial",
+            "NodeGroupOutput",
+        )
+    ]
+    for index, (a, b) in enumerate(zip(chain, chain[1:])):
+        a.location.x, b.location.x = 200 * index, 200 * (index + 1)
+        tree.links.new(a.outputs[0], b.inputs[0])
+    sphere = tree.nodes.new("GeometryNodeMeshIcoSphere")
+    sphere.location.y = -200
+    tree.links.new(sphere.outputs[0], _socket(chain[1], "Instance"))
+    _socket(sphere, "Radius").default_value = radius
+    _socket(chain[3], "Material").default_value = material
+    return tree
+
+
+def _socket(node, identifier):
+    return next(socket for socket in node.inputs if socket.identifier == identifier)
+
+
+def register():
+    bpy.utils.register_class(LEAFLIGHT_OT_photon_cloud)
+
+
+def unregister():
+    bpy.utils.unregister_class(LEAFLIGHT_OT_photon_cloud)

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Renders whose pixels are linear radiance, with the user's settings put back afterwards."""
+
+import contextlib
+import tempfile
+from pathlib import Path
+
+import bpy
+import leaflight
+import numpy as np
+from leaflight import _core
+
+# Light paths as long as the bake's, and none of the shortcuts that trade noise for bias.
+_UNBIASED = {
+    "max_bounces": 64,
+    "diffuse_bounces": 64,
+    "glossy_bounces": 64,
+    "transmission_bounces": 64,
+    "caustics_reflective": True,
+    "caustics_refractive": True,
+    "blur_glossy": 0.0,
+    "sample_clamp_direct": 0.0,
+    "sample_clamp_indirect": 0.0,
+    "light_sampling_threshold": 0.0,
+    "use_fast_gi": False,
+    "use_denoising": False,
+    "use_adaptive_sampling": False,
+    "film_exposure": 1.0,
+}
+
+
+@contextlib.contextmanager
+def overridden(owner, **values):
+    """Sets attributes of owner for as long as the context lasts."""
+    before = {name: getattr(owner, name) for name in values}
+    try:
+        for name, value in values.items():
+            setattr(owner, name, value)
+        yield
+    finally:
+        for name, value in before.items():
+            setattr(owner, name, value)
+
+
+def cycles_still(scene, samples, seed, transparent=False):
+    """One frame of the scene through Cycles: linear RGBA, float32 (height, width, 4), top row
+    first.
+
+    Raises LeaflightError when the user cancels the render.
+    """
+    with contextlib.ExitStack() as stack, tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "still.exr"
+        stack.enter_context(overridden(scene.cycles, samples=samples, seed=seed, **_UNBIASED))
+        stack.enter_context(
+            overridden(
+                scene.render,
+                engine="CYCLES",
+                filepath=str(path),
+                film_transparent=transparent,
+                use_border=False,
+                use_compositing=False,
+                use_sequencer=False,
+                use_motion_blur=False,
+            )
+        )
+        stack.enter_context(
+            overridden(
+                scene.render.image_settings,
+                file_format="OPEN_EXR",
+                color_mode="RGBA",
+                color_depth="32",
+            )
+        )
+        bpy.ops.render.render(write_still=True, scene=scene.name)
+        if not path.exists():
+            raise leaflight.LeaflightError("The render was cancelled; nothing has changed.")
+        return _core.read_exr(str(path))
+
+
+def write_png(scene, path, image):
+    """Writes linear radiance (height, width, 3) with the scene's exposure and view Standard."""
+    height, width = image.shape[:2]
+    pixels = np.ones((height, width, 4), np.float32)
+    pixels[..., :3] = image[::-1, :, :3]
+    picture = bpy.data.images.new("Leaflight", width, height, float_buffer=True)
+    try:
+        picture.pixels.foreach_set(pixels.ravel())
+        with contextlib.ExitStack() as stack:
+            stack.enter_context(
+                overridden(
+                    scene.render.image_settings,
+                    file_format="PNG",
+                    color_mode="RGB",
+                    color_depth="8",
+                )
+            )
+            stack.enter_context(
+                overridden(scene.view_settings, view_transform="Standard", look="None", gamma=1.0)
+            )
+            picture.save_render(str(path), scene=scene)
+    finally:
+        bpy.data.images.remove(picture)

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# flake8: noqa: F722,F821  (Blender declares properties as annotations)
+"""File > Import > Image for Leaflight: flatland."""
+
+import bpy
+import leaflight
+from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy_extras.io_utils import ImportHelper
+from leaflight import flatland
+
+from ..show import graph_object
+
+
+class LEAFLIGHT_OT_import_image(bpy.types.Operator, ImportHelper):
+    bl_idname = "leaflight.import_image"
+    bl_label = "Import Image (Flatland)"
+    bl_description = "Show an image as the graph of its brightness, with isolines on it"
+    bl_options = {"REGISTER", "UNDO"}
+
+    filter_glob: StringProperty(default="*.png;*.jpg;*.jpeg;*.tif;*.tiff;*.exr", options={"HIDDEN"})
+    source: EnumProperty(
+        name="Height Field",
+        items=[
+            ("IMAGE", "Image", "The brightness of the chosen image"),
+            ("BUMP_BOX", "Bump Box", "The reference data set of flatland; no file is read"),
+        ],
+    )
+    size: FloatProperty(
+        name="Size",
+        description="Length of the longest side in Blender units",
+        default=2.0,
+        min=1e-3,
+        soft_max=100.0,
+    )
+    height: FloatProperty(
+        name="Height",
+        description="Height of the graph as part of its longest side",
+        default=0.25,
+        min=0.0,
+        soft_max=1.0,
+    )
+    count: IntProperty(name="Isolines", description="Number of isolines", default=12, min=1)
+    nodes: IntProperty(
+        name="Nodes", description="Nodes along each side of the bump box", default=200, min=4
+    )
+
+    def draw(self, _context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.prop(self, "source")
+        if self.source == "BUMP_BOX":
+            layout.prop(self, "nodes")
+        for name in ("size", "height", "count"):
+            layout.prop(self, name)
+
+    def execute(self, context):
+        path = bpy.path.abspath(self.filepath) if self.source == "IMAGE" else ""
+        try:
+            field = flatland.read_image(path) if path else flatland.bump_box_2d(self.nodes)
+            low, high = leaflight.default_window(field)
+            settings = {
+                "source": path,
+                "nodes": self.nodes,
+                "height": self.height,
+                "count": self.count,
+                "low": low,
+                "high": high,
+            }
+            obj = graph_object.create(context, field, self.size, settings)
+        except leaflight.LeaflightError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        for other in context.selected_objects:
+            other.select_set(False)
+        obj.select_set(True)
+        context.view_layer.objects.active = obj
+        rows, columns = field.values.shape
+        self.report({"INFO"}, f"{field.name}: {columns} x {rows} pixels")
+        return {"FINISHED"}
+
+
+def _draw_menu(menu, _context):
+    menu.layout.operator(LEAFLIGHT_OT_import_image.bl_idname, text="Image for Leaflight (Flatland)")
+
+
+def register():
+    bpy.utils.register_class(LEAFLIGHT_OT_import_image)
+    bpy.types.TOPBAR_MT_file_import.append(_draw_menu)
+
+
+def unregister():
+    bpy.types.TOPBAR_MT_file_import.remove(_draw_menu)
+    bpy.utils.unregister_class(LEAFLIGHT_OT_import_image)

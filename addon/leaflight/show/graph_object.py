@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Flatland in space: an image as the graph of its height, with isolines lit within the plane.
+
+The graph is a grid mesh, a node for each pixel, with the baked radiance of the isoline through each
+node. Its child holds the isolines as thin tubes on the graph. Both emit the colour attribute
+`radiance`; before a bake they are plain.
+"""
+
+import bpy
+import leaflight
+import numpy as np
+from leaflight import _core, flatland
+
+from . import display, shader, surface_object
+
+LeaflightError = leaflight.LeaflightError
+
+# More nodes along a side would only slow the viewport down; the bake always has every pixel.
+_MOST_NODES = 1024
+
+_GRAPH, _ISOLINES = "graph", "isolines"
+
+# Albedos before a bake.
+_PLAIN_GRAPH, _PLAIN_LINE = (0.8, 0.8, 0.8), (0.1, 0.1, 0.1)
+
+# Height fields by their source and bakes by their identifier: never saved, made again on demand.
+_fields = {}
+_bakes = {}
+
+
+def field_of(obj):
+    """The height field, a Volume of two dimensions, of a flatland object. Raises LeaflightError."""
+    settings = obj.leaflight_flat
+    key = (bpy.path.abspath(settings.source), settings.nodes)
+    if key not in _fields:
+        source, nodes = key
+        _fields[key] = flatland.read_image(source) if source else flatland.bump_box_2d(nodes)
+    return _fields[key]
+
+
+def keep_bake(identifier, bake):
+    _bakes[identifier] = bake
+
+
+def forget():
+    _fields.clear()
+    _bakes.clear()
+
+
+def create(context, field, size, settings):
+    """The graph of a height field with its isolines, unlit.
+
+    settings: attributes of Object.leaflight_flat.
+    """
+    graph = bpy.data.objects.new(field.name, bpy.data.meshes.new(field.name))
+    lines = bpy.data.objects.new(
+        f"{field.name} Isolines", bpy.data.meshes.new(f"{field.name} Isolines")
+    )
+    display.mark(graph, _GRAPH)
+    display.mark(lines, _ISOLINES)
+    lines.parent = graph
+    low, high = np.asarray(field.field().bounds, np.float64)
+    centre = 0.5 * (low + high)
+    graph.scale = (size, size, size)
+    graph.location = (-size * centre[0], -size * centre[1], 0.0)
+    for obj in (graph, lines):
+        context.collection.objects.link(obj)
+        obj.data.materials.append(bpy.data.materials.new(obj.name))
+    for name, value in settings.items():
+        setattr(graph.leaflight_flat, name, value)
+    graph.leaflight_flat.is_flatland = True
+    rebuild(graph)
+    return graph
+
+
+def isolines_of(obj):
+    """The object of the isolines, None when it was deleted."""
+    return next((child for child in obj.children if display.is_display(child, _ISOLINES)), None)
+
+
+def isovalues(settings):
+    """The isovalues of the isolines, spread evenly within the window."""
+    parts = (np.arange(settings.count) + 0.5) / settings.count
+    return settings.low + parts * (settings.high - settings.low)
+
+
+def rebuild(obj):
+    """Builds graph and isolines anew after a bake or a change of their shape.
+
+    What could not be done is told by surface_object.problems.
+    """
+    surface_object.problems.pop(obj.name, None)
+    try:
+        field = field_of(obj)
+        settings = obj.leaflight_flat
+        bake = _bakes.get(settings.bake_id)
+        if settings.bake_id and bake is None:
+            raise LeaflightError(
+                f'The bake of "{obj.name}" was not kept with the file: bake again to light it.'
+            )
+    except LeaflightError as error:
+        surface_object.problems[obj.name] = str(error)
+        return
+    _fill(obj, *_graph(field, settings, bake))
+    lines = isolines_of(obj)
+    if lines is not None:
+        _fill(lines, *_tubes(field, settings, bake))
+
+
+def _fill(obj, vertices, quads, radiance):
+    material = obj.data.materials[0]
+    if radiance is None:
+        surface_object.fill(obj.data, vertices, quads, {})
+        shader.build_lambertian(
+            material, _PLAIN_LINE if display.is_display(obj, _ISOLINES) else _PLAIN_GRAPH
+        )
+    else:
+        surface_object.fill(obj.data, vertices, quads, {surface_object.RADIANCE: radiance})
+        shader.build_attribute(material, surface_object.RADIANCE, surface_object.RADIANCE)
+
+
+def _heights(field, settings, values):
+    """Heights in the object's coordinates, where the longest side of the image measures 1."""
+    low, high = field.field().range
+    return settings.height * (np.asarray(values, np.float64) - low) / (high - low)
+
+
+def _graph(field, settings, bake):
+    """(vertices, quads, radiance or None) of the graph at every node, or at every few."""
+    rows, columns = field.values.shape
+    step = -(-max(rows, columns) // _MOST_NODES)
+    i, j = np.arange(0, columns, step), np.arange(0, rows, step)
+    x, y = np.meshgrid(i, j)
+    index = np.stack([x.ravel(), y.ravel(), np.ones(x.size)], axis=-1)
+    points = (index @ np.asarray(field.index_to_world, np.float64).T)[:, :2]
+    heights = _heights(field, settings, field.values[y.ravel(), x.ravel()])
+    vertices = np.concatenate([points, heights[:, None]], axis=1)
+    corner = np.arange(x.size).reshape(x.shape)
+    quads = np.stack(
+        [corner[:-1, :-1], corner[:-1, 1:], corner[1:, 1:], corner[1:, :-1]], axis=-1
+    ).reshape(-1, 4)
+    return vertices, quads, _radiance(settings, bake, points)
+
+
+def _tubes(field, settings, bake):
+    """(vertices, quads, radiance or None) of the isolines, as tubes with four edges."""
+    vertices, quads, radiance = [np.empty((0, 3))], [np.empty((0, 4), int)], [np.empty((0, 3))]
+    count = 0
+    for isovalue in isovalues(settings):
+        points, _, segments = _core.contour2(field.field(), float(isovalue))
+        vertices.append(
+            _rings(points, segments, _heights(field, settings, isovalue), settings.width)
+        )
+        a, b = (4 * (count + segments[:, end]) for end in (0, 1))
+        for edge in range(4):
+            following = (edge + 1) % 4
+            quads.append(np.stack([a + edge, b + edge, b + following, a + following], axis=-1))
+        if bake is not None:
+            radiance.append(_radiance(settings, bake, points).repeat(4, axis=0))
+        count += len(points)
+    lit = np.concatenate(radiance) if bake is not None else None
+    return np.concatenate(vertices), np.concatenate(quads), lit
+
+
+def _rings(points, segments, height, width):
+    """Four vertices (4 n, 3) about each of the points (n, 2): beside, above, beside, below."""
+    rings = np.zeros((len(points), 4, 3))
+    rings[..., :2] = points[:, None]
+    rings[..., 2] = height
+    across = 0.5 * width * _normals(points, segments)
+    rings[:, 0, :2] += across
+    rings[:, 1, 2] += 0.5 * width
+    rings[:, 2, :2] -= across
+    rings[:, 3, 2] -= 0.5 * width
+    return rings.reshape(-1, 3)
+
+
+def _normals(points, segments):
+    """Unit vectors (n, 2) across the lines at their vertices."""
+    along = points[segments[:, 1]] - points[segments[:, 0]]
+    tangents = np.zeros_like(points, dtype=np.float64)
+    for end in (0, 1):
+        np.add.at(tangents, segments[:, end], along)
+    lengths = np.linalg.norm(tangents, axis=1, keepdims=True)
+    tangents /= np.maximum(lengths, 1e-30)
+    return np.stack([-tangents[:, 1], tangents[:, 0]], axis=-1)
+
+
+def _radiance(settings, bake, points):
+    if bake is None:
+        return None
+    factor = flatland.BRIGHTNESS_CORRECTION if settings.brightness_correction else 1.0
+    return factor * bake.radiance(np.ascontiguousarray(points, np.float64))

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How the isosurfaces of a volume object look, in the terms of the bake."""
+
+import leaflight
+import numpy as np
+from leaflight.scene.scene import Leaves, is_color
+
+from ..store import cache
+
+LeaflightError = leaflight.LeaflightError
+
+
+def export_leaves(obj, several):
+    """The Leaves of a volume object; several: whether others are baked with it.
+
+    Raises LeaflightError.
+    """
+    settings = obj.leaflight
+    strength = settings.leaf_emission_strength
+    return Leaves(
+        name=obj.name,
+        albedo=albedo_ramp(obj),
+        emission=tuple(strength * x for x in settings.leaf_emission),
+        scattering=settings.leaf_scattering.lower(),
+        ior=settings.leaf_ior,
+        isovalues=(settings.low, settings.high) if several else None,
+        capped=settings.capped,
+    )
+
+
+def albedo_ramp(obj):
+    """The albedo as one colour, or as stops (isovalue, colour) in ascending isovalue.
+
+    Raises LeaflightError when two stops have the same isovalue.
+    """
+    settings = obj.leaflight
+    stops = sorted((stop.isovalue, tuple(stop.color)) for stop in settings.leaf_stops)
+    for (below, _), (above, _) in zip(stops, stops[1:]):
+        if not below < above:
+            raise LeaflightError(
+                f'The color ramp of "{obj.name}" has two stops at isovalue {above:g}: move or '
+                "remove one."
+            )
+    return stops or tuple(settings.leaf_albedo)
+
+
+def colours(ramp):
+    """All colours (n, 3) of a ramp: one colour, or stops (isovalue, colour)."""
+    return np.array([ramp] if is_color(ramp) else [colour for _, colour in ramp])
+
+
+def albedo_at(obj, isovalue):
+    """The albedo (r, g, b) of one isosurface."""
+    stops = sorted((stop.isovalue, tuple(stop.color)) for stop in obj.leaflight.leaf_stops)
+    if not stops:
+        return tuple(obj.leaflight.leaf_albedo)
+    positions = [position for position, _ in stops]
+    channels = zip(*(colour for _, colour in stops))
+    return tuple(float(np.interp(isovalue, positions, channel)) for channel in channels)
+
+
+def emission_of(obj):
+    """The radiance (r, g, b) that all isosurfaces emit by themselves."""
+    settings = obj.leaflight
+    return tuple(settings.leaf_emission_strength * x for x in settings.leaf_emission)
+
+
+def world_box(obj):
+    """Lowest and highest corner (2, 3) of the volume in world space. Raises LeaflightError."""
+    low, high = np.asarray(cache.volume_of(obj).field().bounds, np.float64)
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+    matrix = np.array(obj.matrix_world, np.float64)
+    world = (low + corners * (high - low)) @ matrix[:3, :3].T + matrix[:3, 3]
+    return np.array([world.min(axis=0), world.max(axis=0)])

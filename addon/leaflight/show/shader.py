@@ -1,0 +1,288 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Materials of leaves, and of baked radiance: emission of a volume texture or a vertex attribute.
+
+Where only the outer side of a leaf is baked and the inner one is seen, through a cut at the border
+of the volume, the material is the plain Lambertian leaf there.
+
+The volume texture is an atlas of slices without padding. Eight lookups without interpolation and a
+trilinear blend made of math nodes give the same values in Cycles and in Eevee; letting the image
+texture interpolate does not, because tiles of other slices lie next to each texel at the border of
+a tile.
+"""
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+from leaflight import _core
+
+# Larger float images exceed what graphics drivers and memory commonly hold.
+LARGEST_ATLAS = 8192
+
+
+def build_lambertian(material, albedo):
+    graph = _Graph(material)
+    graph.finish(graph.lambertian())
+    set_albedo(material, albedo)
+
+
+def build_leaf(material, scattering, ior, emission):
+    """A leaf of its own material: "DIFFUSE", "MIRROR" or "GLASS"; emission: radiance (r, g, b)."""
+    graph = _Graph(material)
+    surface = graph.reflecting(scattering, ior)
+    if max(emission) > 0:
+        surface = graph.sum(surface, graph.emission(emission))
+    graph.finish(surface)
+
+
+def set_albedo(material, albedo):
+    """Gives every reflecting node of a material that was built here this colour."""
+    colour = (*albedo, 1.0)
+    for node in material.node_tree.nodes:
+        if node.type in {"BSDF_DIFFUSE", "BSDF_GLOSSY", "BSDF_GLASS"}:
+            if not np.allclose(node.inputs[0].default_value, colour, rtol=0, atol=1e-7):
+                node.inputs[0].default_value = colour
+
+
+def build_attribute(material, front, back=None):
+    """Emission of the colour attributes called `front` and, if it was baked, `back`."""
+    graph = _Graph(material)
+    graph.emit_sides(*(graph.attribute(name) for name in (front, back) if name))
+
+
+def shared_material(tag, name, front, back=None):
+    """The one material of the file, marked by the ID property `tag`, with build_attribute()."""
+    for material in bpy.data.materials:
+        if tag in material:
+            return material
+    material = bpy.data.materials.new(name)
+    material[tag] = True
+    # As lights of many triangles its objects would add noise.
+    material.cycles.sample_as_light = False
+    build_attribute(material, front, back)
+    return material
+
+
+def build_atlas(material, images, resolution, columns, texel_from_object):
+    """Emission of a radiance grid of this resolution (nx, ny, nz), from its atlas.
+
+    images: the atlas of the outer side and, if it was baked, of the inner one. columns: tiles in a
+    row of an image. texel_from_object: (4, 4), from the object's coordinates to those of texel
+    centres. The resolution is at least 2 along each axis.
+    """
+    nx, ny, nz = resolution
+    rows = -(-nz // columns)
+    graph = _Graph(material)
+    coordinates = graph.node("ShaderNodeTexCoord")
+    position = next(s for s in coordinates.outputs if s.identifier == "Object")
+    low, weight = [], []
+    for axis, count in enumerate((nx, ny, nz)):
+        row = texel_from_object[axis]
+        texel = graph.math("ADD", graph.dot(position, row[:3]), row[3])
+        texel = graph.math("MINIMUM", graph.math("MAXIMUM", texel, 0.0), count - 1.0)
+        cell = graph.math("MINIMUM", graph.math("FLOOR", texel), count - 2.0)
+        low.append(cell)
+        weight.append(graph.math("SUBTRACT", texel, cell))
+
+    corner_x = [low[0], graph.math("ADD", low[0], 1.0)]
+    corner_y = [low[1], graph.math("ADD", low[1], 1.0)]
+    places = []
+    for k in range(2):
+        slice_ = graph.math("ADD", low[2], float(k))
+        # The half keeps the quotient away from whole numbers, where rounding could change the tile.
+        row = graph.math(
+            "FLOOR", graph.math("DIVIDE", graph.math("ADD", slice_, 0.5), float(columns))
+        )
+        column = graph.math("SUBTRACT", slice_, graph.math("MULTIPLY", row, float(columns)))
+        tile_x = graph.math("MULTIPLY_ADD", column, float(nx), 0.5)
+        tile_y = graph.math("MULTIPLY_ADD", row, float(ny), 0.5)
+        for j in range(2):
+            v = graph.math("DIVIDE", graph.math("ADD", tile_y, corner_y[j]), float(rows * ny))
+            for i in range(2):
+                u = graph.math(
+                    "DIVIDE", graph.math("ADD", tile_x, corner_x[i]), float(columns * nx)
+                )
+                places.append(graph.combine(u, v))
+    graph.emit_sides(*(_trilinear(graph, image, places, weight) for image in images))
+
+
+def _trilinear(graph, image, places, weight):
+    """The blend of the eight texels at the places, x running fastest, by a weight for each axis."""
+    colour = [graph.texel(image, place) for place in places]
+    for axis in range(3):
+        colour = [
+            graph.mix(colour[2 * n], colour[2 * n + 1], weight[axis])
+            for n in range(len(colour) // 2)
+        ]
+    return colour[0]
+
+
+def texel_from_object(volume, resolution):
+    """The matrix (4, 4) from the coordinates of an object's volume to those of texel centres.
+
+    The first and the last texel of an axis lie on the first and the last node of the volume.
+    """
+    nodes = np.array(volume.values.shape[::-1], np.float64)
+    texels = np.array(resolution, np.float64)
+    scale = np.diag([*((texels - 1.0) / (nodes - 1.0)), 1.0])
+    return scale @ np.linalg.inv(volume.index_to_world)
+
+
+def load_image(path):
+    """The image of an atlas file, with all the digits it holds."""
+    image = bpy.data.images.load(path, check_existing=True)
+    image.colorspace_settings.name = "Non-Color"
+    image.use_half_precision = False
+    image.alpha_mode = "NONE"
+    return image
+
+
+def reload_image(path):
+    """Lets Blender see that the file of an image it may have loaded has changed."""
+    for image in bpy.data.images:
+        if image.source == "FILE" and bpy.path.abspath(image.filepath) == path:
+            image.reload()
+
+
+def atlas_path(bake_path, index=0, back=False):
+    """The atlas lies beside the bake, so that a saved scene renders without this add-on.
+
+    index: of the volume among those baked together. back: of the inner side.
+    """
+    path = Path(bake_path)
+    number = f"_{index + 1}" if index else ""
+    return str(path.with_name(f"{path.stem}{number}_atlas{'_back' if back else ''}.exr"))
+
+
+def write_atlas(grid, path, back=False):
+    """Writes the atlas of a radiance grid, unless that has finer texels or it would be too large.
+
+    Returns its number of columns, each as wide as the grid, or 0 when nothing was written.
+    """
+    nx, ny, nz = grid.resolution
+    if grid.levels > 1 or nx * ny * nz > LARGEST_ATLAS**2:
+        return 0
+    pixels, columns, _ = grid.atlas(back=back)
+    if max(pixels.shape) > LARGEST_ATLAS:
+        return 0
+    # Blender's rows and the atlas's count from the bottom, those of EXR from the top.
+    _core.write_exr(path, np.ascontiguousarray(pixels[::-1]))
+    return columns
+
+
+class _Graph:
+    """Builds the node tree of a material from scratch."""
+
+    def __init__(self, material):
+        material.use_nodes = True
+        self.tree = material.node_tree
+        self.tree.nodes.clear()
+
+    def node(self, kind):
+        node = self.tree.nodes.new(kind)
+        node.location = (200 * (len(self.tree.nodes) // 12), -160 * (len(self.tree.nodes) % 12))
+        node.hide = True
+        return node
+
+    def connect(self, value, socket):
+        if isinstance(value, bpy.types.NodeSocket):
+            self.tree.links.new(value, socket)
+        else:
+            socket.default_value = value
+
+    def math(self, operation, *values):
+        node = self.node("ShaderNodeMath")
+        node.operation = operation
+        for value, socket in zip(values, node.inputs):
+            self.connect(value, socket)
+        return node.outputs[0]
+
+    def vector(self, operation, *values):
+        node = self.node("ShaderNodeVectorMath")
+        node.operation = operation
+        for value, socket in zip(values, node.inputs):
+            self.connect(value, socket)
+        return node.outputs["Vector"]
+
+    def dot(self, vector, constant):
+        node = self.node("ShaderNodeVectorMath")
+        node.operation = "DOT_PRODUCT"
+        self.connect(vector, node.inputs[0])
+        node.inputs[1].default_value = constant
+        return node.outputs["Value"]
+
+    def combine(self, x, y):
+        node = self.node("ShaderNodeCombineXYZ")
+        self.connect(x, node.inputs[0])
+        self.connect(y, node.inputs[1])
+        return node.outputs[0]
+
+    def texel(self, image, position):
+        node = self.node("ShaderNodeTexImage")
+        node.image = image
+        node.interpolation = "Closest"
+        node.extension = "EXTEND"
+        self.connect(position, node.inputs[0])
+        return node.outputs[0]
+
+    def mix(self, a, b, weight):
+        """a + weight * (b - a)."""
+        difference = self.vector("SUBTRACT", b, a)
+        splat = self.node("ShaderNodeCombineXYZ")
+        for socket in splat.inputs:
+            self.connect(weight, socket)
+        return self.vector("MULTIPLY_ADD", difference, splat.outputs[0], a)
+
+    def attribute(self, name):
+        node = self.node("ShaderNodeAttribute")
+        node.attribute_name = name
+        return node.outputs["Color"]
+
+    def lambertian(self):
+        return self.node("ShaderNodeBsdfDiffuse").outputs[0]
+
+    def reflecting(self, scattering, ior):
+        if scattering == "DIFFUSE":
+            return self.lambertian()
+        kind = "ShaderNodeBsdfGlass" if scattering == "GLASS" else "ShaderNodeBsdfGlossy"
+        node = self.node(kind)
+        for socket in node.inputs:
+            if socket.identifier in {"Roughness", "IOR"}:
+                socket.default_value = ior if socket.identifier == "IOR" else 0.0
+        return node.outputs[0]
+
+    def emission(self, colour):
+        """Emission of a colour (r, g, b) without bounds, or of a socket."""
+        node = self.node("ShaderNodeEmission")
+        if isinstance(colour, bpy.types.NodeSocket):
+            self.connect(colour, node.inputs[0])
+        else:
+            strength = max(colour)
+            node.inputs[0].default_value = (*(x / strength for x in colour), 1.0)
+            node.inputs[1].default_value = strength
+        return node.outputs[0]
+
+    def sum(self, a, b):
+        node = self.node("ShaderNodeAddShader")
+        self.connect(a, node.inputs[0])
+        self.connect(b, node.inputs[1])
+        return node.outputs[0]
+
+    def backfacing(self):
+        geometry = self.node("ShaderNodeNewGeometry")
+        return next(s for s in geometry.outputs if s.identifier == "Backfacing")
+
+    def emit_sides(self, front, back=None):
+        """Emission of one colour on each side; without the inner one, the Lambertian leaf there."""
+        if back is not None:
+            self.finish(self.emission(self.mix(front, back, self.backfacing())))
+            return
+        side = self.node("ShaderNodeMixShader")
+        self.connect(self.backfacing(), side.inputs[0])
+        self.connect(self.emission(front), side.inputs[1])
+        self.connect(self.lambertian(), side.inputs[2])
+        self.finish(side.outputs[0])
+
+    def finish(self, shader):
+        output = self.node("ShaderNodeOutputMaterial")
+        self.tree.links.new(shader, output.inputs[0])

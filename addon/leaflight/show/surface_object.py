@@ -1,0 +1,263 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The mesh object that shows one isosurface of its volume, lit by its bake.
+
+The mesh remembers which surface it holds, so that a stale one is noticed after undo, redo and
+loading a file: they bring back mesh and memory together.
+"""
+
+import os
+
+import bpy
+import leaflight
+import numpy as np
+from leaflight import _core
+
+from ..store import cache
+from . import leaves, shader
+
+LeaflightError = leaflight.LeaflightError
+
+# Colour attributes: what leaves the outer side of the surface, and the inner one where it is baked.
+RADIANCE = "radiance"
+RADIANCE_BACK = "radiance_back"
+_SHOWN = "leaflight_shown"
+_ISOVALUE = "leaflight_isovalue"
+_BUILT = "leaflight_built"
+
+# Object name -> why its surface could not be shown, for the panel.
+problems = {}
+
+
+def create(context, volume, size):
+    """A mesh object in the active collection for the volume, its longest side `size` units long.
+
+    The object's transform alone scales and places it: centred on the grid floor.
+    """
+    mesh = bpy.data.meshes.new(volume.name)
+    obj = bpy.data.objects.new(volume.name, mesh)
+    low, high = np.asarray(volume.field().bounds, np.float64)
+    scale = size / float((high - low).max())
+    centre = 0.5 * (low + high)
+    obj.scale = (scale, scale, scale)
+    obj.location = (-scale * centre[0], -scale * centre[1], -scale * low[2])
+    context.collection.objects.link(obj)
+    return obj
+
+
+def update(obj, isovalue):
+    """Shows the isosurface, unless the mesh holds it already. A failure goes to `problems`."""
+    label = _label(obj.leaflight, isovalue)
+    if obj.data.get(_SHOWN) == label:
+        return
+    problems.pop(obj.name, None)
+    vertices, triangles, radiance = np.empty((0, 3)), np.empty((0, 3)), {}
+    try:
+        vertices, _, triangles = contour(obj, isovalue)
+        if is_lit(obj, isovalue):
+            radiance = radiance_at(obj, vertices)
+    except LeaflightError as error:
+        problems[obj.name] = str(error)
+    fill(obj.data, vertices, triangles, radiance)
+    obj.data[_SHOWN] = label
+    obj.data[_ISOVALUE] = isovalue
+    shade(obj)
+
+
+def shown_isovalue(obj):
+    """The isovalue of the surface that the mesh holds, by its object if it holds none yet."""
+    return obj.data.get(_ISOVALUE, obj.leaflight.isovalue)
+
+
+def contour(obj, isovalue):
+    """(vertices, normals, triangles) in local coordinates. Raises LeaflightError.
+
+    Where a bake has finer texels the mesh is finer, too.
+    """
+    volume = cache.volume_of(obj)
+    low, high = volume.data_range()
+    if not low < isovalue <= high:
+        raise LeaflightError(
+            f"Isovalue {isovalue:g} lies outside the data, whose values are {low:g} to {high:g}: "
+            "choose one inside."
+        )
+    try:
+        lit = is_lit(obj, isovalue)
+    except LeaflightError:
+        # A bake that cannot be read lights nothing; update() says why.
+        lit = False
+    if lit:
+        return cache.grid_of(obj).contour(volume.field(), isovalue)
+    return _core.contour(volume.field(), isovalue)
+
+
+def radiance_at(obj, points):
+    """Baked radiance at points (n, 3) in local coordinates, by the name of its attribute.
+
+    Raises LeaflightError.
+    """
+    # The texels belong to the volume's index space, wherever the object has moved since.
+    grid, field = cache.grid_of(obj), cache.volume_of(obj).field()
+    radiance = {RADIANCE: grid.lookup(field, points)}
+    if grid.has_back:
+        radiance[RADIANCE_BACK] = grid.lookup(field, points, back=True)
+    return radiance
+
+
+def is_lit(obj, isovalue):
+    """Whether the bake holds the radiance of this isosurface. Raises LeaflightError."""
+    settings = obj.leaflight
+    bake = cache.bake_of(obj)
+    if bake is None:
+        return False
+    baked = bake.scene.leaves[settings.bake_index]
+    # What a mirror or glass shows depends on where it is seen from.
+    if baked.scattering != "diffuse" or baked.capped != settings.capped:
+        return False
+    low, high = (bake.isovalue_of(settings.bake_index, c) for c in bake.isovalues)
+    rounding = 1e-6 * (high - low)
+    return low - rounding <= isovalue <= high + rounding
+
+
+def fill(mesh, vertices, faces, colours):
+    """Replaces the geometry: vertices (n, 3), faces (m, 3) or (m, 4), smooth.
+
+    colours: by the name of its attribute, linear RGB (n, 3).
+    """
+    mesh.clear_geometry()
+    count = len(faces)
+    if count:
+        corners = faces.shape[1]
+        loops = np.ascontiguousarray(faces, np.int32).ravel()
+        starts = np.arange(0, corners * count, corners, dtype=np.int32)
+        mesh.vertices.add(len(vertices))
+        mesh.vertices.foreach_set("co", np.ascontiguousarray(vertices, np.float32).ravel())
+        mesh.loops.add(len(loops))
+        mesh.loops.foreach_set("vertex_index", loops)
+        mesh.polygons.add(count)
+        mesh.polygons.foreach_set("loop_start", starts)
+        if not bpy.types.MeshPolygon.bl_rna.properties["loop_total"].is_readonly:
+            mesh.polygons.foreach_set("loop_total", np.full(count, corners, np.int32))
+        mesh.polygons.foreach_set("use_smooth", np.ones(count, bool))
+    mesh.update(calc_edges=True)
+    if len(vertices):
+        for name, values in colours.items():
+            colour(mesh, name, values)
+
+
+def colour(mesh, name, values):
+    """Writes linear RGB (n, 3) to the vertices' colour attribute of this name."""
+    colours = np.ones((len(values), 4), np.float32)
+    colours[:, :3] = values
+    attribute = mesh.attributes.get(name)
+    if attribute is None:
+        attribute = mesh.attributes.new(name, "FLOAT_COLOR", "POINT")
+    attribute.data.foreach_set("color", colours.ravel())
+
+
+def mark_shown(mesh, other):
+    """Marks a mesh as showing what the other shows, so that it is left alone."""
+    mesh[_SHOWN], mesh[_ISOVALUE] = other[_SHOWN], other[_ISOVALUE]
+
+
+def shade(obj):
+    """Gives the object the material of its state: baked radiance, or plain and unlit by the bake.
+
+    A material that the user put there instead stays. A failure goes to `problems`.
+    """
+    try:
+        _assign_material(obj)
+    except LeaflightError as error:
+        problems[obj.name] = str(error)
+
+
+def _assign_material(obj):
+    settings = obj.leaflight
+    current = obj.data.materials[0] if obj.data.materials else None
+    if current not in (None, settings.leaf_material, settings.baked_material):
+        return
+    if RADIANCE in obj.data.attributes:
+        material = _baked_material(obj)
+    else:
+        material = leaf_material(obj)
+    set_material(obj, material)
+
+
+def set_material(obj, material):
+    if not obj.data.materials:
+        obj.data.materials.append(material)
+    elif obj.data.materials[0] != material:
+        obj.data.materials[0] = material
+
+
+def leaf_material(obj):
+    """The material of the leaf itself, as the bake assumes it."""
+    settings = obj.leaflight
+    scattering, ior = settings.leaf_scattering, settings.leaf_ior
+    emission = leaves.emission_of(obj)
+
+    def build(material):
+        shader.build_leaf(material, scattering, ior, emission)
+
+    return _material(obj, "leaf_material", f"{scattering} {ior} {emission}", build)
+
+
+def shading_in_use(settings):
+    """(the shading mode, the reason when it is not the one chosen or an empty text)."""
+    if settings.shading != "ATLAS" or not settings.bake_id or settings.atlas_columns > 0:
+        return settings.shading, ""
+    if settings.bake_refined:
+        return "ATTRIBUTE", "Vertex attribute: a volume texture holds no finer texels"
+    size = shader.LARGEST_ATLAS
+    return "ATTRIBUTE", f"Vertex attribute: a volume texture would exceed {size} x {size} pixels"
+
+
+def _baked_material(obj):
+    settings = obj.leaflight
+    mode, _ = shading_in_use(settings)
+    back = RADIANCE_BACK in obj.data.attributes
+
+    def build(material):
+        # Paths find the surface by themselves; as a light of many triangles it would add noise.
+        material.cycles.sample_as_light = False
+        if mode == "ATTRIBUTE":
+            shader.build_attribute(material, RADIANCE, RADIANCE_BACK if back else None)
+            return
+        grid = cache.grid_of(obj)
+        sides = [
+            _atlas_image(settings, grid, side) for side in ((False, True) if back else (False,))
+        ]
+        matrix = shader.texel_from_object(cache.volume_of(obj), grid.resolution)
+        shader.build_atlas(material, sides, grid.resolution, settings.atlas_columns, matrix)
+
+    return _material(obj, "baked_material", f"{mode} {settings.bake_id} {back}", build)
+
+
+def _atlas_image(settings, grid, back):
+    path = shader.atlas_path(settings.bake_path, settings.bake_index, back)
+    if not os.path.exists(bpy.path.abspath(path)):
+        shader.write_atlas(grid, bpy.path.abspath(path), back)
+    return shader.load_image(path)
+
+
+def _material(obj, slot, label, build):
+    """The material in a slot of the settings, built only when it is not yet what the label says.
+
+    Each build compiles the shader anew; the albedo of the isovalue is put into what was built. A
+    duplicate of the object gets a material of its own.
+    """
+    settings = obj.leaflight
+    material = getattr(settings, slot)
+    others = (other.leaflight for other in bpy.data.objects if other != obj)
+    if material is None or any(getattr(other, slot) == material for other in others):
+        material = bpy.data.materials.new(f"{obj.name} {slot.partition('_')[0].title()}")
+        setattr(settings, slot, material)
+    if material.get(_BUILT) != label:
+        build(material)
+        material[_BUILT] = label
+    shader.set_albedo(material, leaves.albedo_at(obj, shown_isovalue(obj)))
+    return material
+
+
+def _label(settings, isovalue):
+    volume = f"{settings.source} {settings.frame} {settings.capped}"
+    return f"{isovalue!r} of {volume} lit by {settings.bake_id}"

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The surroundings with the light of the present isosurface: shadows and color bleeding on walls.
+
+A bake that lights the surroundings holds their radiance for every leaf. A display object for each
+mesh that was baked shows it in place of the original, which is hidden meanwhile and marked so that
+the next bake still sees it.
+"""
+
+import bpy
+import leaflight
+import numpy as np
+
+from ..store import cache
+from . import display, shader, surface_object
+
+LeaflightError = leaflight.LeaflightError
+
+COLLECTION = "Leaflight Walls"
+
+_COLLECTION = "leaflight_walls"
+_WALL = "wall"
+_INDEX = "leaflight_wall"
+_WALL_MATERIAL = "leaflight_wall_material"
+_HIDDEN = "leaflight_hidden"
+_SHOWN = "leaflight_shown"
+_LIT_BY = "leaflight_lit_by"
+
+
+def is_hidden(obj):
+    """Whether an object, which renders otherwise, is hidden behind its display."""
+    return _HIDDEN in obj
+
+
+def refresh(scene):
+    """Shows the lit surroundings, or the objects themselves, as the user chose."""
+    _clear(scene)
+    leader = _leader(scene)
+    if leader is not None and scene.leaflight.show_walls:
+        try:
+            _build(scene, leader)
+        except LeaflightError as error:
+            _clear(scene)
+            surface_object.problems[leader.name] = str(error)
+            return
+    update(scene)
+
+
+def update(scene):
+    """Lights the displays for the leaf that is shown, unless they show it already."""
+    displays = [obj for obj in scene.objects if display.is_display(obj, _WALL)]
+    leader = _leader(scene) if displays else None
+    if leader is None:
+        return
+    settings = leader.leaflight
+    label = f"{surface_object.shown_isovalue(leader)!r} lit by {settings.bake_id}"
+    stale = [obj for obj in displays if obj.data.get(_SHOWN) != label]
+    if not stale:
+        return
+    try:
+        bake = cache.bake_of(leader)
+    except LeaflightError as error:
+        surface_object.problems[leader.name] = str(error)
+        return
+    if bake.surroundings is None:
+        return
+    low, high = bake.isovalues
+    c = min(max(_leaf_coordinate(leader, bake), low), high)
+    for obj in stale:
+        for name, back in ((surface_object.RADIANCE, False), (surface_object.RADIANCE_BACK, True)):
+            radiance = bake.surroundings.radiance(obj[_INDEX], c, back=back)
+            surface_object.colour(obj.data, name, radiance)
+        obj.data[_SHOWN] = label
+        obj.data.update()
+
+
+def _leader(scene):
+    """The volume whose bake has lit the surroundings, None without such a bake."""
+    volumes = [obj for obj in scene.objects if obj.leaflight.bake_surroundings]
+    shown = [obj for obj in volumes if not obj.hide_render]
+    return min(shown or volumes, key=lambda obj: obj.leaflight.bake_index, default=None)
+
+
+def _leaf_coordinate(leader, bake):
+    lowest, highest = (bake.isovalue_of(leader.leaflight.bake_index, c) for c in bake.isovalues)
+    low, high = bake.isovalues
+    part = (surface_object.shown_isovalue(leader) - lowest) / (highest - lowest)
+    return low + part * (high - low)
+
+
+def _build(scene, leader):
+    bake = cache.bake_of(leader)
+    if bake.surroundings is None:
+        return
+    collection = bpy.data.collections.new(COLLECTION)
+    collection[_COLLECTION] = True
+    scene.collection.children.link(collection)
+    material = shader.shared_material(
+        _WALL_MATERIAL, "Leaflight Wall", surface_object.RADIANCE, surface_object.RADIANCE_BACK
+    )
+    for index, mesh in enumerate(bake.scene.meshes):
+        original = scene.objects.get(mesh.name)
+        # What a mirror or glass shows depends on where it is seen from: these stay as they are.
+        if original is None or mesh.scattering != "diffuse":
+            continue
+        collection.objects.link(_display(bake, index, mesh.name, material))
+        _hide(scene, original)
+
+
+def _display(bake, index, name, material):
+    vertices, triangles = bake.surroundings.mesh(index)
+    data = bpy.data.meshes.new(f"{name} Lit")
+    surface_object.fill(data, vertices, triangles, {})
+    data.polygons.foreach_set("use_smooth", np.zeros(len(triangles), bool))
+    data.materials.append(material)
+    obj = bpy.data.objects.new(f"{name} Lit", data)
+    display.mark(obj, _WALL)
+    obj[_INDEX] = index
+    obj.hide_select = True
+    return obj
+
+
+def _hide(scene, obj):
+    """Hides an object that renders; one that has several materials comes here more than once."""
+    if is_hidden(obj) or obj.hide_render:
+        return
+    obj[_HIDDEN] = obj.hide_get()
+    obj.hide_render = True
+    for layer in scene.view_layers:
+        if obj.name in layer.objects:
+            obj.hide_set(True, view_layer=layer)
+
+
+def _clear(scene):
+    """Removes the displays and shows what they hid."""
+    for obj in [obj for obj in scene.objects if display.is_display(obj, _WALL)]:
+        bpy.data.meshes.remove(obj.data)
+    for collection in [c for c in scene.collection.children if _COLLECTION in c]:
+        bpy.data.collections.remove(collection)
+    for obj in scene.objects:
+        if is_hidden(obj):
+            was_hidden = bool(obj[_HIDDEN])
+            del obj[_HIDDEN]
+            obj.hide_render = False
+            for layer in scene.view_layers:
+                if obj.name in layer.objects:
+                    obj.hide_set(was_hidden, view_layer=layer)

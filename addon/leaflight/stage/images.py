@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The pixels of Blender's images as Cycles sees them: linear colours."""
+
+import hashlib
+import os
+
+import bpy
+import leaflight
+import numpy as np
+
+LeaflightError = leaflight.LeaflightError
+
+# Spaces in which the numbers of an 8-bit image are linear as they are.
+_LINEAR = {"Linear", "Linear Rec.709", "Non-Color", "Raw"}
+
+# (pixels, their SHA-256) by all that tells one state of an image from another.
+_pixels = {}
+
+
+def linear_pixels(what, image):
+    """The colours float32 [row, column, 3] of an image, bottom row first. Raises LeaflightError.
+
+    what: who uses the image, for errors.
+    """
+    _check(what, image)
+    key = _key(image)
+    if key not in _pixels:
+        forget(image.name_full)
+        pixels = _read(what, image)
+        _pixels[key] = (pixels, hashlib.sha256(pixels).digest())
+    return _pixels[key][0]
+
+
+def digest(pixels):
+    """SHA-256 of an array; that of an image is computed once."""
+    for known, value in _pixels.values():
+        if known is pixels:
+            return value
+    return hashlib.sha256(np.ascontiguousarray(pixels)).digest()
+
+
+def forget(name=None):
+    """Frees the pixels of the image of this full name, or of all."""
+    for key in [key for key in _pixels if name in (None, key[0])]:
+        del _pixels[key]
+
+
+def _check(what, image):
+    if image is None:
+        raise LeaflightError(f"{what} has a texture node without an image: open one.")
+    if image.source not in {"FILE", "GENERATED"}:
+        raise LeaflightError(
+            f'{what} uses the image "{image.name}", a {image.source.lower()}, but the bake models '
+            "single images: choose one."
+        )
+    if image.size[0] == 0 or image.size[1] == 0:
+        raise LeaflightError(
+            f'{what} uses the image "{image.name}", whose file cannot be read: reload it or open '
+            "another."
+        )
+    space = image.colorspace_settings.name
+    if not image.is_float and space != "sRGB" and space not in _LINEAR:
+        raise LeaflightError(
+            f'{what} uses the image "{image.name}" in the color space {space}, which the bake does '
+            "not know: set it to sRGB or Non-Color."
+        )
+
+
+def _key(image):
+    try:
+        changed = os.stat(bpy.path.abspath(image.filepath)).st_mtime_ns if image.filepath else 0
+    except OSError:
+        changed = 0
+    return (
+        image.name_full,
+        image.filepath,
+        changed,
+        tuple(image.size),
+        image.colorspace_settings.name,
+        image.alpha_mode,
+        # Painting and pixels set by scripts show in nothing but the pixels.
+        _few_pixels(image) if image.is_dirty or image.source == "GENERATED" else b"",
+    )
+
+
+def _few_pixels(image):
+    return hashlib.sha256(_raw(image)).digest()
+
+
+def _raw(image):
+    pixels = np.empty(len(image.pixels), np.float32)
+    image.pixels.foreach_get(pixels)
+    return pixels
+
+
+def _read(what, image):
+    width, height = image.size
+    raw = _raw(image)
+    if raw.size != width * height * image.channels:
+        raise LeaflightError(
+            f'{what} uses the image "{image.name}", which is incomplete: reload it.'
+        )
+    raw = raw.reshape(height, width, image.channels)
+    colours = raw[..., :3] if image.channels >= 3 else np.repeat(raw[..., :1], 3, axis=2)
+    if not image.is_float:
+        # Cycles multiplies 8-bit colours by their alpha while they are still encoded.
+        if image.channels == 4 and image.alpha_mode == "STRAIGHT":
+            colours = colours * raw[..., 3:]
+        if image.colorspace_settings.name == "sRGB":
+            colours = _linear_from_srgb(colours)
+    if not np.isfinite(colours).all():
+        raise LeaflightError(
+            f'{what} uses the image "{image.name}", which holds pixels that are not finite '
+            "numbers: repair or replace it."
+        )
+    return np.ascontiguousarray(colours, np.float32)
+
+
+def _linear_from_srgb(encoded):
+    curved = ((encoded + 0.055) / 1.055) ** 2.4
+    return np.where(encoded <= 0.04045, encoded / 12.92, curved)

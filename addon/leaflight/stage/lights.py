@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's lights as luminaires of the bake, in radiometric units."""
+
+import math
+
+import bpy
+import leaflight
+import numpy as np
+from leaflight.scene.scene import AreaLight, Cone, PointLight, SunLight
+
+from . import nodes
+
+LeaflightError = leaflight.LeaflightError
+
+# What Cycles makes of the power of a light, from a Blender version on. Verified in 3.4.1 and in
+# 5.2.2; in which release between them it changed is not known. The tests render probes.
+#   area: radiance per watt and unit area; an AREA light's area counts its object's scale
+#   spot_cosine: whether a spot also fades with the cosine to its axis
+#   soft_points: whether E = I / (d^2 + r^2) at the distance d from a point light of radius r,
+#       always or where the light says so; E = I / d^2 otherwise, as in the bake
+#   sun_disc: whether the sun is sampled on a disc of directions, a little dimmer than its strength
+# A point or spot light has the radiant intensity power / 4 pi and a radius that no scale changes.
+LIGHT_UNITS = (
+    ((3, 4, 0), {"area": 1 / 4, "spot_cosine": True, "soft_points": True, "sun_disc": True}),
+    (
+        (5, 0, 0),
+        {"area": 1 / math.pi, "spot_cosine": False, "soft_points": None, "sun_disc": False},
+    ),
+)
+
+# From which error on a point light's softness is worth a warning.
+_SOFTNESS = 0.01
+
+
+def light_units(version=None):
+    """The row of LIGHT_UNITS for a Blender version, by default the present one."""
+    rows = [units for since, units in LIGHT_UNITS if (version or bpy.app.version) >= since]
+    if not rows:
+        raise LeaflightError("Leaflight needs Blender 3.4 or later.")
+    return rows[-1]
+
+
+def export_light(obj, matrix, boxes, warnings):
+    """The luminaire of a light object, or None when it is black. Raises LeaflightError.
+
+    matrix: (4, 4), object to world. boxes: function without arguments that returns the volumes'
+    world boxes [(2, 3), ...]. warnings: a list that sentences are added to.
+    """
+    what = f'Light "{obj.name}"'
+    light = obj.data
+    casts_shadow = getattr(light.cycles, "cast_shadow", light.use_shadow)
+    if not casts_shadow or light.cycles.is_portal:
+        raise LeaflightError(
+            f"{what} is a portal or casts no shadows, which the bake cannot model: change that in "
+            "its settings or disable it in renders."
+        )
+    power = _power(what, light)
+    axes = np.array(matrix, np.float64)
+    if light.type == "AREA":
+        luminaire = _area(what, obj.name, light, axes, power)
+    elif light.type == "SUN":
+        luminaire = _sun(what, obj.name, light, axes, power)
+    else:
+        luminaire = _point(what, obj.name, light, axes, power)
+        _warn_of_softness(what, light, luminaire, boxes, warnings)
+    return luminaire if power.max() > 0 else None
+
+
+def _power(what, light):
+    """Power (3,) in watts; of a sun, irradiance."""
+    factor = 2.0 ** getattr(light, "exposure", 0.0)
+    if not getattr(light, "normalize", True):
+        raise LeaflightError(
+            f"{what} has Normalize off, which the bake does not model: turn it on and adapt its "
+            "power."
+        )
+    power = np.array(light.color, np.float64) * light.energy * factor * _tint(what, light)
+    if getattr(light, "use_temperature", False):
+        power *= np.array(light.temperature_color, np.float64)
+    if not np.all(power >= 0):
+        raise LeaflightError(f"{what} has a negative power: make it zero or positive.")
+    return power
+
+
+def _tint(what, light):
+    """The factor (3,) that a light's nodes put on its colour."""
+    if not light.use_nodes:
+        return np.ones(3)
+    emission = nodes.linked(light.node_tree, "Surface")
+    if emission is None:
+        return np.zeros(3)
+    if emission.type != "EMISSION":
+        raise LeaflightError(
+            f"{what} ends in a {emission.bl_label} node, but the bake models Emission: change it."
+        )
+    strength = nodes.number(emission, "Strength")
+    if not np.isfinite(strength):
+        node = nodes.source(nodes.socket(emission, "Strength"))
+        raise LeaflightError(
+            f"{what} has a strength made by a {node.bl_label} node, which the bake cannot model: "
+            "disconnect it, or disable the light in renders."
+        )
+    return np.array(nodes.colour(what, nodes.socket(emission, "Color"))) * strength
+
+
+def _area(what, name, light, axes, power):
+    if light.spread < math.radians(179.9):
+        raise LeaflightError(
+            f"{what} has a spread of {math.degrees(light.spread):.0f} degrees, but the bake models "
+            "a spread of 180 degrees: change its spread."
+        )
+    width = light.size
+    height = light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
+    edge_u, edge_v = axes[:3, 0] * width, axes[:3, 1] * height
+    normal = np.cross(edge_u, edge_v)
+    area = np.linalg.norm(normal)
+    if not area > 0:
+        raise LeaflightError(f"{what} has no area: give it a size above zero.")
+    if abs(edge_u @ edge_v) > 1e-4 * area:
+        raise LeaflightError(
+            f"{what} is sheared by its parent, but the bake models rectangles and ellipses: apply "
+            "or remove the parent's scale."
+        )
+    # It shines along its local -Z, towards the cross product of the edges.
+    if normal @ axes[:3, 2] > 0:
+        edge_v = -edge_v
+    ellipse = light.shape in {"DISK", "ELLIPSE"}
+    corner = axes[:3, 3] - 0.5 * (edge_u + edge_v)
+    radiance = power * light_units()["area"] / (area * (math.pi / 4 if ellipse else 1.0))
+    return AreaLight(
+        name, *(_numbers(v) for v in (corner, edge_u, edge_v, radiance)), ellipse=ellipse
+    )
+
+
+def _point(what, name, light, axes, power):
+    cone = None
+    if light.type == "SPOT":
+        if light.use_square:
+            raise LeaflightError(
+                f"{what} is a square spot, but the bake models round ones: turn Square off."
+            )
+        axis = -axes[:3, 2] / np.linalg.norm(axes[:3, 2])
+        cosine = light_units()["spot_cosine"]
+        cone = Cone(_numbers(axis), float(light.spot_size), float(light.spot_blend), cosine)
+    intensity = power / (4 * math.pi)
+    radius = float(light.shadow_soft_size)
+    return PointLight(name, _numbers(axes[:3, 3]), radius, _numbers(intensity), cone)
+
+
+def _sun(what, name, light, axes, power):
+    if light.angle >= math.pi:
+        raise LeaflightError(
+            f"{what} has an angle of {math.degrees(light.angle):.0f} degrees, but the bake models "
+            "suns below 180 degrees: use the world for light from all around."
+        )
+    irradiance = power
+    tangent = math.tan(0.5 * light.angle)
+    if light_units()["sun_disc"] and tangent > 1e-3:
+        # The mean cosine over the disc that touches the unit sphere of directions.
+        irradiance = power * 2 * (math.hypot(1.0, tangent) - 1.0) / tangent**2
+    direction = -axes[:3, 2] / np.linalg.norm(axes[:3, 2])
+    return SunLight(name, _numbers(direction), _numbers(irradiance), float(light.angle))
+
+
+def _warn_of_softness(what, light, luminaire, boxes, warnings):
+    soft = light_units()["soft_points"]
+    if soft is None:
+        soft = getattr(light, "use_soft_falloff", False)
+    if not soft or not luminaire.radius > 0:
+        return
+    position = np.array(luminaire.position)
+    for low, high in boxes():
+        distance = np.linalg.norm(np.maximum(np.maximum(low - position, position - high), 0.0))
+        if luminaire.radius**2 > _SOFTNESS * distance**2:
+            darker = luminaire.radius**2 / (distance**2 + luminaire.radius**2)
+            warnings.append(
+                f"{what} is as wide as it is near: Cycles renders it up to {100 * darker:.0f} % "
+                "darker at the volume than the bake; reduce its radius for a match"
+            )
+            return
+
+
+def _numbers(vector):
+    return tuple(float(x) for x in vector)

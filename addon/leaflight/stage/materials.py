@@ -1,0 +1,242 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the node trees of materials say in the terms of the bake."""
+
+from dataclasses import dataclass, field, replace
+
+import bpy
+import leaflight
+import numpy as np
+
+from . import nodes
+
+LeaflightError = leaflight.LeaflightError
+
+# The colour in which Cycles renders a mesh without a material.
+DEFAULT_ALBEDO = (0.8, 0.8, 0.8)
+
+# Parts of the Principled BSDF that the bake models not at all, or leaves out with a warning.
+_FORBIDDEN = ("Subsurface", "Subsurface Weight", "Transmission Roughness")
+_GLOSSY = ("Specular", "Specular IOR Level", "Sheen", "Sheen Weight", "Clearcoat", "Coat Weight")
+_COATS = _GLOSSY[2:]
+
+
+@dataclass(frozen=True)
+class Picture:
+    """An image on a UV map, "" being the active one; uv_matrix (4, 4) maps its coordinates."""
+
+    image: bpy.types.Image
+    uv_map: str
+    uv_matrix: np.ndarray
+    repeats: bool
+
+
+@dataclass(frozen=True)
+class Surface:
+    """How a material scatters and emits light, in the terms of leaflight.scene.Mesh."""
+
+    albedo: tuple = (0.0, 0.0, 0.0)
+    scattering: str = "diffuse"
+    ior: float = 1.5
+    emission: tuple = (0.0, 0.0, 0.0)
+    picture: Picture = None
+    warnings: list = field(default_factory=list)
+
+
+def surface_of(owner, material):
+    """The Surface of a material, or of none, on the object `owner`. Raises LeaflightError."""
+    if material is None:
+        return Surface(DEFAULT_ALBEDO)
+    if not material.use_nodes:
+        return Surface(tuple(material.diffuse_color[:3]))
+    what = f'Material "{material.name}" of "{owner}"'
+    if nodes.linked(material.node_tree, "Volume") is not None:
+        raise LeaflightError(
+            f"{what} has a volume shader, which the bake cannot model: disconnect it."
+        )
+    shader = nodes.linked(material.node_tree, "Surface")
+    return Surface() if shader is None else _surface(what, shader)
+
+
+def _surface(what, shader):
+    kinds = {
+        "BSDF_DIFFUSE": _diffuse,
+        "BSDF_PRINCIPLED": _principled,
+        "BSDF_GLOSSY": _glossy,
+        "BSDF_ANISOTROPIC": _glossy,
+        "BSDF_GLASS": _glass,
+        "EMISSION": _emission,
+        "ADD_SHADER": _sum,
+    }
+    if shader.type not in kinds:
+        raise LeaflightError(
+            f"{what} ends in a {shader.bl_label} node, but the bake models Diffuse, Principled, "
+            "Glossy, Glass and Emission: change it, or disable the object in renders."
+        )
+    surface = kinds[shader.type](what, shader)
+    normal = nodes.socket(shader, "Normal")
+    if normal is not None and nodes.source(normal):
+        surface.warnings.append(
+            f"{what} is baked without its bump or normal map: disconnect it for a match"
+        )
+    return surface
+
+
+def _diffuse(what, shader):
+    albedo, picture = _textured(what, nodes.socket(shader, "Color"))
+    warnings = []
+    if nodes.number(shader, "Roughness") > 0:
+        warnings.append(f"{what} is baked with roughness 0: set it to zero for a match")
+    return Surface(albedo, picture=picture, warnings=warnings)
+
+
+def _principled(what, shader):
+    for identifier in _FORBIDDEN:
+        if nodes.number(shader, identifier) > 0:
+            raise LeaflightError(
+                f"{what} has {identifier} above zero, which the bake cannot model: set it to zero."
+            )
+    if nodes.number(shader, "Alpha", 1.0) < 1:
+        raise LeaflightError(f"{what} is transparent, which the bake cannot model: set Alpha to 1.")
+    metallic = nodes.number(shader, "Metallic")
+    transmission = max(
+        nodes.number(shader, "Transmission"), nodes.number(shader, "Transmission Weight")
+    )
+    base = nodes.socket(shader, "Base Color")
+    left_out = _GLOSSY
+    if metallic == 0 and transmission == 0:
+        albedo, picture = _textured(what, base)
+        surface = Surface(albedo, picture=picture)
+    elif metallic == 1 or (metallic == 0 and transmission == 1):
+        # A metal's transmission has no effect, and neither has the specular layer of either.
+        left_out = _COATS
+        kind = "mirror" if metallic == 1 else "glass"
+        _check_polished(what, shader, kind)
+        surface = Surface(nodes.colour(what, base), kind, _ior(what, shader))
+    else:
+        name, value = ("Metallic", metallic) if metallic > 0 else ("Transmission", transmission)
+        found = f"{value:g}" if np.isfinite(value) else "from other nodes"
+        raise LeaflightError(
+            f"{what} has {name} {found}, but the bake models diffuse surfaces (0), and mirrors or "
+            "glass (1 with Roughness 0): set it to 0 or 1."
+        )
+    glossy = [name for name in left_out if nodes.number(shader, name) > 0]
+    if glossy:
+        surface.warnings.append(
+            f"{what} is baked without its {' and '.join(glossy)}: set it to zero for a match"
+        )
+    return replace(surface, emission=_principled_emission(what, shader))
+
+
+def _principled_emission(what, shader):
+    end = nodes.socket(shader, "Emission") or nodes.socket(shader, "Emission Color")
+    strength = nodes.number(shader, "Emission Strength", 1.0)
+    if end is None or strength == 0:
+        return (0.0, 0.0, 0.0)
+    return _radiance(what, nodes.colour(what, end), strength)
+
+
+def _glossy(what, shader):
+    _check_polished(what, shader, "mirror")
+    return Surface(nodes.colour(what, nodes.socket(shader, "Color")), "mirror")
+
+
+def _glass(what, shader):
+    _check_polished(what, shader, "glass")
+    colour = nodes.colour(what, nodes.socket(shader, "Color"))
+    return Surface(colour, "glass", _ior(what, shader))
+
+
+def _emission(what, shader):
+    colour = nodes.colour(what, nodes.socket(shader, "Color"))
+    return Surface(emission=_radiance(what, colour, nodes.number(shader, "Strength")))
+
+
+def _sum(what, shader):
+    """Emission added to something that reflects; of two that reflect, the bake models one."""
+    parts = [nodes.source(end) for end in shader.inputs]
+    surfaces = [_surface(what, part) for part in parts if part is not None]
+    reflecting = [
+        s for s in surfaces if max(s.albedo) > 0 or s.picture or s.scattering != "diffuse"
+    ]
+    if len(reflecting) > 1:
+        raise LeaflightError(
+            f"{what} adds two reflecting shaders, but the bake models one with an Emission: "
+            "choose one of them."
+        )
+    base = reflecting[0] if reflecting else Surface()
+    emission = np.sum([s.emission for s in surfaces], axis=0) if surfaces else np.zeros(3)
+    warnings = [warning for s in surfaces for warning in s.warnings]
+    return replace(base, emission=tuple(float(x) for x in emission), warnings=warnings)
+
+
+def _radiance(what, colour, strength):
+    if not np.isfinite(strength):
+        raise LeaflightError(
+            f"{what} has a textured emission strength, which the bake cannot model: disconnect it."
+        )
+    radiance = tuple(float(strength * x) for x in colour)
+    if min(radiance) < 0:
+        raise LeaflightError(f"{what} emits negative light: make its strength zero or positive.")
+    return radiance
+
+
+def _check_polished(what, shader, kind):
+    # Until Blender 3.6 the distribution "Sharp" ignores the roughness.
+    roughness = nodes.number(shader, "Roughness")
+    if getattr(shader, "distribution", "") == "SHARP" or roughness == 0:
+        return
+    found = f"roughness {roughness:.3g}" if np.isfinite(roughness) else "a textured roughness"
+    raise LeaflightError(
+        f"{what} is {kind} with {found}, but the bake models polished {kind}: set Roughness to 0, "
+        "or make the material diffuse."
+    )
+
+
+def _ior(what, shader):
+    ior = nodes.number(shader, "IOR", 1.5)
+    if not np.isfinite(ior):
+        raise LeaflightError(
+            f"{what} has a textured IOR, which the bake cannot model: disconnect it."
+        )
+    return float(ior)
+
+
+def _textured(what, end):
+    """(albedo, Picture or None) of a socket that may be fed by an image."""
+    node = nodes.source(end)
+    if node is None:
+        return nodes.colour(what, end), None
+    if node.type != "TEX_IMAGE" or nodes.source_socket(end).identifier != "Color":
+        raise LeaflightError(
+            f"{what} has a {node.bl_label} node in its color, but the bake models one color or an "
+            "Image Texture: bake the nodes to an image, or choose a color."
+        )
+    return (1.0, 1.0, 1.0), _picture(what, node)
+
+
+def _picture(what, node):
+    if node.projection != "FLAT":
+        raise LeaflightError(
+            f"{what} projects its image as a {node.projection.lower()}, but the bake models UV "
+            "maps: set the projection to Flat."
+        )
+    uv_map, matrix = _uv_map(what, nodes.socket(node, "Vector"))
+    return Picture(node.image, uv_map, matrix, node.extension == "REPEAT")
+
+
+def _uv_map(what, end):
+    """(name, matrix) of what leads to a texture's Vector: a UV map, perhaps through a Mapping."""
+    node = nodes.source(end)
+    if node is None:
+        return "", np.eye(4)
+    if node.type == "MAPPING":
+        uv_map, before = _uv_map(what, nodes.socket(node, "Vector"))
+        return uv_map, nodes.mapping(what, node) @ before
+    if node.type == "UVMAP" and not node.from_instancer:
+        return node.uv_map, np.eye(4)
+    if node.type == "TEX_COORD" and nodes.source_socket(end).identifier == "UV":
+        return "", np.eye(4)
+    raise LeaflightError(
+        f"{what} places its image by a {node.bl_label} node, but the bake models UV maps: use a UV "
+        "Map node."
+    )

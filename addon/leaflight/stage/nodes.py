@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reading node trees: nodes are found by type and sockets by identifier, since both stay the same
+in every language.
+"""
+
+import math
+
+import leaflight
+import mathutils
+import numpy as np
+
+LeaflightError = leaflight.LeaflightError
+
+
+def linked(tree, identifier):
+    """The node that feeds a socket of the output which Cycles renders, or None."""
+    output = tree.get_output_node("CYCLES")
+    return source(socket(output, identifier)) if output else None
+
+
+def source(end):
+    """The node that feeds a socket, seen through reroutes, or None."""
+    link = _link(end)
+    return link.from_node if link else None
+
+
+def source_socket(end):
+    """The output that feeds a socket, seen through reroutes, or None."""
+    link = _link(end)
+    return link.from_socket if link else None
+
+
+def _link(end):
+    while end is not None and end.is_linked:
+        link = end.links[0]
+        if link.from_node.type != "REROUTE":
+            return link
+        end = link.from_node.inputs[0]
+    return None
+
+
+def socket(node, identifier):
+    return next((s for s in node.inputs if s.identifier == identifier), None)
+
+
+def number(node, identifier, absent=0.0):
+    """The number at a socket; one that is fed by other nodes counts as above any limit."""
+    end = socket(node, identifier)
+    if end is None:
+        return absent
+    return np.inf if source(end) else end.default_value
+
+
+def colour(what, end):
+    """The colour (r, g, b) at a socket. Raises LeaflightError when other nodes feed it."""
+    if source(end):
+        raise LeaflightError(
+            f"{what} has a textured {end.name.lower()}, which the bake does not model there: "
+            "disconnect its nodes and choose a color."
+        )
+    return tuple(float(x) for x in end.default_value[:3])
+
+
+def mapping(what, node):
+    """The matrix (4, 4) that a Mapping node applies to points. Raises LeaflightError."""
+    values = {}
+    for identifier in ("Location", "Rotation", "Scale"):
+        end = socket(node, identifier)
+        if source(end):
+            raise LeaflightError(
+                f"{what} has a Mapping node whose {identifier} comes from other nodes, which the "
+                "bake cannot model: disconnect them."
+            )
+        values[identifier] = tuple(end.default_value)
+    rotation = mathutils.Euler(values["Rotation"], "XYZ").to_matrix().to_4x4()
+    matrix = np.array(rotation, np.float64) @ np.diag([*values["Scale"], 1.0])
+    if node.vector_type in {"POINT", "TEXTURE"}:
+        matrix[:3, 3] = values["Location"]
+    if node.vector_type == "TEXTURE":
+        if not all(abs(x) > 0 for x in values["Scale"]):
+            raise LeaflightError(f"{what} has a Mapping node of zero scale: choose another scale.")
+        return np.linalg.inv(matrix)
+    if node.vector_type == "NORMAL":
+        raise LeaflightError(
+            f"{what} has a Mapping node of type Normal, which the bake cannot model: set its type "
+            "to Point."
+        )
+    return matrix
+
+
+def is_rotation(matrix):
+    """Whether a matrix (4, 4) turns and neither moves, scales nor mirrors."""
+    turn = matrix[:3, :3]
+    return (
+        np.allclose(matrix[:3, 3], 0.0, atol=1e-6)
+        and np.allclose(turn @ turn.T, np.eye(3), atol=1e-5)
+        and math.isclose(np.linalg.det(turn), 1.0, abs_tol=1e-4)
+    )

@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reads what a bake lights, and what lights it, from the Blender scene.
+
+What the renders show is what the bake sees: every object that renders. What the bake cannot model
+raises LeaflightError with one sentence that names the object.
+"""
+
+import dataclasses
+import functools
+import hashlib
+
+import leaflight
+import numpy as np
+from leaflight.scene.scene import SceneDescription
+
+from ..show import display, leaves, walls
+from . import images, lights, meshes, world
+
+LeaflightError = leaflight.LeaflightError
+
+_MESH_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
+_UNSEEN_TYPES = {"EMPTY", "CAMERA", "ARMATURE", "LATTICE", "SPEAKER", "GPENCIL", "LIGHT_PROBE"}
+
+# Which rays of Cycles meet an object; the bake's rays meet all.
+_VISIBILITIES = ("visible_diffuse", "visible_glossy", "visible_transmission", "visible_shadow")
+
+
+def export_scene(context, leaf):
+    """All that renders, in world space, with the volume object `leaf` whether it renders or not.
+
+    Returns (SceneDescription, [volume object, ...], [sentence of warning, ...]); the volumes are in
+    the order of the description's leaves, whichever of them `leaf` is. Raises LeaflightError.
+    """
+    depsgraph = context.evaluated_depsgraph_get()
+    volumes = volume_objects(context, leaf)
+    boxes = functools.cache(lambda: [leaves.world_box(obj) for obj in volumes])
+    surroundings, luminaires, warnings = [], [], []
+    for obj, matrix in rendered_objects(context.view_layer, depsgraph):
+        if obj.original in volumes or display.is_display(obj.original):
+            continue
+        if obj.original.leaflight.is_volume:
+            raise LeaflightError(
+                f'"{obj.name}" is an instance of a Leaflight volume, but the bake lights volumes '
+                "of their own: make its instances real or disable them in renders."
+            )
+        if obj.type == "LIGHT":
+            light = lights.export_light(obj, matrix, boxes, warnings)
+            luminaires += [light] if light is not None else []
+        elif obj.type in _MESH_TYPES:
+            surroundings += meshes.export_meshes(obj, matrix, warnings)
+        elif obj.type not in _UNSEEN_TYPES:
+            raise LeaflightError(
+                f'"{obj.name}" is of type {obj.type.title()}, which the bake cannot light: '
+                "convert it to a mesh or disable it in renders."
+            )
+        if not all(getattr(obj, name) for name in _VISIBILITIES):
+            warnings.append(
+                f'"{obj.name}" is hidden from some kinds of rays, but is baked as visible to all: '
+                "reset its ray visibility for a match"
+            )
+    warnings += [sentence for obj in volumes for sentence in _warnings_of(obj)]
+    description = SceneDescription(
+        name=context.scene.name,
+        leaves=[leaves.export_leaves(obj, len(volumes) > 1) for obj in volumes],
+        exposure=2.0**context.scene.view_settings.exposure,
+        meshes=surroundings,
+        lights=luminaires,
+        environment=world.export_world(context.scene.world),
+    )
+    return description, volumes, warnings
+
+
+def _warnings_of(volume):
+    settings = volume.leaflight
+    if settings.leaf_scattering == "GLASS" and not settings.capped:
+        yield (
+            f'"{volume.name}" is glass but not capped: where the border of the volume cuts it open '
+            "it has no inside, and renders differ from the bake; turn Capped on"
+        )
+
+
+def check_light(description):
+    """Raises LeaflightError when nothing of a scene emits light."""
+    emitters = [*description.meshes, *description.leaves]
+    glows = any(np.max(leaves.colours(emitter.emission)) > 0 for emitter in emitters)
+    if not (description.lights or description.environment or glows):
+        raise LeaflightError(
+            "Nothing that renders sends light, so all would be black: add a light, or brighten the "
+            "world, then bake."
+        )
+
+
+def fingerprint(volumes, description):
+    """A hash that changes when the volumes, their windows or anything that lights them changes."""
+    digest = hashlib.sha256()
+    for obj in volumes:
+        _add(digest, np.array(obj.matrix_world, np.float64))
+        _add(digest, (obj.leaflight.low, obj.leaflight.high))
+    for part in (description.leaves, description.meshes, description.lights):
+        _add(digest, part)
+    _add(digest, description.environment)
+    return digest.hexdigest()
+
+
+def _add(digest, value):
+    """Adds plain data to a hash, all but the names of things."""
+    if dataclasses.is_dataclass(value):
+        for part in dataclasses.fields(value):
+            if part.name not in {"name", "source"}:
+                _add(digest, getattr(value, part.name))
+    elif isinstance(value, np.ndarray):
+        digest.update(str((value.dtype, value.shape)).encode())
+        digest.update(images.digest(value))
+    elif isinstance(value, (list, tuple)):
+        digest.update(f"{len(value)}[".encode())
+        for item in value:
+            _add(digest, item)
+    else:
+        digest.update(f"{value!r};".encode())
+
+
+def volume_objects(context, leaf):
+    """The volumes that a bake started at `leaf` lights: it, and all of the scene that render."""
+    rendered = {}
+    _collect(context.view_layer.layer_collection, rendered)
+    chosen = [obj for obj in rendered.values() if obj.leaflight.is_volume]
+    if leaf not in chosen:
+        chosen.append(leaf)
+    return sorted(chosen, key=lambda obj: obj.name_full)
+
+
+def rendered_objects(view_layer, depsgraph):
+    """Yields (evaluated object, world matrix) of all that renders, instances included."""
+    rendered = {}
+    _collect(view_layer.layer_collection, rendered)
+    for obj in rendered.values():
+        if obj.is_instancer and not obj.show_instancer_for_render:
+            continue
+        yield obj.evaluated_get(depsgraph), obj.matrix_world
+    for instance in depsgraph.object_instances:
+        if instance.is_instance and instance.parent.original.name_full in rendered:
+            yield instance.instance_object, instance.matrix_world.copy()
+
+
+def _collect(layer_collection, rendered):
+    collection = layer_collection.collection
+    if layer_collection.exclude or collection.hide_render:
+        return
+    for obj in collection.objects:
+        if obj.hide_render and not walls.is_hidden(obj):
+            continue
+        if obj.hide_viewport or collection.hide_viewport:
+            raise LeaflightError(
+                f'"{obj.name}" is disabled in viewports but not in renders, so its present shape '
+                "is unknown: enable it in viewports (hiding it with the eye is fine), or disable "
+                "it in renders too."
+            )
+        rendered[obj.name_full] = obj
+    for child in layer_collection.children:
+        _collect(child, rendered)

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's world as the environment of the bake: one colour, or an image of all directions."""
+
+import leaflight
+import numpy as np
+from leaflight.scene.scene import Environment
+
+from . import images, nodes
+
+LeaflightError = leaflight.LeaflightError
+
+
+def export_world(world):
+    """The Environment of a world, None for a dark one or none. Raises LeaflightError."""
+    if world is None:
+        return None
+    what = f'World "{world.name}"'
+    if not world.use_nodes:
+        return _environment(what, world.name, tuple(world.color))
+    if nodes.linked(world.node_tree, "Volume") is not None:
+        raise LeaflightError(
+            f"{what} has a volume shader, which the bake cannot model: disconnect it."
+        )
+    background = nodes.linked(world.node_tree, "Surface")
+    if background is None:
+        return None
+    if background.type != "BACKGROUND":
+        raise LeaflightError(
+            f"{what} ends in a {background.bl_label} node, but the bake models Background: connect "
+            "that, with a color or an Environment Texture."
+        )
+    strength = nodes.number(background, "Strength")
+    if not np.isfinite(strength):
+        raise LeaflightError(
+            f"{what} has a textured strength, which the bake cannot model: disconnect it."
+        )
+    if strength == 0:
+        return None
+    end = nodes.socket(background, "Color")
+    texture = nodes.source(end)
+    if texture is None:
+        colour = nodes.colour(what, end)
+        return _environment(what, world.name, tuple(strength * x for x in colour))
+    if texture.type != "TEX_ENVIRONMENT":
+        raise LeaflightError(
+            f"{what} has a {texture.bl_label} node in its color, but the bake models one color or "
+            "an Environment Texture: bake it to an image, or choose a color."
+        )
+    if texture.projection != "EQUIRECTANGULAR":
+        raise LeaflightError(
+            f"{what} has an image of the kind Mirror Ball, but the bake models Equirectangular "
+            "ones: convert the image."
+        )
+    pixels = images.linear_pixels(what, texture.image)
+    turn = _world_to_image(what, nodes.socket(texture, "Vector"))
+    return _environment(what, world.name, (strength,) * 3, pixels, turn)
+
+
+def is_dark(world):
+    """Whether a world, or none, sends no light. One that cannot be modelled counts as bright."""
+    try:
+        return export_world(world) is None
+    except LeaflightError:
+        return False
+
+
+def _environment(what, name, radiance, image=None, world_to_image=np.eye(3)):
+    if not min(radiance) >= 0 or (image is not None and image.min() < 0):
+        raise LeaflightError(f"{what} sends negative light: make it zero or positive.")
+    if max(radiance) == 0 or (image is not None and image.max() == 0):
+        return None
+    rows = tuple(tuple(float(x) for x in row) for row in world_to_image)
+    return Environment(name, tuple(float(x) for x in radiance), image, rows)
+
+
+def _world_to_image(what, end):
+    """The rotation (3, 3) by which Mapping nodes turn the directions of an image."""
+    node = nodes.source(end)
+    if node is None:
+        return np.eye(3)
+    if node.type == "TEX_COORD" and nodes.source_socket(end).identifier == "Generated":
+        return np.eye(3)
+    if node.type != "MAPPING":
+        raise LeaflightError(
+            f"{what} turns its image by a {node.bl_label} node, but the bake models a Mapping of "
+            "Generated coordinates: use these."
+        )
+    matrix = nodes.mapping(what, node)
+    if not nodes.is_rotation(matrix):
+        raise LeaflightError(
+            f"{what} moves or scales its image by a Mapping node, but the bake models rotations: "
+            "reset its location and scale."
+        )
+    return matrix[:3, :3] @ _world_to_image(what, nodes.socket(node, "Vector"))

@@ -1,0 +1,382 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Baking: one radiance grid for every isosurface of a volume, and what to do with it."""
+
+import hashlib
+import json
+import time
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from .. import _core
+from .._core import LeaflightError
+from ..io.output import check_writable
+from ..io.scene_file import cornell_box, scene_from_json, scene_to_json
+from ..scene.on_mesh import interpolated
+from ..scene.scene import SceneDescription, core_scene, fit_scene, isovalue_at, match_leaves
+from ..version import __version__
+from ..volume.volume import Volume
+from .color_error import estimated_rms_percent
+from .settings import PhotonMap, bake_settings, leaf_window
+
+# What a bake depends on, as text; "name" would rename the grid that OpenVDB attaches it to.
+# "volumes" is a list of {"name", "source", "field_sha256", "resolution", "capped"}.
+METADATA = (
+    "leaflight_version",
+    "volumes",
+    "scene",
+    "scene_sha256",
+    "isovalues",
+    "samples",
+    "photons",
+    "caustic_photons",
+    "soft_spacing",
+    "refine",
+    "estimator",
+    "photon_map",
+    "scattered",
+    "seed",
+    "both_sides",
+    "surroundings",
+    "only_at_sha256",
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """One lit isosurface in world coordinates.
+
+    vertices, normals (unit, away from the side that is lit), radiance (W/(m^2 sr), linear RGB):
+    float32 (n, 3); triangles: int32 (m, 3); seconds: the time contouring and lookup took.
+    """
+
+    vertices: np.ndarray
+    normals: np.ndarray
+    triangles: np.ndarray
+    radiance: np.ndarray
+    seconds: float
+
+
+@dataclass(frozen=True, eq=False)
+class Bake:
+    """Volumes, the scene in world coordinates they were lit in, and the radiance of all leaves.
+
+    `isovalue` always is the leaf coordinate (see scene.py): the isovalue of a single volume, and
+    0..1 with several. isovalues: (lo, hi), the baked window of it.
+    grids: one _core.RadianceGrid for each volume; surroundings: _core.SurroundingsRadiance or None.
+    statistics: seconds, rays, rays_per_second, texels, peak_memory_bytes, skipped_passes, and
+        estimated_rms_percent, the RMS of the noise that the texels report, in the units of compare.
+    metadata: text by key, everything the result depends on; equal bakes have equal metadata.
+    """
+
+    volumes: list
+    scene: SceneDescription
+    isovalues: tuple
+    grids: list
+    surroundings: object
+    statistics: dict
+    metadata: dict
+
+    @property
+    def volume(self):
+        return self.volumes[0]
+
+    @property
+    def grid(self):
+        return self.grids[0]
+
+    def save(self, path):
+        """Writes the bake as one .vdb under its final name or not at all. Raises LeaflightError."""
+        check_writable(path, ".vdb")
+        metadata = dict(self.metadata, statistics=json.dumps(self.statistics))
+        fields = [volume.field() for volume in self.volumes]
+        _core.write_bake(str(path), fields, self.grids, self.surroundings, metadata)
+
+    def isovalue_of(self, volume, isovalue):
+        """The isovalue, in data units, that a volume (its number) shows at a leaf coordinate."""
+        return isovalue_at(self.scene, volume, isovalue)
+
+    def surface(self, isovalue, volume=0, back=False):
+        """The isosurface of a volume with its radiance, a Surface; finer where texels are.
+
+        back: its inner side, towards higher values. Raises LeaflightError outside the window.
+        """
+        self.check_isovalue(isovalue, volume)
+        field = self.volumes[volume].field()
+        start = time.perf_counter()
+        vertices, normals, triangles = self.grids[volume].contour(
+            field, self.isovalue_of(volume, isovalue)
+        )
+        radiance = self.radiance(vertices, volume, back)
+        if back:
+            normals, triangles = -normals, np.ascontiguousarray(triangles[:, ::-1])
+        seconds = time.perf_counter() - start
+        return Surface(vertices, normals, triangles, radiance, seconds)
+
+    def radiance(self, points, volume=0, back=False):
+        """Baked radiance of a volume's leaves, float32 (n, 3), at world points (n, 3).
+
+        It is zero where no leaf passes. back: of the inner sides. Raises LeaflightError.
+        """
+        self._check_volume(volume)
+        grid = self.grids[volume]
+        if back and not grid.has_back:
+            if not json.loads(self.metadata["both_sides"]):
+                raise LeaflightError(
+                    "The inner side was not baked: bake again with both sides (--both-sides)."
+                )
+            # The bake left it out because no light can reach it.
+            return np.zeros((len(points), 3), dtype=np.float32)
+        return grid.lookup(self.volumes[volume].field(), points, back)
+
+    def radiance_error(self, points, volume=0):
+        """The standard error of radiance(), of its mean over the channels: float32 (n,)."""
+        self._check_volume(volume)
+        return self.grids[volume].lookup_error(self.volumes[volume].field(), points)
+
+    def reference(
+        self, points, isovalue, spp=1024, seed=0, threads=0, progress=None, volume=0, back=False
+    ):
+        """Path-traced radiance at points (n, 3) of an isosurface, on its outer or inner side.
+
+        Returns (radiance, standard_error), float32 (n, 3) each. Raises LeaflightError, Cancelled.
+        """
+        self.check_isovalue(isovalue, volume)
+        scene = self._core_scene()
+        progress = progress or _core.Progress()
+        return _core.reference(
+            scene, points, isovalue, spp, seed, threads, progress, volume=volume, back=back
+        )
+
+    def mesh_number(self, name):
+        """The number of the mesh of the surroundings of that name. Raises LeaflightError."""
+        names = [mesh.name for mesh in self.scene.meshes]
+        if name not in names:
+            raise LeaflightError(
+                f'There is no mesh "{name}" around the volumes: choose one of {", ".join(names)}.'
+            )
+        return names.index(name)
+
+    def mesh_radiance(self, mesh, points, isovalue, back=False):
+        """Baked radiance, float64 (n, 3), at points (n, 3) of a mesh of the surroundings.
+
+        mesh: its number; back: seen from where its normals point away. Raises LeaflightError.
+        """
+        self._check_window(isovalue)
+        if self.surroundings is None:
+            raise LeaflightError(
+                "The surroundings were not baked: bake again with them (--surroundings)."
+            )
+        vertices, triangles = self.surroundings.mesh(mesh)
+        radiance = self.surroundings.radiance(mesh, isovalue, back)
+        return interpolated(vertices, triangles, radiance, points)
+
+    def mesh_reference(
+        self,
+        mesh,
+        facets,
+        coordinates,
+        isovalue,
+        spp=1024,
+        seed=0,
+        threads=0,
+        progress=None,
+        back=False,
+    ):
+        """Path-traced radiance at points of a mesh (see on_mesh.py), as reference()."""
+        self._check_window(isovalue)
+        scene = self._core_scene()
+        progress = progress or _core.Progress()
+        return _core.reference_surroundings(
+            scene, mesh, facets, coordinates, isovalue, spp, seed, threads, progress, back
+        )
+
+    def check_isovalue(self, isovalue, volume=0):
+        """Raises LeaflightError unless the baked window and the volume's data hold the isovalue."""
+        self._check_volume(volume)
+        self._check_window(isovalue)
+        low, high = self.volumes[volume].field().range
+        own = self.isovalue_of(volume, isovalue)
+        if not low < own <= high:
+            low, high = self.volumes[volume].data_range()
+            raise LeaflightError(
+                f"Isovalue {own:g} lies outside the data, whose values are {low:g}..{high:g}: "
+                "no isosurface exists there, choose one inside."
+            )
+
+    def _core_scene(self):
+        fields = [volume.field() for volume in self.volumes]
+        return core_scene(self.scene, fields, self.isovalues)
+
+    def _check_window(self, isovalue):
+        lo, hi = self.isovalues
+        if not lo <= isovalue <= hi:
+            raise LeaflightError(
+                f"Isovalue {isovalue:g} lies outside the baked window {lo:g}..{hi:g}: choose one "
+                "inside or bake again with a wider window (--isovalues)."
+            )
+
+    def _check_volume(self, volume):
+        if not 0 <= volume < len(self.volumes):
+            raise LeaflightError(
+                f"There is no volume {volume}: the bake holds {len(self.volumes)}, "
+                "numbered from 0 (--volume)."
+            )
+
+
+def placed(volumes, scene, isovalues):
+    """What is lit, from the arguments of bake(): (volumes, SceneDescription, window)."""
+    volumes = list(volumes) if isinstance(volumes, (list, tuple)) else [volumes]
+    for volume in volumes:
+        if np.ndim(volume.values) != 3:
+            raise LeaflightError(f"{volume.name}: this is no volume; light images with flatland.")
+    description = match_leaves(scene or cornell_box(), volumes)
+    volumes = [
+        volume.capped() if leaves.capped else volume
+        for volume, leaves in zip(volumes, description.leaves)
+    ]
+    description = fit_scene(description, volumes)
+    # Not what the result depends on: the volumes themselves are stored.
+    leaves = [replace(leaves, source=None) for leaves in description.leaves]
+    return volumes, replace(description, leaves=leaves), leaf_window(isovalues, volumes, leaves)
+
+
+def bake(
+    volumes,
+    scene=None,
+    *,
+    isovalues=None,
+    resolution=None,
+    samples=32,
+    photons=2_000_000,
+    caustic_photons=None,
+    soft_spacing=1,
+    refine=0,
+    estimator="gather",
+    photon_map=None,
+    scattered=None,
+    seed=0,
+    threads=0,
+    both_sides=False,
+    surroundings=False,
+    only_at=None,
+    progress=None,
+):
+    """Computes the radiance of every isosurface, within a window, of a volume or of several.
+
+    volumes: a Volume or a list of them, which see each other (see scene.py).
+    scene: SceneDescription, fitted around the volumes; None is the Cornell box.
+    isovalues: (lo, hi) of the leaf coordinate: in data units for one volume, where None takes that
+        of the scene or else default_window(volume); within 0..1 for several, where None is (0, 1).
+    resolution: texels along the longest axis (the other axes in proportion of their nodes), or
+        (nx, ny, nz); None is one texel a node.
+    samples: rays per texel; photons: number of photons; caustic_photons: of those that come by
+        mirrors and glass, None as many as photons.
+    estimator: "gather", "volumetric", "path" or "thesis"; photon_map: PhotonMap of the last, None
+        for the thesis's; scattered: Scattered, for samples strewn over the domain instead of in
+        each texel, with `samples` rays each.
+    seed: same seed, same result, whatever the threads; threads: 0 takes every core.
+    soft_spacing: texels between the points that soft light is gathered at; more is faster where the
+        light is smooth, see docs/accuracy.md.
+    refine: how many times texels are halved where light varies most, in a fifth of the cells each
+        time; once doubles the time and takes away most of what a coarse texture errs by.
+    both_sides: the inner side of each isosurface, too; surroundings: the meshes around them, too.
+    only_at: world points (n, 3), to bake only the texels that lookups there use, with the estimator
+        "path"; for measuring.
+    progress: _core.Progress to poll or cancel from another thread.
+    Returns a Bake. Raises LeaflightError for input that cannot be baked, Cancelled.
+    """
+    volumes, description, window = placed(volumes, scene, isovalues)
+    if estimator == "thesis" and photon_map is None:
+        photon_map = PhotonMap()
+    settings = bake_settings(
+        _core.BakeSettings,
+        volumes[0].field().dims,
+        resolution=resolution,
+        samples=samples,
+        photons=photons,
+        caustic_photons=caustic_photons,
+        soft_spacing=soft_spacing,
+        refine=refine,
+        exposure=description.exposure,
+        estimator=estimator,
+        photon_map=photon_map,
+        scattered=scattered,
+        seed=seed,
+        threads=threads,
+        both_sides=both_sides,
+        surroundings=surroundings,
+        only_at=only_at,
+    )
+    core = core_scene(description, [volume.field() for volume in volumes], window)
+    baked = _core.bake(core, settings, progress or _core.Progress())
+
+    scene_text = scene_to_json(description)
+    metadata = {
+        "leaflight_version": __version__,
+        "volumes": json.dumps(
+            [
+                {
+                    "name": volume.name,
+                    "source": volume.source,
+                    "field_sha256": _sha256(volume.values, volume.index_to_world),
+                    "resolution": list(grid.resolution),
+                    "capped": look.capped,
+                }
+                for volume, look, grid in zip(volumes, description.leaves, baked.grids)
+            ]
+        ),
+        "scene": scene_text,
+        "scene_sha256": hashlib.sha256(scene_text.encode()).hexdigest(),
+        "isovalues": json.dumps(window),
+        "samples": str(samples),
+        "photons": str(photons),
+        "caustic_photons": str(settings.caustic_photons),
+        "soft_spacing": str(settings.soft_spacing),
+        "refine": str(settings.refine),
+        "estimator": estimator,
+        "photon_map": json.dumps(photon_map and asdict(photon_map)),
+        "scattered": json.dumps(scattered and asdict(scattered)),
+        "seed": str(seed),
+        "both_sides": json.dumps(bool(both_sides)),
+        "surroundings": json.dumps(bool(surroundings)),
+        "only_at_sha256": "" if only_at is None else _sha256(np.float64(only_at)),
+    }
+    statistics = dict(baked.statistics)
+    statistics["estimated_rms_percent"] = estimated_rms_percent(baked.grids, description.exposure)
+    statistics["rays_per_second"] = statistics["rays"] / max(statistics["seconds"], 1e-9)
+    return Bake(volumes, description, window, baked.grids, baked.surroundings, statistics, metadata)
+
+
+def load_bake(path):
+    """Reads what Bake.save wrote. Raises LeaflightError for any other file."""
+    if not Path(path).is_file():
+        raise LeaflightError(f"{path}: there is no such file; give the .vdb that bake wrote.")
+    try:
+        fields, grids, surroundings, metadata = _core.read_bake(str(path))
+        statistics = json.loads(metadata["statistics"])
+        lo, hi = (float(isovalue) for isovalue in json.loads(metadata["isovalues"]))
+        scene = scene_from_json(metadata["scene"], str(path))
+        names = [str(record["name"]) for record in json.loads(metadata["volumes"])]
+        if not len(names) == len(fields) == len(grids) == len(scene.leaves):
+            raise ValueError("the number of volumes differs")
+        # OpenVDB adds text of its own.
+        metadata = {key: metadata[key] for key in METADATA}
+    except (KeyError, TypeError, ValueError):
+        raise LeaflightError(
+            f"{path}: this .vdb lacks the metadata of a bake; bake the volume again."
+        ) from None
+    volumes = [Volume(*field, name, str(path)) for field, name in zip(fields, names)]
+    if surroundings is not None:
+        core = core_scene(scene, [volume.field() for volume in volumes], (lo, hi))
+        _core.attach_surroundings(surroundings, core)
+    return Bake(volumes, scene, (lo, hi), grids, surroundings, statistics, metadata)
+
+
+def _sha256(*arrays):
+    digest = hashlib.sha256()
+    for array in arrays:
+        digest.update(str((array.dtype.str, array.shape)).encode())
+        digest.update(np.ascontiguousarray(array))
+    return digest.hexdigest()

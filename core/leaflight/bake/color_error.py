@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Errors of colours, as the thesis measures them.
+
+A colour is radiance times exposure, clamped to 0..1. Radiance arrays are (..., 3); weights, by
+which means are taken, have their shape without the last axis, None weighs all alike.
+"""
+
+import numpy as np
+
+# Standard errors to each side of an interval of 95 %.
+REACH = 1.96
+
+
+def rms_percent(radiance, reference, exposure, weights=None):
+    """RMS error of colours in percent (thesis Eq. 4.11, corrected)."""
+    colours, truth = (np.clip(np.float64(x) * exposure, 0, 1) for x in (radiance, reference))
+    return 100.0 * rms(colours - truth, weights)
+
+
+def noise_percent(radiance, standard_error, exposure, weights=None):
+    """What the standard errors of a radiance add to rms_percent: squares add up.
+
+    They have the shape of the radiance, or one channel for all of its.
+    """
+    return 100.0 * rms(_color_noise(radiance, standard_error, exposure), weights)
+
+
+def _color_noise(radiance, error, exposure):
+    """Half the width of radiance +- error, clamped: what lies beyond white does not count."""
+    radiance, error = exposure * np.float64(radiance), exposure * np.float64(error)
+    return 0.5 * (np.clip(radiance + error, 0, 1) - np.clip(radiance - error, 0, 1))
+
+
+def estimated_rms_percent(grids, exposure):
+    """RMS over the texels of radiance grids of the error that they report, in percent of a colour.
+
+    Slices one by one, which bounds the memory. 0 where there is no texel.
+    """
+    squares, texels = 0.0, 0
+    for grid, level in ((grid, level) for grid in grids for level in range(grid.levels)):
+        names = ("radiance", "radiance_error")
+        slices = zip(grid.mask(level), *(grid.dense(name, level) for name in names))
+        for mask, radiance, error in slices:
+            active = mask.astype(bool)
+            noise = _color_noise(radiance[active], error[active][..., None], exposure)
+            squares += float(np.square(noise).mean(axis=-1).sum())
+            texels += int(active.sum())
+    return 100.0 * float(np.sqrt(squares / max(texels, 1)))
+
+
+def rms(values, weights=None):
+    """Root of the weighted mean of squares over all channels."""
+    squares = np.square(np.float64(values)).mean(axis=-1)
+    return float(np.sqrt(np.average(squares, weights=weights)))

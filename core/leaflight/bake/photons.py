@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Photons where they meet isosurfaces, as points to look at (thesis 4.3.5)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import _core
+from ..scene.scene import core_scene
+from .bake import placed
+from .settings import whole
+
+
+@dataclass(frozen=True, eq=False)
+class Photons:
+    """n arrivals at isosurfaces, of `count` photons that lights sent.
+
+    positions: (n, 3) float64, world; flux_height: (n, 3) float32, of a photon in W, times the
+    height of the window, in units of the leaf coordinate (thesis Eq. 4.4); leaf_coordinate: (n,)
+    float32, the isovalue of a single volume; direct: (n,) bool, straight from a light.
+    """
+
+    count: int
+    positions: np.ndarray
+    flux_height: np.ndarray
+    leaf_coordinate: np.ndarray
+    direct: np.ndarray
+
+    def colours(self):
+        """Their colours (n, 3): flux that shows the mean of all as grey of radiance 0.5."""
+        return 0.5 * self.flux_height / max(float(self.flux_height.mean()), 1e-30)
+
+
+def trace_photons(volumes, scene=None, *, count, isovalues=None, seed=0, progress=None):
+    """The Photons of a scene: those of a bake with as many photons and the same seed.
+
+    volumes, scene, isovalues: see bake(). Raises LeaflightError, Cancelled.
+    """
+    count, seed = whole("photons", count, 1), whole("seed", seed, 0)
+    volumes, description, window = placed(volumes, scene, isovalues)
+    fields = [volume.field() for volume in volumes]
+    progress = progress or _core.Progress()
+    found = _core.photon_points(core_scene(description, fields, window), count, seed, progress)
+    if progress.cancelled:
+        raise _core.Cancelled()
+    positions, flux_height, c, direct = found
+    return Photons(count, positions, flux_height, c, direct.astype(bool))

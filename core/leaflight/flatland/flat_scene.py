@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What surrounds the isolines of flatland: walls and lamps, as plain data and as scene files.
+
+A scene file of flatland is a JSON object with the keys "name", "coordinates", "leaf_albedo",
+"exposure" and "comment" of scene_file.py, and, with points [x, y],
+
+    meshes        list of {"name", "albedo": [r, g, b] in 0..1, "vertices": [[x, y], ...],
+                  "segments": [[i, j], ...]}
+    lights        list of {"name", "corner", "edge": [x, y], "radiance": [r, g, b] in W/(m rad)};
+                  each shines to the left of its edge
+"""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from .. import _core
+from ..io.json_object import parse, read_text
+from ..scene.scene import Fit, Leaves, core_leaves
+
+
+@dataclass(frozen=True, eq=False)
+class Wall:
+    """Segments of one colour: vertices float32 (n, 2), segments uint32 (m, 2), albedo in 0..1."""
+
+    name: str
+    vertices: np.ndarray
+    segments: np.ndarray
+    albedo: tuple
+
+
+@dataclass(frozen=True, eq=False)
+class Lamp:
+    """A segment that shines to the left of its edge with a radiance in W/(m rad), linear RGB."""
+
+    name: str
+    corner: tuple
+    edge: tuple
+    radiance: tuple
+
+
+@dataclass(frozen=True, eq=False)
+class FlatScene:
+    """How isolines look and what surrounds them; coordinates as of a SceneDescription."""
+
+    name: str
+    leaves: Leaves
+    exposure: float
+    walls: list
+    lamps: list
+    coordinates: str = "world"
+
+
+def load_flat_scene(path):
+    """Reads a scene file of flatland. Raises LeaflightError naming the object that is wrong."""
+    root = parse(read_text(path), str(path))
+    root.only("name", "coordinates", "leaf_albedo", "exposure", "meshes", "lights", "comment")
+    return FlatScene(
+        root.text("name"),
+        Leaves("isolines", root.ramp("leaf_albedo", largest=1.0)),
+        root.positive("exposure"),
+        [_wall(item) for item in root.named("meshes", "mesh")],
+        [_lamp(item) for item in root.named("lights", "light")],
+        root.choice("coordinates", ("world", "box")),
+    )
+
+
+def flat_box():
+    """The box of thesis chapter 3, its lamp at the bottom: scenes/flatland_bump_box.json."""
+    folder = Path(__file__).resolve().parent.parent / "scenes"
+    return load_flat_scene(folder / "flatland_bump_box.json")
+
+
+def _wall(item):
+    item.only("name", "albedo", "vertices", "segments")
+    vertices = item.points("vertices", 2, axes="xy")
+    segments = item.faces("segments", (2,), len(vertices))
+    return Wall(
+        item.name,
+        vertices.astype(np.float32),
+        np.array(segments, dtype=np.uint32),
+        item.color("albedo", largest=1.0),
+    )
+
+
+def _lamp(item):
+    item.only("name", "corner", "edge", "radiance")
+    edge = item.vector("edge", 2)
+    if not any(edge):
+        raise item.error('"edge" must be longer than 0, or the lamp does not shine')
+    return Lamp(item.name, item.vector("corner", 2), edge, item.color("radiance"))
+
+
+def fit_flat_scene(scene, volume):
+    """The scene in world coordinates; one in box coordinates is fitted around the height field."""
+    if scene.coordinates == "world":
+        return scene
+    fit = Fit.around([volume])
+    return replace(
+        scene,
+        walls=[replace(wall, vertices=fit.vertices(wall.vertices)) for wall in scene.walls],
+        lamps=[
+            replace(lamp, corner=fit.point(lamp.corner), edge=fit.vector(lamp.edge))
+            for lamp in scene.lamps
+        ],
+        coordinates="world",
+    )
+
+
+def core_flat_scene(scene, field, window):
+    """The core's scene of one in world coordinates. Raises LeaflightError."""
+    walls = [
+        _core.Mesh2(wall.name, wall.vertices, wall.segments, wall.albedo) for wall in scene.walls
+    ]
+    lamps = [
+        _core.AreaLight2(lamp.name, lamp.corner, lamp.edge, lamp.radiance) for lamp in scene.lamps
+    ]
+    volume = core_leaves(_core.Volume2, scene.leaves, field)
+    return _core.Scene2([volume], walls, lamps, isovalues=window)

@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Flatland: all isolines of an image, lit within the plane (thesis chapter 3).
+
+The height field is a Volume of two dimensions: arrays are [y, x] with y up, points (n, 2). Light
+is that of the plane: radiance is per length and angle, and a diffuse line of albedo a sends a / 2
+of its irradiance in every direction, where a surface in space sends a / pi.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from .. import _core
+from .._core import LeaflightError
+from ..bake.settings import bake_settings, leaf_window
+from ..io.images import display_colours, luminance, read_pixels
+from ..volume.volume import Volume, on_unit_cube
+from .flat_scene import FlatScene, core_flat_scene, fit_flat_scene, flat_box
+
+# What makes a scene of the plane about as bright as the same scene in space (thesis 3.4.3).
+BRIGHTNESS_CORRECTION = 2.0 / np.pi
+# Of a picture, in its pixels.
+LINE_WIDTH = 3
+OVERSAMPLING = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Isolines:
+    """Lit isolines: vertices (n, 2) and radiance (n, 3), float32; segments int32 (m, 2)."""
+
+    vertices: np.ndarray
+    segments: np.ndarray
+    radiance: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class FlatBake:
+    """A height field, the scene in world coordinates, and the radiance of all its isolines.
+
+    isovalues: (lo, hi), the baked window; grid: _core.RadianceGrid2; statistics as of a Bake.
+    """
+
+    volume: Volume
+    scene: FlatScene
+    isovalues: tuple
+    grid: object
+    statistics: dict
+
+    def texture(self):
+        """Radiance, linear float32 [y, x, RGB]; zero where no isoline of the window passes."""
+        return self.grid.dense("radiance")
+
+    def isolines(self, isovalue):
+        """The Isolines of one isovalue. Raises LeaflightError outside the window."""
+        lo, hi = self.isovalues
+        if not lo <= isovalue <= hi:
+            raise LeaflightError(
+                f"Isovalue {isovalue:g} lies outside the baked window {lo:g}..{hi:g}: choose one "
+                "inside or bake again with a wider window (--isovalues)."
+            )
+        vertices, _, segments = _core.contour2(self.volume.field(), isovalue)
+        return Isolines(vertices, segments, self.radiance(vertices))
+
+    def radiance(self, points):
+        """Baked radiance, float32 (n, 3), at world points (n, 2); zero where no leaf passes."""
+        return self.grid.lookup(self.volume.field(), points)
+
+    def reference(self, points, isovalue, spp=1024, seed=0, threads=0, progress=None):
+        """Path-traced radiance at points (n, 2) of an isoline, on its outer side.
+
+        Returns (radiance, standard_error), float32 (n, 3) each. Raises LeaflightError, Cancelled.
+        """
+        scene = core_flat_scene(self.scene, self.volume.field(), self.isovalues)
+        progress = progress or _core.Progress()
+        return _core.reference2(scene, points, isovalue, spp, seed, threads, progress)
+
+
+def read_image(path):
+    """An image as a height field whose longest side measures 1, a Volume of two dimensions.
+
+    PNG, JPEG, TIFF or EXR; colours become their luminance (Rec. 709) in the numbers that the file
+    stores, 0..255 for 8 bits. Raises LeaflightError.
+    """
+    values = np.ascontiguousarray(luminance(read_pixels(path))[::-1])
+    step = 1.0 / max(max(values.shape) - 1, 1)
+    volume = Volume(values, np.diag([step, step, 1.0]), Path(path).stem, str(path))
+    volume.field()
+    return volume
+
+
+def bump_box_2d(n=200):
+    """The 2D bump box (thesis Eq. 2.1 without z): n^2 nodes on the unit square, values 0..255."""
+    return on_unit_cube(n, _core.bump_box2, "bump_box", "bump_box")
+
+
+def bake_flatland(
+    volume,
+    scene=None,
+    *,
+    isovalues=None,
+    resolution=None,
+    samples=64,
+    photons=2_000_000,
+    estimator="gather",
+    photon_map=None,
+    scattered=None,
+    seed=0,
+    threads=0,
+    progress=None,
+):
+    """Computes the radiance of every isoline of a height field whose isovalue lies in the window.
+
+    scene: FlatScene, fitted around the height field; None is flat_box().
+    resolution: texels along the longest axis, or (nx, ny); the rest as for leaflight.bake.
+    Returns a FlatBake. Raises LeaflightError for input that cannot be baked, Cancelled.
+    """
+    if np.ndim(volume.values) != 2:
+        raise LeaflightError(f"{volume.name}: flatland needs an image, not a volume.")
+    scene = fit_flat_scene(scene or flat_box(), volume)
+    window = leaf_window(isovalues, [volume], [scene.leaves])
+    field = volume.field()
+    settings = bake_settings(
+        _core.BakeSettings2,
+        field.dims,
+        resolution=resolution,
+        samples=samples,
+        photons=photons,
+        caustic_photons=None,
+        estimator=estimator,
+        photon_map=photon_map,
+        scattered=scattered,
+        seed=seed,
+        threads=threads,
+    )
+    core = core_flat_scene(scene, field, window)
+    baked = _core.bake2(core, settings, progress or _core.Progress())
+    return FlatBake(volume, scene, window, baked.grids[0], dict(baked.statistics))
+
+
+def picture(bake, isovalues, width=1000, correction=BRIGHTNESS_CORRECTION):
+    """The isolines in the colours that they are lit in, over black: uint8 [row, column, RGB].
+
+    width: pixels of the longer side; correction: a factor of the radiance, 1 for none.
+    Raises LeaflightError for an isovalue outside the window.
+    """
+    from PIL import Image, ImageDraw
+
+    low, high = np.asarray(bake.volume.field().bounds)
+    # Drawn larger, because lines of Pillow are not smoothed.
+    scale = OVERSAMPLING * width / (high - low).max()
+    size = np.maximum(1, np.rint(scale * (high - low))).astype(int)
+    image = Image.new("RGB", tuple(size))
+    draw = ImageDraw.Draw(image)
+    for isovalue in isovalues:
+        lines = bake.isolines(isovalue)
+        ends = scale * (lines.vertices - low)[lines.segments]
+        ends[..., 1] = size[1] - ends[..., 1]
+        radiance = lines.radiance[lines.segments].mean(axis=1)
+        colours = display_colours(radiance, correction * bake.scene.exposure)
+        for (start, end), colour in zip(ends.tolist(), colours.tolist()):
+            draw.line([*start, *end], fill=tuple(colour), width=LINE_WIDTH * OVERSAMPLING)
+    return np.asarray(image.reduce(OVERSAMPLING))

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The graph of a height field as a surface in space, lit by ordinary light (thesis Fig. 3.2).
+
+Flattened light stays in the plane of its isovalue; ordinary light crosses planes. The two are
+compared on the same graph: walls and lamps of the plane become as high as the graph, and the lamps
+have the same power, so that their radiance is 2/pi of the flattened one (thesis Eq. 3.7).
+"""
+
+import numpy as np
+
+from .. import _core
+from .flatland import BRIGHTNESS_CORRECTION
+
+# Of the graph, in lengths of the height field's longest side.
+GRAPH_HEIGHT = 1.0
+
+
+def graph_radiance(bake, height=GRAPH_HEIGHT, spp=64, seed=0, threads=0, progress=None):
+    """Radiance of the graph under ordinary light, path-traced, as the flattened texture's opposite.
+
+    bake: a FlatBake, whose height field and scene are taken; height: of the graph, which rises from
+    its lowest value by that many longest sides; spp: paths per point.
+    Returns (radiance, standard_error), float32 (ny - 1, nx - 1, 3) each, at the middles of the
+    cells. Raises LeaflightError, Cancelled.
+    """
+    vertices, triangles = graph_mesh(bake.volume, height)
+    scene = _scene_in_space(bake, vertices, triangles)
+    ny, nx = (n - 1 for n in bake.volume.values.shape)
+    # The two triangles of a cell share the middle of their diagonal.
+    first = np.arange(0, len(triangles), 2, dtype=np.int32)
+    places = np.tile([0.0, 0.5], (len(first), 1))
+    radiance, error = _core.reference_surroundings(
+        scene, 0, first, places, 0.5, spp, seed, threads, progress or _core.Progress()
+    )
+    return radiance.reshape(ny, nx, 3), error.reshape(ny, nx, 3)
+
+
+def graph_mesh(volume, height=GRAPH_HEIGHT):
+    """The graph over an image: vertices float32 (ny nx, 3), triangles uint32 (m, 3), facing up."""
+    values = volume.values
+    ny, nx = values.shape
+    low, high = volume.field().bounds
+    size = float(np.max(np.subtract(high, low)))
+    bottom, top = volume.field().range
+    j, i = np.mgrid[0:ny, 0:nx]
+    matrix = volume.index_to_world
+    plane = np.stack([i, j], axis=-1) @ matrix[:2, :2].T + matrix[:2, 2]
+    z = height * size * (values - bottom) / (top - bottom)
+    vertices = np.concatenate([plane, z[..., None]], axis=-1).reshape(-1, 3)
+    corner = (j[:-1, :-1] * nx + i[:-1, :-1]).ravel()
+    right, above, across = corner + 1, corner + nx, corner + nx + 1
+    pairs = np.stack([corner, right, across, corner, across, above], axis=-1)
+    return vertices.astype(np.float32), pairs.reshape(-1, 3).astype(np.uint32)
+
+
+def _scene_in_space(bake, vertices, triangles):
+    """The graph, and the walls and lamps of the plane raised to its height; open above."""
+    top = float(vertices[:, 2].max())
+    albedo = bake.scene.leaves.albedo
+    meshes = [_core.Mesh("graph", vertices, triangles, albedo)]
+    for wall in bake.scene.walls:
+        flat = np.asarray(wall.vertices, np.float32)
+        count = len(flat)
+        raised = np.concatenate(
+            [np.c_[flat, np.full(count, level, np.float32)] for level in (0.0, top)]
+        )
+        a, b = np.asarray(wall.segments, np.uint32).T
+        faces = np.concatenate([np.c_[a, b, b + count], np.c_[a, b + count, a + count]])
+        meshes.append(_core.Mesh(wall.name, raised, faces.astype(np.uint32), wall.albedo))
+    lamps = [
+        _core.AreaLight(
+            lamp.name,
+            (*lamp.corner, 0.0),
+            # The other way round, this faces the left of the edge in the plane.
+            (0.0, 0.0, top),
+            (*lamp.edge, 0.0),
+            tuple(BRIGHTNESS_CORRECTION * np.asarray(lamp.radiance)),
+        )
+        for lamp in bake.scene.lamps
+    ]
+    return _core.Scene([], meshes, lamps, isovalues=(0.0, 1.0))

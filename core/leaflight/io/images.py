@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Images as arrays: PNG and JPEG through Pillow, TIFF through tifffile, EXR through OpenEXR."""
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+
+from .. import _core
+from .._core import LeaflightError
+from .output import replaced
+
+SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr")
+
+
+def read_pixels(path):
+    """The numbers as the file stores them: [row, column] or [row, column, RGB], top row first.
+
+    uint8, uint16 or floating point; alpha is left out. Raises LeaflightError.
+    """
+    path = Path(path)
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise LeaflightError(f"{path}: an image must end in one of {', '.join(SUFFIXES)}.")
+    if not path.is_file():
+        raise LeaflightError(f"{path}: there is no such image; check the path.")
+    try:
+        if suffix == ".exr":
+            pixels = _core.read_exr(str(path))
+        elif suffix in (".tif", ".tiff"):
+            pixels = _read_tiff(path)
+        else:
+            pixels = _read_with_pillow(path)
+    except OSError as error:
+        raise LeaflightError(f"{path}: cannot read it: {error.strerror or 'damaged'}.") from None
+    except MemoryError:
+        raise LeaflightError(f"{path}: the image is too large; use a smaller one.") from None
+    if pixels.ndim == 3:
+        pixels = pixels[..., 0] if pixels.shape[2] < 3 else pixels[..., :3]
+    return pixels
+
+
+def read_texture(path):
+    """Linear RGB, float32 [row, column, 3], bottom row first; integers are taken as sRGB.
+
+    Raises LeaflightError.
+    """
+    pixels = read_pixels(path)
+    if np.issubdtype(pixels.dtype, np.integer):
+        encoded = pixels.astype(np.float32) / np.iinfo(pixels.dtype).max
+        curve = ((encoded + 0.055) / 1.055) ** 2.4
+        pixels = np.where(encoded <= 0.04045, encoded / 12.92, curve)
+    if pixels.ndim == 2:
+        pixels = np.repeat(pixels[..., None], 3, axis=2)
+    return np.ascontiguousarray(pixels[::-1], dtype=np.float32)
+
+
+def luminance(pixels):
+    """Grey of RGB by the weights of Rec. 709, float32 [row, column]; grey stays what it is."""
+    grey = pixels if pixels.ndim == 2 else pixels @ np.array([0.2126, 0.7152, 0.0722])
+    return grey.astype(np.float32)
+
+
+def display_colours(radiance, exposure):
+    """Radiance (..., 3) to uint8 sRGB: times the exposure, clamped to 0..1, encoded."""
+    linear = np.clip(np.asarray(radiance, dtype=np.float32) * np.float32(exposure), 0.0, 1.0)
+    curve = 1.055 * np.power(linear, 1.0 / 2.4) - 0.055
+    encoded = np.where(linear <= 0.0031308, 12.92 * linear, curve)
+    return np.rint(255.0 * encoded).astype(np.uint8)
+
+
+def write_png(path, pixels):
+    """Writes uint8 [row, column, RGB], top row first, as a whole or not at all."""
+    image = _pillow(path).fromarray(pixels)
+    with replaced(path) as temporary:
+        image.save(temporary)
+
+
+def _read_tiff(path):
+    from .readers.tiff import opened
+
+    with opened(path) as file:
+        pixels = file.pages[0].asarray()
+    if pixels.ndim not in (2, 3) or pixels.dtype.kind not in "uf":
+        raise LeaflightError(
+            f"{path}: the image must be grey or RGB, of unsigned integers or floating point; "
+            "convert it first."
+        )
+    return pixels
+
+
+def _pillow(path):
+    try:
+        from PIL import Image
+    except ImportError:
+        raise LeaflightError(
+            f"{path}: this needs the Python package Pillow, which is not installed; "
+            "install python3-pil."
+        ) from None
+    return Image
+
+
+def _read_with_pillow(path):
+    Image = _pillow(path)
+    try:
+        # A warning of a large image is harmless; of a far too large one Pillow raises an error.
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with Image.open(path, formats=("PNG", "JPEG")) as image:
+                if image.mode.startswith("I"):
+                    return np.asarray(image).astype(np.uint16)
+                if image.mode not in ("L", "RGB"):
+                    image = image.convert("L" if image.mode in ("1", "LA") else "RGB")
+                return np.asarray(image)
+    except Image.DecompressionBombError:
+        raise MemoryError from None
+    except MemoryError:
+        raise
+    except Exception:
+        # On damaged files Pillow fails with whatever comes first, from OSError to struct.error.
+        raise LeaflightError(
+            f"{path}: this is not a readable image, or it is truncated or damaged; fetch it again."
+        ) from None

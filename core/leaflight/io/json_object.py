@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Objects of a JSON file, read with checks whose errors say where and what is wrong."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from .._core import LeaflightError
+
+
+def read_text(path):
+    """The text of a scene file. Raises LeaflightError."""
+    try:
+        return Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "it is not text"
+        raise LeaflightError(f"{path}: cannot read the scene file: {reason}.") from None
+
+
+def parse(text, source):
+    """The JsonObject of a file's text; source names the file in errors. Raises LeaflightError."""
+    try:
+        data = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        detail = f"{error.msg}, line {error.lineno}" if hasattr(error, "msg") else "malformed"
+        raise LeaflightError(f"{source}: this is not valid JSON ({detail}).") from None
+    return JsonObject(data, source)
+
+
+class JsonObject:
+    """One object {...} and how errors call it. Every method raises LeaflightError."""
+
+    def __init__(self, data, where):
+        self.data = data
+        self.where = where
+        self.name = ""
+        if not isinstance(data, dict):
+            raise self.error("it must be a JSON object {...}")
+
+    def __contains__(self, key):
+        return key in self.data
+
+    def error(self, what):
+        return LeaflightError(f"{self.where}: {what}.")
+
+    def only(self, *keys):
+        """Refuses every other key."""
+        for key in self.data:
+            if key not in keys:
+                raise self.error(f'unknown key "{key[:40]}"; known are {", ".join(keys)}')
+
+    def get(self, key):
+        if key not in self.data:
+            raise self.error(f'the key "{key}" is missing')
+        return self.data[key]
+
+    def text(self, key, default=None):
+        value = self.get(key) if default is None else self.data.get(key, default)
+        if not isinstance(value, str):
+            raise self.error(f'"{key}" must be text')
+        return value
+
+    def choice(self, key, choices, default=None):
+        value = self.text(key, default)
+        if value not in choices:
+            allowed = ", ".join(f'"{choice}"' for choice in choices[:-1])
+            raise self.error(f'"{key}" must be {allowed} or "{choices[-1]}", not "{value[:40]}"')
+        return value
+
+    def flag(self, key):
+        """True or false; false where it is missing."""
+        value = self.data.get(key, False)
+        if not isinstance(value, bool):
+            raise self.error(f'"{key}" must be true or false')
+        return value
+
+    def items(self, key):
+        value = self.get(key)
+        if not isinstance(value, list):
+            raise self.error(f'"{key}" must be a list')
+        return value
+
+    def child(self, key):
+        """The object under a key."""
+        return JsonObject(self.get(key), f"{self.where}: {key}")
+
+    def named(self, key, kind):
+        """The objects of a list, each with a "name" by which errors call it."""
+        children = []
+        for i, data in enumerate(self.items(key)):
+            child = JsonObject(data, f"{self.where}: {kind} {i + 1}")
+            child.name = child.text("name")
+            child.where = f'{self.where}: {kind} "{child.name[:60]}"'
+            children.append(child)
+        return children
+
+    def array(self, key):
+        """Finite numbers in rows of equal length, float64."""
+        try:
+            array = np.array(self.get(key), dtype=np.float64)
+        except (TypeError, ValueError, OverflowError):
+            raise self.error(f'"{key}" must hold numbers only, in rows of equal length') from None
+        if not np.isfinite(array).all():
+            raise self.error(f'"{key}" must hold finite numbers')
+        return array
+
+    def number(self, key, low, high, default=None):
+        """A number in low..high."""
+        if default is not None and key not in self:
+            return default
+        value = self.array(key)
+        if value.shape != () or not low <= value <= high:
+            allowed = f"in {low:g}..{high:g}" if high < np.inf else f"of at least {low:g}"
+            raise self.error(f'"{key}" must be a number {allowed}')
+        return float(value)
+
+    def positive(self, key):
+        value = self.array(key)
+        if value.shape != () or not value > 0:
+            raise self.error(f'"{key}" must be a positive number')
+        return float(value)
+
+    def vector(self, key, length=3):
+        array = self.array(key)
+        if array.shape != (length,):
+            count = {2: "two", 3: "three"}[length]
+            raise self.error(f'"{key}" must be {count} numbers')
+        return tuple(array.tolist())
+
+    def points(self, key, least, axes="xyz"):
+        """At least so many points, float64 (n, axes)."""
+        array = self.array(key)
+        if array.ndim != 2 or array.shape[1] != len(axes) or len(array) < least:
+            point = ", ".join(axes)
+            raise self.error(f'"{key}" must be a list of at least {least} points [{point}]')
+        return array
+
+    def faces(self, key, lengths, count):
+        """A list of lists, as long as one of lengths, of indices in 0..count - 1; not empty."""
+        faces = self.items(key)
+        if not faces:
+            raise self.error(f'"{key}" is empty, so there is nothing to see: leave the mesh out')
+        for face in faces:
+            if (
+                not isinstance(face, list)
+                or len(face) not in lengths
+                or not all(isinstance(i, int) and 0 <= i < count for i in face)
+            ):
+                sizes = " or ".join(str(length) for length in lengths)
+                raise self.error(
+                    f'"{key}" must hold lists of {sizes} vertex indices in 0..{count - 1}'
+                )
+        return faces
+
+    def direction(self, key):
+        """A vector of length 1; a longer or shorter one is normalised."""
+        vector = np.array(self.vector(key))
+        length = np.linalg.norm(vector)
+        if not length > 0:
+            raise self.error(f'"{key}" must be a direction, but its length is zero')
+        # One that is of length 1 already must be read as it was written.
+        unit = vector if abs(length - 1) < 1e-12 else vector / length
+        return tuple(float(x) for x in unit)
+
+    def color(self, key, largest=np.inf, default=None):
+        """Three linear numbers in 0..largest."""
+        if default is not None and key not in self:
+            return default
+        color = self.vector(key)
+        if min(color) < 0 or max(color) > largest:
+            allowed = f"between 0 and {largest:g}" if largest < np.inf else "not negative"
+            raise self.error(f'"{key}" must be three numbers {allowed}')
+        return color
+
+    def ramp(self, key, largest=np.inf, default=None):
+        """A colour, or stops [isovalue, [r, g, b]] in ascending order, as a list of pairs."""
+        if default is not None and key not in self:
+            return default
+        value = self.get(key)
+        if not isinstance(value, list) or not any(isinstance(item, list) for item in value):
+            return self.color(key, largest)
+        stops = []
+        for i, item in enumerate(value):
+            if not isinstance(item, list) or len(item) != 2:
+                raise self.error(f'"{key}" must be [r, g, b] or a list of [isovalue, [r, g, b]]')
+            stop = JsonObject(
+                {"isovalue": item[0], "color": item[1]}, f'{self.where}: stop {i + 1} of "{key}"'
+            )
+            stops.append((stop.number("isovalue", -np.inf, np.inf), stop.color("color", largest)))
+        positions = [position for position, _ in stops]
+        if any(high <= low for low, high in zip(positions, positions[1:])):
+            raise self.error(f'the isovalues of "{key}" must ascend from stop to stop')
+        return stops

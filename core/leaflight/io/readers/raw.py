@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Headerless volumes: the caller gives the layout."""
+
+import numpy as np
+
+from ..._core import LeaflightError
+from ...volume.volume import Volume
+from .checks import index_to_world, text, to_float32
+
+TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")
+ENDIANS = {"little": "<", "big": ">"}
+
+
+def read(path, dims=None, type=None, endian="little", spacing=1.0):
+    """Reads x-fastest values; the file must hold exactly dims (nx, ny, nz) of them."""
+    if dims is None or type is None:
+        raise LeaflightError(
+            f"{path}: a .raw file does not tell its layout; add --dims X Y Z and "
+            "--type uint8|uint16|..."
+        )
+    if len(dims) != 3 or any(n != int(n) or n < 1 for n in dims):
+        raise LeaflightError(f"{path}: --dims needs three positive whole numbers, X Y Z.")
+    if type not in TYPES:
+        raise LeaflightError(f"{path}: the type {type} is not known; known are {', '.join(TYPES)}.")
+    if endian not in ENDIANS:
+        raise LeaflightError(f"{path}: --endian must be little or big, not {endian}.")
+    nx, ny, nz = (int(n) for n in dims)
+    dtype = np.dtype(type).newbyteorder(ENDIANS[endian])
+    needed, found = nx * ny * nz * dtype.itemsize, path.stat().st_size
+    if needed != found:
+        raise LeaflightError(
+            f"{path}: {text(dims)} values of {type} are {needed} bytes, but the file holds "
+            f"{found}; check --dims and --type."
+        )
+    matrix = index_to_world(path, spacing)
+    values = np.fromfile(path, dtype=dtype)
+    return Volume(to_float32(values.reshape(nz, ny, nx)), matrix, path.stem, str(path))

@@ -1,0 +1,332 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scene files: a SceneDescription as one JSON object.
+
+    name          text
+    coordinates   "world": the numbers are world coordinates; or "box": they are relative to the
+                  volumes, the longest side of whose common box runs from -1 to 1 around its
+                  centre, so that the scene fits any volume
+    leaf_albedo   of every isosurface of every volume: [r, g, b] in 0..1, or stops
+                  [[isovalue, [r, g, b]], ...] in ascending isovalues
+    leaf_emission, leaf_scattering, leaf_ior, capped
+                  optional, as "emission", "scattering", "ior", "capped" of a volume
+    volumes       instead of leaf_* and capped, a list of {"name", "albedo", and optionally
+                  "emission": as albedo, but radiance in W/(m^2 sr),
+                  "scattering": "diffuse", "mirror" or "glass", "ior": of glass (1.5),
+                  "isovalues": [lo, hi], what the leaf coordinates 0 and 1 show,
+                  "capped": true closes the isosurfaces at the border of the volume,
+                  "source": file, relative to the scene file, or generated volume}
+    exposure      positive factor from radiance to the colour on the screen
+    meshes        list of {"name", "albedo": [r, g, b] in 0..1, "vertices": [[x, y, z], ...],
+                  "faces": [[i, j, k] or [i, j, k, l], ...], and optionally "scattering", "ior",
+                  "emission": [r, g, b], "texture": image file, relative to the scene file, that
+                  multiplies the albedo, "uv": [[[u, v] for each corner] for each face]}
+    lights        list of {"name", "type", ...}; none blocks or reflects light:
+                  "area" (default): "corner", "edge_u", "edge_v", "radiance" towards
+                  cross(edge_u, edge_v) in W/(m^2 sr), "ellipse": true for the inscribed ellipse
+                  "point": "position", "radius" (0), "intensity" in W/sr
+                  "spot": as point, and "axis", "angle" of the cone in degrees, "blend" of its
+                  edge in 0..1 (0), "cosine_falloff" (false)
+                  "sun": "direction" in which light travels, "irradiance" in W/m^2, "angle" of its
+                  disc in degrees (0)
+    environment   optional {"radiance": [r, g, b], "name", "image": latitude-longitude image file,
+                  "rotation" of the image about +z in degrees, or "world_to_image": 3 x 3}
+    comment       optional text
+
+Colours are linear RGB. Images may be embedded: {"width", "height", "pixels"}, the pixels being
+little-endian float32 RGB, bottom row first, compressed by zlib, in base64.
+"""
+
+import base64
+import json
+import math
+import zlib
+from dataclasses import MISSING, fields, replace
+from numbers import Real
+from pathlib import Path
+
+import numpy as np
+
+from .._core import LeaflightError
+from ..scene.scene import (
+    IDENTITY,
+    AreaLight,
+    Cone,
+    Environment,
+    Leaves,
+    Mesh,
+    PointLight,
+    SceneDescription,
+    SunLight,
+)
+from .images import read_texture
+from .json_object import JsonObject, parse, read_text
+from .sources import is_generated
+
+SCATTERING = ("diffuse", "mirror", "glass")
+LIGHTS = ("area", "point", "spot", "sun")
+BLACK = (0.0, 0.0, 0.0)
+# The core's limits of the refractive index.
+IOR = (0.1, 10.0)
+
+
+def load_scene(path):
+    """Reads a scene file. Raises LeaflightError naming the file and the object that is wrong."""
+    return scene_from_json(read_text(path), str(path), Path(path).parent)
+
+
+def cornell_box():
+    """The default surroundings, in box coordinates: scenes/cornell.json."""
+    return packaged_scene("cornell.json")
+
+
+def packaged_scene(name):
+    """The SceneDescription of a file of the package's scenes. Raises LeaflightError."""
+    return load_scene(Path(__file__).resolve().parent.parent / "scenes" / name)
+
+
+def scene_from_json(text, source="scene", folder="."):
+    """Parses the text of a scene file; source names it in errors. Raises LeaflightError.
+
+    folder: what the names of files in it are relative to.
+    """
+    root = parse(text, source)
+    both = ("name", "coordinates", "exposure", "meshes", "lights", "environment", "comment")
+    if "volumes" in root:
+        root.only("volumes", *both)
+        leaves = [_leaves(item, folder) for item in root.named("volumes", "volume")]
+        if not leaves:
+            raise root.error('"volumes" must name at least one volume')
+    else:
+        own = ("leaf_albedo", "leaf_emission", "leaf_scattering", "leaf_ior", "capped")
+        root.only(*own, *both)
+        leaves = [_look(root, "isosurfaces", "leaf_")]
+    return SceneDescription(
+        name=root.text("name"),
+        leaves=leaves,
+        exposure=root.positive("exposure"),
+        meshes=[_mesh(item, folder) for item in root.named("meshes", "mesh")],
+        lights=[_light(item) for item in root.named("lights", "light")],
+        environment=_environment(root.child("environment"), folder)
+        if "environment" in root
+        else None,
+        coordinates=root.choice("coordinates", ("world", "box")),
+    )
+
+
+def _look(item, name, prefix=""):
+    """The Leaves of an object whose keys begin with a prefix."""
+    return Leaves(
+        name=name,
+        albedo=item.ramp(prefix + "albedo", largest=1.0),
+        emission=item.ramp(prefix + "emission", default=BLACK),
+        scattering=item.choice(prefix + "scattering", SCATTERING, SCATTERING[0]),
+        ior=item.number(prefix + "ior", *IOR, default=1.5),
+        capped=item.flag("capped"),
+    )
+
+
+def _leaves(item, folder):
+    item.only(*("name", "source", "albedo", "emission", "scattering", "ior", "isovalues", "capped"))
+    look = _look(item, item.name)
+    isovalues = source = None
+    if "isovalues" in item:
+        lo_hi = item.array("isovalues")
+        if lo_hi.shape != (2,) or not lo_hi[0] < lo_hi[1]:
+            raise item.error('"isovalues" must be two numbers, the lower first')
+        isovalues = tuple(lo_hi.tolist())
+    if "source" in item:
+        source = item.text("source")
+        if not is_generated(source):
+            source = str(Path(folder) / source)
+    return replace(look, isovalues=isovalues, source=source)
+
+
+def _mesh(item, folder):
+    item.only(
+        *("name", "albedo", "vertices", "faces", "scattering", "ior", "emission", "texture", "uv")
+    )
+    vertices = item.points("vertices", 3)
+    faces = item.faces("faces", (3, 4), len(vertices))
+    if ("texture" in item) != ("uv" in item):
+        there, missing = ("texture", "uv") if "texture" in item else ("uv", "texture")
+        raise item.error(f'"{there}" needs "{missing}" too')
+    textured = "texture" in item
+    return Mesh(
+        item.name,
+        vertices.astype(np.float32),
+        np.array(_triangles(faces), dtype=np.uint32),
+        item.color("albedo", largest=1.0),
+        item.choice("scattering", SCATTERING, SCATTERING[0]),
+        item.number("ior", *IOR, default=1.5),
+        item.color("emission", default=BLACK),
+        _image(item, "texture", folder) if textured else None,
+        _uv(item, faces) if textured else None,
+    )
+
+
+def _triangles(faces):
+    """Each face of 3 or 4 corners as one or two triangles."""
+    return [[face[0], face[i], face[i + 1]] for face in faces for i in range(1, len(face) - 1)]
+
+
+def _uv(item, faces):
+    corners = item.items("uv")
+    if len(corners) != len(faces) or any(
+        not isinstance(uv, list) or len(uv) != len(face) for uv, face in zip(corners, faces)
+    ):
+        raise item.error('"uv" must hold a list for each face, with [u, v] for each of its corners')
+    whole = JsonObject({"uv": _triangles(corners)}, item.where).array("uv")
+    if whole.shape[1:] != (3, 2):
+        raise item.error('"uv" must hold [u, v], two numbers, for each corner')
+    return whole.astype(np.float32)
+
+
+def _light(item):
+    kind = item.choice("type", LIGHTS, LIGHTS[0])
+    return {"area": _area, "point": _point, "spot": _point, "sun": _sun}[kind](item)
+
+
+def _area(item):
+    item.only("name", "type", "corner", "edge_u", "edge_v", "radiance", "ellipse")
+    corner, edge_u, edge_v = (item.vector(key) for key in ("corner", "edge_u", "edge_v"))
+    lengths = np.linalg.norm(edge_u) * np.linalg.norm(edge_v)
+    if not np.linalg.norm(np.cross(edge_u, edge_v)) > 1e-6 * lengths:
+        raise item.error(
+            '"edge_u" and "edge_v" must span a rectangle, but they are parallel or zero'
+        )
+    if abs(np.dot(edge_u, edge_v)) > 1e-4 * lengths:
+        raise item.error('"edge_u" and "edge_v" must be at right angles')
+    radiance = item.color("radiance")
+    return AreaLight(item.name, corner, edge_u, edge_v, radiance, item.flag("ellipse"))
+
+
+def _point(item):
+    spot = item.text("type") == "spot"
+    item.only(
+        *("name", "type", "position", "radius", "intensity"),
+        *(("axis", "angle", "blend", "cosine_falloff") if spot else ()),
+    )
+    cone = None
+    if spot:
+        angle = item.number("angle", 0, 180)
+        if not angle > 0:
+            raise item.error('"angle" must be above 0, or the spot does not shine')
+        cone = Cone(
+            item.direction("axis"),
+            math.radians(angle),
+            item.number("blend", 0, 1, default=0.0),
+            item.flag("cosine_falloff"),
+        )
+    radius = item.number("radius", 0, np.inf, default=0.0)
+    return PointLight(item.name, item.vector("position"), radius, item.color("intensity"), cone)
+
+
+def _sun(item):
+    item.only("name", "type", "direction", "irradiance", "angle")
+    angle = item.number("angle", 0, 180, default=0.0)
+    if angle == 180:
+        raise item.error('"angle" must be below 180 degrees')
+    direction = item.direction("direction")
+    return SunLight(item.name, direction, item.color("irradiance"), math.radians(angle))
+
+
+def _environment(item, folder):
+    item.only("name", "radiance", "image", "rotation", "world_to_image")
+    matrix = np.array(IDENTITY)
+    if "world_to_image" in item:
+        matrix = item.array("world_to_image")
+        if matrix.shape != (3, 3) or abs(np.linalg.det(matrix)) < 1e-9:
+            raise item.error('"world_to_image" must be an invertible 3 x 3 matrix')
+    if "rotation" in item:
+        angle = math.radians(item.number("rotation", -np.inf, np.inf))
+        cosine, sine = math.cos(angle), math.sin(angle)
+        matrix = matrix @ [[cosine, sine, 0], [-sine, cosine, 0], [0, 0, 1]]
+    return Environment(
+        item.text("name", "environment"),
+        item.color("radiance"),
+        _image(item, "image", folder) if "image" in item else None,
+        tuple(tuple(row) for row in matrix.tolist()),
+    )
+
+
+def _image(item, key, folder):
+    """An image file or an embedded image, float32 [row, column, 3], bottom row first."""
+    value = item.get(key)
+    if isinstance(value, str):
+        try:
+            return read_texture(Path(folder) / value)
+        except LeaflightError as error:
+            raise LeaflightError(f"{item.where}: {error}") from None
+    image = item.child(key)
+    image.only("width", "height", "pixels")
+    width, height = (int(image.number(side, 1, 65536)) for side in ("width", "height"))
+    size = 4 * 3 * width * height
+    try:
+        decompressor = zlib.decompressobj()
+        compressed = base64.b64decode(image.text("pixels"), validate=True)
+        pixels = decompressor.decompress(compressed, size)
+    except (ValueError, zlib.error):
+        raise image.error('"pixels" is not zlib in base64; embed the image again') from None
+    if len(pixels) != size or not decompressor.eof:
+        raise image.error(f'"pixels" does not hold {width} x {height} float32 RGB values')
+    # A copy, because what comes from bytes cannot be written to.
+    return np.frombuffer(pixels, dtype="<f4").reshape(height, width, 3).astype(np.float32)
+
+
+def scene_to_json(description):
+    """The text that scene_from_json turns into the same description again."""
+    data = _plain(description) | {"coordinates": description.coordinates}
+    data["volumes"] = [_plain(leaves) for leaves in description.leaves]
+    data["meshes"] = [_plain(mesh) for mesh in description.meshes]
+    data["lights"] = [_light_data(light) for light in description.lights]
+    if description.environment is not None:
+        data["environment"] = _plain(description.environment)
+    del data["leaves"]
+    return json.dumps(data, separators=(",", ":"))
+
+
+# How the keys of a scene file are called where they differ from the fields.
+KEYS = {"triangles": "faces"}
+
+
+def _plain(item):
+    """The fields of a dataclass that differ from their defaults, as JSON holds them."""
+    data = {}
+    for field in fields(item):
+        value = _json(getattr(item, field.name))
+        if field.default is MISSING or value != _json(field.default):
+            data[KEYS.get(field.name, field.name)] = value
+    return data
+
+
+def _json(value):
+    if isinstance(value, np.ndarray):
+        # The floating-point arrays of three dimensions whose last is colour are images; uv has two.
+        return _embedded(value) if value.shape[2:] == (3,) else value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [_json(item) for item in value]
+    if isinstance(value, Real) and not isinstance(value, bool):
+        return float(value)
+    return value
+
+
+def _embedded(image):
+    height, width, _ = image.shape
+    # More effort hardly makes floating-point numbers shorter.
+    pixels = zlib.compress(np.ascontiguousarray(image, dtype="<f4"), level=1)
+    return {"width": width, "height": height, "pixels": base64.b64encode(pixels).decode()}
+
+
+def _light_data(light):
+    data = _plain(light)
+    if isinstance(light, PointLight):
+        cone = data.pop("cone", None)
+        data["type"] = "point" if cone is None else "spot"
+        if cone is not None:
+            data |= _plain(cone)
+    elif isinstance(light, SunLight):
+        data["type"] = "sun"
+    if "angle" in data:
+        # So many digits survive the way to radians and back.
+        data["angle"] = float(f"{math.degrees(data['angle']):.14g}")
+    return data

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How far a bake is from the path-traced truth on one isosurface, or on a mesh around it."""
+
+import time
+
+from .._core import LeaflightError
+from .sides import LeafSide, MeshSide
+from .truth import errors_of
+
+REFERENCES = ("path", "cycles")
+
+
+def compare(
+    bake,
+    isovalue,
+    points=3000,
+    spp=1024,
+    seed=0,
+    threads=0,
+    progress=None,
+    volume=0,
+    back=False,
+    mesh=None,
+    reference="path",
+):
+    """Compares baked with path-traced radiance at random points of one volume's isosurface.
+
+    back: on its inner side; mesh: the name of a mesh of the surroundings to compare on instead,
+    back then being the side from which its normals point away. reference: "path", the core's own
+    path tracer, or "cycles" (cycles.py). spp: paths a point. `isovalue` is the leaf coordinate, as
+    everywhere in a Bake.
+
+    The points are distributed by area over the marching-cubes triangles; the bake is looked up
+    where the mesh is, the core's reference is traced from the leaf itself. Returns a dict with
+
+    rms_percent              RMS error of the colours in percent (thesis Eq. 4.11, corrected: a
+                             colour is radiance times exposure, clamped to 0..1)
+    relative_rms             RMS error of the radiance over the mean radiance, nothing clamped;
+                             None where all is dark
+    reference_noise_percent  what the reference's own noise adds to rms_percent (RMS standard error)
+    mean_radiance            mean of the reference colours before clamping
+    mean_ratio               mean of the baked radiance over that of the reference; None where all
+                             is dark
+    mean_ratio_error         its standard error from the noise of the reference
+    exposed                  the same six, and their points, over the points that can be seen from
+                             outside the volume; a scan hides most of an isosurface in the dark;
+                             None of the inner side and of meshes
+    parts                    noise_percent, texture_percent and mesh_percent, of which rms_percent
+                             and the reference's noise are the sum of squares (truth.py); None of
+                             the inner side and of meshes
+    and points, spp, reference, isovalue, triangles, bake_seconds, reference_seconds.
+    Raises LeaflightError, Cancelled.
+    """
+    if points < 1 or spp < 2:
+        raise LeaflightError("compare needs at least 1 point and 2 samples per point.")
+    if mesh is None:
+        side = LeafSide(bake, isovalue, volume, back)
+    else:
+        side = MeshSide(bake, mesh, isovalue, back)
+    work = {"spp": spp, "seed": seed, "threads": threads, "progress": progress}
+    start = time.perf_counter()
+    trace = {"path": side.path_traced, "cycles": side.by_cycles}[reference]
+    truth = trace(points, **work)
+    reference_seconds = time.perf_counter() - start
+    baked, exposure = side.baked(truth.points), bake.scene.exposure
+    exposed = side.exposed(truth.points, seed)
+    parts = None
+    if mesh is None and not back:
+        path = truth if reference == "path" else side.path_traced_at(truth.points, **work)
+        parts = side.parts(truth, path)
+    return {
+        "isovalue": float(isovalue),
+        "spp": int(spp),
+        "reference": reference,
+        "triangles": side.triangles,
+        **errors_of(baked, truth, exposure),
+        "parts": parts,
+        "exposed": None if exposed is None else errors_of(baked, truth, exposure, exposed),
+        "bake_seconds": bake.statistics["seconds"],
+        "reference_seconds": reference_seconds,
+    }

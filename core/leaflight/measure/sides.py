@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One side of an isosurface, or of a mesh around it: what a bake shows and what references find.
+
+isovalue always is the leaf coordinate. spp: paths a point; seed, threads, progress: see bake.py.
+"""
+
+import numpy as np
+
+from .. import _core
+from .._core import LeaflightError
+from ..scene.on_mesh import positions, random_places, random_points
+from .cycles import measure
+from .truth import Truth, parts_of
+
+# Random rays by which a point shows itself to the outside.
+EXPOSURE_RAYS = 32
+# The path tracer's samples of a point are spread evenly; so many sets of them tell their error.
+PASSES = 8
+
+
+class LeafSide:
+    """The isosurface of a volume; back: its inner side. Raises LeaflightError.
+
+    Points are those of its marching-cubes mesh, float64 (n, 3), world; triangles: how many it has.
+    """
+
+    def __init__(self, bake, isovalue, volume=0, back=False):
+        self.bake, self.isovalue = bake, isovalue
+        self.where = {"volume": volume, "back": back}
+        self.surface = bake.surface(isovalue, volume, back)
+        _check_diffuse(bake.scene.leaves[volume])
+        self.triangles = len(self.surface.triangles)
+        if self.triangles == 0:
+            raise LeaflightError(
+                f"Isovalue {isovalue:g} has no surface inside the data; choose another one."
+            )
+
+    def path_traced(self, count, spp, seed, threads, progress):
+        """The Truth of the core's path tracer at so many random points."""
+        on_mesh = random_points(self.surface.vertices, self.surface.triangles, count, seed)
+        return self.path_traced_at(on_mesh, spp, seed, threads, progress)
+
+    def path_traced_at(self, on_mesh, spp, seed, threads, progress):
+        """The same for given points of the mesh, traced from the leaf next to them."""
+        passes = min(PASSES, spp)
+        on_leaf = np.tile(self._projected(on_mesh), (passes, 1))
+        radiance, _ = self.bake.reference(
+            on_leaf, self.isovalue, -(-spp // passes), seed, threads, progress, **self.where
+        )
+        return _of_passes(on_mesh, radiance, passes)
+
+    def by_cycles(self, count, spp, seed, threads, progress):
+        """The Truth of Cycles at about so many random points."""
+        work = {"seed": seed, "threads": threads, "progress": progress}
+        return _by_cycles(self.bake, self.isovalue, count, spp, **self.where, **work)
+
+    def baked(self, points):
+        """Radiance (n, 3) of the bake at the points."""
+        return self.bake.radiance(points, **self.where)
+
+    def parts(self, truth, path):
+        """parts_of() what the bake errs by, against the truth; path: see there."""
+        error = self.bake.radiance_error(truth.points, self.where["volume"])
+        return parts_of(self.baked(truth.points), error, path, truth, self.bake.scene.exposure)
+
+    def exposed(self, points, seed):
+        """Which points can be seen from outside, a mask (n,); None of the inner side."""
+        if self.where["back"]:
+            return None
+        on_leaf = self._projected(points)
+        return _core.exposed(self._field(), on_leaf, self._own(), EXPOSURE_RAYS, seed) > 0
+
+    def _projected(self, points):
+        return _core.project_to_leaf(self._field(), points, self._own())
+
+    def _own(self):
+        return self.bake.isovalue_of(self.where["volume"], self.isovalue)
+
+    def _field(self):
+        return self.bake.volumes[self.where["volume"]].field()
+
+
+class MeshSide:
+    """The mesh of that name around the volumes; back: seen against its normals.
+
+    As LeafSide, without parts.
+    """
+
+    def __init__(self, bake, name, isovalue, back=False):
+        self.bake, self.isovalue, self.back = bake, isovalue, back
+        self.number = bake.mesh_number(name)
+        self.mesh = bake.scene.meshes[self.number]
+        _check_diffuse(self.mesh)
+        self.triangles = len(self.mesh.triangles)
+
+    def path_traced(self, count, spp, seed, threads, progress):
+        vertices, triangles = self.mesh.vertices, self.mesh.triangles
+        facets, coordinates = random_places(vertices, triangles, count, seed)
+        passes = min(PASSES, spp)
+        radiance, _ = self.bake.mesh_reference(
+            self.number,
+            np.tile(facets, passes),
+            np.tile(coordinates, (passes, 1)),
+            self.isovalue,
+            -(-spp // passes),
+            seed,
+            threads,
+            progress,
+            back=self.back,
+        )
+        return _of_passes(positions(vertices, triangles, facets, coordinates), radiance, passes)
+
+    def by_cycles(self, count, spp, seed, threads, progress):
+        where = {"mesh": self.number, "back": self.back}
+        work = {"seed": seed, "threads": threads, "progress": progress}
+        return _by_cycles(self.bake, self.isovalue, count, spp, **where, **work)
+
+    def baked(self, points):
+        return self.bake.mesh_radiance(self.number, points, self.isovalue, self.back)
+
+    def exposed(self, points, seed):
+        return None
+
+
+def _of_passes(points, radiance, passes):
+    return Truth.of_passes(points, np.ones(len(points)), radiance.reshape(passes, -1, 3))
+
+
+def _check_diffuse(look):
+    if look.scattering != "diffuse":
+        raise LeaflightError(
+            f'What "{look.name}" shows depends on the view, since it is of {look.scattering}: '
+            "choose something diffuse."
+        )
+
+
+def _by_cycles(bake, isovalue, points, spp, **where):
+    fields = [volume.field() for volume in bake.volumes]
+    found = measure(bake.scene, fields, isovalue, points=points, samples=spp, **where)
+    return Truth.measured(found)

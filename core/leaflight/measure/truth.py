@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Radiance that a reference finds at points, and the errors of what is compared with it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..bake.color_error import noise_percent, rms, rms_percent
+
+FIGURES = (
+    "rms_percent",
+    "relative_rms",
+    "reference_noise_percent",
+    "mean_radiance",
+    "mean_ratio",
+    "mean_ratio_error",
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Truth:
+    """The radiance of a reference at points, and its standard error: (n, 3) each, float64.
+
+    weights: (n,), by which means over the points are taken. mean_error: function of a mask (n,),
+    the standard error of the mean radiance over its points.
+    """
+
+    points: np.ndarray
+    weights: np.ndarray
+    radiance: np.ndarray
+    standard_error: np.ndarray
+    mean_error: object
+
+    @classmethod
+    def traced(cls, points, radiance, standard_error):
+        """Of the core's path tracer, whose points know nothing of each other."""
+        error = standard_error.astype(np.float64)
+
+        def mean_error(mask):
+            return float(np.sqrt((error[mask].mean(axis=1) ** 2).sum()) / mask.sum())
+
+        weights = np.ones(len(points))
+        return cls(points, weights, radiance.astype(np.float64), error, mean_error)
+
+    @classmethod
+    def of_passes(cls, points, weights, passes):
+        """The mean of independent passes, [pass, n, RGB], and errors by their spread.
+
+        So they hold for samples that are spread evenly within a pass, which err less than random
+        ones would.
+        """
+        passes = passes.astype(np.float64)
+
+        def error(values):
+            return values.std(axis=0, ddof=1) / np.sqrt(len(passes))
+
+        def mean_error(mask):
+            means = np.average(passes[:, mask].mean(axis=2), axis=1, weights=weights[mask])
+            return float(error(means))
+
+        return cls(points, weights, passes.mean(axis=0), error(passes), mean_error)
+
+    @classmethod
+    def measured(cls, measured):
+        """Of Cycles (cycles.py)."""
+        return cls.of_passes(measured.probes.points, measured.probes.weights, measured.passes)
+
+
+def parts_of(radiance, error, path, truth, exposure):
+    """What the error of radiance (n, 3) against the truth consists of: a dict of percents.
+
+    error: (n,), the standard error that the bake reports for its radiance; path: Truth of the path
+    tracer at the same points of the leaf, which may be the truth itself. Squares add up:
+
+    noise_percent    the reported error
+    texture_percent  what else the bake differs by from the path tracer: its resolution, and the
+                     bias of its estimator
+    mesh_percent     what the path tracer differs by from the truth: a mesh stands for the leaf;
+                     None where the path tracer is the truth
+    """
+    weights = truth.weights
+    noise = noise_percent(radiance, error[:, None], exposure, weights)
+    path_noise = noise_percent(path.radiance, path.standard_error, exposure, weights)
+    mesh = None
+    if path is not truth:
+        truth_noise = noise_percent(truth.radiance, truth.standard_error, exposure, weights)
+        of_path = rms_percent(path.radiance, truth.radiance, exposure, weights)
+        mesh = without(of_path, path_noise, truth_noise)
+    of_bake = rms_percent(radiance, path.radiance, exposure, weights)
+    return {
+        "noise_percent": noise,
+        "texture_percent": without(of_bake, path_noise, noise),
+        "mesh_percent": mesh,
+    }
+
+
+def without(whole, *parts):
+    """What remains of a whole whose squares are those of the parts and the remainder's; or 0."""
+    return float(np.sqrt(max(0.0, whole**2 - sum(part**2 for part in parts))))
+
+
+def errors_of(radiance, truth, exposure, mask=None):
+    """Errors of radiance (n, 3) against the truth at its points, or those of a mask (n,).
+
+    A dict of points and the six figures that compare() documents, None where there are no points.
+    """
+    if mask is None:
+        mask = np.ones(len(radiance), dtype=bool)
+    if not mask.any():
+        return {"points": 0, **dict.fromkeys(FIGURES)}
+    own, true = radiance[mask].astype(np.float64), truth.radiance[mask]
+    weights = truth.weights[mask]
+    mean = _mean(true, weights)
+    ratio = _mean(own, weights) / mean if mean > 0 else None
+    return {
+        "points": len(own),
+        "rms_percent": rms_percent(own, true, exposure, weights),
+        "relative_rms": rms(own - true, weights) / mean if mean > 0 else None,
+        "reference_noise_percent": noise_percent(
+            true, truth.standard_error[mask], exposure, weights
+        ),
+        "mean_radiance": mean * exposure,
+        "mean_ratio": ratio,
+        "mean_ratio_error": ratio * truth.mean_error(mask) / mean if mean > 0 else None,
+    }
+
+
+def _mean(values, weights):
+    return float(np.average(values.mean(axis=1), weights=weights))

@@ -1,0 +1,223 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Error against seconds on the bump box: estimators, strategies of sampling, and Cycles.
+
+The effort of a bake is its rays a texel; it doubles along each curve, and photons double with it.
+Bakes are repeated with other seeds, curve after curve, so that whatever else the machine does falls
+upon all alike. Seconds are those of a processor, all threads together: they suffer less than
+the clock's where others are at work.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..bake.bake import bake
+from ..bake.settings import Scattered
+from ..io.scene_file import packaged_scene
+from ..measure.cycles import bake_vertices
+from ..scene.scene import fit_scene, match_leaves
+from ..volume.volume import bump_box
+from .isosurfaces import isosurfaces
+from .memory import Cost, measured
+
+ISOVALUES = (20.0, 47.0, 100.0)
+# Photons a ray of a texel: what `bake` takes by default.
+PHOTONS = 2_000_000 // 32
+# Rays of each scattered sample.
+RAYS = 32
+CYCLES = "Cycles, one isosurface"
+# The curve of what bake does by default.
+DEFAULT = "gather"
+
+
+@dataclass(frozen=True)
+class CurveEffort:
+    """texels: nodes and texels a side; rays: a texel, along all curves; slow_rays: along those of
+    slow estimators; cycles: samples a corner; vertices, paths: of the reference, in all and each.
+    """
+
+    texels: int = 100
+    rays: tuple = (1, 2, 4, 8, 16, 32, 64)
+    slow_rays: tuple = (1, 2, 4, 8)
+    cycles: tuple = (1, 2, 4, 8, 16, 32, 64, 128, 256)
+    repetitions: int = 3
+    vertices: int = 1500
+    paths: int = 65_536
+
+
+QUICK_CURVES = CurveEffort(
+    texels=40,
+    rays=(1, 2, 4, 8, 16, 32),
+    slow_rays=(1, 2, 4, 8),
+    cycles=(1, 2, 4, 8, 16, 32, 64, 128),
+    repetitions=2,
+    vertices=600,
+    paths=16_384,
+)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What is baked along a curve, by a group of curves that belong together."""
+
+    name: str
+    group: str
+    estimator: str = "gather"
+    soft_spacing: int = 1
+    strategy: str = None
+    slow: bool = False
+
+
+KINDS = (
+    Kind("gather", "estimators"),
+    Kind("gather, spacing 2", "estimators", soft_spacing=2),
+    Kind("gather, spacing 3", "estimators", soft_spacing=3),
+    Kind("path", "estimators", "path"),
+    Kind("volumetric", "estimators", "volumetric"),
+    Kind("thesis", "estimators", "thesis", slow=True),
+    Kind("uniform", "strategies", strategy="uniform"),
+    Kind("stratified", "strategies", strategy="stratified"),
+    Kind("importance", "strategies", strategy="importance"),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """samples: rays a texel, or samples a corner; costs: a Cost for each repetition.
+
+    error: RMS in percent over all repetitions; noise: what of it changes from seed to seed.
+    """
+
+    samples: int
+    costs: list
+    error: float
+    noise: float
+
+    @property
+    def seconds(self):
+        """The median of the repetitions."""
+        return float(np.median([cost.seconds for cost in self.costs]))
+
+    @property
+    def peak(self):
+        return max(cost.peak for cost in self.costs)
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    name: str
+    group: str
+    points: list
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """curves: the last is that of Cycles, if there is one; reference: the Isosurfaces."""
+
+    curves: list
+    reference: object
+    effort: CurveEffort
+
+    def of(self, name):
+        """The Curve of a name, or None."""
+        return next((curve for curve in self.curves if curve.name == name), None)
+
+
+def measure_curves(effort, run, *, seed=0, threads=0, cycles=True, kinds=KINDS):
+    """The Curves of the bump box in its scene; run(work, label): see experiments.py.
+
+    cycles: whether Cycles gets a curve. Raises LeaflightError, Cancelled.
+    """
+    volume = bump_box(effort.texels)
+    scene = packaged_scene("bump_box.json")
+    scene = fit_scene(match_leaves(scene, [volume]), [volume])
+    # Another seed than that of any bake.
+    reference = isosurfaces(
+        [volume],
+        scene,
+        volume.data_range(),
+        ISOVALUES,
+        effort.vertices,
+        effort.paths,
+        seed + effort.repetitions,
+        threads,
+        run,
+        "curves",
+    )
+    # By curve and samples: (radiance at the points, Cost) of each repetition.
+    runs = {}
+    for repetition in range(effort.repetitions):
+        for rays in effort.rays:
+            for kind in kinds:
+                if kind.slow and rays not in effort.slow_rays:
+                    continue
+                baked, cost = _baked(volume, scene, kind, rays, seed + repetition, threads, run)
+                found = reference.radiance(baked), cost
+                runs.setdefault((kind.name, rays), []).append(found)
+        if cycles:
+            found = _by_cycles(scene, reference, effort.cycles, seed + repetition, threads, run)
+            for samples, one in zip(effort.cycles, found):
+                runs.setdefault((CYCLES, samples), []).append(one)
+    names = [(kind.name, kind.group) for kind in kinds] + [(CYCLES, "Cycles")] * cycles
+    curves = [Curve(*name, _points(name[0], runs, reference)) for name in names]
+    return Curves(curves, reference, effort)
+
+
+def _baked(volume, scene, kind, rays, seed, threads, run):
+    """(Bake, Cost) of all isosurfaces at an effort of so many rays a texel."""
+    count = max(1, rays * volume.values.size // RAYS)
+    scattered = kind.strategy and Scattered(kind.strategy, count)
+
+    def work(progress):
+        return bake(
+            volume,
+            scene,
+            isovalues=volume.data_range(),
+            samples=RAYS if scattered else rays,
+            photons=rays * PHOTONS,
+            estimator=kind.estimator,
+            soft_spacing=kind.soft_spacing,
+            scattered=scattered,
+            seed=seed,
+            threads=threads,
+            progress=progress,
+        )
+
+    return measured(lambda: run(work, f"curves: {kind.name}, {rays} rays, seed {seed}"))
+
+
+def _by_cycles(scene, reference, samples, seed, threads, run):
+    """(radiance at the points, Cost) for each number of samples; costs are those of one isosurface.
+
+    A pass before the first one warms up. Neither Blender's start nor its building of the scene
+    counts.
+    """
+    radiance, seconds, peaks = [], [], []
+    for surface in reference.surfaces:
+
+        def work(progress, surface=surface):
+            passes = (samples[0], *samples)
+            return bake_vertices(
+                scene, surface, passes, seed=seed, threads=threads, progress=progress
+            )
+
+        found = run(work, f"curves: Cycles at {surface.isovalue:g}, seed {seed}")
+        radiance.append(found[0][1:, surface.chosen])
+        seconds.append(found[1][1:])
+        peaks.append(found[2][1:])
+    costs = [
+        Cost(float(mean), None, int(peak), None)
+        for mean, peak in zip(np.mean(seconds, axis=0), np.max(peaks, axis=0))
+    ]
+    return list(zip(np.concatenate(radiance, axis=1), costs))
+
+
+def _points(name, runs, reference):
+    points = []
+    for (curve, samples), found in runs.items():
+        if curve == name:
+            radiances = np.array([radiance for radiance, _ in found])
+            error = np.sqrt(np.mean([reference.error(one) ** 2 for one in radiances]))
+            noise = reference.spread(radiances)
+            points.append(Point(samples, [cost for _, cost in found], float(error), noise))
+    return points

@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The thesis's data sets and some real ones: one bake against isosurfaces rendered directly.
+
+Thesis Fig. 5.14. Of its four data sets Colin27 alone is public; particles.py generates others of
+the same kind, and some scans stand beside them where there are any.
+"""
+
+from dataclasses import dataclass
+
+from ..bake.bake import bake
+from ..bake.settings import leaf_window
+from ..io.scene_file import cornell_box, packaged_scene
+from ..scene.scene import fit_scene, match_leaves
+from ..volume.particles import lapr, neuron, nucleons
+from .isosurfaces import isosurfaces
+from .memory import Cost, measured
+from .volume_recipes import bunny, colin27, generated, neuron_stack, nucleon
+
+
+@dataclass(frozen=True)
+class DataEffort:
+    """rays: of a texel; texels: a node, along each axis; paths: of the reference, at each vertex;
+    fineness: nodes of generated volumes, of those in the thesis.
+    """
+
+    rays: int = 32
+    photons: int = 2_000_000
+    texels: float = 1.0
+    fineness: float = 1.0
+    vertices: int = 2000
+    paths: int = 4096
+
+
+QUICK_DATA = DataEffort(rays=16, photons=1_000_000, texels=0.5, vertices=600, paths=2048)
+
+
+@dataclass(frozen=True)
+class Printed:
+    """What the thesis prints: seconds of the bake and of one isosurface, and RMS %."""
+
+    bake: float
+    direct: float
+    error: float
+
+
+@dataclass(frozen=True)
+class DataSet:
+    """volumes(folder, fineness): see volume_recipes.py.
+
+    isovalues: that are judged, leaf coordinates; scene: of the package, None is the Cornell box.
+    """
+
+    name: str
+    volumes: object
+    isovalues: tuple
+    printed: Printed = None
+    scene: str = None
+
+
+@dataclass(frozen=True)
+class DataRow:
+    """What became of a data set: its bake beside one isosurface rendered directly.
+
+    texels: of the bake; cost: of the bake; error: RMS in percent, of which noise is that of the
+    reference; vertices: of one isosurface, on average; direct: seconds of a processor in which
+    paths light these with the same error.
+    """
+
+    data_set: DataSet
+    nodes: tuple
+    resolution: tuple
+    texels: int
+    cost: Cost
+    error: float
+    noise: float
+    colour: float
+    vertices: float
+    direct: float
+
+    @property
+    def break_even(self):
+        """How many isosurfaces one bake is worth."""
+        return self.cost.seconds / self.direct
+
+
+DATA_SETS = (
+    DataSet(
+        "nucleons, 2 x 101^3 (generated)",
+        generated(nucleons, 101),
+        (0.2, 0.4, 0.6),
+        Printed(9685, 2155, 5.61),
+        "nucleons.json",
+    ),
+    DataSet(
+        "LAPR, 2 x 120^3 (generated)",
+        generated(lapr, 120),
+        (0.2, 0.4, 0.6),
+        Printed(5565, 522, 8.06),
+        "lapr.json",
+    ),
+    DataSet(
+        "neuron, 150^3 (generated)",
+        generated(neuron, 150),
+        (30.0, 60.0, 100.0),
+        Printed(4587, 1229, 5.70),
+    ),
+    DataSet(
+        "brain, Colin27 (ch2.nii.gz)",
+        colin27,
+        (24.5, 45.5, 70.5, 100.5, 150.5),
+        Printed(5452, 1819, 6.53),
+    ),
+    DataSet(
+        "nucleon (nucleon.raw)",
+        nucleon,
+        (20.5, 60.5, 100.5, 140.5, 180.5),
+    ),
+    DataSet(
+        "neuron stack (rivulet_neuron.tif.zip)",
+        neuron_stack,
+        (20.5, 60.5, 100.5),
+    ),
+    DataSet(
+        "bunny (bunny_ct_half.nrrd)",
+        bunny,
+        (400.5, 800.5, 1200.5),
+    ),
+)
+
+
+def measure_data_sets(effort, run, *, folder=None, seed=0, threads=0, data_sets=DATA_SETS):
+    """Returns (rows, absent): a DataRow for each data set there is, and the names of the others.
+
+    folder: with the files of the real ones, or None; run(work, label): see experiments.py.
+    """
+    rows, absent = [], []
+    for data_set in data_sets:
+        volumes = data_set.volumes(folder, effort.fineness)
+        if volumes is None:
+            absent.append(data_set.name)
+        else:
+            rows.append(_row(data_set, volumes, effort, run, seed, threads))
+    return rows, absent
+
+
+def _row(data_set, volumes, effort, run, seed, threads):
+    scene = packaged_scene(data_set.scene) if data_set.scene else cornell_box()
+    scene = fit_scene(match_leaves(scene, volumes), volumes)
+    # Everything that the data hold, as the thesis's bakes do.
+    whole = (0.0, 1.0) if len(volumes) > 1 else volumes[0].data_range()
+    window = leaf_window(whole, volumes, scene.leaves)
+    dims = volumes[0].field().dims
+
+    def work(progress):
+        return bake(
+            volumes,
+            scene,
+            isovalues=window,
+            resolution=max(2, round(effort.texels * max(dims))),
+            samples=effort.rays,
+            photons=effort.photons,
+            seed=seed,
+            threads=threads,
+            progress=progress,
+        )
+
+    label = f"data sets: {data_set.name}"
+    baked, cost = measured(lambda: run(work, label))
+    # Another seed than the bake's.
+    reference = isosurfaces(
+        volumes,
+        scene,
+        window,
+        data_set.isovalues,
+        effort.vertices,
+        effort.paths,
+        seed + 1,
+        threads,
+        run,
+        label,
+    )
+    error = reference.error(reference.radiance(baked))
+    vertices = sum(len(one.vertices) for one in reference.surfaces) / len(data_set.isovalues)
+    return DataRow(
+        data_set,
+        tuple(dims),
+        tuple(baked.grid.resolution),
+        baked.statistics["texels"],
+        cost,
+        error,
+        reference.noise,
+        reference.colour,
+        vertices,
+        vertices * reference.seconds_to(error),
+    )

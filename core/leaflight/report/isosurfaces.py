@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Isosurfaces on which the report takes errors: vertices of theirs with path-traced radiance."""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import _core
+from ..bake.color_error import noise_percent, rms_percent
+from ..scene.scene import core_scene, isovalue_at
+
+
+@dataclass(frozen=True, eq=False)
+class Isosurface:
+    """One isosurface and some of its vertices.
+
+    volume: its number; isovalue: the leaf coordinate; vertices: float32 (n, 3), world; normals and
+    triangles: of the mesh; chosen: (m,), numbers of the vertices that are judged.
+    """
+
+    volume: int
+    isovalue: float
+    vertices: np.ndarray
+    normals: np.ndarray
+    triangles: np.ndarray
+    chosen: np.ndarray
+
+    @property
+    def points(self):
+        return self.vertices[self.chosen]
+
+
+@dataclass(frozen=True, eq=False)
+class Isosurfaces:
+    """What bakes are judged by; all isosurfaces count alike.
+
+    truth, standard_error: float32 (n, 3), the radiance of paths at each of the points, one surface
+    after the other, and its standard error. exposure: of the scene. seconds: of a processor, for
+    one path at one point.
+    """
+
+    surfaces: list
+    truth: np.ndarray
+    standard_error: np.ndarray
+    exposure: float
+    paths: int
+    seconds: float
+
+    @property
+    def noise(self):
+        """What the reference's noise adds to error(), in squares."""
+        return noise_percent(self.truth, self.standard_error, self.exposure)
+
+    @property
+    def colour(self):
+        """The mean colour."""
+        return float(np.clip(self.truth * self.exposure, 0, 1).mean())
+
+    def seconds_to(self, error):
+        """Seconds of a processor in which paths light one point with this error() to itself.
+
+        The reference's own noise is part of the error and taken out of it.
+        """
+        own = max(error**2 - self.noise**2, 1e-12)
+        return self.seconds * self.paths * self.noise**2 / own
+
+    def radiance(self, baked):
+        """The radiance (n, 3) of a Bake at the points."""
+        return np.concatenate([baked.radiance(one.points, one.volume) for one in self.surfaces])
+
+    def error(self, radiance):
+        """RMS error in percent (thesis Eq. 4.11, corrected) of a radiance (n, 3)."""
+        return rms_percent(radiance, self.truth, self.exposure)
+
+    def spread(self, radiances):
+        """RMS of the deviation, in percent, among bakes that differ by their seed alone."""
+        colours = np.clip(np.float64(radiances) * self.exposure, 0, 1)
+        return 100.0 * float(np.sqrt(colours.var(axis=0, ddof=1).mean()))
+
+
+def isosurfaces(volumes, scene, window, isovalues, vertices, paths, seed, threads, run, label):
+    """The Isosurfaces of each volume at each leaf coordinate, of which some are empty.
+
+    scene: in world coordinates, with Leaves for each volume; window: (lo, hi) of the leaf
+    coordinate; vertices: to judge, in all; run(work, label): see experiments.py.
+    """
+    fields = [volume.field() for volume in volumes]
+    rng = np.random.default_rng(seed)
+    share = max(1, vertices // (len(fields) * len(isovalues)))
+    surfaces = []
+    for number, field in enumerate(fields):
+        for isovalue in isovalues:
+            mesh = _core.contour(field, isovalue_at(scene, number, isovalue))
+            count = min(share, len(mesh[0]))
+            chosen = np.sort(rng.choice(len(mesh[0]), count, replace=False))
+            surfaces.append(Isosurface(number, isovalue, *mesh, chosen))
+    surfaces = [one for one in surfaces if len(one.chosen)]
+    core = core_scene(scene, fields, window)
+
+    def traced(one):
+        own = isovalue_at(scene, one.volume, one.isovalue)
+        points = _core.project_to_leaf(fields[one.volume], one.points, own)
+
+        def work(progress):
+            return _core.reference(
+                core, points, one.isovalue, paths, seed, threads, progress, volume=one.volume
+            )
+
+        return run(work, f"{label}: reference at {one.isovalue:g}")
+
+    start = time.process_time()
+    found = [np.concatenate(parts) for parts in zip(*map(traced, surfaces))]
+    seconds = (time.process_time() - start) / (paths * len(found[0]))
+    return Isosurfaces(surfaces, *found, scene.exposure, paths, seconds)

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the report's volumes come from: generated, or read from a folder of real ones.
+
+A recipe is a function of (folder, fineness) to a list of Volumes, or to None where they are absent.
+folder: of the real ones, or None; fineness: nodes of generated ones, of those that they have.
+"""
+
+import tempfile
+import zipfile
+from pathlib import Path
+
+from ..io.readers import read_volume
+
+COLIN27 = Path("/usr/share/mricron/templates/ch2.nii.gz")
+
+
+def generated(make, nodes):
+    """What make(nodes) generates, of so many nodes at a fineness of 1."""
+
+    def volumes(_, fineness):
+        made = make(max(8, round(fineness * nodes)))
+        return made if isinstance(made, list) else [made]
+
+    return volumes
+
+
+def read(name, **layout):
+    """The file of that name, read_volume()'s layout given; of a zip the .tif within."""
+
+    def volumes(folder, _):
+        path = Path(folder) / name if folder else None
+        if path is None or not path.exists():
+            return None
+        if path.suffix != ".zip":
+            return [read_volume(str(path), **layout)]
+        with tempfile.TemporaryDirectory(prefix="leaflight-") as unpacked:
+            with zipfile.ZipFile(path) as archive:
+                stack = next(one for one in archive.namelist() if one.lower().endswith(".tif"))
+                return [read_volume(archive.extract(stack, unpacked), **layout)]
+
+    return volumes
+
+
+def colin27(folder, _):
+    """The thesis's brain, from the folder or from where Debian has it."""
+    own = Path(folder) / COLIN27.name if folder else COLIN27
+    path = own if own.exists() else COLIN27
+    return [read_volume(str(path))] if path.exists() else None
+
+
+nucleon = read("nucleon.raw", dims=(41, 41, 41), type="uint8")
+neuron_stack = read("rivulet_neuron.tif.zip")
+bunny = read("bunny_ct_half.nrrd")
+tooth = read("tooth16.raw", dims=(103, 94, 161), type="uint16", endian="big")

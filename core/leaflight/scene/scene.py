@@ -1,0 +1,334 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is lit and what surrounds it, as plain data: leaves, meshes, lights, environment.
+
+A colour is (r, g, b), linear. A ramp is one colour for all isovalues, or a list of stops
+(isovalue, colour) in ascending isovalue of that volume, in data units: linear between them,
+constant beyond. Scene files hold the same (scene_file.py).
+
+The leaf coordinate c numbers the leaves that are seen together. With one volume it is the
+isovalue; with several it runs over 0..1, and a volume with the isovalues (lo, hi) shows
+lo + c (hi - lo).
+"""
+
+from dataclasses import dataclass, replace
+from numbers import Real
+
+import numpy as np
+
+from .. import _core
+from .._core import LeaflightError
+from ..volume.volume import default_window
+
+IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Leaves:
+    """How all isosurfaces of one volume look.
+
+    albedo: a ramp in 0..1, the colour of a mirror or of glass; emission: a ramp of radiance in
+    W/(m^2 sr), from both sides; scattering: "diffuse", "mirror" or "glass"; ior: of the inside.
+    isovalues: (lo, hi) in data units that the leaf coordinates 0 and 1 of several volumes show; of
+    a single volume, the window to bake; None is default_window(volume).
+    capped: close the isosurfaces at the border of the volume (Volume.capped).
+    source: where the volume comes from, as the command line names volumes; None if it is given.
+    """
+
+    name: str
+    albedo: object
+    emission: object = (0.0, 0.0, 0.0)
+    scattering: str = "diffuse"
+    ior: float = 1.5
+    isovalues: tuple = None
+    capped: bool = False
+    source: str = None
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """A mesh of the surroundings, alike on both sides.
+
+    vertices: float32 (n, 3); triangles: uint32 (m, 3); albedo: a colour in 0..1, of a mirror or of
+    glass too; scattering: "diffuse", "mirror" or "glass"; ior: of glass; emission: radiance in
+    W/(m^2 sr), from both sides; texture: float32 [row, column, 3] in 0..1, linear, bottom row
+    first, multiplies the albedo; uv: float32 (m, 3, 2), where each corner of a triangle is in it.
+    """
+
+    name: str
+    vertices: np.ndarray
+    triangles: np.ndarray
+    albedo: tuple
+    scattering: str = "diffuse"
+    ior: float = 1.5
+    emission: tuple = (0.0, 0.0, 0.0)
+    texture: np.ndarray = None
+    uv: np.ndarray = None
+
+
+@dataclass(frozen=True, eq=False)
+class AreaLight:
+    """A rectangle, or the ellipse inscribed in it, that shines towards cross(edge_u, edge_v).
+
+    radiance: a colour in W/(m^2 sr). It neither blocks nor reflects light.
+    """
+
+    name: str
+    corner: tuple
+    edge_u: tuple
+    edge_v: tuple
+    radiance: tuple
+    ellipse: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Cone:
+    """Where a spot shines: about a unit axis, angle radians from edge to edge, at most pi.
+
+    blend: 0..1, the part of the cone over which its edge is soft; cosine_falloff: the intensity
+    also falls with the cosine to the axis.
+    """
+
+    axis: tuple
+    angle: float
+    blend: float = 0.0
+    cosine_falloff: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class PointLight:
+    """A sphere that shines alike in all directions, or within a cone.
+
+    intensity: a colour in W/sr, on a spot's axis. It neither blocks nor reflects light.
+    """
+
+    name: str
+    position: tuple
+    radius: float
+    intensity: tuple
+    cone: Cone = None
+
+
+@dataclass(frozen=True, eq=False)
+class SunLight:
+    """Parallel light: direction (unit) in which it travels, irradiance in W/m^2 facing it.
+
+    angle: diameter of the sun's disc in radians, below pi.
+    """
+
+    name: str
+    direction: tuple
+    irradiance: tuple
+    angle: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Environment:
+    """Light from all around: a radiance in W/(m^2 sr) that multiplies the image, if there is one.
+
+    image: float32 [row, column, 3], latitude-longitude, bottom row first; its centre column is seen
+    along +x, its upper rows towards +z, after world_to_image (3 x 3, nested tuples) turned the
+    direction.
+    """
+
+    name: str
+    radiance: tuple
+    image: np.ndarray = None
+    world_to_image: tuple = IDENTITY
+
+
+@dataclass(frozen=True, eq=False)
+class SceneDescription:
+    """Everything of a scene but the volumes.
+
+    leaves: one Leaves for each volume, or a single one for all. exposure: positive factor from
+    radiance to the colour on the screen. meshes: list of Mesh. lights: list of AreaLight,
+    PointLight and SunLight. environment: Environment or None.
+    coordinates: "world"; or "box", where the longest side of all volumes' common box runs from -1
+    to 1 around its centre, and intensities are those at this scale (see fit_scene).
+    """
+
+    name: str
+    leaves: list
+    exposure: float
+    meshes: list
+    lights: list
+    environment: Environment = None
+    coordinates: str = "world"
+
+
+def match_leaves(description, volumes):
+    """The description with one Leaves for each volume; those of several volumes get isovalues.
+
+    A single Leaves serves any number of volumes and then takes their names. Raises LeaflightError
+    when the numbers differ.
+    """
+    leaves = list(description.leaves)
+    if len(leaves) == 1 and len(volumes) > 1:
+        leaves = [replace(leaves[0], name=volume.name, source=None) for volume in volumes]
+    if len(leaves) != len(volumes):
+        raise LeaflightError(
+            f'The scene "{description.name}" describes {len(leaves)} volumes, but '
+            f"{len(volumes)} are given: give as many as the scene describes."
+        )
+    if len(volumes) > 1:
+        leaves = [
+            replace(one, isovalues=one.isovalues or default_window(volume))
+            for one, volume in zip(leaves, volumes)
+        ]
+    return replace(description, leaves=leaves)
+
+
+def fit_scene(description, volumes):
+    """The description in world coordinates; one in box coordinates is fitted around the volumes.
+
+    volumes: a Volume or a list of them. Radiances stay what they are; a point light's intensity
+    grows with the square of the scale, so that scenes of any size are equally bright.
+    """
+    if description.coordinates == "world":
+        return description
+    fit = Fit.around(volumes if isinstance(volumes, (list, tuple)) else [volumes])
+    return replace(
+        description,
+        meshes=[replace(mesh, vertices=fit.vertices(mesh.vertices)) for mesh in description.meshes],
+        lights=[_fit_light(light, fit) for light in description.lights],
+        coordinates="world",
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """From box to world coordinates, in space or in the plane."""
+
+    centre: np.ndarray
+    scale: float
+
+    @classmethod
+    def around(cls, volumes):
+        bounds = np.array([volume.field().bounds for volume in volumes], dtype=np.float64)
+        low, high = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
+        return cls(0.5 * (low + high), 0.5 * float((high - low).max()))
+
+    def vertices(self, vertices):
+        return (self.centre + self.scale * vertices).astype(np.float32)
+
+    def point(self, p):
+        return tuple((self.centre + self.scale * np.asarray(p)).tolist())
+
+    def vector(self, v):
+        return tuple((self.scale * np.asarray(v)).tolist())
+
+
+def _fit_light(light, fit):
+    if isinstance(light, AreaLight):
+        edges = {"edge_u": fit.vector(light.edge_u), "edge_v": fit.vector(light.edge_v)}
+        return replace(light, corner=fit.point(light.corner), **edges)
+    if isinstance(light, PointLight):
+        return replace(
+            light,
+            position=fit.point(light.position),
+            radius=fit.scale * light.radius,
+            intensity=tuple(fit.scale**2 * x for x in light.intensity),
+        )
+    return light
+
+
+def is_color(ramp):
+    """Whether a ramp is one colour rather than a list of stops."""
+    return len(ramp) == 3 and all(isinstance(x, Real) for x in ramp)
+
+
+def ramp_at(ramp, isovalue):
+    """The colour (3,) of a ramp at an isovalue in data units."""
+    if is_color(ramp):
+        return np.array(ramp, dtype=np.float64)
+    isovalues, colors = [stop[0] for stop in ramp], np.array([stop[1] for stop in ramp])
+    return np.array([np.interp(isovalue, isovalues, channel) for channel in colors.T])
+
+
+def isovalue_at(description, volume, c):
+    """The isovalue, in data units, that a volume (its number) shows at a leaf coordinate."""
+    if len(description.leaves) == 1:
+        return c
+    lo, hi = description.leaves[volume].isovalues
+    return lo + c * (hi - lo)
+
+
+def core_scene(description, fields, window):
+    """The core's scene of a description in world coordinates with one Leaves for each field.
+
+    fields: list of _core.Field. window: (lo, hi) of the leaf coordinate. Raises LeaflightError.
+    """
+    ranges = [leaves.isovalues if len(fields) > 1 else None for leaves in description.leaves]
+    volumes = [
+        core_leaves(_core.Volume, leaves, field, isovalues)
+        for leaves, field, isovalues in zip(description.leaves, fields, ranges)
+    ]
+    meshes = [_core_mesh(mesh) for mesh in description.meshes]
+    lights = [_core_light(light) for light in description.lights]
+    return _core.Scene(volumes, meshes, lights, _core_environment(description), window)
+
+
+def core_leaves(kind, leaves, field, isovalues=None):
+    """The core's volume, a kind (_core.Volume or Volume2), of a field.
+
+    isovalues: (lo, hi) that the leaf coordinates 0 and 1 show; None where it is the isovalue.
+    """
+    lo, hi = isovalues or (0.0, 1.0)
+
+    def stops(ramp):
+        stops = [(lo, ramp)] if is_color(ramp) else ramp
+        return [((isovalue - lo) / (hi - lo), tuple(color)) for isovalue, color in stops]
+
+    return kind(
+        leaves.name,
+        field,
+        stops(leaves.albedo),
+        stops(leaves.emission),
+        leaves.scattering,
+        leaves.ior,
+        lo,
+        hi - lo,
+    )
+
+
+def _core_mesh(mesh):
+    return _core.Mesh(
+        mesh.name,
+        mesh.vertices,
+        mesh.triangles,
+        mesh.albedo,
+        mesh.scattering,
+        mesh.ior,
+        mesh.emission,
+        _core_texture(mesh.texture, mesh.name),
+        mesh.uv,
+    )
+
+
+def _core_texture(pixels, name):
+    try:
+        return None if pixels is None else _core.Texture(pixels)
+    except LeaflightError as error:
+        raise LeaflightError(f'The image of "{name}" cannot be used: {error}') from None
+
+
+def _core_light(light):
+    if isinstance(light, AreaLight):
+        return _core.AreaLight(
+            light.name, light.corner, light.edge_u, light.edge_v, light.radiance, light.ellipse
+        )
+    if isinstance(light, SunLight):
+        return _core.SunLight(light.name, light.direction, light.irradiance, light.angle)
+    cone = light.cone
+    shape = () if cone is None else (cone.axis, cone.angle, cone.blend, cone.cosine_falloff)
+    return _core.PointLight(light.name, light.position, light.radius, light.intensity, *shape)
+
+
+def _core_environment(description):
+    environment = description.environment
+    if environment is None:
+        return None
+    image = _core_texture(environment.image, environment.name)
+    return _core.Environment(
+        environment.name, environment.radiance, image, environment.world_to_image
+    )

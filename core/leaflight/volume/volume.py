@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A scalar volume in memory and the isovalues to begin with."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from .. import _core
+from .._core import LeaflightError
+
+# Above this share of the voxels, a value at an end of the range is padding around the object.
+BACKGROUND_SHARE = 0.1
+# How far below the data the layer around a capped volume is, in ranges of the data.
+CAP_DEPTH = 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class Volume:
+    """Samples of a scalar field at the nodes of a grid.
+
+    values: float32, shape (nz, ny, nx), x fastest, in data units; NaN where there is no data.
+    index_to_world: float64, shape (4, 4), takes the node (i, j, k, 1) to world coordinates.
+    name: short name for people; source: the file or the function the values came from.
+    In flatland values has the shape (ny, nx) and index_to_world (3, 3).
+    """
+
+    values: np.ndarray
+    index_to_world: np.ndarray
+    name: str
+    source: str = ""
+
+    @cached_property
+    def _field(self):
+        kind = _core.Field2 if np.ndim(self.values) == 2 else _core.Field
+        try:
+            return kind(
+                np.ascontiguousarray(self.values, dtype=np.float32),
+                np.ascontiguousarray(self.index_to_world, dtype=np.float64),
+            )
+        except LeaflightError as error:
+            raise LeaflightError(f"{self.source or self.name}: {error}") from None
+
+    def field(self):
+        """The core's view of the volume, made at the first call.
+
+        Raises LeaflightError when no isosurface can exist: all values equal or NaN, infinite ones,
+        fewer than 2 nodes along an axis, a singular index_to_world.
+        """
+        return self._field
+
+    def capped(self):
+        """The volume with one layer of voxels around it that closes every isosurface.
+
+        The layer holds one value below all others, low - 2 (high - low). Between a voxel of value h
+        on the border and the layer, the cap of the leaf c lies at (h - c) / (h - layer) of a voxel:
+        nowhere beyond 1/3. A deeper layer would make the caps flatter still, but squeeze all leaves
+        into a slab so thin that a texel's samples, spread over its volume, hardly meet it. Even so
+        the caps of all leaves share their texels: on a cap the baked light is a mean over the
+        window of isovalues. Data keep their values, and voxels their places in the world.
+
+        Voxels without data stay so, and next to them a leaf stays open: it ends where knowledge
+        does. A volume that is closed already, because its lowest value is all that its border
+        holds, is returned as it is.
+        """
+        if self._closed:
+            return self
+        low, high = self.field().range
+        layer = low - CAP_DEPTH * (high - low)
+        if layer < np.finfo(np.float32).min:
+            raise LeaflightError(
+                f"{self.source or self.name}: its values {low:g}..{high:g} are too large to be "
+                "capped; scale them down."
+            )
+        values = np.pad(self.values, 1, constant_values=layer)
+        index_to_world = np.array(self.index_to_world, dtype=np.float64)
+        index_to_world[:-1, -1] -= index_to_world[:-1, :-1].sum(axis=1)
+        return replace(self, values=values, index_to_world=index_to_world)
+
+    @cached_property
+    def _closed(self):
+        low, _ = self.field().range
+        return all(
+            (self.values.take(end, axis=axis) == low).all()
+            for axis in range(self.values.ndim)
+            for end in (0, -1)
+        )
+
+    @cached_property
+    def _within_layer(self):
+        """The values within the layer of capped() and their range; None without such a layer."""
+        inside = self.values[(slice(1, -1),) * self.values.ndim]
+        if not self._closed or not np.isfinite(inside).any():
+            return None
+        low, high = float(np.nanmin(inside)), float(np.nanmax(inside))
+        # Background of the data is never a whole range below them.
+        if not 0 < high - low < low - self.field().range[0]:
+            return None
+        return inside, (low, high)
+
+    def data(self):
+        """The values without the layer that capped() added, if there is one; not a copy."""
+        return self._within_layer[0] if self._within_layer else self.values
+
+    def data_range(self):
+        """(lowest, highest) of data(), in data units."""
+        return self._within_layer[1] if self._within_layer else self.field().range
+
+
+def bump_box(n=100):
+    """The 3D bump box (thesis Eq. 2.1 and Table 2.1): n^3 nodes on the unit cube, values 0..255."""
+    return on_unit_cube(n, _core.bump_box, "bump_box", "bump_box")
+
+
+def on_unit_cube(n, values, name, source):
+    """A generated Volume of n nodes a side on the unit cube or square, from values(n)."""
+    if n < 2:
+        raise LeaflightError(
+            f"{source}: --dims is {n}, but a volume needs at least 2 nodes a side."
+        )
+    array = values(n)
+    index_to_world = np.diag([1.0 / (n - 1)] * array.ndim + [1.0])
+    return Volume(array, index_to_world, name, source)
+
+
+def default_window(volume):
+    """Isovalues (lo, hi) worth baking: the middle 99 % of the values that are not background."""
+    lo, hi = _quantiles(volume, (0.005, 0.995))
+    low, high = volume.data_range()
+    if not lo < hi:
+        # Nearly all values are equal: only the whole range surely holds a surface.
+        lo, hi = low, high
+    return float(lo), float(hi)
+
+
+def default_isovalue(volume):
+    """The isovalue that best parts the object from its background (Otsu 1979), in the window."""
+    values = volume.data()
+    values = values[np.isfinite(values)]
+    counts, edges = np.histogram(values, bins=256)
+    middles = 0.5 * (edges[1:] + edges[:-1])
+    below, below_sum = np.cumsum(counts)[:-1], np.cumsum(counts * middles)
+    above = values.size - below
+    # The first and the last bin hold the extremes, so neither side is empty.
+    distance = below_sum[:-1] / below - (below_sum[-1] - below_sum[:-1]) / above
+    best = np.argmax(below * above.astype(np.float64) * distance**2)
+    isovalue = edges[best + 1]
+    if _is_integer(values, volume.data_range()):
+        isovalue = np.floor(isovalue) + 0.5
+    lo, hi = default_window(volume)
+    return float(isovalue) if lo < isovalue < hi else 0.5 * (lo + hi)
+
+
+def _quantiles(volume, shares):
+    """Quantiles of the values outside the background; half-integers for integer data.
+
+    An integer isovalue of integer data passes through grid nodes and shows the quantisation.
+    """
+    low, high = volume.data_range()
+    values = volume.data()
+    if volume.field().masked:
+        values = values[np.isfinite(values)]
+    values = values.ravel()
+    for end in (low, high):
+        inside = values != end
+        if np.count_nonzero(inside) < (1.0 - BACKGROUND_SHARE) * values.size:
+            values = values[inside]
+    if values.size == 0:
+        return [0.5 * (low + high)] * len(shares)
+    ranks = [int(share * (values.size - 1)) for share in shares]
+    quantiles = np.partition(values, ranks)[ranks].astype(np.float64)
+    if _is_integer(values, (low, high)):
+        quantiles = np.floor(quantiles) + 0.5
+    return list(np.clip(quantiles, low, high))
+
+
+def _is_integer(values, data_range):
+    low, high = data_range
+    return high - low >= 4 and np.array_equal(values, np.rint(values))
