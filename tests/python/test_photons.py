@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from leaflight import _core
 from leaflight.bake.photons import trace_photons
-from leaflight.scene.scene import core_scene
 from leaflight.cli import main
+from leaflight.scene.scene import core_scene
 
 COUNT = 20_000
 

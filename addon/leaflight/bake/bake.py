@@ -10,7 +10,7 @@ import bpy
 import leaflight
 from leaflight.io.output import check_writable
 
-from .. import background, operator_checks
+from ..operators import background, checks
 from ..show import isovalues, shader, surface_object, walls
 from ..stage import scene_export
 from ..store import cache
@@ -127,7 +127,7 @@ class LEAFLIGHT_OT_bake(background.BackgroundOperator, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return cls.is_free() and operator_checks.has_volume(cls, context)
+        return cls.is_free() and checks.has_volume(cls, context)
 
     def start(self, context):
         return BakeJob(context, context.object)

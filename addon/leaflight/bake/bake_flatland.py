@@ -9,7 +9,7 @@ import leaflight
 from leaflight import flatland
 from leaflight.flatland.flat_scene import load_flat_scene
 
-from .. import background, operator_checks
+from ..operators import background, checks
 from ..show import graph_object
 
 LeaflightError = leaflight.LeaflightError
@@ -64,7 +64,7 @@ class LEAFLIGHT_OT_bake_flatland(background.BackgroundOperator, bpy.types.Operat
 
     @classmethod
     def poll(cls, context):
-        return cls.is_free() and operator_checks.has_flatland(cls, context)
+        return cls.is_free() and checks.has_flatland(cls, context)
 
     def start(self, context):
         return FlatBakeJob(context.object)

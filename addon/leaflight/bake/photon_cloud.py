@@ -4,12 +4,12 @@
 
 import bpy
 import leaflight
+import leaflight._core as _core
 import numpy as np
 from bpy.props import EnumProperty, FloatProperty, IntProperty
-from leaflight import _core
 from leaflight.scene.scene import core_scene
 
-from .. import background, operator_checks
+from ..operators import background, checks
 from ..show import display, isovalues, shader, surface_object
 from ..stage import scene_export
 from ..store import cache
@@ -65,7 +65,7 @@ class LEAFLIGHT_OT_photon_cloud(background.BackgroundOperator, bpy.types.Operato
 
     @classmethod
     def poll(cls, context):
-        return cls.is_free() and operator_checks.has_volume(cls, context)
+        return cls.is_free() and checks.has_volume(cls, context)
 
     # Whether a user has been asked for the options: only scripts wait for the photons.
     asked = False

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import bpy
 import leaflight
+import leaflight._core as _core
 import numpy as np
-from leaflight import _core
 
 # Light paths as long as the bake's, and none of the shortcuts that trade noise for bias.
 _UNBIASED = {

@@ -17,12 +17,12 @@ from pathlib import Path
 
 import bpy
 import leaflight
+import leaflight._core as _core
 import numpy as np
 from bpy.props import IntProperty, StringProperty
-from leaflight import _core
 from leaflight.bake import color_error
 
-from .. import operator_checks
+from ..operators import checks
 from ..show import isovalues, surface_object
 from ..stage import scene_export
 from . import render
@@ -66,7 +66,7 @@ class LEAFLIGHT_OT_render_comparison(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        if not operator_checks.has_bake(cls, context):
+        if not checks.has_bake(cls, context):
             return False
         if context.scene.camera is None:
             cls.poll_message_set("Add a camera to the scene first")

@@ -13,8 +13,8 @@ a tile.
 from pathlib import Path
 
 import bpy
+import leaflight._core as _core
 import numpy as np
-from leaflight import _core
 
 # Larger float images exceed what graphics drivers and memory commonly hold.
 LARGEST_ATLAS = 8192

@@ -9,8 +9,8 @@ import os
 
 import bpy
 import leaflight
+import leaflight._core as _core
 import numpy as np
-from leaflight import _core
 
 from ..store import cache
 from . import leaves, shader

@@ -8,7 +8,7 @@ import leaflight
 import mathutils
 import numpy as np
 
-from .. import operator_checks
+from ..operators import checks
 from ..show import shader
 from ..store.cache import world_volume
 from . import lights, scene_export, world
@@ -28,7 +28,7 @@ class LEAFLIGHT_OT_build_cornell_box(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        if not operator_checks.has_volume(cls, context):
+        if not checks.has_volume(cls, context):
             return False
         if any(COLLECTION in child for child in context.scene.collection.children_recursive):
             cls.poll_message_set(

@@ -4,7 +4,7 @@
 import bpy
 from bpy.app.handlers import persistent
 
-from .. import background
+from ..operators import background
 from ..show import display, graph_object, isovalues, surface_object
 from ..stage import images, staleness
 from ..store import cache

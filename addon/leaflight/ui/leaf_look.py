@@ -5,7 +5,7 @@
 import bpy
 from bpy.props import EnumProperty
 
-from .. import operator_checks
+from ..operators import checks
 from ..show import isovalues, leaves, surface_object
 
 # Settings by preset; colour stops stand at a part of the window.
@@ -58,7 +58,7 @@ class LEAFLIGHT_OT_leaf_preset(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return operator_checks.has_volume(cls, context)
+        return checks.has_volume(cls, context)
 
     def execute(self, context):
         settings = context.object.leaflight
@@ -83,7 +83,7 @@ class LEAFLIGHT_OT_add_stop(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return operator_checks.has_volume(cls, context)
+        return checks.has_volume(cls, context)
 
     def execute(self, context):
         settings = context.object.leaflight
@@ -106,7 +106,7 @@ class LEAFLIGHT_OT_remove_stop(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        if not operator_checks.has_volume(cls, context):
+        if not checks.has_volume(cls, context):
             return False
         if not context.object.leaflight.leaf_stops:
             cls.poll_message_set("There is no stop to remove")

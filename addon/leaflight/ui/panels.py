@@ -5,10 +5,10 @@ import textwrap
 
 import bpy
 
-from .. import background
 from ..bake import bake, bake_flatland, photon_cloud
 from ..compare import render_comparison
 from ..importing import import_image, import_volume
+from ..operators import background
 from ..show import isovalues, surface_object
 from ..stage import cornell_box, staleness
 from . import leaf_look

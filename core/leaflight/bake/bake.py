@@ -7,9 +7,9 @@ import time
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
+import leaflight._core as _core
 import numpy as np
 
-from .. import _core
 from .._core import LeaflightError
 from ..io.output import check_writable
 from ..io.scene_file import cornell_box, scene_from_json, scene_to_json

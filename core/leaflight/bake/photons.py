@@ -3,9 +3,9 @@
 
 from dataclasses import dataclass
 
+import leaflight._core as _core
 import numpy as np
 
-from .. import _core
 from ..scene.scene import core_scene
 from .bake import placed
 from .settings import whole

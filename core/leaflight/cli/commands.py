@@ -11,9 +11,9 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+import leaflight._core as _core
 import numpy as np
 
-from .. import _core
 from .._core import Cancelled, LeaflightError
 from ..bake.bake import bake, load_bake
 from ..bake.photons import trace_photons

@@ -13,9 +13,9 @@ A scene file of flatland is a JSON object with the keys "name", "coordinates", "
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import leaflight._core as _core
 import numpy as np
 
-from .. import _core
 from ..io.json_object import parse, read_text
 from ..scene.scene import Fit, Leaves, core_leaves
 

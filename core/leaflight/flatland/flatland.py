@@ -9,9 +9,9 @@ of its irradiance in every direction, where a surface in space sends a / pi.
 from dataclasses import dataclass
 from pathlib import Path
 
+import leaflight._core as _core
 import numpy as np
 
-from .. import _core
 from .._core import LeaflightError
 from ..bake.settings import bake_settings, leaf_window
 from ..io.images import display_colours, luminance, read_pixels

@@ -6,9 +6,9 @@ compared on the same graph: walls and lamps of the plane become as high as the g
 have the same power, so that their radiance is 2/pi of the flattened one (thesis Eq. 3.7).
 """
 
+import leaflight._core as _core
 import numpy as np
 
-from .. import _core
 from .flatland import BRIGHTNESS_CORRECTION
 
 # Of the graph, in lengths of the height field's longest side.

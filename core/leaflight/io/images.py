@@ -4,9 +4,9 @@
 import warnings
 from pathlib import Path
 
+import leaflight._core as _core
 import numpy as np
 
-from .. import _core
 from .._core import LeaflightError
 from .output import replaced
 

@@ -23,9 +23,9 @@ import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+import leaflight._core as _core
 import numpy as np
 
-from .. import _core
 from .._core import Cancelled, LeaflightError
 from ..scene.on_mesh import positions, random_facets
 from ..scene.scene import isovalue_at, ramp_at

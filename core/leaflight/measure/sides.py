@@ -4,9 +4,9 @@
 isovalue always is the leaf coordinate. spp: paths a point; seed, threads, progress: see bake.py.
 """
 
+import leaflight._core as _core
 import numpy as np
 
-from .. import _core
 from .._core import LeaflightError
 from ..scene.on_mesh import positions, random_places, random_points
 from .cycles import measure

@@ -4,9 +4,9 @@
 import time
 from dataclasses import dataclass
 
+import leaflight._core as _core
 import numpy as np
 
-from .. import _core
 from ..bake.color_error import noise_percent, rms_percent
 from ..scene.scene import core_scene, isovalue_at
 

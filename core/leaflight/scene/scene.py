@@ -13,9 +13,9 @@ lo + c (hi - lo).
 from dataclasses import dataclass, replace
 from numbers import Real
 
+import leaflight._core as _core
 import numpy as np
 
-from .. import _core
 from .._core import LeaflightError
 from ..volume.volume import default_window
 

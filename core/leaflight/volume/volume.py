@@ -4,9 +4,9 @@
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+import leaflight._core as _core
 import numpy as np
 
-from .. import _core
 from .._core import LeaflightError
 
 # Above this share of the voxels, a value at an end of the range is padding around the object.

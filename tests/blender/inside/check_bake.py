@@ -8,8 +8,8 @@ import bpy
 import leaflight
 import numpy as np
 import pytest
-from leaflight_addon import background
 from leaflight_addon.bake import bake
+from leaflight_addon.operators import background
 from leaflight_addon.show import shader, surface_object
 from leaflight_addon.store import cache
 from tools import assert_shows, close, error_of, mesh_arrays

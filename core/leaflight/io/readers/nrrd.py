@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """NRRD, attached (.nrrd) and detached (.nhdr), through the core and Teem."""
 
-from ... import _core
+import leaflight._core as _core
+
 from ...volume.volume import Volume
 
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scalar grids of OpenVDB files, made dense by the core."""
 
-from ... import _core
+import leaflight._core as _core
+
 from ...volume.volume import Volume
 
 
