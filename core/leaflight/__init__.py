@@ -9,6 +9,7 @@
     bake.save("brain.vdb")
 """
 
+from . import self_check  # noqa: F401 - first: it refuses what cannot be right
 from . import flatland
 from ._core import Cancelled, LeaflightError, Progress
 from .bake.bake import Bake, Surface, bake, load_bake

@@ -13,5 +13,6 @@ void bind_photons(pybind11::module_& module);
 void bind_reference(pybind11::module_& module);
 void bind_surface(pybind11::module_& module);
 void bind_io(pybind11::module_& module);
+void bind_self_check(pybind11::module_& module);
 
 }  // namespace leaflight::python

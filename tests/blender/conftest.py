@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A Blender with the packed add-on installed, away from the user's own settings."""
 
-import importlib.util
 import os
 import subprocess
 from pathlib import Path
@@ -54,11 +53,10 @@ class Blender:
 
 @pytest.fixture(scope="session")
 def addon_zip():
-    script = ROOT / "scripts" / "package_addon.py"
-    spec = importlib.util.spec_from_file_location("package_addon", script)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module.package_addon("release")
+    done = subprocess.run(
+        [ROOT / "scripts" / "package", "--legacy"], stdout=subprocess.PIPE, text=True, check=True
+    )
+    return ROOT / done.stdout.splitlines()[-1]
 
 
 @pytest.fixture(scope="session")

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "leaflight/bake/bake.h"
 
-#include <sys/resource.h>
 #include <tbb/task_arena.h>
 
 #include <chrono>
@@ -14,6 +13,7 @@
 #include "leaflight/bake/refinement.h"
 #include "leaflight/math/error.h"
 #include "leaflight/math/parallel.h"
+#include "leaflight/math/platform.h"
 #include "leaflight/math/sampling.h"
 #include "leaflight/transport/placement.h"
 #include "leaflight/transport/thesis_estimator.h"
@@ -23,12 +23,6 @@ namespace {
 
 // Progress is counted in rays; photons bounce a few times, paths more often.
 constexpr double rays_per_gather = 1, rays_per_path = 6;
-
-std::uint64_t peak_memory() {
-  rusage usage;
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
-}
 
 template <int D>
 class Baker {

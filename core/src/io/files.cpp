@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "leaflight/io/files.h"
 
-#include <unistd.h>
-
 #include <filesystem>
 #include <fstream>
 
 #include "leaflight/math/error.h"
+#include "leaflight/math/platform.h"
 
 namespace leaflight {
 namespace fs = std::filesystem;
@@ -23,8 +22,8 @@ void write_atomically(const std::string& path,
   if (fs::is_directory(target, failure)) {
     throw Error("'" + path + "' is a folder; choose a file name.");
   }
-  const fs::path temporary =
-      folder / ("." + target.filename().string() + "." + std::to_string(getpid()) + ".part");
+  const fs::path temporary = folder / ("." + target.filename().string() + "." +
+                                       std::to_string(process_number()) + ".part");
   const auto unwritable = [&](const std::string& why) {
     fs::remove(temporary, failure);
     return Error("'" + path + "' cannot be written (" + brief(why) +

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <memory>
 
 #include "leaflight/io/files.h"
@@ -91,10 +92,13 @@ void check_header(const Nrrd& nrrd, const std::string& path) {
   }
   unsigned long long bytes = nrrdElementSize(&nrrd);
   for (unsigned a = 0; a < 3; ++a) {
-    if (__builtin_mul_overflow(bytes, nrrd.axis[a].size, &bytes) || nrrd.axis[a].size > 1u << 16) {
+    const unsigned long long size = nrrd.axis[a].size;
+    if (size > 1u << 16 ||
+        (size && bytes > std::numeric_limits<unsigned long long>::max() / size)) {
       throw Error("'" + path + "' claims the impossible size " + shape(nrrd) +
                   "; check that the file is complete.");
     }
+    bytes *= size;
   }
   const std::string encoding = header_field(path, "encoding");
   // Deflate and bzip2 of runs reach these ratios at most; text needs two characters a number.

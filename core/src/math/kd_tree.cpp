@@ -12,6 +12,7 @@ namespace {
 class NearestHeap {
  public:
   using DistanceType = double;
+  using IndexType = std::uint32_t;
 
   NearestHeap(std::size_t k, double limit2, std::vector<Neighbour>& heap)
       : k_(k), limit2_(limit2), heap_(heap) {
@@ -19,6 +20,7 @@ class NearestHeap {
   }
   std::size_t size() const { return heap_.size(); }
   bool full() const { return heap_.size() == k_; }
+  void sort() {}  // nanoflann calls it from 1.6 on; any order will do
   double worstDist() const { return full() ? heap_.front().distance2 : limit2_; }
   bool addPoint(double distance2, std::uint32_t number) {
     if (!(distance2 < worstDist())) return true;
@@ -90,7 +92,7 @@ void KdTree<N>::nearest(const Query& query, std::size_t k, double limit2,
                         std::vector<Neighbour>& found) const {
   NearestHeap heap(k, limit2, found);
   if (k == 0) return;
-  implementation_->tree.findNeighbors(heap, query.data(), nanoflann::SearchParams());
+  implementation_->tree.findNeighbors(heap, query.data(), {});
 }
 
 template class KdTree<2>;

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "leaflight/math/platform.h"
+
 namespace leaflight {
 
 // A set of numbers below a bound, each of which knows its rank among them, in 12 bytes for 64
@@ -37,7 +39,7 @@ class RankedSet {
  private:
   static std::uint64_t bit(std::size_t number) { return std::uint64_t{1} << (number % word_bits); }
   static std::uint32_t count(std::uint64_t word) {
-    return static_cast<std::uint32_t>(__builtin_popcountll(word));
+    return static_cast<std::uint32_t>(count_ones(word));
   }
 
   std::size_t bound_ = 0;

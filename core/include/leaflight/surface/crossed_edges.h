@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "leaflight/field/field.h"
+#include "leaflight/math/platform.h"
 
 namespace leaflight {
 
@@ -53,13 +54,13 @@ class CrossedEdges {
 
     int count() const {
       int n = 0;
-      for (const std::uint64_t bits : crossed) n += __builtin_popcountll(bits);
+      for (const std::uint64_t bits : crossed) n += count_ones(bits);
       return n;
     }
     std::int64_t number(int axis, int bit) const {
       std::int64_t n = first;
-      for (int a = 0; a < axis; ++a) n += __builtin_popcountll(crossed[a]);
-      return n + __builtin_popcountll(crossed[axis] & ((std::uint64_t{1} << bit) - 1));
+      for (int a = 0; a < axis; ++a) n += count_ones(crossed[a]);
+      return n + count_ones(crossed[axis] & ((std::uint64_t{1} << bit) - 1));
     }
   };
 

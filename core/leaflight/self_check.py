@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What `import leaflight` makes sure of before anything is baked, in a few milliseconds.
+
+A module that reads arrays wrongly, or a library that is not the one it was built with, would bake
+nonsense that looks like a result. Each refusal is an ImportError of one sentence. The import of
+this module is the check.
+"""
+
+import sys
+
+OLDEST_NUMPY = (1, 24)
+
+
+def check():
+    """Raises ImportError where Leaflight cannot work rightly."""
+    numpy = _numpy()
+    core = _core()
+    check_libraries(core.libraries())
+    try:
+        check_arrays(numpy, core)
+        check_rays(numpy, core)
+    except core.LeaflightError as error:
+        # Of arrays that arrive as something else.
+        raise ImportError(
+            f"Leaflight's compiled module fails its own test ({error}) with NumPy "
+            f"{numpy.__version__}; install a Leaflight that was built for it."
+        ) from None
+
+
+def _numpy():
+    try:
+        import numpy
+    except ImportError:
+        raise ImportError(
+            "Leaflight needs NumPy, which this Python does not have; install the package numpy."
+        ) from None
+    check_numpy(numpy.__version__)
+    return numpy
+
+
+def check_numpy(version):
+    if tuple(int(part) for part in version.split(".")[:2]) < OLDEST_NUMPY:
+        oldest = ".".join(map(str, OLDEST_NUMPY))
+        raise ImportError(
+            f"Leaflight needs NumPy {oldest} or newer, but NumPy {version} is installed; upgrade "
+            "the package numpy."
+        )
+
+
+def _core():
+    try:
+        from . import _core as core
+    except ModuleNotFoundError:
+        here = ".".join(map(str, sys.version_info[:2]))
+        raise ImportError(
+            f"This installation of Leaflight has no compiled module for Python {here}; install "
+            "the package that was made for this version of Python."
+        ) from None
+    except ImportError as error:
+        raise ImportError(
+            f"Leaflight's compiled module cannot be loaded ({error}); install Leaflight again."
+        ) from None
+    return core
+
+
+def check_libraries(libraries):
+    """A library may be newer than the headers by its minor version, but never older."""
+    for name, built, loaded in libraries:
+        if loaded[0] != built[0] or loaded < built:
+            raise ImportError(
+                f"Leaflight was built with {name} {built[0]}.{built[1]}, but {name} "
+                f"{loaded[0]}.{loaded[1]} is loaded; install Leaflight again, or build it anew."
+            )
+
+
+def check_arrays(numpy, core):
+    """An array must reach the module and come back as it was, whichever NumPy made it."""
+    values = numpy.arange(24, dtype=numpy.float32).reshape(2, 3, 4)
+    matrix = numpy.array([[2, 0, 0, 1], [0, 3, 0, 2], [0, 0, 4, 3], [0, 0, 0, 1]], dtype=float)
+    field = core.Field(values, matrix)
+    # The world position of the voxel [z, y, x] = [1, 2, 3], whose value is the last.
+    sample = field.sample(numpy.array([[7.0, 8.0, 7.0]]))
+    unchanged = (
+        list(field.dims) == [4, 3, 2]
+        and numpy.array_equal(field.values, values)
+        and numpy.array_equal(field.index_to_world, matrix)
+        and sample.tolist() == [23.0]
+    )
+    if not unchanged:
+        raise ImportError(
+            f"Leaflight's compiled module reads the arrays of NumPy {numpy.__version__} wrongly; "
+            "install a Leaflight that was built for it."
+        )
+
+
+def check_rays(numpy, core):
+    """Rays must meet a leaf, and a mesh behind it, where they lie."""
+    z = numpy.arange(3, dtype=numpy.float32)
+    slope = numpy.broadcast_to(z[:, None, None], (3, 3, 3)).copy()
+    volume = core.Volume("slope", core.Field(slope, numpy.eye(4)), [(0.0, (0.5, 0.5, 0.5))])
+    corners = numpy.array([[-8, -8, 3], [8, -8, 3], [0, 8, 3]], dtype=float)
+    ceiling = core.Mesh(
+        "ceiling", corners, numpy.array([[0, 1, 2]], dtype=numpy.int32), (0.5, 0.5, 0.5)
+    )
+    sky = core.Environment("sky", (1.0, 1.0, 1.0))
+    scene = core.Scene([volume], [ceiling], [], sky, isovalues=(0.0, 2.0))
+    for origin, kind, z in (((0.9, 1.2, -1.0), "leaf", 1.25), ((0.9, 1.2, 1.5), "surroundings", 3)):
+        met, point = core.trace(scene, origin, (0.0, 0.0, 1.0), 1.25)
+        if met != kind or not numpy.allclose(point, (*origin[:2], z), rtol=0, atol=1e-5):
+            raise ImportError(
+                "Leaflight's compiled module traces rays wrongly on this machine; install "
+                "Leaflight again, or build it anew."
+            )
+
+
+check()

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The add-on as an extension for Blender 4.2 and later, and as a legacy zip for 3.4 to 4.1."""
+
+import os
+import shutil
+import zipfile
+
+from . import wheels
+from .tools import OUT, ROOT, VENV, PackageError, digest, run, version
+
+ADDON = ROOT / "addon" / "leaflight"
+READERS = ROOT / "scripts" / "reader-wheels.txt"
+# The Blender whose own program builds the extension: the oldest that has extensions.
+BPY = "4.2.23"
+# Most of it is one library of 120 MB, and scripts/demo waits for it.
+LEGACY_LEVEL = 1
+PLATFORM = "manylinux_2_28_x86_64"
+
+
+def reader_wheels(tags):
+    """The wheels of the readers for some Pythons ("cp311"), unmodified from PyPI, fetched once."""
+    folder = wheels.WORK / "readers"
+    stamp = folder / "stamp"
+    wanted = f"{digest(READERS)} {' '.join(sorted(tags))}"
+    if not stamp.exists() or stamp.read_text() != wanted:
+        shutil.rmtree(folder, ignore_errors=True)
+        for tag in tags:
+            python = f"{tag[2]}.{tag[3:]}"
+            run(
+                *(VENV / "bin" / "python", "-m", "pip", "download", "--no-deps", "--quiet"),
+                *("--only-binary=:all:", "--implementation", "cp", "--python-version", python),
+                *("--platform", PLATFORM, "--platform", PLATFORM.replace("_2_28", "_2_27")),
+                *("--platform", "manylinux2014_x86_64", "--dest", folder, "-r", READERS),
+            )
+        stamp.write_text(wanted)
+    return sorted(folder.glob("*.whl"))
+
+
+def extension(own):
+    """The zip for Blender 4.2 and later, of the wheels for its Pythons."""
+    folder = wheels.WORK / "extension"
+    shutil.rmtree(folder, ignore_errors=True)
+    _copy_addon(folder)
+    (folder / "wheels").mkdir()
+    tags = sorted(path.name.split("-")[2] for path in own)
+    shipped = [*map(wheels.slim, own), *reader_wheels(tags)]
+    for path in shipped:
+        shutil.copyfile(path, folder / "wheels" / path.name)
+    manifest = folder / "blender_manifest.toml"
+    listed = "".join(f'    "./wheels/{path.name}",\n' for path in shipped)
+    manifest.write_text(f"{manifest.read_text()}\nwheels = [\n{listed}]\n")
+    target = OUT / f"leaflight-{version()}.zip"
+    cli = blender_ext()
+    python = VENV / "bin" / "python"
+    for old in OUT.glob("leaflight-*.zip"):
+        if "legacy" not in old.name:
+            old.unlink()
+    run(python, cli, "validate", folder)
+    run(python, cli, "build", "--source-dir", folder, "--output-filepath", target)
+    run(python, cli, "validate", target)
+    return target
+
+
+def blender_ext():
+    """Blender's own program for extensions, out of its module on PyPI."""
+    path = wheels.WORK / "blender_ext" / BPY / "blender_ext.py"
+    if not path.exists():
+        fetched = wheels.WORK / "bpy"
+        try:
+            run(
+                *(VENV / "bin" / "python", "-m", "pip", "download", "--no-deps", "--quiet"),
+                *("--only-binary=:all:", "--python-version", "3.11"),
+                *("--platform", PLATFORM, "--dest", fetched, f"bpy=={BPY}"),
+            )
+        except PackageError as error:
+            raise PackageError(
+                f"{error}\nBlender's program that builds extensions comes with bpy {BPY} from "
+                "PyPI, which cannot be fetched; check the network, or leave the extension out."
+            ) from None
+        (wheel,) = fetched.glob("*.whl")
+        with zipfile.ZipFile(wheel) as archive:
+            (name,) = (n for n in archive.namelist() if n.endswith("bl_pkg/cli/blender_ext.py"))
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(archive.read(name))
+        shutil.rmtree(fetched)
+    return path
+
+
+def legacy(own):
+    """The zip for Blender 3.4 to 4.1: the add-on, and beside it in modules/ the unpacked wheels."""
+    target = OUT / f"leaflight-{version()}-legacy.zip"
+    tags = sorted(path.name.split("-")[2] for path in own)
+    partial = target.with_suffix(".partial")
+    with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED, compresslevel=LEGACY_LEVEL) as archive:
+        for path in _addon_files():
+            archive.write(path, f"leaflight_addon/{path.relative_to(ADDON).as_posix()}")
+        archive.write(ROOT / "LICENSE", "leaflight_addon/LICENSE")
+        for path in [*map(wheels.slim, own), *reader_wheels(tags)]:
+            with zipfile.ZipFile(path) as wheel:
+                for name in wheel.namelist():
+                    archive.writestr(f"modules/{name}", wheel.read(name))
+    os.replace(partial, target)
+    return target
+
+
+def _addon_files():
+    """The add-on's files, without what only extensions have."""
+    files = (path for path in ADDON.rglob("*") if path.is_file())
+    return sorted(path for path in files if path.suffix == ".py")
+
+
+def _copy_addon(folder):
+    shutil.copytree(ADDON, folder, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copyfile(ROOT / "LICENSE", folder / "LICENSE")

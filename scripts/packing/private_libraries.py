@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Makes a wheel's copies of shared libraries its own, whatever the process has loaded already.
+
+auditwheel gives copies names of their own. That is not enough in Blender, whose program has its own
+oneTBB, OpenVDB and Embree in the global scope: the dynamic linker looks there first, so every
+symbol of ours would be bound to Blender's library and the copies would lie unused beside it. So all
+symbols that the copies and the module define get names of their own, too. (RTLD_DEEPBIND would
+bind malloc away from Blender's allocator, while libc's own calls stay with it.)
+"""
+
+import subprocess
+import tempfile
+from pathlib import Path
+
+from .tools import PackageError, run
+
+SUFFIX = ".leaflight"
+# Of the system, for every process: their symbols keep their names.
+SYSTEM = ("libc.so.6", "libm.so.6", "libstdc++.so.6", "libgcc_s.so.1", "libz.so.1")
+# What the linker itself puts into each library.
+_OF_THE_LINKER = {"_init", "_fini", "__bss_start", "_edata", "_end"}
+# oneTBB takes an allocator of this name wherever it finds one, Blender's first. With none it uses
+# malloc.
+_TBB_ALLOCATOR, _NO_ALLOCATOR = b"libtbbmalloc.so.2", b"libtbbmalloc.no.2"
+
+
+def make_private(folder):
+    """Renames the symbols of an unpacked wheel's libraries and modules."""
+    files = [*folder.glob("leaflight.libs/*"), *folder.glob("leaflight/_core*")]
+    defined = set().union(*(_symbols(path, "--defined-only") for path in files))
+    needed = set().union(*(_symbols(path, "--undefined-only") for path in files))
+    system = set().union(*(_symbols(_system_library(name), "--defined-only") for name in SYSTEM))
+    renamed = {
+        name
+        for name in defined - (needed & system) - _OF_THE_LINKER
+        if not name.startswith("PyInit_")
+    }
+    with tempfile.NamedTemporaryFile("w", suffix=".txt") as names:
+        names.writelines(f"{name} {name}{SUFFIX}\n" for name in sorted(renamed))
+        names.flush()
+        for path in files:
+            run("patchelf", "--rename-dynamic-symbols", names.name, path)
+    (tbb,) = folder.glob("leaflight.libs/libtbb-*")
+    _without_allocator(tbb)
+
+
+def _symbols(path, which):
+    text = run("nm", "--dynamic", which, "--without-symbol-versions", "--format=posix", path)
+    return {line.split()[0] for line in text.splitlines()}
+
+
+def _system_library(name):
+    """The path of the library that programs on this machine get."""
+    listed = subprocess.run(
+        ["/sbin/ldconfig", "-p"], capture_output=True, text=True, check=True
+    ).stdout
+    for line in listed.splitlines():
+        if line.split()[:1] == [name] and "x86-64" in line:
+            return Path(line.split("=>")[1].strip())
+    raise PackageError(f"The system's {name} is not to be found; install it.")
+
+
+def _without_allocator(tbb):
+    data = tbb.read_bytes()
+    if data.count(_TBB_ALLOCATOR) != 1:
+        raise PackageError(f"{tbb.name} names its allocator otherwise than expected; look into it.")
+    tbb.write_bytes(data.replace(_TBB_ALLOCATOR, _NO_ALLOCATOR))

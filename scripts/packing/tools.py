@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Folders, and the programs that are run."""
+
+import hashlib
+import os
+import re
+import subprocess
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+OUT = ROOT / "build" / "package"
+VENV = ROOT / "build" / "venv"
+REQUIREMENTS = ROOT / "scripts" / "build-tools.txt"
+
+
+class PackageError(Exception):
+    """One sentence: what is wrong, and what to do."""
+
+
+def version():
+    text = (ROOT / "core" / "leaflight" / "version.py").read_text()
+    return re.search(r'__version__ = "(.+)"', text)[1]
+
+
+def run(*command, **options):
+    """Runs a program with the tools of build/venv in its path; shows its output when it fails."""
+    environment = {**os.environ, "PATH": f"{VENV / 'bin'}:{os.environ['PATH']}"}
+    environment["PIP_DISABLE_PIP_VERSION_CHECK"] = "1"
+    # The same files make the same archive, whenever it is made.
+    environment.setdefault("SOURCE_DATE_EPOCH", "1577836800")
+    done = subprocess.run(
+        list(map(str, command)),
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        **{"cwd": ROOT, **options},
+    )
+    if done.returncode != 0:
+        shown = " ".join(map(str, command))
+        raise PackageError(f"{done.stdout}\n'{shown}' failed; its output is above.")
+    return done.stdout
+
+
+def environment(python):
+    """The Python of a virtual environment that has the build tools; build/venv for the system's."""
+    if Path(python).resolve() == Path("/usr/bin/python3").resolve():
+        if not (VENV / "build-tools.txt").exists():
+            raise PackageError("The build tools are not installed; run scripts/setup first.")
+        return VENV / "bin" / "python"
+    tag = run(python, "-c", "import sys; print('cp%d%d' % sys.version_info[:2])").strip()
+    folder = ROOT / "build" / f"venv-{tag}"
+    stamp = folder / "build-tools.txt"
+    wanted = REQUIREMENTS.read_text()
+    if not stamp.exists() or stamp.read_text() != wanted:
+        run(python, "-m", "venv", "--clear", folder)
+        run(folder / "bin" / "python", "-m", "pip", "install", "--quiet", "-r", REQUIREMENTS)
+        stamp.write_text(wanted)
+    return folder / "bin" / "python"
+
+
+def digest(*paths):
+    """Of the contents of files."""
+    result = hashlib.sha256()
+    for path in paths:
+        result.update(Path(path).read_bytes())
+    return result.hexdigest()

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The wheels of the package, the slim ones for the add-on, and the sdist."""
+
+import json
+import re
+import shutil
+from pathlib import Path
+
+from .private_libraries import make_private
+from .tools import OUT, ROOT, VENV, PackageError, digest, environment, run, version
+
+WORK = OUT / "work"
+# The recipe is part of what a finished wheel depends on.
+_RECIPE = sorted(Path(__file__).parent.glob("*.py"))
+# What a built wheel says of its slim form: the report is for the command line.
+SLIM_BUILD = "1slim"
+
+
+def wheel(python):
+    """Builds, repairs and finishes the wheel for an interpreter; returns its path.
+
+    An unchanged build is not repaired again.
+    """
+    python = environment(python)
+    tag = _tag(python)
+    raw_folder = WORK / tag
+    shutil.rmtree(raw_folder, ignore_errors=True)
+    # The release preset's own build for the system's Python: the same objects, nothing built twice.
+    build = "build/release" if python.parent.parent == VENV else f"build/{tag}"
+    options = (f"build-dir={build}", "cmake.define.LEAFLIGHT_TESTS=" + _tests(build))
+    run(
+        *(python, "-m", "pip", "wheel", ".", "--no-build-isolation", "--no-deps"),
+        *("--wheel-dir", raw_folder),
+        *(f"--config-settings={option}" for option in options),
+    )
+    (raw,) = raw_folder.glob("*.whl")
+    stamp = WORK / f"{tag}.stamp"
+    wanted = digest(raw, *_RECIPE)
+    if stamp.exists():
+        name, made_of = stamp.read_text().split()
+        if made_of == wanted and (OUT / name).exists():
+            return OUT / name
+    finished = _finish(raw)
+    stamp.write_text(f"{finished.name} {wanted}\n")
+    return finished
+
+
+def _tests(build):
+    return "ON" if build == "build/release" else "OFF"
+
+
+def _tag(python):
+    return run(python, "-c", "import sys; print('cp%d%d' % sys.version_info[:2])").strip()
+
+
+def _finish(raw):
+    repaired = raw.parent / "repaired"
+    run("auditwheel", "repair", "--wheel-dir", repaired, raw)
+    (path,) = repaired.glob("*.whl")
+    folder = unpack(path, raw.parent / "unpacked")
+    make_private(folder)
+    _add_licenses(folder)
+    for old in OUT.glob(f"leaflight-*-{'-'.join(path.name.split('-')[2:3])}-*.whl"):
+        old.unlink()
+    return pack(folder, OUT)
+
+
+def _add_licenses(folder):
+    """The licences of the libraries that came along, from their Debian packages."""
+    (info,) = folder.glob("*.dist-info")
+    listed = json.loads((info / "sboms" / "auditwheel.cdx.json").read_text())
+    packages = {
+        match[1]
+        for component in listed["components"]
+        if (match := re.match(r"pkg:deb/debian/([^@?]+)", component.get("purl", "")))
+    }
+    if not packages:
+        raise PackageError("auditwheel lists no package that a library came from; look into it.")
+    for package in sorted(packages):
+        text = Path("/usr/share/doc") / package / "copyright"
+        shutil.copyfile(text, info / "licenses" / f"{package}.txt")
+
+
+def unpack(path, folder):
+    shutil.rmtree(folder, ignore_errors=True)
+    run("wheel", "unpack", "--dest", folder, path)
+    (unpacked,) = folder.iterdir()
+    return unpacked
+
+
+def pack(folder, out, *options):
+    """The wheel of an unpacked one, with a new RECORD."""
+    text = run("wheel", "pack", "--dest-dir", out, *options, folder)
+    return out / re.search(r"/([^/]+\.whl)\.\.\.OK", text)[1]
+
+
+def slim(path):
+    """The wheel without the report, for Blender; it has a build tag to tell it from the whole."""
+    folder = WORK / "slim"
+    folder.mkdir(parents=True, exist_ok=True)
+    name = path.name.replace(f"-{version()}-", f"-{version()}-{SLIM_BUILD}-")
+    target, stamp = folder / name, folder / f"{name}.stamp"
+    wanted = digest(path, *_RECIPE)
+    if not target.exists() or not stamp.exists() or stamp.read_text() != wanted:
+        unpacked = unpack(path, WORK / "slim-unpacked")
+        shutil.rmtree(unpacked / "leaflight" / "report")
+        made = pack(unpacked, folder, "--build-number", SLIM_BUILD)
+        if made != target:
+            raise PackageError(f"The slim wheel is named {made.name}, not {name}; look into it.")
+        stamp.write_text(wanted)
+    return target
+
+
+def sdist():
+    for old in OUT.glob("leaflight-*.tar.gz"):
+        old.unlink()
+    call = "import sys; from scikit_build_core.build import build_sdist; build_sdist(sys.argv[1])"
+    run(VENV / "bin" / "python", "-c", call, OUT, cwd=ROOT)
+    (path,) = OUT.glob("leaflight-*.tar.gz")
+    return path
