@@ -32,7 +32,7 @@ def main():
     show_on_terminal()
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     leaf = build_scene(arguments.volume)
-    leaf.leaflight.output = str(arguments.bake.resolve())
+    leaf.leaflight.bake_folder = str(arguments.bakes.resolve())
     bpy.ops.leaflight.bake()
 
     out = arguments.out.resolve()
@@ -56,7 +56,7 @@ def main():
 
 def parse_arguments():
     parser = argparse.ArgumentParser()
-    for name in ("addon", "volume", "bake", "out"):
+    for name in ("addon", "volume", "bakes", "out"):
         parser.add_argument(f"--{name}", type=Path, required=True)
     return parser.parse_args(sys.argv[sys.argv.index("--") + 1 :])
 

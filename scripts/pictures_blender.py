@@ -14,7 +14,7 @@ SHARES = (0.25, 0.5, 0.75)  # of the baked window
 
 def main():
     parser = argparse.ArgumentParser()
-    for name in ("addon", "volume", "bake", "out"):
+    for name in ("addon", "volume", "bakes", "out"):
         parser.add_argument(f"--{name}", type=Path, required=True)
     arguments = parser.parse_args(sys.argv[sys.argv.index("--") + 1 :])
     bpy.ops.preferences.addon_install(filepath=str(arguments.addon.resolve()))
@@ -24,7 +24,7 @@ def main():
     leaf = bpy.context.object
     bpy.ops.leaflight.build_cornell_box()
     settings = leaf.leaflight
-    settings.output = str(arguments.bake.resolve())
+    settings.bake_folder = str(arguments.bakes.resolve())
     settings.samples = 32
     settings.light_surroundings = True
     bpy.ops.leaflight.bake()
@@ -36,7 +36,7 @@ def main():
     row = []
     for share in SHARES:
         settings.isovalue = settings.low + share * (settings.high - settings.low)
-        scene.render.filepath = str(arguments.bake.with_suffix(f".{share}.png").resolve())
+        scene.render.filepath = str((arguments.bakes / f"{share}.png").resolve())
         bpy.ops.render.render(write_still=True)
         image = bpy.data.images.load(scene.render.filepath)
         pixels = np.empty(SIZE * SIZE * 4, np.float32)

@@ -6,7 +6,7 @@ import importlib
 # Installed a moment ago, the folder of the package is new to Python.
 importlib.invalidate_caches()
 
-from .bake import bake, bake_flatland, photon_cloud  # noqa: E402
+from .bake import bake, bake_flatland, load_bake, photon_cloud, unused_bakes  # noqa: E402
 from .compare import render_comparison  # noqa: E402
 from .importing import import_image, import_volume  # noqa: E402
 from .show import flat_properties, properties  # noqa: E402
@@ -33,6 +33,8 @@ _MODULES = (
     cornell_box,
     bake,
     bake_flatland,
+    load_bake,
+    unused_bakes,
     photon_cloud,
     render_comparison,
     panels,

@@ -58,6 +58,8 @@ void bind_io(py::module_& module) {
       py::arg("path"),
       "([(values [z, y, x], index_to_world), ...], [RadianceGrid, ...], SurroundingsRadiance or\n"
       "None, metadata) of a bake. The surroundings need attach_surroundings() before use.");
+  module.def("read_bake_header", &read_bake_header, py::arg("path"),
+             "The metadata of the file itself, by key: nothing else of it is read.");
   module.def(
       "attach_surroundings",
       [](SurroundingsRadiance<3>& surroundings, const Scene<3>& scene) {
@@ -91,15 +93,17 @@ void bind_io(py::module_& module) {
   module.def(
       "write_exr",
       [](const std::string& path,
-         const py::array_t<float, py::array::c_style | py::array::forcecast>& pixels) {
+         const py::array_t<float, py::array::c_style | py::array::forcecast>& pixels,
+         const std::string& comments) {
         if (pixels.ndim() != 3) throw Error("An image must be an array [row, column, channel].");
         for (int a = 0; a < 2; ++a) {
           if (pixels.shape(a) > 65535) throw Error("An image may have 65535 pixels a side.");
         }
         write_exr(path, pixels.data(), static_cast<int>(pixels.shape(1)),
-                  static_cast<int>(pixels.shape(0)), static_cast<int>(pixels.shape(2)));
+                  static_cast<int>(pixels.shape(0)), static_cast<int>(pixels.shape(2)), comments);
       },
-      py::arg("path"), py::arg("pixels"), "float32 [row, column, RGB or RGBA], top row first.");
+      py::arg("path"), py::arg("pixels"), py::arg("comments") = "",
+      "float32 [row, column, RGB or RGBA], top row first.");
   module.def(
       "read_exr",
       [](const std::string& path) {
@@ -107,6 +111,8 @@ void bind_io(py::module_& module) {
         return adopt<float>(std::move(image.pixels), {image.height, image.width, image.channels});
       },
       py::arg("path"), "float32 [row, column, RGB or RGBA], top row first.");
+  module.def("read_exr_comments", &read_exr_comments, py::arg("path"),
+             "The comments that write_exr() wrote; reads the header alone.");
 }
 
 }  // namespace leaflight::python

@@ -9,6 +9,7 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight import Cancelled, LeaflightError, Progress, _core, load_bake
+from leaflight.bake.bake import read_bake_id
 
 GRIDS = ("radiance", "radiance_indirect", "radiance_error")
 
@@ -128,9 +129,48 @@ def test_saved_metadata(box_bake):
     assert metadata["leaflight_version"] == leaflight.__version__
     assert metadata["estimator"] == "gather" and metadata["seed"] == "0"
     (volume,) = json.loads(metadata["volumes"])
-    assert len(volume["field_sha256"]) == len(metadata["scene_sha256"]) == 64
+    assert len(volume["values_sha256"]) == len(metadata["scene_sha256"]) == 64
     assert volume["name"] == volume["source"] == "bump_box" and volume["capped"] is False
     assert metadata["both_sides"] == metadata["surroundings"] == "false"
+
+
+def test_id_tells_bakes_apart_and_is_read_from_the_first_bytes(small, bump_scene, tmp_path):
+    volume = leaflight.bump_box(12)
+    first, same = (leaflight.bake(volume, bump_scene, **small) for _ in range(2))
+    other = leaflight.bake(volume, bump_scene, **{**small, "seed": 1})
+    moved = leaflight.Volume(volume.values, np.diag([1.0, 1.0, 1.001, 1.0]), "bump_box", "bump_box")
+    elsewhere = leaflight.bake(moved, bump_scene, **small)
+    assert first.id == same.id and len({first.id, other.id, elsewhere.id}) == 3
+    path = tmp_path / "any name.vdb"
+    first.save(path)
+    assert read_bake_id(path) == load_bake(path).id == first.id
+    path.write_bytes(path.read_bytes()[:2000])
+    assert read_bake_id(path) == first.id
+    with pytest.raises(LeaflightError, match="any name.vdb"):
+        load_bake(path)
+
+
+def test_a_file_whose_id_is_not_that_of_its_contents_is_refused(box_file, box_bake, tmp_path):
+    path = tmp_path / "forged.vdb"
+    data = box_file.read_bytes()
+    assert data.count(box_bake.id.encode()) == 1
+    path.write_bytes(data.replace(box_bake.id.encode(), b"0" * 32))
+    assert read_bake_id(path) == "0" * 32
+    with pytest.raises(LeaflightError, match="metadata were changed"):
+        load_bake(path)
+
+
+def test_a_bake_without_id_is_told_from_other_files(box_bake, tmp_path):
+    """As Leaflight wrote them before bakes had one."""
+    path = tmp_path / "old.vdb"
+    fields = [volume.field() for volume in box_bake.volumes]
+    metadata = dict(box_bake.metadata, statistics=json.dumps(box_bake.statistics))
+    _core.write_bake(str(path), fields, box_bake.grids, None, metadata)
+    with pytest.raises(LeaflightError, match="an earlier Leaflight; bake"):
+        load_bake(path)
+    path.write_text("This is no bake.")
+    with pytest.raises(LeaflightError, match="not a readable OpenVDB file"):
+        read_bake_id(path)
 
 
 @pytest.mark.parametrize(

@@ -169,7 +169,7 @@ def test_plain_text(cli, box_file, tmp_path):
         (["bake", "lapr:2", "--out", "OUT/x.vdb"], "no such file"),
         (["flatland", "bump_box"], "--out"),
         (["flatland", "bump_box", "--out", "OUT/x.png"], "must end in .exr"),
-        (["flatland", "bump_box", "--dims", "1", "--out", "OUT/x.exr"], "--dims is 1"),
+        (["flatland", "bump_box", "--dims", "1", "--out", "OUT/x.exr"], "give more (--dims)."),
         (["flatland", "OUT/no.png", "--out", "OUT/x.exr"], "no such image"),
         (["flatland", "OUT/no.png", "--dims", "8", "--out", "OUT/x.exr"], "--dims"),
         (["flatland", "bump_box", "--dims", "8", "--isolines", "900", *FLAT], "window"),

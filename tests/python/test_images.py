@@ -90,3 +90,14 @@ def test_changed_and_cut_bytes(tmp_path, capfd, name):
         except LeaflightError as error:
             assert name in str(error) and "\n" not in str(error)
     assert capfd.readouterr() == ("", "")
+
+
+def test_comments_of_an_exr_are_read_from_its_header(tmp_path):
+    path, pixels = tmp_path / "x.exr", np.zeros((8, 8, 3), np.float32)
+    _core.write_exr(str(path), pixels, "of one thing")
+    assert _core.read_exr_comments(str(path)) == "of one thing"
+    _core.write_exr(str(path), pixels)
+    assert _core.read_exr_comments(str(path)) == ""
+    path.write_bytes(b"This is not an image. " * 20)
+    with pytest.raises(LeaflightError, match="not a readable EXR"):
+        _core.read_exr_comments(str(path))

@@ -84,9 +84,9 @@ def test_names():
 
 @pytest.mark.parametrize("name", GENERATED)
 def test_bad_options(name):
-    with pytest.raises(LeaflightError, match=f"{name[:4]}.*: --dims is 1"):
+    with pytest.raises(LeaflightError, match=f"{name[:4]}.*: .* 2 nodes a side, not 1"):
         open_volume(name, dims=[1])
-    with pytest.raises(LeaflightError, match=f"{name}: --dims takes one"):
+    with pytest.raises(LeaflightError, match=f"{name}: give one number"):
         open_volume(name, dims=[8, 8, 8])
-    with pytest.raises(LeaflightError, match=f"{name}: --frame"):
+    with pytest.raises(LeaflightError, match=f"{name}: frame has no meaning"):
         open_volume(name, frame=1)

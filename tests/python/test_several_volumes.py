@@ -112,7 +112,7 @@ def test_inner_side_that_no_light_reaches(lapr_scene):
 
 
 def test_inner_side_that_was_not_baked(box_bake):
-    with pytest.raises(LeaflightError, match="--both-sides"):
+    with pytest.raises(LeaflightError, match="bake again with both sides"):
         box_bake.surface(47.0, back=True)
 
 

@@ -25,6 +25,7 @@ from leaflight.bake import color_error
 from ..operators import checks
 from ..show import isovalues, surface_object
 from ..stage import scene_export
+from ..store import bake_files
 from . import render
 
 LeaflightError = leaflight.LeaflightError
@@ -97,7 +98,7 @@ class LEAFLIGHT_OT_render_comparison(bpy.types.Operator):
         return {"FINISHED"}
 
     def _make_folder(self, leaf):
-        chosen = self.folder or str(Path(leaf.leaflight.bake_path).parent)
+        chosen = self.folder or str(bake_files.locate(leaf).parent)
         folder = Path(bpy.path.abspath(chosen))
         try:
             folder.mkdir(parents=True, exist_ok=True)

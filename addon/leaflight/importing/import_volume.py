@@ -14,9 +14,8 @@ from bpy.props import (
 )
 from bpy_extras.io_utils import ImportHelper
 
-from ..bake import bake
 from ..show import isovalues, properties, surface_object
-from ..store import cache
+from ..store import cache, source_files
 
 
 class LEAFLIGHT_OT_import_volume(bpy.types.Operator, ImportHelper):
@@ -85,7 +84,7 @@ class LEAFLIGHT_OT_import_volume(bpy.types.Operator, ImportHelper):
             "frame": self.frame,
         }
         try:
-            volume = cache.read_volume(path, **layout)
+            volume = source_files.read_volume(path, **layout)
             low, high = volume.field().range
             window = leaflight.default_window(volume)
             isovalue = leaflight.default_isovalue(volume)
@@ -99,7 +98,6 @@ class LEAFLIGHT_OT_import_volume(bpy.types.Operator, ImportHelper):
         for name, value in layout.items():
             setattr(settings, name, value)
         settings.low, settings.high = window
-        settings.output = bake.default_output(obj)
         settings.is_volume = True
         cache.forget_unused()
         cache.keep_volume(obj, volume)

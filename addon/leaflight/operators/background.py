@@ -47,6 +47,13 @@ class BackgroundWork:
             raise self._error
 
 
+def is_free(operator):
+    """Whether no work is in progress; otherwise a greyed button of the operator shows why."""
+    if _running is not None:
+        operator.poll_message_set("A bake is running; Esc cancels it")
+    return _running is None
+
+
 class BackgroundOperator:
     """An operator whose work is a job: modal for users, straight on for scripts.
 
@@ -55,11 +62,7 @@ class BackgroundOperator:
     for the user; its warnings are sentences, too.
     """
 
-    @classmethod
-    def is_free(cls):
-        if _running is not None:
-            cls.poll_message_set("A bake is running; Esc cancels it")
-        return _running is None
+    is_free = classmethod(is_free)
 
     def invoke(self, context, _event):
         return self.execute(context) if bpy.app.background else self.run_modal(context)

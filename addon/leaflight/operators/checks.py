@@ -31,7 +31,7 @@ def has_flatland(operator, context):
 def has_bake(operator, context):
     if not has_volume(operator, context):
         return False
-    if not context.object.leaflight.bake_path:
+    if not context.object.leaflight.bake_id:
         operator.poll_message_set("Bake the flattened illumination first")
         return False
     return True

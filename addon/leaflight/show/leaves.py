@@ -28,6 +28,25 @@ def export_leaves(obj, several):
     )
 
 
+def import_leaves(settings, look):
+    """Gives the settings of a volume object the look of Leaves; of emission one colour."""
+    settings.capped = look.capped
+    settings.leaf_scattering = look.scattering.upper()
+    settings.leaf_ior = look.ior
+    settings.leaf_stops.clear()
+    if is_color(look.albedo):
+        settings.leaf_albedo = look.albedo
+    else:
+        for isovalue, color in look.albedo:
+            stop = settings.leaf_stops.add()
+            stop.isovalue, stop.color = isovalue, color
+    emission = colours(look.emission)[0]
+    strength = float(emission.max())
+    settings.leaf_emission_strength = strength
+    if strength > 0:
+        settings.leaf_emission = emission / strength
+
+
 def albedo_ramp(obj):
     """The albedo as one colour, or as stops (isovalue, colour) in ascending isovalue.
 

@@ -34,6 +34,11 @@ SCATTERING_ITEMS = [
 ]
 
 
+# A library override may have other settings, and a bake of its own.
+_OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}
+_INSERTABLE = {"LIBRARY_OVERRIDABLE", "USE_INSERTION"}
+
+
 def _shading_changed(settings, _context):
     if settings.id_data.leaflight.is_volume:
         surface_object.shade(settings.id_data)
@@ -55,6 +60,7 @@ class LeaflightColorStop(bpy.types.PropertyGroup):
         name="Isovalue",
         description="Isovalue whose isosurface has this color, in data units",
         update=_shading_changed,
+        override=_OVERRIDABLE,
     )
     color: FloatVectorProperty(
         name="Color",
@@ -64,6 +70,7 @@ class LeaflightColorStop(bpy.types.PropertyGroup):
         min=0.0,
         max=1.0,
         update=_shading_changed,
+        override=_OVERRIDABLE,
     )
 
 
@@ -75,21 +82,32 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     """
 
     source: StringProperty(
-        name="Volume", description="File that the volume was read from", subtype="FILE_PATH"
+        name="Volume",
+        description="File that the volume was read from",
+        subtype="FILE_PATH",
+        override=_OVERRIDABLE,
     )
-    dims: IntVectorProperty(name="Dimensions", size=3, min=0)
-    value_type: EnumProperty(name="Type", items=VALUE_TYPE_ITEMS)
-    endian: EnumProperty(name="Byte Order", items=ENDIAN_ITEMS)
-    spacing: FloatVectorProperty(name="Voxel Size", size=3, default=(1.0, 1.0, 1.0))
-    frame: IntProperty(name="Frame", default=-1, min=-1)
+    dims: IntVectorProperty(name="Dimensions", size=3, min=0, override=_OVERRIDABLE)
+    value_type: EnumProperty(name="Type", items=VALUE_TYPE_ITEMS, override=_OVERRIDABLE)
+    endian: EnumProperty(name="Byte Order", items=ENDIAN_ITEMS, override=_OVERRIDABLE)
+    spacing: FloatVectorProperty(
+        name="Voxel Size", size=3, default=(1.0, 1.0, 1.0), override=_OVERRIDABLE
+    )
+    frame: IntProperty(name="Frame", default=-1, min=-1, override=_OVERRIDABLE)
 
     low: FloatProperty(
-        name="Lowest Isovalue", description="Lowest isovalue that the bake shall light"
+        name="Lowest Isovalue",
+        description="Lowest isovalue that the bake shall light",
+        override=_OVERRIDABLE,
     )
     high: FloatProperty(
-        name="Highest Isovalue", description="Highest isovalue that the bake shall light"
+        name="Highest Isovalue",
+        description="Highest isovalue that the bake shall light",
+        override=_OVERRIDABLE,
     )
-    leaf_scattering: EnumProperty(name="Material", items=SCATTERING_ITEMS, update=_shading_changed)
+    leaf_scattering: EnumProperty(
+        name="Material", items=SCATTERING_ITEMS, update=_shading_changed, override=_OVERRIDABLE
+    )
     leaf_albedo: FloatVectorProperty(
         name="Albedo",
         description="Share of the light that the isosurfaces reflect; the color of mirror or glass",
@@ -98,13 +116,15 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         min=0.0,
         max=1.0,
         update=_shading_changed,
+        override=_OVERRIDABLE,
     )
     leaf_stops: CollectionProperty(
         type=LeaflightColorStop,
         name="Color Ramp",
         description="Albedo as a function of the isovalue",
+        override=_INSERTABLE,
     )
-    leaf_stop: IntProperty(name="Active Stop")
+    leaf_stop: IntProperty(name="Active Stop", override=_OVERRIDABLE)
     leaf_ior: FloatProperty(
         name="IOR",
         description="Index of refraction of the inside of the isosurfaces",
@@ -112,6 +132,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         min=1.0,
         soft_max=3.0,
         update=_shading_changed,
+        override=_OVERRIDABLE,
     )
     leaf_emission: FloatVectorProperty(
         name="Emission",
@@ -121,6 +142,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         min=0.0,
         max=1.0,
         update=_shading_changed,
+        override=_OVERRIDABLE,
     )
     leaf_emission_strength: FloatProperty(
         name="Strength",
@@ -129,17 +151,20 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         min=0.0,
         soft_max=100.0,
         update=_shading_changed,
+        override=_OVERRIDABLE,
     )
     capped: BoolProperty(
         name="Capped",
         description="Close the isosurfaces where the border of the volume cuts them",
         update=_shape_changed,
+        override=_OVERRIDABLE,
     )
     linked: BoolProperty(
         name="Linked",
         description="Move with the isovalues of the other volumes in the scene, so that all show "
         "the same leaf of the bake",
         default=True,
+        override=_OVERRIDABLE,
     )
     resolution: IntProperty(
         name="Resolution",
@@ -147,6 +172,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         default=0,
         min=0,
         soft_max=1024,
+        override=_OVERRIDABLE,
     )
     samples: IntProperty(
         name="Samples",
@@ -154,6 +180,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         default=32,
         min=1,
         soft_max=1024,
+        override=_OVERRIDABLE,
     )
     photons: IntProperty(
         name="Photons",
@@ -161,6 +188,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         default=2_000_000,
         min=1,
         soft_max=100_000_000,
+        override=_OVERRIDABLE,
     )
     refine: IntProperty(
         name="Refine",
@@ -171,6 +199,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         min=0,
         max=4,
         soft_max=2,
+        override=_OVERRIDABLE,
     )
     estimator: EnumProperty(
         name="Estimator",
@@ -179,21 +208,28 @@ class LeaflightSettings(bpy.types.PropertyGroup):
             ("volumetric", "Photon Density", "Photon density alone: faster, with more noise"),
             ("path", "Path Tracing", "Unbiased path tracing per texel: slow, the reference"),
         ],
+        override=_OVERRIDABLE,
     )
-    seed: IntProperty(name="Seed", description="Seed of the random numbers", min=0)
+    seed: IntProperty(
+        name="Seed", description="Seed of the random numbers", min=0, override=_OVERRIDABLE
+    )
     both_sides: BoolProperty(
         name="Both Sides",
         description="Bake the inner side of the isosurfaces too, for volumes that are cut open",
+        override=_OVERRIDABLE,
     )
     light_surroundings: BoolProperty(
         name="Light the Surroundings",
         description="Bake the light on the surroundings for every isovalue too: shadows and color "
         "bleeding on the walls then follow the isosurface",
+        override=_OVERRIDABLE,
     )
-    output: StringProperty(
-        name="Output",
-        description="OpenVDB file that keeps the bake; the scene loads it again when it is opened",
-        subtype="FILE_PATH",
+    bake_folder: StringProperty(
+        name="Folder",
+        description="Folder that keeps the bakes, each in a file of its own; empty is the folder "
+        "leaflight beside the .blend",
+        subtype="DIR_PATH",
+        override=_OVERRIDABLE,
     )
 
     shading: EnumProperty(
@@ -204,24 +240,32 @@ class LeaflightSettings(bpy.types.PropertyGroup):
             ("ATTRIBUTE", "Vertex Attribute", "Interpolate the radiance at the mesh's vertices"),
         ],
         update=_shading_changed,
+        override=_OVERRIDABLE,
     )
 
-    bake_path: StringProperty(name="Bake", subtype="FILE_PATH")
-    bake_matrix: FloatVectorProperty(name="Transform at the Bake, Row by Row", size=16)
-    bake_fingerprint: StringProperty(name="Scene at the Bake")
-    bake_id: StringProperty(name="Bake Identifier")
-    bake_index: IntProperty(name="Place Among the Volumes Baked Together")
-    bake_low: FloatProperty(name="Lowest Isovalue of the Bake")
-    bake_high: FloatProperty(name="Highest Isovalue of the Bake")
-    bake_surroundings: BoolProperty(name="Surroundings Lit by the Bake")
-    bake_refined: BoolProperty(name="Finer Texels in the Bake")
-    bake_seconds: FloatProperty(name="Bake Time")
-    comparison: StringProperty(name="Last Comparison")
-    atlas_columns: IntProperty(name="Columns of the Atlas, 0 if There Is None")
-    leaf_material: PointerProperty(type=bpy.types.Material)
-    baked_material: PointerProperty(type=bpy.types.Material)
+    bake_path: StringProperty(name="Bake", subtype="FILE_PATH", override=_OVERRIDABLE)
+    bake_matrix: FloatVectorProperty(
+        name="Transform at the Bake, Row by Row", size=16, override=_OVERRIDABLE
+    )
+    bake_fingerprint: StringProperty(name="Scene at the Bake", override=_OVERRIDABLE)
+    bake_id: StringProperty(name="Bake Identifier", override=_OVERRIDABLE)
+    bake_home: StringProperty(name="Folder Where the Bake Was Last", override=_OVERRIDABLE)
+    bake_values: StringProperty(name="Hash of the Values at the Bake", override=_OVERRIDABLE)
+    bake_source_stamp: StringProperty(name="Volume File at the Bake", override=_OVERRIDABLE)
+    bake_index: IntProperty(name="Place Among the Volumes Baked Together", override=_OVERRIDABLE)
+    bake_low: FloatProperty(name="Lowest Isovalue of the Bake", override=_OVERRIDABLE)
+    bake_high: FloatProperty(name="Highest Isovalue of the Bake", override=_OVERRIDABLE)
+    bake_surroundings: BoolProperty(name="Surroundings Lit by the Bake", override=_OVERRIDABLE)
+    bake_refined: BoolProperty(name="Finer Texels in the Bake", override=_OVERRIDABLE)
+    bake_seconds: FloatProperty(name="Bake Time", override=_OVERRIDABLE)
+    comparison: StringProperty(name="Last Comparison", override=_OVERRIDABLE)
+    atlas_columns: IntProperty(
+        name="Columns of the Atlas, 0 if There Is None", override=_OVERRIDABLE
+    )
+    leaf_material: PointerProperty(type=bpy.types.Material, override=_OVERRIDABLE)
+    baked_material: PointerProperty(type=bpy.types.Material, override=_OVERRIDABLE)
 
-    is_volume: BoolProperty(name="Leaflight Volume")
+    is_volume: BoolProperty(name="Leaflight Volume", override=_OVERRIDABLE)
 
     @property
     def isovalue(self):
@@ -237,6 +281,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     def limit_isovalue(self, data_range, window, default):
         """Limits the slider to the range of the data, and softly to the window."""
         low, high = data_range
+        self.property_overridable_library_set('["isovalue"]', True)
         self.id_properties_ui("isovalue").update(
             description="Isovalue of the displayed surface, in data units",
             min=low,
@@ -267,7 +312,7 @@ _CLASSES = (LeaflightColorStop, LeaflightSettings, LeaflightSceneSettings)
 def register():
     for cls in _CLASSES:
         bpy.utils.register_class(cls)
-    bpy.types.Object.leaflight = PointerProperty(type=LeaflightSettings)
+    bpy.types.Object.leaflight = PointerProperty(type=LeaflightSettings, override=_OVERRIDABLE)
     bpy.types.Scene.leaflight = PointerProperty(type=LeaflightSceneSettings)
 
 

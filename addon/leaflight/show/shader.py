@@ -10,14 +10,15 @@ texture interpolate does not, because tiles of other slices lie next to each tex
 a tile.
 """
 
-from pathlib import Path
+import os
 
 import bpy
-import leaflight._core as _core
 import numpy as np
 
-# Larger float images exceed what graphics drivers and memory commonly hold.
-LARGEST_ATLAS = 8192
+from ..store import bake_files
+
+# Marks of an image that is an atlas: what its header holds, and whether it is of the inner side.
+ATLAS, BACK = "leaflight_atlas", "leaflight_back"
 
 
 def build_lambertian(material, albedo):
@@ -128,46 +129,31 @@ def texel_from_object(volume, resolution):
     return scale @ np.linalg.inv(volume.index_to_world)
 
 
-def load_image(path):
-    """The image of an atlas file, with all the digits it holds."""
-    image = bpy.data.images.load(path, check_existing=True)
-    image.colorspace_settings.name = "Non-Color"
-    image.use_half_precision = False
-    image.alpha_mode = "NONE"
+def images_of(material):
+    """The images in the nodes of a material."""
+    nodes = material.node_tree.nodes if material.node_tree is not None else ()
+    return {node.image for node in nodes if node.type == "TEX_IMAGE" and node.image is not None}
+
+
+def atlas_image(path, label, back, written):
+    """The image of an atlas file (store/atlases.py) with all the digits it holds.
+
+    label: of the atlas, which finds its image wherever the file has moved; back: whether of the
+    inner side; written: whether the file was written since Blender may have read it.
+    """
+    images = (image for image in bpy.data.images if image.library is None)
+    image = next((image for image in images if image.get(ATLAS) == label), None)
+    if image is None:
+        image = bpy.data.images.load(bake_files.portable(path))
+        image[ATLAS], image[BACK] = label, back
+        image.colorspace_settings.name = "Non-Color"
+        image.use_half_precision = False
+        image.alpha_mode = "NONE"
+    elif os.path.normpath(bpy.path.abspath(image.filepath)) != str(path):
+        image.filepath = bake_files.portable(path)
+    elif written:
+        image.reload()
     return image
-
-
-def reload_image(path):
-    """Lets Blender see that the file of an image it may have loaded has changed."""
-    for image in bpy.data.images:
-        if image.source == "FILE" and bpy.path.abspath(image.filepath) == path:
-            image.reload()
-
-
-def atlas_path(bake_path, index=0, back=False):
-    """The atlas lies beside the bake, so that a saved scene renders without this add-on.
-
-    index: of the volume among those baked together. back: of the inner side.
-    """
-    path = Path(bake_path)
-    number = f"_{index + 1}" if index else ""
-    return str(path.with_name(f"{path.stem}{number}_atlas{'_back' if back else ''}.exr"))
-
-
-def write_atlas(grid, path, back=False):
-    """Writes the atlas of a radiance grid, unless that has finer texels or it would be too large.
-
-    Returns its number of columns, each as wide as the grid, or 0 when nothing was written.
-    """
-    nx, ny, nz = grid.resolution
-    if grid.levels > 1 or nx * ny * nz > LARGEST_ATLAS**2:
-        return 0
-    pixels, columns, _ = grid.atlas(back=back)
-    if max(pixels.shape) > LARGEST_ATLAS:
-        return 0
-    # Blender's rows and the atlas's count from the bottom, those of EXR from the top.
-    _core.write_exr(path, np.ascontiguousarray(pixels[::-1]))
-    return columns
 
 
 class _Graph:

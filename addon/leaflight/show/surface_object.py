@@ -5,14 +5,12 @@ The mesh remembers which surface it holds, so that a stale one is noticed after 
 loading a file: they bring back mesh and memory together.
 """
 
-import os
-
 import bpy
 import leaflight
 import leaflight._core as _core
 import numpy as np
 
-from ..store import cache
+from ..store import atlases, bake_files, cache
 from . import leaves, shader
 
 LeaflightError = leaflight.LeaflightError
@@ -24,8 +22,11 @@ _SHOWN = "leaflight_shown"
 _ISOVALUE = "leaflight_isovalue"
 _BUILT = "leaflight_built"
 
-# Object name -> why its surface could not be shown, for the panel.
+# Full name of an object -> why its surface could not be shown, for the panel.
 problems = {}
+
+# Full name of an object -> the state in which the files of its bake were all right.
+_looked_after = {}
 
 
 def create(context, volume, size):
@@ -33,34 +34,82 @@ def create(context, volume, size):
 
     The object's transform alone scales and places it: centred on the grid floor.
     """
-    mesh = bpy.data.meshes.new(volume.name)
-    obj = bpy.data.objects.new(volume.name, mesh)
+    obj = new(context, volume.name)
     low, high = np.asarray(volume.field().bounds, np.float64)
     scale = size / float((high - low).max())
     centre = 0.5 * (low + high)
     obj.scale = (scale, scale, scale)
     obj.location = (-scale * centre[0], -scale * centre[1], -scale * low[2])
+    return obj
+
+
+def new(context, name):
+    """An empty mesh object in the active collection."""
+    obj = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     context.collection.objects.link(obj)
     return obj
 
 
 def update(obj, isovalue):
     """Shows the isosurface, unless the mesh holds it already. A failure goes to `problems`."""
+    _look_after_files(obj)
     label = _label(obj.leaflight, isovalue)
     if obj.data.get(_SHOWN) == label:
         return
-    problems.pop(obj.name, None)
+    _own_mesh(obj)
+    problems.pop(obj.name_full, None)
     vertices, triangles, radiance = np.empty((0, 3)), np.empty((0, 3)), {}
     try:
         vertices, _, triangles = contour(obj, isovalue)
         if is_lit(obj, isovalue):
             radiance = radiance_at(obj, vertices)
     except LeaflightError as error:
-        problems[obj.name] = str(error)
+        problems[obj.name_full] = str(error)
     fill(obj.data, vertices, triangles, radiance)
     obj.data[_SHOWN] = label
     obj.data[_ISOVALUE] = isovalue
     shade(obj)
+
+
+def forget():
+    """After loading a file, undo or saving: looks after the files of all bakes again."""
+    _looked_after.clear()
+
+
+def _look_after_files(obj):
+    """Finds the bake of an object and its atlases where they are now, once for each state."""
+    settings = obj.leaflight
+    state = (settings.bake_id, settings.bake_index, settings.bake_path, bpy.data.filepath)
+    if not settings.bake_id or _looked_after.get(obj.name_full) == state:
+        return
+    problems.pop(obj.name_full, None)
+    try:
+        path = bake_files.locate(obj)
+        bake_files.remember(obj, path)
+        material = settings.baked_material
+        if material is not None and material.library is None:
+            for image in shader.images_of(material):
+                back = bool(image.get(shader.BACK))
+                label = atlases.label(settings.bake_id, settings.bake_index, back)
+                if image.get(shader.ATLAS) == label:
+                    _atlas_image(obj, path, back)
+    except LeaflightError as error:
+        problems[obj.name_full] = str(error)
+        return
+    _looked_after[obj.name_full] = (*state[:2], settings.bake_path, state[3])
+
+
+def _own_mesh(obj):
+    """Gives a linked duplicate or a library override a mesh of its own before it is changed.
+
+    They share one for as long as they show the same.
+    """
+    mesh = obj.data
+    if obj.library is not None:
+        return
+    others = (other for other in bpy.data.objects if other != obj and other.data == mesh)
+    if mesh.library is not None or any(other.leaflight.is_volume for other in others):
+        obj.data = mesh.copy()
 
 
 def shown_isovalue(obj):
@@ -167,7 +216,7 @@ def shade(obj):
     try:
         _assign_material(obj)
     except LeaflightError as error:
-        problems[obj.name] = str(error)
+        problems[obj.name_full] = str(error)
 
 
 def _assign_material(obj):
@@ -186,6 +235,7 @@ def set_material(obj, material):
     if not obj.data.materials:
         obj.data.materials.append(material)
     elif obj.data.materials[0] != material:
+        _own_mesh(obj)
         obj.data.materials[0] = material
 
 
@@ -207,7 +257,7 @@ def shading_in_use(settings):
         return settings.shading, ""
     if settings.bake_refined:
         return "ATTRIBUTE", "Vertex attribute: a volume texture holds no finer texels"
-    size = shader.LARGEST_ATLAS
+    size = atlases.LARGEST_ATLAS
     return "ATTRIBUTE", f"Vertex attribute: a volume texture would exceed {size} x {size} pixels"
 
 
@@ -222,21 +272,21 @@ def _baked_material(obj):
         if mode == "ATTRIBUTE":
             shader.build_attribute(material, RADIANCE, RADIANCE_BACK if back else None)
             return
-        grid = cache.grid_of(obj)
-        sides = [
-            _atlas_image(settings, grid, side) for side in ((False, True) if back else (False,))
-        ]
+        grid, path = cache.grid_of(obj), bake_files.locate(obj)
+        sides = [_atlas_image(obj, path, side) for side in ((False, True) if back else (False,))]
         matrix = shader.texel_from_object(cache.volume_of(obj), grid.resolution)
         shader.build_atlas(material, sides, grid.resolution, settings.atlas_columns, matrix)
 
-    return _material(obj, "baked_material", f"{mode} {settings.bake_id} {back}", build)
+    return _material(
+        obj, "baked_material", f"{mode} {settings.bake_id} {settings.bake_index} {back}", build
+    )
 
 
-def _atlas_image(settings, grid, back):
-    path = shader.atlas_path(settings.bake_path, settings.bake_index, back)
-    if not os.path.exists(bpy.path.abspath(path)):
-        shader.write_atlas(grid, bpy.path.abspath(path), back)
-    return shader.load_image(path)
+def _atlas_image(obj, bake_path, back):
+    """The image of an atlas, whose file is written anew unless it holds this bake."""
+    identifier, index = obj.leaflight.bake_id, obj.leaflight.bake_index
+    path, written = atlases.require(lambda: cache.grid_of(obj), bake_path, identifier, index, back)
+    return shader.atlas_image(path, atlases.label(identifier, index, back), back, written)
 
 
 def _material(obj, slot, label, build):
@@ -248,7 +298,8 @@ def _material(obj, slot, label, build):
     settings = obj.leaflight
     material = getattr(settings, slot)
     others = (other.leaflight for other in bpy.data.objects if other != obj)
-    if material is None or any(getattr(other, slot) == material for other in others):
+    taken = any(getattr(other, slot) == material for other in others)
+    if material is None or taken or (material.library is not None and obj.library is None):
         material = bpy.data.materials.new(f"{obj.name} {slot.partition('_')[0].title()}")
         setattr(settings, slot, material)
     if material.get(_BUILT) != label:
@@ -260,4 +311,4 @@ def _material(obj, slot, label, build):
 
 def _label(settings, isovalue):
     volume = f"{settings.source} {settings.frame} {settings.capped}"
-    return f"{isovalue!r} of {volume} lit by {settings.bake_id}"
+    return f"{isovalue!r} of {volume} lit by {settings.bake_id} {settings.bake_index}"

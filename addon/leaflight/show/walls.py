@@ -40,7 +40,7 @@ def refresh(scene):
             _build(scene, leader)
         except LeaflightError as error:
             _clear(scene)
-            surface_object.problems[leader.name] = str(error)
+            surface_object.problems[leader.name_full] = str(error)
             return
     update(scene)
 
@@ -59,7 +59,7 @@ def update(scene):
     try:
         bake = cache.bake_of(leader)
     except LeaflightError as error:
-        surface_object.problems[leader.name] = str(error)
+        surface_object.problems[leader.name_full] = str(error)
         return
     if bake.surroundings is None:
         return

@@ -54,9 +54,9 @@ class LEAFLIGHT_OT_build_cornell_box(bpy.types.Operator):
         for mesh in box.meshes:
             collection.objects.link(_wall(mesh))
         for light in box.lights:
-            collection.objects.link(_area_light(light))
+            collection.objects.link(area_light(light))
         collection.objects.link(_camera(context.scene, box))
-        _darken_world(context.scene)
+        darken_world(context.scene)
         context.scene.view_settings.view_transform = "Standard"
         context.scene.view_settings.exposure = math.log2(box.exposure)
         for obj in volumes:
@@ -99,7 +99,7 @@ def _wall(description):
     return obj
 
 
-def _area_light(description):
+def area_light(description):
     u, v = (np.array(edge, np.float64) for edge in (description.edge_u, description.edge_v))
     light = bpy.data.lights.new(description.name, "AREA")
     light.shape = "RECTANGLE"
@@ -135,7 +135,7 @@ def _camera(scene, box):
     return camera
 
 
-def _darken_world(scene):
+def darken_world(scene):
     """The box has a lamp of its own. The user's own world stays in the file."""
     if scene.world is not None:
         if world.is_dark(scene.world):

@@ -1,65 +1,68 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volumes and bakes in memory, by the files they came from.
+"""Volumes and bakes in memory: bakes by their ids, volumes by what they are made of.
 
 Nothing here is saved with the scene or refers to a Blender object, so neither undo nor loading a
-file can invalidate it: what is missing is read again from its path.
+file can invalidate it: what is missing is read again from its file.
 """
 
-from pathlib import Path
+import json
 
 import bpy
 import leaflight
 import numpy as np
+
+from . import bake_files, source_files
+
+LeaflightError = leaflight.LeaflightError
 
 _volumes = {}
 _bakes = {}
 
 
 def volume_of(obj):
-    """The volume of an object, in the object's local coordinates. Raises LeaflightError."""
-    key = _volume_key(obj.leaflight)
-    if key not in _volumes:
-        *file, capped = key
-        volume = _volume_of_bake(obj)
-        if volume is None:
-            volume = read_volume(*file)
-            volume = volume.capped() if capped else volume
-        _volumes[key] = volume
-    return _volumes[key]
+    """The volume that an object shows, in its local coordinates. Raises LeaflightError.
+
+    It is that of the bake, whatever has become of the file that it was read from.
+    """
+    key = _baked_key(obj)
+    if key is not None:
+        if key not in _volumes:
+            _volumes[key] = _volume_of_bake(obj)
+        return _volumes[key]
+    return _source_volume(obj)
 
 
 def world_volume(obj):
-    """The volume of an object in world space, where it is baked. Raises LeaflightError."""
-    volume = volume_of(obj)
-    index_to_world = np.array(obj.matrix_world, np.float64) @ volume.index_to_world
-    return leaflight.Volume(volume.values, index_to_world, volume.name, volume.source)
+    """volume_of() in world space."""
+    # Exactly the one that was baked where the object stands as it did then.
+    if _baked_key(obj) is not None and _flat(obj.matrix_world) == list(obj.leaflight.bake_matrix):
+        return bake_of(obj).volumes[obj.leaflight.bake_index]
+    return _in_world(obj, volume_of(obj))
 
 
-def read_volume(path, dims, value_type, endian, spacing, frame):
-    """Reads a volume with the options that its kind of file takes; frame -1 is none chosen."""
-    suffix = Path(path).suffix.lower()
-    options = {}
-    if suffix == ".raw":
-        options = {"dims": dims, "type": value_type, "endian": endian}
-    if suffix in {".raw", ".tif", ".tiff"} or Path(path).is_dir():
-        options["spacing"] = spacing
-    if frame >= 0:
-        options["frame"] = frame
-    return leaflight.read_volume(path, **options)
+def volume_to_bake(obj):
+    """The volume in world space for a new bake: read again if its file has changed since the last.
+
+    Raises LeaflightError.
+    """
+    if obj.leaflight.bake_id and source_files.changed_since_bake(obj):
+        return _in_world(obj, _source_volume(obj))
+    return world_volume(obj)
 
 
 def keep_volume(obj, volume):
-    _volumes[_volume_key(obj.leaflight)] = volume
+    """Keeps the volume that was read for an object, which is not yet baked."""
+    _volumes[source_files.key_of(obj.leaflight)] = volume
 
 
 def bake_of(obj):
     """The bake that lights an object, None before the first. Raises LeaflightError."""
-    if not obj.leaflight.bake_path:
+    identifier = obj.leaflight.bake_id
+    if not identifier:
         return None
-    path = bpy.path.abspath(obj.leaflight.bake_path)
-    if path not in _bakes:
-        _bakes[path] = leaflight.load_bake(path)
-    return _bakes[path]
+    if identifier not in _bakes:
+        _bakes[identifier] = leaflight.load_bake(bake_files.locate(obj))
+    return _bakes[identifier]
 
 
 def grid_of(obj):
@@ -68,17 +71,22 @@ def grid_of(obj):
     return bake.grids[obj.leaflight.bake_index] if bake is not None else None
 
 
-def keep_bake(path, bake):
-    _bakes[path] = bake
+def keep_bake(bake):
+    _bakes[bake.id] = bake
+
+
+def values_sha256(bake, index):
+    """The stamp of a volume's values in a bake, as leaflight.bake.bake.values_sha256 makes it."""
+    return json.loads(bake.metadata["volumes"])[index]["values_sha256"]
 
 
 def forget_unused():
     """Frees what no object of the file refers to any more."""
     settings = [obj.leaflight for obj in bpy.data.objects if obj.leaflight.is_volume]
-    volumes = {_volume_key(s) for s in settings}
-    bakes = {bpy.path.abspath(s.bake_path) for s in settings}
-    for cache, used in ((_volumes, volumes), (_bakes, bakes)):
-        for key in [key for key in cache if key not in used]:
+    volumes = {source_files.key_of(s) for s in settings} | {_key_in_bake(s) for s in settings}
+    bakes = {s.bake_id for s in settings}
+    for cache, kept in ((_volumes, volumes), (_bakes, bakes)):
+        for key in [key for key in cache if key not in kept]:
             del cache[key]
 
 
@@ -87,28 +95,48 @@ def clear():
     _bakes.clear()
 
 
-def _volume_of_bake(obj):
-    """The volume that the bake holds, None if there is no such file: one copy serves both."""
+def _source_volume(obj):
+    settings = obj.leaflight
+    if not settings.source:
+        raise LeaflightError(
+            f'"{obj.name}" came with its bake and has no volume file of its own: relocate the '
+            "bake, keep Capped as it was baked, or import the volume."
+        )
+    key = source_files.key_of(settings)
+    if key not in _volumes:
+        volume = source_files.read(settings)
+        _volumes[key] = volume.capped() if settings.capped else volume
+    return _volumes[key]
+
+
+def _baked_key(obj):
+    """Tells the volumes that bakes hold apart; None where the bake cannot give the volume."""
     settings = obj.leaflight
     try:
         bake = bake_of(obj)
-    except leaflight.LeaflightError:
+    except LeaflightError:
         return None
     if bake is None or bake.scene.leaves[settings.bake_index].capped != settings.capped:
         return None
+    return _key_in_bake(settings)
+
+
+def _key_in_bake(settings):
+    return settings.bake_id, settings.bake_index, tuple(settings.bake_matrix)
+
+
+def _volume_of_bake(obj):
+    settings = obj.leaflight
     local_to_world = np.array(settings.bake_matrix, np.float64).reshape(4, 4)
-    baked = bake.volumes[settings.bake_index]
+    baked = bake_of(obj).volumes[settings.bake_index]
     index_to_local = np.linalg.inv(local_to_world) @ baked.index_to_world
     return leaflight.Volume(baked.values, index_to_local, baked.name, baked.source)
 
 
-def _volume_key(settings):
-    return (
-        bpy.path.abspath(settings.source),
-        tuple(settings.dims),
-        settings.value_type,
-        settings.endian,
-        tuple(settings.spacing),
-        settings.frame,
-        settings.capped,
-    )
+def _in_world(obj, volume):
+    index_to_world = np.array(obj.matrix_world, np.float64) @ volume.index_to_world
+    return leaflight.Volume(volume.values, index_to_world, volume.name, volume.source)
+
+
+def _flat(matrix):
+    return [x for row in matrix for x in row]

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keeps every surface at its isovalue: after slider, keyframe, driver, undo and loading a file."""
+"""Keeps every surface at its isovalue: after slider, keyframe, driver, undo and loading a file.
+
+And keeps the files of the bakes with the .blend when it is saved.
+"""
 
 import bpy
 from bpy.app.handlers import persistent
@@ -7,7 +10,7 @@ from bpy.app.handlers import persistent
 from ..operators import background
 from ..show import display, graph_object, isovalues, surface_object
 from ..stage import images, staleness
-from ..store import cache
+from ..store import cache, moving, source_files
 
 
 @persistent
@@ -31,6 +34,7 @@ def _after_change(scene, depsgraph):
 def _after_undo(scene, _depsgraph):
     """Undo may bring back an isovalue without its surface, made after the step was stored."""
     staleness.forget()
+    surface_object.forget()
     _after_evaluation(scene, bpy.context.evaluated_depsgraph_get())
 
 
@@ -40,8 +44,24 @@ def _before_load(*_):
     cache.clear()
     graph_object.forget()
     images.forget()
+    source_files.forget()
     surface_object.problems.clear()
+    surface_object.forget()
     staleness.forget()
+
+
+@persistent
+def _after_save(*_):
+    """Blender tells the new place only once the .blend is written: hence it is written again."""
+    ours = [o for o in bpy.data.objects if o.leaflight.bake_id and o.library is None]
+    changed, problems = moving.move_along(ours)
+    surface_object.forget()
+    for obj in ours:
+        surface_object.update(obj, surface_object.shown_isovalue(obj))
+    surface_object.problems.update(problems)
+    staleness.forget()
+    if changed:
+        bpy.ops.wm.save_mainfile()
 
 
 @persistent
@@ -56,6 +76,7 @@ _HANDLERS = (
     ("depsgraph_update_post", _after_change),
     ("undo_post", _after_undo),
     ("redo_post", _after_undo),
+    ("save_post", _after_save),
     ("load_pre", _before_load),
     ("load_post", _after_load),
 )

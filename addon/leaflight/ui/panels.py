@@ -5,7 +5,7 @@ import textwrap
 
 import bpy
 
-from ..bake import bake, bake_flatland, photon_cloud
+from ..bake import bake, bake_flatland, load_bake, photon_cloud, unused_bakes
 from ..compare import render_comparison
 from ..importing import import_image, import_volume
 from ..operators import background
@@ -33,12 +33,13 @@ class LEAFLIGHT_PT_volume(_LeaflightPanel, bpy.types.Panel):
             layout.label(text="No Leaflight volume is selected")
             layout.operator(import_volume.LEAFLIGHT_OT_import_volume.bl_idname, icon="IMPORT")
             layout.operator(import_image.LEAFLIGHT_OT_import_image.bl_idname, icon="IMPORT")
+            layout.operator(load_bake.LEAFLIGHT_OT_load_bake.bl_idname, icon="FILE_FOLDER")
             return
         layout.label(text=obj.name, icon="VOLUME_DATA")
         layout.prop(obj.leaflight, '["isovalue"]', text="Isovalue", slider=True)
         if any(other != obj for other in isovalues.volumes(context.scene)):
             self._draw_partners(context, obj)
-        problem = surface_object.problems.get(obj.name)
+        problem = surface_object.problems.get(obj.name_full)
         if problem:
             _sentence(context, layout, problem, icon="ERROR")
 
@@ -129,7 +130,7 @@ class LEAFLIGHT_PT_flatland(_LeaflightPanel, bpy.types.Panel):
         job = background.running()
         if job is not None:
             layout.label(text=f"{job.status()}, Esc cancels", icon="TIME")
-        problem = surface_object.problems.get(context.object.name)
+        problem = surface_object.problems.get(context.object.name_full)
         if problem:
             _sentence(context, layout, problem, icon="ERROR")
 
@@ -164,14 +165,15 @@ class LEAFLIGHT_PT_bake(_VolumePanel, bpy.types.Panel):
         column.prop(settings, "refine")
         layout.prop(settings, "estimator")
         layout.prop(settings, "seed")
-        layout.prop(settings, "output")
+        layout.prop(settings, "bake_folder")
         layout.operator(bake.LEAFLIGHT_OT_bake.bl_idname, icon="LIGHT_AREA")
         layout.operator(photon_cloud.LEAFLIGHT_OT_photon_cloud.bl_idname, icon="POINTCLOUD_DATA")
         job = background.running()
         if job is not None:
             layout.label(text=f"{job.status()}, Esc cancels", icon="TIME")
-        elif settings.bake_path:
+        elif settings.bake_id:
             self._draw_result(context, settings)
+        self._draw_files()
 
     def _draw_result(self, context, settings):
         layout = self.layout
@@ -184,6 +186,19 @@ class LEAFLIGHT_PT_bake(_VolumePanel, bpy.types.Panel):
         _, reason = surface_object.shading_in_use(settings)
         if reason:
             _sentence(context, layout, reason, icon="INFO")
+
+    def _draw_files(self):
+        """What bakes take of the disk, and where else they may lie."""
+        row = self.layout.row(align=True)
+        row.operator(load_bake.LEAFLIGHT_OT_load_bake.bl_idname, icon="FILE_FOLDER")
+        row.operator(load_bake.LEAFLIGHT_OT_relocate_bake.bl_idname, icon="VIEWZOOM")
+        bakes, unused = unused_bakes.of_this_file(), unused_bakes.unused()
+        if bakes:
+            row = self.layout.row()
+            text = f"{len(bakes)} bakes, {unused_bakes.megabytes(bakes)}"
+            row.label(text=text, icon="DISK_DRIVE")
+            text = f"Remove Unused ({len(unused)}, {unused_bakes.megabytes(unused)})"
+            row.operator(unused_bakes.LEAFLIGHT_OT_remove_unused_bakes.bl_idname, text=text)
 
 
 class LEAFLIGHT_PT_comparison(_VolumePanel, bpy.types.Panel):

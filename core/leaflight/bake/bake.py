@@ -16,12 +16,14 @@ from ..io.scene_file import cornell_box, scene_from_json, scene_to_json
 from ..scene.on_mesh import interpolated
 from ..scene.scene import SceneDescription, core_scene, fit_scene, isovalue_at, match_leaves
 from ..version import __version__
+from ..volume.setting_error import SettingError
 from ..volume.volume import Volume
 from .color_error import estimated_rms_percent
 from .settings import PhotonMap, bake_settings, leaf_window
 
 # What a bake depends on, as text; "name" would rename the grid that OpenVDB attaches it to.
-# "volumes" is a list of {"name", "source", "field_sha256", "resolution", "capped"}.
+# "volumes" is a list of {"name", "source", "values_sha256", "index_to_world", "resolution",
+# "capped"}.
 METADATA = (
     "leaflight_version",
     "volumes",
@@ -86,10 +88,16 @@ class Bake:
     def grid(self):
         return self.grids[0]
 
+    @property
+    def id(self):
+        """Tells bakes apart, 32 digits: equal bakes have equal ones, on any machine."""
+        text = json.dumps([self.metadata[key] for key in METADATA])
+        return hashlib.sha256(text.encode()).hexdigest()[:32]
+
     def save(self, path):
         """Writes the bake as one .vdb under its final name or not at all. Raises LeaflightError."""
         check_writable(path, ".vdb")
-        metadata = dict(self.metadata, statistics=json.dumps(self.statistics))
+        metadata = dict(self.metadata, id=self.id, statistics=json.dumps(self.statistics))
         fields = [volume.field() for volume in self.volumes]
         _core.write_bake(str(path), fields, self.grids, self.surroundings, metadata)
 
@@ -123,8 +131,8 @@ class Bake:
         grid = self.grids[volume]
         if back and not grid.has_back:
             if not json.loads(self.metadata["both_sides"]):
-                raise LeaflightError(
-                    "The inner side was not baked: bake again with both sides (--both-sides)."
+                raise SettingError(
+                    "The inner side was not baked: bake again with both sides.", "both-sides"
                 )
             # The bake left it out because no light can reach it.
             return np.zeros((len(points), 3), dtype=np.float32)
@@ -165,8 +173,8 @@ class Bake:
         """
         self._check_window(isovalue)
         if self.surroundings is None:
-            raise LeaflightError(
-                "The surroundings were not baked: bake again with them (--surroundings)."
+            raise SettingError(
+                "The surroundings were not baked: bake again with them.", "surroundings"
             )
         vertices, triangles = self.surroundings.mesh(mesh)
         radiance = self.surroundings.radiance(mesh, isovalue, back)
@@ -212,16 +220,18 @@ class Bake:
     def _check_window(self, isovalue):
         lo, hi = self.isovalues
         if not lo <= isovalue <= hi:
-            raise LeaflightError(
+            raise SettingError(
                 f"Isovalue {isovalue:g} lies outside the baked window {lo:g}..{hi:g}: choose one "
-                "inside or bake again with a wider window (--isovalues)."
+                "inside or bake again with a wider window.",
+                "isovalues",
             )
 
     def _check_volume(self, volume):
         if not 0 <= volume < len(self.volumes):
-            raise LeaflightError(
+            raise SettingError(
                 f"There is no volume {volume}: the bake holds {len(self.volumes)}, "
-                "numbered from 0 (--volume)."
+                "numbered from 0.",
+                "volume",
             )
 
 
@@ -320,7 +330,8 @@ def bake(
                 {
                     "name": volume.name,
                     "source": volume.source,
-                    "field_sha256": _sha256(volume.values, volume.index_to_world),
+                    "values_sha256": values_sha256(volume),
+                    "index_to_world": np.asarray(volume.index_to_world, np.float64).tolist(),
                     "resolution": list(grid.resolution),
                     "capped": look.capped,
                 }
@@ -349,10 +360,23 @@ def bake(
     return Bake(volumes, description, window, baked.grids, baked.surroundings, statistics, metadata)
 
 
-def load_bake(path):
-    """Reads what Bake.save wrote. Raises LeaflightError for any other file."""
+def read_bake_id(path):
+    """The id of the bake that a file holds, whatever its name; reads the first bytes alone.
+
+    Raises LeaflightError for any other file.
+    """
     if not Path(path).is_file():
         raise LeaflightError(f"{path}: there is no such file; give the .vdb that bake wrote.")
+    header = _core.read_bake_header(str(path))
+    if "id" not in header:
+        what = "a bake of an earlier Leaflight" if "statistics" in header else "no bake"
+        raise LeaflightError(f"{path}: this is {what}; bake the volume again.")
+    return header["id"]
+
+
+def load_bake(path):
+    """Reads what Bake.save wrote. Raises LeaflightError for any other file."""
+    identifier = read_bake_id(path)
     try:
         fields, grids, surroundings, metadata = _core.read_bake(str(path))
         statistics = json.loads(metadata["statistics"])
@@ -371,7 +395,15 @@ def load_bake(path):
     if surroundings is not None:
         core = core_scene(scene, [volume.field() for volume in volumes], (lo, hi))
         _core.attach_surroundings(surroundings, core)
-    return Bake(volumes, scene, (lo, hi), grids, surroundings, statistics, metadata)
+    bake = Bake(volumes, scene, (lo, hi), grids, surroundings, statistics, metadata)
+    if bake.id != identifier:
+        raise LeaflightError(f"{path}: its metadata were changed; bake the volume again.")
+    return bake
+
+
+def values_sha256(volume):
+    """Tells the values of volumes apart, wherever they stand."""
+    return _sha256(volume.values)
 
 
 def _sha256(*arrays):

@@ -46,7 +46,7 @@ def main(arguments=None):
         print("leaflight: cancelled, nothing written.", file=sys.stderr)
         return 130
     except LeaflightError as error:
-        print(f"leaflight: {' '.join(str(error).split())}", file=sys.stderr)
+        print(f"leaflight: {_in_flags(error)}", file=sys.stderr)
         return 2
     for sentence in sentences:
         print(sentence)
@@ -191,6 +191,13 @@ def _scattered(options):
     if "strategy" not in given or "count" not in given:
         raise LeaflightError("Scattered samples need both --strategy NAME and --count N.")
     return Scattered(**given)
+
+
+def _in_flags(error):
+    """The sentence of an error on one line, with the flags of the settings that it speaks of."""
+    sentence = " ".join(str(error).split())
+    flags = ", ".join(f"--{setting}" for setting in getattr(error, "settings", ()))
+    return f"{sentence.removesuffix('.')} ({flags})." if flags else sentence
 
 
 def _given(options, **names):

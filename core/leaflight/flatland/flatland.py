@@ -15,6 +15,7 @@ import numpy as np
 from .._core import LeaflightError
 from ..bake.settings import bake_settings, leaf_window
 from ..io.images import display_colours, luminance, read_pixels
+from ..volume.setting_error import SettingError
 from ..volume.volume import Volume, on_unit_cube
 from .flat_scene import FlatScene, core_flat_scene, fit_flat_scene, flat_box
 
@@ -55,9 +56,10 @@ class FlatBake:
         """The Isolines of one isovalue. Raises LeaflightError outside the window."""
         lo, hi = self.isovalues
         if not lo <= isovalue <= hi:
-            raise LeaflightError(
+            raise SettingError(
                 f"Isovalue {isovalue:g} lies outside the baked window {lo:g}..{hi:g}: choose one "
-                "inside or bake again with a wider window (--isovalues)."
+                "inside or bake again with a wider window.",
+                "isovalues",
             )
         vertices, _, segments = _core.contour2(self.volume.field(), isovalue)
         return Isolines(vertices, segments, self.radiance(vertices))

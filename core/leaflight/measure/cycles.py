@@ -29,6 +29,7 @@ import numpy as np
 from .._core import Cancelled, LeaflightError
 from ..scene.on_mesh import positions, random_facets
 from ..scene.scene import isovalue_at, ramp_at
+from ..volume.setting_error import SettingError
 
 SCRIPT = Path(__file__).with_name("cycles_scene.py")
 # Runs with different seeds, whose spread gives the standard error.
@@ -251,9 +252,10 @@ def find_blender():
     """The path of Blender. Raises LeaflightError."""
     blender = shutil.which("blender")
     if blender is None:
-        raise LeaflightError(
+        raise SettingError(
             "There is no Blender on the search path: install the Debian package blender, or "
-            "do without Cycles (compare with --reference path)."
+            "compare with the path tracer instead.",
+            "reference path",
         )
     return blender
 

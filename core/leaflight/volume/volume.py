@@ -8,6 +8,7 @@ import leaflight._core as _core
 import numpy as np
 
 from .._core import LeaflightError
+from .setting_error import SettingError
 
 # Above this share of the voxels, a value at an end of the range is padding around the object.
 BACKGROUND_SHARE = 0.1
@@ -115,8 +116,8 @@ def bump_box(n=100):
 def on_unit_cube(n, values, name, source):
     """A generated Volume of n nodes a side on the unit cube or square, from values(n)."""
     if n < 2:
-        raise LeaflightError(
-            f"{source}: --dims is {n}, but a volume needs at least 2 nodes a side."
+        raise SettingError(
+            f"{source}: a volume needs at least 2 nodes a side, not {n}: give more.", "dims"
         )
     array = values(n)
     index_to_world = np.diag([1.0 / (n - 1)] * array.ndim + [1.0])

@@ -28,7 +28,7 @@ template <int D>
 std::vector<float> bump_box(int n) {
   if (n < 2 || n > 2048) {
     throw Error("The bump box needs between 2 and 2048 voxels along each axis, not " +
-                std::to_string(n) + "; choose another --dims.");
+                std::to_string(n) + "; choose another size.");
   }
   // The bumps are separable: one table of exponentials per bump and axis.
   std::vector<double> table(bumps.size() * D * n);

@@ -6,6 +6,7 @@
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStandardAttributes.h>
 
 #include <array>
 
@@ -30,7 +31,8 @@ Imf::FrameBuffer frame_buffer(float* pixels, const Imath::Box2i& window, int cha
 
 }  // namespace
 
-void write_exr(const std::string& path, const float* pixels, int width, int height, int channels) {
+void write_exr(const std::string& path, const float* pixels, int width, int height, int channels,
+               const std::string& comments) {
   if (width < 1 || height < 1 || channels < 3 || channels > 4) {
     throw Error("An image of " + std::to_string(width) + " x " + std::to_string(height) + " with " +
                 std::to_string(channels) + " channels cannot be written as EXR; give RGB or RGBA.");
@@ -38,6 +40,7 @@ void write_exr(const std::string& path, const float* pixels, int width, int heig
   write_atomically(path, [&](const std::string& temporary) {
     Imf::Header header(width, height);
     header.compression() = Imf::ZIP_COMPRESSION;
+    if (!comments.empty()) Imf::addComments(header, comments);
     for (int c = 0; c < channels; ++c) {
       header.channels().insert(channel_names[c], Imf::Channel(Imf::FLOAT));
     }
@@ -47,10 +50,27 @@ void write_exr(const std::string& path, const float* pixels, int width, int heig
   });
 }
 
-Image read_exr(const std::string& path) {
+namespace {
+
+// Calls read(file) and turns what OpenEXR throws into one sentence.
+template <class Read>
+auto read_file(const std::string& path, const Read& read) {
   require_file(path);
   try {
     Imf::InputFile file(path.c_str());
+    return read(file);
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& problem) {
+    throw Error("'" + path + "' is not a readable EXR image (" + brief(problem.what()) +
+                "); check that it is complete.");
+  }
+}
+
+}  // namespace
+
+Image read_exr(const std::string& path) {
+  return read_file(path, [&](Imf::InputFile& file) {
     const Imath::Box2i window = file.header().dataWindow();
     const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
     const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
@@ -66,12 +86,13 @@ Image read_exr(const std::string& path) {
     file.setFrameBuffer(frame_buffer(image.pixels.data(), window, image.channels));
     file.readPixels(window.min.y, window.max.y);
     return image;
-  } catch (const Error&) {
-    throw;
-  } catch (const std::exception& problem) {
-    throw Error("'" + path + "' is not a readable EXR image (" + brief(problem.what()) +
-                "); check that it is complete.");
-  }
+  });
+}
+
+std::string read_exr_comments(const std::string& path) {
+  return read_file(path, [](Imf::InputFile& file) {
+    return Imf::hasComments(file.header()) ? Imf::comments(file.header()) : std::string();
+  });
 }
 
 }  // namespace leaflight

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "leaflight/io/vdb.h"
 
+#include <openvdb/io/Archive.h>
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Dense.h>
@@ -106,9 +107,10 @@ struct Contents {
   openvdb::MetaMap::Ptr metadata;
 };
 
-// Reads a whole file and turns what OpenVDB throws into one sentence. OpenVDB does not notice that
+// Calls read(stream) and turns what OpenVDB throws into one sentence. OpenVDB does not notice that
 // a file ends early and goes on with sizes it never read, hence a stream of ours that throws.
-Contents read_file(const std::string& path) {
+template <class Read>
+auto read_stream(const std::string& path, const Read& read) {
   require_file(path);
   initialize();
   const auto damaged = [&](const std::string& why) {
@@ -118,12 +120,34 @@ Contents read_file(const std::string& path) {
   try {
     std::ifstream stream(path, std::ios::binary);
     stream.exceptions(std::ios::failbit | std::ios::badbit);
-    openvdb::io::Stream file(stream, false);
-    return {*file.getGrids(), file.getMetadata()};
+    return read(stream);
   } catch (const std::ios::failure&) {
     throw damaged("it ends early");
   } catch (const std::exception& problem) {
     throw damaged(brief(problem.what()));
+  }
+}
+
+Contents read_file(const std::string& path) {
+  return read_stream(path, [](std::istream& stream) {
+    openvdb::io::Stream file(stream, false);
+    return Contents{*file.getGrids(), file.getMetadata()};
+  });
+}
+
+// Archive leaves the reading of a header to its heirs.
+struct Header : openvdb::io::Archive {
+  using Archive::readHeader;
+};
+
+// Adds the texts among metadata that are ours.
+void add_texts(const openvdb::MetaMap& from, Metadata& to) {
+  for (auto entry = from.beginMeta(); entry != from.endMeta(); ++entry) {
+    const openvdb::Metadata& value = *entry->second;
+    if (entry->first.rfind(metadata_prefix, 0) == 0 &&
+        value.typeName() == openvdb::StringMetadata::staticTypeName()) {
+      to[entry->first.substr(metadata_prefix.size())] = value.str();
+    }
   }
 }
 
@@ -361,7 +385,7 @@ void write_bake(const std::string& path, const std::vector<const Field<3>*>& fie
   openvdb::MetaMap file_metadata;
   for (const auto& [key, value] : metadata) {
     const openvdb::StringMetadata text(value);
-    if (key == "statistics") {
+    if (key == "id" || key == "statistics") {
       file_metadata.insertMeta(metadata_prefix + key, text);
     } else {
       grids[1]->insertMeta(metadata_prefix + key, text);
@@ -384,18 +408,20 @@ StoredBake read_bake(const std::string& path) {
   }
   read_surroundings(file, path, bake.baked.surroundings);
   const auto radiance = require_grid<Vec3Grid>(file, radiance_name, path);
-  const openvdb::MetaMap::ConstPtr of_file = file.metadata;
-  for (const openvdb::MetaMap* source :
-       {of_file.get(), static_cast<const openvdb::MetaMap*>(radiance.get())}) {
-    for (auto entry = source->beginMeta(); entry != source->endMeta(); ++entry) {
-      const openvdb::Metadata& value = *entry->second;
-      if (entry->first.rfind(metadata_prefix, 0) == 0 &&
-          value.typeName() == openvdb::StringMetadata::staticTypeName()) {
-        bake.metadata[entry->first.substr(metadata_prefix.size())] = value.str();
-      }
-    }
-  }
+  add_texts(*file.metadata, bake.metadata);
+  add_texts(*radiance, bake.metadata);
   return bake;
+}
+
+Metadata read_bake_header(const std::string& path) {
+  return read_stream(path, [](std::istream& stream) {
+    Header().readHeader(stream);
+    openvdb::MetaMap of_file;
+    of_file.readMeta(stream);
+    Metadata metadata;
+    add_texts(of_file, metadata);
+    return metadata;
+  });
 }
 
 DenseVolume read_vdb_volume(const std::string& path, const std::string& grid_name) {

@@ -3,6 +3,7 @@
 
 import os
 import time
+from pathlib import Path
 
 import bpy
 import leaflight
@@ -10,8 +11,8 @@ import numpy as np
 import pytest
 from leaflight_addon.bake import bake
 from leaflight_addon.operators import background
-from leaflight_addon.show import shader, surface_object
-from leaflight_addon.store import cache
+from leaflight_addon.show import surface_object
+from leaflight_addon.store import atlases, bake_files, cache
 from tools import assert_shows, close, error_of, mesh_arrays
 
 
@@ -91,7 +92,7 @@ def check_outside_its_window_the_surface_is_plain(baked):
 
 
 def check_too_large_an_atlas_gives_the_vertex_attribute_with_the_reason(boxed, monkeypatch):
-    monkeypatch.setattr(shader, "LARGEST_ATLAS", 64)
+    monkeypatch.setattr(atlases, "LARGEST_ATLAS", 64)
     bpy.ops.leaflight.bake()
     settings = boxed.leaflight
     assert settings.shading == "ATLAS"
@@ -99,7 +100,7 @@ def check_too_large_an_atlas_gives_the_vertex_attribute_with_the_reason(boxed, m
     assert mode == "ATTRIBUTE" and "64 x 64" in reason
     kinds = {node.type for node in settings.baked_material.node_tree.nodes}
     assert "ATTRIBUTE" in kinds and "TEX_IMAGE" not in kinds
-    assert not os.path.exists(shader.atlas_path(settings.bake_path))
+    assert not list(Path(settings.bake_folder).glob("*.exr"))
 
 
 def check_a_cancelled_bake_leaves_scene_and_disk_alone(boxed):
@@ -115,7 +116,7 @@ def check_a_cancelled_bake_leaves_scene_and_disk_alone(boxed):
         work.result()
     assert time.perf_counter() - start < 1.0
     assert _state() == before
-    assert not os.path.exists(boxed.leaflight.output)
+    assert not os.listdir(boxed.leaflight.bake_folder)
 
 
 def check_a_bake_of_an_object_that_was_deleted_meanwhile_says_so(boxed):
@@ -130,9 +131,8 @@ def check_a_bake_of_an_object_that_was_deleted_meanwhile_says_so(boxed):
 @pytest.mark.parametrize(
     "setting, value, expected",
     [
-        ("output", "/proc/nowhere/x.vdb", "/proc/nowhere"),
-        ("output", "/proc/x.vdb", "/proc"),
-        ("output", "/tmp/x.txt", ".vdb"),
+        ("bake_folder", "/proc/nowhere", "/proc/nowhere"),
+        ("bake_folder", "/proc", "/proc"),
         ("high", -5.0, "window"),
     ],
 )
@@ -144,15 +144,14 @@ def check_bad_settings_give_one_sentence_and_change_nothing(boxed, setting, valu
     assert _state() == before
 
 
-def check_a_duplicate_is_lit_by_its_own_bake(baked, tmp_path):
+def check_a_duplicate_is_lit_by_its_own_bake(baked):
     bpy.ops.object.select_all(action="DESELECT")
     baked.select_set(True)
     bpy.context.view_layer.objects.active = baked
     bpy.ops.object.duplicate()
     copy = bpy.context.object
     baked.hide_render = True
-    assert copy != baked and f'"{baked.name}"' in error_of(bpy.ops.leaflight.bake)
-    copy.leaflight.output = str(tmp_path / "copy.vdb")
+    assert copy != baked
     bpy.data.objects["lamp"].data.energy *= 2.0
     bpy.context.view_layer.update()
     bpy.ops.leaflight.bake()
@@ -163,11 +162,11 @@ def check_a_duplicate_is_lit_by_its_own_bake(baked, tmp_path):
 
 def check_a_lost_bake_is_explained_and_the_surface_stays_plain(baked, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
-    os.remove(baked.leaflight.bake_path)
+    bake_files.locate(baked).unlink()
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
     (obj,) = [o for o in bpy.data.objects if o.leaflight.is_volume]
     obj.leaflight.isovalue = 77.0
-    assert "bumps.vdb" in surface_object.problems[obj.name]
+    assert Path(obj.leaflight.bake_path).name in surface_object.problems[obj.name]
     assert len(obj.data.vertices) > 100 and "radiance" not in obj.data.attributes
     assert obj.data.materials[0] == obj.leaflight.leaf_material
 
@@ -182,12 +181,11 @@ def check_baking_needs_a_volume():
         bpy.ops.leaflight.bake()
 
 
-def check_the_default_output_is_beside_a_saved_file_and_never_inside_the_addon(bumps, tmp_path):
-    import leaflight
-
-    unsaved = bake.default_output(bumps)
-    assert os.path.isabs(unsaved) and unsaved.endswith(".vdb")
-    assert os.path.dirname(leaflight.__file__) not in unsaved
+def check_the_default_folder_is_beside_a_saved_file_and_never_inside_the_addon(bumps, tmp_path):
+    bumps.leaflight.bake_folder = ""
+    unsaved = bake_files.folder_for(bumps)
+    assert unsaved.is_absolute()
+    assert Path(leaflight.__file__).parent not in unsaved.parents
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
     bumps = bpy.data.objects[bumps.name]
-    assert bpy.path.abspath(bake.default_output(bumps)).startswith(str(tmp_path))
+    assert bake_files.folder_for(bumps) == tmp_path / "leaflight"

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Finer texels where light varies most: baked, kept, and shown by vertex attribute."""
 
-import os
 
 import bpy
 import leaflight
@@ -10,8 +9,8 @@ import numpy as np
 import pytest
 from leaflight.scene.on_mesh import interpolated
 from leaflight_addon.bake import bake
-from leaflight_addon.show import shader, surface_object
-from leaflight_addon.store import cache
+from leaflight_addon.show import surface_object
+from leaflight_addon.store import atlases, bake_files, cache
 from tools import (
     assert_shows,
     camera_rays_down,
@@ -100,7 +99,7 @@ def check_the_report_counts_texels_of_all_levels(boxed):
 def check_it_is_shown_by_vertex_attribute_with_the_reason(refined):
     settings = refined.leaflight
     _assert_by_vertices(refined)
-    assert not os.path.exists(shader.atlas_path(settings.bake_path))
+    assert not atlases.beside(bake_files.locate(refined))
     settings.shading = "ATTRIBUTE"
     assert surface_object.shading_in_use(settings) == ("ATTRIBUTE", "")
     settings.shading = "ATLAS"
@@ -119,7 +118,7 @@ def check_an_atlas_of_an_earlier_bake_is_no_longer_shown(baked):
 
 
 def check_the_reason_is_the_finer_texels_even_if_the_atlas_would_be_too_large(boxed, monkeypatch):
-    monkeypatch.setattr(shader, "LARGEST_ATLAS", 64)
+    monkeypatch.setattr(atlases, "LARGEST_ATLAS", 64)
     boxed.leaflight.refine = 1
     bpy.ops.leaflight.bake()
     _assert_by_vertices(boxed)

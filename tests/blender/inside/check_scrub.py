@@ -157,7 +157,7 @@ def check_a_folder_with_scene_and_bake_can_be_moved(boxed, tmp_path):
     here.mkdir()
     bpy.ops.wm.save_as_mainfile(filepath=str(here / "scene.blend"))
     (obj,) = [o for o in bpy.data.objects if o.leaflight.is_volume]
-    obj.leaflight.output = "//bakes/bumps.vdb"
+    obj.leaflight.bake_folder = "//bakes"
     bpy.ops.leaflight.bake()
     bpy.ops.wm.save_mainfile()
     here.rename(there)

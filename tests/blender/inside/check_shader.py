@@ -82,7 +82,7 @@ def check_the_atlas_keeps_its_digits(baked):
     assert columns == baked.leaflight.atlas_columns
 
 
-def check_a_second_bake_to_the_same_file_is_shown(baked, tmp_path):
+def check_a_second_bake_is_shown(baked):
     for obj in bpy.context.scene.objects:
         obj.hide_render = obj.type != "LIGHT"
     baked.hide_render = False

@@ -4,8 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from leaflight_addon.show import shader
-from leaflight_addon.store import cache
+from leaflight_addon.store import atlases, bake_files, cache
 from tools import close, colours_of, look_down, mesh_arrays, render_exr
 
 
@@ -70,8 +69,9 @@ def check_each_side_has_its_atlas(two_sided):
     nodes = two_sided.leaflight.baked_material.node_tree.nodes
     images = {node.image for node in nodes if node.type == "TEX_IMAGE"}
     paths = {bpy.path.abspath(image.filepath) for image in images}
-    bake = two_sided.leaflight.bake_path
-    assert paths == {shader.atlas_path(bake), shader.atlas_path(bake, back=True)}
+    bake = bake_files.locate(two_sided)
+    assert paths == {str(path) for path in atlases.beside(bake)}
+    assert paths == {str(atlases.path_of(bake)), str(atlases.path_of(bake, back=True))}
 
 
 def check_one_side_again(two_sided):

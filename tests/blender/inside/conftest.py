@@ -31,7 +31,7 @@ def bumps(bump_file, tmp_path):
         spacing=(1.0, 1.0, 0.8),
     )
     obj = bpy.context.object
-    obj.leaflight.output = str(tmp_path / "bumps.vdb")
+    obj.leaflight.bake_folder = str(tmp_path / "bakes")
     obj.leaflight.samples = 4
     obj.leaflight.photons = 20_000
     bpy.context.view_layer.update()

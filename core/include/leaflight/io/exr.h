@@ -12,11 +12,16 @@ struct Image {
   std::vector<float> pixels;
 };
 
-// Writes 32-bit float channels, ZIP compressed. Throws Error.
-void write_exr(const std::string& path, const float* pixels, int width, int height, int channels);
+// Writes 32-bit float channels, ZIP compressed, and comments as EXR's attribute of that name.
+// Throws Error.
+void write_exr(const std::string& path, const float* pixels, int width, int height, int channels,
+               const std::string& comments = "");
 
 // Reads the channels R, G, B and, where present, A. Throws Error, also for images above 2^28
 // pixels.
 Image read_exr(const std::string& path);
+
+// The comments of an image, empty without; reads its header alone. Throws Error.
+std::string read_exr_comments(const std::string& path);
 
 }  // namespace leaflight

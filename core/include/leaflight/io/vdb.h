@@ -15,9 +15,8 @@ using Metadata = std::map<std::string, std::string>;
 // `radiance_back` (vec3, half on disk) and `radiance_error`, sparse: no texel where no leaf passes.
 // From the second volume on their names end in _2, _3, ..., those of finer texels in _level1, ...
 // The surroundings' radiance is the grid `surroundings_radiance` over (vertex, node of c, 2 mesh +
-// side). `metadata` goes to the first radiance grid; what belongs to the run and not to its result
-// goes under the key "statistics" to the file itself. Written under a temporary name and renamed.
-// Throws Error.
+// side). `metadata` goes to the first radiance grid, but for the keys "id" and "statistics", which
+// belong to the file itself. Written under a temporary name and renamed. Throws Error.
 void write_bake(const std::string& path, const std::vector<const Field<3>*>& fields,
                 const Baked<3>& baked, const Metadata& metadata);
 
@@ -28,6 +27,9 @@ struct StoredBake {
   Metadata metadata;
 };
 StoredBake read_bake(const std::string& path);
+
+// The metadata of the file itself, of any .vdb: reads its first bytes alone. Throws Error.
+Metadata read_bake_header(const std::string& path);
 
 // A scalar grid of any .vdb as a dense volume over its active voxels; the first one if no name is
 // given. Throws Error.

@@ -6,6 +6,7 @@ from importlib import import_module
 from pathlib import Path
 
 from ..._core import LeaflightError
+from ...volume.setting_error import SettingError
 
 # Suffix -> module of this package and the options that its read() takes.
 _READERS = {
@@ -47,8 +48,8 @@ def read_volume(path, *, dims=None, type=None, endian=None, spacing=None, grid=N
     options = {name: value for name, value in options.items() if value is not None}
     for name in options:
         if name not in takes:
-            raise LeaflightError(
-                f"{path}: --{name} has no meaning for this kind of file; leave it out."
+            raise SettingError(
+                f"{path}: {name} has no meaning for this kind of file; leave it out.", name
             )
     try:
         reader = import_module(f".{module}", __name__)

@@ -6,6 +6,7 @@ from math import prod
 import numpy as np
 
 from ..._core import LeaflightError
+from ...volume.setting_error import SettingError
 
 # Deflate turns at most this many bytes into one, so a larger claim in a header is a lie.
 DEFLATE_MOST = 1032
@@ -42,19 +43,21 @@ def check_scalar(path, dtype):
 def choose_frame(path, frame, count):
     """The frame to read out of count; 4D data demand a choice. Raises LeaflightError."""
     if frame is None:
-        raise LeaflightError(
-            f"{path}: the data are 4D with {count} frames; choose one with --frame 0..{count - 1}."
+        raise SettingError(
+            f"{path}: the data are 4D with {count} frames; choose one of 0..{count - 1}.", "frame"
         )
     if not 0 <= frame < count:
-        raise LeaflightError(f"{path}: there is no frame {frame}; choose --frame 0..{count - 1}.")
+        raise SettingError(
+            f"{path}: there is no frame {frame}; choose one of 0..{count - 1}.", "frame"
+        )
     return int(frame)
 
 
 def no_frame(path, frame):
     """Raises LeaflightError when a frame was chosen of 3D data; frame 0 is what there is."""
     if frame not in (None, 0):
-        raise LeaflightError(
-            f"{path}: the data are 3D and have no frame {frame}; leave --frame out."
+        raise SettingError(
+            f"{path}: the data are 3D and have no frame {frame}; choose none.", "frame"
         )
 
 

@@ -48,7 +48,7 @@ def read(path, frame=None):
     if len(shape) not in (3, 4) or min(shape) < 1:
         raise LeaflightError(
             f"{path}: the data are {text(shape)}, but a volume needs three dimensions, "
-            "or four with --frame."
+            "or four, of which one is the frame."
         )
     check_scalar(path, dtype)
     if not np.isfinite(affine).all():

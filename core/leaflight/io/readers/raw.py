@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from ..._core import LeaflightError
+from ...volume.setting_error import SettingError
 from ...volume.volume import Volume
 from .checks import index_to_world, text, to_float32
 
@@ -14,23 +14,33 @@ ENDIANS = {"little": "<", "big": ">"}
 def read(path, dims=None, type=None, endian="little", spacing=1.0):
     """Reads x-fastest values; the file must hold exactly dims (nx, ny, nz) of them."""
     if dims is None or type is None:
-        raise LeaflightError(
-            f"{path}: a .raw file does not tell its layout; add --dims X Y Z and "
-            "--type uint8|uint16|..."
+        raise SettingError(
+            f"{path}: a .raw file does not tell its layout; give its dimensions and the type of "
+            "its values.",
+            "dims",
+            "type",
         )
     if len(dims) != 3 or any(n != int(n) or n < 1 for n in dims):
-        raise LeaflightError(f"{path}: --dims needs three positive whole numbers, X Y Z.")
+        raise SettingError(
+            f"{path}: the dimensions must be three positive whole numbers, of voxels along x, y "
+            "and z.",
+            "dims",
+        )
     if type not in TYPES:
-        raise LeaflightError(f"{path}: the type {type} is not known; known are {', '.join(TYPES)}.")
+        raise SettingError(
+            f"{path}: the type {type} is not known; known are {', '.join(TYPES)}.", "type"
+        )
     if endian not in ENDIANS:
-        raise LeaflightError(f"{path}: --endian must be little or big, not {endian}.")
+        raise SettingError(f"{path}: the byte order must be little or big, not {endian}.", "endian")
     nx, ny, nz = (int(n) for n in dims)
     dtype = np.dtype(type).newbyteorder(ENDIANS[endian])
     needed, found = nx * ny * nz * dtype.itemsize, path.stat().st_size
     if needed != found:
-        raise LeaflightError(
+        raise SettingError(
             f"{path}: {text(dims)} values of {type} are {needed} bytes, but the file holds "
-            f"{found}; check --dims and --type."
+            f"{found}; check dimensions and type.",
+            "dims",
+            "type",
         )
     matrix = index_to_world(path, spacing)
     values = np.fromfile(path, dtype=dtype)

@@ -64,7 +64,7 @@ def _read_stack(path, frame):
         elif len(shape) != 3:
             raise LeaflightError(
                 f"{path}: the data are {text(shape)}, but a volume needs three dimensions, "
-                "or four with --frame."
+                "or four, of which one is the frame."
             )
         else:
             no_frame(path, frame)

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What objects keep of the bake that lights them."""
+
+import bpy
+
+from ..show import isovalues, surface_object, walls
+from ..store import bake_files, cache
+
+
+def light(obj, bake, index, path, matrix, columns, *, fingerprint, seconds, source_stamp):
+    """Lights a volume object by one of the volumes of a bake, once show() is called.
+
+    path: of the bake's file. matrix: the object's transform at the bake, 16 numbers row by row.
+    columns: of the atlas that was written. fingerprint: of the scene that was baked. source_stamp:
+    of the volume's file then.
+    """
+    settings = obj.leaflight
+    settings.bake_index = index
+    settings.bake_matrix = matrix
+    settings.bake_low, settings.bake_high = window(bake, index)
+    settings.bake_surroundings = bake.surroundings is not None
+    settings.bake_fingerprint = fingerprint
+    settings.bake_refined = bake.grids[index].levels > 1
+    settings.bake_seconds = seconds
+    settings.bake_values = cache.values_sha256(bake, index)
+    settings.bake_source_stamp = source_stamp
+    settings.atlas_columns = columns
+    settings.bake_id = bake.id
+    bake_files.remember(obj, path)
+
+
+def window(bake, index):
+    """Isovalues (low, high) that a volume of a bake shows at the ends of the window."""
+    return tuple(bake.isovalue_of(index, c) for c in bake.isovalues)
+
+
+def show(volumes, leader, scene):
+    """Shows volume objects, and the walls of a scene or None, as their new bake lights them.
+
+    leader: the one of them whose isovalue the others follow.
+    """
+    cache.forget_unused()
+    for obj in volumes:
+        settings = obj.leaflight
+        limits = settings.bake_low, settings.bake_high
+        settings.limit_isovalue(cache.volume_of(obj).data_range(), limits, settings.isovalue)
+        surface_object.update(obj, settings.isovalue)
+    isovalues.set_isovalue(leader, leader.leaflight.isovalue)
+    if scene is not None:
+        walls.refresh(scene)
+
+
+def objects_lit_by(identifier):
+    """The objects of the file, linked ones among them, that the bake of this id lights."""
+    volumes = (obj for obj in bpy.data.objects if obj.leaflight.is_volume)
+    return [obj for obj in volumes if obj.leaflight.bake_id == identifier]

@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# flake8: noqa: F722,F821  (Blender declares properties as annotations)
+"""Load Bake and Relocate Bake: files of bakes that are not where their objects look."""
+
+import os
+from pathlib import Path
+
+import bpy
+import leaflight
+import numpy as np
+from bpy.props import BoolProperty, StringProperty
+from bpy_extras.io_utils import ImportHelper
+from leaflight.bake.bake import values_sha256
+
+from ..operators import background, checks
+from ..show import isovalues, leaves, surface_object
+from ..stage import same_scene, scene_export, scene_objects, staleness
+from ..store import atlases, bake_files, cache, source_files
+from . import lighting
+
+LeaflightError = leaflight.LeaflightError
+
+_IDENTITY = np.eye(4).ravel().tolist()
+
+
+class LEAFLIGHT_OT_load_bake(bpy.types.Operator, ImportHelper):
+    bl_idname = "leaflight.load_bake"
+    bl_label = "Load Bake"
+    bl_description = (
+        "Light the selected volume by a bake of it, made here or on the command line; without one, "
+        "bring in the volumes of the bake and the scene that it was baked in"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    filter_glob: StringProperty(default="*.vdb", options={"HIDDEN"})
+    surroundings: BoolProperty(
+        name="Surroundings",
+        description="Bring in the objects and lights that the volumes were baked with",
+        default=True,
+    )
+
+    @classmethod
+    def poll(cls, context):
+        if not background.is_free(cls):
+            return False
+        if context.mode != "OBJECT":
+            cls.poll_message_set("Leave Edit Mode first")
+            return False
+        return True
+
+    def execute(self, context):
+        path = Path(os.path.normpath(bpy.path.abspath(self.filepath)))
+        try:
+            bake = leaflight.load_bake(path)
+            columns = [atlases.write(g, path, bake.id, i) for i, g in enumerate(bake.grids)]
+            volumes = _matching(context, bake)
+        except LeaflightError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        cache.keep_bake(bake)
+        seconds = bake.statistics["seconds"]
+        created = None in volumes
+        for index, obj in enumerate(volumes):
+            matrix, stamp = _IDENTITY, ""
+            if obj is None:
+                volumes[index] = obj = _create(context, bake, index)
+            else:
+                matrix, stamp = _transform(obj, bake, index), source_files.stamp(obj.leaflight)
+                obj.leaflight.capped = bake.scene.leaves[index].capped
+            lighting.light(
+                obj,
+                bake,
+                index,
+                path,
+                matrix,
+                columns[index],
+                fingerprint=staleness.OTHER_SCENE,
+                seconds=seconds,
+                source_stamp=stamp,
+            )
+            obj.leaflight.low, obj.leaflight.high = lighting.window(bake, index)
+        if created and self.surroundings:
+            for warning in scene_objects.build(context, bake.scene):
+                self.report({"WARNING"}, warning)
+        context.view_layer.update()
+        leader = context.object if context.object in volumes else volumes[0]
+        _compare(context, bake, volumes, leader)
+        lighting.show(volumes, leader, context.scene)
+        isovalues.lock_interface(context.scene)
+        _select(context, volumes, leader)
+        staleness.forget()
+        names = ", ".join(f'"{obj.name}"' for obj in volumes)
+        self.report({"INFO"}, f"{path.name} lights {names}")
+        return {"FINISHED"}
+
+
+class LEAFLIGHT_OT_relocate_bake(bpy.types.Operator, ImportHelper):
+    bl_idname = "leaflight.relocate_bake"
+    bl_label = "Relocate Bake"
+    bl_description = "Show where the file of the bake that lights this volume has gone"
+    bl_options = {"REGISTER", "UNDO"}
+
+    filter_glob: StringProperty(default="*.vdb", options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context):
+        if not checks.has_bake(cls, context):
+            return False
+        if context.object.library is not None:
+            cls.poll_message_set("The volume is linked from another file: relocate its bake there")
+            return False
+        return True
+
+    def execute(self, context):
+        path = Path(os.path.normpath(bpy.path.abspath(self.filepath)))
+        identifier = context.object.leaflight.bake_id
+        try:
+            if bake_files.id_in(path) != identifier:
+                raise LeaflightError(
+                    f"{path}: this file holds another bake than the one that lights "
+                    f'"{context.object.name}": choose that one, or use Load Bake.'
+                )
+        except LeaflightError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        surface_object.forget()
+        for obj in lighting.objects_lit_by(identifier):
+            bake_files.remember(obj, path)
+            surface_object.update(obj, surface_object.shown_isovalue(obj))
+        staleness.forget()
+        return {"FINISHED"}
+
+
+def _matching(context, bake):
+    """For each volume of a bake, the object that shows it, or None.
+
+    Objects count where the active one is a volume of the bake. Raises LeaflightError.
+    """
+    found = [None] * len(bake.volumes)
+    active = context.object
+    if active is None or not active.leaflight.is_volume:
+        return found
+    others = [obj for obj in isovalues.volumes(context.scene) if obj != active]
+    for obj in [active, *others]:
+        for index, there in enumerate(found):
+            if there is None and obj.library is None and _is_volume_of(obj, bake, index):
+                found[index] = obj
+                break
+        if active not in found:
+            return [None] * len(bake.volumes)
+    return found
+
+
+def _is_volume_of(obj, bake, index):
+    """Whether an object's volume has the values of one of a bake, capped or not."""
+    try:
+        volume = cache.volume_of(obj)
+    except LeaflightError:
+        return False
+    capped = bake.scene.leaves[index].capped
+    if capped != obj.leaflight.capped:
+        plain = leaflight.Volume(volume.data(), np.eye(4), volume.name)
+        volume = plain.capped() if capped else plain
+    return values_sha256(volume) == cache.values_sha256(bake, index)
+
+
+def _transform(obj, bake, index):
+    """Row by row, the transform that takes an object to where its volume was baked."""
+    index_to_local = cache.volume_of(obj).index_to_world
+    if bake.scene.leaves[index].capped != obj.leaflight.capped:
+        # The layer moves the first node by one voxel.
+        step = 1.0 if bake.scene.leaves[index].capped else -1.0
+        index_to_local = index_to_local @ _shifted(-step)
+    matrix = bake.volumes[index].index_to_world @ np.linalg.inv(index_to_local)
+    return matrix.ravel().tolist()
+
+
+def _shifted(step):
+    matrix = np.eye(4)
+    matrix[:3, 3] = step
+    return matrix
+
+
+def _create(context, bake, index):
+    """An object for a volume of a bake, where it was baked and as it looked."""
+    baked = bake.volumes[index]
+    obj = surface_object.new(context, baked.name)
+    settings = obj.leaflight
+    leaves.import_leaves(settings, bake.scene.leaves[index])
+    low, high = lighting.window(bake, index)
+    isovalue = leaflight.default_isovalue(baked)
+    settings["isovalue"] = isovalue if low < isovalue < high else 0.5 * (low + high)
+    settings.is_volume = True
+    return obj
+
+
+def _compare(context, bake, volumes, leader):
+    """Marks the volumes as lit in their own scene where that is the one about them."""
+    try:
+        description, exported, _ = scene_export.export_scene(context, leader)
+        same = set(exported) == set(volumes) and same_scene.is_same(description, bake.scene)
+        for index, obj in enumerate(volumes):
+            place = cache.world_volume(obj).index_to_world
+            same = same and same_scene.is_same(place, bake.volumes[index].index_to_world)
+        fingerprint = scene_export.fingerprint(exported, description)
+    except LeaflightError:
+        same = False
+    for obj in volumes:
+        if same:
+            obj.leaflight.bake_fingerprint = fingerprint
+        else:
+            # Walls of another scene would stand in for those of this one.
+            obj.leaflight.bake_surroundings = False
+
+
+def _select(context, volumes, leader):
+    for obj in context.selected_objects:
+        obj.select_set(False)
+    for obj in volumes:
+        obj.select_set(True)
+    context.view_layer.objects.active = leader
+
+
+_CLASSES = (LEAFLIGHT_OT_load_bake, LEAFLIGHT_OT_relocate_bake)
+
+
+def register():
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)

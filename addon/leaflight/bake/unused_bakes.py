@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Remove Unused Bakes: the files of bakes that lie with this .blend and light nothing in it."""
+
+import bpy
+import leaflight
+
+from ..store import atlases, bake_files
+
+LeaflightError = leaflight.LeaflightError
+
+# Rows of the list before it is cut short.
+_MOST_ROWS = 12
+
+
+class LEAFLIGHT_OT_remove_unused_bakes(bpy.types.Operator):
+    bl_idname = "leaflight.remove_unused_bakes"
+    bl_label = "Remove Unused Bakes"
+    bl_description = (
+        "Delete the files of bakes in the folders of this .blend that light none of its volumes. "
+        "Undo, and other .blend files that use them, then lose their light"
+    )
+
+    @classmethod
+    def poll(cls, _context):
+        if not unused():
+            cls.poll_message_set("Every bake in the folders of this .blend lights a volume of it")
+            return False
+        return True
+
+    def invoke(self, context, _event):
+        return context.window_manager.invoke_props_dialog(self, width=500)
+
+    def draw(self, _context):
+        column = self.layout.column(align=True)
+        column.label(text="Undo and other .blend files that use them lose their light:")
+        found = unused()
+        for path in found[:_MOST_ROWS]:
+            column.label(text=f"{path.name}, {megabytes([path])}", icon="FILE")
+        if len(found) > _MOST_ROWS:
+            column.label(text=f"and {len(found) - _MOST_ROWS} more", icon="BLANK1")
+
+    def execute(self, _context):
+        found = unused()
+        size = megabytes(found)
+        for path in found:
+            try:
+                for file in (path, *atlases.beside(path)):
+                    file.unlink()
+            except OSError as error:
+                self.report({"ERROR"}, f"{path}: cannot delete it: {error.strerror}.")
+                return {"CANCELLED"}
+        self.report({"INFO"}, f"Removed {len(found)} bakes, {size}")
+        return {"FINISHED"}
+
+
+def of_this_file():
+    """The bakes in the folders where bakes of this .blend go, each a path."""
+    volumes = [obj for obj in bpy.data.objects if obj.leaflight.is_volume and obj.library is None]
+    folders = dict.fromkeys(bake_files.folder_for(obj) for obj in volumes)
+    return [path for folder in folders for path in bake_files.bakes_in(folder)]
+
+
+def unused():
+    """Those of of_this_file() that light no object of this .blend."""
+    lit = {obj.leaflight.bake_id for obj in bpy.data.objects}
+    return [path for path in of_this_file() if bake_files.id_in(path) not in lit]
+
+
+def megabytes(paths):
+    """The size of bakes with their atlases, as text."""
+    files = [file for path in paths for file in (path, *atlases.beside(path))]
+    return f"{sum(file.stat().st_size for file in files) / 1e6:.1f} MB"
+
+
+def register():
+    bpy.utils.register_class(LEAFLIGHT_OT_remove_unused_bakes)
+
+
+def unregister():
+    bpy.utils.unregister_class(LEAFLIGHT_OT_remove_unused_bakes)

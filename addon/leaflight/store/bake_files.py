@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the files of bakes are, and which of them lights which object.
+
+A bake has an id, which is made of all that it depends on and is written in its file. Every bake is
+a file of its own, NAME_ID.vdb with the first digits of the id: baking again never overwrites what
+undo, an older .blend or another .blend in the same folder still shows. An object remembers the id;
+its path is only where to look first. A file counts for the id that it holds, not for its name or
+its place, so one that was moved is found again and another bake in its place is not taken for it.
+
+Bakes of a .blend that was never saved lie in the user's Leaflight folder, in a folder of this
+session; saving moves them into leaflight/ beside the .blend, and their paths are relative from then
+on. Blender adapts such paths neither on Save As nor on append: the folder where a bake was last
+found is remembered as well.
+
+Nothing is deleted unless the user asks for it (Remove Unused Bakes): whether undo or another .blend
+needs a bake cannot be known.
+"""
+
+import os
+import re
+import time
+from pathlib import Path
+
+import bpy
+import leaflight
+from leaflight.bake.bake import read_bake_id
+
+LeaflightError = leaflight.LeaflightError
+
+# Beside the .blend.
+FOLDER = "leaflight"
+
+# Digits of the id in a file's name.
+_DIGITS = 12
+
+_SESSION = time.strftime(f"unsaved_%Y%m%d_%H%M%S_{os.getpid()}")
+
+# Path -> (what tells a change of the file, its id or the LeaflightError on reading it).
+_ids = {}
+
+
+def user_folder():
+    """The user's Leaflight folder, which outlives updates of the add-on."""
+    package = __package__.rpartition(".")[0]
+    if package.startswith("bl_ext."):
+        return Path(bpy.utils.extension_path_user(package))
+    return Path(bpy.utils.user_resource("DATAFILES", path="leaflight"))
+
+
+def session_folder():
+    """Where bakes lie for as long as their .blend is not saved."""
+    return user_folder() / _SESSION
+
+
+def folder_for(obj):
+    """The folder for new bakes of an object: the one chosen, or the default."""
+    chosen = obj.leaflight.bake_folder
+    if chosen:
+        return Path(bpy.path.abspath(chosen))
+    if bpy.data.filepath:
+        return Path(bpy.data.filepath).parent / FOLDER
+    return session_folder()
+
+
+def path_for(folder, name, identifier):
+    """The file in a folder for a bake of an object of this name: free, or of the same bake."""
+    stem = re.sub(r"[^\w.-]+", "_", name) + "_" + identifier[:_DIGITS]
+    path, number = folder / f"{stem}.vdb", 1
+    while path.exists() and not holds(path, identifier):
+        number += 1
+        path = folder / f"{stem}-{number}.vdb"
+    return path
+
+
+def id_in(path):
+    """The id that a file holds. Raises LeaflightError when it is no bake."""
+    path = str(path)
+    try:
+        state = os.stat(path)
+        stamp = (state.st_ino, state.st_size, state.st_mtime_ns)
+    except OSError:
+        stamp = None
+    if path not in _ids or _ids[path][0] != stamp:
+        try:
+            _ids[path] = stamp, read_bake_id(path)
+        except LeaflightError as error:
+            _ids[path] = stamp, error
+    found = _ids[path][1]
+    if isinstance(found, LeaflightError):
+        raise LeaflightError(str(found))
+    return found
+
+
+def holds(path, identifier):
+    """Whether a file is there and holds the bake of this id."""
+    try:
+        return id_in(path) == identifier
+    except LeaflightError:
+        return False
+
+
+def locate(obj):
+    """The file of the bake that lights an object. Raises LeaflightError when none is found."""
+    settings = obj.leaflight
+    looks = _remembered(obj)
+    for path in looks:
+        if holds(path, settings.bake_id):
+            return path
+    for folder in places(obj):
+        for path in bakes_in(folder):
+            if id_in(path) == settings.bake_id:
+                return path
+    for path in looks:
+        if path.is_file():
+            id_in(path)  # says why it is no bake
+            raise LeaflightError(
+                f'{path}: this file holds another bake than the one that lights "{obj.name}": '
+                "relocate the bake, or bake again."
+            )
+    raise LeaflightError(
+        f'{looks[0]}: the bake of "{obj.name}" is neither there nor in another folder that '
+        "Leaflight knows: relocate the bake, or bake again."
+    )
+
+
+def remember(obj, path):
+    """Notes where the bake of an object lies; relative to the .blend where that is saved."""
+    if obj.library is not None:
+        return
+    settings = obj.leaflight
+    values = {"bake_path": portable(path), "bake_home": str(path.parent)}
+    for name, value in values.items():
+        # Each assignment is a change that Blender propagates.
+        if getattr(settings, name) != value:
+            setattr(settings, name, value)
+
+
+def portable(path):
+    """A path as Blender stores it: relative to a .blend that is saved and on the same drive."""
+    if bpy.data.filepath:
+        try:
+            return bpy.path.relpath(str(path))
+        except ValueError:
+            pass
+    return str(path)
+
+
+def bakes_in(folder):
+    """All bakes in a folder, each a path; none where it does not exist."""
+    found = []
+    for path in sorted(folder.glob("*.vdb")) if folder.is_dir() else ():
+        try:
+            id_in(path)
+        except LeaflightError:
+            continue
+        found.append(path)
+    return found
+
+
+def places(obj):
+    """The folders that may hold the bake of an object."""
+    folders = [path.parent for path in _remembered(obj)]
+    for base in _bases(obj):
+        folders += [base / FOLDER, base]
+    if obj.leaflight.bake_folder:
+        folders.append(folder_for(obj))
+    user = user_folder()
+    folders += sorted(user.iterdir()) if user.is_dir() else []
+    return [folder for folder in dict.fromkeys(folders) if folder.is_dir()]
+
+
+def _remembered(obj):
+    """Where the bake was last, seen from each file whose `//` its path could mean."""
+    settings = obj.leaflight
+    if settings.bake_path.startswith("//"):
+        paths = [bpy.path.abspath(settings.bake_path, start=str(base)) for base in _bases(obj)]
+    else:
+        paths = [settings.bake_path]
+    if settings.bake_home:
+        paths.append(os.path.join(settings.bake_home, bpy.path.basename(settings.bake_path)))
+    return [Path(os.path.normpath(path)) for path in dict.fromkeys(paths)]
+
+
+def _bases(obj):
+    """Folders of the .blend files that an object may come from, its library's first.
+
+    A property of a library override is the library's until it is changed here.
+    """
+    libraries = [obj.library]
+    if obj.override_library is not None and obj.override_library.reference is not None:
+        libraries.append(obj.override_library.reference.library)
+    files = [bpy.path.abspath(library.filepath) for library in libraries if library is not None]
+    files += [bpy.data.filepath] if bpy.data.filepath else []
+    return [Path(os.path.normpath(file)).parent for file in files]
