@@ -19,9 +19,10 @@ SUFFIX = ".leaflight"
 SYSTEM = ("libc.so.6", "libm.so.6", "libstdc++.so.6", "libgcc_s.so.1", "libz.so.1")
 # What the linker itself puts into each library.
 _OF_THE_LINKER = {"_init", "_fini", "__bss_start", "_edata", "_end"}
-# oneTBB takes an allocator of this name wherever it finds one, Blender's first. With none it uses
-# malloc.
-_TBB_ALLOCATOR, _NO_ALLOCATOR = b"libtbbmalloc.so.2", b"libtbbmalloc.no.2"
+# oneTBB takes its own allocator wherever it finds it, Blender's first: by these names, which may
+# stay undefined, or from a library of this name. Without it oneTBB uses malloc.
+_ALLOCATOR = {f"scalable_{name}" for name in ("malloc", "free", "aligned_malloc", "aligned_free")}
+_ALLOCATOR_LIBRARY, _NO_LIBRARY = b"\0libtbbmalloc.so.2\0", b"\0no-allocator-here\0"
 
 
 def make_private(folder):
@@ -32,7 +33,7 @@ def make_private(folder):
     system = set().union(*(_symbols(_system_library(name), "--defined-only") for name in SYSTEM))
     renamed = {
         name
-        for name in defined - (needed & system) - _OF_THE_LINKER
+        for name in (defined | _ALLOCATOR) - (needed & system) - _OF_THE_LINKER
         if not name.startswith("PyInit_")
     }
     with tempfile.NamedTemporaryFile("w", suffix=".txt") as names:
@@ -62,6 +63,6 @@ def _system_library(name):
 
 def _without_allocator(tbb):
     data = tbb.read_bytes()
-    if data.count(_TBB_ALLOCATOR) != 1:
+    if data.count(_ALLOCATOR_LIBRARY) != 1:
         raise PackageError(f"{tbb.name} names its allocator otherwise than expected; look into it.")
-    tbb.write_bytes(data.replace(_TBB_ALLOCATOR, _NO_ALLOCATOR))
+    tbb.write_bytes(data.replace(_ALLOCATOR_LIBRARY, _NO_LIBRARY))

@@ -68,7 +68,7 @@ def load_flat_scene(path):
 
 def flat_box():
     """The box of thesis chapter 3, its lamp at the bottom: scenes/flatland_bump_box.json."""
-    folder = Path(__file__).resolve().parent.parent / "scenes"
+    folder = Path(__file__).parent.parent / "scenes"
     return load_flat_scene(folder / "flatland_bump_box.json")
 
 

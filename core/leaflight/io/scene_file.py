@@ -81,7 +81,7 @@ def cornell_box():
 
 def packaged_scene(name):
     """The SceneDescription of a file of the package's scenes. Raises LeaflightError."""
-    return load_scene(Path(__file__).resolve().parent.parent / "scenes" / name)
+    return load_scene(Path(__file__).parent.parent / "scenes" / name)
 
 
 def scene_from_json(text, source="scene", folder="."):

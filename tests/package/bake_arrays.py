@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bakes the bump box with all that a bake can hold, saves it, and writes every array to an .npz.
+
+    python bake_arrays.py SCENE OUT.npz
+"""
+
+import sys
+from pathlib import Path
+
+import leaflight
+import numpy as np
+
+NAMES = ("radiance", "radiance_indirect", "radiance_error", "radiance_back")
+
+
+def main():
+    scene, out = sys.argv[1], Path(sys.argv[2])
+    baked = leaflight.bake(
+        leaflight.bump_box(32),
+        leaflight.load_scene(scene),
+        samples=8,
+        photons=100_000,
+        refine=1,
+        both_sides=True,
+        surroundings=True,
+    )
+    baked.save(out.with_suffix(".vdb"))
+    read = leaflight.load_bake(out.with_suffix(".vdb"))
+    arrays = {}
+    for origin, bake in (("baked", baked), ("read", read)):
+        for level in range(bake.grid.levels):
+            arrays[f"{origin}/mask/{level}"] = bake.grid.mask(level)
+            for name in NAMES:
+                arrays[f"{origin}/{name}/{level}"] = bake.grid.dense(name, level)
+        for mesh in range(bake.surroundings.count):
+            for back in (False, True):
+                values = [
+                    bake.surroundings.radiance(mesh, c, back) for c in np.linspace(20, 180, 5)
+                ]
+                arrays[f"{origin}/surroundings/{mesh}/{back}"] = np.array(values)
+    surface = baked.surface(47.0)
+    for name in ("vertices", "normals", "triangles", "radiance"):
+        arrays[f"surface/{name}"] = getattr(surface, name)
+    np.savez(out, **arrays)
+    print(np.__version__, leaflight.__file__)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The packages that scripts/package makes, and a virtual environment with the wheel in it."""
+
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def call(*command, timeout=300, **options):
+    """What a program prints; fails the test when the program fails."""
+    done = subprocess.run(
+        list(map(str, command)),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        errors="replace",
+        timeout=timeout,
+        **options,
+    )
+    if done.returncode != 0:
+        pytest.fail(f"{command[0]} exited with {done.returncode}:\n{done.stdout}", pytrace=False)
+    return done.stdout
+
+
+def environment(**more):
+    """The variables of this process without the paths and the settings of the user's own Python."""
+    kept = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
+    return {**kept, "PYTHONNOUSERSITE": "1", **more}
+
+
+@pytest.fixture(scope="session")
+def root():
+    return ROOT
+
+
+@pytest.fixture(scope="session")
+def run():
+    return call
+
+
+@pytest.fixture(scope="session")
+def plain_environment():
+    return environment
+
+
+@pytest.fixture(scope="session")
+def made():
+    """The packages, by what they are: wheel, sdist, extension, legacy."""
+    last = call(ROOT / "scripts" / "package", "--quick", timeout=1500).splitlines()[-1]
+    paths = [ROOT / name for name in last.split()]
+    wheel, sdist, extension, legacy = paths
+    assert wheel.suffix == ".whl" and sdist.name.endswith(".tar.gz")
+    assert legacy.name.endswith("-legacy.zip") and extension.suffix == ".zip"
+    return {"wheel": wheel, "sdist": sdist, "extension": extension, "legacy": legacy}
+
+
+@pytest.fixture(scope="session")
+def installed(made, tmp_path_factory):
+    """The Python of a fresh virtual environment with the wheel, installed as users do."""
+    folder = tmp_path_factory.mktemp("installed")
+    call("/usr/bin/python3", "-m", "venv", folder)
+    python = folder / "bin" / "python"
+    call(python, "-m", "pip", "install", "--quiet", "numpy>=2", made["wheel"])
+    return python

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is in the packages, and what must not be."""
+
+import ast
+import base64
+import csv
+import hashlib
+import io
+import re
+import tarfile
+import tomllib
+import zipfile
+from email import message_from_bytes
+from pathlib import PurePosixPath
+
+import pytest
+from packaging.requirements import Requirement
+
+REPORT = "leaflight/report/"
+BLENDER_PYTHONS = ("3.11", "3.13")
+
+
+def names(path):
+    with zipfile.ZipFile(path) as archive:
+        return archive.namelist()
+
+
+def top(name):
+    return PurePosixPath(name).parts[0]
+
+
+@pytest.fixture(scope="module")
+def version(root):
+    text = (root / "core" / "leaflight" / "version.py").read_text()
+    return re.search('__version__ = "(.+)"', text)[1]
+
+
+@pytest.fixture(scope="module")
+def extension(made):
+    """The manifest, and the wheels by the name of their project."""
+    with zipfile.ZipFile(made["extension"]) as archive:
+        manifest = tomllib.loads(archive.read("blender_manifest.toml").decode())
+        wheels = {name: archive.read(name) for name in archive.namelist() if ".whl" in name}
+    assert sorted(manifest["wheels"]) == sorted(f"./{name}" for name in wheels)
+    return manifest, {name.split("/")[1].split("-")[0]: data for name, data in wheels.items()}
+
+
+def test_the_name_tells_the_python_and_the_glibc(made, version):
+    assert re.fullmatch(
+        rf"leaflight-{re.escape(version)}-cp311-cp311-manylinux_2_\d\d_x86_64\.whl",
+        made["wheel"].name,
+    )
+
+
+def test_one_version_everywhere(made, version, extension, root):
+    assert extension[0]["version"] == version
+    tree = ast.parse((root / "addon" / "leaflight" / "__init__.py").read_text())
+    (info,) = (
+        ast.literal_eval(node.value)
+        for node in tree.body
+        if isinstance(node, ast.Assign) and node.targets[0].id == "bl_info"
+    )
+    assert ".".join(map(str, info["version"])) == version
+    assert f"-{version}" in made["sdist"].name and f"-{version}-" in made["legacy"].name
+
+
+def test_the_wheel_holds_the_package_and_its_libraries(made, root):
+    found = names(made["wheel"])
+    sources = root / "core" / "leaflight"
+    for source in sources.rglob("*.py"):
+        assert f"leaflight/{source.relative_to(sources).as_posix()}" in found
+    for scene in (root / "scenes").iterdir():
+        assert f"leaflight/scenes/{scene.name}" in found
+    for library in ("tbb", "embree", "openvdb", "OpenEXR", "teem"):
+        assert any(re.match(rf"leaflight\.libs/lib{library}", name) for name in found)
+    # Each library with the terms under which it may be given on.
+    licences = [name for name in found if "/licenses/" in name]
+    for package in ("LICENSE", "libtbb", "libembree", "libopenvdb", "libblosc", "libteem"):
+        assert any(f"/licenses/{package}" in name for name in licences)
+
+
+@pytest.mark.parametrize("kind", ["wheel", "extension", "legacy"])
+def test_no_bytecode_and_no_tests_of_ours(made, kind):
+    found = names(made[kind])
+    assert found and not [name for name in found if "__pycache__" in name or ".pyc" in name]
+    assert not [name for name in found if name.startswith(("tests/", "leaflight/tests"))]
+
+
+def test_blender_gets_no_report_and_no_numpy(made, extension):
+    assert any(name.startswith(REPORT) for name in names(made["wheel"]))
+    slim = names(io.BytesIO(extension[1]["leaflight"]))
+    assert "leaflight/bake/bake.py" in slim and not [n for n in slim if n.startswith(REPORT)]
+    assert "numpy" not in extension[1]
+    legacy = names(made["legacy"])
+    assert "modules/leaflight/bake/bake.py" in legacy
+    assert not [n for n in legacy if n.startswith((f"modules/{REPORT}", "modules/numpy"))]
+
+
+def test_the_legacy_zip_installs_two_things(made):
+    found = names(made["legacy"])
+    assert {top(name) for name in found} == {"leaflight_addon", "modules"}
+    assert "leaflight_addon/__init__.py" in found and "leaflight_addon/LICENSE" in found
+    for module in ("leaflight", "leaflight.libs", "nibabel", "tifffile", "PIL", "packaging"):
+        assert any(name.startswith(f"modules/{module}/") for name in found), module
+
+
+def test_every_record_is_right(made, extension):
+    wheels = [made["wheel"].read_bytes(), *extension[1].values()]
+    for data in wheels:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            (record,) = (n for n in archive.namelist() if n.endswith(".dist-info/RECORD"))
+            rows = list(csv.reader(io.StringIO(archive.read(record).decode())))
+            files = [name for name in archive.namelist() if not name.endswith("/")]
+            assert sorted(row[0] for row in rows) == sorted(files)
+            for name, digest, size in rows:
+                if name == record:
+                    continue
+                content = archive.read(name)
+                algorithm, _, value = digest.partition("=")
+                found = base64.urlsafe_b64encode(hashlib.new(algorithm, content).digest())
+                assert found.rstrip(b"=").decode() == value and int(size) == len(content), name
+
+
+def test_the_extension_holds_all_that_its_wheels_need(extension):
+    """For both Pythons of Blender; NumPy is Blender's own."""
+    have = {}
+    for data in extension[1].values():
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            (name,) = (n for n in archive.namelist() if n.endswith(".dist-info/METADATA"))
+            metadata = message_from_bytes(archive.read(name))
+        have[metadata["Name"].lower().replace("_", "-")] = metadata
+    for python in BLENDER_PYTHONS:
+        for metadata in have.values():
+            for text in metadata.get_all("Requires-Dist", []):
+                need = Requirement(text)
+                about = {"python_version": python, "extra": ""}
+                if need.name == "numpy" or (need.marker and not need.marker.evaluate(about)):
+                    continue
+                found = have[need.name.lower().replace("_", "-")]["Version"]
+                assert need.specifier.contains(found), f"{metadata['Name']} needs {need}"
+
+
+def test_the_sdist_has_the_sources_alone(made):
+    with tarfile.open(made["sdist"]) as archive:
+        members = archive.getmembers()
+    found = {member.name.partition("/")[2] for member in members}
+    for name in ("CMakeLists.txt", "core/src/bake/bake.cpp", "core/leaflight/bake/bake.py"):
+        assert name in found
+    assert {"LICENSE", "README.md", "PKG-INFO", "scenes/cornell.json"} <= found
+    assert not [name for name in found if name.startswith(("build/", "addon/", "docs/", "."))]
+    assert all(member.isfile() for member in members)
