@@ -9,6 +9,7 @@ import numpy as np
 from bpy.props import EnumProperty, FloatProperty, IntProperty
 from leaflight.scene.scene import core_scene
 
+from .. import versions
 from ..operators import background, checks
 from ..show import display, isovalues, shader, surface_object
 from ..stage import scene_export
@@ -153,15 +154,7 @@ def _fill(mesh, positions, flux, c, direct):
 
 def _points(name, radius, material):
     """Geometry nodes that put a small sphere on every vertex; Eevee shades nothing less."""
-    tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
-    if hasattr(tree, "interface"):
-        for direction in ("INPUT", "OUTPUT"):
-            tree.interface.new_socket(
-                "Geometry", in_out=direction, socket_type="NodeSocketGeometry"
-            )
-    else:
-        tree.inputs.new("NodeSocketGeometry", "Geometry")
-        tree.outputs.new("NodeSocketGeometry", "Geometry")
+    tree = versions.new_geometry_tree(name)
     chain = [
         tree.nodes.new(kind)
         for kind in (

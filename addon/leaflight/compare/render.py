@@ -10,6 +10,8 @@ import leaflight
 import leaflight._core as _core
 import numpy as np
 
+from .. import versions
+
 # Light paths as long as the bake's, and none of the shortcuts that trade noise for bias.
 _UNBIASED = {
     "max_bounces": 64,
@@ -66,9 +68,9 @@ def cycles_still(scene, samples, seed, transparent=False):
         stack.enter_context(
             overridden(
                 scene.render.image_settings,
-                file_format="OPEN_EXR",
-                color_mode="RGBA",
-                color_depth="32",
+                **versions.image_format(
+                    file_format="OPEN_EXR", color_mode="RGBA", color_depth="32"
+                ),
             )
         )
         bpy.ops.render.render(write_still=True, scene=scene.name)
@@ -89,14 +91,10 @@ def write_png(scene, path, image):
             stack.enter_context(
                 overridden(
                     scene.render.image_settings,
-                    file_format="PNG",
-                    color_mode="RGB",
-                    color_depth="8",
+                    **versions.image_format(file_format="PNG", color_mode="RGB", color_depth="8"),
                 )
             )
-            stack.enter_context(
-                overridden(scene.view_settings, view_transform="Standard", look="None", gamma=1.0)
-            )
+            stack.enter_context(overridden(scene.view_settings, **versions.plain_view()))
             picture.save_render(str(path), scene=scene)
     finally:
         bpy.data.images.remove(picture)

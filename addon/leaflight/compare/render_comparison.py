@@ -22,6 +22,7 @@ import numpy as np
 from bpy.props import IntProperty, StringProperty
 from leaflight.bake import color_error
 
+from .. import versions
 from ..operators import checks
 from ..show import isovalues, surface_object
 from ..stage import scene_export
@@ -227,9 +228,7 @@ def _own_material(context, leaf):
     mesh = bpy.data.meshes.new("Leaflight Comparison")
     try:
         surface_object.fill(mesh, vertices, triangles, {})
-        if hasattr(mesh, "use_auto_smooth"):
-            mesh.use_auto_smooth = True
-        mesh.normals_split_custom_set_from_vertices(normals)
+        versions.set_normals(mesh, normals)
         mesh.materials.append(surface_object.leaf_material(leaf))
         surface_object.mark_shown(mesh, shown)
         leaf.data = mesh

@@ -6,6 +6,7 @@ that is linked follows the one whose isovalue was moved, unless it is animated i
 noticed by the isovalue that the mesh still shows: undo and loading a file bring back both together.
 """
 
+from .. import versions
 from . import surface_object, walls
 
 # Drivers and keyframes use this path, seen from the object.
@@ -86,9 +87,7 @@ def _precedence(obj):
 
 def _is_animated(obj):
     data = obj.animation_data
-    if data is None:
-        return False
-    curves = [*data.drivers, *(data.action.fcurves if data.action else ())]
+    curves = [*(data.drivers if data else ()), *versions.fcurves(obj)]
     return any(curve.data_path == ISOVALUE_PATH for curve in curves)
 
 

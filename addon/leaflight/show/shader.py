@@ -15,6 +15,7 @@ import os
 import bpy
 import numpy as np
 
+from .. import versions
 from ..store import bake_files
 
 # Marks of an image that is an atlas: what its header holds, and whether it is of the inner side.
@@ -58,8 +59,7 @@ def shared_material(tag, name, front, back=None):
             return material
     material = bpy.data.materials.new(name)
     material[tag] = True
-    # As lights of many triangles its objects would add noise.
-    material.cycles.sample_as_light = False
+    versions.do_not_sample_as_light(material)
     build_attribute(material, front, back)
     return material
 
@@ -160,8 +160,7 @@ class _Graph:
     """Builds the node tree of a material from scratch."""
 
     def __init__(self, material):
-        material.use_nodes = True
-        self.tree = material.node_tree
+        self.tree = versions.give_nodes(material)
         self.tree.nodes.clear()
 
     def node(self, kind):

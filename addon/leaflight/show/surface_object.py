@@ -10,6 +10,7 @@ import leaflight
 import leaflight._core as _core
 import numpy as np
 
+from .. import versions
 from ..store import atlases, bake_files, cache
 from . import leaves, shader
 
@@ -183,9 +184,7 @@ def fill(mesh, vertices, faces, colours):
         mesh.loops.add(len(loops))
         mesh.loops.foreach_set("vertex_index", loops)
         mesh.polygons.add(count)
-        mesh.polygons.foreach_set("loop_start", starts)
-        if not bpy.types.MeshPolygon.bl_rna.properties["loop_total"].is_readonly:
-            mesh.polygons.foreach_set("loop_total", np.full(count, corners, np.int32))
+        versions.set_loop_starts(mesh, starts, corners)
         mesh.polygons.foreach_set("use_smooth", np.ones(count, bool))
     mesh.update(calc_edges=True)
     if len(vertices):
@@ -267,8 +266,7 @@ def _baked_material(obj):
     back = RADIANCE_BACK in obj.data.attributes
 
     def build(material):
-        # Paths find the surface by themselves; as a light of many triangles it would add noise.
-        material.cycles.sample_as_light = False
+        versions.do_not_sample_as_light(material)
         if mode == "ATTRIBUTE":
             shader.build_attribute(material, RADIANCE, RADIANCE_BACK if back else None)
             return

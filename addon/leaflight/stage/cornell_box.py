@@ -8,10 +8,11 @@ import leaflight
 import mathutils
 import numpy as np
 
+from .. import versions
 from ..operators import checks
 from ..show import shader
 from ..store.cache import world_volume
-from . import lights, scene_export, world
+from . import scene_export, world
 
 # Marks the collection, whatever the user may call it.
 COLLECTION = "leaflight_cornell_box"
@@ -106,7 +107,7 @@ def area_light(description):
     light.size, light.size_y = np.linalg.norm(u), np.linalg.norm(v)
     radiance = np.array(description.radiance, np.float64)
     light.color = radiance / radiance.max()
-    light.energy = radiance.max() * light.size * light.size_y / lights.light_units()["area"]
+    light.energy = radiance.max() * light.size * light.size_y / versions.light_units().area
     obj = bpy.data.objects.new(description.name, light)
     # It shines along its local -Z: the local axes are u, -v and -(u x v).
     axes = np.array([u / np.linalg.norm(u), -v / np.linalg.norm(v), -np.cross(u, v)])
@@ -142,8 +143,11 @@ def darken_world(scene):
             return
         scene.world.use_fake_user = True
     scene.world = bpy.data.worlds.new("Black World")
-    scene.world.use_nodes = False
     scene.world.color = (0.0, 0.0, 0.0)
+    tree = versions.node_tree(scene.world)
+    for node in tree.nodes if tree else ():
+        if node.type == "BACKGROUND":
+            node.inputs[0].default_value = (0.0, 0.0, 0.0, 1.0)
 
 
 def register():

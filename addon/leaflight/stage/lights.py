@@ -3,41 +3,17 @@
 
 import math
 
-import bpy
 import leaflight
 import numpy as np
 from leaflight.scene.scene import AreaLight, Cone, PointLight, SunLight
 
+from .. import versions
 from . import nodes
 
 LeaflightError = leaflight.LeaflightError
 
-# What Cycles makes of the power of a light, from a Blender version on. Verified in 3.4.1 and in
-# 5.2.2; in which release between them it changed is not known. The tests render probes.
-#   area: radiance per watt and unit area; an AREA light's area counts its object's scale
-#   spot_cosine: whether a spot also fades with the cosine to its axis
-#   soft_points: whether E = I / (d^2 + r^2) at the distance d from a point light of radius r,
-#       always or where the light says so; E = I / d^2 otherwise, as in the bake
-#   sun_disc: whether the sun is sampled on a disc of directions, a little dimmer than its strength
-# A point or spot light has the radiant intensity power / 4 pi and a radius that no scale changes.
-LIGHT_UNITS = (
-    ((3, 4, 0), {"area": 1 / 4, "spot_cosine": True, "soft_points": True, "sun_disc": True}),
-    (
-        (5, 0, 0),
-        {"area": 1 / math.pi, "spot_cosine": False, "soft_points": None, "sun_disc": False},
-    ),
-)
-
 # From which error on a point light's softness is worth a warning.
 _SOFTNESS = 0.01
-
-
-def light_units(version=None):
-    """The row of LIGHT_UNITS for a Blender version, by default the present one."""
-    rows = [units for since, units in LIGHT_UNITS if (version or bpy.app.version) >= since]
-    if not rows:
-        raise LeaflightError("Leaflight needs Blender 3.4 or later.")
-    return rows[-1]
 
 
 def export_light(obj, matrix, boxes, warnings):
@@ -48,8 +24,7 @@ def export_light(obj, matrix, boxes, warnings):
     """
     what = f'Light "{obj.name}"'
     light = obj.data
-    casts_shadow = getattr(light.cycles, "cast_shadow", light.use_shadow)
-    if not casts_shadow or light.cycles.is_portal:
+    if not versions.casts_shadow(light) or light.cycles.is_portal:
         raise LeaflightError(
             f"{what} is a portal or casts no shadows, which the bake cannot model: change that in "
             "its settings or disable it in renders."
@@ -68,15 +43,13 @@ def export_light(obj, matrix, boxes, warnings):
 
 def _power(what, light):
     """Power (3,) in watts; of a sun, irradiance."""
-    factor = 2.0 ** getattr(light, "exposure", 0.0)
-    if not getattr(light, "normalize", True):
+    if not versions.is_normalized(light):
         raise LeaflightError(
             f"{what} has Normalize off, which the bake does not model: turn it on and adapt its "
             "power."
         )
-    power = np.array(light.color, np.float64) * light.energy * factor * _tint(what, light)
-    if getattr(light, "use_temperature", False):
-        power *= np.array(light.temperature_color, np.float64)
+    power = np.array(light.color, np.float64) * light.energy * 2.0 ** versions.exposure(light)
+    power *= np.array(versions.temperature_color(light)) * _tint(what, light)
     if not np.all(power >= 0):
         raise LeaflightError(f"{what} has a negative power: make it zero or positive.")
     return power
@@ -84,9 +57,10 @@ def _power(what, light):
 
 def _tint(what, light):
     """The factor (3,) that a light's nodes put on its colour."""
-    if not light.use_nodes:
+    tree = versions.node_tree(light)
+    if tree is None:
         return np.ones(3)
-    emission = nodes.linked(light.node_tree, "Surface")
+    emission = nodes.linked(tree, "Surface")
     if emission is None:
         return np.zeros(3)
     if emission.type != "EMISSION":
@@ -126,7 +100,7 @@ def _area(what, name, light, axes, power):
         edge_v = -edge_v
     ellipse = light.shape in {"DISK", "ELLIPSE"}
     corner = axes[:3, 3] - 0.5 * (edge_u + edge_v)
-    radiance = power * light_units()["area"] / (area * (math.pi / 4 if ellipse else 1.0))
+    radiance = power * versions.light_units().area / (area * (math.pi / 4 if ellipse else 1.0))
     return AreaLight(
         name, *(_numbers(v) for v in (corner, edge_u, edge_v, radiance)), ellipse=ellipse
     )
@@ -140,7 +114,7 @@ def _point(what, name, light, axes, power):
                 f"{what} is a square spot, but the bake models round ones: turn Square off."
             )
         axis = -axes[:3, 2] / np.linalg.norm(axes[:3, 2])
-        cosine = light_units()["spot_cosine"]
+        cosine = versions.light_units().spot_cosine
         cone = Cone(_numbers(axis), float(light.spot_size), float(light.spot_blend), cosine)
     intensity = power / (4 * math.pi)
     radius = float(light.shadow_soft_size)
@@ -153,20 +127,13 @@ def _sun(what, name, light, axes, power):
             f"{what} has an angle of {math.degrees(light.angle):.0f} degrees, but the bake models "
             "suns below 180 degrees: use the world for light from all around."
         )
-    irradiance = power
-    tangent = math.tan(0.5 * light.angle)
-    if light_units()["sun_disc"] and tangent > 1e-3:
-        # The mean cosine over the disc that touches the unit sphere of directions.
-        irradiance = power * 2 * (math.hypot(1.0, tangent) - 1.0) / tangent**2
+    irradiance = power * versions.light_units().sun(light.angle)
     direction = -axes[:3, 2] / np.linalg.norm(axes[:3, 2])
     return SunLight(name, _numbers(direction), _numbers(irradiance), float(light.angle))
 
 
 def _warn_of_softness(what, light, luminaire, boxes, warnings):
-    soft = light_units()["soft_points"]
-    if soft is None:
-        soft = getattr(light, "use_soft_falloff", False)
-    if not soft or not luminaire.radius > 0:
+    if not versions.falls_off_softly(light) or not luminaire.radius > 0:
         return
     position = np.array(luminaire.position)
     for low, high in boxes():

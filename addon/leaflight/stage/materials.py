@@ -7,6 +7,7 @@ import bpy
 import leaflight
 import numpy as np
 
+from .. import versions
 from . import nodes
 
 LeaflightError = leaflight.LeaflightError
@@ -18,6 +19,8 @@ DEFAULT_ALBEDO = (0.8, 0.8, 0.8)
 _FORBIDDEN = ("Subsurface", "Subsurface Weight", "Transmission Roughness")
 _GLOSSY = ("Specular", "Specular IOR Level", "Sheen", "Sheen Weight", "Clearcoat", "Coat Weight")
 _COATS = _GLOSSY[2:]
+_ROUGH_DIFFUSE = ("Diffuse Roughness",)
+_FILM = ("Thin Film Thickness",)
 
 
 @dataclass(frozen=True)
@@ -46,14 +49,15 @@ def surface_of(owner, material):
     """The Surface of a material, or of none, on the object `owner`. Raises LeaflightError."""
     if material is None:
         return Surface(DEFAULT_ALBEDO)
-    if not material.use_nodes:
+    tree = versions.node_tree(material)
+    if tree is None:
         return Surface(tuple(material.diffuse_color[:3]))
     what = f'Material "{material.name}" of "{owner}"'
-    if nodes.linked(material.node_tree, "Volume") is not None:
+    if nodes.linked(tree, "Volume") is not None:
         raise LeaflightError(
             f"{what} has a volume shader, which the bake cannot model: disconnect it."
         )
-    shader = nodes.linked(material.node_tree, "Surface")
+    shader = nodes.linked(tree, "Surface")
     return Surface() if shader is None else _surface(what, shader)
 
 
@@ -102,16 +106,17 @@ def _principled(what, shader):
         nodes.number(shader, "Transmission"), nodes.number(shader, "Transmission Weight")
     )
     base = nodes.socket(shader, "Base Color")
-    left_out = _GLOSSY
+    left_out = _GLOSSY + _ROUGH_DIFFUSE + _FILM
     if metallic == 0 and transmission == 0:
         albedo, picture = _textured(what, base)
         surface = Surface(albedo, picture=picture)
     elif metallic == 1 or (metallic == 0 and transmission == 1):
-        # A metal's transmission has no effect, and neither has the specular layer of either.
-        left_out = _COATS
+        # A metal's transmission has no effect, and glass has no specular layer besides its own.
+        left_out = _COATS + _FILM
         kind = "mirror" if metallic == 1 else "glass"
         _check_polished(what, shader, kind)
-        surface = Surface(nodes.colour(what, base), kind, _ior(what, shader))
+        colour = nodes.colour(what, base)
+        surface = _metal(what, shader, colour) if metallic == 1 else _clear(what, shader, colour)
     else:
         name, value = ("Metallic", metallic) if metallic > 0 else ("Transmission", transmission)
         found = f"{value:g}" if np.isfinite(value) else "from other nodes"
@@ -119,12 +124,42 @@ def _principled(what, shader):
             f"{what} has {name} {found}, but the bake models diffuse surfaces (0), and mirrors or "
             "glass (1 with Roughness 0): set it to 0 or 1."
         )
-    glossy = [name for name in left_out if nodes.number(shader, name) > 0]
-    if glossy:
-        surface.warnings.append(
-            f"{what} is baked without its {' and '.join(glossy)}: set it to zero for a match"
-        )
+    surface.warnings.extend(_left_out(what, shader, left_out))
     return replace(surface, emission=_principled_emission(what, shader))
+
+
+def _metal(what, shader, colour):
+    warnings = []
+    if versions.principled_metal_edges(shader, colour):
+        warnings.append(
+            f"{what} is baked in one color, but as a Principled metal has another at grazing "
+            "angles: use a Glossy BSDF for a match"
+        )
+    return Surface(colour, "mirror", warnings=warnings)
+
+
+def _clear(what, shader, colour):
+    if nodes.number(shader, "Thin Wall"):
+        raise LeaflightError(
+            f"{what} has Thin Wall, glass without an inside, but the bake models solid glass: turn "
+            "it off and give the object its thickness."
+        )
+    warnings = []
+    if min(colour) < 1:
+        warnings.append(
+            f"{what} is baked as glass that colors what it reflects as well, unlike a Principled "
+            "one: use a Glass BSDF for a match"
+        )
+    passing = versions.principled_glass_color(colour)
+    return Surface(passing, "glass", _ior(what, shader), warnings=warnings)
+
+
+def _left_out(what, shader, identifiers):
+    """A sentence on the parts of a shader that the bake leaves out, if it has any."""
+    found = [name for name in identifiers if nodes.number(shader, name) > 0]
+    if not found:
+        return []
+    return [f"{what} is baked without its {' and '.join(found)}: set it to zero for a match"]
 
 
 def _principled_emission(what, shader):
@@ -143,7 +178,8 @@ def _glossy(what, shader):
 def _glass(what, shader):
     _check_polished(what, shader, "glass")
     colour = nodes.colour(what, nodes.socket(shader, "Color"))
-    return Surface(colour, "glass", _ior(what, shader))
+    warnings = _left_out(what, shader, _FILM)
+    return Surface(colour, "glass", _ior(what, shader), warnings=warnings)
 
 
 def _emission(what, shader):

@@ -13,13 +13,13 @@ import leaflight
 import numpy as np
 from leaflight.scene.scene import SceneDescription
 
+from .. import versions
 from ..show import display, leaves, walls
 from . import images, lights, meshes, world
 
 LeaflightError = leaflight.LeaflightError
 
 _MESH_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
-_UNSEEN_TYPES = {"EMPTY", "CAMERA", "ARMATURE", "LATTICE", "SPEAKER", "GPENCIL", "LIGHT_PROBE"}
 
 # Which rays of Cycles meet an object; the bake's rays meet all.
 _VISIBILITIES = ("visible_diffuse", "visible_glossy", "visible_transmission", "visible_shadow")
@@ -31,6 +31,7 @@ def export_scene(context, leaf):
     Returns (SceneDescription, [volume object, ...], [sentence of warning, ...]); the volumes are in
     the order of the description's leaves, whichever of them `leaf` is. Raises LeaflightError.
     """
+    _check_colours()
     depsgraph = context.evaluated_depsgraph_get()
     volumes = volume_objects(context, leaf)
     boxes = functools.cache(lambda: [leaves.world_box(obj) for obj in volumes])
@@ -48,7 +49,7 @@ def export_scene(context, leaf):
             luminaires += [light] if light is not None else []
         elif obj.type in _MESH_TYPES:
             surroundings += meshes.export_meshes(obj, matrix, warnings)
-        elif obj.type not in _UNSEEN_TYPES:
+        elif obj.type not in versions.UNSEEN_TYPES:
             raise LeaflightError(
                 f'"{obj.name}" is of type {obj.type.title()}, which the bake cannot light: '
                 "convert it to a mesh or disable it in renders."
@@ -58,7 +59,17 @@ def export_scene(context, leaf):
                 f'"{obj.name}" is hidden from some kinds of rays, but is baked as visible to all: '
                 "reset its ray visibility for a match"
             )
+        if versions.links_light(obj):
+            warnings.append(
+                f'"{obj.name}" lights or shades only the objects of its light linking, but is '
+                "baked as if it met all: clear its light linking for a match"
+            )
     warnings += [sentence for obj in volumes for sentence in _warnings_of(obj)]
+    if luminaires and not versions.lights_are_checked():
+        warnings.append(
+            "Leaflight has not been compared with the lights of this version of Blender, so they "
+            "may be baked too bright or too dark: make a Render Comparison, which shows it"
+        )
     description = SceneDescription(
         name=context.scene.name,
         leaves=[leaves.export_leaves(obj, len(volumes) > 1) for obj in volumes],
@@ -68,6 +79,15 @@ def export_scene(context, leaf):
         environment=world.export_world(context.scene.world),
     )
     return description, volumes, warnings
+
+
+def _check_colours():
+    space = versions.working_space()
+    if space != "Linear Rec.709":
+        raise LeaflightError(
+            f"This file computes its colors in {space}, but the bake in Linear Rec.709: choose "
+            "that as its Working Space, under Color Management in the render properties."
+        )
 
 
 def _warnings_of(volume):

@@ -5,6 +5,7 @@ import leaflight
 import numpy as np
 from leaflight.scene.scene import Environment
 
+from .. import versions
 from . import images, nodes
 
 LeaflightError = leaflight.LeaflightError
@@ -15,13 +16,14 @@ def export_world(world):
     if world is None:
         return None
     what = f'World "{world.name}"'
-    if not world.use_nodes:
+    tree = versions.node_tree(world)
+    if tree is None:
         return _environment(what, world.name, tuple(world.color))
-    if nodes.linked(world.node_tree, "Volume") is not None:
+    if nodes.linked(tree, "Volume") is not None:
         raise LeaflightError(
             f"{what} has a volume shader, which the bake cannot model: disconnect it."
         )
-    background = nodes.linked(world.node_tree, "Surface")
+    background = nodes.linked(tree, "Surface")
     if background is None:
         return None
     if background.type != "BACKGROUND":

@@ -14,19 +14,18 @@ users do, and what the report compares with; the probes are then the vertices.
 import json
 import math
 import resource
+import runpy
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import bpy
 import mathutils
 import numpy as np
 
-# Radiance of an AREA light = factor * watts / area, from a Blender version on.
-AREA_LIGHT_FACTOR = (((3, 4, 0), 1.0 / 4.0), ((5, 0, 0), 1.0 / math.pi))
-# From which version on a spot no longer fades with the cosine to its axis, and a sun is no disc of
-# directions that is sampled uniformly, so that it is a little dimmer than its strength.
-NEW_LIGHTS = (5, 0, 0)
+# In a Blender that may have no package of ours, so by its path.
+versions = SimpleNamespace(**runpy.run_path(str(Path(__file__).with_name("blender_versions.py"))))
 
 # Neither cut paths short nor any of the shortcuts that trade noise for bias.
 UNBIASED = {
@@ -99,9 +98,7 @@ def _object(scene, item, arrays):
     smooth = "normals" in arrays and len(mesh.polygons) > 0
     mesh.polygons.foreach_set("use_smooth", np.full(len(mesh.polygons), smooth))
     if smooth:
-        if hasattr(mesh, "use_auto_smooth"):
-            mesh.use_auto_smooth = True
-        mesh.normals_split_custom_set_from_vertices(arrays["normals"].tolist())
+        versions.set_normals(mesh, arrays["normals"].tolist())
     for name in ("uv", "target_uv"):
         if name in arrays:
             mesh.uv_layers.new(name=name).data.foreach_set("uv", arrays[name].ravel())
@@ -121,17 +118,15 @@ def _filled_mesh(name, vertices, triangles):
     mesh.loops.add(triangles.size)
     mesh.loops.foreach_set("vertex_index", triangles.ravel())
     mesh.polygons.add(len(triangles))
-    mesh.polygons.foreach_set("loop_start", np.arange(0, triangles.size, 3))
-    if not bpy.types.MeshPolygon.bl_rna.properties["loop_total"].is_readonly:
-        mesh.polygons.foreach_set("loop_total", np.full(len(triangles), 3))
+    if len(triangles):
+        versions.set_loop_starts(mesh, np.arange(0, triangles.size, 3), 3)
     mesh.update(calc_edges=True)
     return mesh
 
 
 def _material(item, texture):
     material = bpy.data.materials.new(item["name"])
-    material.use_nodes = True
-    tree = material.node_tree
+    tree = versions.give_nodes(material)
     tree.nodes.clear()
     bsdf = tree.nodes.new(
         {
@@ -140,9 +135,10 @@ def _material(item, texture):
             "glass": "ShaderNodeBsdfGlass",
         }[item["scattering"]]
     )
-    bsdf.inputs["Roughness"].default_value = 0.0
-    if item["scattering"] != "diffuse" and _has_choice(bsdf, "distribution", "SHARP"):
-        bsdf.distribution = "SHARP"
+    if item["scattering"] == "diffuse":
+        bsdf.inputs["Roughness"].default_value = 0.0
+    else:
+        versions.polish(bsdf)
     if item["scattering"] == "glass":
         bsdf.inputs["IOR"].default_value = item["ior"]
     bsdf.inputs["Color"].default_value = (*item["albedo"], 1.0)
@@ -159,10 +155,6 @@ def _material(item, texture):
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     tree.links.new(shader, output.inputs["Surface"])
     return material
-
-
-def _has_choice(owner, name, choice):
-    return choice in owner.bl_rna.properties[name].enum_items
 
 
 def _texture(tree, socket, pixels):
@@ -195,6 +187,10 @@ def _set_light(node, radiance):
     node.inputs["Strength"].default_value = strongest
 
 
+def _units():
+    return versions.light_units(bpy.app.version)
+
+
 def _light(scene, item):
     maker = {"AreaLight": _area_light, "PointLight": _point_light, "SunLight": _sun_light}
     obj = maker[item["type"]](item)
@@ -208,8 +204,7 @@ def _area_light(item):
     light.shape = "ELLIPSE" if item["ellipse"] else "RECTANGLE"
     light.size, light.size_y = np.linalg.norm(u), np.linalg.norm(v)
     area = light.size * light.size_y * (0.25 * math.pi if item["ellipse"] else 1.0)
-    factor = [factor for since, factor in AREA_LIGHT_FACTOR if bpy.app.version >= since][-1]
-    _set_energy(light, item["radiance"], area / factor)
+    _set_energy(light, item["radiance"], area / _units().area)
     # Its local axes are u, -v and -(u x v): it shines along its local -Z.
     return _placed(light, np.array(item["corner"]) + 0.5 * (u + v), u, -v)
 
@@ -222,7 +217,7 @@ def _point_light(item):
     if not cone:
         return _placed(light, item["position"], (1, 0, 0), (0, 1, 0))
     light.spot_size, light.spot_blend = cone["angle"], cone["blend"]
-    fades = bpy.app.version < NEW_LIGHTS
+    fades = _units().spot_cosine
     if cone["cosine_falloff"] != fades:
         _correct_fading(light, cone["axis"], fades)
     axis = np.array(cone["axis"])
@@ -232,8 +227,7 @@ def _point_light(item):
 
 def _correct_fading(light, axis, fades):
     """Undoes that Blender lets a spot fade with the cosine to its axis, or does it instead."""
-    light.use_nodes = True
-    tree = light.node_tree
+    tree = versions.give_nodes(light)
     emission = next(node for node in tree.nodes if node.type == "EMISSION")
     geometry = tree.nodes.new("ShaderNodeNewGeometry")
     cosine = tree.nodes.new("ShaderNodeVectorMath")
@@ -253,12 +247,7 @@ def _correct_fading(light, axis, fades):
 def _sun_light(item):
     light = bpy.data.lights.new(item["name"], "SUN")
     light.angle = item["angle"]
-    dimmed = 1.0
-    if bpy.app.version < NEW_LIGHTS:
-        # The mean cosine to its axis over the disc.
-        cosine = math.cos(0.5 * item["angle"])
-        dimmed = 2.0 * cosine / (1.0 + cosine)
-    _set_energy(light, item["irradiance"], 1.0 / dimmed)
+    _set_energy(light, item["irradiance"], 1.0 / _units().sun(item["angle"]))
     direction = np.array(item["direction"])
     beside = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
     return _placed(light, (0, 0, 0), beside, np.cross(beside, direction))
@@ -281,8 +270,7 @@ def _placed(light, position, x, y):
 
 def _world(scene, item, pixels):
     scene.world = bpy.data.worlds.new("world")
-    scene.world.use_nodes = True
-    tree = scene.world.node_tree
+    tree = versions.give_nodes(scene.world)
     tree.nodes.clear()
     background = tree.nodes.new("ShaderNodeBackground")
     background.inputs["Color"].default_value = (0.0, 0.0, 0.0, 1.0)

@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 import pytest
+from leaflight_addon import versions
 from leaflight_addon.compare import render_comparison
 from tools import add_light, constant_material, error_of, noise_image
 
@@ -84,16 +85,12 @@ def check_sky_and_point_light(scene):
     bpy.data.objects["lamp"].hide_render = True
     bpy.data.objects.remove(bpy.data.objects["ceiling"])
     add_light("POINT", (-0.6, -0.6, 1.7), energy=20).data.shadow_soft_size = 0.02
-    tree = bpy.context.scene.world.node_tree
-    if tree is None:
-        bpy.context.scene.world.use_nodes = True
-        tree = bpy.context.scene.world.node_tree
+    tree = versions.give_nodes(bpy.context.scene.world)
     sky = tree.nodes.new("ShaderNodeTexEnvironment")
     sky.image = noise_image(16, 8)
     background = next(n for n in tree.nodes if n.type == "BACKGROUND")
     background.inputs["Strength"].default_value = 0.5
     tree.links.new(sky.outputs[0], background.inputs["Color"])
-    bpy.context.scene.world.use_nodes = True
     bpy.context.view_layer.update()
     bpy.ops.leaflight.bake()
     assert_agrees(scene, 47.0, most=3.5)

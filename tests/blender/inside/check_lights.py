@@ -7,14 +7,17 @@ import bpy
 import numpy as np
 import pytest
 from leaflight import LeaflightError
+from leaflight.measure.blender_versions import light_units
+from leaflight_addon import versions
 from leaflight_addon.show import leaves
-from leaflight_addon.stage import lights, scene_export, world
+from leaflight_addon.stage import scene_export, world
 from tools import (
     add_light,
     build_probe,
     close,
     constant_material,
     noise_image,
+    one_coloured_world,
     rendered_probe,
     smooth_image,
     traced_probe,
@@ -26,14 +29,18 @@ def probe():
     return build_probe((0.8, 0.5, 0.3))
 
 
-def assert_probe_agrees(probe, tmp_path, samples=256):
+def assert_probe_agrees(probe, tmp_path, samples=256, most=0.005):
+    """most: by how much the bake and Cycles may differ, their noise included."""
     bpy.context.view_layer.update()
     description, warnings = export(bpy.data.objects.new("Leaf", None))
     assert warnings == []
-    expected = traced_probe(description)
+    expected, error = traced_probe(description)
     assert expected.min() > 1e-3
-    rendered = rendered_probe(tmp_path / "probe.exr", samples)
-    close(rendered / expected, 1.0, 0.01)
+    halves = [rendered_probe(tmp_path / "probe.exr", samples, seed) for seed in (1, 2)]
+    ratio = np.mean(halves, axis=0) / expected
+    noise = np.hypot(error / expected, 0.5 * (halves[0] - halves[1]) / expected)
+    assert np.all(noise < most / 5)
+    close(ratio, 1.0, most)
     return description
 
 
@@ -90,8 +97,8 @@ def check_a_sun(probe, tmp_path, angle):
 def check_a_light_with_an_emission_node(probe, tmp_path):
     lamp = add_light("POINT", (0.6, 0.3, 1.5), energy=40.0)
     lamp.data.shadow_soft_size = 0.0
-    lamp.data.use_nodes = True
-    emission = next(n for n in lamp.data.node_tree.nodes if n.type == "EMISSION")
+    tree = versions.give_nodes(lamp.data)
+    emission = next(n for n in tree.nodes if n.type == "EMISSION")
     emission.inputs["Color"].default_value = (0.2, 0.4, 0.8, 1.0)
     emission.inputs["Strength"].default_value = 2.5
     assert_probe_agrees(probe, tmp_path)
@@ -112,20 +119,18 @@ def check_an_emissive_mesh(probe, tmp_path, kind):
             "Emission Strength": 3.0,
         }
     bpy.context.object.data.materials.append(constant_material(kind, **inputs))
-    description = assert_probe_agrees(probe, tmp_path, samples=512)
+    description = assert_probe_agrees(probe, tmp_path, samples=512, most=0.01)
     close(description.meshes[1].emission, (3.0, 1.8, 0.9), 1e-6)
 
 
 def check_a_world_of_one_color(probe, tmp_path):
-    bpy.context.scene.world.color = (0.3, 0.5, 0.9)
+    bpy.context.scene.world = one_coloured_world((0.3, 0.5, 0.9))
     description = assert_probe_agrees(probe, tmp_path, samples=64)
     close(description.environment.radiance, (0.3, 0.5, 0.9), 1e-6)
 
 
 def _environment_texture(image):
-    world = bpy.context.scene.world
-    world.use_nodes = True
-    tree = world.node_tree
+    tree = versions.give_nodes(bpy.context.scene.world)
     background = next(n for n in tree.nodes if n.type == "BACKGROUND")
     texture = tree.nodes.new("ShaderNodeTexEnvironment")
     texture.image = image
@@ -144,7 +149,7 @@ def check_an_hdri(probe, tmp_path, picture, turned):
         coordinates = tree.nodes.new("ShaderNodeTexCoord")
         tree.links.new(coordinates.outputs["Generated"], mapping.inputs["Vector"])
         tree.links.new(mapping.outputs[0], texture.inputs["Vector"])
-    description = assert_probe_agrees(probe, tmp_path, samples=1024)
+    description = assert_probe_agrees(probe, tmp_path, samples=1024, most=0.01)
     assert description.environment.image.shape == (32, 64, 3)
     assert np.array_equal(description.environment.world_to_image, np.eye(3)) != turned
 
@@ -154,7 +159,10 @@ def _portal(lamp):
 
 
 def _shadowless(lamp):
-    lamp.data.cycles.cast_shadow = False
+    if hasattr(lamp.data.cycles, "cast_shadow"):
+        lamp.data.cycles.cast_shadow = False
+    else:
+        lamp.data.use_shadow = False
 
 
 def _narrow(lamp):
@@ -168,8 +176,7 @@ def _square(lamp):
 
 
 def _ies(lamp):
-    lamp.data.use_nodes = True
-    tree = lamp.data.node_tree
+    tree = versions.give_nodes(lamp.data)
     emission = next(n for n in tree.nodes if n.type == "EMISSION")
     tree.links.new(tree.nodes.new("ShaderNodeTexIES").outputs[0], emission.inputs["Strength"])
 
@@ -277,11 +284,10 @@ def check_dark_worlds(probe):
 
 
 def _bright():
-    bright = bpy.data.worlds.new("Bright")
-    bright.color = (0, 0, 0.1)
-    return bright
+    return one_coloured_world((0, 0, 0.1))
 
 
 def check_units_of_other_versions():
-    assert lights.light_units((3, 4, 1))["area"] == 0.25
-    assert lights.light_units((5, 2, 2))["area"] == pytest.approx(1 / math.pi)
+    assert light_units((3, 4, 1)).area == 0.25
+    assert light_units((5, 2, 2)).area == pytest.approx(1 / math.pi)
+    assert light_units((3, 3, 0)) is None

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials and image textures in the terms of the bake."""
 
+import math
+
 import bpy
 import numpy as np
 import pytest
@@ -12,9 +14,14 @@ from tools import (
     constant_material,
     look_down,
     noise_image,
+    one_coloured_world,
+    plain_material,
     render_exr,
     smooth_image,
 )
+
+
+COLOUR = (0.2, 0.4, 0.6, 1)
 
 
 def surface(material):
@@ -38,27 +45,94 @@ def principled_material(**inputs):
 
 
 def check_mirrors():
-    for material in (
-        constant_material("ShaderNodeBsdfGlossy", Color=(0.2, 0.4, 0.6, 1), Roughness=0.0),
-        principled_material(Metallic=1.0, Roughness=0.0, Transmission=0.3),
+    white = {"Base Color": (1, 1, 1, 1)}
+    for material, colour in (
+        (constant_material("ShaderNodeBsdfGlossy", Color=COLOUR, Roughness=0.0), COLOUR[:3]),
+        (principled_material(Metallic=1.0, Roughness=0.0, Transmission=0.3, **white), (1, 1, 1)),
     ):
         found = surface(material)
         assert (found.scattering, found.warnings) == ("mirror", [])
-        close(found.albedo, (0.2, 0.4, 0.6), 1e-6)
+        close(found.albedo, colour, 1e-6)
     sharp = constant_material("ShaderNodeBsdfGlossy", Roughness=0.5)
-    next(n for n in sharp.node_tree.nodes if n.type == "BSDF_GLOSSY").distribution = "SHARP"
-    assert surface(sharp).scattering == "mirror"
+    (glossy,) = (n for n in sharp.node_tree.nodes if n.type == "BSDF_GLOSSY")
+    if "SHARP" in glossy.bl_rna.properties["distribution"].enum_items:  # until 3.6
+        glossy.distribution = "SHARP"
+        assert surface(sharp).scattering == "mirror"
 
 
 def check_glass():
-    for material in (
-        constant_material("ShaderNodeBsdfGlass", Color=(0.2, 0.4, 0.6, 1), Roughness=0.0, IOR=1.7),
-        principled_material(Transmission=1.0, Roughness=0.0, IOR=1.7, Specular=0.5),
+    polished = {"Roughness": 0.0, "IOR": 1.7}
+    clear = {"Base Color": (1, 1, 1, 1), "Transmission": 1.0, "Specular": 0.5}
+    for material, colour in (
+        (constant_material("ShaderNodeBsdfGlass", Color=COLOUR, **polished), COLOUR[:3]),
+        (principled_material(**polished, **clear), (1, 1, 1)),
     ):
         found = surface(material)
         assert (found.scattering, found.warnings) == ("glass", [])
-        close(found.albedo, (0.2, 0.4, 0.6), 1e-6)
+        close(found.albedo, colour, 1e-6)
         assert found.ior == pytest.approx(1.7)
+
+
+def _brightness(path, material, angle):
+    """What a slab with polished faces sends on of a white world, seen at an angle: (r, g, b)."""
+    bpy.context.scene.world = one_coloured_world((1, 1, 1))
+    bpy.ops.mesh.primitive_cube_add(size=2)
+    slab = bpy.context.object
+    slab.data.materials.append(material)
+    camera = look_down(3.0, 0.1)
+    camera.location = (2 * math.sin(angle), 0, 1 + 2 * math.cos(angle))
+    camera.rotation_euler.y = angle
+    pixels = render_exr(path, size=8, samples=256)[..., :3].mean(axis=(0, 1))
+    bpy.data.objects.remove(slab)
+    return pixels
+
+
+def check_a_coloured_principled_glass_lets_pass_what_cycles_does_and_is_warned_of(tmp_path):
+    """Only what it reflects differs: 4 % at each face, which the bake colours as well."""
+    principled = principled_material(Transmission=1.0, Roughness=0.0, IOR=1.5)
+    found = surface(principled)
+    assert len(found.warnings) == 1 and "Glass BSDF" in found.warnings[0]
+    baked = constant_material(
+        "ShaderNodeBsdfGlass", Color=(*found.albedo, 1), Roughness=0.0, IOR=found.ior
+    )
+    pixels = [_brightness(tmp_path / "slab.exr", each, 0.0) for each in (principled, baked)]
+    close(*pixels, 0.04)
+
+
+def check_a_coloured_principled_metal_is_warned_of_where_its_edges_differ(tmp_path):
+    for specular in (0.0, 0.5):
+        metal = principled_material(Metallic=1.0, Roughness=0.0, Specular=specular)
+        found = surface(metal)
+        flat, grazing = (_brightness(tmp_path / "slab.exr", metal, x) for x in (0.0, 1.2))
+        close(flat, found.albedo, 2e-3)
+        assert len(found.warnings) == (np.abs(grazing - flat).max() > 0.02)
+        assert all("Glossy BSDF" in warning for warning in found.warnings)
+
+
+def check_thin_films_and_thin_walls():
+    """Where this Blender has them, from 4.2, 4.5, 5.0 or 5.2 on."""
+    white = {"Base Color": (1, 1, 1, 1), "Roughness": 0.0}
+    film = {"Thin Film Thickness": 400.0}
+    for material, inputs in (
+        (principled_material(), film),
+        (principled_material(Metallic=1.0, **white), film),
+        (principled_material(Transmission=1.0, **white), film),
+        (constant_material("ShaderNodeBsdfGlass", Roughness=0.0), film),
+        (principled_material(), {"Diffuse Roughness": 0.5}),
+    ):
+        shader = next(n for n in material.node_tree.nodes if n.type.startswith("BSDF"))
+        assert surface(material).warnings == []
+        for name, value in inputs.items():
+            if name in shader.inputs:
+                shader.inputs[name].default_value = value
+                assert name in surface(material).warnings[0]
+    pane = principled_material(Transmission=1.0, **white)
+    shader = next(n for n in pane.node_tree.nodes if n.type.startswith("BSDF"))
+    if "Thin Wall" in shader.inputs:
+        shader.inputs["Thin Wall"].default_value = True
+        assert "Thin Wall" in sentence_of(pane)
+        shader.inputs["Transmission Weight"].default_value = 0.0
+        assert surface(pane).warnings == []
 
 
 def check_emission_beside_reflection():
@@ -82,8 +156,7 @@ def check_emission_beside_reflection():
 
 def check_no_material_no_nodes_and_nothing_connected():
     close(surface(None).albedo, materials.DEFAULT_ALBEDO, 0)
-    plain = bpy.data.materials.new("Plain")
-    plain.diffuse_color = (0.3, 0.3, 0.1, 1.0)
+    plain = plain_material("Plain", (0.3, 0.3, 0.1))
     close(surface(plain).albedo, (0.3, 0.3, 0.1), 1e-6)
     black = constant_material("ShaderNodeBsdfDiffuse")
     black.node_tree.links.clear()
@@ -212,8 +285,7 @@ def check_an_image_on_a_uv_map_is_what_cycles_renders(tmp_path, picture, mapped)
         tree.links.new(texture.inputs["Vector"].links[0].from_socket, mapping.inputs["Vector"])
         tree.links.new(mapping.outputs[0], texture.inputs["Vector"])
     (part,) = _exported(plane)
-    bpy.context.scene.world = bpy.data.worlds.new("White")
-    bpy.context.scene.world.color = (1, 1, 1)
+    bpy.context.scene.world = one_coloured_world((1, 1, 1))
     look_down(2.0, 1.8)
     rendered = render_exr(tmp_path / "plane.exr", size=24, samples=1)[..., :3].reshape(-1, 3)
     x, y = camera_rays_down(1.8, 24)
@@ -239,8 +311,7 @@ def check_an_8_bit_image_that_holds_data_and_one_with_alpha(tmp_path):
         (part,) = _exported(plane)
         linear = 128 / 255 if encoded is None else ((encoded + 0.055) / 1.055) ** 2.4
         close(part.texture, linear, 1e-3)
-        bpy.context.scene.world = bpy.data.worlds.new("White")
-        bpy.context.scene.world.color = (1, 1, 1)
+        bpy.context.scene.world = one_coloured_world((1, 1, 1))
         look_down(2.0, 1.0)
         rendered = render_exr(tmp_path / "plane.exr", size=4, samples=1)[..., :3]
         close(rendered, linear, 2e-3)
@@ -275,6 +346,7 @@ def check_parts_keep_their_uv_and_normals_through_a_mirroring_scale(mirrored):
 def _no_uv(plane, texture):
     while plane.data.uv_layers:
         plane.data.uv_layers.remove(plane.data.uv_layers[0])
+    plane.data.update_tag()
 
 
 def _clipped(plane, texture):

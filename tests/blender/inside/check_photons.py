@@ -54,7 +54,7 @@ def check_a_band_and_a_kind(boxed):
         assert len(_cloud().data.vertices) == chosen.sum() > 0
 
 
-@pytest.mark.parametrize("engine", ["CYCLES", "BLENDER_EEVEE"])
+@pytest.mark.parametrize("engine", ["CYCLES", "EEVEE"])
 def check_it_renders_in_its_colours(boxed, tmp_path, engine):
     bpy.ops.leaflight.photon_cloud(count=100_000, radius=0.03)
     for obj in bpy.context.scene.objects:

@@ -124,7 +124,7 @@ def check_the_reason_is_the_finer_texels_even_if_the_atlas_would_be_too_large(bo
     _assert_by_vertices(boxed)
 
 
-@pytest.mark.parametrize("engine", ["CYCLES", "BLENDER_EEVEE"])
+@pytest.mark.parametrize("engine", ["CYCLES", "EEVEE"])
 def check_renders_show_the_finer_texels(refined, tmp_path, engine):
     vertices, triangles, _ = mesh_arrays(refined)
     world = to_world(refined, vertices)

@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 import pytest
+from leaflight_addon import versions
 from leaflight_addon.show import properties
 from leaflight_addon.store import cache
 from leaflight_addon.ui import handlers
@@ -22,7 +23,7 @@ def _animate(obj):
     for frame, isovalue in ((1, 40.0), (11, 120.0)):
         obj.leaflight.isovalue = isovalue
         obj.keyframe_insert(properties.ISOVALUE_PATH, frame=frame)
-    (curve,) = obj.animation_data.action.fcurves
+    (curve,) = versions.fcurves(obj)
     for key in curve.keyframe_points:
         key.interpolation = "LINEAR"
 
@@ -72,7 +73,7 @@ def check_driver_by_frame(baked):
         assert_shows(baked, 30.0 + 10.0 * frame)
 
 
-@pytest.mark.parametrize("engine", ["CYCLES", "BLENDER_EEVEE"])
+@pytest.mark.parametrize("engine", ["CYCLES", "EEVEE"])
 def check_every_frame_of_a_rendered_animation(baked, tmp_path, engine):
     """The frames of one render command equal stills that are made one by one."""
     scene = bpy.context.scene

@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 import pytest
+from leaflight_addon import versions
 from leaflight_addon.show import isovalues, properties, surface_object
 from leaflight_addon.stage import scene_export, staleness
 from leaflight_addon.store import cache
@@ -126,7 +127,7 @@ def check_keyframes_of_one_lead_the_other(pair):
     for frame, isovalue in ((1, 40.0), (11, 80.0)):
         first.leaflight.isovalue = isovalue
         first.keyframe_insert(properties.ISOVALUE_PATH, frame=frame)
-    for key in first.animation_data.action.fcurves[0].keyframe_points:
+    for key in versions.fcurves(first)[0].keyframe_points:
         key.interpolation = "LINEAR"
     for frame, a, b in ((1, 40.0, 115.0), (6, 60.0, 130.0), (11, 80.0, 145.0)):
         bpy.context.scene.frame_set(frame)

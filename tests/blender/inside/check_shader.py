@@ -44,7 +44,7 @@ def _eight_texels_are_active(bake, points):
 
 
 @pytest.mark.parametrize("resolution", [0, 37])
-@pytest.mark.parametrize("engine", ["CYCLES", "BLENDER_EEVEE"])
+@pytest.mark.parametrize("engine", ["CYCLES", "EEVEE"])
 def check_rendered_emission_is_the_cores_lookup(boxed, tmp_path, engine, resolution):
     boxed.rotation_euler.z = 0.4
     boxed.leaflight.resolution = resolution

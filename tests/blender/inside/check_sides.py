@@ -25,7 +25,7 @@ def check_the_mesh_has_both(two_sided):
 
 
 @pytest.mark.parametrize("shading", ["ATLAS", "ATTRIBUTE"])
-@pytest.mark.parametrize("engine", ["CYCLES", "BLENDER_EEVEE"])
+@pytest.mark.parametrize("engine", ["CYCLES", "EEVEE"])
 def check_each_side_shows_its_radiance(two_sided, tmp_path, engine, shading):
     """A facet of the isosurface, seen from above and, turned over, from below."""
     two_sided.leaflight.shading = shading

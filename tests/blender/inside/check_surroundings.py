@@ -5,9 +5,10 @@ import bpy
 import leaflight
 import numpy as np
 import pytest
-from leaflight_addon.stage import lights, scene_export, staleness, world
+from leaflight_addon import versions
+from leaflight_addon.stage import scene_export, staleness, world
 from leaflight_addon.store import cache
-from tools import close, error_of
+from tools import close, error_of, one_coloured_world, plain_material
 
 
 def _export(leaf):
@@ -90,11 +91,9 @@ def check_an_added_mesh_comes_with_its_modifiers_and_its_materials(boxed):
     cube = bpy.context.object
     cube.modifiers.new("Array", "ARRAY").count = 3
     principled = bpy.data.materials.new("Glossy")
-    principled.use_nodes = True
-    bsdf = next(n for n in principled.node_tree.nodes if n.type == "BSDF_PRINCIPLED")
+    bsdf = next(n for n in versions.give_nodes(principled).nodes if n.type == "BSDF_PRINCIPLED")
     bsdf.inputs["Base Color"].default_value = (0.2, 0.4, 0.6, 1.0)
-    plain = bpy.data.materials.new("Plain")
-    plain.diffuse_color = (0.3, 0.3, 0.1, 1.0)
+    plain = plain_material("Plain", (0.3, 0.3, 0.1))
     cube.data.materials.append(principled)
     cube.data.materials.append(plain)
     cube.data.polygons[0].material_index = 1
@@ -148,7 +147,7 @@ def check_a_scaled_and_turned_light_has_the_radiance_of_its_true_area(boxed):
     (light,) = found.lights
     width, height = np.linalg.norm(light.edge_u), np.linalg.norm(light.edge_v)
     close(sorted([width, height]), [0.2, 0.8], 1e-6)
-    factor = lights.light_units()["area"]
+    factor = versions.light_units().area
     close(light.radiance, np.array([1, 0.5, 0.25]) * 10.0 * factor / 0.16, 1e-4)
     middle = np.array(light.corner) + 0.5 * (np.array(light.edge_u) + np.array(light.edge_v))
     close(middle, lamp.matrix_world.translation, 1e-5)
@@ -176,7 +175,7 @@ def check_the_fingerprint_follows_what_lights_the_volume(boxed):
     seen.add(fingerprint())
     boxed.leaflight.capped = True
     seen.add(fingerprint())
-    bpy.context.scene.world.color = (0.1, 0.1, 0.1)
+    bpy.context.scene.world = one_coloured_world((0.1, 0.1, 0.1))
     seen.add(fingerprint())
     bpy.data.objects["floor"].data.materials[0] = None
     seen.add(fingerprint())

@@ -69,7 +69,7 @@ def check_beyond_the_window_they_show_its_end(lit):
     assert_walls_show(lit, high)
 
 
-@pytest.mark.parametrize("engine", ["CYCLES", "BLENDER_EEVEE"])
+@pytest.mark.parametrize("engine", ["CYCLES", "EEVEE"])
 def check_frames_of_an_animation_show_each_its_own_light(lit, tmp_path, engine):
     """The left wall alone, seen from the inside: its vertices' colours, frame by frame."""
     for obj in bpy.context.scene.objects:

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What differs between the versions of Blender wherever a scene is built or read.
+
+It serves the add-on and cycles_scene.py, which runs in a Blender without either of our packages: so
+it imports neither these nor Blender itself.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class LightUnits:
+    """What Cycles makes of the power of a light.
+
+    A point or spot light has the radiant intensity power / 4 pi and a radius that no scale changes.
+    """
+
+    # Radiance of an AREA light per watt and unit area, its object's scale counted.
+    area: float
+    # Whether a spot also fades with the cosine to its axis.
+    spot_cosine: bool
+    # Whether E = I / (d^2 + r^2) at the distance d from a point light of radius r, always, or None
+    # where the light itself says so; E = I / d^2 otherwise, as in the bake.
+    soft_points: bool
+    # Whether the sun is sampled on a disc of directions, a little dimmer than its strength.
+    sun_disc: bool
+
+    def sun(self, angle):
+        """Irradiance of a sun of this angle, per unit of its strength."""
+        cosine = math.cos(0.5 * angle)  # the mean cosine over the disc follows
+        return 2.0 * cosine / (1.0 + cosine) if self.sun_disc else 1.0
+
+
+# From a version on. Where between 3.4 and 4.2 it changed is not known: PyPI keeps no such Blender.
+_LIGHT_UNITS = (
+    ((3, 4), LightUnits(area=1 / 4, spot_cosine=True, soft_points=True, sun_disc=True)),
+    ((4, 2), LightUnits(area=1 / math.pi, spot_cosine=False, soft_points=None, sun_disc=False)),
+)
+
+# Those whose lights the tests have compared with Cycles (docs/compatibility.md).
+CHECKED = ((3, 4), (4, 2), (4, 5), (5, 0), (5, 1), (5, 2))
+
+
+def light_units(version):
+    """The LightUnits of a version, None before the first."""
+    rows = [units for since, units in _LIGHT_UNITS if tuple(version[:2]) >= since]
+    return rows[-1] if rows else None
+
+
+def node_tree(owner):
+    """The nodes of a material, world or light that renders, None where it has none in use."""
+    return owner.node_tree if _always_has_nodes(owner) or owner.use_nodes else None
+
+
+def give_nodes(owner):
+    """The same, after letting it use nodes."""
+    if not _always_has_nodes(owner):
+        owner.use_nodes = True
+    return owner.node_tree
+
+
+def _always_has_nodes(owner):
+    """Materials and worlds from 5.0 on, lights from 5.2 on; 6.0 drops the property."""
+    switch = owner.bl_rna.properties.get("use_nodes")
+    return switch is None or getattr(switch, "is_deprecated", False)
+
+
+def set_normals(mesh, normals):
+    """Custom normals (n, 3) of the vertices; until 4.0 they show only where a switch is set."""
+    if hasattr(mesh, "use_auto_smooth"):
+        mesh.use_auto_smooth = True
+    mesh.normals_split_custom_set_from_vertices(normals)
+
+
+def set_loop_starts(mesh, starts, corners):
+    """Polygons of so many corners each; from 4.0 on the starts alone tell it."""
+    mesh.polygons.foreach_set("loop_start", starts)
+    if not mesh.polygons[0].bl_rna.properties["loop_total"].is_readonly:
+        mesh.polygons.foreach_set("loop_total", np.full(len(starts), corners, np.int32))
+
+
+def polish(bsdf):
+    """Makes a Glossy or Glass node perfectly smooth: until 3.6 only one distribution is."""
+    if "SHARP" in bsdf.bl_rna.properties["distribution"].enum_items:
+        bsdf.distribution = "SHARP"
+    for socket in bsdf.inputs:
+        if socket.identifier == "Roughness":
+            socket.default_value = 0.0

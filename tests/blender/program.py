@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender as a program, made of Blender as a Python module: PyPI's bpy comes without a program.
+
+Takes those arguments of the program that background work needs, with the same effect. It starts
+with factory settings, as the module does (4.2.23 crashes when it reads preferences): name the
+add-ons with --addons.
+"""
+
+import os
+import runpy
+import sys
+import traceback
+
+_SWITCHES = {"-b", "--background", "-noaudio", "--factory-startup"}
+
+
+def main(arguments):
+    # The module would read its own arguments as those of the program.
+    sys.argv = ["blender", *arguments]
+    given = iter(arguments[: arguments.index("--")] if "--" in arguments else arguments)
+    import bpy
+
+    import addon_utils  # one of bpy's
+
+    status = 0
+    for argument in given:
+        if argument in _SWITCHES:
+            continue
+        if argument == "--python-exit-code":
+            status = int(next(given))
+        elif argument == "--addons":
+            for name in next(given).split(","):
+                addon_utils.enable(name, default_set=True)
+        elif argument == "--python":
+            _attempt(status, runpy.run_path, next(given), run_name="__main__")
+        elif argument == "--python-expr":
+            _attempt(status, exec, next(given), {"__name__": "__main__"})
+        elif argument.startswith("-"):
+            sys.exit(f"{argument}: an argument that this program does not know.")
+        else:
+            bpy.ops.wm.open_mainfile(filepath=argument)
+    _leave(0)
+
+
+def _attempt(status, call, *arguments, **options):
+    """A script that fails ends the program with this status, unless it is 0."""
+    try:
+        call(*arguments, **options)
+    except SystemExit as end:
+        _leave(end.code if isinstance(end.code, int) else int(end.code is not None))
+    except Exception:
+        traceback.print_exc()
+        if status:
+            _leave(status)
+
+
+def _leave(status):
+    """Ends at once: the module's own end is not that of the program, and may crash."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(status)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
