@@ -47,6 +47,7 @@ def show(volumes, leader, scene):
         surface_object.update(obj, settings.isovalue)
     isovalues.set_isovalue(leader, leader.leaflight.isovalue)
     if scene is not None:
+        walls.forget_names(scene)
         walls.refresh(scene)
 
 

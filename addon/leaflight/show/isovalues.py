@@ -77,7 +77,7 @@ def lock_interface(scene):
 
 
 def _linked(obj):
-    return obj.leaflight.linked and not obj.hide_render
+    return obj.leaflight.linked and not obj.hide_render and obj.library is None
 
 
 def _precedence(obj):

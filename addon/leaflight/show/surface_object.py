@@ -57,6 +57,12 @@ def update(obj, isovalue):
     label = _label(obj.leaflight, isovalue)
     if obj.data.get(_SHOWN) == label:
         return
+    if obj.library is not None:
+        problems[obj.name_full] = (
+            f'"{obj.name}" is linked from another file and shows the isovalue that was saved '
+            "there: make a library override of it to change or animate it."
+        )
+        return
     _own_mesh(obj)
     problems.pop(obj.name_full, None)
     vertices, triangles, radiance = np.empty((0, 3)), np.empty((0, 3)), {}
@@ -106,8 +112,6 @@ def _own_mesh(obj):
     They share one for as long as they show the same.
     """
     mesh = obj.data
-    if obj.library is not None:
-        return
     others = (other for other in bpy.data.objects if other != obj and other.data == mesh)
     if mesh.library is not None or any(other.leaflight.is_volume for other in others):
         obj.data = mesh.copy()

@@ -23,12 +23,19 @@ _INDEX = "leaflight_wall"
 _WALL_MATERIAL = "leaflight_wall_material"
 _HIDDEN = "leaflight_hidden"
 _SHOWN = "leaflight_shown"
-_LIT_BY = "leaflight_lit_by"
+_BAKED_AS = "leaflight_baked_as"
 
 
 def is_hidden(obj):
     """Whether an object, which renders otherwise, is hidden behind its display."""
     return _HIDDEN in obj
+
+
+def forget_names(scene):
+    """After a new bake, which has seen all objects under their present names."""
+    for obj in scene.objects:
+        if _BAKED_AS in obj:
+            del obj[_BAKED_AS]
 
 
 def refresh(scene):
@@ -98,12 +105,19 @@ def _build(scene, leader):
         _WALL_MATERIAL, "Leaflight Wall", surface_object.RADIANCE, surface_object.RADIANCE_BACK
     )
     for index, mesh in enumerate(bake.scene.meshes):
-        original = scene.objects.get(mesh.name)
+        original = _original(scene, mesh.name)
         # What a mirror or glass shows depends on where it is seen from: these stay as they are.
         if original is None or mesh.scattering != "diffuse":
             continue
         collection.objects.link(_display(bake, index, mesh.name, material))
+        original[_BAKED_AS] = mesh.name
         _hide(scene, original)
+
+
+def _original(scene, name):
+    """The object that was baked under a name, whatever it is called now, or None."""
+    marked = (obj for obj in scene.objects if obj.get(_BAKED_AS) == name)
+    return next(marked, None) or scene.objects.get(name)
 
 
 def _display(bake, index, name, material):

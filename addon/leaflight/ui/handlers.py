@@ -61,7 +61,11 @@ def _after_save(*_):
     surface_object.problems.update(problems)
     staleness.forget()
     if changed:
-        bpy.ops.wm.save_mainfile()
+        try:
+            bpy.ops.wm.save_mainfile()
+        except RuntimeError as error:
+            sentence = f"The new places of the bakes are not in the saved .blend: {error}"
+            surface_object.problems.update({obj.name_full: sentence.strip() for obj in ours})
 
 
 @persistent
