@@ -6,13 +6,6 @@ import importlib
 # Installed a moment ago, the folder of the package is new to Python.
 importlib.invalidate_caches()
 
-from .bake import bake, bake_flatland, load_bake, photon_cloud, unused_bakes  # noqa: E402
-from .compare import render_comparison  # noqa: E402
-from .importing import import_image, import_volume  # noqa: E402
-from .show import flat_properties, properties  # noqa: E402
-from .stage import cornell_box  # noqa: E402
-from .ui import handlers, leaf_look, panels  # noqa: E402
-
 bl_info = {
     "name": "Leaflight",
     "author": "The Leaflight authors",
@@ -23,23 +16,54 @@ bl_info = {
     "category": "Render",
 }
 
-# In the order of registration: the properties are what all others draw and edit.
-_MODULES = (
-    properties,
-    flat_properties,
-    import_volume,
-    import_image,
-    leaf_look,
-    cornell_box,
-    bake,
-    bake_flatland,
-    load_bake,
-    unused_bakes,
-    photon_cloud,
-    render_comparison,
-    panels,
-    handlers,
-)
+
+def _refusal():
+    """Why the package cannot do the add-on's work here, or None."""
+    try:
+        import leaflight
+    except ImportError as refusal:
+        return str(refusal)
+    own = ".".join(map(str, bl_info["version"]))
+    if leaflight.__version__ != own:
+        return (
+            f"This add-on is of Leaflight {own}, but the package leaflight "
+            f"{leaflight.__version__} is loaded from {leaflight.__path__[0]}; restart Blender, "
+            "or remove that package."
+        )
+    return None
+
+
+_sentence = _refusal()
+if _sentence is not None:
+    from . import refused
+
+    refused.sentence = _sentence
+    _MODULES = (refused,)
+else:
+    from .bake import bake, bake_flatland, load_bake, photon_cloud, unused_bakes
+    from .compare import render_comparison
+    from .importing import import_image, import_volume
+    from .show import flat_properties, properties
+    from .stage import cornell_box
+    from .ui import handlers, leaf_look, panels
+
+    # In the order of registration: the properties are what all others draw and edit.
+    _MODULES = (
+        properties,
+        flat_properties,
+        import_volume,
+        import_image,
+        leaf_look,
+        cornell_box,
+        bake,
+        bake_flatland,
+        load_bake,
+        unused_bakes,
+        photon_cloud,
+        render_comparison,
+        panels,
+        handlers,
+    )
 
 
 def register():

@@ -7,6 +7,7 @@ this module is the check.
 """
 
 import sys
+from importlib import import_module
 
 OLDEST_NUMPY = (1, 24)
 
@@ -49,7 +50,7 @@ def check_numpy(version):
 
 def _core():
     try:
-        from . import _core as core
+        return import_module("._core", __package__)
     except ModuleNotFoundError:
         here = ".".join(map(str, sys.version_info[:2]))
         raise ImportError(
@@ -60,7 +61,6 @@ def _core():
         raise ImportError(
             f"Leaflight's compiled module cannot be loaded ({error}); install Leaflight again."
         ) from None
-    return core
 
 
 def check_libraries(libraries):

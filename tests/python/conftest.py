@@ -2,6 +2,7 @@
 """What the tests share: small volumes, one small bake, and two ways to call the command line."""
 
 import subprocess
+import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -110,11 +111,14 @@ def cli(capsys):
 
 @pytest.fixture(scope="session")
 def script():
-    """Calls scripts/leaflight as a user does, from another folder."""
+    """Calls the program as a user does, from another folder: that of the package under test."""
+    program = ROOT / "scripts" / "leaflight"
+    if not Path(leaflight.__file__).is_relative_to(ROOT / "build" / "release"):
+        program = Path(sys.prefix) / "bin" / "leaflight"
 
     def call(*arguments, cwd="/"):
         done = subprocess.run(
-            [ROOT / "scripts" / "leaflight", *map(str, arguments)],
+            [program, *map(str, arguments)],
             capture_output=True,
             text=True,
             timeout=120,

@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What `import leaflight` refuses, in one sentence."""
+
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import leaflight
+import numpy as np
+import pytest
+from leaflight import _core, self_check
+
+PACKAGE = Path(leaflight.__file__).parent
+
+
+class Changed:
+    """The compiled module, but for one of its functions."""
+
+    def __init__(self, **changed):
+        self.__dict__.update(changed)
+
+    def __getattr__(self, name):
+        return getattr(_core, name)
+
+
+def refusal(check, *arguments):
+    with pytest.raises(ImportError) as caught:
+        check(*arguments)
+    sentence = str(caught.value)
+    assert sentence.endswith(".") and ". " not in sentence and "\n" not in sentence
+    return sentence
+
+
+def test_it_takes_milliseconds():
+    start = time.perf_counter()
+    for _ in range(10):
+        self_check.check()
+    assert time.perf_counter() - start < 0.5
+
+
+@pytest.mark.parametrize("version", ["1.23.5", "1.9.0"])
+def test_an_old_numpy(version):
+    assert f"NumPy {version} is installed" in refusal(self_check.check_numpy, version)
+
+
+@pytest.mark.parametrize("version", ["1.24.0", "1.26.4", "2.0.0rc1", "2.4.1"])
+def test_numpys_that_will_do(version):
+    self_check.check_numpy(version)
+
+
+def test_the_libraries_that_are_loaded():
+    found = {name: (built, loaded) for name, built, loaded in _core.libraries()}
+    assert set(found) == {"oneTBB", "Embree", "Teem"}
+    assert found["oneTBB"][1] >= (12, 0) and found["Embree"][1][0] in (3, 4)
+
+
+@pytest.mark.parametrize("loaded", [(11, 9), (12, 4), (13, 0)])
+def test_another_library_than_the_one_built_with(loaded):
+    sentence = refusal(self_check.check_libraries, [("oneTBB", (12, 8), loaded)])
+    assert f"built with oneTBB 12.8, but oneTBB {loaded[0]}.{loaded[1]} is loaded" in sentence
+
+
+def test_a_newer_library_of_the_same_major_version():
+    self_check.check_libraries([("oneTBB", (12, 8), (12, 8)), ("Embree", (3, 13), (3, 14))])
+
+
+def _shifted(values, matrix):
+    """As read with the offsets of another NumPy: the first numbers are not the array's."""
+    return _core.Field(np.roll(values, 1).copy(), matrix)
+
+
+def _transposed(values, matrix):
+    return _core.Field(np.ascontiguousarray(values.T), matrix)
+
+
+def _unmoved(values, matrix):
+    return _core.Field(values, np.eye(4))
+
+
+def _empty(values, matrix):
+    return _core.Field(np.full_like(values, np.nan), matrix)
+
+
+@pytest.mark.parametrize("field", [_shifted, _transposed, _unmoved])
+def test_arrays_that_arrive_as_something_else(field):
+    assert f"NumPy {np.__version__} wrongly" in refusal(
+        self_check.check_arrays, np, Changed(Field=field)
+    )
+
+
+def test_arrays_that_the_module_refuses(monkeypatch):
+    monkeypatch.setattr(self_check, "_core", lambda: Changed(Field=_empty))
+    assert "fails its own test" in refusal(self_check.check)
+
+
+def _missed(*arguments):
+    return None, None
+
+
+def _off(*arguments):
+    met, (x, y, z) = _core.trace(*arguments)
+    return met, (x, y, z + 1e-3)
+
+
+def _through_leaves(scene, origin, direction, c):
+    return _core.trace(scene, (*origin[:2], 1.5), direction, c)
+
+
+@pytest.mark.parametrize("trace", [_missed, _off, _through_leaves])
+def test_rays_that_go_elsewhere(trace):
+    assert "traces rays wrongly" in refusal(self_check.check_rays, np, Changed(trace=trace))
+
+
+@pytest.fixture
+def copy(tmp_path):
+    """A package whose files can be changed, in a folder of its own."""
+    target = tmp_path / "leaflight"
+    shutil.copytree(PACKAGE, target, ignore=shutil.ignore_patterns("__pycache__", "_core*"))
+    shutil.copyfile(PACKAGE.parent / "leaflight_command.py", tmp_path / "leaflight_command.py")
+    return target
+
+
+def run(folder, *arguments):
+    return subprocess.run(
+        [sys.executable, *arguments],
+        capture_output=True,
+        text=True,
+        cwd=folder,
+        env={"PYTHONPATH": str(folder)},
+        timeout=60,
+    )
+
+
+def _without_module(package):
+    return f"no compiled module for Python {sys.version_info[0]}.{sys.version_info[1]}"
+
+
+def _damaged_module(package):
+    (module,) = PACKAGE.glob("_core*")
+    (package / module.name).write_bytes(b"not a library")
+    return "compiled module cannot be loaded"
+
+
+def _old_numpy(package):
+    (package.parent / "numpy.py").write_text('__version__ = "1.23.5"\n')
+    return "NumPy 1.23.5 is installed"
+
+
+def _no_numpy(package):
+    (package.parent / "numpy.py").write_text("raise ImportError('gone')\n")
+    return "needs NumPy, which this Python does not have"
+
+
+@pytest.mark.parametrize("spoil", [_without_module, _damaged_module, _old_numpy, _no_numpy])
+def test_the_command_says_it_in_one_line(copy, spoil):
+    expected = spoil(copy)
+    done = run(copy.parent, "-m", "leaflight_command", "info", "bump_box")
+    assert done.returncode == 2 and done.stdout == ""
+    assert done.stderr.startswith("leaflight: ") and done.stderr.count("\n") == 1
+    assert expected in done.stderr
+    imported = run(copy.parent, "-c", "import leaflight")
+    assert imported.returncode == 1 and expected in imported.stderr.splitlines()[-1]
