@@ -13,7 +13,6 @@ users do, and what the report compares with; the probes are then the vertices.
 
 import json
 import math
-import resource
 import runpy
 import sys
 import time
@@ -67,12 +66,22 @@ def main(folder):
         start = time.process_time()
         target.bake()
         seconds = time.process_time() - start
-        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
         radiance.append(target.read())
-        costs.append((seconds, peak))
+        costs.append((seconds, _peak_memory()))
         print(f"leaflight pass {len(radiance)}", flush=True)
     np.save(folder / "costs.npy", np.array(costs))
     np.save(folder / "radiance.npy", np.array(radiance))
+
+
+def _peak_memory():
+    """The most memory that this process has held, in bytes; NaN on Windows, which does not tell."""
+    try:
+        import resource
+    except ImportError:
+        return math.nan
+    # Linux counts in KiB.
+    unit = 1 if sys.platform == "darwin" else 1024
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit
 
 
 def _arrays_of(arrays, prefix):
