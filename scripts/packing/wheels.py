@@ -26,8 +26,12 @@ def wheel(python):
     raw_folder = WORK / tag
     shutil.rmtree(raw_folder, ignore_errors=True)
     # The release preset's own build for the system's Python: the same objects, nothing built twice.
-    build = "build/release" if python.parent.parent == VENV else f"build/{tag}"
-    options = (f"build-dir={build}", "cmake.define.LEAFLIGHT_TESTS=" + _tests(build))
+    of_system = python.parent.parent == VENV
+    options = (
+        f"build-dir={'build/release' if of_system else f'build/{tag}'}",
+        f"cmake.define.LEAFLIGHT_TESTS={'ON' if of_system else 'OFF'}",
+        "cmake.define.CMAKE_COMPILE_WARNING_AS_ERROR=ON",
+    )
     run(
         *(python, "-m", "pip", "wheel", ".", "--no-build-isolation", "--no-deps"),
         *("--wheel-dir", raw_folder),
@@ -43,10 +47,6 @@ def wheel(python):
     finished = _finish(raw)
     stamp.write_text(f"{finished.name} {wanted}\n")
     return finished
-
-
-def _tests(build):
-    return "ON" if build == "build/release" else "OFF"
 
 
 def _tag(python):

@@ -68,7 +68,7 @@ class Volume:
             return self
         low, high = self.field().range
         layer = low - CAP_DEPTH * (high - low)
-        if layer < np.finfo(np.float32).min:
+        if layer < float(np.finfo(np.float32).min):
             raise LeaflightError(
                 f"{self.source or self.name}: its values {low:g}..{high:g} are too large to be "
                 "capped; scale them down."
