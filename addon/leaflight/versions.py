@@ -65,6 +65,12 @@ def falls_off_softly(light):
     return light.use_soft_falloff if always is None else always
 
 
+def harden_falloff(light):
+    """Lets E = I / d^2 at the distance d from a point light, where Blender offers that."""
+    if light_units().soft_points is None:
+        light.use_soft_falloff = False
+
+
 def links_light(obj):
     """Whether a light or mesh lights or shades only some objects, from 4.0 on."""
     linking = getattr(obj, "light_linking", None)

@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A Blender with the packed add-on installed, away from the user's own settings."""
+"""A Blender with the package installed as its user does it, away from the user's own settings.
 
+It is the program called blender on the search path: Debian's, or that of a module of PyPI's in a
+virtual environment (scripts/blender).
+"""
+
+import json
 import os
 import subprocess
 from pathlib import Path
@@ -12,33 +17,70 @@ collect_ignore = ["inside"]
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
+RESULTS = ROOT / "build" / "compatibility"
 
-INSTALL = """
-import bpy, sys
-bpy.ops.preferences.addon_install(filepath=sys.argv[-1])
-bpy.ops.preferences.addon_enable(module="leaflight_addon")
-bpy.ops.wm.save_userpref()
+ABOUT = """
+import bpy, json, numpy, platform, sys
+print("ABOUT", json.dumps({
+    "blender": bpy.app.version_string, "version": list(bpy.app.version),
+    "python": platform.python_version(), "numpy": numpy.__version__, "module": bpy.app.module,
+    "system": platform.freedesktop_os_release()["PRETTY_NAME"] + " " + platform.machine(),
+}))
 """
 
 
+# What may differ between versions of Blender, in about a minute: its lights and materials, bakes,
+# scrubbing, rendering, saved files, readers; and the scenes that the package builds for Cycles.
+BRIEF = {
+    "test_in_blender[check_bake.py]",
+    "test_in_blender[check_import.py]",
+    "test_in_blender[check_leaves.py]",
+    "test_in_blender[check_lights.py]",
+    "test_in_blender[check_materials.py]",
+    "test_in_blender[check_scrub.py]",
+    "test_in_blender[check_shader.py]",
+    "test_in_blender[check_surroundings.py]",
+    "test_path_tracer_under_every_light[False]",
+}
+
+
+def pytest_addoption(parser):
+    parser.addoption(
+        "--brief", action="store_true", help="only the checks that every Blender gets in each run"
+    )
+
+
+def pytest_collection_modifyitems(config, items):
+    if config.getoption("--brief"):
+        config.hook.pytest_deselected(items=[item for item in items if item.name not in BRIEF])
+        items[:] = [item for item in items if item.name in BRIEF]
+
+
 class Blender:
-    """Runs Python in background Blender processes that share one set of preferences."""
+    """Runs Python in background Blender processes that share one folder of the user's."""
 
     def __init__(self, folder):
-        self.environment = {
-            **os.environ,
-            "BLENDER_USER_CONFIG": str(folder / "config"),
-            "BLENDER_USER_SCRIPTS": str(folder / "scripts"),
-            "BLENDER_USER_DATAFILES": str(folder / "datafiles"),
-        }
-        for name in ("config", "scripts", "datafiles"):
+        self.environment = {**os.environ, "BLENDER_USER_RESOURCES": str(folder)}
+        for name in ("config", "scripts", "datafiles", "extensions"):
+            self.environment[f"BLENDER_USER_{name.upper()}"] = str(folder / name)
             (folder / name).mkdir()
+        self._addons = []
+        output = self.run("--python-expr", ABOUT, timeout=60)
+        line = next(line for line in output.splitlines() if line.startswith("ABOUT "))
+        self.about = json.loads(line.removeprefix("ABOUT "))
+        self.extends = self.about["version"] >= [4, 2]
+
+    def install(self, package):
+        print(self.run("--python", HERE / "install.py", "--", package, timeout=120))
+        if self.about["module"]:
+            # It starts without the preferences that have just been saved (program.py).
+            self._addons = ["--addons", "bl_ext.user_default.leaflight"]
 
     def run(self, *arguments, timeout):
         """The output of Blender; fails the test when its script fails or takes too long."""
-        command = ["blender", "--background", "--python-exit-code", "1", *map(str, arguments)]
+        options = ["--background", *self._addons, "--python-exit-code", "1"]
         result = subprocess.run(
-            command,
+            ["blender", *options, *map(str, arguments)],
             env=self.environment,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -50,17 +92,55 @@ class Blender:
             pytest.fail(f"Blender exited with {result.returncode}:\n{result.stdout}", pytrace=False)
         return result.stdout
 
+    def check(self, file, results, timeout):
+        """Runs a file of checks, which writes what came of each to a file of results."""
+        environment = self.environment
+        self.environment = {**environment, "LEAFLIGHT_RESULTS": str(results)}
+        try:
+            return self.run("--python", HERE / "inside" / "run.py", "--", file, timeout=timeout)
+        finally:
+            self.environment = environment
 
-@pytest.fixture(scope="session")
-def addon_zip():
+
+def package_of(*options):
+    """The paths of the packages that scripts/package makes."""
     done = subprocess.run(
-        [ROOT / "scripts" / "package", "--legacy"], stdout=subprocess.PIPE, text=True, check=True
+        [ROOT / "scripts" / "package", *options], stdout=subprocess.PIPE, text=True, check=True
     )
-    return ROOT / done.stdout.splitlines()[-1]
+    return [ROOT / path for path in done.stdout.splitlines()[-1].split()]
 
 
 @pytest.fixture(scope="session")
-def blender(addon_zip, tmp_path_factory):
+def legacy_zip():
+    (path,) = package_of("--legacy")
+    return path
+
+
+@pytest.fixture(scope="session")
+def blender(request, tmp_path_factory):
     blender = Blender(tmp_path_factory.mktemp("blender"))
-    blender.run("--python-expr", INSTALL, "--", addon_zip, timeout=60)
+    if not blender.extends:
+        package = request.getfixturevalue("legacy_zip")
+    else:
+        options = ["--quick"] if blender.about["python"].startswith("3.11.") else []
+        (package,) = (
+            path
+            for path in package_of(*options)
+            if path.suffix == ".zip" and "legacy" not in path.name
+        )
+    blender.install(package)
+    blender.about["package"] = package.name
     return blender
+
+
+@pytest.fixture(scope="session")
+def results(request, blender):
+    """The folder of what came of the checks in this Blender, for scripts/compatibility."""
+    about = blender.about
+    folder = RESULTS / f"{about['blender'].split()[0]}-numpy{about['numpy'].split('.')[0]}"
+    folder.mkdir(parents=True, exist_ok=True)
+    for old in folder.glob("*.json"):
+        old.unlink()
+    about["whole"] = not request.config.getoption("--brief")
+    (folder / "about.json").write_text(json.dumps(about, indent=2) + "\n")
+    return folder

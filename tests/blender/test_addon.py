@@ -11,14 +11,15 @@ CHECKS = sorted(path.name for path in INSIDE.glob("check_*.py"))
 
 
 @pytest.mark.parametrize("checks", CHECKS)
-def test_in_blender(blender, checks):
-    output = blender.run("--python", INSIDE / "run.py", "--", INSIDE / checks, timeout=300)
+def test_in_blender(blender, results, checks):
+    file = results / checks.replace(".py", ".json")
+    output = blender.check(INSIDE / checks, file, timeout=300)
     print(output)
-    assert "passed" in output
+    assert "passed" in output and file.exists()
 
 
-def test_zip_holds_the_addon_with_its_core(addon_zip):
-    names = zipfile.ZipFile(addon_zip).namelist()
+def test_zip_holds_the_addon_with_its_core(legacy_zip):
+    names = zipfile.ZipFile(legacy_zip).namelist()
     assert "leaflight_addon/__init__.py" in names
     assert "modules/leaflight/__init__.py" in names
     assert "modules/leaflight/io/readers/nifti.py" in names

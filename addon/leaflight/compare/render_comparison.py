@@ -5,9 +5,10 @@
 Both stills go through Cycles with the same walls and lights; only the leaf's material differs. In
 the baked still it emits the baked radiance, which is all the light that leaves it, and reflects
 nothing: a path from the camera or from a wall that meets the leaf ends there with the answer the
-bake has stored. So the leaf's light reaches the walls exactly once, the walls look right, and the
-leaf's pixels have no noise: what differs there is the error of the bake plus the noise of Cycles,
-which is measured as well, from two halves of its samples.
+bake has stored. So the leaf's light reaches the walls exactly once, the walls look right, and a
+diffuse leaf's pixels have no noise: what differs there is the error of the bake plus the noise of
+Cycles. A mirror or glass shows its surroundings by paths, with noise in both stills. So that of
+each is measured as well, from two halves of its samples.
 """
 
 import contextlib
@@ -35,6 +36,9 @@ LeaflightError = leaflight.LeaflightError
 # it is.
 DIFFERENCE_GAIN = 5.0
 
+# Percent. The bakes of the tests, with 32 texels a side, are off by up to 1.4.
+MEAN_OF_A_GOOD_BAKE = 2.0
+
 _MASK_SAMPLES = 16
 
 
@@ -57,7 +61,7 @@ class LEAFLIGHT_OT_render_comparison(bpy.types.Operator):
         name="Baked Samples",
         description="Samples per pixel of the baked still; only its walls need many",
         default=64,
-        min=1,
+        min=2,
         soft_max=4096,
     )
     folder: StringProperty(
@@ -90,12 +94,11 @@ class LEAFLIGHT_OT_render_comparison(bpy.types.Operator):
         except LeaflightError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        rms, noise = result["leaf_rms_percent"], result["leaf_noise_percent"]
-        leaf.leaflight.comparison = (
-            f"RMS {rms:.2f} % on the leaf, of which Cycles noise {noise:.2f} %; mean off by "
-            f"{result['leaf_mean_off_percent']:+.2f} +- {result['leaf_mean_off_within']:.2f} %"
-        )
-        self.report({"INFO"}, f"{leaf.leaflight.comparison}; images in {folder}")
+        found, doubts = summary(result), doubt(result)
+        self.report({"INFO"}, f"{found}; images in {folder}")
+        if doubts:
+            self.report({"WARNING"}, doubts)
+        leaf.leaflight.comparison = f"{found}. {doubts}" if doubts else found
         return {"FINISHED"}
 
     def _make_folder(self, leaf):
@@ -116,7 +119,7 @@ def compare(context, leaf, samples, baked_samples):
     Returns a dict: images baked, cycles, difference (height, width, 3) in linear radiance and
     coverage (height, width), the share of each pixel that the leaf fills; leaf_rms_percent over the
     pixels that the leaf fills and image_rms_percent over all (thesis Eq. 4.11 corrected: colours
-    times exposure, clamped to 0..1); leaf_noise_percent, what the noise of Cycles adds to the
+    times exposure, clamped to 0..1); leaf_noise_percent, what the noise of both stills adds to the
     former; leaf_mean_off_percent, how much more radiance the leaf's pixels have than in Cycles,
     nothing clamped, and leaf_mean_off_within, half of its interval of 95 %; baked_seconds,
     cycles_seconds. Raises LeaflightError.
@@ -125,18 +128,19 @@ def compare(context, leaf, samples, baked_samples):
     isovalue = leaf.evaluated_get(context.evaluated_depsgraph_get()).leaflight.isovalue
     _check_lit(leaf, isovalue)
     start = time.perf_counter()
-    baked = render.cycles_still(scene, baked_samples, seed=0)[..., :3]
+    baked_halves = _halves(scene, baked_samples)
     baked_seconds = time.perf_counter() - start
     with _seen_alone(context, leaf):
         coverage = render.cycles_still(scene, _MASK_SAMPLES, seed=0, transparent=True)[..., 3]
     start = time.perf_counter()
     with _path_traced(context, leaf):
-        halves = [render.cycles_still(scene, samples // 2, seed)[..., :3] for seed in (1, 2)]
+        cycles_halves = _halves(scene, samples)
     cycles_seconds = time.perf_counter() - start
 
     exposure = 2.0**scene.view_settings.exposure
-    cycles = 0.5 * (halves[0] + halves[1])
     filled = coverage > 0.999
+    baked, cycles = (0.5 * (a + b) for a, b in (baked_halves, cycles_halves))
+    noise = [0.5 * rms_percent(*each, exposure, filled) for each in (baked_halves, cycles_halves)]
     everywhere = np.ones_like(filled)
     return {
         "baked": baked,
@@ -147,12 +151,17 @@ def compare(context, leaf, samples, baked_samples):
         "samples": samples,
         "leaf_pixels": int(filled.sum()),
         "leaf_rms_percent": rms_percent(baked, cycles, exposure, filled),
-        "leaf_noise_percent": 0.5 * rms_percent(*halves, exposure, filled),
-        **mean_off(baked, halves, filled),
+        "leaf_noise_percent": float(np.hypot(*noise)),
+        **mean_off(baked_halves, cycles_halves, filled),
         "image_rms_percent": rms_percent(baked, cycles, exposure, everywhere),
         "baked_seconds": baked_seconds,
         "cycles_seconds": cycles_seconds,
     }
+
+
+def _halves(scene, samples):
+    """Two stills of half of the samples each, by different random numbers."""
+    return [render.cycles_still(scene, samples // 2, seed)[..., :3] for seed in (1, 2)]
 
 
 def _check_lit(leaf, isovalue):
@@ -182,20 +191,48 @@ def rms_percent(image, reference, exposure, mask):
     return color_error.rms_percent(image[mask], reference[mask], exposure)
 
 
-def mean_off(image, halves, mask):
-    """By how many percent the mean of an image differs from that of two halves of Cycles' samples.
+def mean_off(baked_halves, cycles_halves, mask):
+    """By how many percent the mean of the baked still differs from that of Cycles.
 
-    With half of its interval of 95 %, which the halves' difference tells, pixel by pixel; NaN where
-    the mask holds no pixels, or all is dark.
+    With half of its interval of 95 %, which the difference of each still's halves tells, pixel by
+    pixel; NaN where the mask holds no pixels, or all is dark.
     """
     off = within = float("nan")
     if mask.any():
-        own, *each = (x[mask].mean(axis=1, dtype=np.float64) for x in (image, *halves))
-        mean = 0.5 * (each[0].mean() + each[1].mean())
-        error = 0.5 * np.sqrt(np.sum((each[0] - each[1]) ** 2)) / len(own)
-        if mean > 0:
-            off, within = float(own.mean() / mean - 1), float(color_error.REACH * error / mean)
-    return {"leaf_mean_off_percent": 100.0 * off, "leaf_mean_off_within": 100.0 * within}
+        (baked, baked_error), (cycles, cycles_error) = (
+            _mean(halves, mask) for halves in (baked_halves, cycles_halves)
+        )
+        if cycles > 0:
+            off = baked / cycles - 1
+            within = color_error.REACH * np.hypot(baked_error, cycles_error * (1 + off)) / cycles
+    return {"leaf_mean_off_percent": 100 * float(off), "leaf_mean_off_within": 100 * float(within)}
+
+
+def _mean(halves, mask):
+    """(mean over the mask, its standard error) of a still of two halves of samples."""
+    a, b = (half[mask].mean(axis=1, dtype=np.float64) for half in halves)
+    return 0.5 * (a.mean() + b.mean()), 0.5 * np.sqrt(np.sum((a - b) ** 2)) / len(a)
+
+
+def summary(result):
+    off, within = result["leaf_mean_off_percent"], result["leaf_mean_off_within"]
+    return (
+        f"RMS {result['leaf_rms_percent']:.2f} % on the leaf, of which noise "
+        f"{result['leaf_noise_percent']:.2f} %; mean off by {off:+.2f} +- {within:.2f} %"
+        + (", more than noise explains" if abs(off) > within else "")
+    )
+
+
+def doubt(result):
+    """A sentence when the mean is off by more than noise and texels explain, or an empty text."""
+    off, within = result["leaf_mean_off_percent"], result["leaf_mean_off_within"]
+    if not abs(off) - within > MEAN_OF_A_GOOD_BAKE:
+        return ""
+    return (
+        f"The mean is off by {off:+.1f} %, of which noise explains {within:.1f} % and the texels of "
+        f"a good bake {MEAN_OF_A_GOOD_BAKE:g} %: Cycles renders something brighter or darker than "
+        "it was baked; see what differs, bake again, or bake with more texels and samples"
+    )
 
 
 def write(scene, stem, result):

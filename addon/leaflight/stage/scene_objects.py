@@ -8,6 +8,7 @@ import mathutils
 import numpy as np
 from leaflight.scene.scene import AreaLight, SunLight
 
+from .. import versions
 from ..show import shader
 from . import cornell_box, lights
 
@@ -26,6 +27,12 @@ def build(context, description):
         collection.objects.link(_mesh(mesh))
     for light in description.lights:
         collection.objects.link(_light(light))
+        cone = getattr(light, "cone", None)
+        if cone is not None and cone.cosine_falloff != versions.light_units().spot_cosine:
+            warnings.append(
+                f'Light "{light.name}" comes as bright as it was along its axis only: spots of the '
+                "Blender it was baked in fade otherwise towards their edge"
+            )
     _surround(context.scene, description.environment, warnings)
     context.scene.view_settings.view_transform = "Standard"
     context.scene.view_settings.exposure = math.log2(description.exposure)
@@ -59,6 +66,7 @@ def _light(description):
         kind, axis = ("POINT", (0, 0, -1)) if cone is None else ("SPOT", cone.axis)
         obj = _turned(kind, description.name, axis, description.position)
         obj.data.shadow_soft_size = description.radius
+        versions.harden_falloff(obj.data)
         if cone is not None:
             obj.data.spot_size, obj.data.spot_blend = cone.angle, cone.blend
         wanted = description.intensity
@@ -92,8 +100,8 @@ def _surround(scene, environment, warnings):
     if scene.world is not None:
         scene.world.use_fake_user = True
     scene.world = bpy.data.worlds.new(environment.name)
-    scene.world.use_nodes = True
-    background = next(n for n in scene.world.node_tree.nodes if n.type == "BACKGROUND")
+    tree = versions.give_nodes(scene.world)
+    background = next(n for n in tree.nodes if n.type == "BACKGROUND")
     strength = max(environment.radiance)
     background.inputs[0].default_value = (*(x / strength for x in environment.radiance), 1.0)
     background.inputs[1].default_value = strength

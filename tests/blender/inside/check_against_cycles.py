@@ -33,6 +33,7 @@ def assert_agrees(leaf, isovalue, samples=256, baked_samples=16, most=2.5):
     assert result["leaf_rms_percent"] ** 2 - noise**2 < most**2
     assert result["image_rms_percent"] < most + noise
     cycles = result["cycles"].mean(axis=(0, 1))
+    assert not render_comparison.doubt(result)
     assert np.all(np.abs(result["baked"].mean(axis=(0, 1)) / cycles - 1.0) < 0.015)
     return result
 
@@ -108,7 +109,8 @@ def check_caustics_of_a_glass_leaf_and_a_mirror_before_the_wall(scene):
     bpy.context.view_layer.objects.active = scene
     bpy.context.view_layer.update()
     bpy.ops.leaflight.bake()
-    assert_agrees(scene, 47.0, samples=1024, most=4.0)
+    # Of glass and mirrors the baked still has noise, too: with 16 samples 4 % (3.1 to 4.5 %).
+    assert_agrees(scene, 47.0, samples=1024, baked_samples=256)
 
 
 def check_a_glass_leaf_without_lit_surroundings_has_nothing_to_compare(scene):

@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 import pytest
 from leaflight import LeaflightError
-from leaflight.measure.blender_versions import light_units
+from leaflight.measure import blender_versions
 from leaflight_addon import versions
 from leaflight_addon.show import leaves
 from leaflight_addon.stage import scene_export, world
@@ -29,19 +29,28 @@ def probe():
     return build_probe((0.8, 0.5, 0.3))
 
 
-def assert_probe_agrees(probe, tmp_path, samples=256, most=0.005):
-    """most: by how much the bake and Cycles may differ, their noise included."""
-    bpy.context.view_layer.update()
-    description, warnings = export(bpy.data.objects.new("Leaf", None))
-    assert warnings == []
-    expected, error = traced_probe(description)
-    assert expected.min() > 1e-3
-    halves = [rendered_probe(tmp_path / "probe.exr", samples, seed) for seed in (1, 2)]
-    ratio = np.mean(halves, axis=0) / expected
-    noise = np.hypot(error / expected, 0.5 * (halves[0] - halves[1]) / expected)
-    assert np.all(noise < most / 5)
-    close(ratio, 1.0, most)
-    return description
+@pytest.fixture
+def assert_probe_agrees(probe, tmp_path, record_property):
+    """A function that compares the radiance of the probe by Cycles with the bake's.
+
+    most: by how much they may differ, their noise included. It returns the scene description.
+    """
+
+    def compare(samples=256, most=0.005):
+        bpy.context.view_layer.update()
+        description, warnings = export(bpy.data.objects.new("Leaf", None))
+        assert warnings == []
+        expected, error = traced_probe(description)
+        assert expected.min() > 1e-3
+        halves = [rendered_probe(tmp_path / "probe.exr", samples // 2, seed) for seed in (1, 2)]
+        ratio = np.mean(halves, axis=0) / expected
+        noise = np.hypot(error / expected, 0.5 * (halves[0] - halves[1]) / expected)
+        record_property("cycles_over_bake", [float(x) for x in ratio])
+        assert np.all(noise < most / 5)
+        close(ratio, 1.0, most)
+        return description
+
+    return compare
 
 
 def export(leaf):
@@ -58,54 +67,86 @@ def without_a_volume(monkeypatch):
 
 
 @pytest.mark.parametrize("shape", ["SQUARE", "RECTANGLE", "DISK", "ELLIPSE"])
-def check_area_lights(probe, tmp_path, shape):
+def check_area_lights(assert_probe_agrees, shape):
     # Beside the camera, which would be in its way right above.
     lamp = add_light("AREA", (0.4, 0.2, 1.0), (0.2, 0.3, 0.5), energy=5.0, color=(1.0, 0.7, 0.4))
     lamp.data.shape = shape
     lamp.data.size, lamp.data.size_y = 0.6, 0.4
     lamp.scale = (1.5, 0.5, 1.0)
-    (light,) = assert_probe_agrees(probe, tmp_path).lights
+    (light,) = assert_probe_agrees().lights
     assert light.ellipse == (shape in {"DISK", "ELLIPSE"})
 
 
 @pytest.mark.parametrize("radius", [0.0, 0.1])
-def check_a_point_light_whose_object_is_scaled(probe, tmp_path, radius):
+def check_a_point_light_whose_object_is_scaled(assert_probe_agrees, radius):
     lamp = add_light("POINT", (0.6, 0.3, 1.5), energy=40.0, color=(1.0, 0.7, 0.4))
     lamp.data.shadow_soft_size = radius
     lamp.scale = (3.0, 3.0, 3.0)
-    (light,) = assert_probe_agrees(probe, tmp_path).lights
+    (light,) = assert_probe_agrees().lights
     assert light.radius == pytest.approx(radius)
 
 
 @pytest.mark.parametrize("off_axis", [0.0, 0.25, 0.4])
-def check_a_spot(probe, tmp_path, off_axis):
+def check_a_spot(assert_probe_agrees, off_axis):
     lamp = add_light("SPOT", (0.5, 0.0, 2.0), energy=60.0, color=(1.0, 0.7, 0.4))
     lamp.data.spot_size, lamp.data.spot_blend = 1.0, 0.5
     lamp.data.shadow_soft_size = 0.0
     lamp.rotation_euler.y = math.atan2(0.5, 2.0) + off_axis
-    (light,) = assert_probe_agrees(probe, tmp_path).lights
+    (light,) = assert_probe_agrees().lights
     assert light.cone is not None
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.00918, 0.6])
-def check_a_sun(probe, tmp_path, angle):
+def check_a_sun(assert_probe_agrees, angle):
     sun = add_light("SUN", (9, 9, 9), (0.5, 0.2, 0.0), energy=2.0, color=(1.0, 0.7, 0.4))
     sun.data.angle = angle
-    assert_probe_agrees(probe, tmp_path)
+    assert_probe_agrees()
 
 
-def check_a_light_with_an_emission_node(probe, tmp_path):
+def check_a_wide_point_light_without_soft_falloff(assert_probe_agrees):
+    """Which Blender offers from 4.2 on; before, light falls off softly."""
+    lamp = add_light("POINT", (0.6, 0.3, 1.5), energy=40.0)
+    hard = hasattr(lamp.data, "use_soft_falloff")
+    lamp.data.shadow_soft_size = 0.5 if hard else 0.05
+    versions.harden_falloff(lamp.data)
+    assert versions.falls_off_softly(lamp.data) != hard
+    assert_probe_agrees(samples=1024)
+
+
+def check_exposure_and_temperature(assert_probe_agrees):
+    """Of lights, from 4.4 on."""
+    lamp = add_light("POINT", (0.6, 0.3, 1.5), energy=40.0, color=(1.0, 0.7, 0.4))
+    lamp.data.shadow_soft_size = 0.0
+    (plain,) = assert_probe_agrees().lights
+    if not hasattr(lamp.data, "exposure"):
+        return
+    lamp.data.exposure = 1.5
+    lamp.data.use_temperature, lamp.data.temperature = True, 3000.0
+    (light,) = assert_probe_agrees().lights
+    ratio = np.array(light.intensity) / plain.intensity
+    assert ratio[0] > 2.8 and ratio[2] < 0.6 * ratio[0]
+
+
+def check_what_only_eevee_knows_changes_nothing(assert_probe_agrees):
+    lamp = add_light("AREA", (0.4, 0.2, 1.0), (0.2, 0.3, 0.5), energy=5.0)
+    lamp.data.size = 0.4
+    lamp.data.diffuse_factor = lamp.data.specular_factor = lamp.data.volume_factor = 0.3
+    lamp.data.use_custom_distance, lamp.data.cutoff_distance = True, 0.1
+    assert_probe_agrees()
+
+
+def check_a_light_with_an_emission_node(assert_probe_agrees):
     lamp = add_light("POINT", (0.6, 0.3, 1.5), energy=40.0)
     lamp.data.shadow_soft_size = 0.0
     tree = versions.give_nodes(lamp.data)
     emission = next(n for n in tree.nodes if n.type == "EMISSION")
     emission.inputs["Color"].default_value = (0.2, 0.4, 0.8, 1.0)
     emission.inputs["Strength"].default_value = 2.5
-    assert_probe_agrees(probe, tmp_path)
+    assert_probe_agrees()
 
 
 @pytest.mark.parametrize("kind", ["ShaderNodeEmission", "ShaderNodeBsdfPrincipled"])
-def check_an_emissive_mesh(probe, tmp_path, kind):
+def check_an_emissive_mesh(assert_probe_agrees, kind):
     bpy.ops.mesh.primitive_plane_add(
         size=0.7, location=(0.6, 0.1, 0.8), rotation=(0.3, math.pi - 0.5, 0.0)
     )
@@ -119,13 +160,13 @@ def check_an_emissive_mesh(probe, tmp_path, kind):
             "Emission Strength": 3.0,
         }
     bpy.context.object.data.materials.append(constant_material(kind, **inputs))
-    description = assert_probe_agrees(probe, tmp_path, samples=512, most=0.01)
+    description = assert_probe_agrees(samples=512, most=0.01)
     close(description.meshes[1].emission, (3.0, 1.8, 0.9), 1e-6)
 
 
-def check_a_world_of_one_color(probe, tmp_path):
+def check_a_world_of_one_color(assert_probe_agrees):
     bpy.context.scene.world = one_coloured_world((0.3, 0.5, 0.9))
-    description = assert_probe_agrees(probe, tmp_path, samples=64)
+    description = assert_probe_agrees(samples=64)
     close(description.environment.radiance, (0.3, 0.5, 0.9), 1e-6)
 
 
@@ -141,7 +182,7 @@ def _environment_texture(image):
 
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize("picture", [noise_image, smooth_image])
-def check_an_hdri(probe, tmp_path, picture, turned):
+def check_an_hdri(assert_probe_agrees, picture, turned):
     tree, texture = _environment_texture(picture(64, 32))
     if turned:
         mapping = tree.nodes.new("ShaderNodeMapping")
@@ -149,7 +190,7 @@ def check_an_hdri(probe, tmp_path, picture, turned):
         coordinates = tree.nodes.new("ShaderNodeTexCoord")
         tree.links.new(coordinates.outputs["Generated"], mapping.inputs["Vector"])
         tree.links.new(mapping.outputs[0], texture.inputs["Vector"])
-    description = assert_probe_agrees(probe, tmp_path, samples=1024, most=0.01)
+    description = assert_probe_agrees(samples=1024, most=0.01)
     assert description.environment.image.shape == (32, 64, 3)
     assert np.array_equal(description.environment.world_to_image, np.eye(3)) != turned
 
@@ -223,6 +264,43 @@ def check_a_wide_point_light_nearby_is_warned_of(probe):
         assert len(warnings) == warned and all("4 %" in sentence for sentence in warnings)
 
 
+def check_a_light_that_is_not_normalized_is_refused(probe):
+    lamp = add_light("AREA", (0, 0, 1))
+    if hasattr(lamp.data, "normalize"):  # from 4.4 on
+        lamp.data.normalize = False
+        sentence = sentence_of_export()
+        assert f'"{lamp.name}"' in sentence and "Normalize" in sentence
+
+
+def check_light_linking_is_warned_of(probe):
+    lamp = add_light("POINT", (0.0, 0.0, 9.0), energy=10.0)
+    if not hasattr(lamp, "light_linking"):  # before 4.0
+        return
+    for name in ("receiver_collection", "blocker_collection"):
+        setattr(lamp.light_linking, name, bpy.data.collections.new("Few"))
+        bpy.context.view_layer.update()
+        (warning,) = export(bpy.data.objects.new("Leaf", None))[1]
+        assert f'"{lamp.name}"' in warning and "light linking" in warning
+        setattr(lamp.light_linking, name, None)
+    assert not export(bpy.data.objects.new("Leaf", None))[1]
+
+
+def check_another_working_space_is_refused(probe):
+    if not hasattr(bpy.data, "colorspace"):  # before 5.0
+        return
+    add_light("POINT", (0.0, 0.0, 9.0), energy=10.0)
+    bpy.ops.wm.set_working_color_space(working_space="ACEScg", convert_colors=True)
+    assert "ACEScg" in sentence_of_export()
+
+
+def check_versions_that_were_never_compared_are_warned_of(probe, monkeypatch):
+    add_light("POINT", (0.0, 0.0, 9.0), energy=10.0)
+    bpy.context.view_layer.update()
+    monkeypatch.setattr(blender_versions, "CHECKED", ((3, 6),))
+    (warning,) = export(bpy.data.objects.new("Leaf", None))[1]
+    assert "Render Comparison" in warning
+
+
 def check_a_light_that_some_rays_do_not_see_is_warned_of(probe):
     lamp = add_light("POINT", (0.0, 0.0, 9.0), energy=10.0)
     lamp.visible_camera = False
@@ -288,6 +366,6 @@ def _bright():
 
 
 def check_units_of_other_versions():
-    assert light_units((3, 4, 1)).area == 0.25
-    assert light_units((5, 2, 2)).area == pytest.approx(1 / math.pi)
-    assert light_units((3, 3, 0)) is None
+    assert blender_versions.light_units((3, 4, 1)).area == 0.25
+    assert blender_versions.light_units((5, 2, 2)).area == pytest.approx(1 / math.pi)
+    assert blender_versions.light_units((3, 3, 0)) is None

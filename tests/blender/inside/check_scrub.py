@@ -8,7 +8,7 @@ from leaflight_addon import versions
 from leaflight_addon.show import properties
 from leaflight_addon.store import cache
 from leaflight_addon.ui import handlers
-from tools import assert_shows, close, look_down, mesh_arrays, render_exr
+from tools import ADDON, assert_shows, close, look_down, mesh_arrays, render_exr
 
 
 def _edit_as_the_slider_does(obj, isovalue):
@@ -188,9 +188,9 @@ def check_disabling_the_addon_removes_its_handlers_and_enabling_brings_them_back
         ]
 
     assert len(ours()) == len(handlers._HANDLERS)
-    bpy.ops.preferences.addon_disable(module="leaflight_addon")
+    bpy.ops.preferences.addon_disable(module=ADDON)
     assert not ours() and not hasattr(bpy.types.Object, "leaflight")
     assert not hasattr(bpy.types, "LEAFLIGHT_OT_bake")
-    bpy.ops.preferences.addon_enable(module="leaflight_addon")
+    bpy.ops.preferences.addon_enable(module=ADDON)
     assert hasattr(bpy.types.Object, "leaflight")
     bpy.data.objects[baked.name].leaflight.isovalue = 66.0

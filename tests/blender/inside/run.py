@@ -1,14 +1,55 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""blender --background --python run.py -- check_file.py: runs pytest within Blender."""
+"""blender --background --python run.py -- check_file.py: runs pytest within Blender.
 
+What came of each check, and what it recorded, goes to the file named by LEAFLIGHT_RESULTS.
+"""
+
+import importlib
+import json
+import os
+import pkgutil
 import sys
 from pathlib import Path
 
+import addon_utils
+import bpy
 import pytest
 
 here = Path(__file__).resolve().parent
+
+
+def name_the_addon():
+    """The checks import it as leaflight_addon, its name where no extension has another."""
+    names = ("leaflight_addon", "bl_ext.user_default.leaflight")
+    (name,) = (name for name in names if addon_utils.check(name)[1])
+    addon = sys.modules[name]
+    sys.modules["leaflight_addon"] = addon
+    for part in pkgutil.walk_packages(addon.__path__, f"{name}."):
+        alias = part.name.replace(name, "leaflight_addon", 1)
+        sys.modules[alias] = importlib.import_module(part.name)
+
+
+class Results:
+    def __init__(self):
+        self.found = {}
+
+    def pytest_runtest_logreport(self, report):
+        if report.when == "call" or report.outcome != "passed":
+            self.found[report.nodeid.split("/")[-1]] = {
+                "outcome": report.outcome,
+                **dict(report.user_properties),
+            }
+
+    def pytest_sessionfinish(self):
+        if "LEAFLIGHT_RESULTS" in os.environ:
+            text = json.dumps(self.found, indent=2)
+            Path(os.environ["LEAFLIGHT_RESULTS"]).write_text(text + "\n")
+
+
+name_the_addon()
+print(f"Blender {bpy.app.version_string}, {sys.modules['leaflight_addon'].__name__}")
 sys.path.insert(0, str(here))  # for tools.py
-# The project's own settings would put the Python package in the place of the add-on.
+# The project's own settings would put the built package in the place of the installed one.
 status = pytest.main(
     [
         "-c",
@@ -18,6 +59,7 @@ status = pytest.main(
         "-p",
         "no:cacheprovider",
         *sys.argv[sys.argv.index("--") + 1 :],
-    ]
+    ],
+    plugins=[Results()],
 )
 sys.exit(int(status))

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the checks share: reading meshes back, rendering exact pixels, reading reports."""
 
+import sys
 from dataclasses import replace
 
 import bpy
@@ -11,6 +12,9 @@ from leaflight.scene.scene import Leaves, core_scene
 from leaflight_addon import versions
 from leaflight_addon.store import cache
 
+
+# The name under which Blender has the add-on.
+ADDON = sys.modules["leaflight_addon"].__name__
 
 _engines = bpy.types.RenderSettings.bl_rna.properties["engine"].enum_items
 EEVEE = next((e for e in ("BLENDER_EEVEE", "BLENDER_EEVEE_NEXT") if e in _engines), None)
