@@ -33,7 +33,13 @@ FOLDER = "leaflight"
 # Digits of the id in a file's name.
 _DIGITS = 12
 
-_SESSION = time.strftime(f"unsaved_%Y%m%d_%H%M%S_{os.getpid()}")
+# The folders of sessions begin with it.
+_UNSAVED = "unsaved_"
+
+# After so many seconds an unsaved .blend whose bakes nobody touched counts as given up.
+_GIVEN_UP = 7 * 24 * 3600
+
+_SESSION = time.strftime(f"{_UNSAVED}%Y%m%d_%H%M%S_{os.getpid()}")
 
 # Path -> (what tells a change of the file, its id or the LeaflightError on reading it).
 _ids = {}
@@ -50,6 +56,20 @@ def user_folder():
 def session_folder():
     """Where bakes lie for as long as their .blend is not saved."""
     return user_folder() / _SESSION
+
+
+def folders_of_unsaved():
+    """The folders of this session and of those whose .blend was given up unsaved."""
+    user = user_folder()
+    folders = sorted(user.glob(f"{_UNSAVED}*")) if user.is_dir() else []
+    oldest = time.time() - _GIVEN_UP
+    return [f for f in folders if f.name == _SESSION or f.stat().st_mtime < oldest]
+
+
+def remove_if_empty(folder):
+    """Removes a folder of an unsaved .blend once nothing is left in it. Raises OSError."""
+    if folder.parent == user_folder() and not any(folder.iterdir()):
+        folder.rmdir()
 
 
 def folder_for(obj):

@@ -9,6 +9,7 @@ import bpy
 import leaflight
 import numpy as np
 import pytest
+from leaflight_addon.bake import unused_bakes
 from leaflight_addon.show import display, properties, surface_object
 from leaflight_addon.stage import staleness
 from leaflight_addon.store import atlases, bake_files, cache
@@ -656,6 +657,26 @@ def check_unused_bakes_go_when_asked(saved):
     bpy.ops.leaflight.remove_unused_bakes()
     assert not first.exists() and not atlases.beside(first)
     assert second.exists() and atlases.beside(second) and foreign.exists()
+
+
+def check_bakes_of_unsaved_files_stay_visible(unsaved, tmp_path):
+    first = bake_files.locate(unsaved)
+    _brighten()
+    bpy.ops.leaflight.bake()
+    second = bake_files.locate(unsaved)
+    given_up, recent = (bake_files.user_folder() / f"unsaved_{name}" for name in ("old", "new"))
+    for folder in (given_up, recent):
+        folder.mkdir()
+        shutil.copy(first, folder)
+    os.utime(given_up, (1, 1))
+    assert set(unused_bakes.unused()) == {given_up / first.name, first}
+    _save(tmp_path / "scene.blend")
+    moved = tmp_path / "leaflight" / second.name
+    assert set(unused_bakes.of_this_file()) == {moved, first, given_up / first.name}
+    bpy.ops.leaflight.remove_unused_bakes()
+    assert moved.exists() and (recent / first.name).exists()
+    assert not first.exists() and not given_up.exists()
+    shutil.rmtree(recent)
 
 
 def check_messages_speak_of_settings_and_not_of_flags(tmp_path):
