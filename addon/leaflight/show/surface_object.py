@@ -112,6 +112,8 @@ def _own_mesh(obj):
     They share one for as long as they show the same.
     """
     mesh = obj.data
+    if mesh.library is None and mesh.users < 2:
+        return
     others = (other for other in bpy.data.objects if other != obj and other.data == mesh)
     if mesh.library is not None or any(other.leaflight.is_volume for other in others):
         obj.data = mesh.copy()

@@ -6,6 +6,7 @@ file can invalidate it: what is missing is read again from its file.
 """
 
 import json
+from dataclasses import replace
 
 import bpy
 import leaflight
@@ -47,7 +48,9 @@ def volume_to_bake(obj):
     """
     if obj.leaflight.bake_id and source_files.changed_since_bake(obj):
         return _in_world(obj, _source_volume(obj))
-    return world_volume(obj)
+    volume = world_volume(obj)
+    # A bake that was loaded names itself as the source.
+    return replace(volume, source=source_files.path_of(obj.leaflight) or volume.source)
 
 
 def keep_volume(obj, volume):

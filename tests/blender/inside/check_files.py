@@ -108,6 +108,11 @@ def check_every_bake_is_a_file_of_its_own_that_tells_its_id(saved):
     # The same bake once more is the same file.
     bpy.ops.leaflight.bake()
     assert bake_files.locate(saved) == second
+    # Also when the volume comes from the file of the bake.
+    _save(Path(bpy.data.filepath))
+    obj = _open(bpy.data.filepath)
+    bpy.ops.leaflight.bake()
+    assert bake_files.locate(obj) == second
     assert len(bake_files.bakes_in(second.parent)) == 2
 
 
