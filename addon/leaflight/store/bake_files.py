@@ -92,19 +92,23 @@ def path_for(folder, name, identifier):
     return path
 
 
-def id_in(path):
-    """The id that a file holds. Raises LeaflightError when it is no bake."""
-    path = str(path)
+def state_of(path):
+    """What tells a file from what it was before a change, None where there is none."""
     try:
         state = os.stat(path)
-        stamp = (state.st_ino, state.st_size, state.st_mtime_ns)
     except OSError:
-        stamp = None
-    if path not in _ids or _ids[path][0] != stamp:
+        return None
+    return state.st_ino, state.st_size, state.st_mtime_ns
+
+
+def id_in(path):
+    """The id that a file holds. Raises LeaflightError when it is no bake."""
+    path, state = str(path), state_of(path)
+    if path not in _ids or _ids[path][0] != state:
         try:
-            _ids[path] = stamp, read_bake_id(path)
+            _ids[path] = state, read_bake_id(path)
         except LeaflightError as error:
-            _ids[path] = stamp, error
+            _ids[path] = state, error
     found = _ids[path][1]
     if isinstance(found, LeaflightError):
         raise LeaflightError(str(found))

@@ -19,6 +19,9 @@ LeaflightError = leaflight.LeaflightError
 _volumes = {}
 _bakes = {}
 
+# Path -> (what tells a change of the file, why it could not be read).
+_damaged = {}
+
 
 def volume_of(obj):
     """The volume that an object shows, in its local coordinates. Raises LeaflightError.
@@ -64,7 +67,7 @@ def bake_of(obj):
     if not identifier:
         return None
     if identifier not in _bakes:
-        _bakes[identifier] = leaflight.load_bake(bake_files.locate(obj))
+        _bakes[identifier] = _load(bake_files.locate(obj))
     return _bakes[identifier]
 
 
@@ -96,6 +99,19 @@ def forget_unused():
 def clear():
     _volumes.clear()
     _bakes.clear()
+
+
+def _load(path):
+    """Reads a bake. A damaged one is read but once, however often it is asked for."""
+    state = bake_files.state_of(path)
+    known, error = _damaged.get(path, (None, None))
+    if known is None or known != state:
+        try:
+            return leaflight.load_bake(path)
+        except LeaflightError as problem:
+            error = str(problem)
+            _damaged[path] = state, error
+    raise LeaflightError(error)
 
 
 def _source_volume(obj):

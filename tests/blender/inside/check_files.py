@@ -490,10 +490,43 @@ def check_a_moved_bake_is_found_nearby_or_relocated(saved, tmp_path):
     assert "relocate" in staleness.change_since_bake(bpy.context, obj)
     assert "radiance" not in obj.data.attributes
     bpy.ops.leaflight.relocate_bake(filepath=str(away / "x.vdb"))
+    assert_lit(obj, 68.0)
     obj.leaflight.isovalue = 67.0
     assert_lit(obj, 67.0)
     assert staleness.change_since_bake(bpy.context, obj) == ""
     assert obj.leaflight.bake_path == "//../away/x.vdb"
+
+
+def check_a_bake_that_comes_back_lights_the_surface_that_was_saved_without_it(saved):
+    blend, path = bpy.data.filepath, bake_files.locate(saved)
+    path.rename(path.with_suffix(".away"))
+    obj = _open(blend)
+    obj.leaflight.isovalue = 68.0
+    assert "radiance" not in obj.data.attributes
+    _save(Path(blend))
+    path.with_suffix(".away").rename(path)
+    obj = _open(blend)
+    bpy.context.view_layer.update()
+    assert_lit(obj, 68.0)
+
+
+def check_a_damaged_bake_is_read_but_once(saved, monkeypatch):
+    blend, path = bpy.data.filepath, bake_files.locate(saved)
+    path.write_bytes(path.read_bytes()[:3000])
+    obj = _open(blend)
+    reads = []
+    load = leaflight.load_bake
+
+    def counted(path):
+        reads.append(path)
+        return load(path)
+
+    monkeypatch.setattr(leaflight, "load_bake", counted)
+    for _ in range(3):
+        obj.leaflight.isovalue = 68.0
+        bpy.context.view_layer.update()
+    assert path.name in surface_object.problems[obj.name_full]
+    assert "radiance" not in obj.data.attributes and len(reads) == 1
 
 
 def check_relocating_to_another_bake_is_refused(saved):
