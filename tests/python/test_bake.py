@@ -9,7 +9,7 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight import Cancelled, LeaflightError, Progress, _core, load_bake
-from leaflight.bake.bake import read_bake_id
+from leaflight.bake.bake import read_bake_id, values_sha256
 
 GRIDS = ("radiance", "radiance_indirect", "radiance_error")
 
@@ -148,6 +148,21 @@ def test_id_tells_bakes_apart_and_is_read_from_the_first_bytes(small, bump_scene
     assert read_bake_id(path) == first.id
     with pytest.raises(LeaflightError, match="any name.vdb"):
         load_bake(path)
+
+
+def test_the_stamp_of_values_is_that_of_the_file(small, bump_scene, tmp_path):
+    values = leaflight.bump_box(12).values.copy()
+    values[:2] = 0.0
+    values[0, 3] = -0.0
+    values[5, 5, 5] = np.frombuffer(b"\x01\x00\xc0\xff", "<f4")[0]  # a NaN with a payload
+    volume = leaflight.Volume(values, np.eye(4), "odd")
+    leaflight.bake(volume, bump_scene, **small).save(tmp_path / "odd.vdb")
+    loaded = load_bake(tmp_path / "odd.vdb")
+    (record,) = json.loads(loaded.metadata["volumes"])
+    assert np.isnan(loaded.volume.values).sum() == 1
+    assert values_sha256(loaded.volume) == record["values_sha256"] == values_sha256(volume)
+    values[6, 6, 6] += 1.0
+    assert values_sha256(leaflight.Volume(values, np.eye(4), "odd")) != record["values_sha256"]
 
 
 def test_a_file_whose_id_is_not_that_of_its_contents_is_refused(box_file, box_bake, tmp_path):

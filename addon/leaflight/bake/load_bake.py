@@ -221,14 +221,20 @@ def _select(context, volumes, leader):
     context.view_layer.objects.active = leader
 
 
+def _draw_menu(menu, _context):
+    menu.layout.operator(LEAFLIGHT_OT_load_bake.bl_idname, text="Bake of Leaflight (.vdb)")
+
+
 _CLASSES = (LEAFLIGHT_OT_load_bake, LEAFLIGHT_OT_relocate_bake)
 
 
 def register():
     for cls in _CLASSES:
         bpy.utils.register_class(cls)
+    bpy.types.TOPBAR_MT_file_import.append(_draw_menu)
 
 
 def unregister():
+    bpy.types.TOPBAR_MT_file_import.remove(_draw_menu)
     for cls in reversed(_CLASSES):
         bpy.utils.unregister_class(cls)

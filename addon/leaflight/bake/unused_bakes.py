@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Remove Unused Bakes: the files of bakes that lie with this .blend and light nothing in it."""
+"""Remove Unused Bakes: the files of bakes that lie with this .blend and light nothing in it.
+
+Those of .blends that were never saved are among them, once nothing can need them any more.
+"""
 
 import bpy
 import leaflight
@@ -46,6 +49,7 @@ class LEAFLIGHT_OT_remove_unused_bakes(bpy.types.Operator):
             try:
                 for file in (path, *atlases.beside(path)):
                     file.unlink()
+                bake_files.remove_if_empty(path.parent)
             except OSError as error:
                 self.report({"ERROR"}, f"{path}: cannot delete it: {error.strerror}.")
                 return {"CANCELLED"}
@@ -54,10 +58,10 @@ class LEAFLIGHT_OT_remove_unused_bakes(bpy.types.Operator):
 
 
 def of_this_file():
-    """The bakes in the folders where bakes of this .blend go, each a path."""
+    """The bakes in the folders where bakes of this .blend go or went, each a path."""
     volumes = [obj for obj in bpy.data.objects if obj.leaflight.is_volume and obj.library is None]
-    folders = dict.fromkeys(bake_files.folder_for(obj) for obj in volumes)
-    return [path for folder in folders for path in bake_files.bakes_in(folder)]
+    folders = [bake_files.folder_for(obj) for obj in volumes] + bake_files.folders_of_unsaved()
+    return [path for folder in dict.fromkeys(folders) for path in bake_files.bakes_in(folder)]
 
 
 def unused():

@@ -23,6 +23,9 @@ _SHOWN = "leaflight_shown"
 _ISOVALUE = "leaflight_isovalue"
 _BUILT = "leaflight_built"
 
+# Ends the label of a mesh that could not show what it should.
+_FAILED = " failed"
+
 # Full name of an object -> why its surface could not be shown, for the panel.
 problems = {}
 
@@ -55,7 +58,9 @@ def update(obj, isovalue):
     """Shows the isosurface, unless the mesh holds it already. A failure goes to `problems`."""
     _look_after_files(obj)
     label = _label(obj.leaflight, isovalue)
-    if obj.data.get(_SHOWN) == label:
+    shown = obj.data.get(_SHOWN)
+    # What failed is tried again once its problem may be gone: after loading, undo or relocating.
+    if shown == label or (shown == label + _FAILED and obj.name_full in problems):
         return
     if obj.library is not None:
         problems[obj.name_full] = (
@@ -72,6 +77,7 @@ def update(obj, isovalue):
             radiance = radiance_at(obj, vertices)
     except LeaflightError as error:
         problems[obj.name_full] = str(error)
+        label += _FAILED
     fill(obj.data, vertices, triangles, radiance)
     obj.data[_SHOWN] = label
     obj.data[_ISOVALUE] = isovalue
@@ -112,6 +118,8 @@ def _own_mesh(obj):
     They share one for as long as they show the same.
     """
     mesh = obj.data
+    if mesh.library is None and mesh.users < 2:
+        return
     others = (other for other in bpy.data.objects if other != obj and other.data == mesh)
     if mesh.library is not None or any(other.leaflight.is_volume for other in others):
         obj.data = mesh.copy()

@@ -33,7 +33,13 @@ FOLDER = "leaflight"
 # Digits of the id in a file's name.
 _DIGITS = 12
 
-_SESSION = time.strftime(f"unsaved_%Y%m%d_%H%M%S_{os.getpid()}")
+# The folders of sessions begin with it.
+_UNSAVED = "unsaved_"
+
+# After so many seconds an unsaved .blend whose bakes nobody touched counts as given up.
+_GIVEN_UP = 7 * 24 * 3600
+
+_SESSION = time.strftime(f"{_UNSAVED}%Y%m%d_%H%M%S_{os.getpid()}")
 
 # Path -> (what tells a change of the file, its id or the LeaflightError on reading it).
 _ids = {}
@@ -50,6 +56,20 @@ def user_folder():
 def session_folder():
     """Where bakes lie for as long as their .blend is not saved."""
     return user_folder() / _SESSION
+
+
+def folders_of_unsaved():
+    """The folders of this session and of those whose .blend was given up unsaved."""
+    user = user_folder()
+    folders = sorted(user.glob(f"{_UNSAVED}*")) if user.is_dir() else []
+    oldest = time.time() - _GIVEN_UP
+    return [f for f in folders if f.name == _SESSION or f.stat().st_mtime < oldest]
+
+
+def remove_if_empty(folder):
+    """Removes a folder of an unsaved .blend once nothing is left in it. Raises OSError."""
+    if folder.parent == user_folder() and not any(folder.iterdir()):
+        folder.rmdir()
 
 
 def folder_for(obj):
@@ -72,19 +92,23 @@ def path_for(folder, name, identifier):
     return path
 
 
-def id_in(path):
-    """The id that a file holds. Raises LeaflightError when it is no bake."""
-    path = str(path)
+def state_of(path):
+    """What tells a file from what it was before a change, None where there is none."""
     try:
         state = os.stat(path)
-        stamp = (state.st_ino, state.st_size, state.st_mtime_ns)
     except OSError:
-        stamp = None
-    if path not in _ids or _ids[path][0] != stamp:
+        return None
+    return state.st_ino, state.st_size, state.st_mtime_ns
+
+
+def id_in(path):
+    """The id that a file holds. Raises LeaflightError when it is no bake."""
+    path, state = str(path), state_of(path)
+    if path not in _ids or _ids[path][0] != state:
         try:
-            _ids[path] = stamp, read_bake_id(path)
+            _ids[path] = state, read_bake_id(path)
         except LeaflightError as error:
-            _ids[path] = stamp, error
+            _ids[path] = state, error
     found = _ids[path][1]
     if isinstance(found, LeaflightError):
         raise LeaflightError(str(found))

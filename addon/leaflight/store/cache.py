@@ -6,6 +6,7 @@ file can invalidate it: what is missing is read again from its file.
 """
 
 import json
+from dataclasses import replace
 
 import bpy
 import leaflight
@@ -17,6 +18,9 @@ LeaflightError = leaflight.LeaflightError
 
 _volumes = {}
 _bakes = {}
+
+# Path -> (what tells a change of the file, why it could not be read).
+_damaged = {}
 
 
 def volume_of(obj):
@@ -47,7 +51,9 @@ def volume_to_bake(obj):
     """
     if obj.leaflight.bake_id and source_files.changed_since_bake(obj):
         return _in_world(obj, _source_volume(obj))
-    return world_volume(obj)
+    volume = world_volume(obj)
+    # A bake that was loaded names itself as the source.
+    return replace(volume, source=source_files.path_of(obj.leaflight) or volume.source)
 
 
 def keep_volume(obj, volume):
@@ -61,7 +67,7 @@ def bake_of(obj):
     if not identifier:
         return None
     if identifier not in _bakes:
-        _bakes[identifier] = leaflight.load_bake(bake_files.locate(obj))
+        _bakes[identifier] = _load(bake_files.locate(obj))
     return _bakes[identifier]
 
 
@@ -93,6 +99,19 @@ def forget_unused():
 def clear():
     _volumes.clear()
     _bakes.clear()
+
+
+def _load(path):
+    """Reads a bake. A damaged one is read but once, however often it is asked for."""
+    state = bake_files.state_of(path)
+    known, error = _damaged.get(path, (None, None))
+    if known is None or known != state:
+        try:
+            return leaflight.load_bake(path)
+        except LeaflightError as problem:
+            error = str(problem)
+            _damaged[path] = state, error
+    raise LeaflightError(error)
 
 
 def _source_volume(obj):

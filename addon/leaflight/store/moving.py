@@ -49,8 +49,7 @@ def _move(path, obj):
     # What was copied is whole: only now do the originals go.
     for old, _ in [*companions, (path, target)]:
         old.unlink()
-    if not any(path.parent.iterdir()):
-        path.parent.rmdir()
+    bake_files.remove_if_empty(path.parent)
     return target
 
 

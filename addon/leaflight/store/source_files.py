@@ -15,10 +15,15 @@ LeaflightError = leaflight.LeaflightError
 _hashes = {}
 
 
+def path_of(settings):
+    """The file, or the folder of slices, of a volume's settings; empty without one."""
+    return bpy.path.abspath(settings.source, library=settings.id_data.library)
+
+
 def read(settings):
     """The volume in the file of an object's settings. Raises LeaflightError."""
     return read_volume(
-        _path(settings),
+        path_of(settings),
         settings.dims,
         settings.value_type,
         settings.endian,
@@ -43,7 +48,7 @@ def read_volume(path, dims, value_type, endian, spacing, frame):
 def key_of(settings):
     """Tells the volumes of files apart, and one file before and after a change."""
     return (
-        _path(settings),
+        path_of(settings),
         tuple(settings.dims),
         settings.value_type,
         settings.endian,
@@ -56,7 +61,7 @@ def key_of(settings):
 
 def stamp(settings):
     """A text that differs once the file, or one of a folder of slices, was written; else empty."""
-    path = Path(_path(settings))
+    path = Path(path_of(settings))
     try:
         files = sorted(path.iterdir()) if path.is_dir() else [path]
         states = [(file.name, os.stat(file)) for file in files]
@@ -85,7 +90,3 @@ def changed_since_bake(obj):
 
 def forget():
     _hashes.clear()
-
-
-def _path(settings):
-    return bpy.path.abspath(settings.source, library=settings.id_data.library)

@@ -173,7 +173,7 @@ class LEAFLIGHT_PT_bake(_VolumePanel, bpy.types.Panel):
             layout.label(text=f"{job.status()}, Esc cancels", icon="TIME")
         elif settings.bake_id:
             self._draw_result(context, settings)
-        self._draw_files()
+        self._draw_files(context)
 
     def _draw_result(self, context, settings):
         layout = self.layout
@@ -187,18 +187,18 @@ class LEAFLIGHT_PT_bake(_VolumePanel, bpy.types.Panel):
         if reason:
             _sentence(context, layout, reason, icon="INFO")
 
-    def _draw_files(self):
+    def _draw_files(self, context):
         """What bakes take of the disk, and where else they may lie."""
-        row = self.layout.row(align=True)
-        row.operator(load_bake.LEAFLIGHT_OT_load_bake.bl_idname, icon="FILE_FOLDER")
-        row.operator(load_bake.LEAFLIGHT_OT_relocate_bake.bl_idname, icon="VIEWZOOM")
+        column = self.layout.column(align=True)
+        column.operator(load_bake.LEAFLIGHT_OT_load_bake.bl_idname, icon="FILE_FOLDER")
+        column.operator(load_bake.LEAFLIGHT_OT_relocate_bake.bl_idname, icon="VIEWZOOM")
+        column.operator(unused_bakes.LEAFLIGHT_OT_remove_unused_bakes.bl_idname, icon="TRASH")
         bakes, unused = unused_bakes.of_this_file(), unused_bakes.unused()
         if bakes:
-            row = self.layout.row()
-            text = f"{len(bakes)} bakes, {unused_bakes.megabytes(bakes)}"
-            row.label(text=text, icon="DISK_DRIVE")
-            text = f"Remove Unused ({len(unused)}, {unused_bakes.megabytes(unused)})"
-            row.operator(unused_bakes.LEAFLIGHT_OT_remove_unused_bakes.bl_idname, text=text)
+            text = f"Bakes: {unused_bakes.megabytes(bakes)}"
+            if unused:
+                text += f", of which unused: {unused_bakes.megabytes(unused)}"
+            _sentence(context, self.layout, text, icon="DISK_DRIVE")
 
 
 class LEAFLIGHT_PT_comparison(_VolumePanel, bpy.types.Panel):

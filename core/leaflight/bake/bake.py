@@ -402,8 +402,11 @@ def load_bake(path):
 
 
 def values_sha256(volume):
-    """Tells the values of volumes apart, wherever they stand."""
-    return _sha256(volume.values)
+    """Tells the values of volumes apart, wherever they stand; the same once they were in a file."""
+    # A file keeps neither the sign of a zero nor which NaN marks a voxel without a value.
+    values = volume.values + np.float32(0.0)
+    values[np.isnan(values)] = np.nan
+    return _sha256(values)
 
 
 def _sha256(*arrays):

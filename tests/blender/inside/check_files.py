@@ -9,6 +9,7 @@ import bpy
 import leaflight
 import numpy as np
 import pytest
+from leaflight_addon.bake import unused_bakes
 from leaflight_addon.show import display, properties, surface_object
 from leaflight_addon.stage import staleness
 from leaflight_addon.store import atlases, bake_files, cache
@@ -107,6 +108,11 @@ def check_every_bake_is_a_file_of_its_own_that_tells_its_id(saved):
     # The same bake once more is the same file.
     bpy.ops.leaflight.bake()
     assert bake_files.locate(saved) == second
+    # Also when the volume comes from the file of the bake.
+    _save(Path(bpy.data.filepath))
+    obj = _open(bpy.data.filepath)
+    bpy.ops.leaflight.bake()
+    assert bake_files.locate(obj) == second
     assert len(bake_files.bakes_in(second.parent)) == 2
 
 
@@ -484,10 +490,43 @@ def check_a_moved_bake_is_found_nearby_or_relocated(saved, tmp_path):
     assert "relocate" in staleness.change_since_bake(bpy.context, obj)
     assert "radiance" not in obj.data.attributes
     bpy.ops.leaflight.relocate_bake(filepath=str(away / "x.vdb"))
+    assert_lit(obj, 68.0)
     obj.leaflight.isovalue = 67.0
     assert_lit(obj, 67.0)
     assert staleness.change_since_bake(bpy.context, obj) == ""
     assert obj.leaflight.bake_path == "//../away/x.vdb"
+
+
+def check_a_bake_that_comes_back_lights_the_surface_that_was_saved_without_it(saved):
+    blend, path = bpy.data.filepath, bake_files.locate(saved)
+    path.rename(path.with_suffix(".away"))
+    obj = _open(blend)
+    obj.leaflight.isovalue = 68.0
+    assert "radiance" not in obj.data.attributes
+    _save(Path(blend))
+    path.with_suffix(".away").rename(path)
+    obj = _open(blend)
+    bpy.context.view_layer.update()
+    assert_lit(obj, 68.0)
+
+
+def check_a_damaged_bake_is_read_but_once(saved, monkeypatch):
+    blend, path = bpy.data.filepath, bake_files.locate(saved)
+    path.write_bytes(path.read_bytes()[:3000])
+    obj = _open(blend)
+    reads = []
+    load = leaflight.load_bake
+
+    def counted(path):
+        reads.append(path)
+        return load(path)
+
+    monkeypatch.setattr(leaflight, "load_bake", counted)
+    for _ in range(3):
+        obj.leaflight.isovalue = 68.0
+        bpy.context.view_layer.update()
+    assert path.name in surface_object.problems[obj.name_full]
+    assert "radiance" not in obj.data.attributes and len(reads) == 1
 
 
 def check_relocating_to_another_bake_is_refused(saved):
@@ -656,6 +695,26 @@ def check_unused_bakes_go_when_asked(saved):
     bpy.ops.leaflight.remove_unused_bakes()
     assert not first.exists() and not atlases.beside(first)
     assert second.exists() and atlases.beside(second) and foreign.exists()
+
+
+def check_bakes_of_unsaved_files_stay_visible(unsaved, tmp_path):
+    first = bake_files.locate(unsaved)
+    _brighten()
+    bpy.ops.leaflight.bake()
+    second = bake_files.locate(unsaved)
+    given_up, recent = (bake_files.user_folder() / f"unsaved_{name}" for name in ("old", "new"))
+    for folder in (given_up, recent):
+        folder.mkdir()
+        shutil.copy(first, folder)
+    os.utime(given_up, (1, 1))
+    assert set(unused_bakes.unused()) == {given_up / first.name, first}
+    _save(tmp_path / "scene.blend")
+    moved = tmp_path / "leaflight" / second.name
+    assert set(unused_bakes.of_this_file()) == {moved, first, given_up / first.name}
+    bpy.ops.leaflight.remove_unused_bakes()
+    assert moved.exists() and (recent / first.name).exists()
+    assert not first.exists() and not given_up.exists()
+    shutil.rmtree(recent)
 
 
 def check_messages_speak_of_settings_and_not_of_flags(tmp_path):
