@@ -14,6 +14,11 @@ node_tree = blender_versions.node_tree
 set_loop_starts = blender_versions.set_loop_starts
 set_normals = blender_versions.set_normals
 
+# Of a path property whose paths may be relative to the .blend; 4.5 and later want to be told.
+RELATIVE_PATH = {"ANIMATABLE"}
+if bpy.app.version >= (4, 5, 0):
+    RELATIVE_PATH |= {"PATH_SUPPORTS_BLEND_RELATIVE"}
+
 # Grease pencil is GPENCIL before 4.3.
 UNSEEN_TYPES = {
     "EMPTY",

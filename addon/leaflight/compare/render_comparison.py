@@ -68,6 +68,7 @@ class LEAFLIGHT_OT_render_comparison(bpy.types.Operator):
         name="Folder",
         description="Folder for the images; empty means beside the bake",
         subtype="DIR_PATH",
+        options=versions.RELATIVE_PATH,
     )
 
     @classmethod

@@ -5,6 +5,7 @@
 import bpy
 from bpy.props import BoolProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
+from .. import versions
 from . import graph_object
 
 
@@ -17,7 +18,10 @@ class LeaflightFlatSettings(bpy.types.PropertyGroup):
     """A graph, its isolines and how they are baked: Object.leaflight_flat."""
 
     source: StringProperty(
-        name="Image", description="File of the image; empty is the bump box", subtype="FILE_PATH"
+        name="Image",
+        description="File of the image; empty is the bump box",
+        subtype="FILE_PATH",
+        options=versions.RELATIVE_PATH,
     )
     nodes: IntProperty(name="Nodes", default=200, min=4)
     height: FloatProperty(
@@ -61,6 +65,7 @@ class LeaflightFlatSettings(bpy.types.PropertyGroup):
         name="Scene",
         description="Scene file of flatland with walls and lamps; empty is the flatland box",
         subtype="FILE_PATH",
+        options=versions.RELATIVE_PATH,
     )
     resolution: IntProperty(
         name="Resolution",

@@ -15,6 +15,7 @@ from bpy.props import (
     StringProperty,
 )
 
+from .. import versions
 from . import isovalues, surface_object, walls
 
 VALUE_TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")
@@ -85,6 +86,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         name="Volume",
         description="File that the volume was read from",
         subtype="FILE_PATH",
+        options=versions.RELATIVE_PATH,
         override=_OVERRIDABLE,
     )
     dims: IntVectorProperty(name="Dimensions", size=3, min=0, override=_OVERRIDABLE)
@@ -229,6 +231,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         description="Folder that keeps the bakes, each in a file of its own; empty is the folder "
         "leaflight beside the .blend",
         subtype="DIR_PATH",
+        options=versions.RELATIVE_PATH,
         override=_OVERRIDABLE,
     )
 
@@ -243,7 +246,9 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         override=_OVERRIDABLE,
     )
 
-    bake_path: StringProperty(name="Bake", subtype="FILE_PATH", override=_OVERRIDABLE)
+    bake_path: StringProperty(
+        name="Bake", subtype="FILE_PATH", options=versions.RELATIVE_PATH, override=_OVERRIDABLE
+    )
     bake_matrix: FloatVectorProperty(
         name="Transform at the Bake, Row by Row", size=16, override=_OVERRIDABLE
     )

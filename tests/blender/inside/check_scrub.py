@@ -184,7 +184,7 @@ def check_disabling_the_addon_removes_its_handlers_and_enabling_brings_them_back
             handler
             for event in events
             for handler in getattr(bpy.app.handlers, event)
-            if handler.__module__.startswith("leaflight")
+            if handler.__module__.startswith(f"{ADDON}.")
         ]
 
     assert len(ours()) == len(handlers._HANDLERS)
