@@ -105,6 +105,13 @@ def principled_glass_color(base):
     return tuple(min(x, 1.0) ** 0.5 for x in base)
 
 
+def principled_is_lambertian(shader):
+    """Whether its diffuse part is so, to 2 %; until 3.6 that depends on its Roughness."""
+    roughness = shader.inputs["Roughness"]
+    lambertian = not roughness.is_linked and abs(roughness.default_value - 0.5) < 0.1
+    return bpy.app.version >= (4, 0, 0) or lambertian
+
+
 def principled_metal_edges(shader, base):
     """Whether a Principled metal has another color at grazing angles; until 3.6 by its Specular."""
     if bpy.app.version < (4, 0, 0):

@@ -110,6 +110,11 @@ def _principled(what, shader):
     if metallic == 0 and transmission == 0:
         albedo, picture = _textured(what, base)
         surface = Surface(albedo, picture=picture)
+        if not versions.principled_is_lambertian(shader):
+            surface.warnings.append(
+                f"{what} is baked as if its Roughness were 0.5, on which its diffuse part depends "
+                "in this Blender: set it to that, or use a Diffuse BSDF for a match"
+            )
     elif metallic == 1 or (metallic == 0 and transmission == 1):
         # A metal's transmission has no effect, and glass has no specular layer besides its own.
         left_out = _COATS + _FILM

@@ -99,6 +99,17 @@ def check_a_coloured_principled_glass_lets_pass_what_cycles_does_and_is_warned_o
     close(*pixels, 0.04)
 
 
+def check_a_principled_diffuse_that_is_not_lambertian_is_warned_of(tmp_path):
+    """Where Cycles renders it otherwise in a white world: until 3.6 by its roughness."""
+    for roughness in (0.0, 0.5, 1.0):
+        material = principled_material(Roughness=roughness)
+        found = surface(material)
+        pixels = [_brightness(tmp_path / "slab.exr", material, x) for x in (0.0, 1.2)]
+        off = max(np.abs(seen / found.albedo - 1).max() for seen in pixels)
+        assert off < 0.02 or len(found.warnings) == 1 and "Diffuse BSDF" in found.warnings[0]
+        assert not found.warnings or off > 0.02
+
+
 def check_a_coloured_principled_metal_is_warned_of_where_its_edges_differ(tmp_path):
     for specular in (0.0, 0.5):
         metal = principled_material(Metallic=1.0, Roughness=0.0, Specular=specular)
