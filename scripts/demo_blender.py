@@ -185,7 +185,7 @@ def print_table(leaf, surface_seconds, still_seconds, result, out):
             f"{result['cycles_seconds']:.1f} s",
         ),
         (f"Isovalue {COMPARED}: RMS error on the leaf", f"{result['leaf_rms_percent']:.2f} %"),
-        ("of which the noise of Cycles", f"{result['leaf_noise_percent']:.2f} %"),
+        ("of which noise", f"{result['leaf_noise_percent']:.2f} %"),
     ]
     width = max(len(name) for name, _ in lines)
     print()

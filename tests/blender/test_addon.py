@@ -13,7 +13,7 @@ CHECKS = sorted(path.name for path in INSIDE.glob("check_*.py"))
 @pytest.mark.parametrize("checks", CHECKS)
 def test_in_blender(blender, results, checks):
     file = results / checks.replace(".py", ".json")
-    output = blender.check(INSIDE / checks, file, timeout=300)
+    output = blender.check(INSIDE / checks, file, timeout=900)
     print(output)
     assert "passed" in output and file.exists()
 
