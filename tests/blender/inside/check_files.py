@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bakes that stay found: by undo, older files, Save As, append, links, overrides and duplicates."""
 
+import errno
 import os
 import shutil
 from pathlib import Path
@@ -12,7 +13,7 @@ import pytest
 from leaflight_addon.bake import unused_bakes
 from leaflight_addon.show import display, properties, surface_object
 from leaflight_addon.stage import staleness
-from leaflight_addon.store import atlases, bake_files, cache
+from leaflight_addon.store import atlases, bake_files, cache, moving
 from tools import close, colours_of, error_of, mesh_arrays
 
 
@@ -185,6 +186,43 @@ def check_what_cannot_be_moved_stays_and_is_told(unsaved, tmp_path):
     assert str(old) in sentence and "stays there" in sentence and "\n" not in sentence
     assert bake_files.locate(obj) == old
     obj = _open(tmp_path / "scene.blend")
+    assert_lit(obj)
+
+
+@pytest.mark.parametrize("linkable", [True, False])
+def check_a_disk_that_fills_up_while_moving_loses_nothing(unsaved, tmp_path, monkeypatch, linkable):
+    """Hard links where the file system has them, else copies, of which the second fails."""
+    old = bake_files.locate(unsaved)
+    files = {path: path.read_bytes() for path in (old, *atlases.beside(old))}
+    made = []
+
+    def full(call):
+        def fails_later(*arguments):
+            made.append(arguments)
+            if len(made) > 1:
+                raise OSError(errno.ENOSPC, "No space left on device")
+            return call(*arguments)
+
+        return fails_later
+
+    def no_links(*_):
+        raise OSError(errno.EXDEV, "Invalid cross-device link")
+
+    name = "replace" if linkable else "copyfile"
+    monkeypatch.setattr(moving.os, "link", os.link if linkable else no_links)
+    owner = moving.os if linkable else moving.shutil
+    monkeypatch.setattr(owner, name, full(getattr(owner, name)))
+    obj = _open_saved(tmp_path / "scene.blend")
+    monkeypatch.undo()
+    assert len(made) > 1
+    assert "No space left" in surface_object.problems[obj.name_full]
+    assert {path: path.read_bytes() for path in files} == files
+    assert not list((tmp_path / "leaflight").iterdir())
+    assert_lit(_open(tmp_path / "scene.blend"))
+    # With space again it goes where it belongs.
+    _save(tmp_path / "scene.blend")
+    obj = _volume()
+    assert bake_files.locate(obj).parent == tmp_path / "leaflight" and not old.exists()
     assert_lit(obj)
 
 
