@@ -3,7 +3,6 @@
 
 import os
 import shutil
-from pathlib import Path
 
 import bpy
 import leaflight
@@ -39,25 +38,39 @@ def move_along(objects):
 
 
 def _move(path, obj):
-    """Moves a bake with its atlases and returns its new path. Raises OSError."""
+    """Moves a bake with its atlases, all of them or none, and returns its new path.
+
+    Raises OSError.
+    """
     folder = bake_files.folder_for(obj)
     folder.mkdir(parents=True, exist_ok=True)
     target = bake_files.path_for(folder, obj.name, obj.leaflight.bake_id)
-    companions = [(old, atlases.renamed(old, path, target)) for old in atlases.beside(path)]
-    for old, new in [*companions, (path, target)]:
-        _copy(old, new)
-    # What was copied is whole: only now do the originals go.
-    for old, _ in [*companions, (path, target)]:
+    moves = [(old, atlases.renamed(old, path, target)) for old in atlases.beside(path)]
+    moves.append((path, target))
+    done = []
+    try:
+        for old, new in moves:
+            before = new.exists()
+            _copy(old, new)
+            done += [] if before else [new]
+    except OSError:
+        for new in done:
+            new.unlink()
+        raise
+    for old, _ in moves:
         old.unlink()
     bake_files.remove_if_empty(path.parent)
     return target
 
 
 def _copy(old, new):
-    """Under its final name it is whole or absent."""
+    """Under its final name it is whole or absent; on the same disk it is the same file."""
     partial = new.with_name(f".{new.name}.{os.getpid()}.part")
     try:
-        shutil.copyfile(old, partial)
+        try:
+            os.link(old, partial)
+        except OSError:
+            shutil.copyfile(old, partial)
         os.replace(partial, new)
     finally:
-        Path(partial).unlink(missing_ok=True)
+        partial.unlink(missing_ok=True)

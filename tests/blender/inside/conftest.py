@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """An empty scene for each check, and the bump box imported, boxed and baked in it."""
 
+import shutil
+
 import bpy
 import leaflight
 import pytest
+from blends import open_saved
+from leaflight_addon.store import bake_files
 
 N = 24
 
@@ -50,3 +54,19 @@ def baked(boxed):
     """The same, baked."""
     bpy.ops.leaflight.bake()
     return boxed
+
+
+@pytest.fixture
+def unsaved(boxed):
+    """The boxed bumps in a .blend that was never saved, baked into the user's folder."""
+    boxed.leaflight.bake_folder = ""
+    bpy.ops.leaflight.bake()
+    yield boxed
+    shutil.rmtree(bake_files.session_folder(), ignore_errors=True)
+
+
+@pytest.fixture
+def saved(boxed, tmp_path):
+    """The boxed bumps, baked in a .blend in a folder of its own."""
+    boxed.leaflight.bake_folder = ""
+    return open_saved(tmp_path / "here" / "scene.blend", bake=True)

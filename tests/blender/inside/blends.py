@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the checks of files share: saving, opening, and whether an object shows its own bake."""
+
+import bpy
+import leaflight
+import numpy as np
+from leaflight_addon.show import surface_object
+from leaflight_addon.store import bake_files, cache
+from tools import close, colours_of, mesh_arrays
+
+
+def open_saved(blend, bake=False):
+    blend.parent.mkdir(parents=True, exist_ok=True)
+    save(blend)
+    if bake:
+        bpy.ops.leaflight.bake()
+        save(blend)
+    return volume_object()
+
+
+def save(blend, **options):
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend), **options)
+
+
+def open_blend(blend):
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    return volume_object()
+
+
+def volume_object():
+    (obj,) = [o for o in bpy.data.objects if o.leaflight.is_volume]
+    bpy.context.view_layer.objects.active = obj
+    return obj
+
+
+def brighten(factor=2.0):
+    bpy.data.objects["lamp"].data.energy *= factor
+    bpy.context.view_layer.update()
+
+
+def images_of(obj):
+    nodes = obj.data.materials[0].node_tree.nodes
+    return {node.image for node in nodes if node.type == "TEX_IMAGE"}
+
+
+def pixels_of(image):
+    width, height = image.size
+    pixels = np.empty(width * height * 4, np.float32)
+    image.pixels.foreach_get(pixels)
+    return pixels.reshape(height, width, 4)[..., :3]
+
+
+def assert_lit(obj, isovalue=None):
+    """Mesh and image show the object's own bake as its file holds it, and no problem is told."""
+    assert obj.name_full not in surface_object.problems
+    bake = leaflight.load_bake(bake_files.locate(obj))
+    assert bake.id == obj.leaflight.bake_id
+    grid = bake.grids[obj.leaflight.bake_index]
+    vertices, _, radiance = mesh_arrays(obj)
+    assert len(vertices) > 100
+    expected = grid.lookup(cache.volume_of(obj).field(), vertices)
+    # The file holds halves.
+    close(radiance, expected, 2e-3 * expected.max())
+    (image,) = images_of(obj)
+    atlas = grid.atlas()[0][..., :3]
+    close(pixels_of(image), atlas, 2e-3 * atlas.max())
+    if isovalue is not None:
+        assert obj.leaflight.isovalue == isovalue
+
+
+def mean_radiance(obj):
+    return float(colours_of(obj).mean())
