@@ -23,7 +23,8 @@ ABOUT = """
 import bpy, json, numpy, platform, sys
 print("ABOUT", json.dumps({
     "blender": bpy.app.version_string, "version": list(bpy.app.version),
-    "python": platform.python_version(), "numpy": numpy.__version__, "module": not bpy.app.binary_path,
+    "python": platform.python_version(), "numpy": numpy.__version__,
+    "module": not bpy.app.binary_path,
     "system": platform.freedesktop_os_release()["PRETTY_NAME"] + " " + platform.machine(),
 }))
 """
