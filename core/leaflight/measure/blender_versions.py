@@ -41,7 +41,7 @@ _LIGHT_UNITS = (
 )
 
 # Those whose lights the tests have compared with Cycles (docs/compatibility.md).
-CHECKED = ((3, 4), (4, 2), (4, 5), (5, 0), (5, 1), (5, 2))
+CHECKED = ((3, 4), (4, 2), (4, 3), (4, 5), (5, 0), (5, 1), (5, 2))
 
 
 def light_units(version):
