@@ -9,7 +9,7 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight import Cancelled, LeaflightError, Progress, _core, load_bake
-from leaflight.bake.bake import read_bake_id, values_sha256
+from leaflight.bake.stamps import read_bake_id, values_sha256
 
 GRIDS = ("radiance", "radiance_indirect", "radiance_error")
 

@@ -10,7 +10,7 @@ import leaflight
 import numpy as np
 from bpy.props import BoolProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
-from leaflight.bake.bake import values_sha256
+from leaflight.bake.stamps import values_sha256
 
 from ..operators import background, checks
 from ..show import isovalues, leaves, surface_object
@@ -41,12 +41,7 @@ class LEAFLIGHT_OT_load_bake(bpy.types.Operator, ImportHelper):
 
     @classmethod
     def poll(cls, context):
-        if not background.is_free(cls):
-            return False
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Leave Edit Mode first")
-            return False
-        return True
+        return background.is_free(cls) and checks.in_object_mode(cls, context)
 
     def execute(self, context):
         path = Path(os.path.normpath(bpy.path.abspath(self.filepath)))

@@ -2,6 +2,13 @@
 """Conditions that several operators share, each with the reason that a greyed button shows."""
 
 
+def in_object_mode(operator, context):
+    if context.mode != "OBJECT":
+        operator.poll_message_set("Leave Edit Mode first")
+        return False
+    return True
+
+
 def has_volume(operator, context):
     obj = context.object
     if obj is None or not obj.leaflight.is_volume:
@@ -9,10 +16,7 @@ def has_volume(operator, context):
             "Select a Leaflight volume first (File > Import > Volume for Leaflight)"
         )
         return False
-    if obj.mode != "OBJECT":
-        operator.poll_message_set("Leave Edit Mode first")
-        return False
-    return True
+    return in_object_mode(operator, context)
 
 
 def has_flatland(operator, context):
@@ -22,10 +26,7 @@ def has_flatland(operator, context):
             "Select the graph of an image first (File > Import > Image for Leaflight)"
         )
         return False
-    if obj.mode != "OBJECT":
-        operator.poll_message_set("Leave Edit Mode first")
-        return False
-    return True
+    return in_object_mode(operator, context)
 
 
 def has_bake(operator, context):

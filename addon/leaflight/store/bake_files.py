@@ -23,7 +23,7 @@ from pathlib import Path
 
 import bpy
 import leaflight
-from leaflight.bake.bake import read_bake_id
+from leaflight.bake.stamps import read_bake_id
 
 LeaflightError = leaflight.LeaflightError
 

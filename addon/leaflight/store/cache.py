@@ -82,7 +82,7 @@ def keep_bake(bake):
 
 
 def values_sha256(bake, index):
-    """The stamp of a volume's values in a bake, as leaflight.bake.bake.values_sha256 makes it."""
+    """The stamp of a volume's values in a bake, as leaflight.bake.stamps.values_sha256 makes it."""
     return json.loads(bake.metadata["volumes"])[index]["values_sha256"]
 
 

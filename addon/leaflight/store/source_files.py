@@ -7,7 +7,7 @@ from pathlib import Path
 
 import bpy
 import leaflight
-from leaflight.bake.bake import values_sha256
+from leaflight.bake.stamps import values_sha256
 
 LeaflightError = leaflight.LeaflightError
 

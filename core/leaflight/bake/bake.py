@@ -5,7 +5,6 @@ import hashlib
 import json
 import time
 from dataclasses import asdict, dataclass, replace
-from pathlib import Path
 
 import leaflight._core as _core
 import numpy as np
@@ -20,29 +19,7 @@ from ..volume.setting_error import SettingError
 from ..volume.volume import Volume
 from .color_error import estimated_rms_percent
 from .settings import PhotonMap, bake_settings, leaf_window
-
-# What a bake depends on, as text; "name" would rename the grid that OpenVDB attaches it to.
-# "volumes" is a list of {"name", "source", "values_sha256", "index_to_world", "resolution",
-# "capped"}.
-METADATA = (
-    "leaflight_version",
-    "volumes",
-    "scene",
-    "scene_sha256",
-    "isovalues",
-    "samples",
-    "photons",
-    "caustic_photons",
-    "soft_spacing",
-    "refine",
-    "estimator",
-    "photon_map",
-    "scattered",
-    "seed",
-    "both_sides",
-    "surroundings",
-    "only_at_sha256",
-)
+from .stamps import METADATA, id_of, read_bake_id, sha256, values_sha256
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,8 +68,7 @@ class Bake:
     @property
     def id(self):
         """Tells bakes apart, 32 digits: equal bakes have equal ones, on any machine."""
-        text = json.dumps([self.metadata[key] for key in METADATA])
-        return hashlib.sha256(text.encode()).hexdigest()[:32]
+        return id_of(self.metadata)
 
     def save(self, path):
         """Writes the bake as one .vdb under its final name or not at all. Raises LeaflightError."""
@@ -352,26 +328,12 @@ def bake(
         "seed": str(seed),
         "both_sides": json.dumps(bool(both_sides)),
         "surroundings": json.dumps(bool(surroundings)),
-        "only_at_sha256": "" if only_at is None else _sha256(np.float64(only_at)),
+        "only_at_sha256": "" if only_at is None else sha256(np.float64(only_at)),
     }
     statistics = dict(baked.statistics)
     statistics["estimated_rms_percent"] = estimated_rms_percent(baked.grids, description.exposure)
     statistics["rays_per_second"] = statistics["rays"] / max(statistics["seconds"], 1e-9)
     return Bake(volumes, description, window, baked.grids, baked.surroundings, statistics, metadata)
-
-
-def read_bake_id(path):
-    """The id of the bake that a file holds, whatever its name; reads the first bytes alone.
-
-    Raises LeaflightError for any other file.
-    """
-    if not Path(path).is_file():
-        raise LeaflightError(f"{path}: there is no such file; give the .vdb that bake wrote.")
-    header = _core.read_bake_header(str(path))
-    if "id" not in header:
-        what = "a bake of an earlier Leaflight" if "statistics" in header else "no bake"
-        raise LeaflightError(f"{path}: this is {what}; bake the volume again.")
-    return header["id"]
 
 
 def load_bake(path):
@@ -399,19 +361,3 @@ def load_bake(path):
     if bake.id != identifier:
         raise LeaflightError(f"{path}: its metadata were changed; bake the volume again.")
     return bake
-
-
-def values_sha256(volume):
-    """Tells the values of volumes apart, wherever they stand; the same once they were in a file."""
-    # A file keeps neither the sign of a zero nor which NaN marks a voxel without a value.
-    values = volume.values + np.float32(0.0)
-    values[np.isnan(values)] = np.nan
-    return _sha256(values)
-
-
-def _sha256(*arrays):
-    digest = hashlib.sha256()
-    for array in arrays:
-        digest.update(str((array.dtype.str, array.shape)).encode())
-        digest.update(np.ascontiguousarray(array))
-    return digest.hexdigest()
