@@ -142,5 +142,8 @@ def test_without_scipy(monkeypatch):
         return imported(name, *rest)
 
     monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(LeaflightError, match="install the Debian package python3-scipy"):
+    with pytest.raises(
+        LeaflightError,
+        match=r"pip install 'leaflight\[report\]', or install the Debian package python3-scipy",
+    ):
         check_statistics()

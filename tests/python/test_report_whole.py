@@ -284,7 +284,10 @@ def test_without_matplotlib(tmp_path, monkeypatch):
         return imported(name, *rest)
 
     monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(LeaflightError, match="install the Debian package python3-matplotlib"):
+    with pytest.raises(
+        LeaflightError,
+        match=r"leaflight\[report\]', or install the Debian package python3-matplotlib",
+    ):
         check_plotting()
     with pytest.raises(LeaflightError, match="--tables"):
         report(tmp_path, TINY, quietly)

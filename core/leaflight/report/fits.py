@@ -145,6 +145,7 @@ def _statistics():
         from scipy import stats
     except ImportError:
         raise LeaflightError(
-            "The report's intervals need SciPy: install the Debian package python3-scipy."
+            "The report's intervals need SciPy: pip install 'leaflight[report]', or install the "
+            "Debian package python3-scipy."
         ) from None
     return stats

@@ -141,7 +141,7 @@ def _figure(width, height):
         from matplotlib.figure import Figure
     except ImportError:
         raise LeaflightError(
-            "The report's plots need Matplotlib: install the Debian package python3-matplotlib, or "
-            "ask for the tables alone (--tables)."
+            "The report's plots need Matplotlib: pip install 'leaflight[report]', or install the "
+            "Debian package python3-matplotlib, or ask for the tables alone (--tables)."
         ) from None
     return Figure(figsize=(width, height))
