@@ -28,7 +28,8 @@ class BakeJob:
         for volume in volumes:
             _check_own(volume)
         self.folder = bake_files.folder_for(obj)
-        _make_folder(self.folder)
+        bake_files.make_folder(self.folder)
+        check_writable(self.folder / "bake.vdb", ".vdb")
         scene_export.check_light(scene)
         self.scene_name = context.scene.name
         self.leader = volumes.index(obj)
@@ -131,16 +132,6 @@ def _write(bake, path):
         for file in {path, *atlases.beside(path)} - before:
             file.unlink(missing_ok=True)
         raise
-
-
-def _make_folder(folder):
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise LeaflightError(
-            f"{folder}: cannot make this folder: {error.strerror}; choose another."
-        ) from None
-    check_writable(folder / "bake.vdb", ".vdb")
 
 
 def register():

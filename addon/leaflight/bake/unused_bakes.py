@@ -66,8 +66,13 @@ def of_this_file():
 
 def unused():
     """Those of of_this_file() that light no object of this .blend."""
+    return unused_among(of_this_file())
+
+
+def unused_among(bakes):
+    """Those of some bakes, each a path, that light no object of this .blend."""
     lit = {obj.leaflight.bake_id for obj in bpy.data.objects}
-    return [path for path in of_this_file() if bake_files.id_in(path) not in lit]
+    return [path for path in bakes if bake_files.id_in(path) not in lit]
 
 
 def megabytes(paths):

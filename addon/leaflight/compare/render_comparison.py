@@ -105,12 +105,7 @@ class LEAFLIGHT_OT_render_comparison(bpy.types.Operator):
     def _make_folder(self, leaf):
         chosen = self.folder or str(bake_files.locate(leaf).parent)
         folder = Path(bpy.path.abspath(chosen))
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise LeaflightError(
-                f"{folder}: cannot make this folder: {error.strerror}; choose another."
-            ) from None
+        bake_files.make_folder(folder)
         return folder
 
 

@@ -82,6 +82,16 @@ def folder_for(obj):
     return session_folder()
 
 
+def make_folder(folder):
+    """Makes a folder for files, unless it is there. Raises LeaflightError."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise LeaflightError(
+            f"{folder}: cannot make this folder: {error.strerror}; choose another."
+        ) from None
+
+
 def path_for(folder, name, identifier):
     """The file in a folder for a bake of an object of this name: free, or of the same bake."""
     stem = re.sub(r"[^\w.-]+", "_", name) + "_" + identifier[:_DIGITS]

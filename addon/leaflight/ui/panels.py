@@ -193,7 +193,8 @@ class LEAFLIGHT_PT_bake(_VolumePanel, bpy.types.Panel):
         column.operator(load_bake.LEAFLIGHT_OT_load_bake.bl_idname, icon="FILE_FOLDER")
         column.operator(load_bake.LEAFLIGHT_OT_relocate_bake.bl_idname, icon="VIEWZOOM")
         column.operator(unused_bakes.LEAFLIGHT_OT_remove_unused_bakes.bl_idname, icon="TRASH")
-        bakes, unused = unused_bakes.of_this_file(), unused_bakes.unused()
+        bakes = unused_bakes.of_this_file()
+        unused = unused_bakes.unused_among(bakes)
         if bakes:
             text = f"Bakes: {unused_bakes.megabytes(bakes)}"
             if unused:
