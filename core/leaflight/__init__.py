@@ -13,6 +13,7 @@ from . import self_check  # noqa: F401 - first: it refuses what cannot be right
 from . import flatland
 from ._core import Cancelled, LeaflightError, Progress
 from .bake.bake import Bake, Surface, bake, load_bake
+from .bake.estimate import Estimate, estimate
 from .bake.settings import PhotonMap, Scattered
 from .io.readers import read_volume
 from .io.scene_file import cornell_box, load_scene
@@ -25,6 +26,7 @@ from .volume.volume import Volume, bump_box, default_isovalue, default_window
 __all__ = [
     "Bake",
     "Cancelled",
+    "Estimate",
     "LeaflightError",
     "PhotonMap",
     "Progress",
@@ -38,6 +40,7 @@ __all__ = [
     "cornell_box",
     "default_isovalue",
     "default_window",
+    "estimate",
     "fit_scene",
     "flatland",
     "lapr",

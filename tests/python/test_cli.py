@@ -152,6 +152,10 @@ def test_plain_text(cli, box_file, tmp_path):
         (["bake", "bump_box", "--out", "OUT/x.vdb", "--isovalues", "900", "901"], "outside"),
         (["bake", "bump_box", "--out", "OUT/x.vdb", "--estimator", "magic"], "magic"),
         (["bake", "bump_box", "--out", "OUT/x.vdb", "--samples", "0"], "samples"),
+        (["bake", "bump_box", "--out", "OUT/x.vdb", "--error", "0"], "(--error)."),
+        (["bake", "bump_box", "--out", "OUT/x.vdb", "--error", "1", "--refine", "1"], "(--error)."),
+        (["bake", "bump_box", "--out", "OUT/x.vdb", "--estimate"], "--estimate"),
+        (["bake", "bump_box", "--estimate", "--samples", "4"], "leave out samples"),
         (["bake", "bump_box", "--out", "OUT/x.vdb", "--scene", "OUT/no.json"], "no.json"),
         (["bake", "bump_box", "--out", "OUT/x.txt"], "must end in .vdb"),
         (["bake", "bump_box", "--out", "OUT/no/x.vdb"], "folder"),
@@ -215,3 +219,38 @@ def test_ctrl_c_leaves_no_file(root, tmp_path):
     assert process.returncode == 130
     assert out == "" and "cancelled" in err and "Traceback" not in err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_bake_goes_on_until_its_error(cli, tmp_path):
+    out = tmp_path / "box.vdb"
+    arguments = ["bake", "bump_box", "--dims", "10", "--isovalues", "30", "70", "--out", out]
+    outcome = cli(*arguments, "--error", "4", "--json")
+    result = last_json(outcome)
+    assert result["rounds"] >= 1 and 0 < result["estimated_error_percent"] <= 4
+    assert result["stopped"] is False
+    error, rounds = result["estimated_error_percent"], result["rounds"]
+    assert f"estimated error {error:.2f} % after {rounds} round" in outcome.out
+    assert "4 % was asked for" in outcome.out
+    outcome = cli(*arguments, "--error", "0.001", "--time", "0.25")
+    assert outcome.status == 0
+    assert "the 0.001 % asked for was not reached: the 0.25 s are over" in outcome.out
+
+
+def test_estimate_writes_nothing(cli, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    outcome = cli("bake", "bump_box", "--dims", "10", "--estimate", "--error", "3", "--json")
+    cost = last_json(outcome)
+    assert cost["seconds"] > 0 and cost["memory_bytes"] > 2**20 and cost["error"] <= 3
+    assert f"about {cost['seconds']:.0f} s and " in outcome.out
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_settings_of_research_stand_under_a_heading_of_their_own(cli, capsys):
+    with pytest.raises(SystemExit):
+        cli("bake", "--help")
+    everyday, research = capsys.readouterr().out.split("settings of research", 1)
+    everyday = everyday.split("options:", 1)[1]
+    for option in ("--error", "--time", "--estimate", "--resolution", "--both-sides"):
+        assert f" {option}" in everyday and f"  {option}" not in research
+    for option in ("--samples", "--photons", "--refine", "--soft-spacing", "--k", "--strategy"):
+        assert f" {option}" in research and f" {option}" not in everyday

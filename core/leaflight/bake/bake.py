@@ -1,25 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Baking: one radiance grid for every isosurface of a volume, and what to do with it."""
 
-import hashlib
 import json
 import time
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 
 import leaflight._core as _core
 import numpy as np
 
 from .._core import LeaflightError
 from ..io.output import check_writable
-from ..io.scene_file import cornell_box, scene_from_json, scene_to_json
+from ..io.scene_file import cornell_box, scene_from_json
 from ..scene.on_mesh import interpolated
 from ..scene.scene import SceneDescription, core_scene, fit_scene, isovalue_at, match_leaves
-from ..version import __version__
 from ..volume.setting_error import SettingError
 from ..volume.volume import Volume
 from .color_error import estimated_rms_percent
-from .settings import PhotonMap, bake_settings, leaf_window
-from .stamps import METADATA, id_of, read_bake_id, sha256, values_sha256
+from .settings import PhotonMap, fixed_settings, fixed_work, leaf_window, round_settings
+from .stamps import EARLIER, METADATA, Stamp, id_of, read_bake_id
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,8 +42,11 @@ class Bake:
     `isovalue` always is the leaf coordinate (see scene.py): the isovalue of a single volume, and
     0..1 with several. isovalues: (lo, hi), the baked window of it.
     grids: one _core.RadianceGrid for each volume; surroundings: _core.SurroundingsRadiance or None.
-    statistics: seconds, rays, rays_per_second, texels, peak_memory_bytes, skipped_passes, and
-        estimated_rms_percent, the RMS of the noise that the texels report, in the units of compare.
+    statistics: seconds, rays, rays_per_second, texels, peak_memory_bytes, skipped_passes;
+        rounds, 0 where the work was fixed; estimated_error_percent, of what compare calls
+        rms_percent, None where the work was fixed; stopped, whether a stop or the time ended the
+        bake before it reached its error; and estimated_rms_percent, the RMS of the noise that the
+        texels report, in the units of compare.
     metadata: text by key, everything the result depends on; equal bakes have equal metadata.
     """
 
@@ -233,13 +234,15 @@ def bake(
     scene=None,
     *,
     isovalues=None,
+    error=None,
+    time=None,
     resolution=None,
-    samples=32,
-    photons=2_000_000,
+    samples=None,
+    photons=None,
     caustic_photons=None,
-    soft_spacing=1,
-    refine=0,
-    estimator="gather",
+    soft_spacing=None,
+    refine=None,
+    estimator=None,
     photon_map=None,
     scattered=None,
     seed=0,
@@ -247,93 +250,91 @@ def bake(
     both_sides=False,
     surroundings=False,
     only_at=None,
+    on_round=None,
     progress=None,
 ):
     """Computes the radiance of every isosurface, within a window, of a volume or of several.
+
+    The bake goes on in rounds, each of which leaves a better result, until it reaches the error or
+    the time asked for, or progress.stop() is called; statistics of the Bake tell how far it came.
 
     volumes: a Volume or a list of them, which see each other (see scene.py).
     scene: SceneDescription, fitted around the volumes; None is the Cornell box.
     isovalues: (lo, hi) of the leaf coordinate: in data units for one volume, where None takes that
         of the scene or else default_window(volume); within 0..1 for several, where None is (0, 1).
+    error: percent, of what compare() calls rms_percent; None is 1.5. time: seconds after which the
+        bake ends with the round in progress, None for no limit.
     resolution: texels along the longest axis (the other axes in proportion of their nodes), or
         (nx, ny, nz); None is one texel a node.
-    samples: rays per texel; photons: number of photons; caustic_photons: of those that come by
-        mirrors and glass, None as many as photons.
-    estimator: "gather", "volumetric", "path" or "thesis"; photon_map: PhotonMap of the last, None
-        for the thesis's; scattered: Scattered, for samples strewn over the domain instead of in
-        each texel, with `samples` rays each.
     seed: same seed, same result, whatever the threads; threads: 0 takes every core.
-    soft_spacing: texels between the points that soft light is gathered at; more is faster where the
-        light is smooth, see docs/accuracy.md.
-    refine: how many times texels are halved where light varies most, in a fifth of the cells each
-        time; once doubles the time and takes away most of what a coarse texture errs by.
     both_sides: the inner side of each isosurface, too; surroundings: the meshes around them, too.
+    on_round: called with a Bake after each round but the last, in the thread that bakes; the
+        statistics of that Bake lack estimated_rms_percent, which takes its time.
+    progress: _core.Progress to poll, stop or cancel from another thread.
+
+    Settings of research, None where they are not asked for. If any is given, the bake does that
+    fixed amount of work, without rounds, and the others are as said:
+    samples: rays per texel (32); photons: number of photons (2 million); caustic_photons: of those
+        that come by mirrors and glass (as many as photons).
+    estimator: "gather" (the default), "volumetric", "path" or "thesis"; photon_map: PhotonMap of
+        the last (the thesis's); scattered: Scattered, for samples strewn over the domain instead of
+        in each texel, with `samples` rays each.
+    soft_spacing: texels between the points that soft light is gathered at (1); more is faster where
+        the light is smooth, see docs/accuracy.md.
+    refine: how many times texels are halved where light varies most, in a fifth of the cells each
+        time (0); once doubles the time.
     only_at: world points (n, 3), to bake only the texels that lookups there use, with the estimator
         "path"; for measuring.
-    progress: _core.Progress to poll or cancel from another thread.
     Returns a Bake. Raises LeaflightError for input that cannot be baked, Cancelled.
     """
     volumes, description, window = placed(volumes, scene, isovalues)
-    if estimator == "thesis" and photon_map is None:
-        photon_map = PhotonMap()
-    settings = bake_settings(
-        _core.BakeSettings,
-        volumes[0].field().dims,
-        resolution=resolution,
-        samples=samples,
-        photons=photons,
-        caustic_photons=caustic_photons,
-        soft_spacing=soft_spacing,
-        refine=refine,
-        exposure=description.exposure,
-        estimator=estimator,
-        photon_map=photon_map,
-        scattered=scattered,
-        seed=seed,
-        threads=threads,
-        both_sides=both_sides,
-        surroundings=surroundings,
-        only_at=only_at,
-    )
-    core = core_scene(description, [volume.field() for volume in volumes], window)
-    baked = _core.bake(core, settings, progress or _core.Progress())
-
-    scene_text = scene_to_json(description)
-    metadata = {
-        "leaflight_version": __version__,
-        "volumes": json.dumps(
-            [
-                {
-                    "name": volume.name,
-                    "source": volume.source,
-                    "values_sha256": values_sha256(volume),
-                    "index_to_world": np.asarray(volume.index_to_world, np.float64).tolist(),
-                    "resolution": list(grid.resolution),
-                    "capped": look.capped,
-                }
-                for volume, look, grid in zip(volumes, description.leaves, baked.grids)
-            ]
-        ),
-        "scene": scene_text,
-        "scene_sha256": hashlib.sha256(scene_text.encode()).hexdigest(),
-        "isovalues": json.dumps(window),
-        "samples": str(samples),
-        "photons": str(photons),
-        "caustic_photons": str(settings.caustic_photons),
-        "soft_spacing": str(settings.soft_spacing),
-        "refine": str(settings.refine),
+    given = {
+        "samples": samples,
+        "photons": photons,
+        "caustic_photons": caustic_photons,
+        "soft_spacing": soft_spacing,
+        "refine": refine,
         "estimator": estimator,
-        "photon_map": json.dumps(photon_map and asdict(photon_map)),
-        "scattered": json.dumps(scattered and asdict(scattered)),
-        "seed": str(seed),
-        "both_sides": json.dumps(bool(both_sides)),
-        "surroundings": json.dumps(bool(surroundings)),
-        "only_at_sha256": "" if only_at is None else sha256(np.float64(only_at)),
+        "photon_map": photon_map,
+        "scattered": scattered,
+        "only_at": only_at,
     }
-    statistics = dict(baked.statistics)
-    statistics["estimated_rms_percent"] = estimated_rms_percent(baked.grids, description.exposure)
-    statistics["rays_per_second"] = statistics["rays"] / max(statistics["seconds"], 1e-9)
-    return Bake(volumes, description, window, baked.grids, baked.surroundings, statistics, metadata)
+    fixed = fixed_work(error, time, given)
+    if fixed is not None and fixed["estimator"] == "thesis" and photon_map is None:
+        fixed["photon_map"] = PhotonMap()
+    common = {
+        "resolution": resolution,
+        "seed": seed,
+        "threads": threads,
+        "exposure": description.exposure,
+        "both_sides": both_sides,
+        "surroundings": surroundings,
+    }
+    dims = volumes[0].field().dims
+    if fixed is None:
+        settings = round_settings(_core.BakeSettings, dims, error=error, time=time, **common)
+    else:
+        settings = fixed_settings(_core.BakeSettings, dims, **fixed, **common)
+    stamp = Stamp(volumes, description, window, settings, fixed)
+
+    def whole(baked):
+        statistics = {
+            "rounds": 0,
+            "stopped": False,
+            "estimated_error_percent": None,
+            **baked.statistics,
+        }
+        statistics["rays_per_second"] = statistics["rays"] / max(statistics["seconds"], 1e-9)
+        metadata = stamp.metadata(baked.grids, statistics["rounds"])
+        grids, lit = baked.grids, baked.surroundings
+        return Bake(volumes, description, window, grids, lit, statistics, metadata)
+
+    core = core_scene(description, [volume.field() for volume in volumes], window)
+    look = None if on_round is None else lambda baked: on_round(whole(baked))
+    result = whole(_core.bake(core, settings, progress or _core.Progress(), on_round=look))
+    noise = estimated_rms_percent(result.grids, description.exposure)
+    result.statistics["estimated_rms_percent"] = noise
+    return result
 
 
 def load_bake(path):
@@ -347,6 +348,8 @@ def load_bake(path):
         names = [str(record["name"]) for record in json.loads(metadata["volumes"])]
         if not len(names) == len(fields) == len(grids) == len(scene.leaves):
             raise ValueError("the number of volumes differs")
+        if "rounds" not in metadata:
+            raise LeaflightError(f"{path}: {EARLIER}.")
         # OpenVDB adds text of its own.
         metadata = {key: metadata[key] for key in METADATA}
     except (KeyError, TypeError, ValueError):

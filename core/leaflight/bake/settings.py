@@ -1,12 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The settings of a bake, checked: the window of isovalues and how much work is done."""
+"""The settings of a bake, checked: the window of isovalues and how much work is done.
+
+The work is either rounds, until the estimated error or the time asked for is reached, or the fixed
+amount of the research settings.
+"""
 
 from dataclasses import astuple, dataclass
 
 import numpy as np
 
 from .._core import LeaflightError
+from ..volume.setting_error import SettingError
 from ..volume.volume import default_window
+
+# Of what compare() calls rms_percent.
+DEFAULT_ERROR = 1.5
+
+# The research settings where some of them are given.
+FIXED_WORK = {
+    "samples": 32,
+    "photons": 2_000_000,
+    "caustic_photons": None,
+    "soft_spacing": 1,
+    "refine": 0,
+    "estimator": "gather",
+    "photon_map": None,
+    "scattered": None,
+    "only_at": None,
+}
 
 
 @dataclass(frozen=True)
@@ -73,47 +94,69 @@ def _window(isovalues, data_range):
     return lo, hi
 
 
-def bake_settings(
+def fixed_work(error, time, given):
+    """The research settings, all of them, where one is given; None where the work is rounds.
+
+    error, time: as of bake(), None where they were not asked for. given: each of FIXED_WORK by its
+    name, None where it was not. Raises SettingError where both ways were asked for.
+    """
+    asked = {name: value for name, value in given.items() if value is not None}
+    limits = {"error": error, "time": time}
+    limits = [name for name, value in limits.items() if value is not None]
+    if not asked:
+        return None
+    if limits:
+        names = ", ".join(name.replace("_", " ") for name in asked)
+        raise SettingError(
+            f"A bake either does a fixed amount of work ({names}) or goes on until it reaches an "
+            f"error or a time: leave out the {' and the '.join(limits)}, or the others.",
+            *limits,
+        )
+    return {**FIXED_WORK, **asked}
+
+
+def round_settings(kind, dims, *, error=None, time=None, **common):
+    """The core's settings, a kind (_core.BakeSettings or BakeSettings2), of a bake in rounds.
+
+    error: in percent, where the bake may end, None is DEFAULT_ERROR; time: seconds after which it
+    ends with the round in progress, None for no limit. common: see _common. Raises LeaflightError.
+    """
+    settings = _common(kind, dims, **common)
+    settings.samples = 0
+    settings.error = _positive("error", DEFAULT_ERROR if error is None else error, "percent")
+    settings.seconds = 0.0 if time is None else _positive("time", time, "seconds")
+    return settings
+
+
+def fixed_settings(
     kind,
     dims,
     *,
-    resolution,
     samples,
     photons,
-    caustic_photons,
-    estimator,
-    seed,
-    threads,
-    photon_map=None,
-    scattered=None,
+    caustic_photons=None,
     soft_spacing=1,
     refine=0,
-    exposure=1.0,
-    both_sides=False,
-    surroundings=False,
+    estimator="gather",
+    photon_map=None,
+    scattered=None,
     only_at=None,
+    **common,
 ):
-    """The core's settings, a kind (_core.BakeSettings or BakeSettings2) for nodes dims.
+    """The core's settings of a bake that does a fixed amount of work.
 
-    resolution: None, one number along the longest axis, or one for each axis. caustic_photons:
-    None is as many as photons. photon_map: PhotonMap, None for the thesis's.
+    caustic_photons: None is as many as photons. photon_map: PhotonMap, None for the thesis's.
     scattered: Scattered, None for samples in each texel. only_at: world points (n, D), None for
-    all texels. Raises LeaflightError.
+    all texels. The rest as for round_settings. Raises LeaflightError.
     """
-    settings = kind()
-    settings.resolution = _texels(resolution, dims)
+    settings = _common(kind, dims, **common)
     settings.samples = whole("samples", samples, 1)
     settings.photons = whole("photons", photons, 1)
     caustic_photons = photons if caustic_photons is None else caustic_photons
     settings.caustic_photons = whole("caustic_photons", caustic_photons, 0)
     settings.estimator = estimator
-    settings.seed = whole("seed", seed, 0)
-    settings.threads = whole("threads", threads, 0)
     settings.soft_spacing = whole("soft_spacing", soft_spacing, 1)
     settings.refine = whole("refine", refine, 0)
-    settings.exposure = exposure
-    settings.both_sides = bool(both_sides)
-    settings.surroundings = bool(surroundings)
     if only_at is not None:
         if len(only_at) == 0:
             raise LeaflightError("only_at holds no points: give some, or None for all texels.")
@@ -135,6 +178,32 @@ def bake_settings(
     return settings
 
 
+def _common(
+    kind,
+    dims,
+    *,
+    resolution,
+    seed,
+    threads,
+    exposure=1.0,
+    both_sides=False,
+    surroundings=False,
+):
+    """What both ways have, for nodes dims.
+
+    resolution: None, one number along the longest axis, or one for each axis. exposure: radiance
+    times this is a displayed colour. Raises LeaflightError.
+    """
+    settings = kind()
+    settings.resolution = _texels(resolution, dims)
+    settings.seed = whole("seed", seed, 0)
+    settings.threads = whole("threads", threads, 0)
+    settings.exposure = exposure
+    settings.both_sides = bool(both_sides)
+    settings.surroundings = bool(surroundings)
+    return settings
+
+
 def _texels(resolution, dims):
     if resolution is None:
         return (0,) * len(dims)
@@ -153,3 +222,11 @@ def whole(name, value, least):
     if not least <= value < 2**31 or value != int(value):
         raise LeaflightError(f"{name} must be a whole number in {least}..{2**31 - 1}, not {value}.")
     return int(value)
+
+
+def _positive(name, value, unit):
+    """The value as a float above 0. Raises SettingError."""
+    value = float(value)
+    if not (np.isfinite(value) and value > 0):
+        raise SettingError(f"The {name} must be a number of {unit} above 0, not {value:g}.", name)
+    return value

@@ -8,7 +8,7 @@ in one line on stderr; 130 after Ctrl-C; after the last two nothing is written.
 
 import json
 import sys
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import leaflight._core as _core
@@ -16,6 +16,8 @@ import numpy as np
 
 from .._core import Cancelled, LeaflightError
 from ..bake.bake import bake, load_bake
+from ..bake.estimate import estimate
+from ..bake.outcome import outcome
 from ..bake.photons import trace_photons
 from ..bake.settings import PhotonMap, Scattered
 from ..flatland.flat_scene import load_flat_scene
@@ -88,7 +90,8 @@ def _to_light(options, suffix):
         raise LeaflightError(
             "Nothing to light: name a VOLUME, or give --scene a file whose volumes have a source."
         )
-    check_writable(options.out, suffix, *sources)
+    if options.out is not None:
+        check_writable(options.out, suffix, *sources)
     volumes = [_open(source, options) for source in sources]
     if options.capped:
         scene = replace(scene, leaves=[replace(leaves, capped=True) for leaves in scene.leaves])
@@ -120,21 +123,18 @@ def _photons(options):
 
 def _bake(options):
     volumes, scene = _to_light(options, ".vdb")
-
-    work_options = _work_options(options)
+    names = ("error", "time", "caustic_photons", "soft_spacing", "refine")
+    settings = {
+        **_work_options(options),
+        **_given(options, **{name: name for name in names}),
+        "both_sides": options.both_sides,
+        "surroundings": options.surroundings,
+    }
+    if options.estimate:
+        return _estimate(volumes, scene, settings)
 
     def work(progress):
-        return bake(
-            volumes,
-            scene,
-            caustic_photons=options.caustic_photons,
-            soft_spacing=options.soft_spacing,
-            refine=options.refine,
-            both_sides=options.both_sides,
-            surroundings=options.surroundings,
-            progress=progress,
-            **work_options,
-        )
+        return bake(volumes, scene, progress=progress, **settings)
 
     baked = run_with_progress(work, "bake")
     baked.save(options.out)
@@ -151,22 +151,36 @@ def _bake(options):
         **baked.statistics,
     }
     lo, hi = baked.isovalues
+    end = outcome(baked, why=f"the {options.time or 0:g} s are over")
     return result, [
         f"{options.out}: isovalues {lo:g}..{hi:g} in {baked.scene.name}, "
         f"{result['texels']} texels, {result['seconds']:.1f} s, "
         f"{result['rays_per_second'] / 1e6:.2f} million rays/s, "
         f"{result['peak_memory_bytes'] / 2**20:.0f} MiB, "
         f"noise about {result['estimated_rms_percent']:.2f} %",
+        *([end] if end else []),
         *_leaf_map(baked),
         *(f"skipped: {name} ({reason})" for name, reason in result["skipped_passes"]),
     ]
 
 
+def _estimate(volumes, scene, settings):
+    def work(progress):
+        return estimate(volumes, scene, progress=progress, **settings)
+
+    cost = run_with_progress(work, "estimate")
+    return asdict(cost), [
+        f"about {cost.seconds:.0f} s and {cost.memory_bytes / 2**20:.0f} MiB to an error of "
+        f"{cost.error:.2g} %, by {cost.pilot_rounds} of {cost.rounds} rounds done in "
+        f"{cost.pilot_seconds:.1f} s"
+    ]
+
+
 def _work_options(options):
-    """What is baked, and how well: the arguments that bake and bake_flatland have in common."""
+    """What is baked, and how well: those arguments that bake and bake_flatland have in common."""
     names = ("isovalues", "resolution", "samples", "photons", "estimator", "seed", "threads")
     return {
-        **{name: getattr(options, name) for name in names},
+        **_given(options, **{name: name for name in names}),
         "photon_map": _photon_map(options),
         "scattered": _scattered(options),
     }
@@ -296,7 +310,8 @@ def _flatland(options):
     else:
         volume = read_image(options.image)
 
-    work_options = _work_options(options)
+    # A bake of space takes as many by default.
+    work_options = {"samples": 32, **_work_options(options)}
 
     def work(progress):
         return bake_flatland(volume, scene, progress=progress, **work_options)

@@ -30,7 +30,7 @@ def make_parser(commands):
     )
     parser.add_argument("--version", action="version", version=f"leaflight {__version__}")
     subparsers = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
-    layout, threads, work, leaf = _layout(), _threads(), _work(), _leaf()
+    layout, threads, scene, leaf = _layout(), _threads(), _scene(), _leaf()
     volume = f"a file, a folder of TIFF slices, or {', '.join(GENERATED)}"
 
     info = subparsers.add_parser("info", parents=[layout], help="what a volume holds")
@@ -38,40 +38,59 @@ def make_parser(commands):
 
     lit = _lit(volume)
     bake = subparsers.add_parser(
-        "bake", parents=[layout, lit, work, threads], help="light every isosurface of volumes"
+        "bake", parents=[layout, lit, scene, threads], help="light every isosurface of volumes"
     )
-    bake.add_argument("--out", required=True, metavar="X.vdb", help="file to write")
-    bake.add_argument(
-        "--caustic-photons",
-        type=int,
-        metavar="N",
-        help="photons by way of mirrors and glass (as many as photons)",
-    )
-    bake.add_argument(
-        "--soft-spacing",
-        type=int,
-        default=1,
-        metavar="N",
-        help="texels between the points that soft light is gathered at (1)",
+    target = bake.add_mutually_exclusive_group(required=True)
+    target.add_argument("--out", metavar="X.vdb", help="file to write")
+    target.add_argument(
+        "--estimate",
+        action="store_true",
+        help="tell the seconds and the memory that it would take, and write nothing",
     )
     bake.add_argument(
-        "--refine",
-        type=int,
-        default=0,
-        metavar="N",
-        help="how many times to halve texels where light varies most; once doubles the time (0)",
+        "--error",
+        type=float,
+        metavar="PCT",
+        help="go on until the error is this, in percent as compare tells it (1.5)",
+    )
+    bake.add_argument(
+        "--time", type=float, metavar="S", help="or until so many seconds are over (no limit)"
     )
     for option, text in (
         ("--both-sides", "light the inner side of isosurfaces, too"),
         ("--surroundings", "keep the light on the surroundings, too"),
     ):
         bake.add_argument(option, action="store_true", help=text)
+    _resolution(bake)
+    research = bake.add_argument_group(
+        "settings of research: a fixed amount of work in place of --error and --time"
+    )
+    _work(research)
+    research.add_argument(
+        "--caustic-photons",
+        type=int,
+        metavar="N",
+        help="photons by way of mirrors and glass (as many as photons)",
+    )
+    research.add_argument(
+        "--soft-spacing",
+        type=int,
+        metavar="N",
+        help="texels between the points that soft light is gathered at (1)",
+    )
+    research.add_argument(
+        "--refine",
+        type=int,
+        metavar="N",
+        help="how many times to halve texels where light varies most; once doubles the time (0)",
+    )
+    _thesis(bake)
 
     surface = subparsers.add_parser("surface", parents=[leaf], help="one lit isosurface as a mesh")
     surface.add_argument("--out", required=True, metavar="MESH.ply", help="file to write")
 
     photons = subparsers.add_parser(
-        "photons", parents=[layout, lit, _scene()], help="photons on isosurfaces as points"
+        "photons", parents=[layout, lit, scene], help="photons on isosurfaces as points"
     )
     photons.add_argument("--out", required=True, metavar="POINTS.ply", help="file to write")
     photons.add_argument(
@@ -97,7 +116,7 @@ def make_parser(commands):
     )
 
     flatland = subparsers.add_parser(
-        "flatland", parents=[work, threads], help="light every isoline of an image in the plane"
+        "flatland", parents=[scene, threads], help="light every isoline of an image in the plane"
     )
     flatland.add_argument("image", metavar="IMAGE", help="PNG, JPEG, TIFF or EXR, or bump_box")
     flatland.add_argument("--dims", type=int, metavar="N", help="bump_box: nodes a side (200)")
@@ -112,6 +131,10 @@ def make_parser(commands):
         action="store_true",
         help="leave the picture at the plane's brightness, pi/2 of that in space",
     )
+
+    _resolution(flatland)
+    _work(flatland)
+    _thesis(flatland)
 
     report = subparsers.add_parser(
         "report", parents=[threads], help="measure errors and seconds, and write a report of them"
@@ -202,18 +225,21 @@ def _scene():
     return parser
 
 
-def _work():
-    """What is baked, and how well."""
-    parser = Parser(add_help=False, parents=[_scene()])
+def _resolution(parser):
     parser.add_argument(
         "--resolution", type=int, metavar="N", help="texels on the longest axis (one a voxel)"
     )
-    parser.add_argument("--samples", type=int, default=32, metavar="N", help="rays a texel (32)")
-    parser.add_argument(
-        "--photons", type=int, default=2_000_000, metavar="N", help="photons (2000000)"
-    )
-    parser.add_argument("--estimator", choices=ESTIMATORS, default="gather", help="(gather)")
 
+
+def _work(parser):
+    """How much is done, where the amount is fixed."""
+    parser.add_argument("--samples", type=int, metavar="N", help="rays a texel (32)")
+    parser.add_argument("--photons", type=int, metavar="N", help="photons (2000000)")
+    parser.add_argument("--estimator", choices=ESTIMATORS, help="(gather)")
+
+
+def _thesis(parser):
+    """The thesis's own ways."""
     thesis = parser.add_argument_group("of --estimator thesis")
     thesis.add_argument("--k", type=int, metavar="N", help="photons of an estimate (200)")
     thesis.add_argument(
@@ -245,7 +271,6 @@ def _work():
     scattered.add_argument(
         "--filter-radius", type=int, metavar="D", help="texels that a sample reaches (3)"
     )
-    return parser
 
 
 def _leaf():

@@ -13,7 +13,7 @@ import leaflight._core as _core
 import numpy as np
 
 from .._core import LeaflightError
-from ..bake.settings import bake_settings, leaf_window
+from ..bake.settings import fixed_settings, leaf_window
 from ..io.images import display_colours, luminance, read_pixels
 from ..volume.setting_error import SettingError
 from ..volume.volume import Volume, on_unit_cube
@@ -122,13 +122,12 @@ def bake_flatland(
     scene = fit_flat_scene(scene or flat_box(), volume)
     window = leaf_window(isovalues, [volume], [scene.leaves])
     field = volume.field()
-    settings = bake_settings(
+    settings = fixed_settings(
         _core.BakeSettings2,
         field.dims,
         resolution=resolution,
         samples=samples,
         photons=photons,
-        caustic_photons=None,
         estimator=estimator,
         photon_map=photon_map,
         scattered=scattered,

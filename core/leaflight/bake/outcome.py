@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How far a bake in rounds came, in sentences for the command line and the panel."""
+
+
+def outcome(bake, why="it was stopped"):
+    """A sentence about the estimated error of a Bake against the error asked for.
+
+    why: it was stopped, if it was. An empty text where the amount of work was fixed.
+    """
+    statistics = bake.statistics
+    if not bake.metadata["error"]:
+        return ""
+    asked = float(bake.metadata["error"])
+    reached = statistics["estimated_error_percent"]
+    rounds = f"{statistics['rounds']} round{'s' if statistics['rounds'] > 1 else ''}"
+    text = f"estimated error {reached:.2f} % after {rounds}"
+    if reached <= asked:
+        return f"{text}; {asked:g} % was asked for"
+    if not statistics["stopped"]:
+        why = "more rounds would not bring it nearer"
+    return f"{text}; the {asked:g} % asked for was not reached: {why}"
