@@ -21,6 +21,9 @@ py::dict statistics(const Baked<D>& baked) {
   result["texels"] = texels;
   result["peak_memory_bytes"] = baked.statistics.peak_memory_bytes;
   result["skipped_passes"] = skipped;
+  result["rounds"] = baked.statistics.rounds;
+  result["estimated_error_percent"] = baked.statistics.noise_percent;
+  result["stopped"] = baked.statistics.stopped;
   return result;
 }
 
@@ -32,7 +35,11 @@ void bind_settings(py::module_& module, const std::string& suffix) {
       .def_readwrite("resolution", &Settings::resolution,
                      "Texels along x, y, z; all 0 for one per voxel.")
       .def_readwrite("samples", &Settings::samples,
-                     "Samples per texel, each one shadow ray and one gather ray.")
+                     "Samples per texel, each one shadow ray and one gather ray; 0: rounds.")
+      .def_readwrite("error", &Settings::error,
+                     "Of rounds: the RMS error of colours to reach, in percent.")
+      .def_readwrite("seconds", &Settings::seconds,
+                     "Of rounds: no more begin after so many; 0: no limit.")
       .def_readwrite("photons", &Settings::photons, "Photons emitted over all isovalues.")
       .def_readwrite("caustic_photons", &Settings::caustic_photons,
                      "Photons emitted for caustics, where there are mirrors or glass.")
@@ -165,17 +172,27 @@ void bind_baking(py::module_& module, const std::string& suffix) {
       .def_readonly("surroundings", &BakedObjects<D>::surroundings,
                     "SurroundingsRadiance, or None if it was not baked.")
       .def_readonly("statistics", &BakedObjects<D>::statistics);
-  module.def(("bake" + suffix).c_str(),
-             [](const Scene<D>& scene, const BakeSettings<D>& settings, Progress& progress) {
-               Baked<D> baked;
-               {
-                 const py::gil_scoped_release unlocked;
-                 baked = bake(scene, settings, progress);
-               }
-               return BakedObjects<D>(std::move(baked));
-             },
-             py::arg("scene"), py::arg("settings"), py::arg("progress"),
-             "Lights all leaves of the scene's window. Raises LeaflightError, or Cancelled.");
+  module.def(
+      ("bake" + suffix).c_str(),
+      [](const Scene<D>& scene, const BakeSettings<D>& settings, Progress& progress,
+         const py::object& on_round) {
+        OnRound<D> call;
+        if (!on_round.is_none()) {
+          call = [&](Baked<D>&& baked) {
+            const py::gil_scoped_acquire locked;
+            on_round(BakedObjects<D>(std::move(baked)));
+          };
+        }
+        Baked<D> baked;
+        {
+          const py::gil_scoped_release unlocked;
+          baked = bake(scene, settings, progress, call);
+        }
+        return BakedObjects<D>(std::move(baked));
+      },
+      py::arg("scene"), py::arg("settings"), py::arg("progress"), py::arg("on_round") = py::none(),
+      "Lights all leaves of the scene's window. `on_round` is given what is baked after each\n"
+      "round but the last, from the thread that bakes. Raises LeaflightError, or Cancelled.");
 }
 
 }  // namespace

@@ -34,7 +34,10 @@ PYBIND11_MODULE(_core, module) {
       .def_property_readonly("fraction", &Progress::fraction, "Work done, 0..1.")
       .def_property_readonly("stage", &Progress::stage, "What is being done, for the user.")
       .def_property_readonly("cancelled", &Progress::cancelled)
-      .def("cancel", &Progress::cancel, "The bake raises Cancelled within half a second.");
+      .def("cancel", &Progress::cancel, "The bake raises Cancelled within half a second.")
+      .def("stop", &Progress::stop,
+           "A bake in rounds ends after the round under way, with what it has.")
+      .def_property_readonly("stopped", &Progress::stopped);
 
   python::bind_field(module);
   python::bind_scene(module);

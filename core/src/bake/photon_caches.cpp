@@ -10,7 +10,6 @@ namespace leaflight {
 namespace {
 
 constexpr std::size_t photons_per_piece = 4096;
-constexpr int surroundings_samples = 8;
 
 }  // namespace
 
@@ -18,7 +17,8 @@ template <int D>
 PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampler<D>& lights,
                                   const std::vector<TexelLattice<D>>& lattices,
                                   const BakeSettings<D>& settings, const Plan& plan,
-                                  Progress& progress, std::atomic<std::uint64_t>& rays) {
+                                  int wall_samples, Progress& progress,
+                                  std::atomic<std::uint64_t>& rays) {
   const bool gathers = settings.estimator == EstimatorName::gather;
   // The largest flux-height with which any photon starts (thesis Eq. 4.4).
   std::uint64_t photons = plan.photons ? settings.photons : 0;
@@ -73,7 +73,7 @@ PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampl
   parallel_range(surroundings.entries(), 256, 0, progress, [&](std::size_t begin, std::size_t end) {
     std::uint64_t traced = 0;
     for (std::size_t e = begin; e < end; ++e) {
-      surroundings.finish(e, lights, surroundings_samples, settings.seed, traced);
+      surroundings.finish(e, lights, wall_samples, settings.seed, traced);
     }
     rays += traced;
   });
@@ -82,11 +82,11 @@ PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampl
 
 template PhotonCaches<2> trace_into_caches(const SceneTracer<2>&, const LightSampler<2>&,
                                            const std::vector<TexelLattice<2>>&,
-                                           const BakeSettings<2>&, const Plan&, Progress&,
+                                           const BakeSettings<2>&, const Plan&, int, Progress&,
                                            std::atomic<std::uint64_t>&);
 template PhotonCaches<3> trace_into_caches(const SceneTracer<3>&, const LightSampler<3>&,
                                            const std::vector<TexelLattice<3>>&,
-                                           const BakeSettings<3>&, const Plan&, Progress&,
+                                           const BakeSettings<3>&, const Plan&, int, Progress&,
                                            std::atomic<std::uint64_t>&);
 
 }  // namespace leaflight

@@ -29,9 +29,17 @@ std::string name_of(EstimatorName name) {
 
 template <int D>
 void validate(const BakeSettings<D>& settings) {
-  if (!(settings.samples >= 1 && settings.samples <= (1 << 20))) {
+  if (!(settings.samples >= 0 && settings.samples <= (1 << 20))) {
     throw Error("The number of samples per texel is " + std::to_string(settings.samples) +
-                "; choose between 1 and 1048576.");
+                "; choose between 1 and 1048576, or 0 for rounds.");
+  }
+  if (!(settings.error > 0 && settings.error <= 100)) {
+    throw Error("The error to reach is " + std::to_string(settings.error) +
+                " percent; choose a number above 0, up to 100.");
+  }
+  if (!(settings.seconds >= 0)) {
+    throw Error("The time limit is " + std::to_string(settings.seconds) +
+                " seconds; choose 0 for none, or a number above it.");
   }
   for (const std::uint64_t photons : {settings.photons, settings.caustic_photons}) {
     if (!(photons >= 1 && photons <= (std::uint64_t{1} << 32))) {

@@ -149,17 +149,29 @@ LightSample<D> EnvironmentSampler<D>::sample(const Vec<D>& normal,
 }
 
 template <int D>
+typename EnvironmentSampler<D>::Direction EnvironmentSampler<D>::sample_any(
+    const std::array<double, 2>& u) const {
+  if (environment_.image) return sample_image(u);
+  Vec<D> axis(0.0);
+  axis[0] = 1;
+  return {sample_cone<D>(axis, 2, u), 1 / all_directions<D>};
+}
+
+template <int D>
+LightSource<D> EnvironmentSampler<D>::source(const std::array<double, 2>& u) const {
+  const Direction from = sample_any(u);
+  LightSource<D> s;
+  s.infinite = true;
+  s.direction = -from.direction;
+  if (from.density > 0) s.amount = radiance(from.direction) / static_cast<Real>(from.density);
+  return s;
+}
+
+template <int D>
 EmittedPhoton<D> EnvironmentSampler<D>::emit(const BoundingSphere<D>& bounds,
                                              const std::array<double, 2>& u_position,
                                              const std::array<double, 2>& u_direction) const {
-  Direction from;
-  if (environment_.image) {
-    from = sample_image(u_direction);
-  } else {
-    Vec<D> axis(0.0);
-    axis[0] = 1;
-    from = {sample_cone<D>(axis, 2, u_direction), 1 / all_directions<D>};
-  }
+  const Direction from = sample_any(u_direction);
   const double weight = from.density > 0 ? parallel_area(bounds) / from.density : 0;
   return {parallel_origin<D>(bounds, -from.direction, u_position), -from.direction,
           radiance(from.direction) * static_cast<Real>(weight)};

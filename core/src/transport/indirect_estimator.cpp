@@ -148,7 +148,9 @@ class GatherEstimator final : public IndirectEstimator<D> {
       emissive_.push_back(tracer.scene().volumes[v].emission.largest() > 0);
       std::array<std::vector<Rgb>, 2> sides;
       for (int side = 0; side < 2 && leaf.photons; ++side) {
-        sides[side] = side_radiance(tracer.scene().volumes[v], leaf, side);
+        sides[side] = leaf.radiance[side].empty()
+                          ? side_radiance(tracer.scene().volumes[v], leaf, side)
+                          : leaf.radiance[side];
       }
       radiance_.push_back(std::move(sides));
     }

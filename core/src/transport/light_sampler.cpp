@@ -120,6 +120,21 @@ Rgb LightSampler<D>::direct_radiance(const SurfacePoint<D>& point, double choice
 }
 
 template <int D>
+LightSource<D> LightSampler<D>::source(double choice, const std::array<double, 2>& u) const {
+  const auto picked = by_irradiance_.pick(choice);
+  LightSource<D> source;
+  if (picked.index < first_mesh()) {
+    source = source_of(tracer_.lights()[picked.index], u);
+  } else if (picked.index < environment_number()) {
+    source = meshes_[picked.index - first_mesh()].source(picked.rest, u);
+  } else {
+    source = environment_->source(u);
+  }
+  source.amount /= static_cast<Real>(picked.probability);
+  return source;
+}
+
+template <int D>
 PhotonStart<D> LightSampler<D>::emit(double c, double choice,
                                      const std::array<double, 2>& u_position,
                                      const std::array<double, 2>& u_direction,

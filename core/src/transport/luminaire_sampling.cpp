@@ -54,6 +54,16 @@ EmittedPhoton<D> emit(const AreaLight<D>& light, const BoundingSphere<D>&,
 }
 
 template <int D>
+LightSource<D> source(const AreaLight<D>& light, const std::array<double, 2>& u) {
+  LightSource<D> s;
+  s.position = light.point(u);
+  s.normal = light.normal();
+  s.sphere = false;
+  s.amount = light.radiance * static_cast<Real>(light.area());
+  return s;
+}
+
+template <int D>
 Rgb along(const AreaLight<D>& light, const Vec<D>& origin, const Vec<D>& direction, double t_max) {
   const Vec<D> normal = light.normal();
   const double approach = -direction.dot(normal);
@@ -152,6 +162,23 @@ EmittedPhoton<D> emit(const PointLight<D>& light, const BoundingSphere<D>&,
 }
 
 template <int D>
+LightSource<D> source(const PointLight<D>& light, const std::array<double, 2>& u) {
+  LightSource<D> s;
+  s.position = light.position;
+  s.amount = light.intensity;
+  s.cone = light.cone ? &light : nullptr;
+  if (light.radius == 0) return s;
+  Vec<D> axis(0.0);
+  axis[0] = 1;
+  s.normal = sample_cone<D>(axis, 2, u);
+  s.position += s.normal * light.radius;
+  s.sphere = false;
+  // A point of the sphere faces half of all directions; seen from afar the sphere is a disc.
+  s.amount *= static_cast<Real>(all_directions<D> / unit_disc<D>);
+  return s;
+}
+
+template <int D>
 Rgb along(const PointLight<D>& light, const Vec<D>& origin, const Vec<D>& direction, double t_max) {
   if (light.radius == 0) return Rgb(0);
   const Vec<D> way = light.position - origin;
@@ -210,6 +237,16 @@ EmittedPhoton<D> emit(const SunLight<D>& light, const BoundingSphere<D>& bounds,
 }
 
 template <int D>
+LightSource<D> source(const SunLight<D>& light, const std::array<double, 2>& u) {
+  const LightSample<D> sampled = sample(light, Vec<D>(0.0), u);
+  LightSource<D> s;
+  s.infinite = true;
+  s.direction = -sampled.direction;
+  s.amount = sampled.radiance;
+  return s;
+}
+
+template <int D>
 Rgb along(const SunLight<D>& light, const Vec<D>&, const Vec<D>& direction, double t_max) {
   if (t_max < std::numeric_limits<double>::infinity() || light.angle == 0) return Rgb(0);
   if (!(-direction.dot(light.direction) >= std::cos(0.5 * light.angle))) return Rgb(0);
@@ -242,6 +279,23 @@ EmittedPhoton<D> emit_from(const Light<D>& light, const BoundingSphere<D>& bound
 }
 
 template <int D>
+Rgb LightSource<D>::irradiance(const Vec<D>& way, double distance) const {
+  if (infinite) return amount;
+  double factor = 1 / spread<D>(distance);
+  if (!sphere) {
+    const double cosine = way.dot(normal);
+    factor *= both_sides ? std::abs(cosine) : std::max(0.0, cosine);
+  }
+  if (cone) factor *= cone_factor(*cone, way);
+  return amount * static_cast<Real>(factor);
+}
+
+template <int D>
+LightSource<D> source_of(const Light<D>& light, const std::array<double, 2>& u) {
+  return std::visit([&](const auto& l) { return source(l, u); }, light);
+}
+
+template <int D>
 Rgb radiance_along(const Light<D>& light, const Vec<D>& origin, const Vec<D>& direction,
                    double t_max) {
   return std::visit([&](const auto& l) { return along(l, origin, direction, t_max); }, light);
@@ -270,6 +324,10 @@ template EmittedPhoton<2> emit_from<2>(const Light<2>&, const BoundingSphere<2>&
                                        const std::array<double, 2>&, const std::array<double, 2>&);
 template EmittedPhoton<3> emit_from<3>(const Light<3>&, const BoundingSphere<3>&,
                                        const std::array<double, 2>&, const std::array<double, 2>&);
+template struct LightSource<2>;
+template struct LightSource<3>;
+template LightSource<2> source_of<2>(const Light<2>&, const std::array<double, 2>&);
+template LightSource<3> source_of<3>(const Light<3>&, const std::array<double, 2>&);
 template Rgb radiance_along<2>(const Light<2>&, const Vec<2>&, const Vec<2>&, double);
 template Rgb radiance_along<3>(const Light<3>&, const Vec<3>&, const Vec<3>&, double);
 template Vec<2> parallel_origin<2>(const BoundingSphere<2>&, const Vec<2>&,

@@ -50,6 +50,18 @@ EmittedPhoton<D> MeshEmitter<D>::emit(double choice, const std::array<double, 2>
           radiance() * static_cast<Real>(2 * projected_hemisphere<D> * area())};
 }
 
+template <int D>
+LightSource<D> MeshEmitter<D>::source(double choice, const std::array<double, 2>& u) const {
+  const PointOn on = point(choice, u);
+  LightSource<D> s;
+  s.position = on.position;
+  s.normal = on.normal;
+  s.sphere = false;
+  s.both_sides = true;
+  s.amount = radiance() * static_cast<Real>(area());
+  return s;
+}
+
 template class MeshEmitter<2>;
 template class MeshEmitter<3>;
 

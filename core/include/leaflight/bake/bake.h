@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
+
 #include "leaflight/bake/plan.h"
 #include "leaflight/bake/radiance_grid.h"
 #include "leaflight/bake/surroundings_radiance.h"
@@ -13,6 +15,10 @@ struct BakeStatistics {
   std::uint64_t rays = 0;
   std::uint64_t peak_memory_bytes = 0;
   std::vector<SkippedPass> skipped;
+  int rounds = 1;
+  double noise_percent =
+      0;                 // of colours over the texels, RMS of the standard errors; of rounds only
+  bool stopped = false;  // by time or by the caller, before the error was reached
 };
 
 template <int D>
@@ -22,15 +28,20 @@ struct Baked {
   BakeStatistics statistics;
 };
 
+// Is given a whole bake after each round but the last.
+template <int D>
+using OnRound = std::function<void(Baked<D>&&)>;
+
 // Lights every leaf of the scene's window at once. The result is the same, bit for bit, for any
 // number of threads. Throws Error for a bad scene or settings, Cancelled within half a second of
 // progress.cancel().
 template <int D>
-Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, Progress& progress);
+Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, Progress& progress,
+              const OnRound<D>& on_round = {});
 
 // The same with a plan of the caller's.
 template <int D>
 Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
-              Progress& progress);
+              Progress& progress, const OnRound<D>& on_round = {});
 
 }  // namespace leaflight

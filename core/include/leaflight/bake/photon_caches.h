@@ -23,11 +23,13 @@ struct PhotonCaches {
 };
 
 // Traces the photons, and the caustic photons, that the plan asks for. The lattices, one per
-// volume, must live as long as the caches. Adds the rays traced to `rays`.
+// volume, must live as long as the caches. `wall_samples`: shadow rays of each entry of the cache
+// of the surroundings. Adds the rays traced to `rays`.
 template <int D>
 PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampler<D>& lights,
                                   const std::vector<TexelLattice<D>>& lattices,
                                   const BakeSettings<D>& settings, const Plan& plan,
-                                  Progress& progress, std::atomic<std::uint64_t>& rays);
+                                  int wall_samples, Progress& progress,
+                                  std::atomic<std::uint64_t>& rays);
 
 }  // namespace leaflight

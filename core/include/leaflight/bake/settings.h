@@ -27,7 +27,11 @@ struct ScatteredBake {
 template <int D>
 struct BakeSettings {
   Index<D> resolution{};  // texels; all zero: one per voxel
-  int samples = 32;       // per texel or scattered sample, each one shadow ray and one gather ray
+  // Samples per texel or scattered sample, each one shadow ray and one gather ray; 0: rounds of
+  // lines through the volume (rounds.h) until `error` or `seconds` ends them.
+  int samples = 32;
+  double error = 1.5;  // of rounds: the RMS error of colours to reach, in percent
+  double seconds = 0;  // of rounds: no more begin after so many; 0: no limit
   std::uint64_t photons = 2'000'000;
   std::uint64_t caustic_photons = 2'000'000;
   EstimatorName estimator = EstimatorName::gather;

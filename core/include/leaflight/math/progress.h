@@ -20,6 +20,9 @@ class Progress {
  public:
   void cancel() { cancelled_ = true; }
   bool cancelled() const { return cancelled_; }
+  // Asks a computation in rounds to end with what it has after the round that is under way.
+  void stop() { stopped_ = true; }
+  bool stopped() const { return stopped_; }
   double fraction() const { return std::min(1.0, done_.load() / total_); }
   std::string stage() const {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -42,7 +45,7 @@ class Progress {
   }
 
  private:
-  std::atomic<bool> cancelled_{false};
+  std::atomic<bool> cancelled_{false}, stopped_{false};
   std::atomic<double> done_{0};
   std::atomic<double> total_{1};
   mutable std::mutex mutex_;

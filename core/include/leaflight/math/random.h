@@ -42,7 +42,10 @@ enum class Purpose : std::uint64_t {
   exposure,
   surroundings,
   sample_position,
-  scattered
+  scattered,
+  direct_sweep,
+  gather_sweep,
+  noise
 };
 
 inline Random random_for(std::uint64_t seed, Purpose purpose, std::uint64_t index) {

@@ -24,12 +24,15 @@ class EnvironmentSampler {
   LightSample<D> sample(const Vec<D>& normal, const std::array<double, 2>& u) const;
   EmittedPhoton<D> emit(const BoundingSphere<D>& bounds, const std::array<double, 2>& u_position,
                         const std::array<double, 2>& u_direction) const;
+  // A direction by the image's brightness; a uniform one where there is none.
+  LightSource<D> source(const std::array<double, 2>& u) const;
 
  private:
   struct Direction {
     Vec<D> direction;
     double density;  // per angle
   };
+  Direction sample_any(const std::array<double, 2>& u) const;
   Direction sample_image(const std::array<double, 2>& u) const;
   double image_density(const Vec<D>& direction) const;
 

@@ -31,6 +31,10 @@ class LightSampler {
   Rgb direct_radiance(const SurfacePoint<D>& point, double choice, const std::array<double, 2>& u,
                       std::uint64_t& rays) const;
 
+  // A source that stands for all that direct_radiance() samples; precondition: can_light().
+  LightSource<D> source(double choice, const std::array<double, 2>& u) const;
+  bool can_light() const { return !by_irradiance_.empty(); }
+
   // `c`: the leaf coordinate of the photon, unless it starts on a leaf.
   PhotonStart<D> emit(double c, double choice, const std::array<double, 2>& u_position,
                       const std::array<double, 2>& u_direction, Random& random) const;

@@ -23,6 +23,23 @@ struct EmittedPhoton {
   Rgb flux;                  // of the whole light, as this photon alone would carry it
 };
 
+// One point of a luminaire, or one direction of light from afar, that stands for all of it. It
+// lights the whole scene, unlike a LightSample, which is chosen for the point that is lit.
+template <int D>
+struct LightSource {
+  bool infinite = false;
+  bool both_sides = false;              // the luminaire shines on both sides of its normal
+  Vec<D> position{0.0};                 // finite only
+  Vec<D> direction{0.0};                // infinite only: unit, in which the light travels
+  Vec<D> normal{0.0};                   // finite only
+  const PointLight<D>* cone = nullptr;  // which limits the light; null: none
+  bool sphere = true;                   // without a normal
+  Rgb amount{0};  // irradiance of a surface that faces the source, at distance 1 unless infinite
+
+  // The irradiance of a surface that faces the source, reached by it in a unit direction.
+  Rgb irradiance(const Vec<D>& way, double distance) const;
+};
+
 // What every luminaire must answer; lights and positions in the frame, `bounds` about the scene,
 // `u` uniform in [0,1)^2.
 // Power, averaged over the channels.
@@ -41,6 +58,9 @@ template <int D>
 EmittedPhoton<D> emit_from(const Light<D>& light, const BoundingSphere<D>& bounds,
                            const std::array<double, 2>& u_position,
                            const std::array<double, 2>& u_direction);
+
+template <int D>
+LightSource<D> source_of(const Light<D>& light, const std::array<double, 2>& u);
 
 // The radiance that a ray of unit direction finds on the light before t_max, which may be infinite.
 template <int D>

@@ -21,6 +21,7 @@ class MeshEmitter {
   LightSample<D> sample(const Vec<D>& from, double choice, const std::array<double, 2>& u) const;
   EmittedPhoton<D> emit(double choice, const std::array<double, 2>& u_position,
                         const std::array<double, 2>& u_direction) const;
+  LightSource<D> source(double choice, const std::array<double, 2>& u) const;
 
  private:
   struct PointOn {

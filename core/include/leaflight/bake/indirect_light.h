@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "leaflight/bake/gather_sweep.h"
+
+namespace leaflight {
+
+// Soft light on the leaves of one volume as if they were white, at the texels of a lattice, by
+// sweeps along directions, in blocks. Its lattice may be coarser than that of direct light: soft
+// light varies less, and each direction then costs less.
+template <int D>
+class IndirectLight {
+ public:
+  static constexpr int directions_per_block = 32;
+
+  // `spacing`: of the lines, in texels; each texel then takes one of spacing^(D - 1) directions.
+  IndirectLight(const SweptVolume<D>& volume, SweptLattice<D> texels, int spacing, bool inner,
+                std::uint64_t seed);
+
+  const SweptLattice<D>& texels() const { return texels_; }
+
+  // One block of directions, given what lines meet; all blocks that are averaged have as many.
+  void add_block(const GatheredRadiance<D>& from, Progress& progress,
+                 std::atomic<std::uint64_t>& lines, int directions = directions_per_block);
+  int blocks() const { return blocks_; }
+  // What a block costs, in points of lines.
+  double cost() const;
+  // Begins anew, with other directions.
+  void clear();
+
+  std::vector<Average> averages(bool inner) const;
+
+ private:
+  SweptVolume<D> volume_;
+  SweptLattice<D> texels_;
+  int spacing_;
+  std::uint64_t seed_;
+  int sides_;
+  SideMoments moments_;
+  int blocks_ = 0, drawn_ = 0;
+};
+
+// Averages known at the texels of one lattice, interpolated at those of another.
+template <int D>
+std::vector<Average> interpolated(const TexelLattice<D>& from, const std::vector<Average>& averages,
+                                  const TexelLattice<D>& to, Progress& progress);
+
+}  // namespace leaflight

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "leaflight/bake/sample_average.h"
+#include "leaflight/math/parallel.h"
+
+namespace leaflight {
+
+// Sums of the weighted samples of a texel's radiance.
+struct TexelSum {
+  Imath::V3f radiance{0};
+  float weight = 0;
+
+  void add(const Imath::V3f& sample, float w) {
+    radiance += sample * w;
+    weight += w;
+  }
+  float mean() const { return (radiance.x + radiance.y + radiance.z) / 3; }
+};
+
+// The samples of all texels of a lattice, on one side. They come in blocks, each of which is a net
+// of well distributed directions or sources of light; blocks are independent of each other, so that
+// the differences between them tell the variance (replicated quasi-Monte Carlo, Owen 1997).
+class TexelMoments {
+ public:
+  explicit TexelMoments(std::size_t texels = 0) : sums(texels), blocks_(texels) {}
+
+  std::vector<TexelSum> sums;
+
+  bool empty() const { return sums.empty(); }
+  void close_block(Progress& progress) {
+    parallel_range(sums.size(), 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) blocks_[i].close(sums[i]);
+    });
+  }
+  std::vector<Average> averages() const {
+    std::vector<Average> result(sums.size());
+    for (std::size_t i = 0; i < result.size(); ++i) result[i] = blocks_[i].average(sums[i]);
+    return result;
+  }
+
+ private:
+  struct Blocks {
+    float sum = 0, weight = 0;  // of those that are closed
+    float weight2 = 0, mixed = 0, sum2 = 0;
+
+    void close(const TexelSum& all) {
+      const float mean = all.mean(), own = mean - sum, w = all.weight - weight;
+      sum = mean;
+      weight = all.weight;
+      weight2 += w * w;
+      mixed += w * own;
+      sum2 += own * own;
+    }
+    Average average(const TexelSum& all) const {
+      if (!(all.weight > 0 && weight2 > 0)) return {};
+      const float m = all.mean() / all.weight, all2 = all.weight * all.weight;
+      // The residuals about the ratio of sums (Cochran 1977, 6.4), see Moments.
+      const float residuals = sum2 - 2 * m * mixed + m * m * weight2, left = 1 - weight2 / all2;
+      const float variance = left > 1e-3f ? std::max(0.0f, residuals) / (all2 * left) : 0;
+      return {Rgb(all.radiance / all.weight), variance, all2 / weight2};
+    }
+  };
+  std::vector<Blocks> blocks_;
+};
+
+// Of the outer and the inner side; the latter is empty where it is not baked.
+using SideMoments = std::array<TexelMoments, 2>;
+
+}  // namespace leaflight

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/bake/indirect_light.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "leaflight/math/low_discrepancy.h"
+#include "leaflight/math/sampling.h"
+
+namespace leaflight {
+namespace {
+
+// Uniform over half of all directions: lines have two.
+template <int D>
+Vec<D> line_direction(const std::array<double, 2>& u) {
+  Vec<D> axis(0.0);
+  axis[D - 1] = 1;
+  return sample_cone<D>(axis, 1, u);
+}
+
+}  // namespace
+
+template <int D>
+IndirectLight<D>::IndirectLight(const SweptVolume<D>& volume, SweptLattice<D> texels, int spacing,
+                                bool inner, std::uint64_t seed)
+    : volume_(volume),
+      texels_(std::move(texels)),
+      spacing_(spacing),
+      seed_(seed),
+      sides_(inner ? 2 : 1) {
+  clear();
+}
+
+template <int D>
+void IndirectLight<D>::clear() {
+  blocks_ = 0;
+  for (int side = 0; side < sides_; ++side) {
+    moments_[side] = TexelMoments(texels_.lattice.active.size());
+  }
+}
+
+template <int D>
+void IndirectLight<D>::add_block(const GatheredRadiance<D>& from, Progress& progress,
+                                 std::atomic<std::uint64_t>& lines, int directions) {
+  Random random = random_for(seed_, Purpose::gather_sweep, drawn_++);
+  const std::uint64_t direction_key = random.bits(), offset_key = random.bits();
+  for (int i = 0; i < directions; ++i) {
+    sweep_gather(volume_, texels_, from, line_direction<D>(sobol_point(i, direction_key)), spacing_,
+                 sobol_point(i, offset_key), random.bits(), progress, lines, moments_);
+    progress.advance(cost() / directions_per_block);
+  }
+  for (TexelMoments& side : moments_) side.close_block(progress);
+  ++blocks_;
+}
+
+template <int D>
+double IndirectLight<D>::cost() const {
+  // Lines are as wide apart as texels; along them each plane of voxels counts.
+  const double planes = std::max(1.0, texels_.lattice.voxels_per_texel[0]);
+  return static_cast<double>(texels_.lattice.texels()) * planes * directions_per_block /
+         std::pow(spacing_, D - 1);
+}
+
+template <int D>
+std::vector<Average> IndirectLight<D>::averages(bool inner) const {
+  return moments_[inner].averages();
+}
+
+template <int D>
+std::vector<Average> interpolated(const TexelLattice<D>& from, const std::vector<Average>& averages,
+                                  const TexelLattice<D>& to, Progress& progress) {
+  if (from.resolution == to.resolution) return averages;
+  std::vector<Average> result(to.active.size());
+  parallel_range(result.size(), 1024, 0, progress, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s) {
+      const TexelWeights<D> near = linear_weights(from, to.centre(to.active[s]));
+      float error = 0;
+      for (int i = 0; i < (1 << D); ++i) {
+        if (!(near.weight[i] > 0)) continue;
+        const Average& there = averages[near.slot[i]];
+        result[s].mean += there.mean * near.weight[i];
+        // Texels that are swept along the same lines err alike.
+        error += near.weight[i] * std::sqrt(there.variance);
+        result[s].samples = std::max(result[s].samples, there.samples);
+      }
+      result[s].variance = error * error;
+    }
+  });
+  return result;
+}
+
+template class IndirectLight<2>;
+template class IndirectLight<3>;
+template std::vector<Average> interpolated<2>(const TexelLattice<2>&, const std::vector<Average>&,
+                                              const TexelLattice<2>&, Progress&);
+template std::vector<Average> interpolated<3>(const TexelLattice<3>&, const std::vector<Average>&,
+                                              const TexelLattice<3>&, Progress&);
+
+}  // namespace leaflight

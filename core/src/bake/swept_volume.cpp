@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/bake/swept_volume.h"
+
+namespace leaflight {
+
+template <int D>
+bool meshes_near(const SweptVolume<D>& volume, const Vec<D>* point) {
+  Box<D> box = world_box(volume.tracer.scene().volumes[volume.number].field);
+  box = {volume.tracer.frame().point(box.low), volume.tracer.frame().point(box.high)};
+  if (point) box.extend(*point);
+  for (const Mesh<D>& mesh : volume.tracer.meshes()) {
+    for (const auto& facet : mesh.facets) {
+      Box<D> own;
+      for (const std::uint32_t v : facet) own.extend(Vec<D>(mesh.vertices[v]));
+      if (own.overlaps(box)) return true;
+    }
+  }
+  return false;
+}
+
+template bool meshes_near<2>(const SweptVolume<2>&, const Vec<2>*);
+template bool meshes_near<3>(const SweptVolume<3>&, const Vec<3>*);
+
+}  // namespace leaflight
