@@ -42,7 +42,8 @@ enum class Purpose : std::uint64_t {
   exposure,
   surroundings,
   sample_position,
-  scattered
+  scattered,
+  settle
 };
 
 inline Random random_for(std::uint64_t seed, Purpose purpose, std::uint64_t index) {
