@@ -11,8 +11,8 @@ from .._core import LeaflightError
 def settle(settling, seconds=None, threads=0, progress=None):
     """Works on a _core.Settle until it is done, or until the round after so many seconds.
 
-    Returns (radiance float32 (n, 3), the standard error (n,) of what it traced). Without a limit the result is the
-    same whatever the threads. Raises LeaflightError, Cancelled.
+    Returns (radiance float32 (n, 3), the standard error (n,) of what it traced). Without a limit
+    the result is the same whatever the threads. Raises LeaflightError, Cancelled.
     """
     if seconds is not None and not seconds > 0:
         raise LeaflightError(f"An isosurface cannot settle in {seconds:g} seconds: allow it more.")

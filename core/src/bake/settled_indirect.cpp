@@ -28,12 +28,14 @@ struct Half {
   Vec<3, float> mean() const { return count > 0 ? sum / count : Vec<3, float>(0); }
 };
 
-// The vertices by the Morton code of their place in the volume, voxel by voxel.
+// The vertices by the Morton code of the voxel next to them, along a curve that stays near.
 std::vector<std::uint32_t> morton_order(const Field<3>& field,
                                         const std::vector<Vec<3, float>>& vertices) {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> codes(vertices.size());
   tbb::parallel_for(std::size_t{0}, codes.size(), [&](std::size_t v) {
-    const Index<3> cell = locate(field, field.world_to_index.point(Vec3(vertices[v]))).cell;
+    // Not that of their cell: they lie on its border.
+    const Vec3 middle = field.world_to_index.point(Vec3(vertices[v])) + Vec3(0.5);
+    const Index<3> cell = locate(field, middle).cell;
     std::uint64_t code = 0;
     for (int bit = 0; bit < 16; ++bit) {
       for (int a = 0; a < 3; ++a) {

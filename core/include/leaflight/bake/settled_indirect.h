@@ -40,7 +40,7 @@ class SettledIndirect {
   std::unique_ptr<IndirectEstimator<3>> paths_;
   std::uint64_t seed_;
   int pass_ = 0;
-  std::vector<std::uint32_t> order_;               // the vertices along a curve that stays near
+  std::vector<std::uint32_t> order_;               // the vertices, neighbours next to each other
   std::vector<Vec<3, float>> baked_, found_more_;  // what its paths found beyond that, summed
   std::vector<float> count_;                       // paths
 };
