@@ -82,6 +82,8 @@ def update(obj, isovalue):
         problems[obj.name_full] = str(error)
         label += _FAILED
     fill(obj.data, vertices, triangles, radiance)
+    if _SETTLED in obj.data:
+        del obj.data[_SETTLED]
     obj.data[_SHOWN] = label
     obj.data[_ISOVALUE] = isovalue
     shade(obj)

@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 
@@ -27,6 +28,18 @@ struct Half {
   explicit Half(const float* row) : sum(row[0], row[1], row[2]), count(row[3]) {}
   Vec<3, float> mean() const { return count > 0 ? sum / count : Vec<3, float>(0); }
 };
+
+std::vector<Vec<3, float>> smoothed(const MeshSmoother& smoother,
+                                    const std::vector<Vec<3, float>>& values) {
+  std::vector<std::array<float, 3>> rows;
+  rows.reserve(values.size());
+  for (const Vec<3, float>& value : values) rows.push_back({value.x, value.y, value.z});
+  smoother.smooth(rows, smoothing_steps);
+  std::vector<Vec<3, float>> result;
+  result.reserve(values.size());
+  for (const auto& row : rows) result.emplace_back(row[0], row[1], row[2]);
+  return result;
+}
 
 // The vertices by the Morton code of the voxel next to them, along a curve that stays near.
 std::vector<std::uint32_t> morton_order(const Field<3>& field,
@@ -63,8 +76,23 @@ SettledIndirect::SettledIndirect(const SceneTracer<3>& tracer, const LightSample
       seed_(seed),
       order_(morton_order(tracer.scene().volumes[leaf.volume].field, leaf.vertices)),
       baked_(std::move(baked)),
+      detail_(baked_),
       found_more_(baked_.size(), Vec<3, float>(0)),
-      count_(baked_.size(), 0.0f) {}
+      count_(baked_.size(), 0.0f) {
+  const std::vector<Vec<3, float>> mean = smoothed(smoother_, baked_);
+  for (std::size_t v = 0; v < detail_.size(); ++v) detail_[v] -= mean[v];
+  mean_detail_ = smoothed(smoother_, detail_);
+}
+
+float SettledIndirect::share_of_detail(const std::vector<Vec<3, float>>& more) const {
+  // The slope of a regression, which one number for all the surface makes sure of.
+  double together = 0, alone = 0;
+  for (std::size_t v = 0; v < detail_.size(); ++v) {
+    together += (found_more_[v] - more[v] * count_[v]).dot(detail_[v]);
+    alone += count_[v] * detail_[v].length2();
+  }
+  return alone > 0 ? static_cast<float>(std::clamp(1 + together / alone, 0.0, 1.0)) : 1.0f;
+}
 
 void SettledIndirect::trace(Progress& progress, std::uint64_t& rays) {
   // The points of one sequence, along a curve that stays near, stratify neighbours against each
@@ -110,12 +138,19 @@ SettledIndirect::Found SettledIndirect::found() const {
     sums[3] = count_[v];
   }
   smoother_.smooth(halves, smoothing_steps);
-  // Half the difference of their means errs as the mean of all does.
-  std::vector<Vec<3, float>> more(baked_.size());
+  std::vector<Vec<3, float>> more;
+  more.reserve(halves.size());
+  for (const auto& sums : halves) {
+    const Half a(sums.data()), b(sums.data() + 4);
+    const float count = a.count + b.count;
+    more.push_back(count > 0 ? (a.sum + b.sum) / count : Vec<3, float>(0));
+  }
+  const float noise = 1 - share_of_detail(more);
+  // Half the difference of the halves' means errs as the mean of all does.
   std::vector<std::array<float, 2>> squares(baked_.size());  // of the error, of the mean
   for (std::size_t v = 0; v < more.size(); ++v) {
+    more[v] += mean_detail_[v] * noise;  // without its noise the bake lacks this, too
     const Half a(halves[v].data()), b(halves[v].data() + 4);
-    more[v] = a.count + b.count > 0 ? (a.sum + b.sum) / (a.count + b.count) : Vec<3, float>(0);
     squares[v] = {square(0.5f * (channel_mean(a.mean()) - channel_mean(b.mean()))),
                   square(channel_mean(more[v]))};
   }
@@ -124,7 +159,8 @@ SettledIndirect::Found SettledIndirect::found() const {
     const auto [error, mean] = squares[v];
     const float share = mean > error ? 1 - error / mean : 0;
     for (int k = 0; k < 3; ++k) {
-      found.radiance[v][k] = std::max(0.0f, baked_[v][k] + share * more[v][k]);
+      found.radiance[v][k] =
+          std::max(0.0f, baked_[v][k] - noise * detail_[v][k] + share * more[v][k]);
     }
     found.error[v] = std::sqrt(error);
   }

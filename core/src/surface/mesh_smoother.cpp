@@ -42,6 +42,7 @@ void MeshSmoother::smooth(std::vector<std::array<float, Channels>>& values, int 
 }
 
 template void MeshSmoother::smooth(std::vector<std::array<float, 2>>&, int) const;
+template void MeshSmoother::smooth(std::vector<std::array<float, 3>>&, int) const;
 template void MeshSmoother::smooth(std::vector<std::array<float, 8>>&, int) const;
 
 }  // namespace leaflight

@@ -12,6 +12,7 @@ namespace leaflight {
 // neighbours on the mesh of what a few paths find differently. The bake keeps the detail, the paths
 // see which sheet they start on, and their mean may reach far since it varies little. What it
 // differs by no more than noise does is left out (Wiener's filter): a bake that is right stays so.
+// Of a bake's own noise as much is taken away as the paths do not find again.
 class SettledIndirect {
  public:
   // A pass traces a path at every so many vertices.
@@ -34,15 +35,21 @@ class SettledIndirect {
   Found found() const;
 
  private:
+  // The share of the bake's detail that the paths find, too; the rest is noise. more: the mean of
+  // what they find more.
+  float share_of_detail(const std::vector<Vec<3, float>>& more) const;
+
   const SceneTracer<3>& tracer_;
   const RestingLeaf& leaf_;
   MeshSmoother smoother_;
   std::unique_ptr<IndirectEstimator<3>> paths_;
   std::uint64_t seed_;
   int pass_ = 0;
-  std::vector<std::uint32_t> order_;               // the vertices, neighbours next to each other
-  std::vector<Vec<3, float>> baked_, found_more_;  // what its paths found beyond that, summed
-  std::vector<float> count_;                       // paths
+  std::vector<std::uint32_t> order_;           // the vertices, neighbours next to each other
+  std::vector<Vec<3, float>> baked_, detail_;  // of it: what its neighbours' mean lacks
+  std::vector<Vec<3, float>> mean_detail_;
+  std::vector<Vec<3, float>> found_more_;  // what its paths found beyond that, summed
+  std::vector<float> count_;               // paths
 };
 
 }  // namespace leaflight
