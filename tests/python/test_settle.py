@@ -10,6 +10,17 @@ from leaflight import LeaflightError
 from leaflight.scene.on_mesh import interpolated, positions, random_places
 
 
+def _between_vertices(bake, surface, isovalue, volume=0, back=False, step=1):
+    """What a surface shows amid its triangles, and what the path tracer finds there."""
+    triangles = surface.triangles[::step]
+    middles = surface.vertices[triangles].mean(axis=1, dtype=np.float64)
+    field = bake.volumes[volume].field()
+    own = bake.isovalue_of(volume, isovalue)
+    points = leaflight._core.project_to_leaf(field, middles, own)
+    truth, _ = bake.reference(points, isovalue, spp=128, volume=volume, back=back)
+    return surface.radiance[triangles].mean(axis=1), truth
+
+
 def test_a_settled_surface_is_the_baked_one_in_better_light(box_bake):
     baked = box_bake.surface(47.0)
     settled = box_bake.surface(47.0, settle=True)
@@ -17,14 +28,14 @@ def test_a_settled_surface_is_the_baked_one_in_better_light(box_bake):
     np.testing.assert_array_equal(settled.triangles, baked.triangles)
     assert baked.error is None and settled.error.shape == (len(settled.vertices),)
     assert settled.radiance.shape == baked.radiance.shape and (settled.radiance >= 0).all()
-    truth, _ = box_bake.reference(settled.vertices, 47.0, spp=256)
 
     def error(surface):
-        return np.sqrt(np.mean((surface.radiance - truth) ** 2))
+        shown, truth = _between_vertices(box_bake, surface, 47.0)
+        return np.sqrt(np.mean((shown - truth) ** 2)), shown.mean() / truth.mean()
 
     # 20^3 texels and 4 samples a texel.
-    assert error(settled) < 0.5 * error(baked)
-    assert abs(settled.radiance.mean() / truth.mean() - 1) < 0.03
+    assert error(settled)[0] < 0.6 * error(baked)[0]
+    assert abs(error(settled)[1] - 1) < 0.03
 
 
 def test_settling_does_not_depend_on_threads(box_bake):
@@ -77,19 +88,18 @@ def test_the_inner_side_settles_without_having_been_baked(root):
     back = bake.surface(47.0, back=True, settle=True)
     front = bake.surface(47.0, settle=True)
     np.testing.assert_array_equal(back.normals, -front.normals)
-    truth, _ = bake.reference(back.vertices, 47.0, spp=128, back=True)
+    shown, truth = _between_vertices(bake, back, 47.0, back=True)
     assert truth.mean() > 0.01
-    assert abs(back.radiance.mean() / truth.mean() - 1) < 0.05
+    assert abs(shown.mean() / truth.mean() - 1) < 0.05
 
 
 @pytest.mark.parametrize("volume", [0, 1])
 @pytest.mark.parametrize("back", [False, True])
 def test_several_volumes_settle_each_by_itself(lapr_bake, volume, back):
     settled = lapr_bake.surface(0.5, volume, back, settle=True)
-    sampled = settled.vertices[::5]
-    truth, _ = lapr_bake.reference(sampled, 0.5, spp=128, volume=volume, back=back)
-    assert truth.mean() > 0.01
-    assert abs(settled.radiance[::5].mean() / truth.mean() - 1) < 0.05
+    shown, truth = _between_vertices(lapr_bake, settled, 0.5, volume, back, step=5)
+    assert truth.mean() > 0.004  # little light gets inside
+    assert abs(shown.mean() / truth.mean() - 1) < (0.15 if back else 0.05)
 
 
 def test_compare_measures_what_is_shown(box_bake):
