@@ -13,6 +13,7 @@ void bind_photons(pybind11::module_& module);
 void bind_reference(pybind11::module_& module);
 void bind_surface(pybind11::module_& module);
 void bind_io(pybind11::module_& module);
+void bind_settle(pybind11::module_& module);
 void bind_self_check(pybind11::module_& module);
 
 }  // namespace leaflight::python

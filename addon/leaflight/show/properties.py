@@ -45,6 +45,11 @@ def _shading_changed(settings, _context):
         surface_object.shade(settings.id_data)
 
 
+def _settle_changed(settings, _context):
+    if settings.is_volume and not settings.settle:
+        surface_object.unsettle(settings.id_data)
+
+
 def _shape_changed(settings, _context):
     if settings.is_volume:
         surface_object.update(settings.id_data, settings.isovalue)
@@ -243,6 +248,16 @@ class LeaflightSettings(bpy.types.PropertyGroup):
             ("ATTRIBUTE", "Vertex Attribute", "Interpolate the radiance at the mesh's vertices"),
         ],
         update=_shading_changed,
+        override=_OVERRIDABLE,
+    )
+
+    settle: BoolProperty(
+        name="Sharpen at Rest",
+        description="Trace the light at the vertices of the surface when its isovalue rests, and "
+        "before each render: thin shells and the edges of shadows become exact. It takes some "
+        "seconds in the background, and moving the isovalue ends it",
+        default=True,
+        update=_settle_changed,
         override=_OVERRIDABLE,
     )
 

@@ -22,6 +22,9 @@ RADIANCE_BACK = "radiance_back"
 _SHOWN = "leaflight_shown"
 _ISOVALUE = "leaflight_isovalue"
 _BUILT = "leaflight_built"
+_SETTLED = "leaflight_settled"
+# Ends the label of a mesh that goes on settling.
+_SO_FAR = " so far"
 
 # Ends the label of a mesh that could not show what it should.
 _FAILED = " failed"
@@ -79,6 +82,8 @@ def update(obj, isovalue):
         problems[obj.name_full] = str(error)
         label += _FAILED
     fill(obj.data, vertices, triangles, radiance)
+    if _SETTLED in obj.data:
+        del obj.data[_SETTLED]
     obj.data[_SHOWN] = label
     obj.data[_ISOVALUE] = isovalue
     shade(obj)
@@ -214,6 +219,50 @@ def colour(mesh, name, values):
     attribute.data.foreach_set("color", colours.ravel())
 
 
+def label_of(mesh):
+    """Tells apart what meshes show: None before the first surface."""
+    return mesh.get(_SHOWN)
+
+
+def settled_state(mesh):
+    """Whether the mesh holds settled light in place of the bake's, and whether all of it."""
+    state = mesh.get(_SETTLED, "")
+    label = label_of(mesh)
+    return label is not None and state.removesuffix(_SO_FAR) == label, state == label
+
+
+def settle(obj, colours, whole):
+    """Gives the mesh the light of its vertices at rest.
+
+    colours: by the name of its attribute, linear RGB (n, 3). whole: whether nothing is to follow.
+    """
+    for name, values in colours.items():
+        colour(obj.data, name, values)
+    obj.data[_SETTLED] = obj.data[_SHOWN] + ("" if whole else _SO_FAR)
+    obj.data.update()
+    shade(obj)
+
+
+def unsettle(obj):
+    """Brings back the bake's light where the mesh holds settled light."""
+    if _SETTLED not in obj.data:
+        return
+    holds, _ = settled_state(obj.data)
+    del obj.data[_SETTLED]
+    if holds:
+        for name, values in radiance_at(obj, vertices_of(obj.data)).items():
+            colour(obj.data, name, values)
+        obj.data.update()
+    shade(obj)
+
+
+def vertices_of(mesh):
+    """float32 (n, 3), local."""
+    vertices = np.empty((len(mesh.vertices), 3), np.float32)
+    mesh.vertices.foreach_get("co", vertices.ravel())
+    return vertices
+
+
 def mark_shown(mesh, other):
     """Marks a mesh as showing what the other shows, so that it is left alone."""
     mesh[_SHOWN], mesh[_ISOVALUE] = other[_SHOWN], other[_ISOVALUE]
@@ -237,6 +286,7 @@ def _assign_material(obj):
         return
     if RADIANCE in obj.data.attributes:
         material = _baked_material(obj)
+        shader.set_settled(material, settled_state(obj.data)[0])
     else:
         material = leaf_material(obj)
     set_material(obj, material)
@@ -285,11 +335,13 @@ def _baked_material(obj):
         grid, path = cache.grid_of(obj), bake_files.locate(obj)
         sides = [_atlas_image(obj, path, side) for side in ((False, True) if back else (False,))]
         matrix = shader.texel_from_object(cache.volume_of(obj), grid.resolution)
-        shader.build_atlas(material, sides, grid.resolution, settings.atlas_columns, matrix)
+        attributes = (RADIANCE, RADIANCE_BACK)
+        columns = settings.atlas_columns
+        shader.build_atlas(material, sides, attributes, grid.resolution, columns, matrix)
 
-    return _material(
-        obj, "baked_material", f"{mode} {settings.bake_id} {settings.bake_index} {back}", build
-    )
+    # Materials of files from before surfaces settled have another label, and are built anew.
+    label = f"{mode} {settings.bake_id} {settings.bake_index} {back} settles"
+    return _material(obj, "baked_material", label, build)
 
 
 def _atlas_image(obj, bake_path, back):

@@ -8,7 +8,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..operators import background
-from ..show import display, graph_object, isovalues, surface_object
+from ..show import display, graph_object, isovalues, settling, surface_object
 from ..stage import images, staleness
 from ..store import cache, moving, source_files
 
@@ -16,6 +16,7 @@ from ..store import cache, moving, source_files
 @persistent
 def _after_evaluation(scene, depsgraph):
     isovalues.update(scene, depsgraph)
+    settling.watch(isovalues.volumes(scene))
 
 
 @persistent
@@ -39,8 +40,14 @@ def _after_undo(scene, _depsgraph):
 
 
 @persistent
+def _before_render(scene, *_):
+    settling.settle_now([obj for obj in isovalues.volumes(scene) if not obj.hide_render])
+
+
+@persistent
 def _before_load(*_):
     background.cancel_running()
+    settling.forget()
     cache.clear()
     graph_object.forget()
     images.forget()
@@ -78,6 +85,7 @@ def _after_load(*_):
 _HANDLERS = (
     ("frame_change_post", _after_evaluation),
     ("depsgraph_update_post", _after_change),
+    ("render_pre", _before_render),
     ("undo_post", _after_undo),
     ("redo_post", _after_undo),
     ("save_post", _after_save),
@@ -95,5 +103,6 @@ def unregister():
     for event, handler in _HANDLERS:
         getattr(bpy.app.handlers, event).remove(handler)
     background.cancel_running()
+    settling.forget()
     cache.clear()
     images.forget()

@@ -186,6 +186,7 @@ class LEAFLIGHT_PT_bake(_VolumePanel, bpy.types.Panel):
         _, reason = surface_object.shading_in_use(settings)
         if reason:
             _sentence(context, layout, reason, icon="INFO")
+        layout.prop(settings, "settle")
 
     def _draw_files(self, context):
         """What bakes take of the disk, and where else they may lie."""

@@ -17,7 +17,12 @@ from ..volume.setting_error import SettingError
 from ..volume.volume import Volume
 from .color_error import estimated_rms_percent
 from .settings import PhotonMap, fixed_settings, fixed_work, leaf_window, round_settings
+from .settle import settle as settled
 from .stamps import EARLIER, METADATA, Stamp, id_of, read_bake_id
+
+
+# The standard error of a colour at which direct light has settled.
+SETTLED_ERROR = 2e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +30,9 @@ class Surface:
     """One lit isosurface in world coordinates.
 
     vertices, normals (unit, away from the side that is lit), radiance (W/(m^2 sr), linear RGB):
-    float32 (n, 3); triangles: int32 (m, 3); seconds: the time contouring and lookup took.
+    float32 (n, 3); triangles: int32 (m, 3); seconds: the time contouring and lookup took, and
+    settling; error: None, or for a surface that has settled the standard error, of the radiance's
+    mean over the channels, of what settling traced: float32 (n,).
     """
 
     vertices: np.ndarray
@@ -33,6 +40,7 @@ class Surface:
     triangles: np.ndarray
     radiance: np.ndarray
     seconds: float
+    error: np.ndarray = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,10 +90,15 @@ class Bake:
         """The isovalue, in data units, that a volume (its number) shows at a leaf coordinate."""
         return isovalue_at(self.scene, volume, isovalue)
 
-    def surface(self, isovalue, volume=0, back=False):
+    def surface(
+        self, isovalue, volume=0, back=False, settle=False, seed=0, threads=0, progress=None
+    ):
         """The isosurface of a volume with its radiance, a Surface; finer where texels are.
 
-        back: its inner side, towards higher values. Raises LeaflightError outside the window.
+        back: its inner side, towards higher values. settle: whether direct light is traced at the
+        vertices, and indirect light corrected there, instead of looked up alone; a number is the
+        seconds after which that ends early. Inner sides settle whether they were baked or not.
+        Raises LeaflightError outside the window, Cancelled.
         """
         self.check_isovalue(isovalue, volume)
         field = self.volumes[volume].field()
@@ -93,11 +106,35 @@ class Bake:
         vertices, normals, triangles = self.grids[volume].contour(
             field, self.isovalue_of(volume, isovalue)
         )
-        radiance = self.radiance(vertices, volume, back)
+        if settle is False:
+            radiance, error = self.radiance(vertices, volume, back), None
+        else:
+            settling = self.settling(isovalue, vertices, normals, triangles, volume, back, seed)
+            limit = None if settle is True else settle
+            radiance, error = settled(settling, limit, threads, progress)
         if back:
             normals, triangles = -normals, np.ascontiguousarray(triangles[:, ::-1])
         seconds = time.perf_counter() - start
-        return Surface(vertices, normals, triangles, radiance, seconds)
+        return Surface(vertices, normals, triangles, radiance, seconds, error)
+
+    def settling(self, isovalue, vertices, normals, triangles, volume=0, back=False, seed=0):
+        """A _core.Settle of an isosurface's mesh, as grids[volume].contour() returns it.
+
+        Raises LeaflightError.
+        """
+        self.check_isovalue(isovalue, volume)
+        return _core.Settle(
+            self._core_scene(),
+            self.grids[volume],
+            vertices,
+            normals,
+            triangles,
+            isovalue,
+            volume,
+            back,
+            SETTLED_ERROR / self.scene.exposure,
+            seed,
+        )
 
     def radiance(self, points, volume=0, back=False):
         """Baked radiance of a volume's leaves, float32 (n, 3), at world points (n, 3).

@@ -234,7 +234,19 @@ def _leaf_map(baked):
 def _surface(options):
     check_writable(options.out, ".ply", options.bake)
     baked = load_bake(options.bake)
-    surface = baked.surface(options.isovalue, options.volume, options.back)
+
+    def work(progress):
+        return baked.surface(
+            options.isovalue,
+            options.volume,
+            options.back,
+            settle=options.settle,
+            seed=options.seed,
+            threads=options.threads,
+            progress=progress,
+        )
+
+    surface = run_with_progress(work, "surface")
     write_ply(options.out, surface, baked.scene.exposure)
     result = {
         "out": options.out,
@@ -242,6 +254,7 @@ def _surface(options):
         "volume": options.volume,
         "vertices": len(surface.vertices),
         "triangles": len(surface.triangles),
+        "settled": options.settle,
         "seconds": surface.seconds,
     }
     return result, [
@@ -266,6 +279,7 @@ def _compare(options):
             back=options.back,
             mesh=options.mesh,
             reference=options.reference,
+            settle=options.settle,
         )
 
     result = run_with_progress(work, "compare")

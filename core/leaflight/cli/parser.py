@@ -86,8 +86,13 @@ def make_parser(commands):
     )
     _thesis(bake)
 
-    surface = subparsers.add_parser("surface", parents=[leaf], help="one lit isosurface as a mesh")
+    surface = subparsers.add_parser(
+        "surface", parents=[leaf, threads], help="one lit isosurface as a mesh"
+    )
     surface.add_argument("--out", required=True, metavar="MESH.ply", help="file to write")
+    surface.add_argument(
+        "--settle", action="store_true", help="trace the light at the mesh's vertices: sharper"
+    )
 
     photons = subparsers.add_parser(
         "photons", parents=[layout, lit, scene], help="photons on isosurfaces as points"
@@ -100,6 +105,9 @@ def make_parser(commands):
 
     compare = subparsers.add_parser(
         "compare", parents=[leaf, threads], help="the error of a bake against path tracing"
+    )
+    compare.add_argument(
+        "--settle", action="store_true", help="of the surface that surface --settle writes"
     )
     compare.add_argument("--points", type=int, default=3000, metavar="N", help="points (3000)")
     compare.add_argument("--spp", type=int, default=1024, metavar="N", help="paths a point (1024)")

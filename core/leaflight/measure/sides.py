@@ -8,7 +8,7 @@ import leaflight._core as _core
 import numpy as np
 
 from .._core import LeaflightError
-from ..scene.on_mesh import positions, random_places, random_points
+from ..scene.on_mesh import interpolated, positions, random_places, random_points
 from .cycles import measure
 from .truth import Truth, parts_of
 
@@ -35,6 +35,12 @@ class LeafSide:
                 f"Isovalue {isovalue:g} has no surface inside the data; choose another one."
             )
 
+    def settle(self, seed, threads, progress):
+        """Shows the settled surface from now on, in place of the bake."""
+        self.surface = self.bake.surface(
+            self.isovalue, **self.where, settle=True, seed=seed, threads=threads, progress=progress
+        )
+
     def path_traced(self, count, spp, seed, threads, progress):
         """The Truth of the core's path tracer at so many random points."""
         on_mesh = random_points(self.surface.vertices, self.surface.triangles, count, seed)
@@ -55,12 +61,17 @@ class LeafSide:
         return _by_cycles(self.bake, self.isovalue, count, spp, **self.where, **work)
 
     def baked(self, points):
-        """Radiance (n, 3) of the bake at the points."""
-        return self.bake.radiance(points, **self.where)
+        """Radiance (n, 3) of the bake, or of the settled surface, at the points."""
+        if self.surface.error is None:
+            return self.bake.radiance(points, **self.where)
+        return self._between_vertices(self.surface.radiance, points)
 
     def parts(self, truth, path):
         """parts_of() what the bake errs by, against the truth; path: see there."""
-        error = self.bake.radiance_error(truth.points, self.where["volume"])
+        if self.surface.error is None:
+            error = self.bake.radiance_error(truth.points, self.where["volume"])
+        else:
+            error = self._between_vertices(self.surface.error[:, None], truth.points)[:, 0]
         return parts_of(self.baked(truth.points), error, path, truth, self.bake.scene.exposure)
 
     def exposed(self, points, seed):
@@ -72,6 +83,9 @@ class LeafSide:
 
     def _projected(self, points):
         return _core.project_to_leaf(self._field(), points, self._own())
+
+    def _between_vertices(self, values, points):
+        return interpolated(self.surface.vertices, self.surface.triangles, values, points)
 
     def _own(self):
         return self.bake.isovalue_of(self.where["volume"], self.isovalue)

@@ -40,6 +40,58 @@ def random_points(vertices, triangles, count, seed):
 
 def interpolated(vertices, triangles, values, points):
     """Values (n, k) of the vertices at points (p, 3) of the mesh, (p, k)."""
+    near = _TrianglesByBlock(vertices, triangles)
+    result = np.empty((len(points), values.shape[1]))
+    for members, candidates in near.candidates(points):
+        for first in range(0, len(members), POINTS_AT_ONCE):
+            rows = members[first : first + POINTS_AT_ONCE]
+            result[rows] = _nearest(vertices, triangles[candidates], values, points[rows])
+    return result
+
+
+class _TrianglesByBlock:
+    """Triangles by the block of space that holds their middle, as wide as the longest edge.
+
+    So a triangle at a point has its middle in the point's block or one beside it.
+    """
+
+    def __init__(self, vertices, triangles):
+        a, b, c = corners(vertices, triangles)
+        self._size = max(np.linalg.norm(q - p, axis=1).max() for p, q in ((a, b), (b, c), (c, a)))
+        middles = (a + b + c) / 3
+        self._low = middles.min(axis=0)
+        self._shape = self._blocks(middles).max(axis=0) + 3
+        keys = self._keys(self._blocks(middles))
+        self._order = np.argsort(keys, kind="stable")
+        self._sorted = keys[self._order]
+        steps = np.arange(-1, 2)
+        self._beside = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), -1).reshape(-1, 3)
+
+    def candidates(self, points):
+        """(numbers of points, numbers of the triangles near them), together all of the points."""
+        blocks, block_of = np.unique(
+            np.clip(self._blocks(points), -1, self._shape - 2), axis=0, return_inverse=True
+        )
+        by_block = np.argsort(block_of.ravel(), kind="stable")
+        ends = np.cumsum(np.bincount(block_of.ravel()))
+        for block, members in zip(blocks, np.split(by_block, ends[:-1])):
+            keys = self._keys(np.clip(block + self._beside, -1, self._shape - 2))
+            keys = np.unique(keys)
+            first = np.searchsorted(self._sorted, keys, "left")
+            last = np.searchsorted(self._sorted, keys, "right")
+            near = np.concatenate([self._order[i:j] for i, j in zip(first, last)])
+            yield members, np.sort(near) if len(near) else np.arange(len(self._order))
+
+    def _blocks(self, points):
+        return np.floor((points - self._low) / self._size).astype(np.int64)
+
+    def _keys(self, blocks):
+        x, y, z = np.moveaxis(blocks + 1, -1, 0)
+        return (z * self._shape[1] + y) * self._shape[0] + x
+
+
+def _nearest(vertices, triangles, values, points):
+    """The same, of the nearest of few triangles."""
     a, b, c = corners(vertices, triangles)
     across = np.stack([b - a, c - a], axis=1)
     normals = np.cross(across[:, 0], across[:, 1])
@@ -49,18 +101,14 @@ def interpolated(vertices, triangles, values, points):
     # Rows that turn a way from the first corner into (u, v, distance in sizes of the triangle).
     edges = np.stack([across[:, 0], across[:, 1], normals / np.sqrt(areas)[:, None]], axis=2)
     to_local = np.linalg.inv(edges)
-    result = np.empty((len(points), values.shape[1]))
-    for first in range(0, len(points), POINTS_AT_ONCE):
-        ways = points[first : first + POINTS_AT_ONCE, None] - a
-        local = np.einsum("fij,pfj->pfi", to_local, ways)
-        u, v, off = np.moveaxis(local, 2, 0)
-        outside = np.maximum(0.0, np.maximum(np.maximum(-u, -v), u + v - 1.0))
-        nearest = np.argmin(outside + np.abs(off), axis=1)
-        rows = np.arange(len(nearest))
-        u, v = u[rows, nearest, None], v[rows, nearest, None]
-        at_a, at_b, at_c = (values[triangles[usable][nearest, k]] for k in range(3))
-        result[first : first + POINTS_AT_ONCE] = at_a + u * (at_b - at_a) + v * (at_c - at_a)
-    return result
+    local = np.einsum("fij,pfj->pfi", to_local, points[:, None] - a)
+    u, v, off = np.moveaxis(local, 2, 0)
+    outside = np.maximum(0.0, np.maximum(np.maximum(-u, -v), u + v - 1.0))
+    nearest = np.argmin(outside + np.abs(off), axis=1)
+    rows = np.arange(len(nearest))
+    u, v = u[rows, nearest, None], v[rows, nearest, None]
+    at_a, at_b, at_c = (values[triangles[usable][nearest, k]] for k in range(3))
+    return at_a + u * (at_b - at_a) + v * (at_c - at_a)
 
 
 def corners(vertices, triangles):

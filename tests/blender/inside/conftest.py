@@ -38,6 +38,8 @@ def bumps(bump_file, tmp_path):
     obj.leaflight.bake_folder = str(tmp_path / "bakes")
     obj.leaflight.samples = 4
     obj.leaflight.photons = 20_000
+    # Renders show what was baked; check_settle.py looks at what settles.
+    obj.leaflight.settle = False
     bpy.context.view_layer.update()
     return obj
 

@@ -45,7 +45,8 @@ enum class Purpose : std::uint64_t {
   scattered,
   direct_sweep,
   gather_sweep,
-  noise
+  noise,
+  settle
 };
 
 inline Random random_for(std::uint64_t seed, Purpose purpose, std::uint64_t index) {
