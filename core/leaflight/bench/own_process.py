@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake of the bump box in a process of its own, whose peak of memory is then the bake's."""
+
+import multiprocessing
+import signal
+
+from .._core import Cancelled, LeaflightError
+from ..bake.bake import bake
+from ..io.scene_file import packaged_scene
+from ..volume.volume import bump_box
+
+POLL_SECONDS = 0.05
+# Of the bake's statistics.
+KEPT = ("seconds", "rays", "texels", "peak_memory_bytes")
+
+
+def bake_bump_box(nodes, seed, threads, progress):
+    """Statistics of a bake of nodes^3 with the default settings, a dict of KEPT.
+
+    Raises LeaflightError, also where the process ends without an answer, and Cancelled.
+    """
+    # A copy of this process would begin with its memory, and with locks that others hold.
+    context = multiprocessing.get_context("spawn")
+    answers, answer = context.Pipe(duplex=False)
+    process = context.Process(target=_bake, args=(answer, nodes, seed, threads))
+    process.start()
+    answer.close()
+    try:
+        while not answers.poll(POLL_SECONDS):
+            if progress.cancelled:
+                raise Cancelled("The bake was cancelled.")
+        found = answers.recv()
+    except EOFError:
+        process.join()
+        raise LeaflightError(
+            f"The bake of {nodes}^3 nodes ended without an answer (exit status "
+            f"{process.exitcode}): see whether there is enough memory."
+        ) from None
+    finally:
+        process.kill()
+        process.join()
+    if isinstance(found, str):
+        raise LeaflightError(found)
+    return found
+
+
+def _bake(answer, nodes, seed, threads):
+    # Ctrl-C reaches all processes of a terminal; the one that shows progress answers it.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        baked = bake(bump_box(nodes), packaged_scene("bump_box.json"), seed=seed, threads=threads)
+        answer.send({name: baked.statistics[name] for name in KEPT})
+    except LeaflightError as error:
+        answer.send(str(error))
