@@ -27,9 +27,9 @@ QUICK_SCALE = ScaleEffort((8, 12), 8, lambda _: 1)
 def measure_scale(effort, run, *, seed=0, threads=0):
     """What bakes of bump boxes take with the default settings, each in a process of its own.
 
-    Returns a dict. cases: by size, dicts of name, nodes, texels, rays, seconds by the clock, ns_per_texel,
-        rays_per_second, peak_bytes (the most that the whole process held, Python included), and
-        repetitions; times are medians.
+    Returns a dict. cases: by size, dicts of name, nodes, texels, rays, seconds by the clock,
+        ns_per_texel, rays_per_second, peak_bytes (the most that the whole process held, Python
+        included), and repetitions; times are medians.
     speedup_2_threads: seconds of one thread over those of two, which take turns; None where the
         machine has one core. threads: a dict of nodes, seconds_1_thread, seconds_2_threads,
         repetitions.
@@ -84,7 +84,7 @@ def _case(nodes, found):
         "seconds": seconds,
         "ns_per_texel": 1e9 * seconds / texels,
         "rays_per_second": rays / seconds,
-        "peak_bytes": max(one["peak_memory_bytes"] for one in found),
+        "peak_bytes": max(one["peak_bytes"] for one in found),
         "repetitions": len(found),
     }
 
