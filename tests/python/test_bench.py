@@ -315,10 +315,13 @@ def test_without_blender(cli, tmp_path, monkeypatch):
 
 def test_bad_command_lines(cli, tmp_path):
     for arguments, sentence in (
-        (("bake", "--quick", "--out", tmp_path / "x.md"), "leave out --out"),
+        (
+            ("bake", "--quick", "--out", tmp_path / "x.md"),
+            "leave out one of the two (--quick, --out)",
+        ),
         (("bake", "--data", tmp_path / "none"), "there is no such folder"),
-        (("bake", "--only", "moon"), "no case has"),
-        (("scale", "--data", tmp_path), "leave it out"),
+        (("bake", "--only", "moon"), "bump box, 100^3, nucleon"),
+        (("scale", "--data", tmp_path), "leave it out (--data)"),
         (("bake", "--out", tmp_path / "x.txt"), "must end in .md"),
         (("walk",), "invalid choice"),
     ):

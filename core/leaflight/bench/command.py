@@ -7,7 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from .._core import LeaflightError
-from .bakes import CASES, QUICK_BAKES, BakeEffort, measure_bakes
+from ..volume.setting_error import SettingError
+from .bakes import QUICK_BAKES, BakeEffort, measure_bakes
 from .interpolation import FEWER
 from .machine import commit, machine
 from .page import check_page, write_page
@@ -21,8 +22,10 @@ def run_bench(options, run):
     """
     if options.out is not None:
         if options.quick:
-            raise LeaflightError(
-                "bench: with --quick there is nothing worth writing down; leave out --out."
+            raise SettingError(
+                "What is measured quickly is not worth writing down; leave out one of the two.",
+                "quick",
+                "out",
             )
         check_page(options.out, options.what)
     measure = {"bake": _bake, "scale": _scale}[options.what]
@@ -42,8 +45,8 @@ def _bake(options, run):
     if options.only is not None:
         chosen = tuple(case for case in effort.cases if options.only in case.name)
         if not chosen:
-            names = ", ".join(case.name for case in CASES)
-            raise LeaflightError(f'bench: no case has "{options.only}" in its name: {names}.')
+            names = ", ".join(case.name for case in effort.cases)
+            raise SettingError(f'No bake has "{options.only}" in its name: {names}.', "only")
         effort = replace(effort, cases=chosen)
     origin = {"machine": {**machine(), "blender": _blender()}, "commit": commit()}
     work = {"seed": options.seed, "threads": options.threads}
@@ -72,7 +75,7 @@ def _bake_sentence(row):
 def _scale(options, run):
     for name in ("data", "only"):
         if getattr(options, name) is not None:
-            raise LeaflightError(f"bench: --{name} has no meaning with scale; leave it out.")
+            raise SettingError("This has no meaning for bench scale; leave it out.", name)
     effort = QUICK_SCALE if options.quick else ScaleEffort()
     origin = {"machine": machine(), "commit": commit()}
     result = measure_scale(effort, run, seed=options.seed, threads=options.threads)
