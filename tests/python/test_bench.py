@@ -5,6 +5,7 @@ import json
 import math
 import os
 import shutil
+import zlib
 from types import SimpleNamespace
 
 import leaflight.bench.bakes as bakes_module
@@ -23,6 +24,7 @@ from leaflight.bench.own_process import bake_bump_box
 from leaflight.bench.page import PAGE, check_page, write_page
 from leaflight.bench.repetitions import REPETITIONS, repetitions
 from leaflight.bench.scale import QUICK_SCALE, ScaleEffort, measure_scale
+from leaflight.bench.vtk_image import vtk_image
 from leaflight.measure.cycles import VertexBakes
 
 needs_blender = pytest.mark.skipif(
@@ -165,6 +167,41 @@ def test_seeds_of_the_reference_are_its_own(peer, monkeypatch):
     reference, first, second = (set(seeds) for seeds in seen)
     assert len(reference) == REFERENCE_PASSES
     assert not (reference & first or reference & second or first & second)
+
+
+# Volumes.
+
+
+def vti(values, **attributes):
+    """VTK image data in two blocks."""
+    data = values.tobytes()
+    blocks = [zlib.compress(data[:50]), zlib.compress(data[50:])]
+    head = np.array([2, 50, len(data) - 50, *map(len, blocks)], "<u8").tobytes()
+    nz, ny, nx = values.shape
+    extent = f"0 {nx - 1} 0 {ny - 1} 0 {nz - 1}"
+    given = {"byte_order": "LittleEndian", "header_type": "UInt64", **attributes}
+    root = " ".join(f'{name}="{value}"' for name, value in given.items())
+    xml = (
+        f'<VTKFile type="ImageData" {root}><ImageData WholeExtent="{extent}" Spacing="1 2 3">'
+        '<Piece><PointData><DataArray type="UInt8" offset="0"/></PointData></Piece></ImageData>'
+        '<AppendedData encoding="raw">\n _'
+    )
+    return xml.encode() + head + b"".join(blocks) + b"</AppendedData></VTKFile>"
+
+
+def test_vtk_image(tmp_path, values):
+    recipe = vtk_image("x.vti")
+    assert recipe(tmp_path, 1.0) is None and recipe(None, 1.0) is None
+    path = tmp_path / "x.vti"
+    path.write_bytes(vti(values.astype(np.uint8)))
+    (volume,) = recipe(tmp_path, 1.0)
+    assert np.array_equal(volume.values, values) and volume.name == "x"
+    assert np.diag(volume.index_to_world).tolist() == [1, 2, 3, 1]
+    whole = path.read_bytes()
+    for broken in (whole[:-200], vti(values.astype(np.uint8), byte_order="BigEndian"), b"<x", b""):
+        path.write_bytes(broken)
+        with pytest.raises(LeaflightError, match="x.vti: this is not VTK image data"):
+            recipe(tmp_path, 1.0)
 
 
 # The commands.

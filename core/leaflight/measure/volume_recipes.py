@@ -61,6 +61,5 @@ def absent_text(absent):
 nucleon = read("nucleon.raw", dims=(41, 41, 41), type="uint8")
 neuron_stack = read("rivulet_neuron.tif.zip")
 bunny = read("bunny_ct_half.nrrd")
-engine = read("engine.vti")
 heptane = read("heptane.nii.gz")
 tooth = read("tooth16.raw", dims=(103, 94, 161), type="uint16", endian="big")
