@@ -106,22 +106,11 @@ def _row(case, volume, effort, run, seed, threads):
         return found, time.perf_counter() - start
 
     first, seconds = baked()
-    judged = step(
-        lambda progress: compare(
-            first,
-            case.isovalue,
-            effort.points,
-            effort.paths,
-            reference="cycles",
-            progress=progress,
-            **work,
-        ),
-        "error",
-    )
-    judge = judged["reference_noise_percent"]
-    error = without(judged["rms_percent"], judge)
-
+    known = _known(first, case, effort, step, work)
+    error, judge = known["error_percent"], known["judge_noise_percent"]
     peer = Peer.of(first, case.isovalue, effort.most_paths, seed, threads)
+    # Two bakes of a large volume take much memory.
+    del first
     # Far below the judge's noise nothing is known of the error.
     planned_error = max(error, judge / 4)
     samples = peer.reference_samples(planned_error, judge, effort.paths)
@@ -142,18 +131,12 @@ def _row(case, volume, effort, run, seed, threads):
     seconds = np.median([seconds for _, seconds in passes], axis=0)
     bake_seconds = float(np.median(bakes))
     cycles_seconds, outside = cost_at(error, errors, seconds)
-    statistics = first.statistics
     return {
         "name": case.name,
         "isovalue": case.isovalue,
         "nodes": list(volume.field().dims),
         "bake_seconds": bake_seconds,
-        "rms_percent": judged["rms_percent"],
-        "judge_noise_percent": judge,
-        "error_percent": error,
-        "noise_percent": judged["parts"]["noise_percent"],
-        "texture_percent": judged["parts"]["texture_percent"],
-        "estimated_rms_percent": statistics["estimated_rms_percent"],
+        **known,
         "cycles_seconds": cycles_seconds,
         "outside": outside,
         "break_even": None if cycles_seconds is None else bake_seconds / cycles_seconds,
@@ -161,8 +144,31 @@ def _row(case, volume, effort, run, seed, threads):
             {"samples": count, "seconds": float(own), "error_percent": float(errs)}
             for count, own, errs in zip(counts, seconds, errors)
         ],
-        "rays": statistics["rays"],
-        "texels": statistics["texels"],
         "vertices": peer.vertices,
         "repetitions": len(bakes),
+    }
+
+
+def _known(baked, case, effort, step, work):
+    """What the row says of a Bake itself, and of its error against Cycles."""
+    judged = step(
+        lambda progress: compare(
+            baked,
+            case.isovalue,
+            effort.points,
+            effort.paths,
+            reference="cycles",
+            progress=progress,
+            **work,
+        ),
+        "error",
+    )
+    rms, judge = judged["rms_percent"], judged["reference_noise_percent"]
+    return {
+        "rms_percent": rms,
+        "judge_noise_percent": judge,
+        "error_percent": without(rms, judge),
+        "noise_percent": judged["parts"]["noise_percent"],
+        "texture_percent": judged["parts"]["texture_percent"],
+        **{name: baked.statistics[name] for name in ("estimated_rms_percent", "rays", "texels")},
     }

@@ -58,6 +58,10 @@ def main(folder):
     for light in settings["lights"]:
         _light(scene, light)
     _world(scene, settings["environment"], arrays.get("environment"))
+    if settings["image_size"] is None:
+        # As many corners in a row as a mesh has would be cut into thousands of tiles, each of which
+        # goes through a file and keeps one thread busy.
+        scene.cycles.use_auto_tile = False
     target = _Target(objects[settings["target"]], settings["image_size"], arrays.get("pixels"))
     radiance, costs = [], []
     for samples, seed in settings["passes"]:
