@@ -23,6 +23,10 @@ from .repetitions import repetitions
 from .vtk_image import vtk_image
 
 
+# Of the bake's statistics.
+KEPT = ("estimated_rms_percent", "estimated_error_percent", "rounds", "rays", "texels")
+
+
 @dataclass(frozen=True)
 class Case:
     """volumes(folder, fineness): see volume_recipes.py; isovalue: that Cycles bakes, too; scene: of
@@ -55,7 +59,7 @@ class BakeEffort:
     cases: tuple = CASES
     points: int = 3000
     paths: int = 1024
-    most_paths: int = 200_000_000
+    most_paths: int = 100_000_000
     often: object = repetitions
 
 
@@ -72,7 +76,8 @@ def measure_bakes(effort, run, *, folder=None, seed=0, threads=0):
     rms_percent               against Cycles, as compare() says; judge_noise_percent: of which the
                               judge's; error_percent: the one without the other, in squares;
                               noise_percent, texture_percent: parts of it (truth.py)
-    estimated_rms_percent     the noise that the texels report
+    estimated_rms_percent     the noise that the texels report; estimated_error_percent, rounds: as
+                              in the bake's statistics
     cycles_seconds            by the clock, in which Cycles bakes the vertices of the isosurface to
                               error_percent, between measured points; None where outside them
     outside                   then whether that takes FEWER or MORE samples (interpolation.py)
@@ -170,5 +175,5 @@ def _known(baked, case, effort, step, work):
         "error_percent": without(rms, judge),
         "noise_percent": judged["parts"]["noise_percent"],
         "texture_percent": judged["parts"]["texture_percent"],
-        **{name: baked.statistics[name] for name in ("estimated_rms_percent", "rays", "texels")},
+        **{name: baked.statistics[name] for name in KEPT},
     }

@@ -18,7 +18,7 @@ from ..scene.scene import isovalue_at
 CORNERS = 6
 # Independent passes of the reference, whose spread gives its noise.
 REFERENCE_PASSES = 4
-LEAST_REFERENCE_SAMPLES = 4
+LEAST_REFERENCE_SAMPLES = 2
 
 
 @dataclass(frozen=True, eq=False)
