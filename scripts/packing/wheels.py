@@ -12,8 +12,9 @@ from .tools import OUT, ROOT, VENV, PackageError, digest, environment, run, vers
 WORK = OUT / "work"
 # The recipe is part of what a finished wheel depends on.
 _RECIPE = sorted(Path(__file__).parent.glob("*.py"))
-# What a built wheel says of its slim form: the report is for the command line.
+# What a built wheel says of its slim form: some rooms are for the command line.
 SLIM_BUILD = "1slim"
+TOOLS = ("report", "bench")
 
 
 def wheel(python):
@@ -95,7 +96,7 @@ def pack(folder, out, *options):
 
 
 def slim(path):
-    """The wheel without the report, for Blender; it has a build tag to tell it from the whole."""
+    """The wheel without TOOLS, for Blender; it has a build tag to tell it from the whole."""
     folder = WORK / "slim"
     folder.mkdir(parents=True, exist_ok=True)
     name = path.name.replace(f"-{version()}-", f"-{version()}-{SLIM_BUILD}-")
@@ -103,7 +104,8 @@ def slim(path):
     wanted = digest(path, *_RECIPE)
     if not target.exists() or not stamp.exists() or stamp.read_text() != wanted:
         unpacked = unpack(path, WORK / "slim-unpacked")
-        shutil.rmtree(unpacked / "leaflight" / "report")
+        for room in TOOLS:
+            shutil.rmtree(unpacked / "leaflight" / room)
         made = pack(unpacked, folder, "--build-number", SLIM_BUILD)
         if made != target:
             raise PackageError(f"The slim wheel is named {made.name}, not {name}; look into it.")

@@ -14,6 +14,7 @@ from leaflight import Cancelled, LeaflightError, Progress
 from leaflight.cli.progress import run_with_progress
 from leaflight.measure.sides import LeafSide
 from leaflight.measure.truth import Truth
+from leaflight.measure.volume_recipes import generated, tooth
 from leaflight.report.against_cycles import (
     BUMP_BOX,
     CASES,
@@ -27,7 +28,6 @@ from leaflight.report.against_cycles import (
 )
 from leaflight.report.cycles_section import cycles_rows, cycles_text
 from leaflight.report.report import report_cycles
-from leaflight.report.volume_recipes import generated, tooth
 from leaflight.volume.volume import bump_box
 
 BOX = replace(BUMP_BOX, name="box", volumes=generated(bump_box, 16), goals=(9.0, 8.0, 0.1))

@@ -9,7 +9,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 
 # From the ground up. What stands in no room is below all of them, save the faces at the top.
-PACKAGE = ("volume", "scene", "io", "bake", "flatland", "measure", "report", "cli")
+PACKAGE = ("volume", "scene", "io", "bake", "flatland", "measure", "report", "bench", "cli")
 ADDON = ("store", "operators", "show", "stage", "bake", "compare", "importing", "ui")
 FACES = ("__init__.py", "__main__.py")
 
@@ -26,9 +26,10 @@ def test_no_import_runs_back_up(folder, rooms):
     assert not wrong, "\n".join(wrong)
 
 
-def test_the_addon_ships_without_the_report():
+@pytest.mark.parametrize("room", ["report", "bench"])
+def test_the_addon_ships_without(room):
     sources = (ROOT / "addon/leaflight").rglob("*.py")
-    assert not [path for path in sources if "leaflight.report" in path.read_text()]
+    assert not [path for path in sources if f"leaflight.{room}" in path.read_text()]
 
 
 def floor(room, rooms):

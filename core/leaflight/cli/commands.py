@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line: info, bake, surface, compare, flatland and report.
+"""The command line: info, bake, surface, compare, flatland, report and bench.
 
 Results go to stdout, with --json as one JSON object on the last line; progress goes to stderr.
 Exit status: 0; 1 when a report found an error that is not what it must be; 2 after an error, told
@@ -363,6 +363,17 @@ def _report(options):
     return run_report(options, run_with_progress)
 
 
+def _bench(options):
+    try:
+        # As the report.
+        from ..bench.command import run_bench
+    except ModuleNotFoundError:
+        raise LeaflightError(
+            "The benchmarks are not part of this installation: pip install leaflight."
+        ) from None
+    return run_bench(options, run_with_progress)
+
+
 def _errors(result):
     if result["points"] == 0:
         return "none"
@@ -393,4 +404,5 @@ COMMANDS = {
     "compare": _compare,
     "flatland": _flatland,
     "report": _report,
+    "bench": _bench,
 }

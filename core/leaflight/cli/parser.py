@@ -162,6 +162,21 @@ def make_parser(commands):
         "--data", metavar="DIR", help="folder of real data sets, which are left out without it"
     )
 
+    bench = subparsers.add_parser(
+        "bench", parents=[threads], help="measure how fast bakes are, with Cycles beside them"
+    )
+    bench.add_argument(
+        "what",
+        choices=("bake", "scale"),
+        help="bake: against Cycles to the same error; scale: by size and threads",
+    )
+    bench.add_argument("--quick", action="store_true", help="tiny, to see that it works")
+    bench.add_argument(
+        "--data", metavar="DIR", help="folder of real volumes, which are left out without it"
+    )
+    bench.add_argument("--only", metavar="TEXT", help="bakes with this in their name")
+    bench.add_argument("--out", metavar="FILE.md", help="document to write the tables into")
+
     for name, command in subparsers.choices.items():
         command.set_defaults(command=commands[name])
         command.add_argument(

@@ -103,24 +103,38 @@ def measure(
     return Measured(probes, radiance.astype(np.float64))
 
 
-def bake_vertices(description, surface, samples, *, seed=0, threads=0, progress=None):
+@dataclass(frozen=True, eq=False)
+class VertexBakes:
+    """What Cycles baked into the vertices of one isosurface, pass by pass.
+
+    radiance: float32 [pass, vertex, RGB] in W/(m^2 sr); of each pass, [pass]: seconds by the clock,
+    processor_seconds of all threads together, and peaks, the most bytes that Blender held so far.
+    """
+
+    radiance: np.ndarray
+    seconds: np.ndarray
+    processor_seconds: np.ndarray
+    peaks: np.ndarray
+
+
+def bake_vertices(description, isovalue, mesh, passes, *, threads=0, progress=None):
     """What Blender's users do instead: Cycles bakes one isosurface into its mesh's vertices.
 
-    description: in world coordinates, with one Leaves; surface: the Isosurface (isosurfaces.py);
-    samples: of paths at each corner of a triangle, one number for each pass.
-    Returns (radiance float32 [pass, vertex, RGB], seconds of a processor [pass], the most bytes
-    that Blender held up to each [pass]). Raises LeaflightError, Cancelled.
+    description: in world coordinates, with one Leaves; isovalue: which; mesh: (vertices, normals,
+    triangles) of it; passes: (samples, seed) of each, samples being paths at each corner of a
+    triangle. Returns VertexBakes. Raises LeaflightError, Cancelled.
     """
     leaves = description.leaves[0]
-    ramps = (ramp_at(ramp, surface.isovalue) for ramp in (leaves.albedo, leaves.emission))
-    vertices = {"vertices": surface.vertices, "normals": surface.normals}
-    target = _Object(_look(leaves, *ramps), vertices, {"triangles": surface.triangles})
+    ramps = (ramp_at(ramp, isovalue) for ramp in (leaves.albedo, leaves.emission))
+    vertices, normals, triangles = mesh
+    arrays = {"vertices": vertices, "normals": normals}
+    target = _Object(_look(leaves, *ramps), arrays, {"triangles": triangles})
     objects = [target, *(_mesh(mesh) for mesh in description.meshes)]
     settings, arrays = _scene(description, objects, target, threads)
     settings["image_size"] = None
-    settings["passes"] = [(count, seed) for count in samples]
+    settings["passes"] = passes
     radiance, costs = _run(settings, arrays, progress)
-    return radiance, costs[:, 0], costs[:, 1]
+    return VertexBakes(radiance, *costs.T)
 
 
 def _scene(description, objects, target, threads):

@@ -4,7 +4,7 @@
 cycles.py starts it within Blender, `blender -b --factory-startup --python cycles_scene.py --
 FOLDER`. It reads FOLDER/scene.npz, where "settings" is JSON (see cycles.py), and writes
 FOLDER/radiance.npy, float32 [pass, probe, RGB] in W/(m^2 sr), and FOLDER/costs.npy, float64
-[pass, 2]: seconds of a processor and the most bytes held so far.
+[pass, 3]: seconds by the clock and of a processor, and the most bytes held so far.
 
 Cycles bakes COMBINED into an image, one pixel a probe. Baking into a colour attribute measures the
 same, at every corner of every triangle: six times a vertex, and where triangles meet. It is what
@@ -58,16 +58,20 @@ def main(folder):
     for light in settings["lights"]:
         _light(scene, light)
     _world(scene, settings["environment"], arrays.get("environment"))
+    if settings["image_size"] is None:
+        # As many corners in a row as a mesh has would be cut into thousands of tiles, each of which
+        # goes through a file and keeps one thread busy.
+        scene.cycles.use_auto_tile = False
     target = _Target(objects[settings["target"]], settings["image_size"], arrays.get("pixels"))
     radiance, costs = [], []
     for samples, seed in settings["passes"]:
         scene.cycles.seed = seed
         scene.cycles.samples = samples
-        start = time.process_time()
+        start = np.array([time.perf_counter(), time.process_time()])
         target.bake()
-        seconds = time.process_time() - start
+        seconds = np.array([time.perf_counter(), time.process_time()]) - start
         radiance.append(target.read())
-        costs.append((seconds, _peak_memory()))
+        costs.append((*seconds, _peak_memory()))
         print(f"leaflight pass {len(radiance)}", flush=True)
     np.save(folder / "costs.npy", np.array(costs))
     np.save(folder / "radiance.npy", np.array(radiance))

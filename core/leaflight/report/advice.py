@@ -3,9 +3,10 @@
 
 import numpy as np
 
+from ..io.markdown import table
 from .curves import CYCLES, DEFAULT
 from .fits import root, samples_for, slope
-from .sections import MEBIBYTE, THESIS_BREAK_EVEN, table
+from .sections import MEBIBYTE, THESIS_BREAK_EVEN
 
 # Budgets in seconds: these steps in each decade.
 STEPS = (1, 2, 5)

@@ -14,10 +14,17 @@ from ..bake.color_error import REACH, noise_percent, rms_percent
 from ..io.scene_file import cornell_box, packaged_scene
 from ..measure.sides import LeafSide
 from ..measure.truth import errors_of, without
+from ..measure.volume_recipes import (
+    bunny,
+    colin27,
+    generated,
+    neuron_stack,
+    nucleon,
+    tooth,
+)
 from ..volume.particles import hydrogen
 from ..volume.volume import bump_box
 from .fits import Estimate
-from .volume_recipes import bunny, colin27, generated, neuron_stack, nucleon, tooth
 
 # What is held against the floor of its texture may err this many times as much.
 OF_FLOOR = 1.15

@@ -196,15 +196,16 @@ def _by_cycles(scene, reference, samples, seed, threads, run):
     for surface in reference.surfaces:
 
         def work(progress, surface=surface):
-            passes = (samples[0], *samples)
+            mesh = surface.vertices, surface.normals, surface.triangles
+            passes = [(count, seed) for count in (samples[0], *samples)]
             return bake_vertices(
-                scene, surface, passes, seed=seed, threads=threads, progress=progress
+                scene, surface.isovalue, mesh, passes, threads=threads, progress=progress
             )
 
         found = run(work, f"curves: Cycles at {surface.isovalue:g}, seed {seed}")
-        radiance.append(found[0][1:, surface.chosen])
-        seconds.append(found[1][1:])
-        peaks.append(found[2][1:])
+        radiance.append(found.radiance[1:, surface.chosen])
+        seconds.append(found.processor_seconds[1:])
+        peaks.append(found.peaks[1:])
     costs = [
         Cost(float(mean), None, int(peak), None)
         for mean, peak in zip(np.mean(seconds, axis=0), np.max(peaks, axis=0))

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The section of the report on bakes against Cycles: see sections.py."""
 
+from ..io.markdown import table
+from ..measure.volume_recipes import absent_text
 from .against_cycles import OF_FLOOR
-from .sections import absent_text, table
 
 CYCLES_FORMATS = {
     "isovalue": "{:g}",

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from ..bake.bake import bake
 from ..bake.settings import leaf_window
 from ..io.scene_file import cornell_box, packaged_scene
+from ..measure.volume_recipes import bunny, colin27, generated, neuron_stack, nucleon
 from ..scene.scene import fit_scene, match_leaves
 from ..volume.particles import lapr, neuron, nucleons
 from .isosurfaces import isosurfaces
 from .memory import Cost, measured
-from .volume_recipes import bunny, colin27, generated, neuron_stack, nucleon
 
 
 @dataclass(frozen=True)

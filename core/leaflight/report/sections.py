@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..io.markdown import table
+from ..measure.volume_recipes import absent_text
 from .curves import CYCLES, DEFAULT, PHOTONS, RAYS
 from .fits import break_even, cost, noise_and_floor, root, samples_for, slope
 
@@ -230,16 +232,6 @@ def data_text(rows, absent, effort):
     return [*lines, *absent_text(absent), "", *table(data_rows(rows), DATA_FORMATS)]
 
 
-def absent_text(absent):
-    """What is said of data sets without data."""
-    if not absent:
-        return []
-    return [
-        f"- Absent, hence left out: {'; '.join(absent)}. Name the folder that holds "
-        "the files with `--data DIR`."
-    ]
-
-
 def memory_rows(curves, rows):
     """Of each curve with the most samples, and of each data set."""
     result = []
@@ -267,28 +259,6 @@ def memory_text(curves, rows):
         "",
         *table(memory_rows(curves, rows), MEMORY_FORMATS),
     ]
-
-
-def table(rows, formats):
-    """Lines of a Markdown table; formats: of each column, by its name."""
-    if not rows:
-        return []
-    lines = [_line(rows[0]), "|" + "---|" * len(rows[0])]
-    return [*lines, *(_line(_cell(row[name], formats.get(name)) for name in row) for row in rows)]
-
-
-def _cell(value, form):
-    if value is None:
-        return ""
-    if isinstance(value, str):
-        return value
-    if hasattr(value, "low"):
-        return f"{form.format(value.value)} ({form.format(value.low)} .. {form.format(value.high)})"
-    return form.format(value)
-
-
-def _line(cells):
-    return "| " + " | ".join(cells) + " |"
 
 
 CURVE_FORMATS = {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the report's volumes come from: generated, or read from a folder of real ones.
+"""Where volumes to measure come from: generated, or read from a folder of real ones.
 
 A recipe is a function of (folder, fineness) to a list of Volumes, or to None where they are absent.
 folder: of the real ones, or None; fineness: nodes of generated ones, of those that they have.
@@ -48,7 +48,18 @@ def colin27(folder, _):
     return [read_volume(str(path))] if path.exists() else None
 
 
+def absent_text(absent):
+    """What a document says of volumes without data, lines of Markdown."""
+    if not absent:
+        return []
+    return [
+        f"- Absent, hence left out: {'; '.join(absent)}. Name the folder that holds "
+        "the files with `--data DIR`."
+    ]
+
+
 nucleon = read("nucleon.raw", dims=(41, 41, 41), type="uint8")
 neuron_stack = read("rivulet_neuron.tif.zip")
 bunny = read("bunny_ct_half.nrrd")
+heptane = read("heptane.nii.gz")
 tooth = read("tooth16.raw", dims=(103, 94, 161), type="uint16", endian="big")

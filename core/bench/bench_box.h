@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "leaflight/field/bump_box.h"
+#include "scenes.h"
+
+namespace leaflight::bench {
+
+// The bump box with n^3 nodes on the unit cube, nothing around it; all isovalues are in the window.
+inline Scene<3> bump_box_scene(int n) {
+  Field<3> field = test::field_from<3>(bump_box<3>(n), {n, n, n}, test::unit_cube<3>(n));
+  const IsovalueWindow window{field.min, field.max};
+  return test::scene_of<3>(std::move(field), Rgb(0.75), window);
+}
+
+// Index positions that fill the box of a field evenly, always the same.
+inline std::vector<Vec3> random_positions(const Field<3>& field, std::size_t count) {
+  Random random(1);
+  std::vector<Vec3> positions(count);
+  for (Vec3& position : positions) {
+    for (int a = 0; a < 3; ++a) position[a] = random.uniform() * (field.dims[a] - 1);
+  }
+  return positions;
+}
+
+}  // namespace leaflight::bench

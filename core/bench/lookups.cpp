@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Lookups of a radiance grid at random points, on one thread.
+#include <benchmark/benchmark.h>
+
+#include "bench_box.h"
+#include "leaflight/bake/radiance_grid.h"
+
+namespace leaflight {
+namespace {
+
+// Arguments: nodes a side, and as many texels.
+void lookup(benchmark::State& state) {
+  const Scene<3> scene = bench::bump_box_scene(static_cast<int>(state.range(0)));
+  const Field<3>& field = test::field_of(scene);
+  RadianceGrid<3> grid;
+  grid.lattice = make_lattice<3>(field, field.dims, scene.window.min, scene.window.max);
+  grid.radiance.assign(grid.lattice.active.size(), Vec<3, float>(0.5f));
+  const std::vector<Vec3> positions = bench::random_positions(field, 1 << 16);
+  std::size_t i = 0;
+  for (auto _ : state) {
+    const RadianceGrid<3>& from = grid.at(positions[i]);
+    benchmark::DoNotOptimize(leaflight::lookup<3>(from.lattice, from.radiance, positions[i]));
+    if (++i == positions.size()) i = 0;
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+
+BENCHMARK(lookup)->Arg(40)->Arg(100);
+
+}  // namespace
+}  // namespace leaflight

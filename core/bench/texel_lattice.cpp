@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Which texels of a lattice are stored: all threads, by the clock.
+#include <benchmark/benchmark.h>
+
+#include "bench_box.h"
+
+namespace leaflight {
+namespace {
+
+// Arguments: nodes a side, and as many texels.
+void make_lattice(benchmark::State& state) {
+  const Scene<3> scene = bench::bump_box_scene(static_cast<int>(state.range(0)));
+  const Field<3>& field = test::field_of(scene);
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(
+        leaflight::make_lattice<3>(field, field.dims, scene.window.min, scene.window.max));
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(field.voxels()));
+}
+
+BENCHMARK(make_lattice)->Arg(40)->Arg(100)->UseRealTime()->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace leaflight

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`leaflight bench`: what is measured, with how much work, and the sentences about it."""
+
+import shutil
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+
+from .._core import LeaflightError
+from ..volume.setting_error import SettingError
+from .bakes import QUICK_BAKES, BakeEffort, measure_bakes
+from .interpolation import FEWER
+from .machine import commit, machine
+from .page import check_page, write_page
+from .scale import QUICK_SCALE, ScaleEffort, measure_scale
+
+
+def run_bench(options, run):
+    """What the options ask for, as the result and the sentences about it.
+
+    run: called as run(work, label), which returns work(progress). Raises LeaflightError, Cancelled.
+    """
+    if options.out is not None:
+        if options.quick:
+            raise SettingError(
+                "What is measured quickly is not worth writing down; leave out one of the two.",
+                "quick",
+                "out",
+            )
+        check_page(options.out, options.what)
+    measure = {"bake": _bake, "scale": _scale}[options.what]
+    result, sentences = measure(options, run)
+    if options.out is not None:
+        write_page(options.out, options.what, result)
+        sentences.append(f"{options.out}: the tables of bench {options.what} are new")
+    return result, sentences
+
+
+def _bake(options, run):
+    if options.data is not None and not Path(options.data).is_dir():
+        raise LeaflightError(
+            f"{options.data}: there is no such folder; give that of the data sets."
+        )
+    effort = QUICK_BAKES if options.quick else BakeEffort()
+    if options.only is not None:
+        chosen = tuple(case for case in effort.cases if options.only in case.name)
+        if not chosen:
+            names = ", ".join(case.name for case in effort.cases)
+            raise SettingError(f'No bake has "{options.only}" in its name: {names}.', "only")
+        effort = replace(effort, cases=chosen)
+    origin = {"machine": {**machine(), "blender": _blender()}, "commit": commit()}
+    work = {"seed": options.seed, "threads": options.threads}
+    rows, absent = measure_bakes(effort, run, folder=options.data, **work)
+    return {**origin, "cases": rows, "absent": absent}, [
+        *(_bake_sentence(row) for row in rows),
+        *([f"absent, hence left out: {'; '.join(absent)} (--data)"] if absent else []),
+    ]
+
+
+def _bake_sentence(row):
+    if row["outside"] is None:
+        peer = f"Cycles {row['cycles_seconds']:.2f} s, break-even {row['break_even']:.2f}"
+    else:
+        end = row["cycles"][0 if row["outside"] == FEWER else -1]
+        peer = (
+            f"for Cycles it takes {row['outside']} ({end['samples']}: "
+            f"{end['error_percent']:.2f} % in {end['seconds']:.2f} s)"
+        )
+    return (
+        f"{row['name']} at {row['isovalue']:g}: {row['bake_seconds']:.2f} s, "
+        f"{row['rms_percent']:.2f} %; {peer}; repetitions: {row['repetitions']}"
+    )
+
+
+def _scale(options, run):
+    for name in ("data", "only"):
+        if getattr(options, name) is not None:
+            raise SettingError("This has no meaning for bench scale; leave it out.", name)
+    effort = QUICK_SCALE if options.quick else ScaleEffort()
+    origin = {"machine": machine(), "commit": commit()}
+    result = measure_scale(effort, run, seed=options.seed, threads=options.threads)
+    speedup = result["speedup_2_threads"]
+    return {**origin, **result}, [
+        *(
+            f"{row['name']}: {row['seconds']:.2f} s, {row['ns_per_texel']:.0f} ns a texel, "
+            f"{row['rays_per_second'] / 1e6:.2f} million rays/s, "
+            f"{row['peak_bytes'] / 2**20:.0f} MiB; repetitions: {row['repetitions']}"
+            for row in result["cases"]
+        ),
+        *([f"two threads are {speedup:.2f} times as fast as one"] if speedup else []),
+    ]
+
+
+def _blender():
+    """Which Blender is at hand. Raises LeaflightError."""
+    blender = shutil.which("blender")
+    if blender is None:
+        raise LeaflightError(
+            "bench bake holds bakes against Cycles, and there is no Blender on the search path: "
+            "install the Debian package blender."
+        )
+    done = subprocess.run([blender, "--version"], capture_output=True, text=True)
+    return next(iter(done.stdout.splitlines()), None)

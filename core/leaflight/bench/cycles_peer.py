@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cycles, baking one isosurface into its vertices: how far it errs, in how many seconds.
+
+Its error is that against many more samples of its own, at the same vertices with other seeds. The
+noise of these is known from their spread and taken out.
+"""
+
+from dataclasses import dataclass
+
+import leaflight._core as _core
+import numpy as np
+
+from ..measure.cycles import bake_vertices
+from ..measure.truth import Truth, errors_of, without
+from ..scene.scene import isovalue_at
+
+# Corners of triangles at a vertex, about: Cycles bakes each, and a vertex is their mean.
+CORNERS = 6
+# Independent passes of the reference, whose spread gives its noise.
+REFERENCE_PASSES = 4
+LEAST_REFERENCE_SAMPLES = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Peer:
+    """One isosurface for Cycles; scene, isovalue: of a Bake with one volume.
+
+    mesh: (vertices, normals, triangles) by marching cubes, whatever finer mesh the bake may show;
+    most: samples of a pass at most; seed, threads: of Cycles.
+    """
+
+    scene: object
+    isovalue: float
+    mesh: tuple
+    most: int
+    seed: int
+    threads: int
+
+    @classmethod
+    def of(cls, bake, isovalue, most_paths, seed, threads):
+        """most_paths: of a pass at most, those at all corners together."""
+        mesh = _core.contour(bake.volume.field(), isovalue_at(bake.scene, 0, isovalue))
+        most = max(2, most_paths // mesh[2].size)
+        return cls(bake.scene, isovalue, mesh, most, seed, threads)
+
+    @property
+    def vertices(self):
+        return len(self.mesh[0])
+
+    def reference(self, samples, progress):
+        """(Truth, error): of REFERENCE_PASSES with so many samples each, and what one pass errs.
+
+        The error is RMS in percent, as everywhere here.
+        """
+        passes = [(samples, self.seed + k) for k in range(REFERENCE_PASSES)]
+        found = self._baked(passes, progress).radiance
+        truth = Truth.of_passes(self.mesh[0], np.ones(self.vertices), found)
+        noise = errors_of(truth.radiance, truth, self.scene.exposure)["reference_noise_percent"]
+        return truth, noise * np.sqrt(REFERENCE_PASSES)
+
+    def measured(self, counts, repetition, truth, progress):
+        """(errors, seconds) of passes with these counts of samples, float64 (n,) each.
+
+        Seconds are by the clock, without Blender's start and its building of the scene; a pass
+        before them warms up. Seeds differ from the reference's and between repetitions.
+        """
+        seed = self.seed + REFERENCE_PASSES + repetition
+        found = self._baked([(count, seed) for count in (counts[0], *counts)], progress)
+        errors = [self._error(one, truth) for one in found.radiance[1:]]
+        return np.array(errors), found.seconds[1:]
+
+    def reference_samples(self, error, noise, paths):
+        """How many samples a pass of the reference takes, for about this error.
+
+        noise: RMS in percent that so many paths at a point leave.
+        """
+        wanted = paths / CORNERS * (noise / max(error, 1e-9)) ** 2
+        return int(np.clip(round(wanted), min(LEAST_REFERENCE_SAMPLES, self.most), self.most))
+
+    def counts(self, error, samples, error_of_samples):
+        """Samples to measure at, around those with which Cycles should have the error.
+
+        error_of_samples: what it errs with so many samples.
+        """
+        wanted = samples * (error_of_samples / max(error, 1e-9)) ** 2
+        middle = int(np.clip(round(wanted), 1, self.most))
+        return sorted({max(1, middle // 2), middle, min(2 * middle, self.most)})
+
+    def _baked(self, passes, progress):
+        return bake_vertices(
+            self.scene, self.isovalue, self.mesh, passes, threads=self.threads, progress=progress
+        )
+
+    def _error(self, radiance, truth):
+        found = errors_of(radiance, truth, self.scene.exposure)
+        return without(found["rms_percent"], found["reference_noise_percent"])

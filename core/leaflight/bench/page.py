@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""docs/performance.md: tables from what `bench` measured, between marks; the rest is people's."""
+
+from pathlib import Path
+
+from .._core import LeaflightError
+from ..io.markdown import table
+from ..io.output import check_writable, replaced
+from ..measure.volume_recipes import absent_text
+from .interpolation import FEWER
+from .repetitions import REPETITIONS
+
+MEBIBYTE = 2**20
+PAGE = """# Performance
+
+How fast bakes are. `scripts/leaflight bench bake --out docs/performance.md` and `bench scale --out`
+write the tables between their marks; all else is written by hand, and stays. The core's innermost
+loops have benchmarks of their own: `build/release/core/bench/core_bench`.
+
+<!-- bench bake -->
+<!-- /bench bake -->
+
+<!-- bench scale -->
+<!-- /bench scale -->
+
+## What each step gave
+
+## Tried and dropped
+"""
+
+
+def check_page(path, name):
+    """Raises LeaflightError unless the tables of `bench NAME` can be written into this document."""
+    check_writable(path, ".md")
+    _split(path, name)
+
+
+def write_page(path, name, result):
+    """Writes the tables of `bench NAME` from its result into a document, as a whole or not at all.
+
+    A document that is not there is made. Raises LeaflightError.
+    """
+    before, after = _split(path, name)
+    lines = {"bake": bake_lines, "scale": scale_lines}[name](result)
+    with replaced(path) as temporary:
+        temporary.write_text(before + "\n\n" + "\n".join(lines) + "\n\n" + after)
+
+
+def _split(path, name):
+    """What stands before the tables of `bench NAME`, and after; the marks are in it."""
+    path = Path(path)
+    try:
+        text = path.read_text() if path.exists() else PAGE
+    except (OSError, UnicodeDecodeError) as error:
+        raise LeaflightError(f"{path}: cannot read it: {error}.") from None
+    begin, end = f"<!-- bench {name} -->", f"<!-- /bench {name} -->"
+    before, found, rest = text.partition(begin)
+    _, ended, after = rest.partition(end)
+    if not (found and ended):
+        raise LeaflightError(
+            f"{path}: there is no place for the tables of bench {name}: write a line {begin} and "
+            f"below it a line {end}, or name a file that does not exist."
+        )
+    return before + begin, end + after
+
+
+def bake_lines(result):
+    """The section of `bench bake`, lines of Markdown."""
+    rows = [
+        {
+            "bake": f"{row['name']} at {row['isovalue']:g}",
+            "texels": row["texels"],
+            "million rays": row["rays"] / 1e6,
+            "bake s": row["bake_seconds"],
+            "RMS %": row["rms_percent"],
+            "noise %": row["noise_percent"],
+            "texture %": row["texture_percent"],
+            "noise of the judge %": row["judge_noise_percent"],
+            "Cycles s": row["cycles_seconds"],
+            "break-even": row["break_even"] or _why(row),
+            "vertices": row["vertices"],
+            "repetitions": row["repetitions"],
+        }
+        for row in result["cases"]
+    ]
+    points = [
+        {
+            "bake": f"{row['name']} at {row['isovalue']:g}",
+            "samples": point["samples"],
+            "s": point["seconds"],
+            "error %": point["error_percent"],
+        }
+        for row in result["cases"]
+        for point in row["cycles"]
+    ]
+    return [
+        "## Bakes against Cycles",
+        "",
+        _measured_on(result),
+        "",
+        "- Each bake lights all isosurfaces of its default window with default settings. RMS % is "
+        "its error against Cycles at one of them, as `compare` reports it; *noise* and *texture* "
+        "are parts of it, whose squares add up with those of the judge's noise and of the mesh. "
+        "*Cycles s* is how long Cycles takes to bake the vertices of this one isosurface "
+        "(marching cubes at the nodes) to the same error, the judge's noise taken out of both; "
+        "*break-even* is the one over the other: for more isosurfaces than that the bake is the "
+        "faster way.",
+        "- Cycles is measured at the samples below, against many more of its own with other seeds, "
+        "and read between them, never beyond: where the error lies outside, the table says so. "
+        "Blender's start and its building of the scene do not count, nor what is lost between the "
+        "vertices. Seconds are by the clock, medians; bake and Cycles take turns, "
+        f"{REPETITIONS} times, fewer where one turn takes minutes (*repetitions*).",
+        *absent_text(result["absent"]),
+        "",
+        *table(rows, BAKE_FORMATS),
+        "",
+        "Cycles, of which *samples* are paths at each corner of a triangle:",
+        "",
+        *table(points, POINT_FORMATS),
+    ]
+
+
+def _why(row):
+    """Why a case has no break-even, and which side of what was measured it is."""
+    ends = row["cycles"][0] if row["outside"] == FEWER else row["cycles"][-1]
+    bound = row["bake_seconds"] / ends["seconds"]
+    return f"{'above' if row['outside'] == FEWER else 'below'} {bound:.2g}: {row['outside']}"
+
+
+def scale_lines(result):
+    """The section of `bench scale`, lines of Markdown."""
+    rows = [
+        {
+            "bake": row["name"],
+            "texels": row["texels"],
+            "s": row["seconds"],
+            "ns per texel": row["ns_per_texel"],
+            "million rays/s": row["rays_per_second"] / 1e6,
+            "peak MiB": row["peak_bytes"] / MEBIBYTE,
+            "repetitions": row["repetitions"],
+        }
+        for row in result["cases"]
+    ]
+    pair = result["threads"]
+    return [
+        "## How bakes grow",
+        "",
+        _measured_on(result),
+        "",
+        "- Default settings; each bake is a process of its own, and its peak is what that held at "
+        "most, Python and its modules included. Seconds are by the clock, medians of bakes that "
+        f"take turns, {REPETITIONS} of each, fewer where one takes minutes.",
+        *(
+            [
+                f"- {pair['nodes']}^3 nodes take {pair['seconds_1_thread']:.2f} s with one thread "
+                f"and {pair['seconds_2_threads']:.2f} s with two, which is "
+                f"{result['speedup_2_threads']:.2f} times as fast (medians of "
+                f"{pair['repetitions']}, in turns)."
+            ]
+            if pair
+            else []
+        ),
+        "",
+        *table(rows, SCALE_FORMATS),
+    ]
+
+
+def _measured_on(result):
+    machine = result["machine"]
+    load = "" if machine["load"] is None else f", load {machine['load']:.1f} before"
+    blender = f", {machine['blender']}" if machine.get("blender") else ""
+    return (
+        f"Measured at commit {result['commit']} on {machine['cores']} cores of "
+        f"{machine['processor'] or 'an unknown processor'}, {machine['system']}, "
+        f"Python {machine['python']}{blender}{load}."
+    )
+
+
+BAKE_FORMATS = {
+    "texels": "{:,}",
+    "million rays": "{:.1f}",
+    "bake s": "{:.2f}",
+    "RMS %": "{:.2f}",
+    "noise %": "{:.2f}",
+    "texture %": "{:.2f}",
+    "noise of the judge %": "{:.2f}",
+    "Cycles s": "{:.2f}",
+    "break-even": "{:.2f}",
+    "vertices": "{:,}",
+    "repetitions": "{}",
+}
+POINT_FORMATS = {"samples": "{:,}", "s": "{:.2f}", "error %": "{:.2f}"}
+SCALE_FORMATS = {
+    "texels": "{:,}",
+    "s": "{:.2f}",
+    "ns per texel": "{:,.0f}",
+    "million rays/s": "{:.2f}",
+    "peak MiB": "{:.0f}",
+    "repetitions": "{}",
+}

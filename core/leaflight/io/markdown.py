@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tables of Markdown."""
+
+
+def table(rows, formats):
+    """Lines of a Markdown table; formats: of each column, by its name."""
+    if not rows:
+        return []
+    lines = [_line(rows[0]), "|" + "---|" * len(rows[0])]
+    return [*lines, *(_line(_cell(row[name], formats.get(name)) for name in row) for row in rows)]
+
+
+def _cell(value, form):
+    if value is None:
+        return ""
+    if isinstance(value, str):
+        return value
+    if hasattr(value, "low"):
+        return f"{form.format(value.value)} ({form.format(value.low)} .. {form.format(value.high)})"
+    return form.format(value)
+
+
+def _line(cells):
+    return "| " + " | ".join(cells) + " |"
