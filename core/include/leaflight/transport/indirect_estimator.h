@@ -39,9 +39,9 @@ struct LeafRadiance {
   const TexelLattice<D>* lattice = nullptr;
   const LeafCache<D>* photons = nullptr;
   // Direct radiance of the active texels, outer and inner side; empty where photons hold it.
-  std::array<std::vector<Rgb>, 2> direct;
+  std::array<std::vector<Rgb>, 2> direct{};
   // All radiance of them, where it is known already: photons are not looked at then.
-  std::array<std::vector<Rgb>, 2> radiance;
+  std::array<std::vector<Rgb>, 2> radiance{};
 };
 
 // The albedo of the leaf through an index position; of any leaf where there is none.

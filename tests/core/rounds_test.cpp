@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Bakes in rounds of lines through the volume.
+#include "leaflight/bake/rounds.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstring>
+#include <thread>
+
+#include "agreement.h"
+
+namespace leaflight {
+namespace {
+
+BakeSettings<3> in_rounds(double error = 1.5) {
+  BakeSettings<3> settings;
+  settings.samples = 0;
+  settings.error = test::sanitized ? 20 * error : error;
+  return settings;
+}
+
+template <class T>
+bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() &&
+         std::memcmp(static_cast<const void*>(a.data()), static_cast<const void*>(b.data()),
+                     a.size() * sizeof(T)) == 0;
+}
+
+bool same_bits(const RadianceGrid<3>& a, const RadianceGrid<3>& b) {
+  return a.lattice.active == b.lattice.active && same_bits(a.radiance, b.radiance) &&
+         same_bits(a.radiance_indirect, b.radiance_indirect) &&
+         same_bits(a.radiance_error, b.radiance_error) &&
+         same_bits(a.radiance_back, b.radiance_back);
+}
+
+Scene<3> small_scene() { return test::cornell(test::ball<3>(17), {0.6, 0.9}); }
+
+TEST(Rounds, AreTheSameForAnyNumberOfThreads) {
+  const Scene<3> scene = test::cornell(test::torus(17), {0.6, 0.95});
+  BakeSettings<3> settings = in_rounds();
+  settings.both_sides = settings.surroundings = true;
+  std::vector<Baked<3>> bakes;
+  for (const int threads : {1, 2, 5}) {
+    settings.threads = threads;
+    Progress progress;
+    bakes.push_back(bake(scene, settings, progress));
+  }
+  for (const Baked<3>& other : bakes) {
+    EXPECT_TRUE(same_bits(bakes[0].grids[0], other.grids[0]));
+    ASSERT_EQ(bakes[0].surroundings.radiance.size(), other.surroundings.radiance.size());
+    for (std::size_t m = 0; m < other.surroundings.radiance.size(); ++m) {
+      EXPECT_TRUE(
+          same_bits(bakes[0].surroundings.radiance[m][0], other.surroundings.radiance[m][0]));
+    }
+  }
+}
+
+TEST(Rounds, StoppedAfterTheSameRoundAreTheSame) {
+  const Scene<3> scene = small_scene();
+  const BakeSettings<3> settings = in_rounds(0.5);
+  std::vector<RadianceGrid<3>> rounds;
+  Progress whole;
+  const Baked<3> all = bake<3>(scene, settings, whole, [&](Baked<3>&& baked) {
+    EXPECT_EQ(baked.statistics.rounds, static_cast<int>(rounds.size()) + 1);
+    rounds.push_back(std::move(baked.grids[0]));
+  });
+  rounds.push_back(all.grids[0]);
+  EXPECT_FALSE(all.statistics.stopped);
+  ASSERT_GE(rounds.size(), 3u);
+  Progress progress;
+  const Baked<3> stopped = bake<3>(scene, settings, progress, [&](Baked<3>&&) { progress.stop(); });
+  EXPECT_TRUE(stopped.statistics.stopped);
+  ASSERT_EQ(stopped.statistics.rounds, 2);
+  EXPECT_TRUE(same_bits(rounds[1], stopped.grids[0]));
+  // Nobody needs to look on.
+  Progress alone;
+  EXPECT_TRUE(same_bits(all.grids[0], bake(scene, settings, alone).grids[0]));
+}
+
+TEST(Rounds, EndInTime) {
+  BakeSettings<3> settings = in_rounds();
+  settings.error = 1e-4;
+  settings.seconds = 0.5;
+  Progress progress;
+  const Baked<3> baked = bake(small_scene(), settings, progress);
+  EXPECT_TRUE(baked.statistics.stopped);
+  EXPECT_GT(baked.statistics.noise_percent, 1e-4);
+}
+
+TEST(Rounds, AreCancelledWithinHalfASecond) {
+  BakeSettings<3> settings = in_rounds();
+  settings.error = 1e-4;
+  Progress progress;
+  std::chrono::steady_clock::time_point asked;
+  std::thread canceller([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    asked = std::chrono::steady_clock::now();
+    progress.cancel();
+  });
+  EXPECT_THROW(bake(test::cornell(test::ball<3>(65), {0.3, 0.9}), settings, progress), Cancelled);
+  canceller.join();
+  const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - asked;
+  EXPECT_LT(waited.count(), 0.5);
+}
+
+// The radiance of each texel's centre, whose leaf is that of the centre.
+template <class Check>
+void for_each_centre(const Scene<3>& scene, const Baked<3>& baked, Check check) {
+  const RadianceGrid<3>& grid = baked.grids[0];
+  const Field<3>& field = test::field_of(scene);
+  std::size_t checked = 0;
+  for (std::size_t s = 0; s < grid.lattice.active.size(); ++s) {
+    const Vec3 centre = grid.lattice.centre(grid.lattice.active[s]);
+    const CellPoint<3> at = locate(field, centre);
+    const double c = interpolate(load_corners(field, at.cell), at.local);
+    if (!scene.window.contains(c)) continue;
+    check(field.index_to_world.point(centre), c, s);
+    ++checked;
+  }
+  EXPECT_GT(checked, 100u);
+}
+
+TEST(Rounds, PlanesInTheSunAreExact) {
+  // h falls with z, so that leaves are planes which face up.
+  Scene<3> scene = test::scene_of(test::sampled<3>(9, [](const Vec3& x) { return 1 - x.z; }),
+                                  Rgb(0.5f), {0.2, 0.8});
+  const Vec3 down = Vec3(0.3, -0.2, -1).normalized();
+  scene.lights.push_back(SunLight<3>{"sun", down, Rgb(2, 1, 0.5f)});
+  Progress progress;
+  const Baked<3> baked = bake(scene, in_rounds(), progress);
+  for_each_centre(scene, baked, [&](const Vec3&, double, std::size_t s) {
+    const double factor = 0.5 / pi * -down.z;
+    const auto& radiance = baked.grids[0].radiance[s];
+    EXPECT_NEAR(radiance.x, 2 * factor, 1e-5);
+    EXPECT_NEAR(radiance.z, 0.5 * factor, 1e-5);
+    EXPECT_LT(baked.grids[0].radiance_error[s], 1e-4);
+  });
+}
+
+TEST(Rounds, PlanesUnderAPointLightFollowItsLaw) {
+  Scene<3> scene = test::scene_of(test::sampled<3>(17, [](const Vec3& x) { return 1 - x.z; }),
+                                  Rgb(0.8f), {0.2, 0.8});
+  const Vec3 lamp(0.4, 0.7, 1.5);
+  PointLight<3> light;
+  light.position = lamp;
+  light.intensity = Rgb(3.0f);
+  scene.lights.push_back(light);
+  Progress progress;
+  const Baked<3> baked = bake(scene, in_rounds(), progress);
+  for_each_centre(scene, baked, [&](const Vec3& x, double, std::size_t s) {
+    const Vec3 way = lamp - x;
+    const double expected = 0.8 / pi * 3 * way.z / std::pow(way.length(), 3);
+    // What a texel's width changes of it.
+    EXPECT_NEAR(baked.grids[0].radiance[s].x, expected, 0.02 * expected);
+  });
+}
+
+TEST(Rounds, ALightWithinTheVolumeShinesToAllSides) {
+  // Spheres of radius 0.4 to 0.1 about the light.
+  Scene<3> scene = test::scene_of(test::ball<3>(49), Rgb(0.5f), {0.6, 0.9});
+  PointLight<3> light;
+  light.position = Vec3(0.5);
+  light.intensity = Rgb(1.0f);
+  scene.lights.push_back(light);
+  BakeSettings<3> settings = in_rounds();
+  settings.both_sides = true;
+  Progress progress;
+  const Baked<3> baked = bake(scene, settings, progress);
+  ASSERT_TRUE(baked.grids[0].has_back());
+  double ratio = 0;
+  int count = 0;
+  for_each_centre(scene, baked, [&](const Vec3& x, double c, std::size_t s) {
+    if (c > 0.8) return;  // texels are wide for so small a sphere
+    // The inside receives I / r^2 and, as a sphere sees itself alike everywhere, as much again from
+    // itself as it reflects: a / (1 - a) I / (pi r^2) with the albedo a of a half.
+    const double expected = 1 / (pi * (x - Vec3(0.5)).length2());
+    EXPECT_LT(baked.grids[0].radiance[s].x, 0.02 * expected);
+    ratio += baked.grids[0].radiance_back[s].x / expected;
+    ++count;
+  });
+  // Lines look soft light up half a texel nearer to the light than the leaf that they meet.
+  EXPECT_NEAR(ratio / count, 1, 0.08);
+}
+
+TEST(Rounds, FurnaceIsUniform) {
+  if (test::sanitized) GTEST_SKIP() << "statistics are for other builds";
+  const Scene<3> scene = test::furnace(test::torus(25), {0.7, 0.95}, 1, 0.5f);
+  BakeSettings<3> settings = in_rounds();
+  settings.exposure = 0.2;  // so that no colour is white, whose noise would not count
+  Progress progress;
+  const Baked<3> baked = bake(scene, settings, progress);
+  double sum = 0, square = 0;
+  int count = 0;
+  for_each_centre(scene, baked, [&](const Vec3&, double, std::size_t s) {
+    const double off = baked.grids[0].radiance[s].y / 2 - 1;  // emission / (1 - albedo) = 2
+    sum += off;
+    square += off * off;
+    ++count;
+  });
+  EXPECT_NEAR(sum / count, 0, 0.02);
+  EXPECT_LT(std::sqrt(square / count), 0.15);
+}
+
+TEST(Rounds, AgreeWithThePathTracer) {
+  if (test::sanitized) GTEST_SKIP() << "statistics are for other builds";
+  const struct {
+    const char* name;
+    Scene<3> scene;
+    double c;
+  } cases[] = {{"ball", test::cornell(test::ball<3>(25), {0.6, 0.9}), 0.7},
+               {"torus", test::cornell(test::torus(33), {0.75, 0.95}), 0.85}};
+  for (const auto& [name, scene, c] : cases) {
+    const std::vector<Vec3> points = test::leaf_points(test::field_of(scene), c, 40);
+    Progress progress;
+    const auto truth =
+        reference_radiance(scene, points, test::reference_settings(c, 2048, 5), progress);
+    const Baked<3> baked = bake(scene, in_rounds(), progress);
+    const test::Agreement agreement = test::compare(points.size(), truth, [&](std::size_t i) {
+      return test::lookup_world(scene, baked, points[i]);
+    });
+    EXPECT_NEAR(agreement.mean_ratio, 1, 0.01) << name;
+    EXPECT_LT(agreement.relative_rms, 0.035) << name;
+  }
+}
+
+}  // namespace
+}  // namespace leaflight
