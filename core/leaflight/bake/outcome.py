@@ -2,7 +2,7 @@
 """How far a bake in rounds came, in sentences for the command line and the panel."""
 
 
-def outcome(bake, why="it was stopped"):
+def outcome(bake, why="it was stopped or its time was over"):
     """A sentence about the estimated error of a Bake against the error asked for.
 
     why: it was stopped, if it was. An empty text where the amount of work was fixed.
