@@ -13,6 +13,9 @@ LeaflightError = leaflight.LeaflightError
 _running = None
 
 
+_CANCELLED = "The bake was cancelled; nothing has changed"
+
+
 class Job:
     """What a BackgroundOperator does; its warnings are sentences for the user.
 
@@ -27,7 +30,7 @@ class Job:
 
     def ended(self):
         """Called when run() was cancelled or failed; returns a sentence about the former."""
-        return "The bake was cancelled; nothing has changed"
+        return _CANCELLED
 
 
 class BackgroundWork:
@@ -106,7 +109,7 @@ class BackgroundOperator:
                 _redraw_panels(context)
             return {"PASS_THROUGH"}
         self._release(context)
-        return self._conclude(self._job, self._work.result)
+        return self._conclude(self._job, self._work.result, self._job.ended)
 
     def cancel(self, context):
         """Blender quits or loads another file."""
@@ -127,17 +130,21 @@ class BackgroundOperator:
             return self._fail(error)
         work = BackgroundWork(job.run)
         _print_progress(work)
-        return self._conclude(job, work.result)
+        # Nobody is there to be asked what shall become of it.
+        return self._conclude(job, work.result, lambda: _CANCELLED)
 
-    def _conclude(self, job, result):
-        """Calls result, which raises what went wrong with the work, and applies the job."""
+    def _conclude(self, job, result, ended):
+        """Calls result, which raises what went wrong with the work, and applies the job.
+
+        ended: called when something did; returns a sentence about a cancelled job.
+        """
         try:
             result()
         except leaflight.Cancelled:
-            self.report({"INFO"}, job.ended())
+            self.report({"INFO"}, ended())
             return {"CANCELLED"}
         except LeaflightError as error:
-            job.ended()
+            ended()
             return self._fail(error)
         try:
             summary = job.apply()

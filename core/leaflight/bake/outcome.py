@@ -16,6 +16,8 @@ def outcome(bake, why="it was stopped or its time was over"):
     text = f"estimated error {reached:.2f} % after {rounds}"
     if reached <= asked:
         return f"{text}; {asked:g} % was asked for"
-    if not statistics["stopped"]:
-        why = "more rounds would not bring it nearer"
-    return f"{text}; the {asked:g} % asked for was not reached: {why}"
+    if statistics["stopped"]:
+        return f"{text}; the {asked:g} % asked for was not reached: {why}"
+    return (
+        f"{text}; the {asked:g} % asked for was not reached by all the work that such a bake does"
+    )

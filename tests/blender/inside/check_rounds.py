@@ -213,11 +213,11 @@ def check_a_bake_that_is_cancelled_before_its_first_round_leaves_nothing(endless
     assert stopped.offered() is None and _state() == before
 
 
-def check_esc_stops_and_the_rounds_are_shown_by_the_timer(endless):
-    """The operator as Blender's events drive it; there is no window here."""
-    job, work = _begin(endless)
-    said, context = [], SimpleNamespace(
-        workspace=SimpleNamespace(status_text_set=lambda text: said.append(text)),
+def _operator(job, work):
+    """(happens, said): the operator as Blender's events drive it; there is no window here."""
+    said = []
+    context = SimpleNamespace(
+        workspace=SimpleNamespace(status_text_set=said.append),
         window_manager=SimpleNamespace(windows=[]),
     )
 
@@ -231,16 +231,26 @@ def check_esc_stops_and_the_rounds_are_shown_by_the_timer(endless):
             pass
 
     def happens(kind):
-        return operator.modal(context, SimpleNamespace(type=kind, value="PRESS"))
+        return Operator().modal(context, SimpleNamespace(type=kind, value="PRESS"))
 
-    operator = Operator()
-    assert happens("TIMER") == {"PASS_THROUGH"} and "Esc" in said[-1]
-    _assert_shows_round(endless, preview.of(endless).bake)
-    assert happens("ESC") == {"RUNNING_MODAL"}
-    until = time.monotonic() + 10
+    return happens, said
+
+
+def _wait(happens):
+    """Lets the timer run until the work has ended."""
+    until = time.monotonic() + 30
     while happens("TIMER") == {"PASS_THROUGH"}:
         assert time.monotonic() < until
         time.sleep(0.02)
+
+
+def check_esc_stops_and_the_rounds_are_shown_by_the_timer(endless):
+    job, work = _begin(endless)
+    happens, said = _operator(job, work)
+    assert happens("TIMER") == {"PASS_THROUGH"} and "Esc" in said[-1]
+    _assert_shows_round(endless, preview.of(endless).bake)
+    assert happens("ESC") == {"RUNNING_MODAL"}
+    _wait(happens)
     assert said[-1][0] == {"INFO"} and "keep what there is" in said[-1][1]
     assert stopped.offered() is job
 
@@ -263,8 +273,10 @@ def check_a_bake_that_cannot_be_written_is_offered(rounds, monkeypatch):
 
     with monkeypatch.context() as patch:
         patch.setattr(bake, "_write", full)
-        with pytest.raises(RuntimeError, match="No space is left"):
-            bpy.ops.leaflight.bake()
+        job = bake.BakeJob(bpy.context, rounds)
+        happens, said = _operator(job, background.BackgroundWork(job.run))
+        _wait(happens)
+    assert said[-1] == ({"ERROR"}, "No space is left.") and stopped.offered() is job
     assert bpy.ops.leaflight.keep_bake() == {"FINISHED"}
     assert_shows(rounds, 50.0)
 
