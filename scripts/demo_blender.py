@@ -20,8 +20,6 @@ ISOVALUES = (24.5, 45.5, 70.5)
 COMPARED = 45.5
 WINDOW = (20.0, 75.0)
 SIZE = 480
-BAKE_SAMPLES = 12
-PHOTONS = 1_000_000
 STILL_SAMPLES = 64
 CYCLES_SAMPLES = 96
 
@@ -90,8 +88,6 @@ def build_scene(volume):
 
     settings = leaf.leaflight
     settings.low, settings.high = WINDOW
-    settings.samples = BAKE_SAMPLES
-    settings.photons = PHOTONS
     bpy.context.view_layer.update()
     return leaf
 

@@ -25,6 +25,7 @@ def main():
     bpy.ops.leaflight.build_cornell_box()
     settings = leaf.leaflight
     settings.bake_folder = str(arguments.bakes.resolve())
+    settings.fixed_samples = True
     settings.samples = 32
     settings.light_surroundings = True
     bpy.ops.leaflight.bake()

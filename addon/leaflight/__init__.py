@@ -40,7 +40,15 @@ if _sentence is not None:
     refused.sentence = _sentence
     _MODULES = (refused,)
 else:
-    from .bake import bake, bake_flatland, load_bake, photon_cloud, unused_bakes
+    from .bake import (
+        bake,
+        bake_flatland,
+        estimate_bake,
+        load_bake,
+        photon_cloud,
+        stopped,
+        unused_bakes,
+    )
     from .compare import render_comparison
     from .importing import import_image, import_volume
     from .show import flat_properties, properties
@@ -56,6 +64,8 @@ else:
         leaf_look,
         cornell_box,
         bake,
+        stopped,
+        estimate_bake,
         bake_flatland,
         load_bake,
         unused_bakes,

@@ -3,6 +3,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import leaflight
 import numpy as np
@@ -11,6 +12,7 @@ from leaflight import Cancelled, LeaflightError, Progress, _core, load_bake
 from leaflight.bake.estimate import extrapolated
 from leaflight.bake.outcome import outcome
 from leaflight.bake.settings import FIXED_WORK
+from leaflight.volume.particles import lapr
 from leaflight.volume.setting_error import SettingError
 
 WINDOW = (30.0, 70.0)
@@ -48,7 +50,7 @@ def test_each_round_leaves_a_better_bake(box, tmp_path):
     assert last.statistics["rounds"] == len(seen) + 1 > 2
     assert not last.statistics["stopped"]
     errors = [one.statistics["estimated_error_percent"] for one in [*seen, last]]
-    assert errors[0] > errors[-1] and errors[-1] <= 2.0 < min(errors[:-1])
+    assert errors == sorted(errors, reverse=True) and errors[-1] <= 2.0 < errors[0]
     seconds = [one.statistics["seconds"] for one in [*seen, last]]
     assert seconds == sorted(seconds) and seconds[0] > 0
     assert len({one.id for one in [*seen, last]}) == len(seen) + 1
@@ -90,7 +92,7 @@ def test_a_stopped_bake_is_kept_like_any_other(box, tmp_path):
     assert loaded.id == baked.id and loaded.statistics == baked.statistics
     assert loaded.statistics["stopped"] and loaded.metadata["rounds"] == "2"
     assert float(loaded.metadata["error"]) == UNREACHED and loaded.metadata["samples"] == ""
-    assert "was not reached: it was stopped" in outcome(loaded)
+    assert "was not reached: it was stopped or its time was over" in outcome(loaded)
 
 
 def test_the_time_ends_a_bake(box):
@@ -120,6 +122,16 @@ def test_metadata_tell_the_ways_apart(box, small):
     assert fixed.metadata["error"] == fixed.metadata["rounds"] == "" == outcome(fixed)
     assert fixed.metadata["photons"] == str(small["photons"])
     assert fixed.statistics["estimated_error_percent"] is None
+
+
+def test_what_cannot_be_baked_in_rounds_has_an_estimated_error_too(lapr_scene):
+    """Several volumes, and mirrors and glass."""
+    baked = leaflight.bake(list(lapr(8)), lapr_scene, error=100.0)
+    assert 0 < baked.statistics["estimated_error_percent"] < 100
+    assert "100 % was asked for" in outcome(baked)
+    # The same that went for less.
+    metadata = {**baked.metadata, "error": "0.001"}
+    assert "was not reached by all the work" in outcome(replace(baked, metadata=metadata))
 
 
 @pytest.mark.parametrize("name", sorted(FIXED_WORK))
@@ -167,42 +179,59 @@ def test_an_estimate_is_of_rounds_alone(bump_scene):
         leaflight.estimate(leaflight.bump_box(8), bump_scene, soft_spacing=2, samples=8)
 
 
-def rounds_of(rays, error_of):
-    """Statistics of rounds that trace a million rays a second."""
-    return [
+def rounds_of(count, power, coarse=0):
+    """(statistics of rounds, what the bake returned when it was stopped after them).
+
+    After 2 s and 5 million rays for what is done once, each doubles the work, of a second and a
+    million rays at first; the last takes another second. The first ones may be coarse.
+    """
+    rounds = [
         {
-            "rounds": number,
-            "rays": n,
-            "seconds": 1e-6 * n,
-            "estimated_error_percent": error_of(n),
+            "rounds": number + 1,
+            "rays": 5e6 + 1e6 * 2**number,
+            "seconds": 2.0 + 2**number,
+            "estimated_error_percent": 8.0 * 2 ** (power * number),
             "peak_memory_bytes": 1000,
+            "texels": 100 if number < coarse else 100_000,
+            "stopped": False,
         }
-        for number, n in enumerate(rays, 1)
+        for number in range(count)
     ]
+    end = {**rounds[-1], "seconds": rounds[-1]["seconds"] + 1.0, "stopped": True}
+    return rounds, end
 
 
-@pytest.mark.parametrize("power", [-0.3, -0.5])
-@pytest.mark.parametrize("growth", [1.0, 1.5, 2.0])
-def test_extrapolation_ends_with_the_round_that_reaches_the_error(power, growth):
-    """Of rounds that follow such laws exactly, it is exact."""
-    rays = 1e6 * np.cumsum(growth ** np.arange(200))
-    rounds = rounds_of(rays, lambda n: 5.0 * (n / 1e6) ** power)
-    last = next(one for one in rounds if one["estimated_error_percent"] <= 1.2)
-    expected = extrapolated(rounds[:3], 1.2)
-    assert expected.rounds == last["rounds"] > 3
-    assert expected.seconds == pytest.approx(last["seconds"])
-    assert expected.error == pytest.approx(last["estimated_error_percent"])
-    # Or with the first that ends after the time.
-    hurried = extrapolated(rounds[:3], 1.2, time=rounds[3]["seconds"] - 0.1)
-    assert hurried.rounds == 4 and hurried.error > 1.2
+@pytest.mark.parametrize("coarse", [0, 1])
+def test_extrapolation_of_independent_samples_is_exact(coarse):
+    expected = extrapolated(*rounds_of(3, -0.5, coarse), error=0.5)
+    # A sixteenth of the error of the first is had by 256 times its work.
+    assert expected.seconds == pytest.approx(2 + 256 + 1)
+    assert expected.error == pytest.approx(0.5)
+    assert expected.rounds == 9 and expected.pilot_rounds == 3
+    assert expected.pilot_seconds == 2 + 4 + 1 and expected.memory_bytes == 1000
+
+
+def test_extrapolation_ends_with_the_round_in_which_the_time_is_over():
+    expected = extrapolated(*rounds_of(3, -0.5), error=0.5, time=11.0)
+    assert expected.seconds == pytest.approx(2 + 16 + 1)
+    assert expected.error == pytest.approx(8.0 / 4)
+
+
+@pytest.mark.parametrize("power", [-0.35, -0.8])
+def test_extrapolation_follows_what_the_last_round_showed(power):
+    rounds = rounds_of(3, power)
+    seconds = extrapolated(*rounds, error=1.0).seconds
+    true = 2 + 2 ** (math.log2(8.0) / -power) + 1
+    independent = extrapolated(rounds[0][-1:], rounds[1], error=1.0).seconds
+    assert abs(math.log(seconds / true)) < abs(math.log(independent / true))
 
 
 def test_extrapolation_of_what_is_reached_already_is_what_was_measured():
-    rounds = rounds_of([1e6], lambda n: 1.0)
-    expected = extrapolated(rounds, 1.5)
-    assert (expected.seconds, expected.rounds, expected.error) == (1.0, 1, 1.0)
+    rounds, end = rounds_of(3, -0.5)
+    end = {**end, "stopped": False, "rounds": 4, "estimated_error_percent": 1.2}
+    expected = extrapolated(rounds, end, error=1.5)
+    assert (expected.seconds, expected.rounds, expected.error) == (7.0, 4, 1.2)
 
 
 def test_extrapolation_ends_where_the_error_does_not_fall():
-    rounds = rounds_of([1e6, 2e6, 3e6], lambda n: 5.0)
-    assert math.isfinite(extrapolated(rounds, UNREACHED).seconds)
+    assert math.isfinite(extrapolated(*rounds_of(3, 0.0), error=UNREACHED).seconds)

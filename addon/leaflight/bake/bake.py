@@ -2,20 +2,45 @@
 """Bake Flattened Illumination: all volumes of the scene, and what the objects keep of it."""
 
 import time
+from dataclasses import replace
 
 import bpy
 import leaflight
+from leaflight.bake.outcome import outcome
 from leaflight.io.output import check_writable
 
 from ..operators import background, checks
+from ..show import preview, surface_object
 from ..stage import scene_export
 from ..store import atlases, bake_files, cache, source_files
-from . import lighting
+from . import lighting, stopped
 
 LeaflightError = leaflight.LeaflightError
 
 
-class BakeJob:
+# Of the time that a bake takes, at most one part in so many goes into showing its rounds.
+_SHOWN_SHARE = 5
+
+
+def arguments_of(obj, volumes, scene):
+    """Those of leaflight.bake(), for the volumes of a scene with the settings of `obj`."""
+    settings = obj.leaflight
+    arguments = {
+        "volumes": [cache.volume_to_bake(volume) for volume in volumes],
+        "scene": scene,
+        "isovalues": (settings.low, settings.high) if len(volumes) == 1 else None,
+        "resolution": settings.resolution or None,
+        "seed": settings.seed,
+        "both_sides": settings.both_sides,
+        "surroundings": settings.light_surroundings,
+    }
+    if settings.fixed_samples:
+        names = ("samples", "photons", "refine", "estimator")
+        return {**arguments, **{name: getattr(settings, name) for name in names}}
+    return {**arguments, "error": settings.error, "time": settings.time_limit or None}
+
+
+class BakeJob(background.Job):
     """One bake: all it needs, read from the scene; the work; and lighting the volumes by it."""
 
     def __init__(self, context, obj):
@@ -23,7 +48,6 @@ class BakeJob:
 
         Raises LeaflightError when the scene or the settings cannot be baked.
         """
-        settings = obj.leaflight
         scene, volumes, self.warnings = scene_export.export_scene(context, obj)
         for volume in volumes:
             _check_own(volume)
@@ -38,36 +62,60 @@ class BakeJob:
         self.stamps = [source_files.stamp(volume.leaflight) for volume in volumes]
         self.fingerprint = scene_export.fingerprint(volumes, scene)
         self.bake = None
-        self._arguments = {
-            "volumes": [cache.volume_to_bake(volume) for volume in volumes],
-            "scene": scene,
-            "isovalues": (settings.low, settings.high) if len(volumes) == 1 else None,
-            "resolution": settings.resolution or None,
-            "samples": settings.samples,
-            "photons": settings.photons,
-            "refine": settings.refine,
-            "estimator": settings.estimator,
-            "seed": settings.seed,
-            "both_sides": settings.both_sides,
-            "surroundings": settings.light_surroundings,
-        }
+        self.round = None
+        self._shown, self._quiet_until = None, 0.0
+        self._arguments = arguments_of(obj, volumes, scene)
 
     def run(self, progress):
         """Bakes and writes the files, in any thread: touches no Blender data."""
         start = time.perf_counter()
-        bake = leaflight.bake(**self._arguments, progress=progress)
+
+        def keep(bake):
+            self.round = bake
+            self.seconds = time.perf_counter() - start
+
+        keep(leaflight.bake(**self._arguments, on_round=keep, progress=progress))
         if progress.cancelled:
             raise leaflight.Cancelled
-        self.path = bake_files.path_for(self.folder, self.names[self.leader], bake.id)
-        self.columns = _write(bake, self.path)
+        self.write()
         self.seconds = time.perf_counter() - start
-        self.bake = bake
+
+    def write(self):
+        """Writes the files of the last round, in any thread. Raises LeaflightError."""
+        self.path = bake_files.path_for(self.folder, self.names[self.leader], self.round.id)
+        self.columns = _write(self.round, self.path)
+        self.bake = self.round
+
+    def show(self):
+        """Lights the volumes by the last round, unless that would take too much of the time."""
+        start, bake = time.perf_counter(), self.round
+        if bake is None or bake is self._shown or start < self._quiet_until:
+            return
+        for index, (name, matrix) in enumerate(zip(self.names, self.matrices)):
+            obj = bpy.data.objects.get((name, None))
+            if obj is not None and obj.leaflight.is_volume and obj.mode == "OBJECT":
+                preview.put(obj, bake, index, matrix)
+                surface_object.update(obj, surface_object.shown_isovalue(obj))
+        self._shown = bake
+        end = time.perf_counter()
+        self._quiet_until = end + (_SHOWN_SHARE - 1) * (end - start)
+
+    def ended(self):
+        if self.round is None:
+            return super().ended()
+        statistics = {**self.round.statistics, "stopped": True}
+        self.round = replace(self.round, statistics=statistics)
+        self._quiet_until = 0.0
+        self.show()
+        stopped.offer(self)
+        return "The bake was stopped: keep what there is of it, or throw it away, in the sidebar"
 
     def apply(self):
         """Lights the volumes by the bake and returns a sentence about it.
 
         Raises LeaflightError when one has gone meanwhile.
         """
+        preview.forget()
         volumes = [bpy.data.objects.get((name, None)) for name in self.names]
         for name, obj in zip(self.names, volumes):
             if obj is None or not obj.leaflight.is_volume:
@@ -90,8 +138,16 @@ class BakeJob:
             )
         scene = bpy.data.scenes.get(self.scene_name)
         lighting.show(volumes, volumes[self.leader], scene)
+        surface_object.remove_round_materials()
         texels = sum(grid.texels for grid in self.bake.grids)
-        return f"Baked {texels} texels in {self.seconds:.1f} s"
+        end = self.outcome()
+        return f"Baked {texels} texels in {self.seconds:.1f} s{end and f'; {end}'}"
+
+    def outcome(self):
+        """How far the last round came, or an empty text where the amount of work was fixed."""
+        limit = self._arguments.get("time")
+        is_over = limit is not None and self.round.statistics["seconds"] >= limit
+        return outcome(self.round, "the time is over" if is_over else "it was stopped")
 
 
 class LEAFLIGHT_OT_bake(background.BackgroundOperator, bpy.types.Operator):
@@ -99,13 +155,13 @@ class LEAFLIGHT_OT_bake(background.BackgroundOperator, bpy.types.Operator):
     bl_label = "Bake Flattened Illumination"
     bl_description = (
         "Compute the light on every isosurface of the window at once, in the surroundings of the "
-        "scene. Esc cancels"
+        "scene, until its error is small enough. Esc stops it: what there is then may be kept"
     )
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
     def poll(cls, context):
-        return cls.is_free() and checks.has_volume(cls, context)
+        return cls.is_free() and stopped.is_decided(cls) and checks.has_volume(cls, context)
 
     def start(self, context):
         return BakeJob(context, context.object)

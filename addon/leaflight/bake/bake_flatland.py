@@ -15,10 +15,8 @@ from ..show import graph_object
 LeaflightError = leaflight.LeaflightError
 
 
-class FlatBakeJob:
+class FlatBakeJob(background.Job):
     """One bake of all isolines: what it needs, the work, and lighting the object by it."""
-
-    warnings = ()
 
     def __init__(self, obj):
         """Raises LeaflightError when the settings cannot be baked."""

@@ -2,6 +2,7 @@
 """What objects keep of the bake that lights them."""
 
 import bpy
+from leaflight.bake.outcome import outcome
 
 from ..show import isovalues, surface_object, walls
 from ..store import bake_files, cache
@@ -22,6 +23,7 @@ def light(obj, bake, index, path, matrix, columns, *, fingerprint, seconds, sour
     settings.bake_fingerprint = fingerprint
     settings.bake_refined = bake.grids[index].levels > 1
     settings.bake_seconds = seconds
+    settings.bake_outcome = outcome(bake)
     settings.bake_values = cache.values_sha256(bake, index)
     settings.bake_source_stamp = source_stamp
     settings.atlas_columns = columns

@@ -82,7 +82,7 @@ class LEAFLIGHT_OT_photon_cloud(background.BackgroundOperator, bpy.types.Operato
         return PhotonJob(context, context.object, self)
 
 
-class PhotonJob:
+class PhotonJob(background.Job):
     """Photons of the present scene: what they need, their paths, and the cloud of points."""
 
     def __init__(self, context, obj, options):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Work in a thread, so that Blender stays usable, shows how far it is, and Esc cancels."""
+"""Work in a thread, so that Blender stays usable, shows how far it is, and Esc ends it."""
 
 import sys
 import threading
@@ -11,6 +11,26 @@ LeaflightError = leaflight.LeaflightError
 
 # The one work in progress, for the panels and for Cancel.
 _running = None
+
+
+_CANCELLED = "The bake was cancelled; nothing has changed"
+
+
+class Job:
+    """What a BackgroundOperator does; its warnings are sentences for the user.
+
+    run(progress) works in any thread and touches no Blender data. All else is called in Blender's
+    own: apply() puts the result into the scene and returns a sentence for the user.
+    """
+
+    warnings = ()
+
+    def show(self):
+        """Called time and again while run() works, to show what it has reached."""
+
+    def ended(self):
+        """Called when run() was cancelled or failed; returns a sentence about the former."""
+        return _CANCELLED
 
 
 class BackgroundWork:
@@ -50,16 +70,14 @@ class BackgroundWork:
 def is_free(operator):
     """Whether no work is in progress; otherwise a greyed button of the operator shows why."""
     if _running is not None:
-        operator.poll_message_set("A bake is running; Esc cancels it")
+        operator.poll_message_set("A bake is running; Esc ends it")
     return _running is None
 
 
 class BackgroundOperator:
-    """An operator whose work is a job: modal for users, straight on for scripts.
+    """An operator whose work is a Job: modal for users, straight on for scripts.
 
-    start(context) returns the job, or raises LeaflightError. Its run(progress) works in any thread
-    and touches no Blender data; its apply() puts the result into the scene and returns a sentence
-    for the user; its warnings are sentences, too.
+    start(context) returns the job, or raises LeaflightError.
     """
 
     is_free = classmethod(is_free)
@@ -85,12 +103,13 @@ class BackgroundOperator:
             return {"RUNNING_MODAL"}
         if self._work.is_alive():
             if event.type == "TIMER":
-                text = f"Leaflight  {self._work.status()}  (Esc cancels)"
+                text = f"Leaflight  {self._work.status()}  (Esc ends it)"
                 context.workspace.status_text_set(text)
+                self._job.show()
                 _redraw_panels(context)
             return {"PASS_THROUGH"}
         self._release(context)
-        return self._conclude(self._job, self._work.result)
+        return self._conclude(self._job, self._work.result, self._job.ended)
 
     def cancel(self, context):
         """Blender quits or loads another file."""
@@ -111,16 +130,24 @@ class BackgroundOperator:
             return self._fail(error)
         work = BackgroundWork(job.run)
         _print_progress(work)
-        return self._conclude(job, work.result)
+        # Nobody is there to be asked what shall become of it.
+        return self._conclude(job, work.result, lambda: _CANCELLED)
 
-    def _conclude(self, job, result):
-        """Calls result, which raises what went wrong with the work, and applies the job."""
+    def _conclude(self, job, result, ended):
+        """Calls result, which raises what went wrong with the work, and applies the job.
+
+        ended: called when something did; returns a sentence about a cancelled job.
+        """
         try:
             result()
-            summary = job.apply()
         except leaflight.Cancelled:
-            self.report({"INFO"}, "The bake was cancelled; nothing has changed")
+            self.report({"INFO"}, ended())
             return {"CANCELLED"}
+        except LeaflightError as error:
+            ended()
+            return self._fail(error)
+        try:
+            summary = job.apply()
         except LeaflightError as error:
             return self._fail(error)
         for warning in job.warnings:

@@ -181,6 +181,33 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         soft_max=1024,
         override=_OVERRIDABLE,
     )
+    error: FloatProperty(
+        name="Error",
+        description="The bake goes on until its error is this, in percent of the displayable range",
+        subtype="PERCENTAGE",
+        default=1.5,
+        min=0.01,
+        soft_min=0.2,
+        soft_max=10.0,
+        max=100.0,
+        precision=2,
+        override=_OVERRIDABLE,
+    )
+    time_limit: FloatProperty(
+        name="Time Limit",
+        description="Or until so many seconds are over; 0 for no limit",
+        subtype="TIME_ABSOLUTE",
+        default=0.0,
+        min=0.0,
+        soft_max=600.0,
+        precision=1,
+        override=_OVERRIDABLE,
+    )
+    fixed_samples: BoolProperty(
+        name="Fixed Samples",
+        description="Do the amount of work below, whatever error it leaves, for research",
+        override=_OVERRIDABLE,
+    )
     samples: IntProperty(
         name="Samples",
         description="Rays per texel for the direct light and for the final gather",
@@ -278,6 +305,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     bake_surroundings: BoolProperty(name="Surroundings Lit by the Bake", override=_OVERRIDABLE)
     bake_refined: BoolProperty(name="Finer Texels in the Bake", override=_OVERRIDABLE)
     bake_seconds: FloatProperty(name="Bake Time", override=_OVERRIDABLE)
+    bake_outcome: StringProperty(name="Error That the Bake Reached", override=_OVERRIDABLE)
     comparison: StringProperty(name="Last Comparison", override=_OVERRIDABLE)
     atlas_columns: IntProperty(
         name="Columns of the Atlas, 0 if There Is None", override=_OVERRIDABLE

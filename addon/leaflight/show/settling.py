@@ -14,7 +14,7 @@ from leaflight.bake.settle import settle
 
 from ..operators.background import BackgroundWork
 from ..store import cache
-from . import surface_object
+from . import preview, surface_object
 
 # Seconds that an isovalue must not have moved, and between two looks at the work.
 PAUSE = 0.4
@@ -63,6 +63,8 @@ def _is_wanted(obj):
     """Whether the surface of an object is to settle and has not yet."""
     mesh = obj.data
     if not obj.leaflight.settle or not obj.leaflight.bake_id or obj.library or mesh.library:
+        return False
+    if preview.of(obj) is not None:
         return False
     lit = surface_object.RADIANCE in mesh.attributes
     return lit and len(mesh.vertices) > 0 and not surface_object.settled_state(mesh)[1]

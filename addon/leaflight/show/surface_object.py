@@ -12,7 +12,7 @@ import numpy as np
 
 from .. import versions
 from ..store import atlases, bake_files, cache
-from . import leaves, shader
+from . import leaves, preview, shader
 
 LeaflightError = leaflight.LeaflightError
 
@@ -25,6 +25,9 @@ _BUILT = "leaflight_built"
 _SETTLED = "leaflight_settled"
 # Ends the label of a mesh that goes on settling.
 _SO_FAR = " so far"
+
+# Marks the materials of rounds of a bake, by the number of sides that they light.
+_ROUND = {1: "leaflight_round", 2: "leaflight_round_sides"}
 
 # Ends the label of a mesh that could not show what it should.
 _FAILED = " failed"
@@ -60,7 +63,7 @@ def new(context, name):
 def update(obj, isovalue):
     """Shows the isosurface, unless the mesh holds it already. A failure goes to `problems`."""
     _look_after_files(obj)
-    label = _label(obj.leaflight, isovalue)
+    label = _label(obj, isovalue)
     shown = obj.data.get(_SHOWN)
     # What failed is tried again once its problem may be gone: after loading, undo or relocating.
     if shown == label or (shown == label + _FAILED and obj.name_full in problems):
@@ -140,7 +143,7 @@ def contour(obj, isovalue):
 
     Where a bake has finer texels the mesh is finer, too.
     """
-    volume = cache.volume_of(obj)
+    volume = _volume(obj)
     low, high = volume.data_range()
     if not low < isovalue <= high:
         raise LeaflightError(
@@ -153,7 +156,7 @@ def contour(obj, isovalue):
         # A bake that cannot be read lights nothing; update() says why.
         lit = False
     if lit:
-        return cache.grid_of(obj).contour(volume.field(), isovalue)
+        return _grid(obj).contour(volume.field(), isovalue)
     return _core.contour(volume.field(), isovalue)
 
 
@@ -163,7 +166,7 @@ def radiance_at(obj, points):
     Raises LeaflightError.
     """
     # The texels belong to the volume's index space, wherever the object has moved since.
-    grid, field = cache.grid_of(obj), cache.volume_of(obj).field()
+    grid, field = _grid(obj), _volume(obj).field()
     radiance = {RADIANCE: grid.lookup(field, points)}
     if grid.has_back:
         radiance[RADIANCE_BACK] = grid.lookup(field, points, back=True)
@@ -173,16 +176,37 @@ def radiance_at(obj, points):
 def is_lit(obj, isovalue):
     """Whether the bake holds the radiance of this isosurface. Raises LeaflightError."""
     settings = obj.leaflight
-    bake = cache.bake_of(obj)
+    bake, index = _lit_by(obj)
     if bake is None:
         return False
-    baked = bake.scene.leaves[settings.bake_index]
+    baked = bake.scene.leaves[index]
     # What a mirror or glass shows depends on where it is seen from.
     if baked.scattering != "diffuse" or baked.capped != settings.capped:
         return False
-    low, high = (bake.isovalue_of(settings.bake_index, c) for c in bake.isovalues)
+    low, high = (bake.isovalue_of(index, c) for c in bake.isovalues)
     rounding = 1e-6 * (high - low)
     return low - rounding <= isovalue <= high + rounding
+
+
+def _lit_by(obj):
+    """(bake, which of its volumes the object is): a round of one in progress, or the last one.
+
+    The bake is None before the first. Raises LeaflightError.
+    """
+    shown = preview.of(obj)
+    if shown is not None:
+        return shown.bake, shown.index
+    return cache.bake_of(obj), obj.leaflight.bake_index
+
+
+def _grid(obj):
+    bake, index = _lit_by(obj)
+    return bake.grids[index]
+
+
+def _volume(obj):
+    shown = preview.of(obj)
+    return cache.volume_of(obj) if shown is None else shown.volume
 
 
 def fill(mesh, vertices, faces, colours):
@@ -282,14 +306,38 @@ def shade(obj):
 def _assign_material(obj):
     settings = obj.leaflight
     current = obj.data.materials[0] if obj.data.materials else None
-    if current not in (None, settings.leaf_material, settings.baked_material):
+    own = (None, settings.leaf_material, settings.baked_material)
+    if current not in own and not any(mark in current for mark in _ROUND.values()):
         return
-    if RADIANCE in obj.data.attributes:
+    if RADIANCE in obj.data.attributes and preview.of(obj) is not None:
+        material = _round_material(obj)
+    elif RADIANCE in obj.data.attributes:
         material = _baked_material(obj)
         shader.set_settled(material, settled_state(obj.data)[0])
     else:
         material = leaf_material(obj)
     set_material(obj, material)
+
+
+def _round_material(obj):
+    """By vertex attribute: an atlas is a file, which a round is not worth."""
+    sides = [name for name in (RADIANCE, RADIANCE_BACK) if name in obj.data.attributes]
+    return shader.shared_material(_ROUND[len(sides)], "Leaflight Round", *sides)
+
+
+def forget_rounds():
+    """Shows what lit the objects before the rounds of a bake did."""
+    for name in preview.forget():
+        obj = next((obj for obj in bpy.data.objects if obj.name_full == name), None)
+        if obj is not None and obj.leaflight.is_volume:
+            update(obj, shown_isovalue(obj))
+    remove_round_materials()
+
+
+def remove_round_materials():
+    for material in [m for m in bpy.data.materials if any(mark in m for mark in _ROUND.values())]:
+        if not material.users:
+            bpy.data.materials.remove(material)
 
 
 def set_material(obj, material):
@@ -371,6 +419,10 @@ def _material(obj, slot, label, build):
     return material
 
 
-def _label(settings, isovalue):
+def _label(obj, isovalue):
+    settings = obj.leaflight
     volume = f"{settings.source} {settings.frame} {settings.capped}"
+    shown = preview.of(obj)
+    if shown is not None:
+        return f"{isovalue!r} of {volume} lit by round {shown.bake.id} {shown.index}"
     return f"{isovalue!r} of {volume} lit by {settings.bake_id} {settings.bake_index}"

@@ -7,8 +7,9 @@ And keeps the files of the bakes with the .blend when it is saved.
 import bpy
 from bpy.app.handlers import persistent
 
+from ..bake import estimate_bake, stopped
 from ..operators import background
-from ..show import display, graph_object, isovalues, settling, surface_object
+from ..show import display, graph_object, isovalues, preview, settling, surface_object
 from ..stage import images, staleness
 from ..store import cache, moving, source_files
 
@@ -48,6 +49,9 @@ def _before_render(scene, *_):
 def _before_load(*_):
     background.cancel_running()
     settling.forget()
+    stopped.save_offered()
+    preview.forget()
+    estimate_bake.forget()
     cache.clear()
     graph_object.forget()
     images.forget()
@@ -104,5 +108,7 @@ def unregister():
         getattr(bpy.app.handlers, event).remove(handler)
     background.cancel_running()
     settling.forget()
+    stopped.save_offered()
+    preview.forget()
     cache.clear()
     images.forget()

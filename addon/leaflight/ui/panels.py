@@ -5,7 +5,8 @@ import textwrap
 
 import bpy
 
-from ..bake import bake, bake_flatland, load_bake, photon_cloud, unused_bakes
+from ..bake import bake, bake_flatland, estimate_bake, load_bake, photon_cloud, stopped
+from ..bake import unused_bakes
 from ..compare import render_comparison
 from ..importing import import_image, import_volume
 from ..operators import background
@@ -129,7 +130,7 @@ class LEAFLIGHT_PT_flatland(_LeaflightPanel, bpy.types.Panel):
         layout.operator(bake_flatland.LEAFLIGHT_OT_bake_flatland.bl_idname, icon="LIGHT_AREA")
         job = background.running()
         if job is not None:
-            layout.label(text=f"{job.status()}, Esc cancels", icon="TIME")
+            layout.label(text=f"{job.status()}, Esc ends it", icon="TIME")
         problem = surface_object.problems.get(context.object.name_full)
         if problem:
             _sentence(context, layout, problem, icon="ERROR")
@@ -159,21 +160,35 @@ class LEAFLIGHT_PT_bake(_VolumePanel, bpy.types.Panel):
         column.prop(settings, "both_sides")
         column.prop(settings, "light_surroundings")
         column = layout.column(align=True)
-        column.prop(settings, "resolution")
-        column.prop(settings, "samples")
-        column.prop(settings, "photons")
-        column.prop(settings, "refine")
-        layout.prop(settings, "estimator")
-        layout.prop(settings, "seed")
+        column.active = not settings.fixed_samples
+        column.prop(settings, "error")
+        column.prop(settings, "time_limit")
         layout.prop(settings, "bake_folder")
+        self._draw_estimate(context)
         layout.operator(bake.LEAFLIGHT_OT_bake.bl_idname, icon="LIGHT_AREA")
         layout.operator(photon_cloud.LEAFLIGHT_OT_photon_cloud.bl_idname, icon="POINTCLOUD_DATA")
         job = background.running()
         if job is not None:
-            layout.label(text=f"{job.status()}, Esc cancels", icon="TIME")
+            layout.label(text=f"{job.status()}, Esc ends it", icon="TIME")
+            layout.operator(stopped.LEAFLIGHT_OT_stop_bake.bl_idname, icon="CANCEL")
+        elif stopped.offered() is not None:
+            self._draw_offer(context, stopped.offered())
         elif settings.bake_id:
             self._draw_result(context, settings)
         self._draw_files(context)
+
+    def _draw_estimate(self, context):
+        row = self.layout.row()
+        estimate = estimate_bake.estimate_of(context.object)
+        if estimate is not None and not context.object.leaflight.fixed_samples:
+            row.label(text=estimate_bake.sentence(estimate), icon="TIME")
+        row.operator(estimate_bake.LEAFLIGHT_OT_estimate_bake.bl_idname)
+
+    def _draw_offer(self, context, job):
+        _sentence(context, self.layout, f"Stopped: {job.outcome()}", icon="QUESTION")
+        row = self.layout.row(align=True)
+        row.operator(stopped.LEAFLIGHT_OT_keep_bake.bl_idname, icon="CHECKMARK")
+        row.operator(stopped.LEAFLIGHT_OT_throw_bake_away.bl_idname, icon="TRASH")
 
     def _draw_result(self, context, settings):
         layout = self.layout
@@ -182,6 +197,9 @@ class LEAFLIGHT_PT_bake(_VolumePanel, bpy.types.Panel):
             _sentence(context, layout, change, icon="ERROR")
         else:
             layout.label(text=f"Baked in {settings.bake_seconds:.0f} s", icon="CHECKMARK")
+            if settings.bake_outcome:
+                text = settings.bake_outcome
+                _sentence(context, layout, text[0].upper() + text[1:], icon="BLANK1")
         layout.prop(settings, "shading")
         _, reason = surface_object.shading_in_use(settings)
         if reason:
@@ -201,6 +219,26 @@ class LEAFLIGHT_PT_bake(_VolumePanel, bpy.types.Panel):
             if unused:
                 text += f", of which unused: {unused_bakes.megabytes(unused)}"
             _sentence(context, self.layout, text, icon="DISK_DRIVE")
+
+
+class LEAFLIGHT_PT_research(_VolumePanel, bpy.types.Panel):
+    bl_label = "Research"
+    bl_parent_id = "LEAFLIGHT_PT_bake"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        settings = context.object.leaflight
+        column = layout.column(align=True)
+        column.prop(settings, "resolution")
+        column.prop(settings, "seed")
+        layout.prop(settings, "fixed_samples")
+        column = layout.column(align=True)
+        column.active = settings.fixed_samples
+        for name in ("samples", "photons", "refine", "estimator"):
+            column.prop(settings, name)
 
 
 class LEAFLIGHT_PT_comparison(_VolumePanel, bpy.types.Panel):
@@ -233,6 +271,7 @@ _CLASSES = (
     LEAFLIGHT_PT_flatland,
     LEAFLIGHT_PT_surroundings,
     LEAFLIGHT_PT_bake,
+    LEAFLIGHT_PT_research,
     LEAFLIGHT_PT_comparison,
 )
 

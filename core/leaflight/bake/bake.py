@@ -355,12 +355,9 @@ def bake(
     stamp = Stamp(volumes, description, window, settings, fixed)
 
     def whole(baked):
-        statistics = {
-            "rounds": 0,
-            "stopped": False,
-            "estimated_error_percent": None,
-            **baked.statistics,
-        }
+        statistics = dict(baked.statistics)
+        if fixed is not None:
+            statistics.update(rounds=0, stopped=False, estimated_error_percent=None)
         statistics["rays_per_second"] = statistics["rays"] / max(statistics["seconds"], 1e-9)
         metadata = stamp.metadata(baked.grids, statistics["rounds"])
         grids, lit = baked.grids, baked.surroundings
@@ -371,6 +368,9 @@ def bake(
     result = whole(_core.bake(core, settings, progress or _core.Progress(), on_round=look))
     noise = estimated_rms_percent(result.grids, description.exposure)
     result.statistics["estimated_rms_percent"] = noise
+    if fixed is None and not result.statistics["estimated_error_percent"]:
+        # What cannot be baked in rounds gets a fixed amount of work, and no estimate but this.
+        result.statistics["estimated_error_percent"] = noise
     return result
 
 

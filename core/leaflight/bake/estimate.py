@@ -10,15 +10,13 @@ from .._core import LeaflightError
 from .bake import bake
 from .settings import DEFAULT_ERROR, FIXED_WORK
 
-# Rounds of a pilot: the first has yet to find out where the work lies, and two more show how the
-# error falls.
-PILOT_ROUNDS = 3
-# The error falls with the rays to this power; the more, the nearer to that of independent samples.
-FLATTEST, STEEPEST = -0.25, -1.0
-# By how much the rays of a round exceed those of the last one.
-LEAST_GROWTH, MOST_GROWTH = 1.0, 4.0
-# Beyond so many rounds nobody waits.
-MOST_ROUNDS = 1000
+# Rounds of a pilot: two show how fast the error falls.
+PILOT_ROUNDS = 2
+# How the error falls with the work: as the square root, which is that of independent samples, or
+# as it did in the last round, within these.
+INDEPENDENT, STEEPEST, FLATTEST = -0.5, -1.0, -0.25
+# Beyond so many rounds, each as much work as all before it, nobody waits.
+MOST_ROUNDS = 40
 
 
 @dataclass(frozen=True)
@@ -54,55 +52,62 @@ def estimate(volumes, scene=None, *, error=None, time=None, progress=None, **set
 
     def look(baked):
         rounds.append(baked.statistics)
-        if len(rounds) >= PILOT_ROUNDS:
+        if len(_alike(rounds)) >= PILOT_ROUNDS:
             progress.stop()
 
     settings = {**settings, "error": error, "time": time, "progress": progress}
     last = bake(volumes, scene, on_round=look, **settings).statistics
-    rounds = [one for one in rounds if one["rounds"] < last["rounds"]] + [last]
-    return extrapolated(rounds, DEFAULT_ERROR if error is None else error, time)
+    asked = DEFAULT_ERROR if error is None else error
+    return extrapolated(rounds, last, asked, time)
 
 
-def extrapolated(rounds, error, time=None):
-    """The Estimate of a bake whose first rounds had these statistics.
+def extrapolated(rounds, last, error, time=None):
+    """The Estimate of a bake from the statistics of its first rounds and of what it returned.
 
-    error, time: as of bake(). Each further round grows as the last one did, and the error falls on
-    with the rays as it did in the last one.
+    error, time: as of bake().
+    """
+    pilot = len(rounds), float(last["seconds"])
+    memory, reached = int(last["peak_memory_bytes"]), float(last["estimated_error_percent"])
+    if not rounds or not last["stopped"]:
+        return Estimate(pilot[1], memory, reached, int(last["rounds"]), *pilot)
+    seconds, count = float(rounds[-1]["seconds"]), len(rounds)
+    # What follows the last round, such as the light on the surroundings.
+    closing = max(pilot[1] - seconds, 0.0)
+    alike = _alike(rounds)
+    work, pace = _work(alike)
+    slope = 0.5 * (INDEPENDENT + _slope(alike))
+    limit = float("inf") if time is None else time
+    # Rounding is no round.
+    while reached > (1 + 1e-9) * error and seconds < limit and count < MOST_ROUNDS:
+        growth = min((reached / error) ** (-1.0 / slope), 2.0)
+        seconds += (growth - 1.0) * work * pace
+        reached *= growth**slope
+        work, count = growth * work, count + 1
+    return Estimate(seconds + closing, memory, reached, count, *pilot)
+
+
+def _alike(rounds):
+    """The rounds with about as many texels as the last: a bake may begin with a coarse picture."""
+    return [one for one in rounds if 2 * one["texels"] >= rounds[-1]["texels"]]
+
+
+def _work(rounds):
+    """(rays that rounds have traced for what falls with them, seconds a ray).
+
+    The last of two rounds is as much as all before it, besides what is done once.
     """
     last = rounds[-1]
-    rays, seconds = float(last["rays"]), float(last["seconds"])
-    reached, count = float(last["estimated_error_percent"]), int(last["rounds"])
-    before = rounds[-2] if len(rounds) > 1 else {"rays": 0, "seconds": 0.0}
-    step = max(rays - before["rays"], 1.0)
-    pace = max(seconds - before["seconds"], 0.0) / step
-    growth, slope = _growth(rounds), _slope(rounds)
-    limit = float("inf") if time is None else time
-    while reached > error and seconds < limit and count < MOST_ROUNDS:
-        step *= growth
-        reached *= ((rays + step) / rays) ** slope
-        rays, seconds, count = rays + step, seconds + step * pace, count + 1
-    return Estimate(
-        seconds,
-        int(last["peak_memory_bytes"]),
-        reached,
-        count,
-        int(last["rounds"]),
-        float(last["seconds"]),
-    )
-
-
-def _growth(rounds):
-    steps = [b["rays"] - a["rays"] for a, b in zip(rounds, rounds[1:])]
-    if len(steps) < 2:
-        return LEAST_GROWTH
-    return min(max(steps[-1] / max(steps[-2], 1), LEAST_GROWTH), MOST_GROWTH)
+    if len(rounds) == 1:
+        return last["rays"], last["seconds"] / max(last["rays"], 1)
+    step = max(last["rays"] - rounds[-2]["rays"], 1)
+    return 2 * step, (last["seconds"] - rounds[-2]["seconds"]) / step
 
 
 def _slope(rounds):
-    """d log error / d log rays over the last round; of independent samples where unknown."""
+    """d log error / d log work over the last round, which doubled the work."""
     if len(rounds) < 2:
-        return -0.5
-    (r0, e0), (r1, e1) = ((one["rays"], one["estimated_error_percent"]) for one in rounds[-2:])
-    if not (r1 > r0 > 0 and e0 > 0 and e1 > 0):
-        return -0.5
-    return min(max(np.log(e1 / e0) / np.log(r1 / r0), STEEPEST), FLATTEST)
+        return INDEPENDENT
+    before, after = (one["estimated_error_percent"] for one in rounds[-2:])
+    if not before > after > 0:
+        return FLATTEST
+    return min(max(float(np.log2(after / before)), STEEPEST), FLATTEST)

@@ -2,7 +2,7 @@
 """How far a bake in rounds came, in sentences for the command line and the panel."""
 
 
-def outcome(bake, why="it was stopped"):
+def outcome(bake, why="it was stopped or its time was over"):
     """A sentence about the estimated error of a Bake against the error asked for.
 
     why: it was stopped, if it was. An empty text where the amount of work was fixed.
@@ -16,6 +16,8 @@ def outcome(bake, why="it was stopped"):
     text = f"estimated error {reached:.2f} % after {rounds}"
     if reached <= asked:
         return f"{text}; {asked:g} % was asked for"
-    if not statistics["stopped"]:
-        why = "more rounds would not bring it nearer"
-    return f"{text}; the {asked:g} % asked for was not reached: {why}"
+    if statistics["stopped"]:
+        return f"{text}; the {asked:g} % asked for was not reached: {why}"
+    return (
+        f"{text}; the {asked:g} % asked for was not reached by all the work that such a bake does"
+    )

@@ -36,6 +36,7 @@ def bumps(bump_file, tmp_path):
     )
     obj = bpy.context.object
     obj.leaflight.bake_folder = str(tmp_path / "bakes")
+    obj.leaflight.fixed_samples = True
     obj.leaflight.samples = 4
     obj.leaflight.photons = 20_000
     # Renders show what was baked; check_settle.py looks at what settles.

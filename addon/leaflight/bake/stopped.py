@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is to become of a bake that was stopped: Keep Bake or Throw Away, and Stop itself."""
+
+import bpy
+import leaflight
+
+from ..operators import background
+from ..show import surface_object
+
+LeaflightError = leaflight.LeaflightError
+
+# The BakeJob that was stopped after a round, until the user decides.
+_offered = None
+
+
+def offer(job):
+    """Asks the user, in the panel, what shall become of the last round of a BakeJob."""
+    global _offered
+    _offered = job
+
+
+def offered():
+    """The BakeJob that waits for the user's decision, or None."""
+    return _offered
+
+
+def is_decided(operator):
+    """Whether nothing waits; otherwise a greyed button of the operator shows why."""
+    if _offered is not None:
+        operator.poll_message_set("Keep the bake that was stopped, or throw it away, first")
+    return _offered is None
+
+
+def save_offered():
+    """Before another file is opened: writes what nobody has decided about, as a bake of its own."""
+    global _offered
+    job, _offered = _offered, None
+    if job is None:
+        return
+    try:
+        job.write()
+    except LeaflightError as error:
+        print(f"Leaflight: the bake that was stopped is lost: {error}")
+    else:
+        print(f"Leaflight: the bake that was stopped is kept as {job.path}")
+
+
+class LEAFLIGHT_OT_stop_bake(bpy.types.Operator):
+    bl_idname = "leaflight.stop_bake"
+    bl_label = "Stop"
+    bl_description = "End the work in progress, as Esc does. The last round of a bake may be kept"
+
+    @classmethod
+    def poll(cls, _context):
+        if background.running() is None:
+            cls.poll_message_set("Nothing is in progress")
+        return background.running() is not None
+
+    def execute(self, _context):
+        background.cancel_running()
+        return {"FINISHED"}
+
+
+class KeepJob(background.Job):
+    """Writes the files of a bake that was stopped, and lights the volumes by it."""
+
+    def __init__(self, job):
+        self._job = job
+        self.warnings = job.warnings
+
+    def run(self, progress):
+        self._job.write()
+        if progress.cancelled:
+            raise leaflight.Cancelled
+
+    def apply(self):
+        offer(None)
+        return self._job.apply()
+
+    def ended(self):
+        return "The bake was not kept; it still may be"
+
+
+class LEAFLIGHT_OT_keep_bake(background.BackgroundOperator, bpy.types.Operator):
+    bl_idname = "leaflight.keep_bake"
+    bl_label = "Keep Bake"
+    bl_description = "Write the last round of the bake that was stopped, and light the volume by it"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, _context):
+        return cls.is_free() and _waits(cls)
+
+    def start(self, _context):
+        return KeepJob(_offered)
+
+
+class LEAFLIGHT_OT_throw_bake_away(bpy.types.Operator):
+    bl_idname = "leaflight.throw_bake_away"
+    bl_label = "Throw Away"
+    bl_description = "Forget the bake that was stopped, and show the volume as it was before"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, _context):
+        return background.is_free(cls) and _waits(cls)
+
+    def execute(self, _context):
+        offer(None)
+        surface_object.forget_rounds()
+        return {"FINISHED"}
+
+
+def _waits(operator):
+    if _offered is None:
+        operator.poll_message_set("No bake was stopped")
+    return _offered is not None
+
+
+_CLASSES = (LEAFLIGHT_OT_stop_bake, LEAFLIGHT_OT_keep_bake, LEAFLIGHT_OT_throw_bake_away)
+
+
+def register():
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)

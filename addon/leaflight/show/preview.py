@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rounds of a bake that light objects for as long as it is not finished; no file holds them.
+
+Only surfaces show them (surface_object.py); what objects remember of a bake is left alone.
+"""
+
+from dataclasses import dataclass
+
+import leaflight
+import numpy as np
+
+# Full name of an object -> the Round that lights it.
+_shown = {}
+
+
+@dataclass(frozen=True, eq=False)
+class Round:
+    """A leaflight.Bake, which of its volumes an object is, and that volume in its coordinates."""
+
+    bake: object
+    index: int
+    volume: object
+
+
+def put(obj, bake, index, matrix):
+    """Lights an object by a volume of a bake from its next update on.
+
+    matrix: the object's transform at the bake, 16 numbers row by row.
+    """
+    last = _shown.get(obj.name_full)
+    if last is not None and last.bake.volumes[index] is bake.volumes[index]:
+        volume = last.volume
+    else:
+        baked = bake.volumes[index]
+        local_to_world = np.array(matrix, np.float64).reshape(4, 4)
+        index_to_local = np.linalg.inv(local_to_world) @ baked.index_to_world
+        volume = leaflight.Volume(baked.values, index_to_local, baked.name, baked.source)
+    _shown[obj.name_full] = Round(bake, index, volume)
+
+
+def of(obj):
+    """The Round that lights an object, or None."""
+    return _shown.get(obj.name_full)
+
+
+def forget():
+    """Returns the full names of the objects that were lit so, which want an update."""
+    names = list(_shown)
+    _shown.clear()
+    return names
