@@ -22,7 +22,8 @@ py::dict statistics(const Baked<D>& baked) {
   result["peak_memory_bytes"] = baked.statistics.peak_memory_bytes;
   result["skipped_passes"] = skipped;
   result["rounds"] = baked.statistics.rounds;
-  result["estimated_error_percent"] = baked.statistics.noise_percent;
+  result["estimated_noise_percent"] = baked.statistics.noise_percent;
+  result["estimated_error_percent"] = baked.statistics.error_percent;
   result["stopped"] = baked.statistics.stopped;
   return result;
 }

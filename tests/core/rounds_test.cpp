@@ -71,8 +71,8 @@ TEST(Rounds, StoppedAfterTheSameRoundAreTheSame) {
   Progress progress;
   const Baked<3> stopped = bake<3>(scene, settings, progress, [&](Baked<3>&&) { progress.stop(); });
   EXPECT_TRUE(stopped.statistics.stopped);
-  ASSERT_EQ(stopped.statistics.rounds, 2);
-  EXPECT_TRUE(same_bits(rounds[1], stopped.grids[0]));
+  EXPECT_EQ(stopped.statistics.rounds, 1);
+  EXPECT_TRUE(same_bits(rounds[0], stopped.grids[0]));
   // Nobody needs to look on.
   Progress alone;
   EXPECT_TRUE(same_bits(all.grids[0], bake(scene, settings, alone).grids[0]));

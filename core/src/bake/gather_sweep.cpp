@@ -140,7 +140,9 @@ void sweep_gather(const SweptVolume<D>& volume, const SweptLattice<D>& texels,
               continue;
             }
             while (!own.higher.empty() && line.value(own.higher.back()) < h) own.higher.pop_back();
-            while (!own.lower.empty() && line.value(own.lower.back()) >= h) own.lower.pop_back();
+            while (inner && !own.lower.empty() && line.value(own.lower.back()) >= h) {
+              own.lower.pop_back();
+            }
             const std::int32_t slot = own.slot[k];
             // Climbing along the walk, the way back leads down and away from the outer side.
             const bool outer = own.climbs[k] == (step > 0);
@@ -200,7 +202,7 @@ void sweep_gather(const SweptVolume<D>& volume, const SweptLattice<D>& texels,
               moments[!outer].sums[slot].add(Imath::V3f(radiance), own.weight[k]);
             }
             own.higher.push_back(k);
-            own.lower.push_back(k);
+            if (inner) own.lower.push_back(k);
           }
         }
       });

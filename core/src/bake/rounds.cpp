@@ -28,8 +28,9 @@ constexpr std::uint64_t photons = 400'000, preview_photons = 20'000;
 // Blocks of sweeps of the first round; at least so many in the end, since their differences tell
 // the error; and at most.
 constexpr int first_blocks = 2, least_blocks = 4, most_blocks = 32;
-// The noise's part of the error that is asked for: the rest is the texture's.
-constexpr double noise_share = 0.5;
+// What noise may be of the error that is asked for: what the texels' width leaves of it, within
+// these shares, as more sweeps do not mend texels.
+constexpr double least_noise = 0.5, most_noise = 0.8;
 
 // A lattice with texels of so many voxels.
 template <int D>
@@ -151,12 +152,21 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
     baked.grids.push_back(bake.grid());
     baked.statistics.rays = rays;
     baked.statistics.rounds = rounds;
-    baked.statistics.noise_percent = 100 * std::sqrt(bake.direct_noise() + bake.indirect_noise());
+    const double noise = bake.direct_noise() + bake.indirect_noise();
+    baked.statistics.noise_percent = 100 * std::sqrt(noise);
+    baked.statistics.error_percent = 100 * std::sqrt(noise + bake.texture_error());
     return baked;
   };
   const auto ended = [&] {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     return progress.stopped() || (settings.seconds > 0 && seconds.count() > settings.seconds);
+  };
+  // A bake's last round, which has the surroundings, too.
+  const auto last = [&](SweptBake<D>& bake, Baked<D> baked, bool stopped) {
+    if (plan.surroundings) baked.surroundings = bake.surroundings();
+    baked.statistics.rays = rays;
+    baked.statistics.stopped = stopped;
+    return baked;
   };
   if (count > most_without_preview) {
     ++rounds;
@@ -164,10 +174,11 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
       SweptBake<D> preview(volume, lights, settings, plan, progress, rays, preview_texels(volume));
       preview.add(first_blocks, first_blocks);
       on_round(whole(preview));
+      if (ended()) return last(preview, whole(preview), true);
     }
   }
   SweptBake<D> bake(volume, lights, settings, plan, progress, rays, std::move(texels));
-  const double target = std::pow(noise_share * settings.error / 100, 2);
+  const double asked = std::pow(settings.error / 100, 2);
   Blocks blocks{first_blocks, plan.indirect ? first_blocks : 0};
   for (;;) {
     progress.expect(bake.direct_cost() * std::max(blocks.direct, least_blocks) +
@@ -175,16 +186,17 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
     bake.add(blocks.direct - bake.direct_blocks(), blocks.indirect - bake.indirect_blocks());
     ++rounds;
     Baked<D> baked = whole(bake);
+    const double target =
+        std::clamp(asked - bake.texture_error(), least_noise * least_noise * asked,
+                   most_noise * most_noise * asked);
     const Blocks next = next_blocks(bake, target);
     const bool reached = blocks.enough() && bake.direct_noise() + bake.indirect_noise() <= target;
     const bool more = next.direct > blocks.direct || next.indirect > blocks.indirect;
-    baked.statistics.stopped = !reached && ended();
-    if (reached || !more || baked.statistics.stopped) {
-      if (plan.surroundings) baked.surroundings = bake.surroundings();
-      baked.statistics.rays = rays;
-      return baked;
-    }
+    if (reached || !more) return last(bake, std::move(baked), false);
+    if (ended()) return last(bake, std::move(baked), true);
     if (on_round) on_round(std::move(baked));
+    // What was shown is what is left.
+    if (ended()) return last(bake, whole(bake), true);
     blocks = next;
   }
 }

@@ -16,8 +16,7 @@ struct BakeStatistics {
   std::uint64_t peak_memory_bytes = 0;
   std::vector<SkippedPass> skipped;
   int rounds = 1;
-  double noise_percent =
-      0;                 // of colours over the texels, RMS of the standard errors; of rounds only
+  double noise_percent = 0, error_percent = 0;
   bool stopped = false;  // by time or by the caller, before the error was reached
 };
 

@@ -43,6 +43,8 @@ class SweptBake {
   // found.
   double direct_noise() const { return direct_noise_; }
   double indirect_noise() const { return indirect_noise_; }
+  // The mean square of what the texels miss of the colours between them, estimated likewise.
+  double texture_error() const { return texture_error_; }
 
   SurroundingsRadiance<D> surroundings();
 
@@ -52,6 +54,8 @@ class SweptBake {
   void learn_inner_direct();
   GatheredRadiance<D> gathered() const;
   void finish(std::vector<Average>& direct, std::vector<Average>& indirect);
+  double texture_error(const std::vector<Average>& direct, const std::vector<Average>& indirect,
+                       std::size_t slot) const;
   void measure_noise(const std::vector<Average>& direct, const std::vector<Average>& indirect);
 
   SweptVolume<D> volume_;
@@ -67,7 +71,7 @@ class SweptBake {
   PhotonCaches<D> photons_;
   std::array<std::vector<Rgb>, 2> soft_;  // of white leaves' sides, at the texels of soft light
   std::vector<Rgb> inner_direct_;         // there too
-  double direct_noise_ = 0, indirect_noise_ = 0;
+  double direct_noise_ = 0, indirect_noise_ = 0, texture_error_ = 0;
 };
 
 }  // namespace leaflight
