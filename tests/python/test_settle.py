@@ -103,8 +103,8 @@ def test_several_volumes_settle_each_by_itself(lapr_bake, volume, back):
 
 
 def test_compare_measures_what_is_shown(box_bake):
-    baked = leaflight.compare(box_bake, 47.0, points=300, spp=128)
-    settled = leaflight.compare(box_bake, 47.0, points=300, spp=128, settle=True)
+    baked = leaflight.compare(box_bake, 47.0, points=1500, spp=128)
+    settled = leaflight.compare(box_bake, 47.0, points=1500, spp=128, settle=True)
     assert baked["settle_seconds"] is None and settled["settle_seconds"] > 0
     assert settled["rms_percent"] < 0.6 * baked["rms_percent"]
     assert abs(settled["mean_ratio"] - 1) < 0.03
