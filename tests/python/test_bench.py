@@ -300,7 +300,8 @@ def test_quick_scale(cli):
     for case in result["cases"]:
         names = ("ns_per_texel", "peak_bytes", "rays_per_second", "seconds", "texels", "rays")
         assert finite(case[name] for name in names) and min(case[name] for name in names) > 0
-        assert case["texels"] <= case["nodes"] ** 3 and case["peak_bytes"] > 2**24
+        # Texels are a quarter of a voxel wide at least.
+        assert case["texels"] <= (4 * case["nodes"]) ** 3 and case["peak_bytes"] > 2**24
         assert case["ns_per_texel"] == pytest.approx(1e9 * case["seconds"] / case["texels"])
     if os.cpu_count() > 1:
         pair = result["threads"]
