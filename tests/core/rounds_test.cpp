@@ -39,7 +39,9 @@ Scene<3> small_scene() { return test::cornell(test::ball<3>(17), {0.6, 0.9}); }
 TEST(Rounds, AreTheSameForAnyNumberOfThreads) {
   const Scene<3> scene = test::cornell(test::torus(17), {0.6, 0.95});
   BakeSettings<3> settings = in_rounds();
-  settings.both_sides = settings.surroundings = true;
+  settings.both_sides = true;
+  settings.surroundings = !test::sanitized;
+  settings.resolution = {33, 33, 33};
   std::vector<Baked<3>> bakes;
   for (const int threads : {1, 2, 5}) {
     settings.threads = threads;
@@ -58,7 +60,7 @@ TEST(Rounds, AreTheSameForAnyNumberOfThreads) {
 
 TEST(Rounds, StoppedAfterTheSameRoundAreTheSame) {
   const Scene<3> scene = small_scene();
-  const BakeSettings<3> settings = in_rounds(0.5);
+  const BakeSettings<3> settings = in_rounds(0.2);
   std::vector<RadianceGrid<3>> rounds;
   Progress whole;
   const Baked<3> all = bake<3>(scene, settings, whole, [&](Baked<3>&& baked) {
@@ -67,7 +69,7 @@ TEST(Rounds, StoppedAfterTheSameRoundAreTheSame) {
   });
   rounds.push_back(all.grids[0]);
   EXPECT_FALSE(all.statistics.stopped);
-  ASSERT_GE(rounds.size(), 3u);
+  ASSERT_GE(rounds.size(), 2u);
   Progress progress;
   const Baked<3> stopped = bake<3>(scene, settings, progress, [&](Baked<3>&&) { progress.stop(); });
   EXPECT_TRUE(stopped.statistics.stopped);
@@ -158,7 +160,7 @@ TEST(Rounds, PlanesUnderAPointLightFollowItsLaw) {
 
 TEST(Rounds, ALightWithinTheVolumeShinesToAllSides) {
   // Spheres of radius 0.4 to 0.1 about the light.
-  Scene<3> scene = test::scene_of(test::ball<3>(49), Rgb(0.5f), {0.6, 0.9});
+  Scene<3> scene = test::scene_of(test::ball<3>(test::sanitized ? 17 : 49), Rgb(0.5f), {0.6, 0.9});
   PointLight<3> light;
   light.position = Vec3(0.5);
   light.intensity = Rgb(1.0f);
@@ -179,6 +181,7 @@ TEST(Rounds, ALightWithinTheVolumeShinesToAllSides) {
     ratio += baked.grids[0].radiance_back[s].x / expected;
     ++count;
   });
+  if (test::sanitized) return;
   // Lines look soft light up half a texel nearer to the light than the leaf that they meet.
   EXPECT_NEAR(ratio / count, 1, 0.08);
 }

@@ -99,18 +99,24 @@ TEST(Settle, TheFacesOfAThinPlateKeepApart) {
   // A floor brings light to the lower face; the upper one sees nothing that reflects. The bake has
   // mixed them up.
   scene.meshes.push_back(test::wall("floor", {-3, -3, 0}, Vec3(7, 0, 0), Vec3(0, 7, 0), Rgb(0.5f)));
-  const auto [mesh, settled] = settle(scene, 0.4f, at(thin));
-  const std::vector<Vec3> points(mesh.vertices.begin(), mesh.vertices.end());
-  Progress progress;
-  const auto truth = reference_radiance<3>(
-      scene, points, test::reference_settings(thin, test::fewer(512), 3), progress);
+  // One settling has so few paths that the mean of the lower face is off by some percent.
+  constexpr int seeds = 8;
   double sum[2] = {0, 0}, true_sum[2] = {0, 0};
-  for (std::size_t v = 0; v < points.size(); ++v) {
-    const int upper = points[v].z > 0.5;
-    sum[upper] += settled.radiance[v].y;
-    true_sum[upper] += truth[v].radiance.y;
-    if (upper) {
-      EXPECT_NEAR(settled.radiance[v].y, 0.7 * 3 / pi, 0.01);
+  for (int seed = 0; seed < seeds; ++seed) {
+    SettleSettings settings = at(thin);
+    settings.seed = seed;
+    const auto [mesh, settled] = settle(scene, 0.4f, settings);
+    const std::vector<Vec3> points(mesh.vertices.begin(), mesh.vertices.end());
+    Progress progress;
+    const auto truth = reference_radiance<3>(
+        scene, points, test::reference_settings(thin, test::fewer(64), 3 + seed), progress);
+    for (std::size_t v = 0; v < points.size(); ++v) {
+      const int upper = points[v].z > 0.5;
+      sum[upper] += settled.radiance[v].y;
+      true_sum[upper] += truth[v].radiance.y;
+      if (upper) {
+        EXPECT_NEAR(settled.radiance[v].y, 0.7 * 3 / pi, 0.01);
+      }
     }
   }
   if (test::sanitized) return;

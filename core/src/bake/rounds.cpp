@@ -145,6 +145,10 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
     throw Error(
         "No isosurface of the isovalue window passes through the volume; widen the window.");
   }
+  // Until sweeps know what they cost.
+  progress.expect(least_blocks * static_cast<double>(texels.direct.lattice.texels()) *
+                  (DirectLight<D>::sources_per_block +
+                   IndirectLight<D>::directions_per_block / std::pow(texels.spacing, D - 1)));
   std::atomic<std::uint64_t> rays{0};
   int rounds = 0;
   const auto whole = [&](SweptBake<D>& bake) {
@@ -186,9 +190,10 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
     bake.add(blocks.direct - bake.direct_blocks(), blocks.indirect - bake.indirect_blocks());
     ++rounds;
     Baked<D> baked = whole(bake);
+    const double texture = bake.texture_error();
+    const double least = least_noise * least_noise * std::max(asked, texture);
     const double target =
-        std::clamp(asked - bake.texture_error(), least_noise * least_noise * asked,
-                   most_noise * most_noise * asked);
+        std::clamp(asked - texture, least, std::max(least, most_noise * most_noise * asked));
     const Blocks next = next_blocks(bake, target);
     const bool reached = blocks.enough() && bake.direct_noise() + bake.indirect_noise() <= target;
     const bool more = next.direct > blocks.direct || next.indirect > blocks.indirect;
