@@ -22,9 +22,9 @@ BakeSettings<3> in_rounds(double error = 1.5) {
 
 template <class T>
 bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() &&
-         std::memcmp(static_cast<const void*>(a.data()), static_cast<const void*>(b.data()),
-                     a.size() * sizeof(T)) == 0;
+  if (a.size() != b.size()) return false;
+  return a.empty() || std::memcmp(static_cast<const void*>(a.data()),
+                                  static_cast<const void*>(b.data()), a.size() * sizeof(T)) == 0;
 }
 
 bool same_bits(const RadianceGrid<3>& a, const RadianceGrid<3>& b) {
@@ -103,7 +103,7 @@ TEST(Rounds, AreCancelledWithinHalfASecond) {
   EXPECT_THROW(bake(test::cornell(test::ball<3>(65), {0.3, 0.9}), settings, progress), Cancelled);
   canceller.join();
   const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - asked;
-  EXPECT_LT(waited.count(), 0.5);
+  EXPECT_LT(waited.count(), test::sanitized ? 5 : 0.5);
 }
 
 // The radiance of each texel's centre, whose leaf is that of the centre.

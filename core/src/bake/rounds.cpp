@@ -139,7 +139,9 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
   const std::vector<Vec<D, float>> gradients =
       voxel_gradients(scene.volumes[0].field, inverse(tracer.index_to_frame(0)));
   const SweptVolume<D> volume{tracer, 0, gradients};
+  progress.check();
   SweptTexels<D> texels = texels_of(volume, settings);
+  progress.check();
   const std::size_t count = texels.direct.lattice.active.size();
   if (count == 0) {
     throw Error(

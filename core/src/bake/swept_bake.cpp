@@ -69,7 +69,9 @@ RadianceGrid<D> SweptBake<D>::grid() {
     }
     finish(direct[side], indirect[side]);
   }
+  progress_.check();
   measure_noise(direct[0], indirect[0]);
+  progress_.check();
   RadianceGrid<D> result = make_grid<D>(direct, indirect);
   result.lattice = texels_.lattice;
   return result;
