@@ -83,7 +83,7 @@ TEST(Rounds, StoppedAfterTheSameRoundAreTheSame) {
 TEST(Rounds, EndInTime) {
   BakeSettings<3> settings = in_rounds();
   settings.error = 1e-4;
-  settings.seconds = 0.5;
+  settings.seconds = 0.01;  // over before the second round, on any machine
   Progress progress;
   const Baked<3> baked = bake(small_scene(), settings, progress);
   EXPECT_TRUE(baked.statistics.stopped);
