@@ -41,10 +41,9 @@ void sweep_gather(const SweptVolume<D>& volume, const SweptLattice<D>& texels,
   const SceneTracer<D>& tracer = volume.tracer;
   const Volume<D>& of = volume.volume();
   const IsovalueWindow window = volume.window();
-  const Affine<D> to_frame = texels_to_frame(volume, lattice);
+  const Affine<D> to_frame = texels_to_frame(volume, lattice), to_texels = inverse(to_frame);
   const bool inner = !moments[1].empty(), emissive = of.emission.largest() > 0;
-  const LineSet<D> set =
-      parallel_lines(lattice, inverse(to_frame).vector(direction), spacing, offset);
+  const LineSet<D> set = parallel_lines(lattice, to_texels.vector(direction), spacing, offset);
   const Planes<D> planes(of.field, lattice, set.axis);
   const bool meshes = !tracer.meshes().empty(), within = meshes && meshes_near<D>(volume, nullptr);
   Vec<D> to_source, to_shadows;
@@ -52,7 +51,6 @@ void sweep_gather(const SweptVolume<D>& volume, const SweptLattice<D>& texels,
     to_shadows[a] = lattice.voxels_per_texel[a] / from.shadows.lattice().voxels_per_texel[a];
     to_source[a] = lattice.voxels_per_texel[a] / from.texels.lattice.voxels_per_texel[a];
   }
-  const Affine<D> frame_to_texels = inverse(to_frame);
   // What the outer side of leaf h, as if white, reflects of one of the sources; position in texels.
   const auto direct_at = [&](const Vec<D>& position, double h, std::uint64_t bits) {
     const LeafShadows<D>& shadows = from.shadows;
@@ -81,7 +79,7 @@ void sweep_gather(const SweptVolume<D>& volume, const SweptLattice<D>& texels,
     const double cosine = -way.dot(normal);
     if (!(cosine > 0)) return Rgb(0);
     // A texel away from the surface.
-    Vec<D> out = frame_to_texels.vector(normal);
+    Vec<D> out = to_texels.vector(normal);
     double most = 0;
     for (int a = 0; a < D; ++a) most = std::max(most, std::abs(out[a]));
     if (shadows.shadowed(k, (position + out / most) * to_shadows, h)) return Rgb(0);

@@ -8,6 +8,16 @@
 
 namespace leaflight {
 
+// The number of the texel nearest to a position in texels.
+template <int D>
+std::size_t nearest_texel(const TexelLattice<D>& lattice, const Vec<D>& position) {
+  Index<D> texel;
+  for (int a = 0; a < D; ++a) {
+    texel[a] = std::clamp(static_cast<int>(position[a] + 0.5), 0, lattice.resolution[a] - 1);
+  }
+  return lattice.linear(texel);
+}
+
 // Shadows of all leaves at once: for some sources of light, the greatest value of the field on the
 // way from the source to each texel. A leaf throws a shadow there if it is not above that value. So
 // direct light is known at any point of any leaf, not only as the mean over the leaves through a
@@ -31,11 +41,7 @@ class LeafShadows {
   const LightSource<D>& source(std::size_t k) const { return sources_[k]; }
   // Whether the leaf of value h is in the shadow of itself at a position, in texels.
   bool shadowed(std::size_t k, const Vec<D>& position, double h) const {
-    Index<D> texel;
-    for (int a = 0; a < D; ++a) {
-      texel[a] = std::clamp(static_cast<int>(position[a] + 0.5), 0, lattice_->resolution[a] - 1);
-    }
-    return greatest_[k][lattice_->linear(texel)] >= code(h);
+    return greatest_[k][nearest_texel(*lattice_, position)] >= code(h);
   }
 
  private:

@@ -3,6 +3,7 @@
 
 #include <atomic>
 
+#include "leaflight/bake/leaf_shadows.h"
 #include "leaflight/bake/texel_moments.h"
 #include "leaflight/trace/line_values.h"
 #include "leaflight/trace/scene_tracer.h"
@@ -35,11 +36,7 @@ struct SweptLattice {
   }
   // Of the texel nearest to a position in texels.
   std::int32_t slot_near(const Vec<D>& position) const {
-    Index<D> texel;
-    for (int a = 0; a < D; ++a) {
-      texel[a] = std::clamp(static_cast<int>(position[a] + 0.5), 0, lattice.resolution[a] - 1);
-    }
-    return slots[lattice.linear(texel)];
+    return slots[nearest_texel(lattice, position)];
   }
 };
 
