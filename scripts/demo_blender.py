@@ -71,22 +71,21 @@ def show_on_terminal():
 
 
 def build_scene(volume):
-    """The volume in its box, the face turned to the camera and the lamp drawn towards it."""
+    """The volume on the stage, the face turned a little to the side."""
     bpy.ops.leaflight.import_volume(filepath=str(volume))
     leaf = bpy.context.object
     leaf.name = "colin27"
-    turn(leaf, 180)
-    bpy.ops.leaflight.build_cornell_box()
-    turn(leaf, -25)
-    bpy.data.objects["lamp"].location.y -= 0.5
     scene = bpy.context.scene
-    scene.camera.data.angle *= 0.75
-    scene.camera.data.shift_y = -0.08
-    scene.view_settings.exposure = -0.2
     scene.render.resolution_x = scene.render.resolution_y = SIZE
     scene.render.resolution_percentage = 100
-
+    bpy.ops.leaflight.stage()
+    turn(leaf, -25)
+    # As the comparison shows it.
+    scene.view_settings.view_transform = "Standard"
+    scene.view_settings.look = "None"
+    scene.view_settings.exposure = -0.6
     settings = leaf.leaflight
+    settings.light_surroundings = False
     settings.low, settings.high = WINDOW
     bpy.context.view_layer.update()
     return leaf

@@ -40,38 +40,57 @@ if _sentence is not None:
     refused.sentence = _sentence
     _MODULES = (refused,)
 else:
+    from . import translations
     from .bake import (
         bake,
         bake_flatland,
+        bake_frames,
+        continue_bake,
         estimate_bake,
         load_bake,
         photon_cloud,
+        resume_bake,
         stopped,
         unused_bakes,
     )
     from .compare import render_comparison
+    from .export import export_bake
     from .importing import import_image, import_volume
-    from .show import flat_properties, properties
-    from .stage import cornell_box
-    from .ui import handlers, leaf_look, panels
+    from .show import flat_properties, look_properties, properties
+    from .stage import aside, open_example, stage, stage_settings
+    from .store import preferences
+    from .ui import add_isosurface, handlers, header, leaf_look, panels, pick_isovalue
 
     # In the order of registration: the properties are what all others draw and edit.
     _MODULES = (
+        translations,
+        preferences,
         properties,
+        look_properties,
         flat_properties,
         import_volume,
         import_image,
         leaf_look,
-        cornell_box,
+        add_isosurface,
+        stage_settings,
+        aside,
+        stage,
+        open_example,
         bake,
+        bake_frames,
         stopped,
+        continue_bake,
+        resume_bake,
         estimate_bake,
         bake_flatland,
         load_bake,
         unused_bakes,
         photon_cloud,
         render_comparison,
+        export_bake,
+        pick_isovalue,
         panels,
+        header,
         handlers,
     )
 

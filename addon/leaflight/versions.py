@@ -5,6 +5,7 @@ What the add-on shares with the package's own scenes for Cycles is in
 leaflight.measure.blender_versions.
 """
 
+import blf
 import bpy
 import leaflight
 from leaflight.measure import blender_versions
@@ -50,7 +51,7 @@ def casts_shadow(light):
 
 
 def temperature_color(light):
-    """The colour (r, g, b) that a temperature gives a light, from 4.4 on."""
+    """The color (r, g, b) that a temperature gives a light, from 4.4 on."""
     return tuple(light.temperature_color) if getattr(light, "use_temperature", False) else (1, 1, 1)
 
 
@@ -85,7 +86,7 @@ def links_light(obj):
 
 
 def working_space():
-    """The linear colours that renders compute in; a choice of the file's from 5.0 on."""
+    """The linear colors that renders compute in; a choice of the file's from 5.0 on."""
     space = getattr(bpy.data, "colorspace", None)
     return "Linear Rec.709" if space is None else space.working_space
 
@@ -96,6 +97,24 @@ def do_not_sample_as_light(material):
         material.cycles.emission_sampling = "NONE"
     else:
         material.cycles.sample_as_light = False
+
+
+def let_through(material, translucent, among, cut):
+    """Lets Eevee show what lies behind a material: through all of it, or where it is cut away.
+
+    Of a translucent surface its nearest layer alone is drawn, without grain; of several, which
+    lie within each other (among), all layers, with grain, since Eevee sorts objects by their
+    origins alone.
+    """
+    blended = translucent and not among
+    if hasattr(material, "surface_render_method"):  # from 4.2 on
+        material.surface_render_method = "BLENDED" if blended else "DITHERED"
+        material.use_transparency_overlap = False
+        return
+    grained = "HASHED" if translucent else "CLIP" if cut else "OPAQUE"
+    material.blend_method = "BLEND" if blended else grained
+    material.shadow_method = grained
+    material.show_transparent_back = False
 
 
 def principled_glass_color(base):
@@ -120,6 +139,13 @@ def principled_metal_edges(shader, base):
     return min(base) < 1 or tint.is_linked or min(tint.default_value[:3]) < 1
 
 
+def mesh_storage():
+    """How a mesh lies in memory: "STRUCTS" in 3.4, "ATTRIBUTES" from 4.2 on, None in between."""
+    if bpy.app.version[:2] == (3, 4):
+        return "STRUCTS"
+    return "ATTRIBUTES" if bpy.app.version >= (4, 2, 0) else None
+
+
 def fcurves(owner):
     """The curves that animate a data-block; from 4.4 on those of its slot in the action."""
     data = owner.animation_data
@@ -133,6 +159,13 @@ def fcurves(owner):
     return [curve for bag in bags if bag is not None for curve in bag.fcurves]
 
 
+def is_animated(owner, path):
+    """Whether a keyframe or a driver moves the property of a data-block at this path."""
+    data = owner.animation_data
+    curves = [*(data.drivers if data else ()), *fcurves(owner)]
+    return any(curve.data_path == path for curve in curves)
+
+
 def image_format(**values):
     """Settings of an image to write; from 5.0 on a medium comes first, and decides the formats."""
     medium = {"media_type": "IMAGE"}
@@ -141,7 +174,7 @@ def image_format(**values):
 
 
 def plain_view():
-    """Settings of a view that shows linear colours through the sRGB curve, and nothing else."""
+    """Settings of a view that shows linear colors through the sRGB curve, and nothing else."""
     view = {"view_transform": "Standard", "look": "None", "gamma": 1.0, "use_curve_mapping": False}
     known = bpy.types.ColorManagedViewSettings.bl_rna.properties
     return {**view, **({"use_white_balance": False} if "use_white_balance" in known else {})}
@@ -159,3 +192,74 @@ def new_geometry_tree(name):
         tree.inputs.new("NodeSocketGeometry", "Geometry")
         tree.outputs.new("NodeSocketGeometry", "Geometry")
     return tree
+
+
+def flat_shader():
+    """The name of the builtin shader that draws in one color; 2D had one of its own until 3.6."""
+    return "2D_UNIFORM_COLOR" if bpy.app.version < (4, 0, 0) else "UNIFORM_COLOR"
+
+
+def text_size(font, size):
+    """The size of text in pixels; until 3.6 a resolution goes with it."""
+    # 72 pixels an inch are as many as points.
+    resolution = (72,) if bpy.app.version < (4, 0, 0) else ()
+    blf.size(font, size, *resolution)
+
+
+def show_photographically(view):
+    """Settings of a view that keep bright colors apart instead of clipping them to white."""
+    _choose(view, "view_transform", ("Filmic", "AgX"))
+    # 4.0 and later name the view that a look belongs to where it does not suit all.
+    _choose(view, "look", ("Medium High Contrast", "Filmic - Medium High Contrast", "None"))
+    view.gamma, view.use_curve_mapping = 1.0, False
+
+
+def _choose(owner, name, values):
+    """Gives a property the first of these values that it knows."""
+    for value in values:
+        try:
+            setattr(owner, name, value)
+            return
+        except TypeError:
+            continue
+
+
+def choose_sidebar_tab(area, category):
+    """Opens the sidebar of a viewport at a tab; before 4.2 only users can choose one."""
+    region = _sidebar(area)
+    if region is None or not hasattr(region, "active_panel_category"):
+        return
+    area.spaces.active.show_region_ui = True
+    if _choose_tab(area, category) or bpy.app.background:
+        return
+    tries = iter(range(50))
+
+    def try_again():
+        """A sidebar that was closed until now has its tabs once it has been drawn."""
+        shown = any(area in window.screen.areas[:] for window in bpy.context.window_manager.windows)
+        done = not shown or _choose_tab(area, category) or next(tries, None) is None
+        return None if done else 0.1
+
+    bpy.app.timers.register(try_again, first_interval=0.1)
+
+
+def _sidebar(area):
+    return next((region for region in area.regions if region.type == "UI"), None)
+
+
+def _choose_tab(area, category):
+    """Whether the sidebar shows the tab now."""
+    region = _sidebar(area)
+    try:
+        region.active_panel_category = category
+    except (AttributeError, TypeError):
+        return False
+    return region.active_panel_category == category
+
+
+def draw_progress(layout, fraction, text):
+    """How far work is: a bar from 4.0 on, a line of text before."""
+    if hasattr(layout, "progress"):
+        layout.progress(factor=fraction, text=text)
+    else:
+        layout.label(text=text, icon="TIME")

@@ -22,7 +22,7 @@ std::vector<Ray> random_rays(const SceneTracer<3>& tracer) {
     const CellPoint<3> point = locate(field, position);
     const double c = interpolate<3>(load_corners(field, point.cell), point.local);
     const SurfacePoint<3> from = tracer.leaf_point(0, point, c, false);
-    if (from.kind == HitKind::none) continue;
+    if (from.kind() == HitKind::none) continue;
     const Vec3 direction = test::random_direction(random);
     const bool inwards = direction.dot(from.geometric_normal) < 0;
     rays.push_back({from, inwards ? -direction : direction});

@@ -12,13 +12,18 @@
 from . import self_check  # noqa: F401 - first: it refuses what cannot be right
 from . import flatland
 from ._core import Cancelled, LeaflightError, Progress
-from .bake.bake import Bake, Surface, bake, load_bake
+from .bake.bake import Bake, Surface, bake
+from .bake.checkpoint import Checkpoint
 from .bake.estimate import Estimate, estimate
+from .bake.load_bake import load_bake
+from .bake.resume import resume
 from .bake.settings import PhotonMap, Scattered
+from .export.export import export, export_page
 from .io.readers import read_volume
 from .io.scene_file import cornell_box, load_scene
 from .measure.compare import compare
 from .scene.scene import fit_scene
+from .still.still import still
 from .version import __version__
 from .volume.particles import lapr, neuron, nucleons
 from .volume.volume import Volume, bump_box, default_isovalue, default_window
@@ -26,6 +31,7 @@ from .volume.volume import Volume, bump_box, default_isovalue, default_window
 __all__ = [
     "Bake",
     "Cancelled",
+    "Checkpoint",
     "Estimate",
     "LeaflightError",
     "PhotonMap",
@@ -41,6 +47,8 @@ __all__ = [
     "default_isovalue",
     "default_window",
     "estimate",
+    "export",
+    "export_page",
     "fit_scene",
     "flatland",
     "lapr",
@@ -49,4 +57,9 @@ __all__ = [
     "neuron",
     "nucleons",
     "read_volume",
+    "resume",
+    "still",
 ]
+
+# Pages stand above bakes, which know nothing of them.
+Bake.export_page = export_page

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import sys
 
-from .cli.commands import main
+from leaflight_command import main
 
 sys.exit(main())

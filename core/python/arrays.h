@@ -9,9 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "leaflight/field/voxels.h"
 #include "leaflight/math/affine.h"
+#include "leaflight/math/bounds.h"
 #include "leaflight/math/error.h"
-#include "leaflight/surface/marching_cubes.h"
 
 namespace leaflight::python {
 
@@ -33,7 +34,17 @@ py::array_t<Scalar> adopt(std::vector<Element>&& data, std::vector<py::ssize_t> 
   return py::array_t<Scalar>(std::move(shape), first, keeper);
 }
 
-inline py::ssize_t rows(const DoubleArray& array, py::ssize_t columns, const char* what) {
+// The same of voxels, whose array has their type.
+inline py::array adopt(VoxelBuffer&& voxels, std::vector<py::ssize_t> shape) {
+  return std::visit(
+      [&](auto&& values) -> py::array {
+        using Value = typename std::decay_t<decltype(values)>::value_type;
+        return adopt<Value>(std::move(values), std::move(shape));
+      },
+      std::move(voxels));
+}
+
+inline py::ssize_t rows(const py::array& array, py::ssize_t columns, const char* what) {
   if (array.ndim() != 2 || array.shape(1) != columns) {
     throw Error(std::string("The ") + what + " must be an array of shape (n, " +
                 std::to_string(columns) + ").");
@@ -68,6 +79,14 @@ py::array_t<double> from_affine(const Affine<D>& m) {
   return matrix;
 }
 
+// The gate for points: behind it none is NaN or farther than 1e18.
+template <class Point>
+void check_point(const Point& point) {
+  if (!within_bounds(point)) {
+    throw Error("A point is not a number or farther than 1e18 from the origin; leave it out.");
+  }
+}
+
 template <int D>
 std::vector<Vec<D>> to_points(const DoubleArray& array) {
   const py::ssize_t n = rows(array, D, "points");
@@ -75,6 +94,7 @@ std::vector<Vec<D>> to_points(const DoubleArray& array) {
   std::vector<Vec<D>> points(n);
   for (py::ssize_t i = 0; i < n; ++i) {
     for (int a = 0; a < D; ++a) points[i][a] = view(i, a);
+    check_point(points[i]);
   }
   return points;
 }
@@ -98,15 +118,6 @@ inline Rgb to_color(const Tuple<3>& v) {
 template <std::size_t D>
 std::vector<py::ssize_t> array_shape(const std::array<int, D>& dims) {
   return {dims.rbegin(), dims.rend()};
-}
-
-// (vertices (n, 3), normals (n, 3), triangles (m, 3)).
-inline py::tuple arrays_of(IsosurfaceMesh&& mesh) {
-  const auto n = static_cast<py::ssize_t>(mesh.vertices.size());
-  const auto m = static_cast<py::ssize_t>(mesh.triangles.size());
-  return py::make_tuple(adopt<float>(std::move(mesh.vertices), {n, 3}),
-                        adopt<float>(std::move(mesh.normals), {n, 3}),
-                        adopt<std::int32_t>(std::move(mesh.triangles), {m, 3}));
 }
 
 }  // namespace leaflight::python

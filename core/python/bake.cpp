@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "leaflight/bake/bake.h"
 
+#include <pybind11/stl/filesystem.h>
+
 #include "arrays.h"
 #include "bindings.h"
+#include "leaflight/bake/rounds.h"
+#include "leaflight/io/checkpoint_file.h"
+#include "leaflight/thesis/thesis.h"
 
 namespace leaflight::python {
 namespace {
+
+namespace fs = std::filesystem;
 
 template <int D>
 py::dict statistics(const Baked<D>& baked) {
@@ -24,8 +31,17 @@ py::dict statistics(const Baked<D>& baked) {
   result["rounds"] = baked.statistics.rounds;
   result["estimated_noise_percent"] = baked.statistics.noise_percent;
   result["estimated_error_percent"] = baked.statistics.error_percent;
+  result["worst_isovalue"] = baked.statistics.worst.c;
+  result["worst_error_percent"] = baked.statistics.worst.percent;
+  result["direct_blocks"] = baked.statistics.direct_blocks;
+  result["indirect_blocks"] = baked.statistics.indirect_blocks;
   result["stopped"] = baked.statistics.stopped;
   return result;
+}
+
+template <int D>
+ThesisSettings thesis_of(const BakeSettings<D>& settings) {
+  return settings.thesis ? *settings.thesis : ThesisSettings{};
 }
 
 template <int D>
@@ -45,7 +61,7 @@ void bind_settings(py::module_& module, const std::string& suffix) {
       .def_readwrite("caustic_photons", &Settings::caustic_photons,
                      "Photons emitted for caustics, where there are mirrors or glass.")
       .def_property(
-          "estimator", [](const Settings& s) { return name_of(s.estimator); },
+          "estimator", [](const Settings& s) { return traits_of(s.estimator).name; },
           [](Settings& s, const std::string& name) { s.estimator = estimator_from(name); },
           "gather, volumetric, path or thesis.")
       .def_readwrite("seed", &Settings::seed)
@@ -69,7 +85,9 @@ void bind_settings(py::module_& module, const std::string& suffix) {
       .def(
           "set_photon_map",
           [](Settings& s, int k, double radius, double g, const std::string& region) {
-            s.photon_map = {k, radius, g, density_region_from(region), s.photon_map.direct};
+            ThesisSettings thesis = thesis_of(s);
+            thesis.photon_map = {k, radius, g, density_region_from(region)};
+            s.thesis = std::make_shared<const ThesisSettings>(thesis);
           },
           py::arg("k") = 200, py::arg("radius") = 0.0, py::arg("g") = 10.0,
           py::arg("region") = "clipped_sphere",
@@ -82,12 +100,13 @@ void bind_settings(py::module_& module, const std::string& suffix) {
           [](Settings& s, const std::string& strategy, std::size_t count,
              const std::variant<int, std::vector<double>>& isovalues, const std::string& filter,
              int radius) {
-            ScatteredBake scattered;
+            ThesisSettings thesis = thesis_of(s);
+            ScatteredBake& scattered = thesis.scattered.emplace();
             scattered.samples.strategy = sample_strategy_from(strategy);
             scattered.samples.samples = count;
             scattered.samples.isovalues = isovalues;
             scattered.filter = {scattered_filter_from(filter), radius};
-            s.scattered = scattered;
+            s.thesis = std::make_shared<const ThesisSettings>(thesis);
           },
           py::arg("strategy"), py::arg("count"), py::arg("isovalues") = 9,
           py::arg("filter") = "shepard", py::arg("radius") = 3,
@@ -105,6 +124,14 @@ void bind_surroundings(py::module_& module, const std::string& suffix) {
       "The radiance of the surroundings over the leaf coordinate, at the vertices of fine meshes.")
       .def_property_readonly(
           "count", [](const Surroundings& s) { return s.radiance.size(); }, "Number of meshes.")
+      .def_property_readonly(
+          "nodes",
+          [](const Surroundings& s) {
+            std::vector<double> nodes;
+            for (int i = 0; i < LeafNodes::count; ++i) nodes.push_back(s.nodes.node(i));
+            return nodes;
+          },
+          "The leaf coordinates, ascending, between which the radiance is linear.")
       .def(
           "mesh",
           [](const Surroundings& s, std::size_t i) {
@@ -176,7 +203,10 @@ void bind_baking(py::module_& module, const std::string& suffix) {
   module.def(
       ("bake" + suffix).c_str(),
       [](const Scene<D>& scene, const BakeSettings<D>& settings, Progress& progress,
-         const py::object& on_round) {
+         const py::object& on_round,
+         std::optional<std::tuple<std::shared_ptr<RadianceGrid<D>>, int, int, int>> kept,
+         const std::optional<std::tuple<fs::path, std::string, double>>& checkpoint,
+         const std::optional<fs::path>& resumed) {
         OnRound<D> call;
         if (!on_round.is_none()) {
           call = [&](Baked<D>&& baked) {
@@ -187,13 +217,47 @@ void bind_baking(py::module_& module, const std::string& suffix) {
         Baked<D> baked;
         {
           const py::gil_scoped_release unlocked;
-          baked = bake(scene, settings, progress, call);
+          std::optional<KeptLight<D>> light;
+          if (kept) {
+            const auto& [grid, rounds, direct, indirect] = *kept;
+            light.emplace(*grid, rounds, direct, indirect);
+          }
+          Checkpoints checkpoints;
+          if (checkpoint) {
+            const auto& [path, text, seconds] = *checkpoint;
+            checkpoints.seconds = seconds;
+            checkpoints.save = [&, &path = path, &text = text](const Checkpoints::Write& write) {
+              try {
+                write_checkpoint(path, text, write);
+              } catch (const Error&) {
+                // A disk that is full now may have space by the end of the bake.
+              }
+            };
+          }
+          const auto run = [&] {
+            baked = bake(scene, settings, progress, call, light ? &*light : nullptr, &checkpoints);
+          };
+          if (resumed) {
+            read_checkpoint_state(*resumed, [&](std::istream& stream) {
+              checkpoints.from = &stream;
+              run();
+            });
+          } else {
+            run();
+          }
         }
         return BakedObjects<D>(std::move(baked));
       },
       py::arg("scene"), py::arg("settings"), py::arg("progress"), py::arg("on_round") = py::none(),
+      py::arg("kept") = py::none(), py::arg("checkpoint") = py::none(),
+      py::arg("resumed") = py::none(),
       "Lights all leaves of the scene's window. `on_round` is given what is baked after each\n"
-      "round but the last, from the thread that bakes. Raises LeaflightError, or Cancelled.");
+      "round but the last, from the thread that bakes. `kept`: (grid, rounds, blocks of direct\n"
+      "light, of indirect light) of a bake to go on with. `checkpoint`: (file, text, seconds): the "
+      "bake leaves\n"
+      "its state there, with the text, so many seconds apart. `resumed`: such a file, of a bake "
+      "of\n"
+      "the same scene and settings, to go on from. Raises LeaflightError, or Cancelled.");
 }
 
 }  // namespace
@@ -205,6 +269,10 @@ void bind_bake(py::module_& module) {
   bind_settings<2>(module, "2");
   bind_surroundings<2>(module, "2");
   bind_baking<2>(module, "2");
+  module.def(
+      "noise_to_reach", &noise_to_reach, py::arg("error"), py::arg("texture"),
+      "Percent of noise at which a bake ends that is asked for an error (percent) and whose\n"
+      "texels miss some of the light (percent).");
 }
 
 }  // namespace leaflight::python

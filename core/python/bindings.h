@@ -10,6 +10,7 @@ void bind_scene(pybind11::module_& module);
 void bind_radiance_grid(pybind11::module_& module);
 void bind_bake(pybind11::module_& module);
 void bind_photons(pybind11::module_& module);
+void bind_rays(pybind11::module_& module);
 void bind_reference(pybind11::module_& module);
 void bind_surface(pybind11::module_& module);
 void bind_io(pybind11::module_& module);

@@ -6,12 +6,17 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "leaflight/field/bump_box.h"
+#include "leaflight/field/coarser_values.h"
 
 namespace leaflight::python {
 namespace {
 
-template <int D>
-Field<D> field_from(const FloatArray& values, const DoubleArray& index_to_world) {
+// Of voxels of one type.
+template <class Value>
+using VoxelArray = py::array_t<Value, py::array::c_style>;
+
+template <int D, class Value>
+Field<D> field_from(const VoxelArray<Value>& values, const DoubleArray& index_to_world) {
   if (values.ndim() != D) {
     throw Error(D == 2 ? "The values of a field in the plane must be an array [y, x]."
                        : "The values of a field must be an array [z, y, x].");
@@ -25,11 +30,11 @@ Field<D> field_from(const FloatArray& values, const DoubleArray& index_to_world)
     dims[a] = static_cast<int>(n);
   }
   // The array lives as long as the field; it must be released with the interpreter's lock held.
-  std::shared_ptr<const void> owner(new FloatArray(values), [](const void* p) {
+  std::shared_ptr<const void> owner(new VoxelArray<Value>(values), [](const void* p) {
     const py::gil_scoped_acquire lock;
-    delete static_cast<const FloatArray*>(p);
+    delete static_cast<const VoxelArray<Value>*>(p);
   });
-  const float* data = values.data();
+  const Value* data = values.data();
   const Affine<D> transform = to_affine<D>(index_to_world);
   const py::gil_scoped_release unlocked;
   return make_field<D>(data, dims, transform, std::move(owner));
@@ -65,26 +70,40 @@ py::array_t<float> sample(const Field<D>& field, const DoubleArray& array) {
 }
 
 template <int D>
+using FieldClass = py::class_<Field<D>, std::shared_ptr<Field<D>>>;
+
+template <int D, class Value>
+void bind_voxels(FieldClass<D>& field) {
+  field.def(py::init([](const VoxelArray<Value>& values, const DoubleArray& index_to_world) {
+              return std::make_shared<Field<D>>(field_from<D, Value>(values, index_to_world));
+            }),
+            py::arg("values").noconvert(), py::arg("index_to_world"),
+            "values: float32, uint8, int16 or uint16 [z, y, x], C-contiguous, kept by reference;\n"
+            "NaN marks missing data.\n"
+            "index_to_world: 4 x 4, maps (x, y, z) indices of voxels to world positions.\n"
+            "In the plane [y, x] and 3 x 3.\n"
+            "Raises LeaflightError for constant, all-NaN or infinite values, fewer than two "
+            "voxels\nalong an axis, or a transform that cannot be inverted.");
+}
+
+template <int D>
 void bind_field_of(py::module_& module, const char* name, const char* doc) {
-  py::class_<Field<D>, std::shared_ptr<Field<D>>>(module, name, doc)
-      .def(py::init([](const FloatArray& values, const DoubleArray& index_to_world) {
-             return std::make_shared<Field<D>>(field_from<D>(values, index_to_world));
-           }),
-           py::arg("values").noconvert(), py::arg("index_to_world"),
-           "values: float32 [z, y, x], C-contiguous, kept by reference; NaN marks missing data.\n"
-           "index_to_world: 4 x 4, maps (x, y, z) indices of voxels to world positions.\n"
-           "In the plane [y, x] and 3 x 3.\n"
-           "Raises LeaflightError for constant, all-NaN or infinite values, fewer than two voxels\n"
-           "along an axis, or a transform that cannot be inverted.")
-      .def_readonly("dims", &Field<D>::dims, "Voxels along x, y, z.")
+  FieldClass<D> field(module, name, doc);
+  bind_voxels<D, float>(field);
+  bind_voxels<D, std::uint8_t>(field);
+  bind_voxels<D, std::int16_t>(field);
+  bind_voxels<D, std::uint16_t>(field);
+  field.def_readonly("dims", &Field<D>::dims, "Voxels along x, y, z.")
       .def_property_readonly(
           "range", [](const Field<D>& f) { return std::pair(f.min, f.max); },
           "Least and greatest value, in data units.")
       .def_readonly("masked", &Field<D>::masked, "Whether some voxels are NaN.")
       .def_property_readonly("values",
                              [](const std::shared_ptr<Field<D>>& f) {
-                               return py::array_t<float>(array_shape(f->dims), f->values,
-                                                         py::cast(f));
+                               const auto array = [&](const auto* values) -> py::array {
+                                 return py::array(array_shape(f->dims), values, py::cast(f));
+                               };
+                               return std::visit(array, f->values);
                              })
       .def_property_readonly("index_to_world",
                              [](const Field<D>& f) { return from_affine(f.index_to_world); })
@@ -120,6 +139,20 @@ void bind_field(py::module_& module) {
                    "0..255, on the\n"
                    "unit cube with n voxels along each axis.");
   bind_bump_box<2>(module, "bump_box2", "The same in the plane, float32 [y, x].");
+  module.def(
+      "coarser_values",
+      [](const Field<3>& field) {
+        std::vector<float> values;
+        {
+          const py::gil_scoped_release unlocked;
+          values = coarser_values(field);
+        }
+        return adopt<float>(std::move(values),
+                            {field.dims[2] / 2, field.dims[1] / 2, field.dims[0] / 2});
+      },
+      py::arg("field"),
+      "The means over blocks of 2^3 voxels, float32 [z, y, x]; NaN where one of a block is. A\n"
+      "block of index i lies at index 2 i + 1/2 of the field.");
 }
 
 }  // namespace leaflight::python

@@ -1,39 +1,56 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <pybind11/stl/filesystem.h>
+
 #include "arrays.h"
 #include "bindings.h"
+#include "leaflight/io/checkpoint_file.h"
 #include "leaflight/io/exr.h"
-#include "leaflight/io/nrrd.h"
+#include "leaflight/io/replaced_files.h"
+#include "leaflight/io/seal.h"
 #include "leaflight/io/vdb.h"
 
 namespace leaflight::python {
 namespace {
 
+namespace fs = std::filesystem;
+
 py::tuple to_python(DenseVolume&& volume) {
-  return py::make_tuple(adopt<float>(std::move(volume.values), array_shape(volume.dims)),
+  return py::make_tuple(adopt(std::move(volume.values), array_shape(volume.dims)),
                         from_affine(volume.index_to_world), volume.name);
 }
 
 }  // namespace
 
 void bind_io(py::module_& module) {
+  py::class_<ReplacedFiles>(module, "ReplacedFiles",
+                            "Files written beside their targets, which take their places at once.")
+      .def(py::init<const std::vector<fs::path>&>(), py::arg("targets"), "Raises LeaflightError.")
+      .def("temporary", &ReplacedFiles::temporary, py::arg("target"),
+           "The path to write the file of a target, by its number, to.")
+      .def("commit", &ReplacedFiles::commit, py::call_guard<py::gil_scoped_release>(),
+           "Returns when all are on the disk and under their names. Raises LeaflightError.")
+      .def("discard", &ReplacedFiles::discard, "Removes what was not committed.");
   module.def(
       "write_bake",
-      [](const std::string& path, const std::vector<std::shared_ptr<Field<3>>>& fields,
+      [](const fs::path& path, const std::vector<std::shared_ptr<Field<3>>>& fields,
          const std::vector<std::shared_ptr<RadianceGrid<3>>>& grids,
-         const std::shared_ptr<SurroundingsRadiance<3>>& surroundings, const Metadata& metadata) {
+         const std::shared_ptr<SurroundingsRadiance<3>>& surroundings, const Metadata& metadata,
+         const Progress* progress) {
         const py::gil_scoped_release unlocked;
         std::vector<const Field<3>*> field_pointers;
         for (const auto& field : fields) field_pointers.push_back(field.get());
         Baked<3> baked;
         for (const auto& grid : grids) baked.grids.push_back(*grid);
         if (surroundings) baked.surroundings = *surroundings;
-        write_bake(path, field_pointers, baked, metadata);
+        write_bake(path, field_pointers, baked, metadata, progress);
       },
       py::arg("path"), py::arg("fields"), py::arg("grids"), py::arg("surroundings").none(true),
-      py::arg("metadata"), "Writes one .vdb under a temporary name and renames it.");
+      py::arg("metadata"), py::arg("progress") = nullptr,
+      "Replaces one .vdb as a whole. Raises LeaflightError, and Cancelled with the file as it "
+      "was.");
   module.def(
       "read_bake",
-      [](const std::string& path) {
+      [](const fs::path& path) {
         StoredBake bake;
         {
           const py::gil_scoped_release unlocked;
@@ -41,9 +58,8 @@ void bind_io(py::module_& module) {
         }
         py::list fields, grids;
         for (DenseVolume& field : bake.fields) {
-          fields.append(
-              py::make_tuple(adopt<float>(std::move(field.values), array_shape(field.dims)),
-                             from_affine(field.index_to_world)));
+          fields.append(py::make_tuple(adopt(std::move(field.values), array_shape(field.dims)),
+                                       from_affine(field.index_to_world)));
         }
         for (RadianceGrid<3>& grid : bake.baked.grids) {
           grids.append(std::make_shared<RadianceGrid<3>>(std::move(grid)));
@@ -58,6 +74,12 @@ void bind_io(py::module_& module) {
       py::arg("path"),
       "([(values [z, y, x], index_to_world), ...], [RadianceGrid, ...], SurroundingsRadiance or\n"
       "None, metadata) of a bake. The surroundings need attach_surroundings() before use.");
+  module.def(
+      "has_seal", &has_seal, py::arg("path"),
+      "Whether a file ends with a checksum, which read_bake() looks at. Raises LeaflightError.");
+  module.def(
+      "read_checkpoint", [](const fs::path& path) { return py::bytes(read_checkpoint(path)); },
+      py::arg("path"), "The text, bytes, of a checkpoint that bake() left. Raises LeaflightError.");
   module.def("read_bake_header", &read_bake_header, py::arg("path"),
              "The metadata of the file itself, by key: nothing else of it is read.");
   module.def(
@@ -69,7 +91,7 @@ void bind_io(py::module_& module) {
       "Gives a radiance that was read from a file the meshes of its scene. Raises LeaflightError.");
   module.def(
       "read_vdb_volume",
-      [](const std::string& path, const std::string& grid) {
+      [](const fs::path& path, const std::string& grid) {
         DenseVolume volume;
         {
           const py::gil_scoped_release unlocked;
@@ -80,19 +102,8 @@ void bind_io(py::module_& module) {
       py::arg("path"), py::arg("grid") = "",
       "(values float32 [z, y, x], index_to_world, name) of a scalar grid's active box.");
   module.def(
-      "read_nrrd",
-      [](const std::string& path) {
-        DenseVolume volume;
-        {
-          const py::gil_scoped_release unlocked;
-          volume = read_nrrd(path);
-        }
-        return to_python(std::move(volume));
-      },
-      py::arg("path"), "(values float32 [z, y, x], index_to_world, name).");
-  module.def(
       "write_exr",
-      [](const std::string& path,
+      [](const fs::path& path,
          const py::array_t<float, py::array::c_style | py::array::forcecast>& pixels,
          const std::string& comments) {
         if (pixels.ndim() != 3) throw Error("An image must be an array [row, column, channel].");
@@ -106,7 +117,7 @@ void bind_io(py::module_& module) {
       "float32 [row, column, RGB or RGBA], top row first.");
   module.def(
       "read_exr",
-      [](const std::string& path) {
+      [](const fs::path& path) {
         Image image = read_exr(path);
         return adopt<float>(std::move(image.pixels), {image.height, image.width, image.channels});
       },

@@ -8,10 +8,16 @@ using namespace leaflight;
 
 namespace {
 
-// One bad_alloc for all: a sentence, not a traceback.
+// One bad_alloc for all: a sentence, not a traceback. Sentences hold names of files, and these need
+// not be UTF-8.
 void translate(std::exception_ptr thrown, const py::object& error_type) {
   try {
     std::rethrow_exception(thrown);
+  } catch (const Error& error) {
+    const std::string sentence = error.what();
+    const auto text = py::reinterpret_steal<py::object>(PyUnicode_DecodeUTF8(
+        sentence.data(), static_cast<py::ssize_t>(sentence.size()), "surrogateescape"));
+    PyErr_SetObject(error_type.ptr(), text.ptr());
   } catch (const std::bad_alloc&) {
     PyErr_SetString(error_type.ptr(),
                     "There is not enough memory; choose a lower resolution or a smaller volume.");
@@ -29,12 +35,18 @@ PYBIND11_MODULE(_core, module) {
   });
 
   py::class_<Progress>(module, "Progress",
-                       "Shared between a running bake and whoever watches it from another thread.")
+                       "Shared between work that runs, as a bake or the reading of a file, and "
+                       "whoever watches it from another thread.")
       .def(py::init<>())
+      .def("begin", &Progress::begin, py::arg("stage"), "Names what is done from now on.")
+      .def("expect", &Progress::expect, py::arg("total"), "How much there is to do, in any unit.")
+      .def("advance", &Progress::advance, py::arg("work"), "Adds what was done, in the same unit.")
+      .def("check", &Progress::check, "Raises Cancelled after cancel().")
       .def_property_readonly("fraction", &Progress::fraction, "Work done, 0..1.")
       .def_property_readonly("stage", &Progress::stage, "What is being done, for the user.")
       .def_property_readonly("cancelled", &Progress::cancelled)
       .def("cancel", &Progress::cancel, "The bake raises Cancelled within half a second.")
+      .def("check", &Progress::check, "Raises Cancelled once it is cancelled.")
       .def("stop", &Progress::stop,
            "A bake in rounds ends after the round under way, with what it has.")
       .def_property_readonly("stopped", &Progress::stopped);
@@ -44,6 +56,7 @@ PYBIND11_MODULE(_core, module) {
   python::bind_radiance_grid(module);
   python::bind_bake(module);
   python::bind_photons(module);
+  python::bind_rays(module);
   python::bind_reference(module);
   python::bind_surface(module);
   python::bind_io(module);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "arrays.h"
 #include "bindings.h"
-#include "leaflight/transport/photon_map.h"
+#include "leaflight/thesis/photon_map.h"
 
 namespace leaflight::python {
 namespace {

@@ -6,7 +6,8 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "leaflight/bake/atlas.h"
-#include "leaflight/surface/split_edges.h"
+#include "leaflight/bake/lit_contour.h"
+#include "mesh_arrays.h"
 
 namespace leaflight::python {
 namespace {
@@ -20,7 +21,7 @@ py::array_t<float> spread(const TexelLattice<D>& lattice, const std::vector<Valu
 }
 
 template <int D>
-const std::vector<Vec<3, float>>& side_of(const RadianceGrid<D>& grid, bool back) {
+const std::vector<Vec<3, float>>& side_of(const RadianceLevel<D>& grid, bool back) {
   if (back && !grid.has_back()) {
     throw Error("This bake does not hold the inner side of its isosurfaces; bake both sides.");
   }
@@ -28,76 +29,91 @@ const std::vector<Vec<3, float>>& side_of(const RadianceGrid<D>& grid, bool back
 }
 
 template <int D>
-int levels_of(const RadianceGrid<D>& grid) {
-  return 1 + (grid.finer ? levels_of(*grid.finer) : 0);
-}
-
-template <int D>
-const RadianceGrid<D>& level_of(const RadianceGrid<D>& grid, int level) {
-  if (level < 0 || level >= levels_of(grid)) {
+const RadianceLevel<D>& level_of(const RadianceGrid<D>& grid, int level) {
+  if (level < 0 || level >= grid.levels()) {
     throw Error("The grid has no level " + std::to_string(level) + "; it has " +
-                std::to_string(levels_of(grid)) + ", numbered from 0.");
+                std::to_string(grid.levels()) + ", numbered from 0.");
   }
-  return level == 0 ? grid : level_of(*grid.finer, level - 1);
+  return grid.level(level);
 }
 
 template <int D>
 py::array_t<float> dense(const RadianceGrid<D>& whole, const std::string& name, int level) {
-  const RadianceGrid<D>& grid = level_of(whole, level);
+  const RadianceLevel<D>& grid = level_of(whole, level);
   std::vector<py::ssize_t> shape = array_shape(grid.lattice.resolution);
   if (name == "radiance_error") return spread(grid.lattice, grid.radiance_error, shape);
   shape.push_back(3);
   if (name == "radiance") return spread(grid.lattice, grid.radiance, shape);
   if (name == "radiance_indirect") return spread(grid.lattice, grid.radiance_indirect, shape);
   if (name == "radiance_back") return spread(grid.lattice, side_of(grid, true), shape);
+  if (name == "radiance_back_indirect") {
+    static_cast<void>(side_of(grid, true));
+    return spread(grid.lattice, grid.radiance_back_indirect, shape);
+  }
   throw Error("A bake has no grid '" + name +
-              "'; choose radiance, radiance_indirect, radiance_back or radiance_error.");
+              "'; choose radiance, radiance_indirect, radiance_back, radiance_back_indirect or "
+              "radiance_error.");
 }
 
 template <int D>
 py::array_t<std::uint8_t> mask(const RadianceGrid<D>& whole, int level) {
-  const RadianceGrid<D>& grid = level_of(whole, level);
+  const RadianceLevel<D>& grid = level_of(whole, level);
   std::vector<std::uint8_t> active(grid.lattice.texels(), 0);
   for (const std::uint32_t texel : grid.lattice.active) active[texel] = 1;
   return adopt<std::uint8_t>(std::move(active), array_shape(grid.lattice.resolution));
 }
 
-template <int D>
-py::array_t<float> lookup_at(const RadianceGrid<D>& grid, const Field<D>& field,
-                             const DoubleArray& array, bool back) {
-  const std::vector<Vec<D>> points = to_points<D>(array);
+template <int D, class Array>
+py::array_t<float> lookup_of(const RadianceGrid<D>& grid, const Field<D>& field,
+                             const Array& points, bool back) {
+  const py::ssize_t n = rows(points, D, "points");
   static_cast<void>(side_of(grid, back));
-  std::vector<Vec<3, float>> radiance(points.size());
+  std::vector<Vec<3, float>> radiance(n);
   {
+    const auto* coordinates = points.data();
     const py::gil_scoped_release unlocked;
-    tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
-      const Vec<D> position = field.world_to_index.point(points[i]);
-      const RadianceGrid<D>& from = grid.at(position);
+    tbb::parallel_for(py::ssize_t{0}, n, [&](py::ssize_t i) {
+      Vec<D> point;
+      for (int a = 0; a < D; ++a) point[a] = coordinates[D * i + a];
+      check_point(point);
+      const Vec<D> position = field.world_to_index.point(point);
+      const RadianceLevel<D>& from = grid.at(position);
       radiance[i] = lookup(from.lattice, side_of(from, back), position);
     });
   }
-  return adopt<float>(std::move(radiance), {static_cast<py::ssize_t>(points.size()), 3});
+  return adopt<float>(std::move(radiance), {n, 3});
 }
 
-// How many times texels were halved where a grid is looked up.
-int level_at(const RadianceGrid<3>& grid, const Vec3& index_position) {
-  const RadianceGrid<3>* const finest = &grid.at(index_position);
-  int level = 0;
-  for (const RadianceGrid<3>* g = &grid; g != finest; g = g->finer.get()) ++level;
-  return level;
-}
-
-py::tuple contour_of(const RadianceGrid<3>& grid, const Field<3>& field, double isovalue) {
-  IsosurfaceMesh mesh;
-  {
-    const py::gil_scoped_release unlocked;
-    mesh = contour(field, isovalue);
-    for (int level = 1; level < levels_of(grid); ++level) {
-      mesh = split_edges(field, isovalue, mesh,
-                         [&](const Vec3& middle) { return level_at(grid, middle) >= level; });
-    }
+// The vertices of a mesh are read where they are, anything else as numbers of double precision.
+template <int D>
+py::array_t<float> lookup_at(const RadianceGrid<D>& grid, const Field<D>& field,
+                             const py::object& points, bool back) {
+  if (py::isinstance<FloatArray>(points)) {
+    return lookup_of(grid, field, py::reinterpret_borrow<FloatArray>(points), back);
   }
-  return arrays_of(std::move(mesh));
+  const auto numbers = DoubleArray::ensure(points);
+  if (!numbers) throw Error("The points must be an array of numbers, one row for each.");
+  return lookup_of(grid, field, numbers, back);
+}
+
+std::shared_ptr<LitMesh> filled(const RadianceGrid<3>& grid, const Field<3>& field, double isovalue,
+                                const LitContourSettings& settings) {
+  std::shared_ptr<LitMesh> mesh = mesh_to_fill();
+  const py::gil_scoped_release unlocked;
+  lit_contour(grid, field, isovalue, settings, *mesh);
+  return mesh;
+}
+
+py::tuple contour_of(const RadianceGrid<3>& grid, const Field<3>& field, double isovalue,
+                     std::size_t least_vertices, bool normals) {
+  return mesh_arrays(filled(grid, field, isovalue, {normals, false, false, least_vertices}));
+}
+
+py::tuple lit_contour_of(const RadianceGrid<3>& grid, const Field<3>& field, double isovalue,
+                         bool normals, bool front, bool back) {
+  const auto mesh = filled(grid, field, isovalue, {normals, front, back, 0});
+  return mesh_arrays(mesh) + py::make_tuple(rows_of<float>(mesh, mesh->radiance),
+                                            rows_of<float>(mesh, mesh->radiance_back));
 }
 
 template <int D>
@@ -107,7 +123,7 @@ py::array_t<float> lookup_error_at(const RadianceGrid<D>& grid, const Field<D>& 
   std::vector<float> error;
   for (const Vec<D>& point : points) {
     const Vec<D> position = field.world_to_index.point(point);
-    const RadianceGrid<D>& from = grid.at(position);
+    const RadianceLevel<D>& from = grid.at(position);
     error.push_back(lookup_error(from.lattice, from.radiance_error, position));
   }
   return adopt<float>(std::move(error), {static_cast<py::ssize_t>(points.size())});
@@ -133,12 +149,15 @@ void bind_grid(py::module_& module, const std::string& suffix) {
       "The radiance [W/(m^2 sr)] of every leaf of one volume within a window.");
   grid.def_property_readonly("resolution", [](const Grid& g) { return g.lattice.resolution; })
       .def_property_readonly("texels", &Grid::texels, "Active texels of all levels.")
-      .def_property_readonly("levels", &levels_of<D>,
+      .def_property_readonly("levels", &Grid::levels,
                              "1, and one for each time that texels were halved somewhere.")
-      .def_property_readonly("has_back", &Grid::has_back, "Whether the inner side was baked.")
+      .def_property_readonly(
+          "has_back", [](const Grid& g) { return g.has_back(); },
+          "Whether the inner side was baked.")
       .def("dense", &dense<D>, py::arg("name"), py::arg("level") = 0,
-           "radiance, radiance_indirect (all but the lights' direct light) or radiance_back (the\n"
-           "inner side): float32 [z, y, x, 3]; radiance_error, the standard error of the mean\n"
+           "radiance, radiance_indirect (all but the lights' direct light), radiance_back or\n"
+           "radiance_back_indirect (the inner side): float32 [z, y, x, 3]; radiance_error, the "
+           "standard error of the mean\n"
            "over the channels: float32 [z, y, x]. Zero at inactive texels. Those of level 1 and\n"
            "above are half as wide, serve some cells alone and have 2 n - 1 where n were.")
       .def("mask", &mask<D>, py::arg("level") = 0, "uint8 [z, y, x], 1 at active texels.")
@@ -148,9 +167,17 @@ void bind_grid(py::module_& module, const std::string& suffix) {
            "Standard error (n,) of the outer side's radiance at world points (n, D), of the mean\n"
            "over the channels: that of independent texels.");
   if constexpr (D == 3) {
-    grid.def("contour", &contour_of, py::arg("field"), py::arg("isovalue"),
-             "contour() of the volume that the grid lights, with edges cut in two as often as "
-             "texels\nwere halved there, so that vertices show the finer texels.");
+    grid.def(
+        "contour", &contour_of, py::arg("field"), py::arg("isovalue"),
+        py::arg("least_vertices") = 0, py::arg("normals") = true,
+        "contour() of the volume that the grid lights, with edges cut in two as often as "
+        "texels\nare narrower than voxels there, so that vertices show them, and then twice at "
+        "most, until\nthere are at least so many vertices.");
+    grid.def("lit_contour", &lit_contour_of, py::arg("field"), py::arg("isovalue"),
+             py::arg("normals") = false, py::arg("front") = true, py::arg("back") = false,
+             "(vertices, normals, triangles, radiance, radiance of the inner side): contour() and\n"
+             "lookup() at its vertices at once, float32 (n, 3) each and int32 (m, 3). What is not\n"
+             "asked for is None. Fastest if the arrays of the call before are all let go.");
     grid.def("atlas", &atlas, py::arg("back") = false,
              "(pixels float32 [row, column, RGBA] bottom row first, columns, rows): slice k of "
              "the\ntexture is the tile in column k % columns and row k // columns, without "

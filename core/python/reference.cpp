@@ -53,6 +53,7 @@ py::tuple reference_surroundings(const Scene<D>& scene, int mesh, const std::vec
   std::vector<FacetPoint> points;
   for (std::size_t i = 0; i < facets.size(); ++i) {
     const auto row = static_cast<py::ssize_t>(i);
+    check_point(Vec<2>(coordinates.at(row, 0), coordinates.at(row, 1)));
     points.push_back({mesh, facets[i], coordinates.at(row, 0), coordinates.at(row, 1), !back});
   }
   return trace_reference(scene, points, {c, samples, seed, 0, false}, threads, progress);

@@ -6,7 +6,6 @@
 #include <embree3/rtcore.h>
 #endif
 #include <tbb/version.h>
-#include <teem/air.h>
 
 #include "arrays.h"
 #include "bindings.h"
@@ -36,18 +35,11 @@ Version loaded_embree() {
 
 Version tbb_version(int interface) { return {interface / 1000, interface % 1000 / 10}; }
 
-Version loaded_teem() {
-  const std::string text = airTeemVersion;
-  const std::size_t dot = text.find('.');
-  return {std::stoi(text), dot == std::string::npos ? 0 : std::stoi(text.substr(dot + 1))};
-}
-
 // OpenVDB, OpenEXR and Imath have their version in every symbol: the loader checks them.
 std::vector<Library> libraries() {
   return {
       {"oneTBB", tbb_version(TBB_INTERFACE_VERSION), tbb_version(TBB_runtime_interface_version())},
       {"Embree", {RTC_VERSION_MAJOR, RTC_VERSION_MINOR}, loaded_embree()},
-      {"Teem", {TEEM_VERSION_MAJOR, TEEM_VERSION_MINOR}, loaded_teem()},
   };
 }
 

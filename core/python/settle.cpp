@@ -29,6 +29,8 @@ IsosurfaceMesh mesh_of(const Floats& vertices, const Floats& normals, const Inte
   IsosurfaceMesh mesh{rows_of<Vec<3, float>>(vertices, "vertices"),
                       rows_of<Vec<3, float>>(normals, "normals"),
                       rows_of<std::array<std::int32_t, 3>>(triangles, "triangles")};
+  for (const auto& vertex : mesh.vertices) check_point(vertex);
+  for (const auto& normal : mesh.normals) check_point(normal);
   if (mesh.normals.size() != mesh.vertices.size()) {
     throw Error("There must be one normal for each vertex.");
   }

@@ -1,28 +1,53 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <limits>
+
 #include "arrays.h"
 #include "bindings.h"
-#include "leaflight/surface/marching_cubes.h"
 #include "leaflight/surface/marching_squares.h"
+#include "leaflight/surface/polygon_edges.h"
 #include "leaflight/surface/project.h"
 #include "leaflight/transport/exposure.h"
+#include "mesh_arrays.h"
 
 namespace leaflight::python {
+namespace {
+
+using IndexArray = py::array_t<std::int32_t, py::array::c_style | py::array::forcecast>;
+
+void check_polygons(const IndexArray& polygons, std::int32_t vertices) {
+  if (polygons.ndim() != 2 || polygons.shape(1) < 3) {
+    throw Error("The polygons must be an array of shape (n, 3) or (n, 4).");
+  }
+  if (polygons.size() > std::numeric_limits<std::int32_t>::max()) {
+    throw Error("The mesh is too large; choose another isovalue or crop the volume.");
+  }
+  const auto inside = [&](std::int32_t v) { return v >= 0 && v < vertices; };
+  if (!std::all_of(polygons.data(), polygons.data() + polygons.size(), inside)) {
+    throw Error("A polygon has a vertex that the mesh does not have.");
+  }
+}
+
+}  // namespace
 
 void bind_surface(py::module_& module) {
   module.def(
       "contour",
-      [](const Field<3>& field, double isovalue) {
-        IsosurfaceMesh mesh;
+      [](const Field<3>& field, double isovalue, bool normals) {
+        const std::shared_ptr<LitMesh> mesh = mesh_to_fill();
         {
           const py::gil_scoped_release unlocked;
-          mesh = contour(field, isovalue);
+          contour(field, isovalue, normals, *mesh);
         }
-        return arrays_of(std::move(mesh));
+        return mesh_arrays(mesh);
       },
-      py::arg("field"), py::arg("isovalue"),
-      "Marching cubes: (vertices (n, 3) world, outward unit normals (n, 3), triangles (m, 3)).");
+      py::arg("field"), py::arg("isovalue"), py::arg("normals") = true,
+      "Marching cubes: (vertices float32 (n, 3) world, outward unit normals (n, 3), triangles "
+      "int32\n"
+      "(m, 3)), a manifold. Without normals, which take the longest, there is None in their "
+      "place.");
   module.def(
       "contour2",
       [](const Field<2>& field, double isovalue) {
@@ -90,6 +115,26 @@ void bind_surface(py::module_& module) {
       py::arg("seed") = 0,
       "uint8 (n,): 1 where one of `directions` random rays from the leaf's outer side leaves the\n"
       "domain, so that the world point can be seen from outside.");
+  module.def(
+      "polygon_edges",
+      [](const IndexArray& polygons, std::int32_t vertices) {
+        check_polygons(polygons, vertices);
+        PolygonEdges edges;
+        {
+          const py::gil_scoped_release unlocked;
+          edges = polygon_edges(polygons.data(), static_cast<std::size_t>(polygons.shape(0)),
+                                static_cast<int>(polygons.shape(1)),
+                                static_cast<std::size_t>(vertices));
+        }
+        const auto n = static_cast<py::ssize_t>(edges.vertices.size());
+        return py::make_tuple(adopt<std::int32_t>(std::move(edges.vertices), {n, 2}),
+                              adopt<std::int32_t>(std::move(edges.of_corner),
+                                                  {polygons.shape(0), polygons.shape(1)}));
+      },
+      py::arg("polygons"), py::arg("vertices"),
+      "(edges int32 (e, 2), each once, lower vertex first, ascending; the edge from each corner "
+      "to\n"
+      "the next one, int32 (m, k)) of polygons int32 (m, k) with so many vertices in all.");
 }
 
 }  // namespace leaflight::python

@@ -7,6 +7,8 @@ virtual environment (scripts/blender).
 
 import json
 import os
+import shutil
+import signal
 import subprocess
 from pathlib import Path
 
@@ -93,6 +95,40 @@ class Blender:
             pytest.fail(f"Blender exited with {result.returncode}:\n{result.stdout}", pytrace=False)
         return result.stdout
 
+    def in_window(self, script, *arguments, timeout, size=(1024, 640)):
+        """What a script tells that drives Blender in a window: the object of its line WINDOW.
+
+        Skips the test where there is no window, or no xvfb-run to give it a screen; ends the screen
+        with the program when it takes too long. size: of the window and of the screen, in pixels.
+        """
+        if self.about["module"]:
+            pytest.skip("This Blender is a Python module, which has no window.")
+        if shutil.which("xvfb-run") is None:
+            pytest.skip("There is no xvfb-run: install the Debian package xvfb.")
+        width, height = size
+        screen = ["xvfb-run", "--auto-servernum", f"--server-args=-screen 0 {width}x{height}x24"]
+        program = ["blender", "-noaudio", "--window-geometry", "0", "0", width, height]
+        program += ["--enable-event-simulate", "--python-exit-code", "1"]
+        program += ["--python", HERE / "name_the_addon.py", "--python", script, "--"]
+        process = subprocess.Popen(
+            list(map(str, [*screen, *program, *arguments])),
+            env={**self.environment, "LIBGL_ALWAYS_SOFTWARE": "1"},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+            start_new_session=True,
+        )
+        try:
+            said = process.communicate(timeout=timeout)[0]
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            said = process.communicate()[0]
+            pytest.fail(f"Blender's window took too long:\n{said}", pytrace=False)
+        lines = [line for line in said.splitlines() if line.startswith("WINDOW ")]
+        assert lines and process.returncode == 0, said
+        return json.loads(lines[0].removeprefix("WINDOW "))
+
     def check(self, file, results, timeout):
         """Runs a file of checks, which writes what came of each to a file of results."""
         environment = self.environment
@@ -123,7 +159,11 @@ def blender(request, tmp_path_factory):
     if not blender.extends:
         package = request.getfixturevalue("legacy_zip")
     else:
-        options = ["--quick"] if blender.about["python"].startswith("3.11.") else []
+        python = ".".join(blender.about["python"].split(".")[:2])
+        options = [] if python == "3.13" else ["--quick"]
+        if python not in ("3.11", "3.13"):
+            # It came with this Blender (scripts/blender_with_window).
+            options += ["--python", Path(shutil.which(f"python{python}")).resolve()]
         (package,) = (
             path
             for path in package_of(*options)

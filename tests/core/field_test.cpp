@@ -5,6 +5,7 @@
 
 #include "fields.h"
 #include "leaflight/field/bump_box.h"
+#include "leaflight/field/coarser_values.h"
 #include "leaflight/field/texel_lattice.h"
 #include "leaflight/math/error.h"
 
@@ -64,8 +65,8 @@ TEST(IntervalPyramid, BoundsEveryBrick) {
           for (int z = b[2] * size; z <= std::min(22, (b[2] + 1) * size); ++z) {
             for (int y = b[1] * size; y <= std::min(22, (b[1] + 1) * size); ++y) {
               for (int x = b[0] * size; x <= std::min(22, (b[0] + 1) * size); ++x) {
-                low = std::min(low, field.values[field.offset({x, y, z})]);
-                high = std::max(high, field.values[field.offset({x, y, z})]);
+                low = std::min(low, field.value({x, y, z}));
+                high = std::max(high, field.value({x, y, z}));
               }
             }
           }
@@ -93,6 +94,28 @@ TEST(Field, ShadingGradientIsContinuousAcrossFaces) {
   const Field<3> field = test::noise<3>(9, 1, 0.5);
   const CellPoint<3> below{{3, 4, 4}, {1.0, 0.3, 0.6}}, above{{4, 4, 4}, {0.0, 0.3, 0.6}};
   EXPECT_LT((shading_gradient(field, below) - shading_gradient(field, above)).length(), 1e-12);
+}
+
+TEST(CoarserValues, AreThoseOfALinearFunctionInTheMiddleOfBlocks) {
+  const auto h = [](const Vec3& index) { return 3 + index.dot(Vec3(0.5, -2.0, 7.0)); };
+  const Index<3> dims{9, 4, 6};
+  std::vector<float> values;
+  for_each_index<3>({0, 0, 0}, dims, [&](const Index<3>& i) {
+    values.push_back(static_cast<float>(h(to_vector<3>(i))));
+  });
+  const float hole = std::numeric_limits<float>::quiet_NaN();
+  values[(3 * 4 + 1) * 9 + 4] = hole;
+  const std::vector<float> coarser =
+      coarser_values(test::field_from<3>(values, dims, test::unit_cube<3>(2)));
+  ASSERT_EQ(coarser.size(), 4u * 2u * 3u);
+  for (std::size_t block = 0; block < coarser.size(); ++block) {
+    const Index<3> i = index_of<3>(block, {4, 2, 3});
+    if (i == Index<3>{2, 0, 1}) {
+      EXPECT_TRUE(std::isnan(coarser[block]));
+    } else {
+      EXPECT_FLOAT_EQ(coarser[block], h(Vec3(2 * i[0] + 0.5, 2 * i[1] + 0.5, 2 * i[2] + 0.5)));
+    }
+  }
 }
 
 TEST(Field, RefusesWhatHasNoIsosurface) {
@@ -123,6 +146,7 @@ TEST(Field, RefusesWhatHasNoIsosurface) {
 TEST(TexelLattice, HoldsEveryTexelThatALookupNeeds) {
   const Field<3> field = test::ball<3>(21);
   const TexelLattice<3> lattice = make_lattice(field, {21, 21, 21}, 0.7, 0.8);
+  EXPECT_EQ(active_texels(field, {21, 21, 21}, 0.7, 0.8), lattice.active.size());
   Random random(3);
   for (int i = 0; i < 20'000; ++i) {
     const Vec3 p(20 * random.uniform(), 20 * random.uniform(), 20 * random.uniform());

@@ -27,6 +27,13 @@ Field<D> field_from(std::vector<float> values, const Index<D>& dims, const Affin
   return make_field<D>(owner->data(), dims, transform, owner);
 }
 
+template <int D>
+std::vector<float> values_of(const Field<D>& field) {
+  std::vector<float> values(field.voxels());
+  for (std::size_t v = 0; v < values.size(); ++v) values[v] = value_at(field.values, v);
+  return values;
+}
+
 // h(x) at n^D points of the unit cube.
 template <int D>
 Field<D> sampled(int n, const std::function<double(const Vec<D>&)>& h) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
+#include <tbb/parallel_for.h>
 
 #include <cmath>
 #include <filesystem>
@@ -8,7 +9,8 @@
 #include "leaflight/bake/bake.h"
 #include "leaflight/io/exr.h"
 #include "leaflight/io/files.h"
-#include "leaflight/io/nrrd.h"
+#include "leaflight/io/replaced_files.h"
+#include "leaflight/io/seal.h"
 #include "leaflight/io/vdb.h"
 #include "leaflight/math/error.h"
 #include "scenes.h"
@@ -31,6 +33,10 @@ class Files : public testing::Test {
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
   void write(const std::string& name, const std::string& content) const {
     std::ofstream(folder_ / name, std::ios::binary) << content;
+  }
+  std::string content(const std::string& name) const {
+    std::ifstream stream(folder_ / name, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
   }
   std::size_t count() const {
     return std::distance(fs::directory_iterator(folder_), fs::directory_iterator());
@@ -60,7 +66,7 @@ Baked<3> small_bake(const Scene<3>& scene) {
 
 TEST_F(Files, BakeComesBack) {
   Field<3> whole = test::ball<3>(17);
-  std::vector<float> values(whole.values, whole.values + whole.voxels());
+  std::vector<float> values = test::values_of(whole);
   values[whole.offset({1, 2, 3})] = std::nanf("");
   Affine<3> skewed = whole.index_to_world;
   skewed.column[1] += Vec3(0.01, 0, 0.02);
@@ -79,11 +85,12 @@ TEST_F(Files, BakeComesBack) {
   EXPECT_EQ(stored.metadata.at("name"), "ball");
   EXPECT_EQ(stored.metadata.at("statistics"), "42 s");
   EXPECT_EQ(stored.fields[0].dims, field.dims);
+  const Voxels voxels = voxels_of(stored.fields[0].values);
   for (std::size_t v = 0; v < values.size(); ++v) {
     if (std::isnan(values[v])) {
-      EXPECT_TRUE(std::isnan(stored.fields[0].values[v]));
+      EXPECT_TRUE(std::isnan(value_at(voxels, v)));
     } else {
-      ASSERT_EQ(stored.fields[0].values[v], values[v]);
+      ASSERT_EQ(value_at(voxels, v), values[v]);
     }
   }
   EXPECT_LT((stored.fields[0].index_to_world.point({3, 4, 5}) - skewed.point({3, 4, 5})).length(),
@@ -105,8 +112,9 @@ TEST_F(Files, VdbVolumeComesBack) {
   write_bake(path("a.vdb"), {&test::field_of(scene)}, small_bake(scene), {});
   const DenseVolume volume = read_vdb_volume(path("a.vdb"), "field");
   EXPECT_EQ(volume.dims, test::field_of(scene).dims);
-  EXPECT_EQ(volume.values[volume.values.size() / 2],
-            test::field_of(scene).values[volume.values.size() / 2]);
+  const std::size_t middle = cell_count<3>(volume.dims) / 2;
+  EXPECT_EQ(value_at(voxels_of(volume.values), middle),
+            value_at(test::field_of(scene).values, middle));
   EXPECT_NE(message_of([&] { read_vdb_volume(path("a.vdb"), "smoke"); }).find("no grid 'smoke'"),
             std::string::npos);
   EXPECT_NE(message_of([&] { read_vdb_volume(path("a.vdb"), "radiance"); }).find("scalars"),
@@ -127,19 +135,98 @@ TEST_F(Files, DamagedVdbIsRefused) {
   EXPECT_NE(message_of([&] { read_bake(path("none.vdb")); }).find("no file"), std::string::npos);
 }
 
-TEST_F(Files, FailedWriteLeavesNothing) {
-  EXPECT_NE(message_of([&] {
-              write_atomically(path("x.bin"), [](const std::string& temporary) {
-                std::ofstream(temporary) << "half";
-                throw std::runtime_error("disk on fire\nsecond line");
-              });
-            }).find("disk on fire)"),
+TEST_F(Files, FailedWriteLeavesTheFileBefore) {
+  write("x.bin", "before");
+  const auto fail = [](std::ostream& stream) {
+    stream << "half";
+    throw std::runtime_error("disk on fire\nsecond line");
+  };
+  EXPECT_NE(message_of([&] { replace_file(path("x.bin"), fail); }).find("disk on fire)"),
             std::string::npos);
-  EXPECT_EQ(count(), 0u);
-  EXPECT_NE(message_of([&] {
-              write_atomically(path("no/x"), [](const std::string&) {});
-            }).find("does not exist"),
-            std::string::npos);
+  Progress cancelled;
+  cancelled.cancel();
+  EXPECT_THROW(replace_file(
+                   path("x.bin"), [](std::ostream& s) { s << "half"; }, &cancelled),
+               Cancelled);
+  EXPECT_EQ(count(), 1u);
+  EXPECT_EQ(content("x.bin"), "before");
+  EXPECT_NE(
+      message_of([&] { replace_file(path("no/x"), [](std::ostream&) {}); }).find("does not exist"),
+      std::string::npos);
+}
+
+TEST_F(Files, SeveralAreReplacedTogether) {
+  write("a", "old");
+  {
+    ReplacedFiles files({path("a"), path("b.txt")});
+    EXPECT_EQ(files.temporary(1).extension(), ".txt");
+    std::ofstream(files.temporary(0)) << "new";
+    // The second was not written.
+    EXPECT_NE(message_of([&] { files.commit(); }).find("b.txt"), std::string::npos);
+  }
+  EXPECT_EQ(content("a"), "old");
+  EXPECT_EQ(count(), 1u);
+  ReplacedFiles files({path("a"), path("b.txt")});
+  std::ofstream(files.temporary(0)) << "new";
+  std::ofstream(files.temporary(1)) << "new too";
+  files.commit();
+  EXPECT_EQ(content("a") + content("b.txt"), "newnew too");
+  EXPECT_EQ(count(), 2u);
+}
+
+TEST_F(Files, WhatKilledProcessesLeftIsRemovedAndNothingElse) {
+  fs::create_directory(folder_ / ".leaflight-part-0123456789abcdef");
+  write(".leaflight-part-0123456789abcdef/output.vdb", "of one who was killed");
+  write(".leaflight-part-notes", "a file");
+  const ReplacedFiles alive({path("x")});
+  const ReplacedFiles second({path("y")});
+  EXPECT_TRUE(fs::exists(alive.temporary(0).parent_path()));
+  EXPECT_EQ(count(), 3u);
+}
+
+TEST_F(Files, ManyWritersOfOneTargetLeaveOneWhole) {
+  tbb::parallel_for(0, 16, [&](int i) {
+    replace_file(path("x"), [&](std::ostream& stream) {
+      for (int k = 0; k < 1000; ++k) stream << static_cast<char>('a' + i);
+    });
+  });
+  EXPECT_EQ(count(), 1u);
+  EXPECT_EQ(content("x"), std::string(1000, content("x")[0]));
+}
+
+TEST_F(Files, SealTellsEveryChange) {
+  write("x", "some content");
+  EXPECT_EQ(check_seal(path("x")), Seal::none);
+  seal(path("x"));
+  EXPECT_EQ(check_seal(path("x")), Seal::whole);
+  const std::string whole = content("x");
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    std::string damaged = whole;
+    damaged[i] ^= 1;
+    write("y", damaged);
+    EXPECT_NE(check_seal(path("y")), Seal::whole) << i;
+    write("y", whole.substr(0, i));
+    EXPECT_NE(check_seal(path("y")), Seal::whole) << i;
+  }
+}
+
+TEST_F(Files, SmallVoxelsAreSaved) {
+  // 10 micrometers in meters, sheared: OpenVDB takes no cell below 3e-15.
+  const Scene<3> scene = test::cornell(test::ball<3>(17), {0.6, 0.9});
+  const Baked<3> baked = small_bake(scene);
+  Affine<3> placed;
+  for (int a = 0; a < 3; ++a) {
+    placed.column[a] = Vec3(0.0);
+    placed.column[a][a] = 1e-5 * (a + 1);
+  }
+  placed.column[1].x = 1e-6;
+  placed.origin = Vec3(1, 2e-3, -3e-5);
+  const Field<3> field = test::field_from<3>(test::values_of(test::field_of(scene)),
+                                             test::field_of(scene).dims, placed);
+  write_bake(path("a.vdb"), {&field}, baked, {});
+  const Affine<3> again = read_bake(path("a.vdb")).fields[0].index_to_world;
+  for (int a = 0; a < 3; ++a) EXPECT_EQ(again.column[a], placed.column[a]);
+  EXPECT_EQ(again.origin, placed.origin);
 }
 
 TEST_F(Files, ExrComesBack) {
@@ -153,49 +240,6 @@ TEST_F(Files, ExrComesBack) {
   EXPECT_EQ(image.pixels, pixels);
   write("j.exr", "nothing");
   EXPECT_NE(message_of([&] { read_exr(path("j.exr")); }).find("EXR"), std::string::npos);
-}
-
-std::string nrrd_header(const std::string& sizes, const std::string& more) {
-  return "NRRD0004\ntype: short\ndimension: 3\nsizes: " + sizes +
-         "\nendian: little\nencoding: raw\n" + more;
-}
-
-TEST_F(Files, NrrdIsRead) {
-  std::string data;
-  for (int i = 0; i < 24; ++i) data += {static_cast<char>(i), static_cast<char>(i == 5 ? -1 : 0)};
-  write("a.nrrd", nrrd_header("4 3 2",
-                              "space: left-posterior-superior\nspace directions: (2,0,0) (0,3,0) "
-                              "(0,0,4)\nspace origin: (10,20,30)\n\n") +
-                      data);
-  const DenseVolume volume = read_nrrd(path("a.nrrd"));
-  EXPECT_EQ(volume.dims, (Index<3>{4, 3, 2}));
-  EXPECT_EQ(volume.values[7], 7);
-  EXPECT_EQ(volume.values[5], 5 - 256);
-  // Left-posterior-superior becomes right-anterior-superior.
-  EXPECT_LT((volume.index_to_world.point({1, 1, 1}) - Vec3(-12, -23, 34)).length(), 1e-12);
-
-  write("d.raw", data);
-  write("b.nhdr", nrrd_header("4 3 2", "data file: d.raw\n"));
-  EXPECT_EQ(read_nrrd(path("b.nhdr")).values[7], 7);
-}
-
-TEST_F(Files, BadNrrdIsRefused) {
-  const auto refused = [&](const std::string& name) {
-    return message_of([&] { read_nrrd(path(name)); });
-  };
-  write("short.nrrd", nrrd_header("400 300 200", "\n") + std::string(10, 'x'));
-  EXPECT_NE(refused("short.nrrd").find("truncated"), std::string::npos);
-  write("huge.nrrd", nrrd_header("40000 60000 60000", "\n") + std::string(10, 'x'));
-  EXPECT_NE(refused("huge.nrrd").find("claims"), std::string::npos);
-  write("away.nhdr", nrrd_header("4 3 2", "data file: ../d.raw\n"));
-  EXPECT_NE(refused("away.nhdr").find("outside its own folder"), std::string::npos);
-  write("gone.nhdr", nrrd_header("4 3 2", "data file: d.raw\n"));
-  EXPECT_NE(refused("gone.nhdr").find("no file"), std::string::npos);
-  write("text.nrrd", "hello");
-  EXPECT_NE(refused("text.nrrd").find("NRRD"), std::string::npos);
-  write("four.nrrd", "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 2 2 2 2\nencoding: raw\n\n" +
-                         std::string(16, 'x'));
-  EXPECT_NE(refused("four.nrrd").find("three axes"), std::string::npos);
 }
 
 }  // namespace

@@ -160,8 +160,8 @@ void expect_photons_agree(const Scene<D>& scene) {
   double landed = 0, landed2 = 0;
   trace_photons(tracer, lights, PhotonPaths::all, 1, 0, count, count,
                 [&](const PhotonHit<D>& photon) {
-                  if (photon.arrival == Arrival::direct && photon.point.kind == HitKind::leaf &&
-                      !photon.point.above) {
+                  if (photon.arrival == Arrival::direct && photon.point.kind() == HitKind::leaf &&
+                      !photon.point.leaf().above) {
                     const double flux = average(photon.flux_height) * scene.window.height();
                     landed += flux;
                     landed2 += flux * flux;
@@ -185,11 +185,11 @@ void expect_photons_agree(const Scene<D>& scene) {
     const double h = interpolate(load_corners(volume.field, at.cell), at.local);
     if (!scene.window.contains(h)) continue;
     const SurfacePoint<D> point = tracer.leaf_point(0, at, h, false);
-    if (point.kind == HitKind::none) continue;
+    if (point.kind() == HitKind::none) continue;
     const double choice = random.uniform(), u = random.uniform();
     const Rgb radiance = lights.direct_radiance(point, choice, {u, random.uniform()}, rays);
-    const double flux =
-        average(radiance) * projected_hemisphere<D> * point.gradient_length * measure / samples;
+    const double flux = average(radiance) * projected_hemisphere<D> * point.leaf().gradient_length *
+                        measure / samples;
     gathered += flux;
     gathered2 += flux * flux;
   }

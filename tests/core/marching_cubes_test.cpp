@@ -4,44 +4,18 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <map>
 #include <set>
 
 #include "fields.h"
 #include "leaflight/math/sampling.h"
 #include "leaflight/surface/split_edges.h"
+#include "meshes.h"
 
 namespace leaflight {
 namespace {
 
-using EdgeCount = std::map<std::pair<int, int>, int>;
-
-EdgeCount directed_edges(const IsosurfaceMesh& mesh) {
-  EdgeCount edges;
-  for (const auto& t : mesh.triangles) {
-    for (int k = 0; k < 3; ++k) ++edges[{t[k], t[(k + 1) % 3]}];
-  }
-  return edges;
-}
-
-// Each edge is used as often in one direction as in the other.
-bool closed(const IsosurfaceMesh& mesh) {
-  const EdgeCount edges = directed_edges(mesh);
-  for (const auto& [edge, count] : edges) {
-    const auto opposite = edges.find({edge.second, edge.first});
-    if (opposite == edges.end() || opposite->second != count) return false;
-  }
-  return true;
-}
-
-int euler_characteristic(const IsosurfaceMesh& mesh) {
-  std::set<std::pair<int, int>> edges;
-  for (const auto& [edge, count] : directed_edges(mesh)) {
-    edges.insert(std::minmax(edge.first, edge.second));
-  }
-  return static_cast<int>(mesh.vertices.size()) - static_cast<int>(edges.size()) +
-         static_cast<int>(mesh.triangles.size());
-}
+using test::closed;
+using test::euler_characteristic;
 
 double signed_volume(const IsosurfaceMesh& mesh) {
   double volume = 0;
@@ -112,7 +86,7 @@ TEST(MarchingCubes, MirroredTransformKeepsOutwardOrientation) {
 
 TEST(MarchingCubes, MaskedCellsLeaveAHole) {
   const Field<3> whole = test::ball<3>(21);
-  std::vector<float> values(whole.values, whole.values + whole.voxels());
+  std::vector<float> values = test::values_of(whole);
   for (int z = 0; z < 21; ++z) values[whole.offset({10, 10, z})] = std::nanf("");
   const auto field = test::field_from<3>(values, whole.dims, whole.index_to_world);
   const IsosurfaceMesh mesh = contour(field, 0.7);

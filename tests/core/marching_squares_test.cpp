@@ -148,7 +148,7 @@ TEST(MarchingSquares, MirroredTransformKeepsTheOrientation) {
 
 TEST(MarchingSquares, MaskedCellsLeaveAGap) {
   const Field<2> whole = test::ball<2>(21);
-  std::vector<float> values(whole.values, whole.values + whole.voxels());
+  std::vector<float> values = test::values_of(whole);
   values[whole.offset({10, 16})] = std::nanf("");
   const auto field = test::field_from<2>(values, whole.dims, whole.index_to_world);
   const IsolineMesh mesh = contour(field, 0.7);

@@ -104,7 +104,7 @@ void expect_alike(const Units& units, double most_rms, bool glowing = false) {
     const RadianceGrid<3> other = baked(scene_in(units, glowing), estimator);
     const Difference d = difference(plain(estimator, glowing), other, units.light);
     const std::string name =
-        units.name + (glowing ? ", glowing leaves, " : ", ") + name_of(estimator);
+        units.name + (glowing ? ", glowing leaves, " : ", ") + traits_of(estimator).name;
     EXPECT_TRUE(d.same_texels) << name;
     EXPECT_LE(d.rms, most_rms) << name;
     test::figure(name + ": relative RMS", d.rms);

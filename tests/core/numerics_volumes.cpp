@@ -118,7 +118,7 @@ void expect_light(const Scene<3>& scene, const std::string& name) {
   for (const EstimatorName estimator : estimators) {
     Progress progress;
     const RadianceGrid<3> grid = bake(scene, quick(estimator), progress).grids[0];
-    const std::string what = name + ", " + name_of(estimator);
+    const std::string what = name + ", " + traits_of(estimator).name;
     EXPECT_TRUE(is_light(grid.radiance)) << what;
     EXPECT_TRUE(is_light(grid.radiance_indirect)) << what;
     EXPECT_TRUE(is_light(grid.radiance_back)) << what;
@@ -287,7 +287,7 @@ TEST(NumericsVolumes, FurnaceInNarrowWindows) {
       const auto n = static_cast<double>(points.size());
       const double mean = sum / n, error = std::sqrt((square / n - mean * mean) / n);
       std::ostringstream what;
-      what << "furnace, window of " << height << ", " << name_of(estimator);
+      what << "furnace, window of " << height << ", " << traits_of(estimator).name;
       // Neighbouring points share texels and photons: eight count as one. Shading normals cost 1 %.
       if (!test::sanitized) {
         EXPECT_LT(std::abs(mean - 2), 4 * std::sqrt(8) * error + 0.02) << what.str();

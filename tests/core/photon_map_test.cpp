@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/transport/photon_map.h"
+#include "leaflight/thesis/photon_map.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
@@ -10,8 +10,8 @@
 #include "leaflight/math/error.h"
 #include "leaflight/math/sampling.h"
 #include "leaflight/surface/project.h"
+#include "leaflight/thesis/thesis_estimator.h"
 #include "leaflight/transport/leaf_cache.h"
-#include "leaflight/transport/thesis_estimator.h"
 
 namespace leaflight {
 namespace {
@@ -202,7 +202,7 @@ void compare_with_volumetric(const Scene<D>& scene, std::uint64_t count) {
                      lights.largest_flux_height() / static_cast<double>(count), count);
   trace_photons(tracer, lights, PhotonPaths::all, 1, 0, count, count,
                 [&](const PhotonHit<D>& photon) {
-                  if (photon.point.kind == HitKind::leaf) cache.deposit(photon);
+                  if (photon.point.kind() == HitKind::leaf) cache.deposit(photon);
                 });
   cache.finish(progress);
   const std::vector<LeafRadiance<D>> leaves{{&lattice, &cache, {}}};
@@ -211,8 +211,8 @@ void compare_with_volumetric(const Scene<D>& scene, std::uint64_t count) {
   for (const Expected& expected : stated) {
     PhotonMapSettings settings;
     settings.region = expected.region;
-    const auto maps = make_photon_maps(tracer, photons, settings);
-    const auto thesis = make_thesis_estimator<D>(maps, nullptr);
+    const auto thesis =
+        make_thesis_estimator<D>(make_photon_maps(tracer, photons, settings), nullptr);
     Random random(4);
     double sum = 0, other = 0;
     std::uint64_t rays = 0;

@@ -17,7 +17,7 @@ template <int D>
 void expect_reversible() {
   Random random(1);
   SurfacePoint<D> point;
-  point.kind = HitKind::surroundings;
+  point.on = SurroundingsHit{};
   point.scattering = Scattering::glass;
   point.albedo = Rgb(0.9f, 0.5f, 0.2f);
   Vec<D> normal(0.0);
@@ -140,7 +140,7 @@ TEST(Reciprocity, OfPhotonsAndPaths) {
     for (int b = 0; b < batches; ++b) {
       trace_photons(
           tracer, lights, PhotonPaths::all, 100 + b, 0, count, count, [&](const PhotonHit<3>& hit) {
-            if (hit.point.kind == HitKind::surroundings && hit.point.place.mesh == plate) {
+            if (hit.point.kind() == HitKind::surroundings && hit.point.facet().mesh == plate) {
               sums[b] += Imath::V3d(hit.flux_height);
             }
           });

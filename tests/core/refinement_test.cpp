@@ -9,6 +9,7 @@
 #include "leaflight/bake/texel_samples.h"
 #include "leaflight/math/error.h"
 #include "leaflight/math/progress.h"
+#include "leaflight/thesis/thesis.h"
 #include "leaflight/transport/reference.h"
 #include "scenes.h"
 
@@ -110,8 +111,8 @@ TEST(Refinement, IsContinuousAndServesWholeCells) {
   const Scene<3> scene = shadowed();
   const Baked<3> bake = baked(scene, 2);
   const RadianceGrid<3>& grid = bake.grids[0];
-  ASSERT_TRUE(grid.finer && grid.finer->finer && !grid.finer->finer->finer);
-  EXPECT_EQ(grid.finer->lattice.resolution, (Index<3>{33, 33, 33}));
+  ASSERT_EQ(grid.levels(), 3);
+  EXPECT_EQ(grid.finer[0].lattice.resolution, (Index<3>{33, 33, 33}));
   Random random(3);
   int crossed = 0, fine = 0;
   for (int i = 0; i < 200'000; ++i) {
@@ -123,11 +124,11 @@ TEST(Refinement, IsContinuousAndServesWholeCells) {
     const CellPoint<3> point = locate(test::field_of(scene), at);
     const double h = interpolate(load_corners(test::field_of(scene), point.cell), point.local);
     if (!scene.window.contains(h)) continue;
-    fine += &grid.at(at) != &grid;
+    fine += grid.level_at(at) > 0;
     Vec3 before = at, after = at;
     before[axis] = std::max(0.0, at[axis] - 1e-9);
     after[axis] = std::min(16.0, at[axis] + 1e-9);
-    const RadianceGrid<3>&a = grid.at(before), &b = grid.at(after);
+    const RadianceLevel<3>&a = grid.at(before), &b = grid.at(after);
     crossed += &a != &b;
     const auto left = lookup(a.lattice, a.radiance, before);
     const auto right = lookup(b.lattice, b.radiance, after);
@@ -143,7 +144,7 @@ double error_of(const Scene<3>& scene, const Baked<3>& bake, const std::vector<V
   double squares = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec3 position = test::field_of(scene).world_to_index.point(points[i]);
-    const RadianceGrid<3>& from = bake.grids[0].at(position);
+    const RadianceLevel<3>& from = bake.grids[0].at(position);
     const Vec3 difference =
         Vec3(lookup(from.lattice, from.radiance, position)) - Vec3(truth[i].radiance);
     squares += 0.25 * difference.length2() / 3;
@@ -187,7 +188,9 @@ TEST(Refinement, RefusesWhatItCannotDo) {
   settings.refine = 5;
   EXPECT_THROW(bake(scene, settings, progress), Error);
   settings.refine = 1;
-  settings.scattered.emplace();
+  ThesisSettings strewn;
+  strewn.scattered.emplace();
+  settings.thesis = std::make_shared<const ThesisSettings>(strewn);
   EXPECT_THROW(bake(scene, settings, progress), Error);
 }
 

@@ -9,6 +9,8 @@
 #include <thread>
 
 #include "agreement.h"
+#include "leaflight/math/error.h"
+#include "leaflight/math/sampling.h"
 
 namespace leaflight {
 namespace {
@@ -17,6 +19,7 @@ BakeSettings<3> in_rounds(double error = 1.5) {
   BakeSettings<3> settings;
   settings.samples = 0;
   settings.error = test::sanitized ? 20 * error : error;
+  if (test::sanitized) settings.resolution = {17, 17, 17};
   return settings;
 }
 
@@ -34,20 +37,16 @@ bool same_bits(const RadianceGrid<3>& a, const RadianceGrid<3>& b) {
          same_bits(a.radiance_back, b.radiance_back);
 }
 
-Scene<3> small_scene() { return test::cornell(test::ball<3>(17), {0.6, 0.9}); }
-
-TEST(Rounds, AreTheSameForAnyNumberOfThreads) {
-  const Scene<3> scene = test::cornell(test::torus(17), {0.6, 0.95});
+// Both sides of leaves, and the walls.
+BakeSettings<3> of_all_light(int texels) {
   BakeSettings<3> settings = in_rounds();
   settings.both_sides = true;
   settings.surroundings = !test::sanitized;
-  settings.resolution = {33, 33, 33};
-  std::vector<Baked<3>> bakes;
-  for (const int threads : {1, 2, 5}) {
-    settings.threads = threads;
-    Progress progress;
-    bakes.push_back(bake(scene, settings, progress));
-  }
+  settings.resolution = Index<3>{texels, texels, texels};
+  return settings;
+}
+
+void expect_same_light(const std::vector<Baked<3>>& bakes) {
   for (const Baked<3>& other : bakes) {
     EXPECT_TRUE(same_bits(bakes[0].grids[0], other.grids[0]));
     ASSERT_EQ(bakes[0].surroundings.radiance.size(), other.surroundings.radiance.size());
@@ -56,6 +55,20 @@ TEST(Rounds, AreTheSameForAnyNumberOfThreads) {
           same_bits(bakes[0].surroundings.radiance[m][0], other.surroundings.radiance[m][0]));
     }
   }
+}
+
+Scene<3> small_scene() { return test::cornell(test::ball<3>(17), {0.6, 0.9}); }
+
+TEST(Rounds, AreTheSameForAnyNumberOfThreads) {
+  const Scene<3> scene = test::cornell(test::torus(17), {0.6, 0.95});
+  BakeSettings<3> settings = of_all_light(33);
+  std::vector<Baked<3>> bakes;
+  for (const int threads : {1, 2, 5}) {
+    settings.threads = threads;
+    Progress progress;
+    bakes.push_back(bake(scene, settings, progress));
+  }
+  expect_same_light(bakes);
 }
 
 TEST(Rounds, StoppedAfterTheSameRoundAreTheSame) {
@@ -78,6 +91,139 @@ TEST(Rounds, StoppedAfterTheSameRoundAreTheSame) {
   // Nobody needs to look on.
   Progress alone;
   EXPECT_TRUE(same_bits(all.grids[0], bake(scene, settings, alone).grids[0]));
+}
+
+// What a bake that goes on is given of one that was stopped.
+KeptLight<3> kept_of(const Baked<3>& baked) {
+  const BakeStatistics& s = baked.statistics;
+  return KeptLight<3>(baked.grids[0], s.rounds, s.direct_blocks, s.indirect_blocks);
+}
+
+Baked<3> stopped_after(int rounds, const Scene<3>& scene, const BakeSettings<3>& settings,
+                       const KeptLight<3>* kept = nullptr) {
+  Progress progress;
+  const auto look = [&](Baked<3>&&) {
+    if (--rounds == 0) progress.stop();
+  };
+  return bake<3>(scene, settings, progress, look, kept);
+}
+
+TEST(Rounds, ContinuedAreTheSameForAnyNumberOfThreads) {
+  const Scene<3> scene = test::cornell(test::torus(17), {0.6, 0.95});
+  BakeSettings<3> settings = of_all_light(17);
+  Progress progress;
+  std::vector<Baked<3>> bakes;
+  for (const int threads : {1, 2, 5}) {
+    settings.threads = threads;
+    const KeptLight<3> kept = kept_of(stopped_after(1, scene, settings));
+    bakes.push_back(bake<3>(scene, settings, progress, {}, &kept));
+    EXPECT_EQ(bakes.back().statistics.rounds, 2);
+  }
+  expect_same_light(bakes);
+}
+
+// The mean difference of two grids, of both sides, over the mean of the second; and how the means
+// differ.
+struct Difference {
+  double of_texels = 0, of_means = 0;
+
+  Difference(const RadianceGrid<3>& a, const RadianceGrid<3>& b) {
+    add(a.radiance, b.radiance);
+    add(a.radiance_back, b.radiance_back);
+    of_texels /= all;
+    of_means /= all;
+  }
+
+ private:
+  void add(const std::vector<Vec<3, float>>& a, const std::vector<Vec<3, float>>& b) {
+    for (std::size_t s = 0; s < a.size(); ++s) {
+      of_texels += std::abs(a[s].y - b[s].y);
+      of_means += a[s].y - b[s].y;
+      all += b[s].y;
+    }
+  }
+  double all = 0;
+};
+
+TEST(Rounds, ContinuedErrAsIfTheyHadNeverBeenStopped) {
+  if (test::sanitized) GTEST_SKIP() << "statistics are for other builds";
+  Scene<3> glowing = test::cornell(test::ball<3>(25), {0.6, 0.9});
+  glowing.volumes[0].emission = ColorRamp(Rgb(0.05f, 0.1f, 0));
+  const struct {
+    const char* name;
+    Scene<3> scene;
+    int texels;
+  } cases[] = {{"torus", test::cornell(test::torus(25), {0.7, 0.95}), 25},
+               {"glowing ball", glowing, 25},
+               {"texels of another width", glowing, 31}};
+  for (const auto& [name, scene, texels] : cases) {
+    BakeSettings<3> settings = in_rounds(0.05);
+    settings.both_sides = true;
+    settings.resolution = Index<3>{texels, texels, texels};
+    const Baked<3> uninterrupted = stopped_after(2, scene, settings);
+    const KeptLight<3> kept = kept_of(stopped_after(1, scene, settings));
+    const Baked<3> continued = stopped_after(1, scene, settings, &kept);
+    settings.seed = 9;
+    const Baked<3> truth = stopped_after(5, scene, settings);
+    const Difference now(continued.grids[0], truth.grids[0]);
+    const Difference then(uninterrupted.grids[0], truth.grids[0]);
+    EXPECT_LT(now.of_texels, 1.1 * then.of_texels) << name;
+    EXPECT_NEAR(now.of_means, then.of_means, 0.01) << name;
+    EXPECT_NEAR(continued.statistics.noise_percent / uninterrupted.statistics.noise_percent, 1,
+                0.25)
+        << name;
+  }
+}
+
+// Whether the error that bakes report is the one they make, beside a much finer one of other nets.
+TEST(Rounds, ContinuedKnowTheirError) {
+  if (test::sanitized) GTEST_SKIP() << "statistics are for other builds";
+  const Scene<3> scene = test::cornell(test::torus(25), {0.7, 0.95});
+  BakeSettings<3> settings = in_rounds(0.1);
+  settings.resolution = {25, 25, 25};
+  settings.seed = 9;
+  Progress progress;
+  const Baked<3> truth = bake(scene, settings, progress);
+  const auto coverage = [&](const Baked<3>& baked) {
+    const RadianceGrid<3>&a = baked.grids[0], &b = truth.grids[0];
+    std::size_t within = 0;
+    for (std::size_t s = 0; s < a.radiance.size(); ++s) {
+      const Vec<3, float> off = a.radiance[s] - b.radiance[s];
+      const double error = std::hypot(a.radiance_error[s], b.radiance_error[s]);
+      within += std::abs(off.x + off.y + off.z) / 3 <= 1.96 * error;
+    }
+    return static_cast<double>(within) / static_cast<double>(a.radiance.size());
+  };
+  double sum = 0;
+  constexpr int seeds = 4;
+  for (int seed = 0; seed < seeds; ++seed) {
+    settings.seed = seed;
+    const KeptLight<3> kept = kept_of(stopped_after(1, scene, settings));
+    const Baked<3> continued = stopped_after(1, scene, settings, &kept);
+    // Once more.
+    const KeptLight<3> again = kept_of(continued);
+    const double twice = coverage(stopped_after(1, scene, settings, &again));
+    sum += (coverage(continued) + twice) / 2;
+  }
+  EXPECT_NEAR(sum / seeds, 0.95, 0.03);
+}
+
+TEST(Rounds, GoOnWithTheirOwnTexelsAlone) {
+  const Scene<3> scene = small_scene();
+  BakeSettings<3> settings = in_rounds(5);
+  settings.resolution = {17, 17, 17};
+  BakeSettings<3> coarse = settings;
+  coarse.resolution = {9, 9, 9};
+  Progress progress;
+  const KeptLight<3> other = kept_of(bake(scene, coarse, progress));
+  // A first picture has other texels, too: the bake begins anew.
+  EXPECT_TRUE(same_bits(bake(scene, settings, progress).grids[0],
+                        bake<3>(scene, settings, progress, {}, &other).grids[0]));
+  const Scene<3> wider = test::cornell(test::ball<3>(17), {0.4, 0.9});
+  EXPECT_THROW(bake<3>(wider, coarse, progress, {}, &other), Error);
+  BakeSettings<3> fixed = settings;
+  fixed.samples = 4;
+  EXPECT_THROW(bake<3>(scene, fixed, progress, {}, &other), Error);
 }
 
 TEST(Rounds, EndInTime) {
@@ -148,8 +294,10 @@ TEST(Rounds, PlanesUnderAPointLightFollowItsLaw) {
   light.position = lamp;
   light.intensity = Rgb(3.0f);
   scene.lights.push_back(light);
+  BakeSettings<3> settings = in_rounds();
+  settings.resolution = {65, 65, 65};  // by default, but with sanitizers too
   Progress progress;
-  const Baked<3> baked = bake(scene, in_rounds(), progress);
+  const Baked<3> baked = bake(scene, settings, progress);
   for_each_centre(scene, baked, [&](const Vec3& x, double, std::size_t s) {
     const Vec3 way = lamp - x;
     const double expected = 0.8 / pi * 3 * way.z / std::pow(way.length(), 3);
@@ -188,7 +336,7 @@ TEST(Rounds, ALightWithinTheVolumeShinesToAllSides) {
 
 TEST(Rounds, FurnaceIsUniform) {
   if (test::sanitized) GTEST_SKIP() << "statistics are for other builds";
-  const Scene<3> scene = test::furnace(test::torus(25), {0.7, 0.95}, 1, 0.5f);
+  const Scene<3> scene = test::furnace(test::torus(17), {0.7, 0.95}, 1, 0.5f);
   BakeSettings<3> settings = in_rounds();
   settings.exposure = 0.2;  // so that no colour is white, whose noise would not count
   Progress progress;

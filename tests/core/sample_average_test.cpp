@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The variance that averages report against the one that they have over many keys.
-#include "leaflight/bake/sample_average.h"
+#include "leaflight/math/sample_average.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/bake/sample_strategy.h"
+#include "leaflight/thesis/sample_strategy.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
@@ -8,9 +8,9 @@
 #include <map>
 
 #include "fields.h"
-#include "leaflight/bake/adaptive_isovalues.h"
 #include "leaflight/field/bump_box.h"
 #include "leaflight/math/error.h"
+#include "leaflight/thesis/adaptive_isovalues.h"
 
 namespace leaflight {
 namespace {
@@ -254,7 +254,7 @@ TEST(SampleStrategy, NamesAreUnique) {
 double widest_gap(const Field<2>& field, const std::vector<double>& isovalues) {
   std::vector<Vec<2>> crossings;
   const auto edge = [&](const Index<2>& i, const Index<2>& j) {
-    const double a = field.values[field.offset(i)], b = field.values[field.offset(j)];
+    const double a = field.value(i), b = field.value(j);
     for (const double c : isovalues) {
       if ((a >= c) == (b >= c)) continue;
       const Vec<2> from = to_vector<2>(i), to = to_vector<2>(j);

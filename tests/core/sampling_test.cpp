@@ -550,15 +550,15 @@ TEST(Emission, Leaves) {
     int above = 0;
     for (int i = 0; i < draws; ++i) {
       const auto sample = emitter.sample(random.uniform(), random);
-      ASSERT_EQ(sample.point.kind, HitKind::leaf);
-      above += sample.point.above;
+      ASSERT_EQ(sample.point.kind(), HitKind::leaf);
+      above += sample.point.leaf().above;
       int part = 0;
       for (int a = 0; a < D; ++a) {
         part = parts * part +
                std::min(parts - 1, static_cast<int>((sample.point.position[a] + 0.5) * parts));
       }
       const double angle = D == 3 ? pi : 2;
-      const double steepness = sample.point.gradient_length / scene.window.height();
+      const double steepness = sample.point.leaf().gradient_length / scene.window.height();
       const double volume =
           sample.flux_height.x / (2 * angle * sample.point.emission.x * steepness);
       sum[part] += volume;

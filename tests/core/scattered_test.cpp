@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/bake/scattered.h"
+#include "leaflight/thesis/scattered.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>

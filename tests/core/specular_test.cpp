@@ -28,7 +28,7 @@ TEST(Specular, FresnelHasItsKnownValues) {
 template <int D>
 void expect_snell() {
   SurfacePoint<D> point;
-  point.kind = HitKind::surroundings;
+  point.on = SurroundingsHit{};
   point.scattering = Scattering::glass;
   point.albedo = Rgb(1);
   Vec<D> normal(0.0);

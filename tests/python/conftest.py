@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the tests share: small volumes, one small bake, and two ways to call the command line."""
 
+import signal
 import subprocess
 import sys
 from dataclasses import dataclass, replace
@@ -10,8 +11,8 @@ import leaflight
 import numpy as np
 import pytest
 from hypothesis import settings
-from leaflight.cli import main
 from leaflight.volume.particles import lapr
+from leaflight_command import main
 
 # The same examples in every run, however slow the machine: a failure is about the change at hand.
 settings.register_profile("repeatable", derandomize=True, deadline=None, max_examples=60)
@@ -102,7 +103,10 @@ def cli(capsys):
     """Calls the command line in this process: cli("info", "x.nii") -> Outcome."""
 
     def call(*arguments):
+        # A program that has written its files ignores Ctrl-C from then on; the tests go on.
+        before = signal.getsignal(signal.SIGINT)
         status = main([str(argument) for argument in arguments])
+        signal.signal(signal.SIGINT, before)
         captured = capsys.readouterr()
         return Outcome(status, captured.out, captured.err)
 

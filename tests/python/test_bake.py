@@ -169,7 +169,8 @@ def test_a_file_whose_id_is_not_that_of_its_contents_is_refused(box_file, box_ba
     path = tmp_path / "forged.vdb"
     data = box_file.read_bytes()
     assert data.count(box_bake.id.encode()) == 1
-    path.write_bytes(data.replace(box_bake.id.encode(), b"0" * 32))
+    # Without the seal at its end, which would not fit any more.
+    path.write_bytes(data[:-24].replace(box_bake.id.encode(), b"0" * 32))
     assert read_bake_id(path) == "0" * 32
     with pytest.raises(LeaflightError, match="metadata were changed"):
         load_bake(path)
@@ -184,7 +185,7 @@ def test_a_bake_without_id_is_told_from_other_files(box_bake, tmp_path):
     with pytest.raises(LeaflightError, match="an earlier Leaflight; bake"):
         load_bake(path)
     path.write_text("This is no bake.")
-    with pytest.raises(LeaflightError, match="not a readable OpenVDB file"):
+    with pytest.raises(LeaflightError, match="not an OpenVDB file"):
         read_bake_id(path)
 
 

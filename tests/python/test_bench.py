@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`bench`: every figure is there, none is read beyond what was measured; times are not judged."""
 
+import importlib.util
 import json
 import math
 import os
 import shutil
-import zlib
 from types import SimpleNamespace
 
+import leaflight
 import leaflight.bench.bakes as bakes_module
 import leaflight.bench.command as command_line
 import leaflight.bench.scale as scale_module
@@ -17,6 +18,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from leaflight import Cancelled, LeaflightError, Progress
 from leaflight.bench.bakes import CASES, QUICK_BAKES, measure_bakes
+from leaflight.bench.blender_scrub import scrub_in_blender
 from leaflight.bench.cycles_peer import CORNERS, REFERENCE_PASSES, Peer
 from leaflight.bench.interpolation import FEWER, MORE, cost_at
 from leaflight.bench.machine import commit, machine
@@ -24,7 +26,7 @@ from leaflight.bench.own_process import bake_bump_box
 from leaflight.bench.page import PAGE, check_page, write_page
 from leaflight.bench.repetitions import REPETITIONS, repetitions
 from leaflight.bench.scale import QUICK_SCALE, ScaleEffort, measure_scale
-from leaflight.bench.vtk_image import vtk_image
+from leaflight.bench.vtk_peer import VtkPeer
 from leaflight.measure.cycles import VertexBakes
 
 needs_blender = pytest.mark.skipif(
@@ -167,41 +169,6 @@ def test_seeds_of_the_reference_are_its_own(peer, monkeypatch):
     reference, first, second = (set(seeds) for seeds in seen)
     assert len(reference) == REFERENCE_PASSES
     assert not (reference & first or reference & second or first & second)
-
-
-# Volumes.
-
-
-def vti(values, **attributes):
-    """VTK image data in two blocks."""
-    data = values.tobytes()
-    blocks = [zlib.compress(data[:50]), zlib.compress(data[50:])]
-    head = np.array([2, 50, len(data) - 50, *map(len, blocks)], "<u8").tobytes()
-    nz, ny, nx = values.shape
-    extent = f"0 {nx - 1} 0 {ny - 1} 0 {nz - 1}"
-    given = {"byte_order": "LittleEndian", "header_type": "UInt64", **attributes}
-    root = " ".join(f'{name}="{value}"' for name, value in given.items())
-    xml = (
-        f'<VTKFile type="ImageData" {root}><ImageData WholeExtent="{extent}" Spacing="1 2 3">'
-        '<Piece><PointData><DataArray type="UInt8" offset="0"/></PointData></Piece></ImageData>'
-        '<AppendedData encoding="raw">\n _'
-    )
-    return xml.encode() + head + b"".join(blocks) + b"</AppendedData></VTKFile>"
-
-
-def test_vtk_image(tmp_path, values):
-    recipe = vtk_image("x.vti")
-    assert recipe(tmp_path, 1.0) is None and recipe(None, 1.0) is None
-    path = tmp_path / "x.vti"
-    path.write_bytes(vti(values.astype(np.uint8)))
-    (volume,) = recipe(tmp_path, 1.0)
-    assert np.array_equal(volume.values, values) and volume.name == "x"
-    assert np.diag(volume.index_to_world).tolist() == [1, 2, 3, 1]
-    whole = path.read_bytes()
-    for broken in (whole[:-200], vti(values.astype(np.uint8), byte_order="BigEndian"), b"<x", b""):
-        path.write_bytes(broken)
-        with pytest.raises(LeaflightError, match="x.vti: this is not VTK image data"):
-            recipe(tmp_path, 1.0)
 
 
 # The commands.
@@ -369,6 +336,47 @@ def test_bad_command_lines(cli, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+# Scrubbing.
+
+
+def test_scrub_quickly(cli):
+    """VTK and the add-on in Blender are real; without VTK a sentence says what to install."""
+    if importlib.util.find_spec("vtkmodules") is None:
+        outcome = cli("bench", "scrub", "--quick")
+        assert outcome.status == 2 and "python3-vtk9" in outcome.err
+        assert outcome.err.count("\n") == 1
+        pytest.skip("there is no VTK: install the Debian package python3-vtk9")
+    outcome = cli("bench", "scrub", "--quick", "--json")
+    assert outcome.status == 0, outcome.err
+    result = json.loads(outcome.out.splitlines()[-1])
+    assert len(result["cases"]) == 2 and result["absent"] == []
+    for row in result["cases"]:
+        assert row["triangles"] > 100 and row["milliseconds"] > 0 and row["vtk_milliseconds"] > 0
+        assert row["vtk_ratio"] > 0
+    assert result["vtk_ratio"] == min(row["vtk_ratio"] for row in result["cases"])
+    assert result["median_ms"] == result["blender"]["whole_ms"] > 0
+    assert result["blender"]["moving_ms"] > 0 and result["blender"]["triangles"] > 1000
+
+
+def test_vtk_contours_the_same_surface():
+    """Its triangles are about as many as ours: it is given the same volume."""
+    pytest.importorskip("vtkmodules", reason="install the Debian package python3-vtk9")
+    box = leaflight.bump_box(24)
+    with VtkPeer(box.values, np.ones((12, 12, 12, 3), np.float32)) as peer:
+        for isovalue in (47.0, 100.0):
+            ours = len(leaflight._core.contour(box.field(), isovalue)[2])
+            assert peer.ask(isovalue)["triangles"] == pytest.approx(ours, rel=0.02)
+
+
+def test_scrub_without_its_peers(cli, tmp_path, monkeypatch):
+    monkeypatch.setattr("leaflight.bench.vtk_peer.find_spec", lambda _: None)
+    with pytest.raises(LeaflightError, match="install the Debian package python3-vtk9"):
+        VtkPeer(np.zeros((2, 2, 2)), np.zeros((2, 2, 2, 3)))
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(LeaflightError, match="install the Debian package blender"):
+        scrub_in_blender(None, 1.0, 1, Progress())
+
+
 # The document.
 
 ORIGIN = {"machine": MACHINE, "commit": "abc1234"}
@@ -422,7 +430,7 @@ def test_a_document_without_a_place(tmp_path):
 
 def test_the_documents_own_page_has_its_places(root):
     page = root / "docs" / "performance.md"
-    for name in ("bake", "scale"):
+    for name in ("bake", "scale", "rays"):
         check_page(page, name)
     for heading in ("## What each step gave", "## Tried and dropped"):
         assert heading in page.read_text() and heading in PAGE

@@ -2,12 +2,15 @@
 """Whatever bytes of a file change, its reader gives a volume or one sentence, nothing else."""
 
 import gzip
+import io
+import zlib
 
 import nibabel
 import numpy as np
 import pytest
 import tifffile
 from leaflight import LeaflightError, read_volume
+from leaflight.io.readers import probe
 
 VALUES = np.random.default_rng(8).integers(0, 255, (6, 7, 8)).astype(np.uint8)
 
@@ -43,7 +46,66 @@ def tiff(**options):
     return make
 
 
+def metaimage(path):
+    header = b"NDims = 3\nDimSize = 8 7 6\nElementSpacing = 1 1 2\nCompressedData = True\n"
+    header += b"ElementType = MET_UCHAR\nElementDataFile = LOCAL\n"
+    return header + zlib.compress(VALUES.tobytes())
+
+
+def dicom(path):
+    pytest.importorskip("pydicom")
+    from test_reader_dicom import write_slice
+
+    write_slice(path, VALUES, 0, NumberOfFrames=6, RescaleSlope=1, RescaleIntercept=0)
+    return path.read_bytes()
+
+
+def mrc(path):
+    pytest.importorskip("mrcfile")
+    from test_reader_mrc import ccp4
+
+    return ccp4(VALUES.astype(np.float32))
+
+
+def vtk_image(path):
+    from test_reader_vti import vti
+
+    return vti(VALUES, "UInt8", "appended")
+
+
+def cube_text(path):
+    from test_reader_mrc import cube
+
+    return cube(VALUES.astype(np.float32)).encode()
+
+
+def npy(path):
+    np.save(path, VALUES)
+    return path.read_bytes()
+
+
+def npz(path):
+    np.savez_compressed(path, h=VALUES)
+    return path.read_bytes()
+
+
+def hdf5(path):
+    h5py = pytest.importorskip("h5py")
+    memory = io.BytesIO()
+    with h5py.File(memory, "w") as file:
+        file.create_dataset("h", data=VALUES, chunks=(3, 7, 8), compression="gzip")
+    return memory.getvalue()
+
+
 FORMATS = {
+    "x.mha": metaimage,
+    "x.dcm": dicom,
+    "x.mrc": mrc,
+    "x.vti": vtk_image,
+    "x.cube": cube_text,
+    "x.npy": npy,
+    "x.npz": npz,
+    "x.h5": hdf5,
     "x.nii": nifti,
     "x.nii.gz": gzipped_nifti,
     "x.nrrd": nrrd,
@@ -73,6 +135,7 @@ def test_changed_and_cut_bytes(tmp_path, capfd, name):
             bad = bad[: rng.integers(0, len(bad))]
         path.write_bytes(bad)
         try:
+            probe(path)
             read_volume(path)
         except LeaflightError as error:
             refused += 1

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from leaflight import _core
 from leaflight.bake.photons import trace_photons
-from leaflight.cli import main
 from leaflight.scene.scene import core_scene
+from leaflight_command import main
 
 COUNT = 20_000
 

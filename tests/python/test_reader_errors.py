@@ -2,7 +2,9 @@
 """Bad input: one line that names the file and the remedy, exit status 2, nothing written."""
 
 import gzip
+import json
 import re
+import sys
 
 import nibabel
 import numpy as np
@@ -272,3 +274,37 @@ def test_bad_input(name, tmp_path, cli):
         assert str(path) in outcome.err
         assert re.search(sentence, outcome.err), outcome.err
     assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_an_absent_package_is_named(tmp_path, cli, monkeypatch):
+    # What Python itself does where a package cannot be found.
+    monkeypatch.setitem(sys.modules, "h5py", None)
+    monkeypatch.delitem(sys.modules, "leaflight.io.readers.hdf5", raising=False)
+    path = tmp_path / "x.h5"
+    path.write_bytes(b"")
+    outcome = cli("info", path)
+    assert outcome.status == 2 and outcome.err.count("\n") == 1
+    assert "'pip install h5py'" in outcome.err and "'apt install python3-h5py'" in outcome.err
+    assert "HDF5 file" in outcome.err and str(path) in outcome.err
+
+
+def test_options_of_the_command_line_reach_the_reader(tmp_path, cli):
+    path = tmp_path / "x.npz"
+    np.savez(path, g=np.stack([NOISE, NOISE + 1]), h=NOISE)
+    options = ("--dataset", "g", "--frame", "1", "--downsample", "2", "--spacing", "3", "--json")
+    outcome = cli("info", path, *options)
+    result = json.loads(outcome.out.splitlines()[-1])
+    assert result["dims"] == [8, 10, 12] and result["spacing"] == [6, 6, 6]
+    assert "(--dataset)." in cli("info", path).err
+    assert "(--channel)." in cli("info", path, "--dataset", "h", "--channel", "1").err
+
+
+def test_what_cannot_fit_is_refused_before_it_is_allocated(tmp_path, cli):
+    path = tmp_path / "x.raw"
+    with open(path, "wb") as file:
+        # A file of holes.
+        file.truncate(2**42)
+    dims = ("--dims", 2**14, 2**14, 2**14, "--type", "uint8")
+    outcome = cli("info", path, *dims)
+    assert outcome.status == 2 and "need 4398.0 GB of memory" in outcome.err
+    assert outcome.err.endswith("downsample it (--downsample).\n")

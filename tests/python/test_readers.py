@@ -24,7 +24,8 @@ def test_nifti(tmp_path, values, suffix, dtype):
     volume = read_volume(path)
     np.testing.assert_array_equal(volume.values, values)
     np.testing.assert_allclose(volume.index_to_world, AFFINE)
-    assert volume.values.dtype == np.float32 and volume.values.flags.c_contiguous
+    assert volume.values.dtype == (np.float32 if dtype is np.float64 else dtype)
+    assert volume.values.flags.c_contiguous
     assert volume.name == "scan" and volume.source == str(path)
 
 
@@ -33,7 +34,9 @@ def test_nifti_2_and_scaled_values(tmp_path, values):
     image = nibabel.Nifti2Image(values.T.astype(np.int16), AFFINE)
     image.header.set_slope_inter(0.5, -10)
     nibabel.save(image, path)
-    np.testing.assert_array_equal(read_volume(path).values, 0.5 * values - 10)
+    volume = read_volume(path)
+    np.testing.assert_array_equal(volume.values, 0.5 * values - 10)
+    assert volume.values.dtype == np.float32
 
 
 def test_nifti_frame(tmp_path, values):
@@ -52,7 +55,7 @@ def test_nifti_single_frame_is_3d(tmp_path, values):
 def test_colin27(colin27):
     volume = read_volume(colin27)
     assert volume.values.shape == (181, 217, 181)
-    assert volume.field().range == (0.0, 254.0)
+    assert volume.values.dtype == np.uint8 and volume.field().range == (0.0, 254.0)
     np.testing.assert_array_equal(volume.index_to_world[:3, 3], [-90, -125, -71])
 
 
@@ -64,6 +67,7 @@ def test_tiff_stack(tmp_path, values, options):
         path, values.astype(np.uint16), photometric="minisblack", metadata=metadata, **options
     )
     volume = read_volume(path)
+    assert volume.values.dtype == np.uint16
     np.testing.assert_array_equal(volume.values, values)
     np.testing.assert_array_equal(diagonal(volume), [1, 1, 1])
     np.testing.assert_array_equal(diagonal(read_volume(path, spacing=(1, 2, 3))), [1, 2, 3])
@@ -103,6 +107,7 @@ def test_folder_of_slices_in_natural_order(tmp_path, values):
         tifffile.imwrite(folder / f"slice{7 + 2 * k}.tiff", plane.astype(np.uint8))
     (folder / "notes.txt").write_text("not a slice")
     volume = read_volume(folder, spacing=2)
+    assert volume.values.dtype == np.uint8
     np.testing.assert_array_equal(volume.values, values)
     np.testing.assert_array_equal(diagonal(volume), [2, 2, 2])
 
@@ -132,6 +137,7 @@ def test_nrrd(tmp_path, values, encoding, suffix):
         path.write_text(header + "data file: scan.bin\n")
         (tmp_path / "scan.bin").write_bytes(data)
     volume = read_volume(path)
+    assert volume.values.dtype == np.uint16
     np.testing.assert_array_equal(volume.values, values)
     # Whichever way the world is oriented, lengths and the determinant's size are those of the file.
     lengths = np.linalg.norm(volume.index_to_world[:3, :3], axis=0)

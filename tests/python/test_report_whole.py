@@ -16,9 +16,10 @@ import leaflight.report.report as report_module
 import numpy as np
 import pytest
 from leaflight import Cancelled, LeaflightError, Progress
+from leaflight.bake.estimate import Estimate
 from leaflight.cli.progress import run_with_progress
 from leaflight.report.advice import advice, budget_rows
-from leaflight.report.against_cycles import BUMP_BOX, CyclesRow
+from leaflight.report.against_cycles import CASES, BakeRow, CyclesRow
 from leaflight.report.curves import CYCLES, KINDS, Curve, CurveEffort, Curves, Point, measure_curves
 from leaflight.report.data_sets import DATA_SETS, QUICK_DATA, DataEffort, measure_data_sets
 from leaflight.report.experiments import QUICK, Row, Table, Trial
@@ -218,20 +219,23 @@ def test_advice_without_data(curves):
 def test_with_cycles(with_cycles, data, tmp_path, monkeypatch):
     monkeypatch.setattr(report_module, "measure_curves", lambda *_, **__: with_cycles)
     monkeypatch.setattr(report_module, "measure_data_sets", lambda *_, **__: data)
-    errors = {"points": 9, "rms_percent": 2.5, "reference_noise_percent": 0.4}
-    errors |= {"relative_rms": 0.1, "mean_ratio": 1.0, "mean_ratio_error": 0.01}
+    errors = {"rms_percent": 2.5, "reference_noise_percent": 0.4}
+    errors |= {"mean_radiance": 0.3, "mean_ratio": 1.0}
     parts = {"noise_percent": 1.0, "texture_percent": 2.0, "mesh_percent": 0.5}
-    judged = CyclesRow(BUMP_BOX, 47.0, 32, 1024, 1000, 2.5, errors, parts, 2.0, 2.0)
+    statistics = {"texels": 9, "rounds": 3, "seconds": 2.5, "estimated_error_percent": 1.25}
+    of_bake = BakeRow(CASES[0], (40, 40, 40), Estimate(2.0, 1, 1.4, 3, 2, 1.0), statistics, 2.47)
+    judged = CyclesRow(of_bake, None, 47.0, 1024, errors, errors, parts, True)
     found = [judged], ["tooth"]
     monkeypatch.setattr(report_module, "measure_against_cycles", lambda *_, **__: found)
     monkeypatch.setattr(report_module.shutil, "which", lambda _: "blender")
     result = report(tmp_path, TINY, quietly, tables=(one_table,))
     assert len(json.loads(json.dumps(result, allow_nan=False))["break_even"]) == 8
-    # The tables are as they must be, and the goal is missed.
+    # The tables are as they must be, and the error asked for is missed.
     assert result["passed"] is False and result["against_cycles"][0]["verdict"] == "missed"
     assert (tmp_path / "csv" / "against_cycles.csv").exists()
+    assert (tmp_path / "csv" / "bakes_against_cycles.csv").exists()
     text = (tmp_path / "report.md").read_text()
-    assert "| 2.00 | missed |" in text and "left out: tooth." in text
+    assert "| 0.40 | missed |" in text and "left out: tooth." in text
     # Fits are exact, but seconds vary by 10 % on both sides.
     assert "10.0 (8.7 .. 11.6)" in text and "as long as 10.0 of them in Cycles" in text
     assert (tmp_path / "images" / "break_even.png").exists()

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Imports run one way: a room knows only the rooms below it (docs/architecture.md)."""
+"""Imports and includes run one way: a room knows only those below it (docs/architecture.md)."""
 
 import ast
+import re
 from pathlib import Path
 
 import pytest
@@ -9,9 +10,34 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 
 # From the ground up. What stands in no room is below all of them, save the faces at the top.
-PACKAGE = ("volume", "scene", "io", "bake", "flatland", "measure", "report", "bench", "cli")
-ADDON = ("store", "operators", "show", "stage", "bake", "compare", "importing", "ui")
+PACKAGE = (
+    "volume",
+    "scene",
+    "io",
+    "bake",
+    "still",
+    "export",
+    "flatland",
+    "measure",
+    "report",
+    "bench",
+    "cli",
+)
+ADDON = ("store", "operators", "show", "stage", "bake", "compare", "export", "importing", "ui")
 FACES = ("__init__.py", "__main__.py")
+CORE = ("math", "field", "surface", "scene", "trace", "transport", "thesis", "bake", "io")
+
+# What belongs to bakes with fixed samples alone, and the check of their settings.
+PASS_THE_DOOR = {
+    "fixed_bake",
+    "fixed_samples",
+    "finer_levels",
+    "leaf_passes",
+    "scattered_averages",
+    "settings",
+    "soft_records",
+    "texels_to_bake",
+}
 
 
 @pytest.mark.parametrize("folder, rooms", [("core/leaflight", PACKAGE), ("addon/leaflight", ADDON)])
@@ -26,10 +52,56 @@ def test_no_import_runs_back_up(folder, rooms):
     assert not wrong, "\n".join(wrong)
 
 
+def test_no_include_runs_back_up():
+    found = [(path, target) for path in core_sources() for target in includes(path)]
+    assert {target.parent.name for _, target in found} == set(CORE)
+    wrong = [
+        f"{path.relative_to(ROOT)} includes {target.relative_to(INCLUDE)}"
+        for path, target in found
+        if CORE.index(target.parent.name) > CORE.index(path.parent.name)
+    ]
+    assert not wrong, "\n".join(wrong)
+
+
+def test_the_thesis_has_one_door():
+    """Above it only bakes with fixed samples use the thesis's ways, and by one header."""
+    above = CORE[CORE.index("thesis") + 1 :]
+    for path in core_sources():
+        if path.parent.name not in above:
+            continue
+        entered = {target.name for target in reached(path) if target.parent.name == "thesis"}
+        assert not entered or path.stem in PASS_THE_DOOR, path
+        direct = {target.name for target in includes(path) if target.parent.name == "thesis"}
+        assert direct <= {"thesis.h"}, path
+
+
 @pytest.mark.parametrize("room", ["report", "bench"])
 def test_the_addon_ships_without(room):
     sources = (ROOT / "addon/leaflight").rglob("*.py")
     assert not [path for path in sources if f"leaflight.{room}" in path.read_text()]
+
+
+INCLUDE = ROOT / "core/include/leaflight"
+
+
+def core_sources():
+    return [*sorted(INCLUDE.rglob("*.h")), *sorted((ROOT / "core/src").rglob("*.cpp"))]
+
+
+def includes(path):
+    """Our headers that a file of the core includes."""
+    names = re.findall(r'#include "leaflight/(.+)"', path.read_text())
+    return [INCLUDE / name for name in names]
+
+
+def reached(path):
+    """All headers that a file includes, or a header that it includes, and so on."""
+    found, ahead = set(), [path]
+    while ahead:
+        new = set(includes(ahead.pop())) - found
+        found |= new
+        ahead += new
+    return found
 
 
 def floor(room, rooms):

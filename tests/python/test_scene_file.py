@@ -8,6 +8,7 @@ import math
 import zlib
 from dataclasses import fields, is_dataclass
 
+import leaflight
 import numpy as np
 import pytest
 from hypothesis import given
@@ -371,3 +372,29 @@ def assert_same(value, expected):
 def test_shipped_scenes_round_trip(shipped):
     text = scene_to_json(shipped)
     assert scene_to_json(scene_from_json(text)) == text
+
+
+def test_how_to_read_a_source(tmp_path, cli, root):
+    """Two channels of one file are two volumes; what the command line says counts more."""
+    bumps = leaflight.bump_box(12).values
+    np.save(tmp_path / "x.npy", np.stack([bumps, 2 * bumps]))
+    look = {"albedo": [0.5, 0.5, 0.5], "source": "x.npy"}
+    volumes = [
+        {"name": "a", "reading": {"frame": 0}, **look},
+        {"name": "b", "reading": {"frame": 1, "spacing": [1, 1, 2]}, **look},
+    ]
+    scene = json.loads((root / "scenes" / "cornell.json").read_text())
+    scene = {key: value for key, value in scene.items() if not key.startswith("leaf_")}
+    path = tmp_path / "two.json"
+    path.write_text(json.dumps({**scene, "volumes": volumes}))
+    again = scene_from_json(scene_to_json(load_scene(path)))
+    assert [one.reading for one in again.leaves] == [one["reading"] for one in volumes]
+    out = tmp_path / "two.vdb"
+    work = ("--samples", "1", "--photons", "1000", "--out", out)
+    assert cli("bake", "--scene", path, *work).status == 0
+    first, second = leaflight.load_bake(out).volumes
+    assert second.field().range[1] == 2 * first.field().range[1]
+    np.testing.assert_allclose(np.diag(second.index_to_world), [1, 1, 2, 1])
+    volumes[0]["reading"] = {"colour": 1}
+    path.write_text(json.dumps({**scene, "volumes": volumes}))
+    assert "colour" in cli("bake", "--scene", path, *work).err

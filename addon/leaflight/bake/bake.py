@@ -6,13 +6,14 @@ from dataclasses import replace
 
 import bpy
 import leaflight
+from leaflight.bake.checkpoint import Checkpoint
 from leaflight.bake.outcome import outcome
 from leaflight.io.output import check_writable
 
 from ..operators import background, checks
-from ..show import preview, surface_object
+from ..show import preview, surface_material, surface_object
 from ..stage import scene_export
-from ..store import atlases, bake_files, cache, source_files
+from ..store import atlases, bake_files, cache, frame_bakes, preferences, source_files
 from . import lighting, stopped
 
 LeaflightError = leaflight.LeaflightError
@@ -29,23 +30,35 @@ def arguments_of(obj, volumes, scene):
         "volumes": [cache.volume_to_bake(volume) for volume in volumes],
         "scene": scene,
         "isovalues": (settings.low, settings.high) if len(volumes) == 1 else None,
-        "resolution": settings.resolution or None,
+        "resolution": settings.resolution if settings.use_resolution else None,
         "seed": settings.seed,
         "both_sides": settings.both_sides,
         "surroundings": settings.light_surroundings,
+        "threads": preferences.threads(),
     }
     if settings.fixed_samples:
         names = ("samples", "photons", "refine", "estimator")
         return {**arguments, **{name: getattr(settings, name) for name in names}}
-    return {**arguments, "error": settings.error, "time": settings.time_limit or None}
+    return {**arguments, "error": settings.error, "time": time_limit(settings)}
+
+
+def time_limit(settings):
+    """Seconds after which a bake ends, or None."""
+    return settings.time_limit if settings.use_time_limit else None
+
+
+def checkpoint_path(obj):
+    """Where a bake with the settings of an object leaves its state until it is written."""
+    return bake_files.folder_for(obj) / f"{bake_files.stem(obj.name)}.checkpoint"
 
 
 class BakeJob(background.Job):
     """One bake: all it needs, read from the scene; the work; and lighting the volumes by it."""
 
-    def __init__(self, context, obj):
+    def __init__(self, context, obj, resume=False):
         """Of all volumes that render, with the settings of `obj`.
 
+        resume: whether to go on from the checkpoint that one of them left.
         Raises LeaflightError when the scene or the settings cannot be baked.
         """
         scene, volumes, self.warnings = scene_export.export_scene(context, obj)
@@ -59,31 +72,43 @@ class BakeJob(background.Job):
         self.leader = volumes.index(obj)
         self.names = [volume.name for volume in volumes]
         self.matrices = [[x for row in obj.matrix_world for x in row] for obj in volumes]
+        self.frames = [volume.leaflight.frame for volume in volumes]
         self.stamps = [source_files.stamp(volume.leaflight) for volume in volumes]
         self.fingerprint = scene_export.fingerprint(volumes, scene)
         self.bake = None
         self.round = None
         self._shown, self._quiet_until = None, 0.0
+        self._seconds_before = 0.0
         self._arguments = arguments_of(obj, volumes, scene)
+        self.checkpoint = Checkpoint(checkpoint_path(obj), self._recipe(obj), resume)
+
+    def _recipe(self, _obj):
+        """What tells which kind of bake left a checkpoint."""
+        return {}
 
     def run(self, progress):
         """Bakes and writes the files, in any thread: touches no Blender data."""
         start = time.perf_counter()
 
         def keep(bake):
+            _check_memory(bake)
             self.round = bake
-            self.seconds = time.perf_counter() - start
+            self.seconds = self._seconds_before + time.perf_counter() - start
 
-        keep(leaflight.bake(**self._arguments, on_round=keep, progress=progress))
+        keep(self._light(on_round=keep, progress=progress))
         if progress.cancelled:
             raise leaflight.Cancelled
         self.write()
-        self.seconds = time.perf_counter() - start
+        self.seconds = self._seconds_before + time.perf_counter() - start
+
+    def _light(self, **how):
+        return leaflight.bake(**self._arguments, checkpoint=self.checkpoint, **how)
 
     def write(self):
         """Writes the files of the last round, in any thread. Raises LeaflightError."""
         self.path = bake_files.path_for(self.folder, self.names[self.leader], self.round.id)
         self.columns = _write(self.round, self.path)
+        self.checkpoint.remove()
         self.bake = self.round
 
     def show(self):
@@ -93,9 +118,11 @@ class BakeJob(background.Job):
             return
         for index, (name, matrix) in enumerate(zip(self.names, self.matrices)):
             obj = bpy.data.objects.get((name, None))
-            if obj is not None and obj.leaflight.is_volume and obj.mode == "OBJECT":
+            if obj is None or not obj.leaflight.is_volume:
+                continue
+            if obj.mode == "OBJECT" and obj.leaflight.frame == self.frames[index]:
                 preview.put(obj, bake, index, matrix)
-                surface_object.update(obj, surface_object.shown_isovalue(obj))
+                surface_object.update_all(obj, as_coarse=True)
         self._shown = bake
         end = time.perf_counter()
         self._quiet_until = end + (_SHOWN_SHARE - 1) * (end - start)
@@ -125,6 +152,8 @@ class BakeJob(background.Job):
                 )
         cache.keep_bake(self.bake)
         for index, obj in enumerate(volumes):
+            # It may show another by now; who follows the frames of the scene brings that back.
+            frame_bakes.switch(obj, self.frames[index])
             lighting.light(
                 obj,
                 self.bake,
@@ -136,9 +165,10 @@ class BakeJob(background.Job):
                 seconds=self.seconds,
                 source_stamp=self.stamps[index],
             )
+        volumes[self.leader].leaflight.bake_warnings = "\n".join(self.warnings)
         scene = bpy.data.scenes.get(self.scene_name)
         lighting.show(volumes, volumes[self.leader], scene)
-        surface_object.remove_round_materials()
+        surface_material.remove_round_materials()
         texels = sum(grid.texels for grid in self.bake.grids)
         end = self.outcome()
         return f"Baked {texels} texels in {self.seconds:.1f} s{end and f'; {end}'}"
@@ -146,7 +176,8 @@ class BakeJob(background.Job):
     def outcome(self):
         """How far the last round came, or an empty text where the amount of work was fixed."""
         limit = self._arguments.get("time")
-        is_over = limit is not None and self.round.statistics["seconds"] >= limit
+        seconds = self.round.statistics["seconds"] - self._seconds_before
+        is_over = limit is not None and seconds >= limit
         return outcome(self.round, "the time is over" if is_over else "it was stopped")
 
 
@@ -165,6 +196,17 @@ class LEAFLIGHT_OT_bake(background.BackgroundOperator, bpy.types.Operator):
 
     def start(self, context):
         return BakeJob(context, context.object)
+
+
+def _check_memory(bake):
+    """Raises LeaflightError when a bake takes more memory than the user's preferences allow."""
+    limit, peak = preferences.memory_limit(), bake.statistics["peak_memory_bytes"]
+    if limit is not None and peak > limit:
+        raise LeaflightError(
+            f"The bake takes {peak / 2**30:.1f} GB, more than the {limit / 2**30:.1f} GB that the "
+            "preferences of Leaflight allow: turn on Own Resolution with fewer texels, narrow the "
+            "window of isovalues, or raise the limit."
+        )
 
 
 def _check_own(obj):

@@ -3,9 +3,12 @@
 
 import bpy
 import leaflight
+from leaflight.bake.estimate import pilot
 
 from ..operators import background, checks
+from ..show import properties
 from ..stage import scene_export
+from ..translations import iface_
 from . import bake
 
 # What an estimate depends on, besides the scene.
@@ -14,36 +17,44 @@ _SETTINGS = (
     "frame",
     "low",
     "high",
+    "use_resolution",
     "resolution",
-    "error",
-    "time_limit",
     "both_sides",
     "light_surroundings",
     "capped",
 )
 
-# Full name of an object -> (its settings then, the leaflight.Estimate).
-_estimates = {}
+# Full name of an object -> (its settings then, the error that the pilot is for, the Pilot).
+_pilots = {}
 
 
-def estimate_of(obj):
-    """The leaflight.Estimate for an object with its present settings, or None."""
-    key, estimate = _estimates.get(obj.name_full, (None, None))
-    return estimate if key == _key(obj.leaflight) else None
+def estimate_of(obj, error=None):
+    """The Estimate for an object with its present settings, or with another error, or None."""
+    key, finest, made = _pilots.get(obj.name_full, (None, None, None))
+    error = obj.leaflight.error if error is None else error
+    # Settings are floats of single precision.
+    if key != _key(obj.leaflight) or error < finest - 1e-6:
+        return None
+    return made.estimate(error, bake.time_limit(obj.leaflight))
 
 
 def forget():
-    _estimates.clear()
+    _pilots.clear()
 
 
 def sentence(estimate):
     """An Estimate for the panel."""
-    memory = estimate.memory_bytes / 2**30
-    return f"About {_time(estimate.seconds)} and {memory:.1f} GB to {estimate.error:.2g} %"
+    told = duration(estimate), memory(estimate), f"{estimate.error:.2g}"
+    return iface_("About %s and %s to %s %%") % told
 
 
-def _time(seconds):
+def duration(estimate):
+    seconds = estimate.seconds
     return f"{seconds:.0f} s" if seconds < 100 else f"{seconds / 60:.0f} min"
+
+
+def memory(estimate):
+    return f"{estimate.memory_bytes / 2**30:.1f} GB"
 
 
 def _key(settings):
@@ -57,19 +68,24 @@ class EstimateJob(background.Job):
         """Raises LeaflightError when the scene or the settings cannot be baked."""
         scene, volumes, _ = scene_export.export_scene(context, obj)
         scene_export.check_light(scene)
-        self._name, self._settings = obj.name_full, _key(obj.leaflight)
-        self._arguments = bake.arguments_of(obj, volumes, scene)
-        self.estimate = None
+        settings = obj.leaflight
+        self._name, self._settings = obj.name_full, _key(settings)
+        # One pilot tells of all qualities.
+        self._error = min(settings.error, *properties.QUALITIES.values())
+        self._asked, self._limit = settings.error, bake.time_limit(settings)
+        given = bake.arguments_of(obj, volumes, scene)
+        self._arguments = {**given, "error": self._error, "time": None}
+        self.pilot = None
 
     def run(self, progress):
         """In any thread: touches no Blender data."""
-        self.estimate = leaflight.estimate(**self._arguments, progress=progress)
+        self.pilot = pilot(**self._arguments, progress=progress)
         if progress.cancelled:
             raise leaflight.Cancelled
 
     def apply(self):
-        _estimates[self._name] = self._settings, self.estimate
-        return sentence(self.estimate)
+        _pilots[self._name] = self._settings, self._error, self.pilot
+        return sentence(self.pilot.estimate(self._asked, self._limit))
 
     def ended(self):
         return "The estimate was cancelled"
@@ -79,7 +95,8 @@ class LEAFLIGHT_OT_estimate_bake(background.BackgroundOperator, bpy.types.Operat
     bl_idname = "leaflight.estimate_bake"
     bl_label = "Estimate"
     bl_description = (
-        "Tell the seconds and the memory that the bake will take, by its first rounds. Esc cancels"
+        "Tell the seconds and the memory that Draft, Good and Final will take, by the first rounds "
+        "of the bake. Esc cancels"
     )
 
     @classmethod

@@ -4,7 +4,7 @@
 import bpy
 from leaflight.bake.outcome import outcome
 
-from ..show import isovalues, surface_object, walls
+from ..show import added, isovalues, surface_object, walls
 from ..store import bake_files, cache
 
 
@@ -43,10 +43,10 @@ def show(volumes, leader, scene):
     """
     cache.forget_unused()
     for obj in volumes:
-        settings = obj.leaflight
-        limits = settings.bake_low, settings.bake_high
-        settings.limit_isovalue(cache.volume_of(obj).data_range(), limits, settings.isovalue)
-        surface_object.update(obj, settings.isovalue)
+        surface_object.update(obj, obj.leaflight.isovalue)
+        surface_object.update_all(obj)
+        for surface in (obj, *added.added_to(obj)):
+            isovalues.limit(surface)
     isovalues.set_isovalue(leader, leader.leaflight.isovalue)
     if scene is not None:
         walls.forget_names(scene)

@@ -121,7 +121,7 @@ class LEAFLIGHT_OT_relocate_bake(bpy.types.Operator, ImportHelper):
         surface_object.forget()
         for obj in lighting.objects_lit_by(identifier):
             bake_files.remember(obj, path)
-            surface_object.update(obj, surface_object.shown_isovalue(obj))
+            surface_object.update_all(obj)
         staleness.forget()
         return {"FINISHED"}
 

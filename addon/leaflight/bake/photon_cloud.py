@@ -11,13 +11,13 @@ from leaflight.scene.scene import core_scene
 
 from .. import versions
 from ..operators import background, checks
-from ..show import display, isovalues, shader, surface_object
+from ..show import display, fill, isovalues, shader
 from ..stage import scene_export
 from ..store import cache
 
 LeaflightError = leaflight.LeaflightError
 
-# Attributes of the points: colour, leaf coordinate, and whether a photon came straight from a light.
+# Attributes of the points: color, leaf coordinate, and whether a photon came straight from a light.
 FLUX, LEAF_COORDINATE, DIRECT = "flux", "leaf_coordinate", "direct"
 
 _KIND, _PHOTONS = "photons", "leaflight_photons"
@@ -144,7 +144,7 @@ def _fill(mesh, positions, flux, c, direct):
     mesh.vertices.add(len(positions))
     mesh.vertices.foreach_set("co", np.ascontiguousarray(positions, np.float32).ravel())
     # The flux of a photon says little to the eye; its mean shows as one.
-    surface_object.colour(mesh, FLUX, flux / max(float(flux.mean()), 1e-30))
+    fill.colour(mesh, FLUX, flux / max(float(flux.mean()), 1e-30))
     attribute = mesh.attributes.new(LEAF_COORDINATE, "FLOAT", "POINT")
     attribute.data.foreach_set("value", np.ascontiguousarray(c, np.float32))
     attribute = mesh.attributes.new(DIRECT, "BOOLEAN", "POINT")

@@ -106,6 +106,7 @@ class LEAFLIGHT_OT_throw_bake_away(bpy.types.Operator):
         return background.is_free(cls) and _waits(cls)
 
     def execute(self, _context):
+        _offered.checkpoint.remove()
         offer(None)
         surface_object.forget_rounds()
         return {"FINISHED"}

@@ -7,7 +7,8 @@ Those of .blends that were never saved are among them, once nothing can need the
 import bpy
 import leaflight
 
-from ..store import atlases, bake_files
+from ..store import atlases, bake_files, frame_bakes
+from ..translations import iface_
 
 LeaflightError = leaflight.LeaflightError
 
@@ -40,7 +41,7 @@ class LEAFLIGHT_OT_remove_unused_bakes(bpy.types.Operator):
         for path in found[:_MOST_ROWS]:
             column.label(text=f"{path.name}, {megabytes([path])}", icon="FILE")
         if len(found) > _MOST_ROWS:
-            column.label(text=f"and {len(found) - _MOST_ROWS} more", icon="BLANK1")
+            column.label(text=iface_("and %d more") % (len(found) - _MOST_ROWS), icon="BLANK1")
 
     def execute(self, _context):
         found = unused()
@@ -71,7 +72,7 @@ def unused():
 
 def unused_among(bakes):
     """Those of some bakes, each a path, that light no object of this .blend."""
-    lit = {obj.leaflight.bake_id for obj in bpy.data.objects}
+    lit = set().union(*(frame_bakes.bakes_of(obj.leaflight) for obj in bpy.data.objects))
     return [path for path in bakes if bake_files.id_in(path) not in lit]
 
 

@@ -9,6 +9,7 @@ import bpy
 import leaflight
 import leaflight._core as _core
 import numpy as np
+from leaflight.io.output import replaced
 
 from .. import versions
 
@@ -44,15 +45,17 @@ def overridden(owner, **values):
             setattr(owner, name, value)
 
 
-def cycles_still(scene, samples, seed, transparent=False):
+def cycles_still(scene, samples, seed, transparent=False, **settings):
     """One frame of the scene through Cycles: linear RGBA, float32 (height, width, 4), top row
     first.
 
+    settings: of Cycles, in place of those that take no shortcut.
     Raises LeaflightError when the user cancels the render.
     """
     with contextlib.ExitStack() as stack, tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "still.exr"
-        stack.enter_context(overridden(scene.cycles, samples=samples, seed=seed, **_UNBIASED))
+        cycles = {**_UNBIASED, **settings, "samples": samples, "seed": seed}
+        stack.enter_context(overridden(scene.cycles, **cycles))
         stack.enter_context(
             overridden(
                 scene.render,
@@ -95,6 +98,7 @@ def write_png(scene, path, image):
                 )
             )
             stack.enter_context(overridden(scene.view_settings, **versions.plain_view()))
-            picture.save_render(str(path), scene=scene)
+            temporary = stack.enter_context(replaced(path))
+            picture.save_render(str(temporary), scene=scene)
     finally:
         bpy.data.images.remove(picture)

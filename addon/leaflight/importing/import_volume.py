@@ -2,9 +2,12 @@
 # flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """File > Import > Volume for Leaflight."""
 
+import textwrap
+
 import bpy
 import leaflight
 from bpy.props import (
+    BoolProperty,
     EnumProperty,
     FloatProperty,
     FloatVectorProperty,
@@ -13,19 +16,42 @@ from bpy.props import (
     StringProperty,
 )
 from bpy_extras.io_utils import ImportHelper
+from leaflight.io import readers
 
+from .. import versions
+from ..operators import background
 from ..show import isovalues, properties, surface_object
 from ..store import cache, source_files
+from ..translations import iface_
+from . import placing, stored_facts
 
 
-class LEAFLIGHT_OT_import_volume(bpy.types.Operator, ImportHelper):
+# Which files the browser lists; Blender takes 255 characters.
+_BY_SUFFIX = ";".join(f"*{suffix}" for suffix in readers.SUFFIXES)
+
+
+def _list_files(operator, context):
+    browser = getattr(context.space_data, "params", None)
+    if browser is not None:
+        browser.filter_glob = "*" if operator.all_files else _BY_SUFFIX
+
+
+class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operator, ImportHelper):
     bl_idname = "leaflight.import_volume"
     bl_label = "Import Volume"
     bl_description = "Read a scalar volume and show one of its isosurfaces"
     bl_options = {"REGISTER", "UNDO"}
 
-    filter_glob: StringProperty(
-        default="*.vdb;*.nii;*.nii.gz;*.nrrd;*.nhdr;*.raw;*.tif;*.tiff", options={"HIDDEN"}
+    filter_glob: StringProperty(default=_BY_SUFFIX, options={"HIDDEN"})
+    all_files: BoolProperty(
+        name="All Files",
+        description="List files of any name, as the slices of a DICOM series often have no suffix. "
+        "Their folder may be chosen as well",
+        options={"SKIP_SAVE"},
+        update=_list_files,
+    )
+    size_from: EnumProperty(
+        name="Size From", description="How large the volume is", items=placing.SIZE_ITEMS
     )
     size: FloatProperty(
         name="Size",
@@ -33,6 +59,16 @@ class LEAFLIGHT_OT_import_volume(bpy.types.Operator, ImportHelper):
         default=2.0,
         min=1e-3,
         soft_max=100.0,
+    )
+    partner: StringProperty(
+        name="Volume",
+        description="The volume whose scale and place this one gets",
+        search=lambda _self, context, _text: placing.volume_names(context),
+    )
+    resolution: EnumProperty(
+        name="Resolution",
+        description="How many of the voxels to keep, for volumes that are large for the memory",
+        items=stored_facts.RESOLUTION_ITEMS,
     )
     dims: IntVectorProperty(
         name="Dimensions", description="Voxels along x, y and z of a .raw file", size=3, min=0
@@ -47,9 +83,13 @@ class LEAFLIGHT_OT_import_volume(bpy.types.Operator, ImportHelper):
         description="Byte order of the values in a .raw file",
         items=properties.ENDIAN_ITEMS,
     )
+    use_spacing: BoolProperty(
+        name="Own Voxel Size",
+        description="Give the distance of the voxels, for files that lack it or have a wrong one",
+    )
     spacing: FloatVectorProperty(
         name="Voxel Size",
-        description="Distance of the voxels along x, y and z, for .raw files and TIFF stacks",
+        description="Distance of the voxels along x, y and z",
         size=3,
         default=(1.0, 1.0, 1.0),
         min=1e-9,
@@ -60,50 +100,176 @@ class LEAFLIGHT_OT_import_volume(bpy.types.Operator, ImportHelper):
         default=-1,
         min=-1,
     )
+    animate: BoolProperty(
+        name="As Animation",
+        description="Show the next volume of the series at each frame of the scene, by keyframes, "
+        "from the scene's first on",
+    )
+    channel: IntProperty(
+        name="Channel",
+        description="Which of several values a voxel has to read, counted from 0; -1 where it has "
+        "one",
+        default=-1,
+        min=-1,
+    )
+    level: IntProperty(
+        name="Level", description="Which resolution of an OME-Zarr to read; 0 is the finest", min=0
+    )
+    dataset: StringProperty(
+        name="Dataset",
+        description="Which of several volumes in a file or series in a folder to read",
+        search=lambda self, _context, _text: self._datasets(),
+    )
 
-    def draw(self, _context):
+    asked: BoolProperty(options={"HIDDEN", "SKIP_SAVE"})
+
+    def _choices(self):
+        return source_files.choices_of(self)
+
+    def _look(self):
+        path = bpy.path.abspath(self.filepath)
+        return path, *stored_facts.look(path, self._choices())
+
+    def _datasets(self):
+        _, stored, _ = self._look()
+        return list(stored.datasets) if stored is not None else []
+
+    # Set by the resolution, but a choice of a volume like the others.
+    downsample = 1
+    _patience = 0.3
+
+    def draw(self, context):
         layout = self.layout
         layout.use_property_split = True
-        layout.prop(self, "size")
-        layout.prop(self, "frame")
-        suffix = self.filepath.lower().rpartition(".")[2]
-        if suffix == "raw":
-            layout.prop(self, "dims")
-            layout.prop(self, "value_type")
-            layout.prop(self, "endian")
-        if suffix in {"raw", "tif", "tiff"}:
+        layout.prop(self, "all_files")
+        path, stored, problem = self._look()
+        takes = readers.format_of(path).options if stored is not None or problem else ()
+        if stored is not None:
+            column = layout.column(align=True)
+            step = stored_facts.step_of(self.resolution, stored)
+            for line in stored_facts.lines(path, stored, step):
+                column.label(text=line, translate=False)
+        elif problem and not ("type" in takes and not any(self.dims)):
+            column = layout.column(align=True)
+            for line in textwrap.wrap(problem, 38):
+                column.label(text=line, translate=False)
+        layout.prop(self, "size_from")
+        if self.size_from == "FIT":
+            layout.prop(self, "size")
+        elif self.size_from == "SAME":
+            layout.prop(self, "partner")
+        layout.prop(self, "resolution")
+        self._draw_choices(layout, stored, takes)
+
+    def _draw_choices(self, layout, stored, takes):
+        """What this kind of file needs to be told."""
+        if "type" in takes:
+            for name in ("dims", "value_type", "endian"):
+                layout.prop(self, name)
+        elif "spacing" in takes:
+            layout.prop(self, "use_spacing")
+        if "type" in takes or ("spacing" in takes and self.use_spacing):
             layout.prop(self, "spacing")
+        if stored is None:
+            if "level" in takes:
+                layout.prop(self, "level")
+            return
+        open_choices = (
+            len(stored.datasets) > 1 and not self.dataset,
+            stored.frames > 1 and self.frame < 0 and not self.animate,
+            stored.channels > 1 and self.channel < 0,
+        )
+        if any(open_choices):
+            layout.label(text="Several volumes: choose one", icon="QUESTION")
+        if len(stored.datasets) > 1:
+            layout.prop(self, "dataset")
+        if stored.levels:
+            layout.prop(self, "level", text=iface_("Level (0 to %d)") % (len(stored.levels) - 1))
+        if stored.frames > 1:
+            layout.prop(self, "animate")
+            row = layout.row()
+            row.active = not self.animate
+            row.prop(self, "frame", text=iface_("Frame (0 to %d)") % (stored.frames - 1))
+        if stored.channels > 1:
+            layout.prop(self, "channel", text=iface_("Channel (0 to %d)") % (stored.channels - 1))
+
+    def invoke(self, context, event):
+        if self.asked:
+            return self.run_modal(context)
+        self._by_hand = True
+        return ImportHelper.invoke(self, context, event)
 
     def execute(self, context):
-        path = bpy.path.abspath(self.filepath)
-        layout = {
-            "dims": tuple(self.dims),
-            "value_type": self.value_type,
-            "endian": self.endian,
-            "spacing": tuple(self.spacing),
-            "frame": self.frame,
-        }
-        try:
-            volume = source_files.read_volume(path, **layout)
-            low, high = volume.field().range
-            window = leaflight.default_window(volume)
-            isovalue = leaflight.default_isovalue(volume)
-        except leaflight.LeaflightError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        # Adjust Last Operation reads the file again at once.
+        if getattr(self, "_by_hand", False) and background.running() is None:
+            self._by_hand = False
+            # What the file browser executes cannot itself go on in the background.
+            chosen = self.as_keywords(ignore=("filter_glob", "all_files", "asked"))
+            return bpy.ops.leaflight.import_volume("INVOKE_DEFAULT", asked=True, **chosen)
+        return super().execute(context)
 
-        obj = surface_object.create(context, volume, self.size)
+    def start(self, context):
+        return ImportJob(context, self)
+
+    def _fail(self, error):
+        """The panels, which tell why work failed, are those of another volume."""
+        self.report({"ERROR"}, str(error))
+        return {"CANCELLED"}
+
+
+class ImportJob(background.Job):
+    """The reading of a file, and the object that shows its volume."""
+
+    name = "Import"
+    cancelled = "The import was cancelled; nothing has changed"
+
+    def __init__(self, context, operator):
+        """With the choices of the operator. Raises LeaflightError."""
+        self._path = bpy.path.abspath(operator.filepath)
+        self._choices = source_files.choices_of(operator)
+        self._resolution, self._size = operator.resolution, operator.size
+        self._size_from = operator.size_from
+        self._animate = operator.animate
+        self._partner = operator.partner or next(iter(placing.volume_names(context)), "")
+        placing.check(context, self._size_from, self._partner)
+
+    def run(self, progress):
+        path, choices = self._path, self._choices
+        self._stored = source_files.probe(path, **choices)
+        if self._animate and self._stored.frames > 1:
+            choices["frame"] = max(choices["frame"], 0)
+        choices["downsample"] = stored_facts.step_of(self._resolution, self._stored)
+        self._volume = source_files.read_volume(path, progress=progress, **choices)
+        self._range = self._volume.field().range
+        self._window = leaflight.default_window(self._volume)
+        self._isovalue = leaflight.default_isovalue(self._volume)
+        progress.check()
+
+    def apply(self):
+        context, volume = bpy.context, self._volume
+        obj = surface_object.create(context, volume, self._size)
+        try:
+            obj.leaflight.unit = self._stored.unit
+            placing.place(context, obj, volume, self._size_from, self._partner)
+        except leaflight.LeaflightError:
+            bpy.data.meshes.remove(obj.data)
+            raise
+
         settings = obj.leaflight
-        settings.source = path
-        for name, value in layout.items():
+        settings.source = self._path
+        for name, value in self._choices.items():
             setattr(settings, name, value)
-        settings.low, settings.high = window
+        settings.frames = self._stored.frames
+        settings.shown_frame = max(settings.frame, 0)
+        settings.low, settings.high = self._window
         settings.is_volume = True
         cache.forget_unused()
         cache.keep_volume(obj, volume)
-        settings["isovalue"] = isovalue
-        settings.limit_isovalue((low, high), window, isovalue)
-        surface_object.update(obj, isovalue)
+        settings["isovalue"] = self._isovalue
+        settings.limit_isovalue(self._range, self._window, self._isovalue)
+        surface_object.update(obj, self._isovalue)
+        if self._animate and settings.frames > 1:
+            _play(obj, context.scene)
 
         for other in context.selected_objects:
             other.select_set(False)
@@ -111,10 +277,25 @@ class LEAFLIGHT_OT_import_volume(bpy.types.Operator, ImportHelper):
         context.view_layer.objects.active = obj
         isovalues.lock_interface(context.scene)
         nz, ny, nx = volume.values.shape
-        self.report(
-            {"INFO"}, f"{volume.name}: {nx} x {ny} x {nz} voxels, values {low:g} to {high:g}"
+        low, high = self._range
+        step = self._choices["downsample"]
+        return f"{volume.name}: {nx} x {ny} x {nz} voxels, values {low:g} to {high:g}" + (
+            f", read at 1/{step} of its resolution" if step > 1 else ""
         )
-        return {"FINISHED"}
+
+
+def _play(obj, scene):
+    """Keyframes each frame of the file to one of the scene. Linear curves would round it down."""
+    settings = obj.leaflight
+    for frame in range(settings.frames):
+        settings["shown_frame"] = frame
+        obj.keyframe_insert(isovalues.FRAME_PATH, frame=scene.frame_start + frame)
+    for curve in versions.fcurves(obj):
+        if curve.data_path == isovalues.FRAME_PATH:
+            for point in curve.keyframe_points:
+                point.interpolation = "CONSTANT"
+    settings["shown_frame"] = settings.frame
+    scene.frame_set(scene.frame_current)
 
 
 def _draw_menu(menu, _context):

@@ -7,39 +7,51 @@ import threading
 import bpy
 import leaflight
 
+from ..translations import iface_
+
 LeaflightError = leaflight.LeaflightError
 
 # The one work in progress, for the panels and for Cancel.
 _running = None
 
-
-_CANCELLED = "The bake was cancelled; nothing has changed"
+# Why the last work failed, for the panels: reports are gone in seconds.
+_failure = ""
 
 
 class Job:
     """What a BackgroundOperator does; its warnings are sentences for the user.
+
+    name: of what it does, for a terminal; cancelled: what to say when it was cancelled without
+    leaving anything.
 
     run(progress) works in any thread and touches no Blender data. All else is called in Blender's
     own: apply() puts the result into the scene and returns a sentence for the user.
     """
 
     warnings = ()
+    name = "Bake"
+    cancelled = "The bake was cancelled; nothing has changed"
+
+    def status(self, progress):
+        """How far it is, for the panel; in any thread."""
+        return f"{100.0 * progress.fraction:3.0f} % {progress.stage}"
 
     def show(self):
         """Called time and again while run() works, to show what it has reached."""
 
     def ended(self):
         """Called when run() was cancelled or failed; returns a sentence about the former."""
-        return _CANCELLED
+        return self.cancelled
 
 
 class BackgroundWork:
     """A function of a Progress, at work in a thread of its own."""
 
-    def __init__(self, work):
+    def __init__(self, work, status=Job().status):
         self.progress = leaflight.Progress()
+        self._status = status
         self._error = None
-        self._thread = threading.Thread(target=self._run, args=(work,), name="Leaflight bake")
+        self._thread = threading.Thread(target=self._run, args=(work,), name="Leaflight")
         self._thread.start()
 
     def _run(self, work):
@@ -58,7 +70,7 @@ class BackgroundWork:
         self.progress.cancel()
 
     def status(self):
-        return f"{100.0 * self.progress.fraction:3.0f} % {self.progress.stage}"
+        return self._status(self.progress)
 
     def result(self):
         """Waits for the end and raises what the work raised."""
@@ -70,7 +82,7 @@ class BackgroundWork:
 def is_free(operator):
     """Whether no work is in progress; otherwise a greyed button of the operator shows why."""
     if _running is not None:
-        operator.poll_message_set("A bake is running; Esc ends it")
+        operator.poll_message_set("Leaflight is at work; Esc ends it")
     return _running is None
 
 
@@ -81,20 +93,41 @@ class BackgroundOperator:
     """
 
     is_free = classmethod(is_free)
+    # What the status bar says now.
+    _told = None
+    # Seconds that the window waits for work which may be short.
+    _patience = 0.0
 
     def invoke(self, context, _event):
         return self.execute(context) if bpy.app.background else self.run_modal(context)
 
+    def next_job(self, context):
+        """Another job to do after one that was applied, or None. Raises LeaflightError."""
+        return None
+
     def run_modal(self, context):
+        forget_failure()
+        result = self._begin(context, self.start)
+        if result == {"RUNNING_MODAL"}:
+            context.window_manager.modal_handler_add(self)
+        return result
+
+    def _begin(self, context, start):
         global _running
         try:
-            job = self.start(context)
+            job = start(context)
         except LeaflightError as error:
             return self._fail(error)
-        _running = BackgroundWork(job.run)
-        self._job, self._work = job, _running
+        if job is None:
+            return {"FINISHED"}
+        work = BackgroundWork(job.run, job.status)
+        if self._patience:
+            work.wait(self._patience)
+            if not work.is_alive():
+                return self._conclude(job, work.result, job.ended)
+        _running = work
+        self._job, self._work = job, work
         self._timer = context.window_manager.event_timer_add(0.1, window=context.window)
-        context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
@@ -103,13 +136,12 @@ class BackgroundOperator:
             return {"RUNNING_MODAL"}
         if self._work.is_alive():
             if event.type == "TIMER":
-                text = f"Leaflight  {self._work.status()}  (Esc ends it)"
-                context.workspace.status_text_set(text)
                 self._job.show()
-                _redraw_panels(context)
+                self._tell(context, iface_("Leaflight  %s  (Esc ends it)") % self._work.status())
             return {"PASS_THROUGH"}
         self._release(context)
-        return self._conclude(self._job, self._work.result, self._job.ended)
+        ended = self._conclude(self._job, self._work.result, self._job.ended)
+        return self._begin(context, self.next_job) if ended == {"FINISHED"} else ended
 
     def cancel(self, context):
         """Blender quits or loads another file."""
@@ -120,18 +152,37 @@ class BackgroundOperator:
         global _running
         _running = None
         context.window_manager.event_timer_remove(self._timer)
-        context.workspace.status_text_set(None)
-        _redraw_panels(context)
+        self._tell(context, None)
+
+    def _tell(self, context, text):
+        """Shows a text in the status bar, and what the panels say now."""
+        if text != self._told:
+            self._told = text
+            context.workspace.status_text_set(text)
+            redraw_panels()
 
     def execute(self, context):
+        forget_failure()
+        ended = self._do(self.start, context)
+        while ended == {"FINISHED"}:
+            again = self._do(self.next_job, context)
+            if again is None:
+                break
+            ended = again
+        return ended
+
+    def _do(self, start, context):
+        """Does a job to its end; None where there is none."""
         try:
-            job = self.start(context)
+            job = start(context)
         except LeaflightError as error:
             return self._fail(error)
-        work = BackgroundWork(job.run)
-        _print_progress(work)
+        if job is None:
+            return None
+        work = BackgroundWork(job.run, job.status)
+        _print_progress(job.name, work)
         # Nobody is there to be asked what shall become of it.
-        return self._conclude(job, work.result, lambda: _CANCELLED)
+        return self._conclude(job, work.result, lambda: job.cancelled)
 
     def _conclude(self, job, result, ended):
         """Calls result, which raises what went wrong with the work, and applies the job.
@@ -156,8 +207,21 @@ class BackgroundOperator:
         return {"FINISHED"}
 
     def _fail(self, error):
+        global _failure
+        _failure = str(error)
         self.report({"ERROR"}, str(error))
         return {"CANCELLED"}
+
+
+def failure():
+    """Why the last work failed, or an empty text."""
+    return _failure
+
+
+def forget_failure():
+    """When another file is opened, or the scene is staged anew."""
+    global _failure
+    _failure = ""
 
 
 def running():
@@ -170,7 +234,7 @@ def cancel_running():
         _running.cancel()
 
 
-def _print_progress(work):
+def _print_progress(name, work):
     """Waits for the work. A terminal gets a bar, anything else a line for each tenth."""
     tenths = 0
     while work.is_alive():
@@ -178,16 +242,19 @@ def _print_progress(work):
         if sys.stdout.isatty():
             filled = int(30 * work.progress.fraction)
             bar = "#" * filled + "." * (30 - filled)
-            print(f"\rBake [{bar}] {work.status():<40}", end="", flush=True)
+            print(f"\r{name} [{bar}] {work.status():<40}", end="", flush=True)
         elif int(10 * work.progress.fraction) > tenths:
             tenths = int(10 * work.progress.fraction)
-            print(f"Bake {work.status()}", flush=True)
+            print(f"{name} {work.status()}", flush=True)
     if sys.stdout.isatty():
         print()
 
 
-def _redraw_panels(context):
-    for window in context.window_manager.windows:
+def redraw_panels():
+    """Draws the sides and heads of viewports anew, not the viewports: these take long."""
+    for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":
-                area.tag_redraw()
+                for region in area.regions:
+                    if region.type in {"UI", "TOOL_HEADER"}:
+                        region.tag_redraw()

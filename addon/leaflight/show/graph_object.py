@@ -11,7 +11,8 @@ import leaflight
 import numpy as np
 from leaflight import _core, flatland
 
-from . import display, shader, surface_object
+from . import display, fill, shader, surface_object
+from .isosurface import RADIANCE
 
 LeaflightError = leaflight.LeaflightError
 
@@ -110,13 +111,13 @@ def rebuild(obj):
 def _fill(obj, vertices, quads, radiance):
     material = obj.data.materials[0]
     if radiance is None:
-        surface_object.fill(obj.data, vertices, quads, {})
+        fill.fill(obj.data, vertices, quads, {})
         shader.build_lambertian(
             material, _PLAIN_LINE if display.is_display(obj, _ISOLINES) else _PLAIN_GRAPH
         )
     else:
-        surface_object.fill(obj.data, vertices, quads, {surface_object.RADIANCE: radiance})
-        shader.build_attribute(material, surface_object.RADIANCE, surface_object.RADIANCE)
+        fill.fill(obj.data, vertices, quads, {RADIANCE: radiance})
+        shader.build_attribute(material, RADIANCE, RADIANCE)
 
 
 def _heights(field, settings, values):

@@ -6,11 +6,19 @@ that is linked follows the one whose isovalue was moved, unless it is animated i
 noticed by the isovalue that the mesh still shows: undo and loading a file bring back both together.
 """
 
+import bpy
+
 from .. import versions
-from . import surface_object, walls
+from ..store import cache, frame_bakes
+from . import added, surface_material, surface_object, walls
 
 # Drivers and keyframes use this path, seen from the object.
 ISOVALUE_PATH = 'leaflight["isovalue"]'
+FRAME_PATH = "leaflight.shown_frame"
+
+
+# Names of the volumes of this file, and of what was added to them, that were seen last.
+_seen = set()
 
 
 def window(settings):
@@ -32,7 +40,31 @@ def isovalue_at(settings, c):
 
 
 def volumes(scene):
-    return [obj for obj in scene.objects if obj.leaflight.is_volume]
+    return [obj for obj in isosurfaces(scene) if obj.leaflight.is_volume]
+
+
+def isosurfaces(scene):
+    """The volumes of a scene, and the isosurfaces that were added to them."""
+    found = [obj for obj in scene.objects if added.is_isosurface(obj)]
+    _seen.update(obj.name for obj in found if obj.library is None)
+    return found
+
+
+def limit(obj):
+    """Limits the slider of an isosurface to the data, and softly to the window of its volume."""
+    volume = added.volume_object(obj)
+    data_range = cache.volume_of(volume).data_range()
+    obj.leaflight.limit_isovalue(data_range, window(volume.leaflight), obj.leaflight.isovalue)
+
+
+def left_alone():
+    """What was added to volumes that are gone."""
+    return [obj for obj in known() if added.is_added(obj) and obj.parent is None]
+
+
+def remove_left_alone():
+    for obj in left_alone():
+        added.remove(obj)
 
 
 def partners(obj, scene):
@@ -52,23 +84,76 @@ def set_isovalue(obj, isovalue):
         walls.update(scene)
 
 
-def update(scene, depsgraph):
-    """Shows every volume of the scene at its evaluated isovalue, or where a linked one leads it.
+def show_frame(obj):
+    """Shows the frame of a file that a script or the slider has set."""
+    if frame_bakes.switch(obj, frame_bakes.wanted(obj.leaflight)):
+        surface_object.update_all(obj)
+        for scene in obj.users_scene:
+            walls.update(scene)
+
+
+def update(scene, depsgraph, moving=False):
+    """Shows every isosurface of the scene at its evaluated isovalue, or where a linked one leads.
 
     Only the evaluated object has the animated value: in a render the original lags behind.
+    moving: see surface_object.update(). Returns the objects whose isovalue was another before.
     """
-    found = [obj for obj in volumes(scene) if obj.mode == "OBJECT"]
-    values = {obj: obj.evaluated_get(depsgraph).leaflight.isovalue for obj in found}
-    moved = [obj for obj in found if surface_object.shown_isovalue(obj) != values[obj]]
+    found = [obj for obj in isosurfaces(scene) if obj.mode == "OBJECT"]
+    evaluated = {obj: obj.evaluated_get(depsgraph) for obj in found}
+    for obj in found:
+        if frame_bakes.is_behind(obj, evaluated[obj]):
+            frame_bakes.switch(obj, frame_bakes.wanted(evaluated[obj].leaflight))
+    moved = _show(scene, {obj: e.leaflight.isovalue for obj, e in evaluated.items()}, moving)
+    for obj in found:
+        surface_material.show_opacity(obj, evaluated[obj].leaflight_look.opacity)
+    return moved
+
+
+def update_before_evaluation(scene, moving=False):
+    """The same for isovalues that are not animated, which the objects themselves have already.
+
+    It spares the evaluation of the surfaces that go. Next to nothing where none has moved.
+    """
+    if not any_is_behind():
+        return []
+    found = [obj for obj in isosurfaces(scene) if obj.mode == "OBJECT"]
+    values = {obj: obj.leaflight.isovalue for obj in found if not _is_animated(obj)}
+    return _show(scene, values, moving)
+
+
+def any_is_behind(depsgraph=None):
+    """Whether an isosurface that was seen before shows another isovalue than it has, or is to have.
+
+    depsgraph: that has evaluated it; a driver's work is not among its updates.
+    """
+    for obj in filter(added.is_isosurface, known()):
+        evaluated = obj if depsgraph is None else obj.evaluated_get(depsgraph)
+        if surface_object.shown_isovalue(obj) != evaluated.leaflight.isovalue:
+            return True
+        if depsgraph is not None and frame_bakes.is_behind(obj, evaluated):
+            return True
+    return False
+
+
+def known():
+    """What was seen last and is still there: isosurfaces, and some left alone by their volume."""
+    found = (bpy.data.objects.get((name, None)) for name in _seen)
+    return [o for o in found if o is not None and (o.leaflight.is_volume or added.is_added(o))]
+
+
+def _show(scene, values, moving):
+    """Shows the volumes at their values, or where the one leads that was moved; what moved."""
+    moved = [obj for obj in values if surface_object.shown_isovalue(obj) != values[obj]]
     leader = min(filter(_linked, moved), key=_precedence, default=None)
     for obj, isovalue in values.items():
         follows = leader not in (None, obj) and _linked(obj) and not _is_animated(obj)
         if follows:
-            _follow(obj, leader, values[leader])
+            _follow(obj, leader, values[leader], moving)
         else:
-            surface_object.update(obj, isovalue)
-    if found:
+            surface_object.update(obj, isovalue, moving)
+    if values:
         walls.update(scene)
+    return moved
 
 
 def lock_interface(scene):
@@ -77,7 +162,8 @@ def lock_interface(scene):
 
 
 def _linked(obj):
-    return obj.leaflight.linked and not obj.hide_render and obj.library is None
+    settings = obj.leaflight
+    return settings.is_volume and settings.linked and not obj.hide_render and obj.library is None
 
 
 def _precedence(obj):
@@ -86,14 +172,12 @@ def _precedence(obj):
 
 
 def _is_animated(obj):
-    data = obj.animation_data
-    curves = [*(data.drivers if data else ()), *versions.fcurves(obj)]
-    return any(curve.data_path == ISOVALUE_PATH for curve in curves)
+    return versions.is_animated(obj, ISOVALUE_PATH)
 
 
-def _follow(obj, leader, isovalue):
+def _follow(obj, leader, isovalue, moving=False):
     target = isovalue_at(obj.leaflight, leaf_coordinate(leader.leaflight, isovalue))
     if obj.leaflight["isovalue"] != target:
         obj.leaflight["isovalue"] = target
         obj.update_tag()
-    surface_object.update(obj, target)
+    surface_object.update(obj, target, moving)

@@ -71,10 +71,15 @@ def colours(ramp):
 def albedo_at(obj, isovalue):
     """The albedo (r, g, b) of one isosurface."""
     stops = sorted((stop.isovalue, tuple(stop.color)) for stop in obj.leaflight.leaf_stops)
-    if not stops:
-        return tuple(obj.leaflight.leaf_albedo)
-    positions = [position for position, _ in stops]
-    channels = zip(*(colour for _, colour in stops))
+    return color_at(stops or tuple(obj.leaflight.leaf_albedo), isovalue)
+
+
+def color_at(ramp, isovalue):
+    """The color (r, g, b) of a ramp, which is one color or stops in ascending isovalue."""
+    if is_color(ramp):
+        return tuple(ramp)
+    positions = [position for position, _ in ramp]
+    channels = zip(*(color for _, color in ramp))
     return tuple(float(np.interp(isovalue, positions, channel)) for channel in channels)
 
 

@@ -15,11 +15,14 @@ _shown = {}
 
 @dataclass(frozen=True, eq=False)
 class Round:
-    """A leaflight.Bake, which of its volumes an object is, and that volume in its coordinates."""
+    """A leaflight.Bake, which of its volumes an object is, that volume in its coordinates, and the
+    frame of the file that it is.
+    """
 
     bake: object
     index: int
     volume: object
+    frame: int
 
 
 def put(obj, bake, index, matrix):
@@ -35,12 +38,13 @@ def put(obj, bake, index, matrix):
         local_to_world = np.array(matrix, np.float64).reshape(4, 4)
         index_to_local = np.linalg.inv(local_to_world) @ baked.index_to_world
         volume = leaflight.Volume(baked.values, index_to_local, baked.name, baked.source)
-    _shown[obj.name_full] = Round(bake, index, volume)
+    _shown[obj.name_full] = Round(bake, index, volume, obj.leaflight.frame)
 
 
 def of(obj):
-    """The Round that lights an object, or None."""
-    return _shown.get(obj.name_full)
+    """The Round that lights an object, or None, as where it shows another frame meanwhile."""
+    shown = _shown.get(obj.name_full)
+    return shown if shown is not None and shown.frame == obj.leaflight.frame else None
 
 
 def forget():

@@ -16,7 +16,7 @@ from bpy.props import (
 )
 
 from .. import versions
-from . import isovalues, surface_object, walls
+from . import added, isovalues, surface_object, walls
 
 VALUE_TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")
 
@@ -35,6 +35,15 @@ SCATTERING_ITEMS = [
 ]
 
 
+# What users choose from, each with the error that it stands for, in percent.
+QUALITIES = {"DRAFT": 4.0, "GOOD": 1.5, "FINAL": 0.7}
+QUALITY_ITEMS = [
+    ("DRAFT", "Draft", "A quick look, with grain"),
+    ("GOOD", "Good", "Hardly any grain: right for most work"),
+    ("FINAL", "Final", "For stills that are looked at closely: several times the time of Good"),
+    ("CUSTOM", "Custom", "The error that is set under Advanced"),
+]
+
 # A library override may have other settings, and a bake of its own.
 _OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}
 _INSERTABLE = {"LIBRARY_OVERRIDABLE", "USE_INSERTION"}
@@ -42,17 +51,44 @@ _INSERTABLE = {"LIBRARY_OVERRIDABLE", "USE_INSERTION"}
 
 def _shading_changed(settings, _context):
     if settings.id_data.leaflight.is_volume:
-        surface_object.shade(settings.id_data)
+        surface_object.shade_all(settings.id_data)
 
 
 def _settle_changed(settings, _context):
     if settings.is_volume and not settings.settle:
-        surface_object.unsettle(settings.id_data)
+        for obj in (settings.id_data, *added.added_to(settings.id_data)):
+            surface_object.unsettle(obj)
+
+
+def _quality(settings):
+    """The number of the item that the error stands for."""
+    near = (n for n, error in enumerate(QUALITIES.values()) if abs(settings.error - error) < 1e-3)
+    return next(near, len(QUALITIES))
+
+
+def _set_quality(settings, number):
+    if number < len(QUALITIES):
+        settings.error = list(QUALITIES.values())[number]
+
+
+def _switches_on(name):
+    """Who sets a value wants it to count."""
+
+    def changed(settings, _context):
+        setattr(settings, name, True)
+
+    return changed
 
 
 def _shape_changed(settings, _context):
     if settings.is_volume:
         surface_object.update(settings.id_data, settings.isovalue)
+        surface_object.update_all(settings.id_data)
+
+
+def _frame_changed(settings, _context):
+    if settings.is_volume:
+        isovalues.show_frame(settings.id_data)
 
 
 def _walls_changed(_settings, context):
@@ -100,7 +136,36 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     spacing: FloatVectorProperty(
         name="Voxel Size", size=3, default=(1.0, 1.0, 1.0), override=_OVERRIDABLE
     )
+    use_spacing: BoolProperty(
+        name="Own Voxel Size",
+        description="The voxel size was given, and not taken from the file",
+        default=True,
+        override=_OVERRIDABLE,
+    )
     frame: IntProperty(name="Frame", default=-1, min=-1, override=_OVERRIDABLE)
+    frames: IntProperty(
+        name="Frames",
+        description="Volumes of the file over time",
+        default=1,
+        min=1,
+        override=_OVERRIDABLE,
+    )
+    shown_frame: IntProperty(
+        name="Frame",
+        description="Which volume of the file's series over time is shown, counted from 0. Keyframes "
+        "play them. Each frame has a bake of its own",
+        min=0,
+        update=_frame_changed,
+        override=_OVERRIDABLE,
+    )
+    frame_bakes: StringProperty(name="Bakes of the Other Frames", override=_OVERRIDABLE)
+    channel: IntProperty(name="Channel", default=-1, min=-1, override=_OVERRIDABLE)
+    level: IntProperty(name="Level", default=0, min=0, override=_OVERRIDABLE)
+    dataset: StringProperty(name="Dataset", override=_OVERRIDABLE)
+    downsample: IntProperty(name="Downsample", default=1, min=1, max=8, override=_OVERRIDABLE)
+    unit: StringProperty(
+        name="Unit", description="What the file measures lengths in", override=_OVERRIDABLE
+    )
 
     low: FloatProperty(
         name="Lowest Isovalue",
@@ -173,17 +238,33 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         default=True,
         override=_OVERRIDABLE,
     )
-    resolution: IntProperty(
-        name="Resolution",
-        description="Texels along the longest side of the volume; 0 takes one texel per voxel",
-        default=0,
-        min=0,
-        soft_max=1024,
+    use_resolution: BoolProperty(
+        name="Own Resolution",
+        description="Choose the number of texels yourself, where a volume is too large for the "
+        "memory or the time at hand. Otherwise it follows from the voxels",
         override=_OVERRIDABLE,
+    )
+    resolution: IntProperty(
+        name="Texels",
+        description="Texels along the longest side of the volume. Fewer are faster and blur the "
+        "light",
+        default=128,
+        min=2,
+        soft_max=1024,
+        update=_switches_on("use_resolution"),
+        override=_OVERRIDABLE,
+    )
+    quality: EnumProperty(
+        name="Quality",
+        description="How exact the bake shall be",
+        items=QUALITY_ITEMS,
+        get=_quality,
+        set=_set_quality,
     )
     error: FloatProperty(
         name="Error",
-        description="The bake goes on until its error is this, in percent of the displayable range",
+        description="The bake goes on until its error is this, in percent of the displayable "
+        "range. Change it where Draft, Good and Final leave too much grain or take too long",
         subtype="PERCENTAGE",
         default=1.5,
         min=0.01,
@@ -193,24 +274,32 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         precision=2,
         override=_OVERRIDABLE,
     )
-    time_limit: FloatProperty(
+    use_time_limit: BoolProperty(
         name="Time Limit",
-        description="Or until so many seconds are over; 0 for no limit",
+        description="End the bake after some time, whatever its error is then. Continue goes on "
+        "with it later",
+        override=_OVERRIDABLE,
+    )
+    time_limit: FloatProperty(
+        name="Seconds",
+        description="Seconds after which the bake ends with what it has",
         subtype="TIME_ABSOLUTE",
-        default=0.0,
-        min=0.0,
+        default=60.0,
+        min=0.1,
         soft_max=600.0,
         precision=1,
+        update=_switches_on("use_time_limit"),
         override=_OVERRIDABLE,
     )
     fixed_samples: BoolProperty(
         name="Fixed Samples",
-        description="Do the amount of work below, whatever error it leaves, for research",
+        description="Do the amount of work below, whatever error it leaves: to compare ways of baking. "
+        "Pictures want Draft, Good or Final",
         override=_OVERRIDABLE,
     )
     samples: IntProperty(
         name="Samples",
-        description="Rays per texel for the direct light and for the final gather",
+        description="Rays per texel for the direct light and for the final gather: more is less grain",
         default=32,
         min=1,
         soft_max=1024,
@@ -218,7 +307,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     )
     photons: IntProperty(
         name="Photons",
-        description="Photons that carry the indirect light",
+        description="Photons that carry the indirect light: more where it is blotchy",
         default=2_000_000,
         min=1,
         soft_max=100_000_000,
@@ -245,11 +334,16 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         override=_OVERRIDABLE,
     )
     seed: IntProperty(
-        name="Seed", description="Seed of the random numbers", min=0, override=_OVERRIDABLE
+        name="Seed",
+        description="Where the random numbers begin: another seed gives other grain, to tell "
+        "grain from detail",
+        min=0,
+        override=_OVERRIDABLE,
     )
     both_sides: BoolProperty(
         name="Both Sides",
-        description="Bake the inner side of the isosurfaces too, for volumes that are cut open",
+        description="Bake the inner side of the isosurfaces too: where a volume is cut open and its inside "
+        "shows. Nearly doubles the time",
         override=_OVERRIDABLE,
     )
     light_surroundings: BoolProperty(
@@ -269,7 +363,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
 
     shading: EnumProperty(
         name="Shading",
-        description="How the surface is coloured with the baked radiance",
+        description="How the surface gets its colors from the baked radiance",
         items=[
             ("ATLAS", "Volume Texture", "Look up the baked texels at every pixel"),
             ("ATTRIBUTE", "Vertex Attribute", "Interpolate the radiance at the mesh's vertices"),
@@ -306,6 +400,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     bake_refined: BoolProperty(name="Finer Texels in the Bake", override=_OVERRIDABLE)
     bake_seconds: FloatProperty(name="Bake Time", override=_OVERRIDABLE)
     bake_outcome: StringProperty(name="Error That the Bake Reached", override=_OVERRIDABLE)
+    bake_warnings: StringProperty(name="Warnings of the Bake", override=_OVERRIDABLE)
     comparison: StringProperty(name="Last Comparison", override=_OVERRIDABLE)
     atlas_columns: IntProperty(
         name="Columns of the Atlas, 0 if There Is None", override=_OVERRIDABLE

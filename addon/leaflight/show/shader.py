@@ -11,6 +11,7 @@ a tile.
 """
 
 import os
+from dataclasses import dataclass, field
 
 import bpy
 import numpy as np
@@ -22,8 +23,33 @@ from ..store import bake_files
 ATLAS, BACK = "leaflight_atlas", "leaflight_back"
 
 
-# The node that tells whether colour attributes take the place of an atlas.
-_SETTLED = "settled"
+# Names of the nodes whose values change without a build: whether colour attributes take the place
+# of an atlas; how opaque the surface is; what gives baked radiance another albedo.
+_SETTLED, _OPACITY, _RECOLOR = "settled", "opacity", "recolor"
+
+
+@dataclass(frozen=True)
+class Cut:
+    """A box that cuts a surface: from low to high, (x, y, z) in the coordinates of its object."""
+
+    box: object = field(repr=False)
+    name: str
+    low: tuple
+    high: tuple
+    keeps_inside: bool
+
+
+@dataclass(frozen=True)
+class View:
+    """What of a surface is seen.
+
+    is_translucent: whether what lies behind it shows through; lies_among: whether other such
+    surfaces do, or it through them; cut: a Cut or None.
+    """
+
+    is_translucent: bool = False
+    lies_among: bool = False
+    cut: object = None
 
 
 def build_lambertian(material, albedo):
@@ -32,9 +58,9 @@ def build_lambertian(material, albedo):
     set_albedo(material, albedo)
 
 
-def build_leaf(material, scattering, ior, emission):
+def build_leaf(material, scattering, ior, emission, view=View()):
     """A leaf of its own material: "DIFFUSE", "MIRROR" or "GLASS"; emission: radiance (r, g, b)."""
-    graph = _Graph(material)
+    graph = _Graph(material, view)
     surface = graph.reflecting(scattering, ior)
     if max(emission) > 0:
         surface = graph.sum(surface, graph.emission(emission))
@@ -50,9 +76,9 @@ def set_albedo(material, albedo):
                 node.inputs[0].default_value = colour
 
 
-def build_attribute(material, front, back=None):
+def build_attribute(material, front, back=None, view=View()):
     """Emission of the colour attributes called `front` and, if it was baked, `back`."""
-    graph = _Graph(material)
+    graph = _Graph(material, view)
     graph.emit_sides(*(graph.attribute(name) for name in (front, back) if name))
 
 
@@ -75,7 +101,29 @@ def set_settled(material, settled):
         node.outputs[0].default_value = float(settled)
 
 
-def build_atlas(material, images, attributes, resolution, columns, texel_from_object):
+def set_opacity(material, opacity):
+    node = material.node_tree.nodes.get(_OPACITY)
+    if node is not None and node.outputs[0].default_value != opacity:
+        node.outputs[0].default_value = opacity
+
+
+def set_recoloring(material, factor, offset):
+    """Shows factor * radiance + offset, each (r, g, b), in place of the baked radiance."""
+    for node in material.node_tree.nodes:
+        if node.name == _RECOLOR:
+            for socket, value in zip(node.inputs[1:], (factor, offset)):
+                if not np.allclose(socket.default_value, value, rtol=1e-7, atol=0):
+                    socket.default_value = value
+
+
+def is_recolored(material):
+    """Whether set_recoloring() has changed anything in a material."""
+    nodes = material.node_tree.nodes if material.node_tree is not None else ()
+    factors = [tuple(n.inputs[1].default_value) for n in nodes if n.name == _RECOLOR]
+    return any(factor != (1.0, 1.0, 1.0) for factor in factors)
+
+
+def build_atlas(material, images, attributes, resolution, columns, texel_from_object, view=View()):
     """Emission of a radiance grid of this resolution (nx, ny, nz), from its atlas.
 
     images: the atlas of the outer side and, if it was baked, of the inner one. attributes: the
@@ -85,7 +133,7 @@ def build_atlas(material, images, attributes, resolution, columns, texel_from_ob
     """
     nx, ny, nz = resolution
     rows = -(-nz // columns)
-    graph = _Graph(material)
+    graph = _Graph(material, view)
     coordinates = graph.node("ShaderNodeTexCoord")
     position = next(s for s in coordinates.outputs if s.identifier == "Object")
     low, weight = [], []
@@ -176,7 +224,10 @@ def atlas_image(path, label, back, written):
 class _Graph:
     """Builds the node tree of a material from scratch."""
 
-    def __init__(self, material):
+    def __init__(self, material, view=View()):
+        self._view, self._hides_back = view, False
+        self._material = material
+        versions.let_through(material, view.is_translucent, view.lies_among, view.cut is not None)
         self.tree = versions.give_nodes(material)
         self.tree.nodes.clear()
 
@@ -274,17 +325,76 @@ class _Graph:
         geometry = self.node("ShaderNodeNewGeometry")
         return next(s for s in geometry.outputs if s.identifier == "Backfacing")
 
+    def recolored(self, radiance):
+        node = self.node("ShaderNodeVectorMath")
+        node.name, node.operation = _RECOLOR, "MULTIPLY_ADD"
+        self.connect(radiance, node.inputs[0])
+        node.inputs[1].default_value, node.inputs[2].default_value = (1, 1, 1), (0, 0, 0)
+        return node.outputs["Vector"]
+
     def emit_sides(self, front, back=None):
-        """Emission of one colour on each side; without the inner one, the Lambertian leaf there."""
+        """Emission of one colour on each side; without the inner one, the Lambertian leaf there.
+
+        Where others show through, nothing is there: who looks at the outer side of a surface does
+        not look for the inner one behind it.
+        """
         if back is not None:
-            self.finish(self.emission(self.mix(front, back, self.backfacing())))
+            radiance = self.mix(front, back, self.backfacing())
+            self.finish(self.emission(self.recolored(radiance)))
             return
-        side = self.node("ShaderNodeMixShader")
-        self.connect(self.backfacing(), side.inputs[0])
-        self.connect(self.emission(front), side.inputs[1])
-        self.connect(self.lambertian(), side.inputs[2])
-        self.finish(side.outputs[0])
+        front = self.emission(self.recolored(front))
+        if self._view.is_translucent:
+            self._hides_back = True
+            self.finish(front)
+            return
+        self.finish(self.mix_shaders(self.backfacing(), front, self.lambertian()))
+
+    def mix_shaders(self, weight, a, b):
+        node = self.node("ShaderNodeMixShader")
+        for value, socket in zip((weight, a, b), node.inputs):
+            self.connect(value, socket)
+        return node.outputs[0]
+
+    def inside(self, cut):
+        """1 within the box of a Cut, else 0."""
+        coordinates = self.node("ShaderNodeTexCoord")
+        coordinates.object = cut.box
+        position = next(s for s in coordinates.outputs if s.identifier == "Object")
+        low, high = np.array(cut.low), np.array(cut.high)
+        half = np.maximum(0.5 * (high - low), 1e-6)
+        part = self.vector("SUBTRACT", position, tuple(0.5 * (low + high)))
+        part = self.vector("ABSOLUTE", self.vector("DIVIDE", part, tuple(half)))
+        separate = self.node("ShaderNodeSeparateXYZ")
+        self.connect(part, separate.inputs[0])
+        x, y, z = separate.outputs
+        return self.math("LESS_THAN", self.math("MAXIMUM", self.math("MAXIMUM", x, y), z), 1.0)
+
+    def seen(self):
+        """How much of the surface is seen, 0..1: a socket, or None where that is all of it."""
+        factors = []
+        if self._view.is_translucent:
+            opacity = self.node("ShaderNodeValue")
+            opacity.name = _OPACITY
+            factors.append(opacity.outputs[0])
+        if self._hides_back:
+            factors.append(self.math("SUBTRACT", 1.0, self.backfacing()))
+        if self._view.cut is not None:
+            inside = self.inside(self._view.cut)
+            keeps = self._view.cut.keeps_inside
+            factors.append(inside if keeps else self.math("SUBTRACT", 1.0, inside))
+        if not factors:
+            return None
+        seen = factors[0]
+        for factor in factors[1:]:
+            seen = self.math("MULTIPLY", seen, factor)
+        return seen
 
     def finish(self, shader):
+        # For Eevee, whose nearest layer it shall not be.
+        self._material.use_backface_culling = self._hides_back
+        seen = self.seen()
+        if seen is not None:
+            nothing = self.node("ShaderNodeBsdfTransparent").outputs[0]
+            shader = self.mix_shaders(seen, nothing, shader)
         output = self.node("ShaderNodeOutputMaterial")
         self.tree.links.new(shader, output.inputs[0])

@@ -11,7 +11,8 @@ import leaflight
 import numpy as np
 
 from ..store import cache
-from . import display, shader, surface_object
+from . import display, fill, shader, surface_object
+from .isosurface import RADIANCE, RADIANCE_BACK
 
 LeaflightError = leaflight.LeaflightError
 
@@ -73,9 +74,9 @@ def update(scene):
     low, high = bake.isovalues
     c = min(max(_leaf_coordinate(leader, bake), low), high)
     for obj in stale:
-        for name, back in ((surface_object.RADIANCE, False), (surface_object.RADIANCE_BACK, True)):
+        for name, back in ((RADIANCE, False), (RADIANCE_BACK, True)):
             radiance = bake.surroundings.radiance(obj[_INDEX], c, back=back)
-            surface_object.colour(obj.data, name, radiance)
+            fill.colour(obj.data, name, radiance)
         obj.data[_SHOWN] = label
         obj.data.update()
 
@@ -101,9 +102,7 @@ def _build(scene, leader):
     collection = bpy.data.collections.new(COLLECTION)
     collection[_COLLECTION] = True
     scene.collection.children.link(collection)
-    material = shader.shared_material(
-        _WALL_MATERIAL, "Leaflight Wall", surface_object.RADIANCE, surface_object.RADIANCE_BACK
-    )
+    material = shader.shared_material(_WALL_MATERIAL, "Leaflight Wall", RADIANCE, RADIANCE_BACK)
     for index, mesh in enumerate(bake.scene.meshes):
         original = _original(scene, mesh.name)
         # What a mirror or glass shows depends on where it is seen from: these stay as they are.
@@ -123,7 +122,7 @@ def _original(scene, name):
 def _display(bake, index, name, material):
     vertices, triangles = bake.surroundings.mesh(index)
     data = bpy.data.meshes.new(f"{name} Lit")
-    surface_object.fill(data, vertices, triangles, {})
+    fill.fill(data, vertices, triangles, {})
     data.polygons.foreach_set("use_smooth", np.zeros(len(triangles), bool))
     data.materials.append(material)
     obj = bpy.data.objects.new(f"{name} Lit", data)

@@ -10,7 +10,7 @@ import numpy as np
 _TOLERANCE = 1e-4
 
 # What a description calls things, where they came from, and what only the bake's window says.
-_UNSEEN = {"name", "source", "coordinates", "isovalues"}
+_UNSEEN = {"name", "source", "reading", "coordinates", "isovalues"}
 
 
 def is_same(a, b):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scene that a bake was made in as Blender objects: meshes, lights, world, exposure."""
+"""Scene descriptions as Blender objects, which the user may edit: meshes, lights, world."""
 
 import math
 
@@ -10,7 +10,7 @@ from leaflight.scene.scene import AreaLight, SunLight
 
 from .. import versions
 from ..show import shader
-from . import cornell_box, lights
+from . import lights, world
 
 
 def build(context, description):
@@ -24,24 +24,29 @@ def build(context, description):
     for mesh in description.meshes:
         if mesh.texture is not None:
             warnings.append(f'"{mesh.name}" comes without its image texture')
-        collection.objects.link(_mesh(mesh))
+        collection.objects.link(mesh_object(mesh))
     for light in description.lights:
-        collection.objects.link(_light(light))
+        collection.objects.link(light_object(light))
         cone = getattr(light, "cone", None)
         if cone is not None and cone.cosine_falloff != versions.light_units().spot_cosine:
             warnings.append(
                 f'Light "{light.name}" comes as bright as it was along its axis only: spots of the '
                 "Blender it was baked in fade otherwise towards their edge"
             )
-    _surround(context.scene, description.environment, warnings)
+    environment = description.environment
+    if environment is not None and environment.image is not None:
+        warnings.append(f'The world "{environment.name}" comes without its image')
+    surround(context.scene, environment)
     context.scene.view_settings.view_transform = "Standard"
     context.scene.view_settings.exposure = math.log2(description.exposure)
     return warnings
 
 
-def _mesh(description):
+def mesh_object(description):
+    """The object stands at the middle of its mesh, so that it turns and scales about it."""
+    middle = description.vertices.mean(axis=0)
     data = bpy.data.meshes.new(description.name)
-    data.from_pydata(description.vertices.tolist(), [], description.triangles.tolist())
+    data.from_pydata((description.vertices - middle).tolist(), [], description.triangles.tolist())
     material = bpy.data.materials.new(description.name)
     shader.build_leaf(
         material, description.scattering.upper(), description.ior, description.emission
@@ -49,12 +54,14 @@ def _mesh(description):
     shader.set_albedo(material, description.albedo)
     material.diffuse_color = (*description.albedo, 1.0)
     data.materials.append(material)
-    return bpy.data.objects.new(description.name, data)
+    obj = bpy.data.objects.new(description.name, data)
+    obj.location = middle
+    return obj
 
 
-def _light(description):
+def light_object(description):
     if isinstance(description, AreaLight):
-        obj = cornell_box.area_light(description)
+        obj = _area_light(description)
         obj.data.shape = "ELLIPSE" if description.ellipse else "RECTANGLE"
         wanted = description.radiance
     elif isinstance(description, SunLight):
@@ -71,6 +78,24 @@ def _light(description):
             obj.data.spot_size, obj.data.spot_blend = cone.angle, cone.blend
         wanted = description.intensity
     _brighten(obj, np.array(wanted, np.float64))
+    return obj
+
+
+def _area_light(description):
+    u, v = (np.array(edge, np.float64) for edge in (description.edge_u, description.edge_v))
+    light = bpy.data.lights.new(description.name, "AREA")
+    light.shape = "RECTANGLE"
+    light.size, light.size_y = np.linalg.norm(u), np.linalg.norm(v)
+    radiance = np.array(description.radiance, np.float64)
+    light.color = radiance / radiance.max()
+    light.energy = radiance.max() * light.size * light.size_y / versions.light_units().area
+    obj = bpy.data.objects.new(description.name, light)
+    # It shines along its local -Z: the local axes are u, -v and -(u x v).
+    axes = np.array([u / np.linalg.norm(u), -v / np.linalg.norm(v), -np.cross(u, v)])
+    axes[2] /= np.linalg.norm(axes[2])
+    middle = np.array(description.corner) + 0.5 * (u + v)
+    rotation = mathutils.Matrix(axes.T.tolist()).to_4x4()
+    obj.matrix_world = mathutils.Matrix.Translation(middle) @ rotation
     return obj
 
 
@@ -91,17 +116,25 @@ def _brighten(obj, wanted):
     obj.data.energy = wanted.max() / max(found)
 
 
-def _surround(scene, environment, warnings):
-    if environment is None:
-        cornell_box.darken_world(scene)
+def surround(scene, environment):
+    """Gives the scene a world of one color, or a black one. The user's own stays in the file."""
+    if environment is None and (scene.world is None or world.is_dark(scene.world)):
+        scene.world = scene.world or _new_world("Black World", (0.0, 0.0, 0.0))
         return
-    if environment.image is not None:
-        warnings.append(f'The world "{environment.name}" comes without its image')
     if scene.world is not None:
         scene.world.use_fake_user = True
-    scene.world = bpy.data.worlds.new(environment.name)
-    tree = versions.give_nodes(scene.world)
-    background = next(n for n in tree.nodes if n.type == "BACKGROUND")
-    strength = max(environment.radiance)
-    background.inputs[0].default_value = (*(x / strength for x in environment.radiance), 1.0)
-    background.inputs[1].default_value = strength
+    if environment is None:
+        scene.world = _new_world("Black World", (0.0, 0.0, 0.0))
+    else:
+        scene.world = _new_world(environment.name, environment.radiance)
+
+
+def _new_world(name, radiance):
+    made = bpy.data.worlds.new(name)
+    strength = max(radiance)
+    color = tuple(x / strength for x in radiance) if strength > 0 else (0.0, 0.0, 0.0)
+    made.color = color
+    background = next(n for n in versions.give_nodes(made).nodes if n.type == "BACKGROUND")
+    background.inputs[0].default_value = (*color, 1.0)
+    background.inputs[1].default_value = strength if strength > 0 else 1.0
+    return made

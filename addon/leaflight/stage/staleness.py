@@ -1,21 +1,55 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether the scene is still the one that was baked."""
+"""Whether the scene is still the one that was baked.
 
+To know it the whole scene is read and hashed: when someone asks, or, for panels, when nothing has
+changed for a moment. Never while a panel draws or an isovalue moves.
+"""
+
+import time
+
+import bpy
 import leaflight
 
+from ..operators import background
 from ..store import bake_files, source_files
 from . import scene_export
 
 # The fingerprint of a bake that was loaded into a scene other than its own.
 OTHER_SCENE = "another scene"
 
-# Full name of an object -> what has changed, found when a panel first asks after any change.
+# Seconds without a change before panels are told.
+PAUSE = 0.5
+
+# (Full name of an object, its bake) -> what has changed, known until the next change; by the name
+# alone where it stood then.
 _changes = {}
+_places = {}
+
+# The same as panels show it, by object and bake, though it may have been before the last change;
+# who has asked for it.
+_told = {}
+_asked = set()
+_changed_at = 0.0
 
 
 def forget():
     """After any change of the scene: the next question looks anew."""
+    global _changed_at
     _changes.clear()
+    _changed_at = time.monotonic()
+
+
+def clear():
+    """Before another file is opened."""
+    forget()
+    for known in (_places, _told, _asked):
+        known.clear()
+
+
+def stands_elsewhere(obj):
+    """Whether an object has moved since change_since_bake() looked."""
+    place = _places.get(obj.name_full)
+    return place is not None and place != obj.matrix_world
 
 
 def change_since_bake(context, obj):
@@ -23,9 +57,44 @@ def change_since_bake(context, obj):
 
     Also when the bake itself cannot be found.
     """
-    if obj.name_full not in _changes:
-        _changes[obj.name_full] = _change(context, obj)
-    return _changes[obj.name_full]
+    key = _key(obj)
+    if key not in _changes:
+        _places[obj.name_full] = obj.matrix_world.copy()
+        _changes[key] = _told[key] = _change(context, obj)
+    return _changes[key]
+
+
+def known_change(obj):
+    """What change_since_bake() said unless something may have changed since; then ""."""
+    return _changes.get(_key(obj), "")
+
+
+def change_to_tell(obj):
+    """What change_since_bake() said last, for panels, which are drawn anew if it says otherwise."""
+    if _key(obj) not in _changes and not bpy.app.background:
+        _asked.add(obj.name_full)
+        if not bpy.app.timers.is_registered(_look):
+            bpy.app.timers.register(_look, first_interval=PAUSE)
+    return _told.get(_key(obj), "")
+
+
+def _key(obj):
+    """Another frame of a volume has another bake."""
+    return obj.name_full, obj.leaflight.bake_id
+
+
+def _look():
+    rest = time.monotonic() - _changed_at
+    if rest < PAUSE:
+        return PAUSE - rest
+    asked = [obj for obj in bpy.context.scene.objects if obj.name_full in _asked]
+    _asked.clear()
+    before = dict(_told)
+    for obj in asked:
+        change_since_bake(bpy.context, obj)
+    if _told != before:
+        background.redraw_panels()
+    return None
 
 
 def _change(context, obj):

@@ -25,6 +25,8 @@ import bpy
 import leaflight
 from leaflight.bake.stamps import read_bake_id
 
+from . import preferences
+
 LeaflightError = leaflight.LeaflightError
 
 # Beside the .blend.
@@ -46,8 +48,11 @@ _ids = {}
 
 
 def user_folder():
-    """The user's Leaflight folder, which outlives updates of the add-on."""
-    package = __package__.rpartition(".")[0]
+    """The user's Leaflight folder, which outlives updates of the add-on, or the one chosen."""
+    chosen = preferences.cache_folder()
+    if chosen is not None:
+        return chosen
+    package = preferences.PACKAGE
     if package.startswith("bl_ext."):
         return Path(bpy.utils.extension_path_user(package))
     return Path(bpy.utils.user_resource("DATAFILES", path="leaflight"))
@@ -94,12 +99,17 @@ def make_folder(folder):
 
 def path_for(folder, name, identifier):
     """The file in a folder for a bake of an object of this name: free, or of the same bake."""
-    stem = re.sub(r"[^\w.-]+", "_", name) + "_" + identifier[:_DIGITS]
-    path, number = folder / f"{stem}.vdb", 1
+    full = f"{stem(name)}_{identifier[:_DIGITS]}"
+    path, number = folder / f"{full}.vdb", 1
     while path.exists() and not holds(path, identifier):
         number += 1
-        path = folder / f"{stem}-{number}.vdb"
+        path = folder / f"{full}-{number}.vdb"
     return path
+
+
+def stem(name):
+    """The name of an object as names of files can have it."""
+    return re.sub(r"[^\w.-]+", "_", name)
 
 
 def state_of(path):
@@ -199,7 +209,8 @@ def places(obj):
     if obj.leaflight.bake_folder:
         folders.append(folder_for(obj))
     user = user_folder()
-    folders += sorted(user.iterdir()) if user.is_dir() else []
+    # Those that begin with a dot hold files that are being written.
+    folders += sorted(user.glob("[!.]*")) if user.is_dir() else []
     return [folder for folder in dict.fromkeys(folders) if folder.is_dir()]
 
 

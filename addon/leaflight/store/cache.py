@@ -19,6 +19,9 @@ LeaflightError = leaflight.LeaflightError
 _volumes = {}
 _bakes = {}
 
+# Bytes of voxels, beyond which what is not shown now is freed: frames that were played are many.
+_MOST = 2 << 30
+
 # Path -> (what tells a change of the file, why it could not be read).
 _damaged = {}
 
@@ -67,6 +70,7 @@ def bake_of(obj):
     if not identifier:
         return None
     if identifier not in _bakes:
+        _make_room()
         _bakes[identifier] = _load(bake_files.locate(obj))
     return _bakes[identifier]
 
@@ -96,6 +100,12 @@ def forget_unused():
             del cache[key]
 
 
+def _make_room():
+    volumes = [*_volumes.values(), *(one for bake in _bakes.values() for one in bake.volumes)]
+    if sum(volume.values.nbytes for volume in volumes) > _MOST:
+        forget_unused()
+
+
 def clear():
     _volumes.clear()
     _bakes.clear()
@@ -123,6 +133,7 @@ def _source_volume(obj):
         )
     key = source_files.key_of(settings)
     if key not in _volumes:
+        _make_room()
         volume = source_files.read(settings)
         _volumes[key] = volume.capped() if settings.capped else volume
     return _volumes[key]

@@ -6,8 +6,9 @@ import shutil
 
 import bpy
 import leaflight
+from leaflight.io.output import replaced
 
-from . import atlases, bake_files
+from . import atlases, bake_files, frame_bakes
 
 LeaflightError = leaflight.LeaflightError
 
@@ -18,7 +19,7 @@ def move_along(objects):
     Returns (whether any path changed, {full name of an object: why its bake was not moved}).
     """
     changed, problems = False, {}
-    for obj in objects:
+    for obj in (obj for obj in objects for _ in frame_bakes.each_baked(obj)):
         try:
             path = bake_files.locate(obj)
         except LeaflightError:
@@ -26,11 +27,11 @@ def move_along(objects):
         if path.parent == bake_files.session_folder() and bpy.data.filepath:
             try:
                 path = _move(path, obj)
-            except OSError as error:
-                problems[obj.name_full] = (
-                    f"{path}: the bake could not be moved beside the .blend and stays there: "
-                    f"{error.strerror or error}."
-                )
+            except (OSError, LeaflightError) as error:
+                why = getattr(error, "strerror", None) or str(error).rstrip(".")
+                problems[
+                    obj.name_full
+                ] = f"{path}: the bake could not be moved beside the .blend and stays there: {why}."
         before = obj.leaflight.bake_path, obj.leaflight.bake_home
         bake_files.remember(obj, path)
         changed |= before != (obj.leaflight.bake_path, obj.leaflight.bake_home)
@@ -40,7 +41,7 @@ def move_along(objects):
 def _move(path, obj):
     """Moves a bake with its atlases, all of them or none, and returns its new path.
 
-    Raises OSError.
+    Raises OSError or LeaflightError.
     """
     folder = bake_files.folder_for(obj)
     folder.mkdir(parents=True, exist_ok=True)
@@ -53,7 +54,7 @@ def _move(path, obj):
             before = new.exists()
             _copy(old, new)
             done += [] if before else [new]
-    except OSError:
+    except (OSError, LeaflightError):
         for new in done:
             new.unlink()
         raise
@@ -65,12 +66,8 @@ def _move(path, obj):
 
 def _copy(old, new):
     """Under its final name it is whole or absent; on the same disk it is the same file."""
-    partial = new.with_name(f".{new.name}.{os.getpid()}.part")
-    try:
+    with replaced(new) as partial:
         try:
             os.link(old, partial)
         except OSError:
             shutil.copyfile(old, partial)
-        os.replace(partial, new)
-    finally:
-        partial.unlink(missing_ok=True)

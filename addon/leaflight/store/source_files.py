@@ -3,13 +3,32 @@
 
 import hashlib
 import os
+import sys
+from contextlib import contextmanager
 from pathlib import Path
 
 import bpy
 import leaflight
 from leaflight.bake.stamps import values_sha256
+from leaflight.io import readers
 
 LeaflightError = leaflight.LeaflightError
+
+# The properties that say which volume of a file was read, and how; of a frame or a channel -1 is
+# none chosen.
+CHOICES = (
+    "dims",
+    "value_type",
+    "endian",
+    "use_spacing",
+    "spacing",
+    "frame",
+    "channel",
+    "level",
+    "dataset",
+    "downsample",
+)
+_WITH_ITS_NEEDS = {"zarr": "zarr==2.18.3 numcodecs==0.13.1 asciitree==0.3.3 fasteners==0.19"}
 
 # What key_of() tells apart -> the hash of its values, so that a file is read once for the question.
 _hashes = {}
@@ -22,41 +41,80 @@ def path_of(settings):
 
 def read(settings):
     """The volume in the file of an object's settings. Raises LeaflightError."""
-    return read_volume(
-        path_of(settings),
-        settings.dims,
-        settings.value_type,
-        settings.endian,
-        settings.spacing,
-        settings.frame,
-    )
+    return read_volume(path_of(settings), **choices_of(settings))
 
 
-def read_volume(path, dims, value_type, endian, spacing, frame):
-    """Reads a volume with the options that its kind of file takes; frame -1 is none chosen."""
-    suffix = Path(path).suffix.lower()
+def choices_of(settings):
+    """What read_volume() takes beside the path, by the names that properties have for it."""
+    return {name: _plain(getattr(settings, name)) for name in CHOICES}
+
+
+def _plain(value):
+    return value if isinstance(value, (bool, int, str)) else tuple(value)
+
+
+def read_volume(path, progress=None, **choices):
+    """Reads a volume with those of CHOICES that its kind of file takes. Raises LeaflightError."""
+    options = _options(path, choices)
+    if choices["frame"] >= 0:
+        options["frame"] = choices["frame"]
+    if choices["channel"] >= 0:
+        options["channel"] = choices["channel"]
+    if choices["downsample"] > 1:
+        options["downsample"] = choices["downsample"]
+    with _in_words_of_blender():
+        return leaflight.read_volume(path, progress=progress, **options)
+
+
+def probe(path, **choices):
+    """The StoredVolume of a file: what its header tells. Raises LeaflightError."""
+    with _in_words_of_blender():
+        return readers.probe(path, **_options(path, choices))
+
+
+def _options(path, choices):
+    """Those that say where in a file its volume is."""
+    takes = readers.format_of(path).options if Path(path).exists() else ()
     options = {}
-    if suffix == ".raw":
-        options = {"dims": dims, "type": value_type, "endian": endian}
-    if suffix in {".raw", ".tif", ".tiff"} or Path(path).is_dir():
-        options["spacing"] = spacing
-    if frame >= 0:
-        options["frame"] = frame
-    return leaflight.read_volume(path, **options)
+    if "type" in takes:
+        names = {"dims": "dims", "type": "value_type", "endian": "endian"}
+        options = {name: choices[choice] for name, choice in names.items()}
+    if "spacing" in takes and ("type" in takes or choices["use_spacing"]):
+        options["spacing"] = choices["spacing"]
+    if "level" in takes:
+        options["level"] = choices["level"]
+    if "dataset" in takes and choices["dataset"]:
+        options["dataset"] = choices["dataset"]
+    return options
+
+
+@contextmanager
+def _in_words_of_blender():
+    """What to do about an absent package, where nobody works in a terminal."""
+    try:
+        yield
+    except readers.MissingPackage as missing:
+        raise LeaflightError(
+            f"{missing.path}: reading this {missing.kind} needs the Python package "
+            f"{missing.package}, which Blender's Python lacks: run {_install(missing.package)} in "
+            "a terminal, and start Blender again."
+        ) from None
+
+
+def _install(package):
+    # Debian's Blender uses the system's Python.
+    if sys.prefix == "/usr":
+        return f"'sudo apt install python3-{package}'"
+    # Without what they depend on: another NumPy would take the place of Blender's own.
+    wanted = _WITH_ITS_NEEDS.get(package, package)
+    target = bpy.utils.user_resource("SCRIPTS", path="modules")
+    return f'\'"{sys.executable}" -m pip install --no-deps --target "{target}" {wanted}\''
 
 
 def key_of(settings):
     """Tells the volumes of files apart, and one file before and after a change."""
-    return (
-        path_of(settings),
-        tuple(settings.dims),
-        settings.value_type,
-        settings.endian,
-        tuple(settings.spacing),
-        settings.frame,
-        settings.capped,
-        stamp(settings),
-    )
+    choices = choices_of(settings)
+    return (path_of(settings), *choices.values(), settings.capped, stamp(settings))
 
 
 def stamp(settings):

@@ -9,27 +9,93 @@ from bpy.app.handlers import persistent
 
 from ..bake import estimate_bake, stopped
 from ..operators import background
-from ..show import display, graph_object, isovalues, preview, settling, surface_object
+from ..show import (
+    added,
+    display,
+    graph_object,
+    isovalues,
+    preview,
+    settling,
+    surface_material,
+    surface_object,
+)
 from ..stage import images, staleness
-from ..store import cache, moving, source_files
+from ..store import cache, frame_bakes, moving, source_files
+
+
+def _follow(scene, depsgraph, by_hand):
+    """Shows the isosurfaces of the scene as they were evaluated; returns those that have moved."""
+    moved = isovalues.update(scene, depsgraph, by_hand)
+    settling.watch(isovalues.isosurfaces(scene))
+    return moved
 
 
 @persistent
-def _after_evaluation(scene, depsgraph):
-    isovalues.update(scene, depsgraph)
-    settling.watch(isovalues.volumes(scene))
+def _after_frame(scene, depsgraph):
+    _follow(scene, depsgraph, settling.follows(depsgraph) and _plays())
+
+
+def _plays():
+    """Whether frames pass in a window; otherwise one was chosen, and may be rendered next."""
+    screens = [window.screen for window in bpy.context.window_manager.windows]
+    return any(screen.is_animation_playing or screen.is_scrubbing for screen in screens)
+
+
+# Volumes whose isovalue was seen to move before Blender evaluated the change.
+_moved = []
+
+
+@persistent
+def _before_change(scene, *_):
+    _moved[:] = isovalues.update_before_evaluation(scene, settling.follows())
 
 
 @persistent
 def _after_change(scene, depsgraph):
-    _after_evaluation(scene, depsgraph)
-    ours = [o for o in scene.objects if o.leaflight.is_volume or display.is_display(o)]
-    own = {obj.data.name for obj in ours} | {obj.name for obj in ours}
-    for update in depsgraph.updates:
-        moved = update.is_updated_transform or update.is_updated_shading
-        if moved or (update.is_updated_geometry and update.id.name not in own):
-            staleness.forget()
-            return
+    moved = list(_moved)
+    _moved.clear()
+    changes = [(update.id.original, update) for update in depsgraph.updates]
+    if any(_is_isosurface(changed) for changed, _ in changes) or isovalues.any_is_behind(depsgraph):
+        moved += _follow(scene, depsgraph, settling.follows(depsgraph))
+    for obj in isovalues.known():
+        if obj.library is None and not surface_material.shows_its_view(obj):
+            surface_object.shade(obj)
+    if any(_concerns_bakes(scene, changed, update, moved) for changed, update in changes):
+        staleness.forget()
+    if isovalues.left_alone():
+        if bpy.app.background:
+            isovalues.remove_left_alone()
+        else:
+            # Others may read the same updates, of what would be gone.
+            bpy.app.timers.register(isovalues.remove_left_alone, first_interval=0.0)
+
+
+def _is_isosurface(changed):
+    return isinstance(changed, bpy.types.Object) and added.is_isosurface(changed)
+
+
+def _concerns_bakes(scene, changed, update, moved):
+    """Whether an update of a data-block may change what would be baked.
+
+    moved: volumes whose isovalue did; Blender then calls all else of them changed, too.
+    """
+    if changed in moved:
+        return staleness.stands_elsewhere(changed)
+    elsewhere = update.is_updated_transform or update.is_updated_shading
+    if isinstance(changed, bpy.types.Object):
+        # Of what it moves, each object tells itself.
+        if changed.type == "EMPTY" and changed.instance_type == "NONE":
+            return False
+        return elsewhere or (update.is_updated_geometry and not _is_ours(changed))
+    if not (elsewhere or update.is_updated_geometry) or surface_material.is_own(changed):
+        return False
+    is_mesh = isinstance(changed, bpy.types.Mesh)
+    return not (is_mesh and any(_is_ours(o) for o in scene.objects if o.data == changed))
+
+
+def _is_ours(obj):
+    """Whether Leaflight makes the geometry of an object."""
+    return obj.leaflight.is_volume or display.is_display(obj)
 
 
 @persistent
@@ -37,17 +103,20 @@ def _after_undo(scene, _depsgraph):
     """Undo may bring back an isovalue without its surface, made after the step was stored."""
     staleness.forget()
     surface_object.forget()
-    _after_evaluation(scene, bpy.context.evaluated_depsgraph_get())
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    _follow(scene, depsgraph, settling.follows(depsgraph))
 
 
 @persistent
 def _before_render(scene, *_):
-    settling.settle_now([obj for obj in isovalues.volumes(scene) if not obj.hide_render])
+    settling.settle_now([obj for obj in isovalues.isosurfaces(scene) if not obj.hide_render])
 
 
 @persistent
 def _before_load(*_):
+    _moved.clear()
     background.cancel_running()
+    background.forget_failure()
     settling.forget()
     stopped.save_offered()
     preview.forget()
@@ -58,17 +127,17 @@ def _before_load(*_):
     source_files.forget()
     surface_object.problems.clear()
     surface_object.forget()
-    staleness.forget()
+    staleness.clear()
 
 
 @persistent
 def _after_save(*_):
     """Blender tells the new place only once the .blend is written: hence it is written again."""
-    ours = [o for o in bpy.data.objects if o.leaflight.bake_id and o.library is None]
+    ours = [o for o in bpy.data.objects if o.library is None and frame_bakes.bakes_of(o.leaflight)]
     changed, problems = moving.move_along(ours)
     surface_object.forget()
     for obj in ours:
-        surface_object.update(obj, surface_object.shown_isovalue(obj))
+        surface_object.update_all(obj)
     surface_object.problems.update(problems)
     staleness.forget()
     if changed:
@@ -84,10 +153,13 @@ def _after_load(*_):
     for scene in bpy.data.scenes:
         if any(obj.leaflight.is_volume for obj in scene.objects):
             isovalues.lock_interface(scene)
+    # The files of bakes may have gone or come meanwhile.
+    _follow(bpy.context.scene, bpy.context.evaluated_depsgraph_get(), settling.follows())
 
 
 _HANDLERS = (
-    ("frame_change_post", _after_evaluation),
+    ("frame_change_post", _after_frame),
+    ("depsgraph_update_pre", _before_change),
     ("depsgraph_update_post", _after_change),
     ("render_pre", _before_render),
     ("undo_post", _after_undo),

@@ -68,7 +68,7 @@ class LEAFLIGHT_OT_leaf_preset(bpy.types.Operator):
             setattr(settings, name, value)
         for part, color in stops:
             _add_stop(settings, isovalues.isovalue_at(settings, part), color)
-        surface_object.shade(context.object)
+        surface_object.shade_all(context.object)
         return {"FINISHED"}
 
 
@@ -92,7 +92,7 @@ class LEAFLIGHT_OT_add_stop(bpy.types.Operator):
             self.report({"ERROR"}, f"There is a stop at isovalue {isovalue:g}: move the isovalue.")
             return {"CANCELLED"}
         _add_stop(settings, isovalue, leaves.albedo_at(context.object, isovalue))
-        surface_object.shade(context.object)
+        surface_object.shade_all(context.object)
         return {"FINISHED"}
 
 
@@ -117,7 +117,7 @@ class LEAFLIGHT_OT_remove_stop(bpy.types.Operator):
         settings = context.object.leaflight
         settings.leaf_stops.remove(min(settings.leaf_stop, len(settings.leaf_stops) - 1))
         settings.leaf_stop = max(0, min(settings.leaf_stop, len(settings.leaf_stops) - 1))
-        surface_object.shade(context.object)
+        surface_object.shade_all(context.object)
         return {"FINISHED"}
 
 

@@ -10,15 +10,15 @@ import numpy as np
 
 from .._core import LeaflightError
 from ..io.output import check_writable
-from ..io.scene_file import cornell_box, scene_from_json
+from ..io.scene_file import cornell_box
 from ..scene.on_mesh import interpolated
 from ..scene.scene import SceneDescription, core_scene, fit_scene, isovalue_at, match_leaves
 from ..volume.setting_error import SettingError
-from ..volume.volume import Volume
 from .color_error import estimated_rms_percent
 from .settings import PhotonMap, fixed_settings, fixed_work, leaf_window, round_settings
+from .settle import LEAST_VERTICES
 from .settle import settle as settled
-from .stamps import EARLIER, METADATA, Stamp, id_of, read_bake_id
+from .stamps import id_of, stamp, stamp_after
 
 
 # The standard error of a colour at which direct light has settled.
@@ -52,7 +52,8 @@ class Bake:
     grids: one _core.RadianceGrid for each volume; surroundings: _core.SurroundingsRadiance or None.
     statistics: seconds, rays, rays_per_second, texels, peak_memory_bytes, skipped_passes;
         rounds, 0 where the work was fixed; estimated_error_percent, of what compare calls
-        rms_percent, None where the work was fixed; stopped, whether a stop or the time ended the
+        rms_percent, worst_error_percent and worst_isovalue, the same of the isosurfaces that err
+        most, all None where the work was fixed; stopped, whether a stop or the time ended the
         bake before it reached its error; and estimated_rms_percent, the RMS of the noise that the
         texels report, in the units of compare.
     metadata: text by key, everything the result depends on; equal bakes have equal metadata.
@@ -79,12 +80,16 @@ class Bake:
         """Tells bakes apart, 32 digits: equal bakes have equal ones, on any machine."""
         return id_of(self.metadata)
 
-    def save(self, path):
-        """Writes the bake as one .vdb under its final name or not at all. Raises LeaflightError."""
+    def save(self, path, progress=None):
+        """Writes the bake as one .vdb under its final name or not at all.
+
+        Raises LeaflightError, and Cancelled where progress, a _core.Progress, is cancelled before
+        the file is whole.
+        """
         check_writable(path, ".vdb")
         metadata = dict(self.metadata, id=self.id, statistics=json.dumps(self.statistics))
         fields = [volume.field() for volume in self.volumes]
-        _core.write_bake(str(path), fields, self.grids, self.surroundings, metadata)
+        _core.write_bake(path, fields, self.grids, self.surroundings, metadata, progress)
 
     def isovalue_of(self, volume, isovalue):
         """The isovalue, in data units, that a volume (its number) shows at a leaf coordinate."""
@@ -101,14 +106,17 @@ class Bake:
         Raises LeaflightError outside the window, Cancelled.
         """
         self.check_isovalue(isovalue, volume)
-        field = self.volumes[volume].field()
         start = time.perf_counter()
-        vertices, normals, triangles = self.grids[volume].contour(
-            field, self.isovalue_of(volume, isovalue)
-        )
         if settle is False:
-            radiance, error = self.radiance(vertices, volume, back), None
+            field, own = self.volumes[volume].field(), self.isovalue_of(volume, isovalue)
+            dark = self._is_dark(volume, back)
+            vertices, normals, triangles, *sides = self.grids[volume].lit_contour(
+                field, own, normals=True, front=not back, back=back and not dark
+            )
+            radiance = np.zeros((len(vertices), 3), np.float32) if dark else sides[back]
+            error = None
         else:
+            vertices, normals, triangles = self.contour(isovalue, volume, at_rest=True)
             settling = self.settling(isovalue, vertices, normals, triangles, volume, back, seed)
             limit = None if settle is True else settle
             radiance, error = settled(settling, limit, threads, progress)
@@ -117,8 +125,19 @@ class Bake:
         seconds = time.perf_counter() - start
         return Surface(vertices, normals, triangles, radiance, seconds, error)
 
+    def contour(self, isovalue, volume=0, at_rest=False):
+        """The mesh of an isosurface: (vertices float32 (n, 3), outward normals, triangles (m, 3)).
+
+        It is finer where texels are, and everywhere if it is to settle and would have few vertices.
+        """
+        return self.grids[volume].contour(
+            self.volumes[volume].field(),
+            self.isovalue_of(volume, isovalue),
+            LEAST_VERTICES if at_rest else 0,
+        )
+
     def settling(self, isovalue, vertices, normals, triangles, volume=0, back=False, seed=0):
-        """A _core.Settle of an isosurface's mesh, as grids[volume].contour() returns it.
+        """A _core.Settle of an isosurface's mesh, as contour() returns it.
 
         Raises LeaflightError.
         """
@@ -142,15 +161,22 @@ class Bake:
         It is zero where no leaf passes. back: of the inner sides. Raises LeaflightError.
         """
         self._check_volume(volume)
-        grid = self.grids[volume]
-        if back and not grid.has_back:
-            if not json.loads(self.metadata["both_sides"]):
-                raise SettingError(
-                    "The inner side was not baked: bake again with both sides.", "both-sides"
-                )
-            # The bake left it out because no light can reach it.
+        if self._is_dark(volume, back):
             return np.zeros((len(points), 3), dtype=np.float32)
-        return grid.lookup(self.volumes[volume].field(), points, back)
+        return self.grids[volume].lookup(self.volumes[volume].field(), points, back)
+
+    def _is_dark(self, volume, back):
+        """Whether the bake left the inner side out because no light can reach it.
+
+        Raises SettingError where it was not baked.
+        """
+        if not back or self.grids[volume].has_back:
+            return False
+        if not json.loads(self.metadata["both_sides"]):
+            raise SettingError(
+                "The inner side was not baked: bake again with both sides.", "both-sides"
+            )
+        return True
 
     def radiance_error(self, points, volume=0):
         """The standard error of radiance(), of its mean over the channels: float32 (n,)."""
@@ -289,6 +315,7 @@ def bake(
     only_at=None,
     on_round=None,
     progress=None,
+    checkpoint=None,
 ):
     """Computes the radiance of every isosurface, within a window, of a volume or of several.
 
@@ -308,6 +335,8 @@ def bake(
     on_round: called with a Bake after each round but the last, in the thread that bakes; the
         statistics of that Bake lack estimated_rms_percent, which takes its time.
     progress: _core.Progress to poll, stop or cancel from another thread.
+    checkpoint: Checkpoint, the file where a bake in rounds leaves its state, at most half a minute
+        apart; one that was interrupted goes on from it with the bits that it would have had.
 
     Settings of research, None where they are not asked for. If any is given, the bake does that
     fixed amount of work, without rounds, and the others are as said:
@@ -352,52 +381,51 @@ def bake(
         settings = round_settings(_core.BakeSettings, dims, error=error, time=time, **common)
     else:
         settings = fixed_settings(_core.BakeSettings, dims, **fixed, **common)
-    stamp = Stamp(volumes, description, window, settings, fixed)
+    metadata = stamp(volumes, description, window, settings, fixed)
+    lights = volumes, description, window
+    return lit(*lights, settings, metadata, None, on_round, progress, checkpoint)
+
+
+def lit(
+    volumes, description, window, settings, metadata, kept, on_round, progress, checkpoint=None
+):
+    """The Bake of volumes and a scene that fit each other, as placed() leaves them.
+
+    settings: _core.BakeSettings. metadata: of stamp(). kept: the Bake in rounds that this one goes
+    on with, or None. on_round, progress, checkpoint: as of bake().
+    Raises LeaflightError, Cancelled.
+    """
+    in_rounds = bool(metadata["error"])
 
     def whole(baked):
         statistics = dict(baked.statistics)
-        if fixed is not None:
-            statistics.update(rounds=0, stopped=False, estimated_error_percent=None)
+        blocks = [statistics.pop(f"{light}_blocks") for light in ("direct", "indirect")]
+        if not in_rounds:
+            statistics.update(rounds=0, stopped=False)
+            for name in ("estimated_error_percent", "worst_error_percent", "worst_isovalue"):
+                statistics[name] = None
+        grids, continued = baked.grids, ""
+        # A first picture, of other texels, is not gone on with: the bake is a new one.
+        if kept is not None and grids[0].resolution == kept.grid.resolution:
+            continued = kept.id
+            for name in ("seconds", "rays"):
+                statistics[name] += kept.statistics[name]
         statistics["rays_per_second"] = statistics["rays"] / max(statistics["seconds"], 1e-9)
-        metadata = stamp.metadata(baked.grids, statistics["rounds"])
-        grids, lit = baked.grids, baked.surroundings
-        return Bake(volumes, description, window, grids, lit, statistics, metadata)
+        known = stamp_after(metadata, grids, statistics["rounds"], blocks, continued)
+        surroundings = baked.surroundings
+        return Bake(volumes, description, window, grids, surroundings, statistics, known)
 
+    light = None
+    if kept is not None:
+        light = (kept.grid, int(kept.metadata["rounds"]), *json.loads(kept.metadata["blocks"]))
     core = core_scene(description, [volume.field() for volume in volumes], window)
     look = None if on_round is None else lambda baked: on_round(whole(baked))
-    result = whole(_core.bake(core, settings, progress or _core.Progress(), on_round=look))
+    progress = progress or _core.Progress()
+    kept_state = checkpoint.arguments(metadata) if checkpoint and in_rounds else {}
+    result = whole(_core.bake(core, settings, progress, on_round=look, kept=light, **kept_state))
     noise = estimated_rms_percent(result.grids, description.exposure)
     result.statistics["estimated_rms_percent"] = noise
-    if fixed is None and not result.statistics["estimated_error_percent"]:
+    if in_rounds and not result.statistics["estimated_error_percent"]:
         # What cannot be baked in rounds gets a fixed amount of work, and no estimate but this.
         result.statistics["estimated_error_percent"] = noise
     return result
-
-
-def load_bake(path):
-    """Reads what Bake.save wrote. Raises LeaflightError for any other file."""
-    identifier = read_bake_id(path)
-    try:
-        fields, grids, surroundings, metadata = _core.read_bake(str(path))
-        statistics = json.loads(metadata["statistics"])
-        lo, hi = (float(isovalue) for isovalue in json.loads(metadata["isovalues"]))
-        scene = scene_from_json(metadata["scene"], str(path))
-        names = [str(record["name"]) for record in json.loads(metadata["volumes"])]
-        if not len(names) == len(fields) == len(grids) == len(scene.leaves):
-            raise ValueError("the number of volumes differs")
-        if "rounds" not in metadata:
-            raise LeaflightError(f"{path}: {EARLIER}.")
-        # OpenVDB adds text of its own.
-        metadata = {key: metadata[key] for key in METADATA}
-    except (KeyError, TypeError, ValueError):
-        raise LeaflightError(
-            f"{path}: this .vdb lacks the metadata of a bake; bake the volume again."
-        ) from None
-    volumes = [Volume(*field, name, str(path)) for field, name in zip(fields, names)]
-    if surroundings is not None:
-        core = core_scene(scene, [volume.field() for volume in volumes], (lo, hi))
-        _core.attach_surroundings(surroundings, core)
-    bake = Bake(volumes, scene, (lo, hi), grids, surroundings, statistics, metadata)
-    if bake.id != identifier:
-        raise LeaflightError(f"{path}: its metadata were changed; bake the volume again.")
-    return bake

@@ -12,11 +12,11 @@ from .settings import DEFAULT_ERROR, FIXED_WORK
 
 # Rounds of a pilot: two show how fast the error falls.
 PILOT_ROUNDS = 2
-# How the error falls with the work: as the square root, which is that of independent samples, or
-# as it did in the last round, within these.
+# How noise falls with the work: as the square root, which is that of independent samples, or as it
+# did in the last round, within these.
 INDEPENDENT, STEEPEST, FLATTEST = -0.5, -1.0, -0.25
-# Beyond so many rounds, each as much work as all before it, nobody waits.
-MOST_ROUNDS = 40
+# Rounds of the same texels; each is as much work as all before it.
+MOST_ROUNDS = 5
 
 
 @dataclass(frozen=True)
@@ -35,11 +35,39 @@ class Estimate:
     pilot_seconds: float
 
 
+@dataclass(frozen=True, eq=False)
+class Pilot:
+    """The first rounds of a bake: statistics of each, and of what it returned."""
+
+    rounds: list
+    last: dict
+
+    def estimate(self, error, time=None):
+        """The Estimate of a bake to an error, no smaller than the pilot was made for."""
+        closing = max(self.last["seconds"] - self.rounds[-1]["seconds"], 0) if self.rounds else 0
+        for number, one in enumerate(self.rounds):
+            if one["estimated_error_percent"] <= error:
+                rounds = self.rounds[: number + 1]
+                ended = {**one, "stopped": False, "seconds": one["seconds"] + closing}
+                ended["peak_memory_bytes"] = self.last["peak_memory_bytes"]
+                return extrapolated(rounds, ended, error, time)
+        return extrapolated(self.rounds, self.last, error, time)
+
+
 def estimate(volumes, scene=None, *, error=None, time=None, progress=None, **settings):
     """The Estimate of a bake, by a pilot: its first rounds, which are thrown away.
 
     The arguments are those of bake(), without the settings of research.
     Raises LeaflightError for input that cannot be baked, Cancelled.
+    """
+    made = pilot(volumes, scene, error=error, time=time, progress=progress, **settings)
+    return extrapolated(made.rounds, made.last, DEFAULT_ERROR if error is None else error, time)
+
+
+def pilot(volumes, scene=None, *, error=None, time=None, progress=None, **settings):
+    """The Pilot of a bake, from which follow the Estimates of all errors down to the one given.
+
+    The arguments and what is raised are those of estimate().
     """
     given = [name for name in FIXED_WORK if settings.get(name) is not None]
     if given:
@@ -56,9 +84,7 @@ def estimate(volumes, scene=None, *, error=None, time=None, progress=None, **set
             progress.stop()
 
     settings = {**settings, "error": error, "time": time, "progress": progress}
-    last = bake(volumes, scene, on_round=look, **settings).statistics
-    asked = DEFAULT_ERROR if error is None else error
-    return extrapolated(rounds, last, asked, time)
+    return Pilot(rounds, bake(volumes, scene, on_round=look, **settings).statistics)
 
 
 def extrapolated(rounds, last, error, time=None):
@@ -77,13 +103,18 @@ def extrapolated(rounds, last, error, time=None):
     work, pace = _work(alike)
     slope = 0.5 * (INDEPENDENT + _slope(alike))
     limit = float("inf") if time is None else time
+    noise = float(last["estimated_noise_percent"])
+    # What texels miss does not fall.
+    texture = np.sqrt(max(0.0, reached**2 - noise**2))
+    target = _core.noise_to_reach(error, texture)
+    left = MOST_ROUNDS - len(alike)
     # Rounding is no round.
-    while reached > (1 + 1e-9) * error and seconds < limit and count < MOST_ROUNDS:
-        growth = min((reached / error) ** (-1.0 / slope), 2.0)
+    while noise > (1 + 1e-9) * target and seconds < limit and left > 0:
+        growth = min((noise / target) ** (-1.0 / slope), 2.0)
         seconds += (growth - 1.0) * work * pace
-        reached *= growth**slope
-        work, count = growth * work, count + 1
-    return Estimate(seconds + closing, memory, reached, count, *pilot)
+        noise *= growth**slope
+        work, count, left = growth * work, count + 1, left - 1
+    return Estimate(seconds + closing, memory, float(np.hypot(texture, noise)), count, *pilot)
 
 
 def _alike(rounds):
@@ -104,10 +135,10 @@ def _work(rounds):
 
 
 def _slope(rounds):
-    """d log error / d log work over the last round, which doubled the work."""
+    """d log noise / d log work over the last round, which doubled the work."""
     if len(rounds) < 2:
         return INDEPENDENT
-    before, after = (one["estimated_error_percent"] for one in rounds[-2:])
+    before, after = (one["estimated_noise_percent"] for one in rounds[-2:])
     if not before > after > 0:
         return FLATTEST
     return min(max(float(np.log2(after / before)), STEEPEST), FLATTEST)

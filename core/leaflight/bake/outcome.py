@@ -13,7 +13,7 @@ def outcome(bake, why="it was stopped or its time was over"):
     asked = float(bake.metadata["error"])
     reached = statistics["estimated_error_percent"]
     rounds = f"{statistics['rounds']} round{'s' if statistics['rounds'] > 1 else ''}"
-    text = f"estimated error {reached:.2f} % after {rounds}"
+    text = f"estimated error {reached:.2f} %{_worst(statistics)} after {rounds}"
     if reached <= asked:
         return f"{text}; {asked:g} % was asked for"
     if statistics["stopped"]:
@@ -21,3 +21,11 @@ def outcome(bake, why="it was stopped or its time was over"):
     return (
         f"{text}; the {asked:g} % asked for was not reached by all the work that such a bake does"
     )
+
+
+def _worst(statistics):
+    """Where isosurfaces err clearly more than on average, in brackets."""
+    worst, at = statistics["worst_error_percent"], statistics["worst_isovalue"]
+    if worst < 1.2 * statistics["estimated_error_percent"]:
+        return ""
+    return f" ({worst:.1f} % about isovalue {at:.3g})"

@@ -8,6 +8,11 @@ import leaflight._core as _core
 from .._core import LeaflightError
 
 
+# A mesh at rest is cut finer, twice at most, until it has as many vertices: light is interpolated
+# between these.
+LEAST_VERTICES = 200_000
+
+
 def settle(settling, seconds=None, threads=0, progress=None):
     """Works on a _core.Settle until it is done, or until the round after so many seconds.
 

@@ -27,7 +27,9 @@ RESEARCH = (
 )
 # What a bake depends on, as text; "name" would rename the grid that OpenVDB attaches it to.
 # "volumes" is a list of {"name", "source", "values_sha256", "index_to_world", "resolution",
-# "capped"}; "error" in percent and "rounds" are empty where the amount of work was fixed.
+# "capped"}. Of bakes in rounds, empty where the amount of work was fixed: "error" in percent;
+# "asked_resolution", zeros for none; "rounds"; "blocks", the numbers of them that the averages of
+# direct and of indirect light hold; "continued", the id of the bake that this one went on with.
 METADATA = (
     "leaflight_version",
     "volumes",
@@ -35,7 +37,10 @@ METADATA = (
     "scene_sha256",
     "isovalues",
     "error",
+    "asked_resolution",
     "rounds",
+    "blocks",
+    "continued",
     "seed",
     "both_sides",
     "surroundings",
@@ -45,46 +50,55 @@ METADATA = (
 EARLIER = "this is a bake of an earlier Leaflight; bake the volume again"
 
 
-class Stamp:
-    """The metadata of a bake, most of which is the same after each of its rounds."""
+def stamp(volumes, description, window, settings, fixed):
+    """The metadata of a bake before its first round.
 
-    def __init__(self, volumes, description, window, settings, fixed):
-        """settings: _core.BakeSettings; fixed: the research settings, None for rounds."""
-        self._volumes = [
-            {
-                "name": volume.name,
-                "source": volume.source,
-                "values_sha256": values_sha256(volume),
-                "index_to_world": np.asarray(volume.index_to_world, np.float64).tolist(),
-                "capped": look.capped,
-            }
-            for volume, look in zip(volumes, description.leaves)
-        ]
-        self._goes_by_rounds = fixed is None
-        scene = scene_to_json(description)
-        self._shared = {
-            "leaflight_version": __version__,
-            "scene": scene,
-            "scene_sha256": hashlib.sha256(scene.encode()).hexdigest(),
-            "isovalues": json.dumps(window),
-            "error": json.dumps(settings.error) if fixed is None else "",
-            **_research(settings, fixed),
-            "seed": str(settings.seed),
-            "both_sides": json.dumps(settings.both_sides),
-            "surroundings": json.dumps(settings.surroundings),
+    settings: _core.BakeSettings; fixed: the research settings, None for rounds.
+    """
+    records = [
+        {
+            "name": volume.name,
+            "source": volume.source,
+            "values_sha256": values_sha256(volume),
+            "index_to_world": np.asarray(volume.index_to_world, np.float64).tolist(),
+            "capped": look.capped,
         }
+        for volume, look in zip(volumes, description.leaves)
+    ]
+    scene = scene_to_json(description)
+    return {
+        "leaflight_version": __version__,
+        "volumes": json.dumps(records),
+        "scene": scene,
+        "scene_sha256": hashlib.sha256(scene.encode()).hexdigest(),
+        "isovalues": json.dumps(window),
+        "error": json.dumps(settings.error) if fixed is None else "",
+        "asked_resolution": json.dumps(settings.resolution) if fixed is None else "",
+        "rounds": "",
+        "blocks": "",
+        "continued": "",
+        **_research(settings, fixed),
+        "seed": str(settings.seed),
+        "both_sides": json.dumps(settings.both_sides),
+        "surroundings": json.dumps(settings.surroundings),
+    }
 
-    def metadata(self, grids, rounds):
-        """Text by the keys METADATA, after so many rounds that left these grids."""
-        volumes = [
-            {**volume, "resolution": list(grid.resolution)}
-            for volume, grid in zip(self._volumes, grids)
-        ]
-        return {
-            **self._shared,
-            "volumes": json.dumps(volumes),
-            "rounds": str(rounds) if self._goes_by_rounds else "",
-        }
+
+def stamp_after(metadata, grids, rounds, blocks, continued=""):
+    """The metadata of a bake with these grids after so many rounds and blocks of light.
+
+    metadata: of stamp(), or of a bake that it goes on with, whose id is `continued`.
+    """
+    volumes = [
+        {**volume, "resolution": list(grid.resolution)}
+        for volume, grid in zip(json.loads(metadata["volumes"]), grids)
+    ]
+    changed = {"volumes": json.dumps(volumes)}
+    if metadata["error"]:
+        changed["rounds"] = str(rounds)
+        changed["blocks"] = json.dumps(blocks) if any(blocks) else ""
+        changed["continued"] = continued
+    return {**metadata, **changed}
 
 
 def _research(settings, fixed):
@@ -115,9 +129,14 @@ def read_bake_id(path):
 
     Raises LeaflightError for any other file.
     """
-    if not Path(path).is_file():
-        raise LeaflightError(f"{path}: there is no such file; give the .vdb that bake wrote.")
-    header = _core.read_bake_header(str(path))
+    try:
+        if not Path(path).is_file():
+            raise LeaflightError(f"{path}: there is no such file; give the .vdb that bake wrote.")
+        header = _core.read_bake_header(path)
+    except OSError as error:
+        raise LeaflightError(f"{path}: cannot read it: {error.strerror}.") from None
+    except UnicodeDecodeError:
+        raise LeaflightError(f"{path}: this bake is damaged; fetch it again.") from None
     if "id" not in header:
         what = EARLIER if "statistics" in header else "this is no bake; bake the volume again"
         raise LeaflightError(f"{path}: {what}.")
@@ -125,17 +144,27 @@ def read_bake_id(path):
 
 
 def values_sha256(volume):
-    """Tells the values of volumes apart, wherever they stand; the same once they were in a file."""
-    # A file keeps neither the sign of a zero nor which NaN marks a voxel without a value.
-    values = volume.values + np.float32(0.0)
-    values[np.isnan(values)] = np.nan
-    return sha256(values)
+    """Tells the values of volumes apart, wherever they stand and whatever type holds them.
+
+    The same once they were in a file.
+    """
+    digest = hashlib.sha256(_kind(np.dtype(np.float32), volume.values.shape))
+    for plane in volume.values:
+        # A file keeps neither the sign of a zero nor which NaN marks a voxel without a value.
+        plane = plane.astype(np.float32, order="C") + np.float32(0.0)
+        plane[np.isnan(plane)] = np.nan
+        digest.update(plane)
+    return digest.hexdigest()
 
 
 def sha256(*arrays):
     """Of the types, shapes and bytes of arrays."""
     digest = hashlib.sha256()
     for array in arrays:
-        digest.update(str((array.dtype.str, array.shape)).encode())
+        digest.update(_kind(array.dtype, array.shape))
         digest.update(np.ascontiguousarray(array))
     return digest.hexdigest()
+
+
+def _kind(dtype, shape):
+    return str((dtype.str, shape)).encode()

@@ -15,12 +15,11 @@ from ..bake.bake import bake
 from ..io.scene_file import packaged_scene
 from ..measure.compare import compare
 from ..measure.truth import without
-from ..measure.volume_recipes import colin27, generated, heptane, nucleon
+from ..measure.volume_recipes import colin27, engine, generated, heptane, nucleon
 from ..volume.volume import bump_box
 from .cycles_peer import Peer
 from .interpolation import cost_at
 from .repetitions import repetitions
-from .vtk_image import vtk_image
 
 
 # Of the bake's statistics.
@@ -44,7 +43,7 @@ CASES = (
     Case("bump box, 100^3", generated(bump_box, 100), 47.0, "bump_box.json"),
     Case("nucleon (nucleon.raw)", nucleon, 100.5),
     Case("Colin27 (ch2.nii.gz)", colin27, 45.5),
-    Case("engine (engine.vti)", vtk_image("engine.vti"), 100.5),
+    Case("engine (engine.vti)", engine, 100.5),
     Case("heptane (heptane.nii.gz)", heptane, 80.5),
 )
 QUICK_CASES = (replace(CASES[0], name="bump box, 16^3", volumes=generated(bump_box, 16)),)

@@ -12,7 +12,9 @@ from .bakes import QUICK_BAKES, BakeEffort, measure_bakes
 from .interpolation import FEWER
 from .machine import commit, machine
 from .page import check_page, write_page
+from .rays import KINDS, QUICK_RAYS, RayEffort, measure_rays
 from .scale import QUICK_SCALE, ScaleEffort, measure_scale
+from .scrub import QUICK_SCRUB, ScrubEffort, measure_scrub
 
 
 def run_bench(options, run):
@@ -28,7 +30,7 @@ def run_bench(options, run):
                 "out",
             )
         check_page(options.out, options.what)
-    measure = {"bake": _bake, "scale": _scale}[options.what]
+    measure = {"bake": _bake, "scale": _scale, "rays": _rays, "scrub": _scrub}[options.what]
     result, sentences = measure(options, run)
     if options.out is not None:
         write_page(options.out, options.what, result)
@@ -88,6 +90,46 @@ def _scale(options, run):
             for row in result["cases"]
         ),
         *([f"two threads are {speedup:.2f} times as fast as one"] if speedup else []),
+    ]
+
+
+def _rays(options, run):
+    if options.only is not None:
+        raise SettingError("This has no meaning for bench rays; leave it out.", "only")
+    effort = QUICK_RAYS if options.quick else RayEffort()
+    origin = {"machine": machine(), "commit": commit()}
+    rows, absent = measure_rays(effort, run, folder=options.data)
+    least = min((row[f"ratio_{kind}"] for row in rows for kind in KINDS), default=None)
+    return {**origin, "cases": rows, "min_ratio": least, "absent": absent}, [
+        *(
+            f"{row['name']}: {row['rays_per_second_intersect'] / 1e6:.2f} million rays/s, "
+            f"{row['ratio_intersect']:.2f} of Embree's; whether anything is hit "
+            f"{row['rays_per_second_occluded'] / 1e6:.2f}, {row['ratio_occluded']:.2f}"
+            for row in rows
+        ),
+        *([f"absent, hence left out: {'; '.join(absent)} (--data)"] if absent else []),
+    ]
+
+
+def _scrub(options, run):
+    if options.only is not None:
+        raise SettingError("This has no meaning for bench scrub; leave it out.", "only")
+    effort = QUICK_SCRUB if options.quick else ScrubEffort()
+    origin = {"machine": machine(), "commit": commit()}
+    work = {"seed": options.seed, "threads": options.threads}
+    result = measure_scrub(effort, run, folder=options.data, **work)
+    inside = result["blender"]
+    return {**origin, **result}, [
+        *(
+            f"{row['name']} at {row['isovalue']:g}: {row['triangles']} triangles, "
+            f"{row['milliseconds']:.0f} ms, VTK {row['vtk_milliseconds']:.0f} ms, "
+            f"{row['vtk_ratio']:.2f} times ours"
+            for row in result["cases"]
+        ),
+        f"in Blender {inside['blender']} at {inside['isovalue']:g}: {inside['whole_ms']:.0f} ms to "
+        f"{inside['triangles']} triangles; while it moves {inside['moving_ms']:.0f} ms, "
+        f"{inside['moving_triangles']} triangles",
+        *([f"absent: {'; '.join(result['absent'])} (--data)"] if result["absent"] else []),
     ]
 
 

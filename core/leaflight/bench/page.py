@@ -13,15 +13,22 @@ from .repetitions import REPETITIONS
 MEBIBYTE = 2**20
 PAGE = """# Performance
 
-How fast bakes are. `scripts/leaflight bench bake --out docs/performance.md` and `bench scale --out`
-write the tables between their marks; all else is written by hand, and stays. The core's innermost
-loops have benchmarks of their own: `build/release/core/bench/core_bench`.
+How fast bakes, rays and isovalues are. `scripts/leaflight bench bake --out docs/performance.md`,
+and the same for scale, rays and scrub, write the tables between their marks; all else is written by
+hand, and stays. The core's innermost loops have benchmarks of their own:
+`build/release/core/bench/core_bench`.
 
 <!-- bench bake -->
 <!-- /bench bake -->
 
 <!-- bench scale -->
 <!-- /bench scale -->
+
+<!-- bench rays -->
+<!-- /bench rays -->
+
+<!-- bench scrub -->
+<!-- /bench scrub -->
 
 ## What each step gave
 
@@ -41,7 +48,8 @@ def write_page(path, name, result):
     A document that is not there is made. Raises LeaflightError.
     """
     before, after = _split(path, name)
-    lines = {"bake": bake_lines, "scale": scale_lines}[name](result)
+    lines = {"bake": bake_lines, "scale": scale_lines, "rays": ray_lines, "scrub": scrub_lines}
+    lines = lines[name](result)
     with replaced(path) as temporary:
         temporary.write_text(before + "\n\n" + "\n".join(lines) + "\n\n" + after)
 
@@ -165,6 +173,66 @@ def scale_lines(result):
     ]
 
 
+def ray_lines(result):
+    """The section of `bench rays`, lines of Markdown."""
+    rows = [
+        {
+            "isosurface": row["name"],
+            "triangles": row["triangles"],
+            "million rays/s": row["rays_per_second_intersect"] / 1e6,
+            "over Embree's": row["ratio_intersect"],
+            "occluded, million rays/s": row["rays_per_second_occluded"] / 1e6,
+            "over Embree's ": row["ratio_occluded"],
+        }
+        for row in result["cases"]
+    ]
+    first = result["cases"][0] if result["cases"] else {"rays": 0, "repetitions": 0}
+    return [
+        "## Leaf rays against Embree",
+        "",
+        _measured_on(result),
+        "",
+        f"- {first['rays']:,} rays from points of each isosurface into its outer side, by the "
+        "cosine, on one thread; Embree's meet the contoured mesh (rtcIntersect1 and "
+        "rtcOccluded1, a tree of high quality), ours the leaf of the volume itself, for which "
+        "nothing is built when the isovalue changes. Seconds of the processor, medians of "
+        f"{first['repetitions']} turns.",
+        *absent_text(result["absent"]),
+        "",
+        *table(rows, RAY_FORMATS),
+    ]
+
+
+def scrub_lines(result):
+    """The section of `bench scrub`, lines of Markdown."""
+    rows = [
+        {
+            "volume": f"{row['name']} at {row['isovalue']:g}",
+            "triangles": row["triangles"],
+            "ms": row["milliseconds"],
+            "VTK ms": row["vtk_milliseconds"],
+            "VTK / ours": row["vtk_ratio"],
+        }
+        for row in result["cases"]
+    ]
+    inside = result["blender"]
+    return [
+        "## Isovalues",
+        "",
+        _measured_on(result),
+        "",
+        "- Contouring and lookups of baked radiance at the vertices, medians by the clock. VTK's "
+        "FlyingEdges3D and ProbeFilter take turns with ours, and their ratio is that of each turn.",
+        f"- In Blender {inside['blender']}, from the slider to the evaluated mesh, before any "
+        f"drawing: {inside['whole_ms']:.0f} ms to {inside['triangles']:,} triangles at "
+        f"{inside['isovalue']:g}, and {inside['moving_ms']:.0f} ms while the isovalue moves, to "
+        f"{inside['moving_triangles']:,}.",
+        *absent_text(result["absent"]),
+        "",
+        *table(rows, SCRUB_FORMATS),
+    ]
+
+
 def _measured_on(result):
     machine = result["machine"]
     load = "" if machine["load"] is None else f", load {machine['load']:.1f} before"
@@ -190,6 +258,7 @@ BAKE_FORMATS = {
     "repetitions": "{}",
 }
 POINT_FORMATS = {"samples": "{:,}", "s": "{:.2f}", "error %": "{:.2f}"}
+SCRUB_FORMATS = {"triangles": "{:,}", "ms": "{:.0f}", "VTK ms": "{:.0f}", "VTK / ours": "{:.2f}"}
 SCALE_FORMATS = {
     "texels": "{:,}",
     "s": "{:.2f}",
@@ -197,4 +266,11 @@ SCALE_FORMATS = {
     "million rays/s": "{:.2f}",
     "peak MiB": "{:.0f}",
     "repetitions": "{}",
+}
+RAY_FORMATS = {
+    "triangles": "{:,}",
+    "million rays/s": "{:.2f}",
+    "over Embree's": "{:.2f}",
+    "occluded, million rays/s": "{:.2f}",
+    "over Embree's ": "{:.2f}",
 }

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line."""
+"""The command line behind its options, which leaflight_command parses."""
 
-from .commands import main
+from .commands import run
 
-__all__ = ["main"]
+__all__ = ["run"]

@@ -1,25 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line: info, bake, surface, compare, flatland, report and bench.
+"""The command line: info, bake, surface, still, export, compare, flatland, report and bench.
 
 Results go to stdout, with --json as one JSON object on the last line; progress goes to stderr.
 Exit status: 0; 1 when a report found an error that is not what it must be; 2 after an error, told
 in one line on stderr; 130 after Ctrl-C; after the last two nothing is written.
 """
 
-import json
-import sys
-from dataclasses import asdict, replace
 from pathlib import Path
 
 import leaflight._core as _core
 import numpy as np
 
 from .._core import Cancelled, LeaflightError
-from ..bake.bake import bake, load_bake
-from ..bake.estimate import estimate
-from ..bake.outcome import outcome
+from ..bake.load_bake import load_bake
 from ..bake.photons import trace_photons
-from ..bake.settings import PhotonMap, Scattered
 from ..flatland.flat_scene import load_flat_scene
 from ..flatland.flatland import (
     BRIGHTNESS_CORRECTION,
@@ -29,36 +23,42 @@ from ..flatland.flatland import (
     read_image,
 )
 from ..io.images import write_png
-from ..io.output import check_writable
+from ..io.output import check_writable, replaced_together
 from ..io.ply import write_photons, write_ply
-from ..io.scene_file import cornell_box, load_scene
-from ..io.sources import open_volume
 from ..measure.compare import compare
 from ..volume.volume import default_isovalue, default_window
-from .parser import make_parser
+from .bake_command import run_bake
+from .export_command import run_export
+from .lighting import open_with, to_light, work_options
 from .progress import run_with_progress
+from .still_command import run_still
+from .telling import json_line, tell, tell_error
 
 
-def main(arguments=None):
-    """Runs one command; returns the exit status."""
+def run(options):
+    """Runs the command of the options; returns the exit status."""
     try:
-        options = make_parser(COMMANDS).parse_args(arguments)
-        result, sentences = options.command(options)
-    except (Cancelled, KeyboardInterrupt):
-        print("leaflight: cancelled, nothing written.", file=sys.stderr)
+        result, sentences = COMMANDS[options.command](options)
+    except Cancelled as end:
+        sentence = str(end)
+        tell_error(sentence if "--resume" in sentence else "cancelled, nothing written.")
+        return 130
+    except KeyboardInterrupt:
+        tell_error("cancelled.")
         return 130
     except LeaflightError as error:
-        print(f"leaflight: {_in_flags(error)}", file=sys.stderr)
+        tell_error(_in_flags(error))
         return 2
-    for sentence in sentences:
-        print(sentence)
-    if options.json:
-        print(json.dumps(result))
+    except MemoryError:
+        tell_error("There is not enough memory: give a smaller volume, or --downsample it.")
+        return 2
+    if not tell([*sentences, json_line(result)] if options.json else sentences):
+        return 2
     return 0 if result.get("passed", True) else 1
 
 
 def _info(options):
-    volume = _open(options.volume, options)
+    volume = open_with(options.volume, options)
     field = volume.field()
     low, high = field.range
     lo, hi = default_window(volume)
@@ -82,27 +82,11 @@ def _info(options):
     ]
 
 
-def _to_light(options, suffix):
-    """The volumes and the scene of a command that lights them and writes a file."""
-    scene = load_scene(options.scene) if options.scene else cornell_box()
-    sources = options.volumes or [leaves.source for leaves in scene.leaves]
-    if None in sources:
-        raise LeaflightError(
-            "Nothing to light: name a VOLUME, or give --scene a file whose volumes have a source."
-        )
-    if options.out is not None:
-        check_writable(options.out, suffix, *sources)
-    volumes = [_open(source, options) for source in sources]
-    if options.capped:
-        scene = replace(scene, leaves=[replace(leaves, capped=True) for leaves in scene.leaves])
-    return volumes, scene
-
-
 def _photons(options):
-    volumes, scene = _to_light(options, ".ply")
+    volumes, scene = to_light(options, ".ply")
 
     def work(progress):
-        return trace_photons(
+        photons = trace_photons(
             volumes,
             scene,
             count=options.photons,
@@ -110,101 +94,17 @@ def _photons(options):
             seed=options.seed,
             progress=progress,
         )
+        progress.check()
+        write_photons(options.out, photons)
+        return photons
 
-    photons = run_with_progress(work, "photons")
-    write_photons(options.out, photons)
+    photons = run_with_progress(work, "photons", writes=True)
     direct = int(photons.direct.sum())
     result = {"out": options.out, "points": len(photons.direct), "direct": direct}
     return result, [
         f"{options.out}: {result['points']} arrivals of {photons.count} photons at isosurfaces, "
         f"{direct} of them straight from a light"
     ]
-
-
-def _bake(options):
-    volumes, scene = _to_light(options, ".vdb")
-    names = ("error", "time", "caustic_photons", "soft_spacing", "refine")
-    settings = {
-        **_work_options(options),
-        **_given(options, **{name: name for name in names}),
-        "both_sides": options.both_sides,
-        "surroundings": options.surroundings,
-    }
-    if options.estimate:
-        return _estimate(volumes, scene, settings)
-
-    def work(progress):
-        return bake(volumes, scene, progress=progress, **settings)
-
-    baked = run_with_progress(work, "bake")
-    baked.save(options.out)
-    result = {
-        "out": options.out,
-        "scene": baked.scene.name,
-        "isovalues": list(baked.isovalues),
-        "volumes": [
-            {"name": leaves.name, "isovalues": list(leaves.isovalues or baked.isovalues)}
-            for leaves in baked.scene.leaves
-        ],
-        "resolution": list(baked.grid.resolution),
-        "levels": baked.grid.levels,
-        **baked.statistics,
-    }
-    lo, hi = baked.isovalues
-    end = outcome(baked, why=f"the {options.time or 0:g} s are over")
-    return result, [
-        f"{options.out}: isovalues {lo:g}..{hi:g} in {baked.scene.name}, "
-        f"{result['texels']} texels, {result['seconds']:.1f} s, "
-        f"{result['rays_per_second'] / 1e6:.2f} million rays/s, "
-        f"{result['peak_memory_bytes'] / 2**20:.0f} MiB, "
-        f"noise about {result['estimated_rms_percent']:.2f} %",
-        *([end] if end else []),
-        *_leaf_map(baked),
-        *(f"skipped: {name} ({reason})" for name, reason in result["skipped_passes"]),
-    ]
-
-
-def _estimate(volumes, scene, settings):
-    def work(progress):
-        return estimate(volumes, scene, progress=progress, **settings)
-
-    cost = run_with_progress(work, "estimate")
-    return asdict(cost), [
-        f"about {cost.seconds:.0f} s and {cost.memory_bytes / 2**20:.0f} MiB to an error of "
-        f"{cost.error:.2g} %, by {cost.pilot_rounds} of {cost.rounds} rounds done in "
-        f"{cost.pilot_seconds:.1f} s"
-    ]
-
-
-def _work_options(options):
-    """What is baked, and how well: those arguments that bake and bake_flatland have in common."""
-    names = ("isovalues", "resolution", "samples", "photons", "estimator", "seed", "threads")
-    return {
-        **_given(options, **{name: name for name in names}),
-        "photon_map": _photon_map(options),
-        "scattered": _scattered(options),
-    }
-
-
-def _photon_map(options):
-    given = _given(options, k="k", radius="photon_radius", g="g", region="region")
-    return PhotonMap(**given) if given else None
-
-
-def _scattered(options):
-    given = _given(
-        options,
-        strategy="strategy",
-        count="count",
-        isovalues="isovalue_count",
-        filter="filter",
-        radius="filter_radius",
-    )
-    if not given:
-        return None
-    if "strategy" not in given or "count" not in given:
-        raise LeaflightError("Scattered samples need both --strategy NAME and --count N.")
-    return Scattered(**given)
 
 
 def _in_flags(error):
@@ -214,29 +114,12 @@ def _in_flags(error):
     return f"{sentence.removesuffix('.')} ({flags})." if flags else sentence
 
 
-def _given(options, **names):
-    """The options that were given, by the names that the settings have for them."""
-    values = {name: getattr(options, option) for name, option in names.items()}
-    return {name: value for name, value in values.items() if value is not None}
-
-
-def _leaf_map(baked):
-    """What the volumes show at the leaf coordinates 0..1, where there are several."""
-    if len(baked.volumes) == 1:
-        return []
-    return [
-        f"--isovalue 0..1 shows volume {k} ({leaves.name}) at {leaves.isovalues[0]:g}.."
-        f"{leaves.isovalues[1]:g}"
-        for k, leaves in enumerate(baked.scene.leaves)
-    ]
-
-
 def _surface(options):
     check_writable(options.out, ".ply", options.bake)
     baked = load_bake(options.bake)
 
     def work(progress):
-        return baked.surface(
+        surface = baked.surface(
             options.isovalue,
             options.volume,
             options.back,
@@ -245,9 +128,11 @@ def _surface(options):
             threads=options.threads,
             progress=progress,
         )
+        progress.check()
+        write_ply(options.out, surface, baked.scene.exposure)
+        return surface
 
-    surface = run_with_progress(work, "surface")
-    write_ply(options.out, surface, baked.scene.exposure)
+    surface = run_with_progress(work, "surface", writes=True)
     result = {
         "out": options.out,
         "isovalue": options.isovalue,
@@ -325,17 +210,21 @@ def _flatland(options):
         volume = read_image(options.image)
 
     # A bake of space takes as many by default.
-    work_options = {"samples": 32, **_work_options(options)}
+    settings = {"samples": 32, **work_options(options)}
 
     def work(progress):
-        return bake_flatland(volume, scene, progress=progress, **work_options)
+        baked = bake_flatland(volume, scene, progress=progress, **settings)
+        pixels = picture(baked, isolines, correction=correction)
+        texture = np.ascontiguousarray(baked.texture()[::-1])
+        progress.check()
+        with replaced_together(options.out, png) as (texture_file, picture_file):
+            _core.write_exr(texture_file, texture)
+            write_png(picture_file, pixels)
+        return baked
 
-    baked = run_with_progress(work, "flatland")
     isolines = options.isolines or [default_isovalue(volume)]
     correction = 1.0 if options.uncorrected else BRIGHTNESS_CORRECTION
-    pixels = picture(baked, isolines, correction=correction)
-    _core.write_exr(options.out, np.ascontiguousarray(baked.texture()[::-1]))
-    write_png(png, pixels)
+    baked = run_with_progress(work, "flatland", writes=True)
     result = {
         "out": options.out,
         "picture": str(png),
@@ -387,19 +276,16 @@ def _errors(result):
     return f"RMS error {result['rms_percent']:.2f} % {noise}, {relative}"
 
 
-def _open(source, options):
-    names = ("dims", "type", "endian", "spacing", "grid", "frame")
-    return open_volume(source, **{name: getattr(options, name) for name in names})
-
-
 def _by(numbers):
     return " x ".join(f"{number:g}" for number in numbers)
 
 
 COMMANDS = {
     "info": _info,
-    "bake": _bake,
+    "bake": run_bake,
     "surface": _surface,
+    "still": run_still,
+    "export": run_export,
     "photons": _photons,
     "compare": _compare,
     "flatland": _flatland,

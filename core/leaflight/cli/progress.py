@@ -6,7 +6,7 @@ import sys
 import threading
 import time
 
-from .._core import Cancelled, Progress
+from .._core import Cancelled, LeaflightError, Progress
 
 # Work shorter than this shows nothing.
 PATIENCE_SECONDS = 1.0
@@ -14,11 +14,13 @@ POLL_SECONDS = 0.1
 BAR_CELLS = 30
 
 
-def run_with_progress(work, label, stream=None):
+def run_with_progress(work, label, stream=None, writes=False):
     """Returns work(progress), run in a thread of its own while the main thread shows how far it is.
 
     A terminal gets a bar that is redrawn, anything else one line per tenth of the work. Ctrl-C
     cancels the work, waits for it and raises Cancelled; its other exceptions are raised here.
+    writes: whether the work ends with writing what it found, so that once it returns a cancel comes
+    too late: from then on Ctrl-C is ignored, since only telling what was done is left.
     """
     progress = Progress()
     outcome = {}
@@ -37,15 +39,22 @@ def run_with_progress(work, label, stream=None):
     if takes_interrupts:
         signal.signal(signal.SIGINT, lambda *_: progress.cancel())
     try:
-        thread.start()
+        try:
+            thread.start()
+        except RuntimeError:
+            raise LeaflightError(
+                "There is not enough memory for another thread; close other programs, or raise "
+                "the limit (ulimit)."
+            ) from None
         while thread.is_alive():
             thread.join(POLL_SECONDS)
             display.show(progress.fraction, progress.stage)
     finally:
+        written = writes and "result" in outcome
         if takes_interrupts:
-            signal.signal(signal.SIGINT, before)
+            signal.signal(signal.SIGINT, signal.SIG_IGN if written else before)
         display.close()
-    if progress.cancelled:
+    if progress.cancelled and not written:
         raise Cancelled(f"{label} cancelled")
     if "error" in outcome:
         raise outcome["error"]
@@ -56,7 +65,8 @@ class _Display:
     def __init__(self, label, stream):
         self.label = label
         self.stream = stream
-        self.redraws = stream.isatty()
+        # None where stderr was closed from the beginning.
+        self.redraws = stream is not None and stream.isatty()
         self.start = time.monotonic()
         self.tenths = 0
         self.drawn = ""
@@ -72,7 +82,7 @@ class _Display:
             self._draw(f"{self.label} [{bar}] {line}")
         elif int(10 * fraction) > self.tenths:
             self.tenths = int(10 * fraction)
-            print(f"{self.label}: {line}", file=self.stream, flush=True)
+            self._print(f"{self.label}: {line}\n")
 
     def close(self):
         if self.drawn:
@@ -80,7 +90,13 @@ class _Display:
 
     def _draw(self, line):
         # Padding wipes the rest of a longer line drawn before.
-        print("\r" + line.ljust(len(self.drawn)), end="", file=self.stream, flush=True)
-        if not line:
-            print("\r", end="", file=self.stream, flush=True)
+        self._print("\r" + line.ljust(len(self.drawn)) + ("" if line else "\r"))
         self.drawn = line
+
+    def _print(self, text):
+        try:
+            if self.stream is not None:
+                print(text, end="", file=self.stream, flush=True)
+        except OSError:
+            # Nobody listens any more, which is no reason to lose the work.
+            self.stream = None

@@ -22,11 +22,11 @@ def read_pixels(path):
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise LeaflightError(f"{path}: an image must end in one of {', '.join(SUFFIXES)}.")
-    if not path.is_file():
-        raise LeaflightError(f"{path}: there is no such image; check the path.")
     try:
+        if not path.is_file():
+            raise LeaflightError(f"{path}: there is no such image; check the path.")
         if suffix == ".exr":
-            pixels = _core.read_exr(str(path))
+            pixels = _core.read_exr(path)
         elif suffix in (".tif", ".tiff"):
             pixels = _read_tiff(path)
         else:

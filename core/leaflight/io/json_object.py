@@ -59,6 +59,8 @@ class JsonObject:
         value = self.get(key) if default is None else self.data.get(key, default)
         if not isinstance(value, str):
             raise self.error(f'"{key}" must be text')
+        if any("\ud800" <= letter <= "\udfff" for letter in value):
+            raise self.error(f'"{key}" holds half a character; write it again')
         return value
 
     def choice(self, key, choices, default=None):

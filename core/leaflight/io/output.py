@@ -6,6 +6,8 @@ import tempfile
 from contextlib import contextmanager
 from pathlib import Path
 
+import leaflight._core as _core
+
 from .._core import LeaflightError
 
 
@@ -14,32 +16,61 @@ def check_writable(path, suffix, *inputs):
     path = Path(path)
     if path.suffix.lower() != suffix:
         raise LeaflightError(f"{path}: the output file must end in {suffix}.")
-    if path.is_dir():
-        raise LeaflightError(f"{path}: this is a folder; give the name of a file to write.")
-    for given in inputs:
-        if path.exists() and os.path.exists(given) and os.path.samefile(path, given):
-            raise LeaflightError(
-                f"{path}: the output would overwrite the input; choose another name."
-            )
     try:
+        try:
+            # Raises whatever is wrong with the name itself.
+            os.lstat(path)
+        except FileNotFoundError:
+            pass
+        if path.is_dir():
+            raise LeaflightError(f"{path}: this is a folder; give the name of a file to write.")
+        exists = path.exists()
+        for given in inputs:
+            if exists and os.path.exists(given) and os.path.samefile(path, given):
+                raise LeaflightError(
+                    f"{path}: the output would overwrite the input; choose another name."
+                )
         with tempfile.TemporaryFile(dir=path.parent):
             pass
-    except OSError as error:
+    except (OSError, ValueError) as error:
+        # A ValueError is of a name with a NUL, or with half a character of two.
+        why = getattr(error, "strerror", None) or "no file can have this name"
         raise LeaflightError(
-            f"{path}: cannot write into the folder {path.parent}: {error.strerror}; "
-            "choose another folder."
+            f"{_shown(path)}: cannot write into the folder {_shown(path.parent)}: {why}; "
+            "choose another name or folder."
         ) from None
 
 
 @contextmanager
 def replaced(path):
-    """A temporary path of the same suffix, renamed to path at the end. Raises LeaflightError."""
-    path = Path(path)
+    """A temporary path of the same suffix, which takes the place of path at the end.
+
+    Raises LeaflightError, with path as it was.
+    """
+    with replaced_together(path) as (temporary,):
+        yield temporary
+
+
+@contextmanager
+def replaced_together(*paths):
+    """The same of several files: all take their places at the end, or none."""
+    files = _core.ReplacedFiles([Path(path) for path in paths])
+    temporaries = [files.temporary(index) for index in range(len(paths))]
     try:
-        # The folder, not the file, is temporary: some writers recognise the format by the suffix.
-        with tempfile.TemporaryDirectory(dir=path.parent, prefix=".leaflight-") as folder:
-            temporary = Path(folder) / f"output{path.suffix}"
-            yield temporary
-            os.replace(temporary, path)
+        yield temporaries
+        files.commit()
+    except LeaflightError as error:
+        sentence = str(error)
+        for path, temporary in zip(paths, temporaries):
+            sentence = sentence.replace(str(temporary), str(path))
+        raise LeaflightError(sentence) from None
     except OSError as error:
-        raise LeaflightError(f"{path}: cannot write it: {error.strerror}.") from None
+        names = ", ".join(map(str, paths))
+        why = error.strerror or "it fails halfway"
+        raise LeaflightError(f"{names}: cannot write it: {why}.") from None
+    finally:
+        files.discard()
+
+
+def _shown(path):
+    return str(path).encode("utf-8", "backslashreplace").decode()[:200]

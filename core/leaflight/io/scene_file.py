@@ -14,7 +14,8 @@
                   "scattering": "diffuse", "mirror" or "glass", "ior": of glass (1.5),
                   "isovalues": [lo, hi], what the leaf coordinates 0 and 1 show,
                   "capped": true closes the isosurfaces at the border of the volume,
-                  "source": file, relative to the scene file, or generated volume}
+                  "source": file, relative to the scene file, or generated volume,
+                  "reading": {"frame": 1, ...}, options of read_volume() for it}
     exposure      positive factor from radiance to the colour on the screen
     meshes        list of {"name", "albedo": [r, g, b] in 0..1, "vertices": [[x, y, z], ...],
                   "faces": [[i, j, k] or [i, j, k, l], ...], and optionally "scattering", "ior",
@@ -60,6 +61,7 @@ from ..scene.scene import (
 )
 from .images import read_texture
 from .json_object import JsonObject, parse, read_text
+from .readers.reading import OPTIONS
 from .sources import is_generated
 
 SCATTERING = ("diffuse", "mirror", "glass")
@@ -126,7 +128,10 @@ def _look(item, name, prefix=""):
 
 
 def _leaves(item, folder):
-    item.only(*("name", "source", "albedo", "emission", "scattering", "ior", "isovalues", "capped"))
+    item.only(
+        *("name", "source", "reading", "albedo", "emission", "scattering", "ior", "isovalues"),
+        "capped",
+    )
     look = _look(item, item.name)
     isovalues = source = None
     if "isovalues" in item:
@@ -138,7 +143,11 @@ def _leaves(item, folder):
         source = item.text("source")
         if not is_generated(source):
             source = str(Path(folder) / source)
-    return replace(look, isovalues=isovalues, source=source)
+    reading = None
+    if "reading" in item:
+        item.child("reading").only(*OPTIONS)
+        reading = item.get("reading")
+    return replace(look, isovalues=isovalues, source=source, reading=reading)
 
 
 def _mesh(item, folder):

@@ -4,7 +4,7 @@
 from ..volume.particles import hydrogen, lapr, neuron, nucleons
 from ..volume.setting_error import SettingError
 from ..volume.volume import bump_box
-from .readers import read_volume
+from .readers.reading import read_volume
 
 # Name -> function of the number of nodes a side (by default the thesis's, if any) to a Volume.
 _GENERATED = {

@@ -8,8 +8,6 @@ from ..volume.setting_error import SettingError
 from .sides import LeafSide, MeshSide
 from .truth import errors_of
 
-REFERENCES = ("path", "cycles")
-
 
 def compare(
     bake,

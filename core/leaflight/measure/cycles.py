@@ -185,7 +185,7 @@ def _leaf(description, field, volume, c, detail):
 
 def _finer(field, detail):
     """The same trilinear field with each cell cut into detail^3."""
-    values = field.values
+    values = field.values.astype(np.float32, copy=False)
     for _ in range(3):
         fine = np.empty((detail * (len(values) - 1) + 1, *values.shape[1:]), np.float32)
         fine[::detail] = values

@@ -7,7 +7,10 @@ folder: of the real ones, or None; fineness: nodes of generated ones, of those t
 
 import tempfile
 import zipfile
+from dataclasses import replace
 from pathlib import Path
+
+import numpy as np
 
 from ..io.readers import read_volume
 
@@ -24,21 +27,31 @@ def generated(make, nodes):
     return volumes
 
 
-def read(name, **layout):
-    """The file of that name, read_volume()'s layout given; of a zip the .tif within."""
+def read(name, placed=True, **layout):
+    """The file of that name, read_volume()'s layout given; of a zip the .tif within.
+
+    placed: False puts the first voxel at the origin and the axes along the world's, whatever the
+        file says, as these volumes have been measured from the beginning.
+    """
 
     def volumes(folder, _):
         path = Path(folder) / name if folder else None
         if path is None or not path.exists():
             return None
         if path.suffix != ".zip":
-            return [read_volume(str(path), **layout)]
+            volume = read_volume(str(path), **layout)
+            return [volume if placed else _at_the_origin(volume)]
         with tempfile.TemporaryDirectory(prefix="leaflight-") as unpacked:
             with zipfile.ZipFile(path) as archive:
                 stack = next(one for one in archive.namelist() if one.lower().endswith(".tif"))
                 return [read_volume(archive.extract(stack, unpacked), **layout)]
 
     return volumes
+
+
+def _at_the_origin(volume):
+    sizes = np.linalg.norm(volume.index_to_world[:3, :3], axis=0)
+    return replace(volume, index_to_world=np.diag([*sizes, 1.0]))
 
 
 def colin27(folder, _):
@@ -59,7 +72,14 @@ def absent_text(absent):
 
 
 nucleon = read("nucleon.raw", dims=(41, 41, 41), type="uint8")
+tooth = read("tooth16.raw", dims=(103, 94, 161), type="uint16", endian="big")
 neuron_stack = read("rivulet_neuron.tif.zip")
 bunny = read("bunny_ct_half.nrrd")
+aneurism = read("aneurism.nrrd")
 heptane = read("heptane.nii.gz")
-tooth = read("tooth16.raw", dims=(103, 94, 161), type="uint16", endian="big")
+engine = read("engine.vti", placed=False)
+hydrogen_vti = read("hydrogen.vti", placed=False)
+isabel = read("isabel_02.vti", placed=False)
+amos = read("amos_0336.mhd", placed=False)
+electron_density = read("1jzv.ccp4", placed=False)
+orbital = read("N2O_homo+lumo.cube.gz", placed=False, channel=0)

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far bakes are from Cycles, an independent judge, and what keeps them from it.
+"""How far bakes by default are from Cycles, an independent judge, and whether they know it.
 
-Each case is baked once, and some isosurfaces of it are measured by Cycles at random points of the
-mesh that users see (cycles.py), and by the core's path tracer on the leaf next to these.
+Each case is baked once, as a user would who touches no setting. Some isosurfaces of it are measured
+by Cycles at random points of the mesh that users see (cycles.py), and by the core's path tracer on
+the leaf next to these. The bake is held against both: looked up, and settled.
 """
 
 from dataclasses import dataclass, replace
@@ -10,172 +11,153 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..bake.bake import bake
-from ..bake.color_error import REACH, noise_percent, rms_percent
-from ..io.scene_file import cornell_box, packaged_scene
+from ..bake.estimate import Estimate, estimate
+from ..bake.settings import DEFAULT_ERROR
+from ..io.scene_file import packaged_scene
 from ..measure.sides import LeafSide
 from ..measure.truth import errors_of, without
 from ..measure.volume_recipes import (
+    amos,
+    aneurism,
     bunny,
     colin27,
+    electron_density,
+    engine,
     generated,
+    heptane,
+    hydrogen_vti,
+    isabel,
     neuron_stack,
     nucleon,
+    orbital,
     tooth,
 )
-from ..volume.particles import hydrogen
+from ..volume.particles import hydrogen, lapr, neuron, nucleons
 from ..volume.volume import bump_box
-from .fits import Estimate
 
-# What is held against the floor of its texture may err this many times as much.
-OF_FLOOR = 1.15
+# What a bake says of its own error is true if it is wrong by this factor at most.
+TRUE_WITHIN = 1.5
+MET, SETTLED, TOLD, MISSED = "met", "met when settled", "told", "missed"
 
 
 @dataclass(frozen=True)
 class Case:
-    """What is baked, and how near to Cycles it must be.
-
-    volumes(folder, fineness): see volume_recipes.py; isovalues: that are judged; goals: of each,
-    RMS in percent, None is OF_FLOOR times the floor of the texture; texels: a node, along each
-    axis; refine: how many times they are halved where light varies most; rays, paths: as shares of
-    the effort's; scene: of the package, None is the Cornell box.
+    """What is baked. volumes(folder, fineness): see volume_recipes.py; isovalues: leaf coordinates
+    that are judged, on each of the volumes; scene: of the package, None is the Cornell box.
     """
 
     name: str
     volumes: object
     isovalues: tuple
-    goals: tuple = None
-    texels: float = 1.0
-    refine: int = 0
-    rays: float = 1.0
-    paths: float = 1.0
     scene: str = None
 
-    def goal(self, isovalue, floor):
-        """The RMS in percent that is allowed."""
-        if self.goals is None:
-            return OF_FLOOR * floor
-        return self.goals[self.isovalues.index(isovalue)]
 
-
-BUMP_BOX = Case(
-    "bump box, 100^3",
-    generated(bump_box, 100),
-    (20.0, 47.0, 100.0),
-    (2.0, 2.0, 2.0),
-    scene="bump_box.json",
-)
-HYDROGEN = Case(
-    "hydrogen, 64^3", generated(hydrogen, 64), (0.02, 0.15, 0.4), (2.0, 2.0, 2.0), refine=2
-)
 CASES = (
-    BUMP_BOX,
-    Case("nucleon (nucleon.raw)", nucleon, (60.5, 100.5, 140.5), (2.0, 2.0, 2.0), refine=3),
-    HYDROGEN,
-    Case(
-        "bunny (bunny_ct_half.nrrd)",
-        bunny,
-        (400.5, 800.5, 1200.5),
-        (2.0, 2.0, 2.0),
-        refine=2,
-    ),
-    Case(
-        "Colin27 (ch2.nii.gz), fine",
-        colin27,
-        (24.5, 45.5, 70.5),
-        (3.0, 3.0, 4.0),
-        texels=2.0,
-        rays=0.25,
-    ),
-    Case(
-        "Colin27 (ch2.nii.gz), refined",
-        colin27,
-        (24.5, 45.5, 70.5),
-        (3.0, 3.0, 4.0),
-        refine=2,
-        rays=0.5,
-    ),
-    Case("Colin27 (ch2.nii.gz)", colin27, (100.5,)),
-    # Its floor is so low that noise counts, that of Cycles too.
-    Case(
-        "tooth (tooth16.raw)",
-        tooth,
-        (500.5, 650.5, 900.5),
-        refine=1,
-        rays=4.0,
-        paths=4.0,
-    ),
+    Case("bump box, 40^3", generated(bump_box, 40), (20.0, 47.0, 100.0), "bump_box.json"),
+    Case("bump box, 100^3", generated(bump_box, 100), (20.0, 47.0, 100.0), "bump_box.json"),
+    Case("hydrogen, 64^3", generated(hydrogen, 64), (0.02, 0.15, 0.4)),
+    Case("neuron, 150^3", generated(neuron, 150), (30.0, 60.0, 80.0)),
+    Case("nucleons, 2 x 101^3", generated(nucleons, 101), (0.2, 0.4, 0.6), "nucleons.json"),
+    Case("LAPR, 2 x 120^3", generated(lapr, 120), (0.2, 0.4, 0.6), "lapr.json"),
+    Case("orbital (N2O_homo+lumo.cube.gz)", orbital, (-0.05, 0.02, 0.1)),
+    Case("nucleon (nucleon.raw)", nucleon, (60.5, 100.5, 140.5)),
+    Case("hydrogen (hydrogen.vti)", hydrogen_vti, (0.02, 0.15, 0.4)),
+    Case("electron density (1jzv.ccp4)", electron_density, (0.5, 1.0, 1.5)),
+    Case("Isabel (isabel_02.vti)", isabel, (10.0, 20.0, 40.0)),
+    Case("tooth (tooth16.raw)", tooth, (500.5, 650.5, 900.5)),
+    Case("Colin27 (ch2.nii.gz)", colin27, (24.5, 45.5, 70.5, 100.5)),
+    Case("engine (engine.vti)", engine, (50.5, 100.5, 150.5)),
     Case("neuron stack (rivulet_neuron.tif.zip)", neuron_stack, (20.5, 60.5, 100.5)),
+    Case("aneurism (aneurism.nrrd)", aneurism, (30.5, 60.5, 100.5)),
+    Case("bunny (bunny_ct_half.nrrd)", bunny, (400.5, 800.5, 1200.5)),
+    Case("abdomen (amos_0336.mhd)", amos, (-500.5, -200.5, 150.5)),
+    Case("heptane (heptane.nii.gz)", heptane, (20.5, 40.5, 80.5)),
 )
 # The same in little, of what needs no data.
 QUICK_CASES = (
-    replace(BUMP_BOX, name="bump box, 48^3", volumes=generated(bump_box, 48)),
-    replace(HYDROGEN, name="hydrogen, 32^3", volumes=generated(hydrogen, 32)),
+    replace(CASES[1], name="bump box, 48^3", volumes=generated(bump_box, 48)),
+    replace(CASES[2], name="hydrogen, 32^3", volumes=generated(hydrogen, 32)),
 )
 
 
 @dataclass(frozen=True)
 class CyclesEffort:
-    """rays: of a texel; points: of each isosurface; paths: of Cycles and of the path tracer, at
-    each point; floor_samples: of the texels that tell the floor; judged: whether there are goals.
+    """points: of each isosurface; paths: of Cycles and of the path tracer, at each point; noise:
+    percent above which Cycles measures once more, with as many paths as it takes; judged: whether
+    there are verdicts.
     """
 
     cases: tuple = CASES
-    rays: int = 32
-    photons: int = 2_000_000
-    points: int = 1500
+    points: int = 1200
     paths: int = 1024
-    floor_samples: int = 256
+    noise: float = 0.5
     judged: bool = True
 
 
-QUICK_CYCLES = CyclesEffort(
-    cases=QUICK_CASES,
-    rays=8,
-    photons=500_000,
-    points=400,
-    paths=256,
-    floor_samples=64,
-    judged=False,
-)
+QUICK_CYCLES = CyclesEffort(QUICK_CASES, points=400, paths=256, noise=np.inf, judged=False)
+
+
+@dataclass(frozen=True)
+class BakeRow:
+    """The bake of a case: its statistics, what it said before, and what it was found to err by.
+
+    before: an Estimate of the bake; found: RMS in percent over all isosurfaces judged, looked up,
+    the noise of Cycles taken out.
+    """
+
+    case: Case
+    nodes: tuple
+    before: Estimate
+    statistics: dict
+    found: float
+
+    @property
+    def after(self):
+        """Percent that the bake says it errs by."""
+        return self.statistics["estimated_error_percent"]
+
+    @property
+    def told(self):
+        """Whether it said before and afterwards that it falls short."""
+        return min(self.before.error, self.after) > DEFAULT_ERROR
+
+    @property
+    def true(self):
+        """Whether what it said afterwards is within TRUE_WITHIN of what was found."""
+        return 1 / TRUE_WITHIN <= self.after / max(self.found, 1e-9) <= TRUE_WITHIN
 
 
 @dataclass(frozen=True)
 class CyclesRow:
-    """One isosurface of a case. rays: of a texel; paths: of Cycles, at a point; texels, seconds: of
-    the whole bake, by the clock; errors: errors_of() it against Cycles.
-
-    parts: parts_of() these; floor: RMS in percent that converged texels leave, the noise of theirs
-    and of Cycles taken out; goal: RMS in percent that is allowed, None where nothing is judged.
+    """One isosurface of a bake. volume: its name, None where there is one alone; paths: of Cycles,
+    at a point; looked_up, settled: errors_of() these against Cycles; parts: parts_of() what was
+    looked up.
     """
 
-    case: Case
+    bake: BakeRow
+    volume: str
     isovalue: float
-    rays: int
     paths: int
-    texels: int
-    seconds: float
-    errors: dict
+    looked_up: dict
+    settled: dict
     parts: dict
-    floor: float
-    goal: float
+    judged: bool
 
     @property
-    def error(self):
-        return self.errors["rms_percent"]
+    def verdict(self):
+        """One of four, None where nothing is judged."""
+        if not self.judged:
+            return None
+        if self.looked_up["rms_percent"] <= DEFAULT_ERROR:
+            return MET
+        if self.settled["rms_percent"] <= DEFAULT_ERROR:
+            return SETTLED
+        return TOLD if self.bake.told else MISSED
 
     @property
     def passed(self):
-        """Whether the goal is met; None where nothing is judged."""
-        return None if self.goal is None else self.error <= self.goal
-
-    @property
-    def bias(self):
-        """By how many percent the mean is off, an Estimate; NaN where all is dark."""
-        ratio, error = self.errors["mean_ratio"], self.errors["mean_ratio_error"]
-        if ratio is None:
-            return Estimate(np.nan, np.nan, np.nan)
-        bias, reach = 100 * (ratio - 1), 100 * REACH * error
-        return Estimate(bias, bias - reach, bias + reach)
+        """Whether the error asked for was met, or told to be out of reach."""
+        return self.verdict != MISSED
 
 
 def measure_against_cycles(effort, run, *, folder=None, seed=0, threads=0):
@@ -195,74 +177,59 @@ def measure_against_cycles(effort, run, *, folder=None, seed=0, threads=0):
 
 
 def _rows(case, volumes, effort, run, seed, threads):
-    scene = packaged_scene(case.scene) if case.scene else cornell_box()
-    settings = {
-        "resolution": max(2, round(case.texels * max(volumes[0].field().dims))),
-        "seed": seed,
-        "threads": threads,
-    }
+    scene = packaged_scene(case.scene) if case.scene else None
+    work = {"seed": seed, "threads": threads}
 
     def step(work, label):
         return run(work, f"against Cycles: {case.name}, {label}")
 
-    def baked(label, **more):
+    before = step(lambda progress: estimate(volumes, scene, progress=progress, **work), "estimate")
+    baked = step(lambda progress: bake(volumes, scene, progress=progress, **work), "bake")
+    # Another seed than the bake's.
+    work = {"seed": seed + 1, "threads": threads}
+    judged = [
+        (number, isovalue, *_judged(LeafSide(baked, isovalue, number), effort, work, step))
+        for number in range(len(volumes))
+        for isovalue in case.isovalues
+    ]
+    squares = [_own_error(looked_up) ** 2 for _, _, _, looked_up, _, _ in judged]
+    found = float(np.sqrt(np.mean(squares)))
+    of_bake = BakeRow(case, tuple(volumes[0].field().dims), before, baked.statistics, found)
+    names = [volume.name for volume in volumes] if len(volumes) > 1 else [None]
+    return [
+        CyclesRow(of_bake, names[number], isovalue, *errors, effort.judged)
+        for number, isovalue, *errors in judged
+    ]
+
+
+def _judged(side, effort, work, step):
+    """(paths, errors looked up, errors settled, parts of the first) of a LeafSide."""
+    at, exposure = f"at {side.isovalue:g}", side.bake.scene.exposure
+
+    def errors(truth):
+        return errors_of(side.baked(truth.points), truth, exposure)
+
+    def by_cycles(paths):
         return step(
-            lambda progress: bake(volumes, scene, progress=progress, **settings, **more), label
+            lambda progress: side.by_cycles(effort.points, paths, progress=progress, **work),
+            f"Cycles {at}",
         )
 
-    rays = max(1, round(case.rays * effort.rays))
-    final = baked("bake", samples=rays, photons=effort.photons, refine=case.refine)
-    paths = max(1, round(case.paths * effort.paths))
-    # Another seed than the bakes'.
-    work = {"spp": paths, "seed": seed + 1, "threads": threads}
-    found = [_found(LeafSide(final, c), effort.points, work, step) for c in case.isovalues]
-    converged = baked(
-        "floor",
-        isovalues=final.isovalues,
-        estimator="path",
-        samples=effort.floor_samples,
-        only_at=np.concatenate([truth.points for _, truth, _ in found]),
-    )
-    rows = []
-    for side, truth, path in found:
-        floor = floor_percent(converged, truth)
-        rows.append(
-            CyclesRow(
-                case,
-                side.isovalue,
-                rays,
-                paths,
-                final.statistics["texels"],
-                final.statistics["seconds"],
-                errors_of(side.baked(truth.points), truth, final.scene.exposure),
-                side.parts(truth, path),
-                floor,
-                case.goal(side.isovalue, floor) if effort.judged else None,
-            )
-        )
-    return rows
-
-
-def _found(side, points, work, step):
-    """The side with the Truth of Cycles and that of the path tracer at the same points."""
-    truth = step(
-        lambda progress: side.by_cycles(points, progress=progress, **work),
-        f"Cycles at {side.isovalue:g}",
-    )
+    paths = effort.paths
+    truth = by_cycles(paths)
+    noise = errors(truth)["reference_noise_percent"]
+    if noise > effort.noise:
+        paths = int(np.ceil(paths * (noise / effort.noise) ** 2))
+        truth = by_cycles(paths)
     path = step(
-        lambda progress: side.path_traced_at(truth.points, progress=progress, **work),
-        f"paths at {side.isovalue:g}",
+        lambda progress: side.path_traced_at(truth.points, paths, progress=progress, **work),
+        f"paths {at}",
     )
-    return side, truth, path
+    looked_up, parts = errors(truth), side.parts(truth, path)
+    step(lambda progress: side.settle(progress=progress, **work), f"settling {at}")
+    return paths, looked_up, errors(truth), parts
 
 
-def floor_percent(converged, truth):
-    """RMS in percent of a bake against the truth, without the noise that either reports."""
-    exposure, weights = converged.scene.exposure, truth.weights
-    radiance = converged.radiance(truth.points)
-    error = converged.radiance_error(truth.points)[:, None]
-    return without(
-        rms_percent(radiance, truth.radiance, exposure, weights),
-        noise_percent(radiance, error, exposure, weights),
-        noise_percent(truth.radiance, truth.standard_error, exposure, weights),
-    )
+def _own_error(errors):
+    """RMS in percent without the noise of Cycles."""
+    return without(errors["rms_percent"], errors["reference_noise_percent"])

@@ -1,53 +1,73 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The section of the report on bakes against Cycles: see sections.py."""
 
+from ..bake.settings import DEFAULT_ERROR
 from ..io.markdown import table
 from ..measure.volume_recipes import absent_text
-from .against_cycles import OF_FLOOR
+from .against_cycles import MET, MISSED, SETTLED, TOLD, TRUE_WITHIN
 
+# A mean colour below which a share of it says nothing.
+DARK = 0.01
+BAKE_FORMATS = {
+    "texels": "{:,}",
+    "rounds": "{}",
+    "said s": "{:.0f}",
+    "bake s": "{:.1f}",
+    "said before %": "{:.2f}",
+    "said after %": "{:.2f}",
+    "found %": "{:.2f}",
+}
 CYCLES_FORMATS = {
     "isovalue": "{:g}",
-    "refine": "{}",
-    "rays": "{}",
-    "texels": "{:,}",
-    "seconds": "{:.0f}",
-    "points": "{:,}",
     "paths": "{:,}",
     "RMS %": "{:.2f}",
+    "mean off by %": "{:+.1f}",
     "noise %": "{:.2f}",
     "texture %": "{:.2f}",
+    "settled RMS %": "{:.2f}",
+    "settled mean off by %": "{:+.1f}",
     "mesh %": "{:.2f}",
     "noise of Cycles %": "{:.2f}",
-    "RMS of the mean %": "{:.1f}",
-    "mean off by %": "{:.2f}",
-    "floor %": "{:.2f}",
-    "goal %": "{:.2f}",
 }
+
+
+def bake_rows(rows):
+    """One row for each bake."""
+    # A row a case, in the order of the cases.
+    bakes = {row.bake.case.name: row.bake for row in rows}
+    return [
+        {
+            "bake": name,
+            "nodes": " x ".join(map(str, bake.nodes)),
+            "texels": bake.statistics["texels"],
+            "rounds": bake.statistics["rounds"],
+            "said s": bake.before.seconds,
+            "bake s": bake.statistics["seconds"],
+            "said before %": bake.before.error,
+            "said after %": bake.after,
+            "found %": bake.found,
+            "true": "yes" if bake.true else "no",
+        }
+        for name, bake in bakes.items()
+    ]
 
 
 def cycles_rows(rows):
     """One row for each isosurface that Cycles judged."""
-    verdicts = {None: "", True: "met", False: "missed"}
     return [
         {
-            "bake": row.case.name,
+            "bake": ": ".join(filter(None, (row.bake.case.name, row.volume))),
             "isovalue": row.isovalue,
-            "refine": row.case.refine,
-            "rays": row.rays,
-            "texels": row.texels,
-            "seconds": row.seconds,
-            "points": row.errors["points"],
             "paths": row.paths,
-            "RMS %": row.error,
+            "RMS %": row.looked_up["rms_percent"],
+            "mean off by %": _off_by(row.looked_up),
             "noise %": row.parts["noise_percent"],
             "texture %": row.parts["texture_percent"],
+            "settled RMS %": row.settled["rms_percent"],
+            "settled mean off by %": _off_by(row.settled),
             "mesh %": row.parts["mesh_percent"],
-            "noise of Cycles %": row.errors["reference_noise_percent"],
-            "RMS of the mean %": _percent(row.errors["relative_rms"]),
-            "mean off by %": row.bias,
-            "floor %": row.floor,
-            "goal %": row.goal,
-            "verdict": verdicts[row.passed],
+            "noise of Cycles %": row.looked_up["reference_noise_percent"],
+            "verdict": row.verdict,
         }
         for row in rows
     ]
@@ -55,36 +75,45 @@ def cycles_rows(rows):
 
 def cycles_text(rows, absent, effort):
     lines = [
-        f"- Each bake with {effort.photons:,} photons and all isosurfaces of its default window, "
-        "against Cycles, which traces *paths* at each of about "
+        "- Each bake is one by default, of all isosurfaces of its default window: no setting was "
+        "touched. It is held against Cycles, which traces *paths* at each of about "
         f"{effort.points:,} random points of an isosurface's mesh. Blender builds the scene for "
         "itself: marching cubes, smooth normals, caustics on, nothing clamped or denoised.",
         "- RMS % is the error of the colours (thesis Eq. 4.11, corrected), from which nothing is "
-        "subtracted. Its squares are the sum of those of the next four columns, but for chance. "
-        "*Noise*: what rays and photons leave to chance, as the texels report it; more of them "
-        "make it smaller. *Texture*: what else keeps the bake from our path "
-        "tracer on the leaf itself: texels are too coarse, or the estimator is not quite right. "
-        "*Mesh*: what our path tracer and Cycles differ by, since Cycles sees triangles for the "
-        "leaf. *Noise of Cycles*: the judge's own. Texels report up to a third more noise than "
-        "they have, for their samples are spread evenly: a texture that matters little next to it "
-        "shows as 0.",
-        "- *refine* says how many times texels are halved where light varies most.",
-        "- The floor is the error of a perfect bake with these texels, none of them halved: each "
-        f"texel that the points need is computed by {effort.floor_samples} paths instead, without "
-        "photons or caches, and the noise of these and of Cycles is taken out. It holds the mesh, "
-        "too. An error near the floor can be lowered by finer texels alone.",
-        '- "RMS of the mean" is the error of the radiance, nothing clamped, over its mean; "mean '
-        'off by", how much more or less light the bake has at all points together, with an '
-        "interval of 95 % from the noise of Cycles.",
+        "subtracted: first of what is looked up in the texels, then of the isosurface settled. "
+        '"Mean off by" is how much more or less light all points together have; it is left out '
+        "where there is hardly any.",
+        "- The squares of what is looked up are the sum of four, but for chance. *Noise*: what "
+        "samples leave to chance, as the texels report it. *Texture*: what else keeps the bake "
+        "from our path tracer on the leaf itself: texels are too coarse, or the estimator is not "
+        "quite right. *Mesh*: what our path tracer and Cycles differ by, since Cycles sees "
+        "triangles for the leaf; it stays when all else is perfect. *Noise of Cycles*: the "
+        "judge's own.",
     ]
     if effort.judged:
         lines += [
-            "- An error must not exceed its goal. Where that is no round number, it is "
-            f"{OF_FLOOR:g} times the floor."
+            f"- A bake by default is asked for {DEFAULT_ERROR:g} %. *{MET.capitalize()}*: what is "
+            f"looked up errs no more. *{SETTLED.capitalize()}*: the settled isosurface does not. "
+            f"*{TOLD.capitalize()}*: it errs more, and the bake said so of itself both before "
+            f"(`--estimate`) and afterwards. *{MISSED.capitalize()}*: it errs more, and the bake "
+            "did not say so.",
         ]
-    return [*lines, *absent_text(absent), "", *table(cycles_rows(rows), CYCLES_FORMATS)]
+    lines += [
+        "- *Said* is what a bake says of itself: seconds and error before it starts, and the error "
+        "when it is done. *Found* is the RMS over its isosurfaces below, looked up, the noise of "
+        f"Cycles taken out. *True*: said afterwards and found differ by a factor of {TRUE_WITHIN:g}"
+        " at most. Scenes with several volumes are not baked in rounds, and know only their noise.",
+    ]
+    return [
+        *lines,
+        *absent_text(absent),
+        "",
+        *table(bake_rows(rows), BAKE_FORMATS),
+        "",
+        *table(cycles_rows(rows), CYCLES_FORMATS),
+    ]
 
 
-def _percent(share):
-    """A share in percent; None of None."""
-    return None if share is None else 100 * share
+def _off_by(errors):
+    """Percent; None where all is dark."""
+    return None if errors["mean_radiance"] < DARK else 100 * (errors["mean_ratio"] - 1)

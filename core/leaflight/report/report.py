@@ -63,10 +63,10 @@ def report(folder, effort, run, data=None, tables=TABLES):
     """Measures everything; writes folder/report.md, folder/images/*.png and folder/csv/*.csv.
 
     effort: a ReportEffort; run(work, label): see experiments.py; data: the folder of the real data
-    sets, or None. Returns a dict: "out", "seed", "passed" (no row of the tables failed and no goal
-    is missed), "rows" as those of report_tables, and "curves", "slopes", "break_even", "data_sets",
-    "against_cycles", "memory": lists of dicts. Raises LeaflightError, Cancelled, and then writes
-    nothing.
+    sets, or None. Returns a dict: "out", "seed", "passed" (no row of the tables failed and none
+    against Cycles is missed), "rows" as those of report_tables, and "curves", "slopes",
+    "break_even", "data_sets", "bakes_against_cycles", "against_cycles", "memory": lists of dicts.
+    Raises LeaflightError, Cancelled, and then writes nothing.
     """
     folder = _prepared(folder, "report.md")
     check_plotting()
@@ -120,7 +120,7 @@ def report(folder, effort, run, data=None, tables=TABLES):
         "slopes": _split(sections.slope_rows(curves, analysis)),
         "break_even": _split(analysis.break_even),
         "data_sets": sections.data_rows(rows),
-        "against_cycles": _split(cycles_section.cycles_rows(judged)),
+        **_against_cycles(judged),
         "memory": sections.memory_rows(curves, rows),
     }
     files = {
@@ -159,11 +159,11 @@ def report_tables(folder, effort, run, tables=TABLES):
 
 
 def report_cycles(folder, effort, run, data=None, *, seed=0, threads=0):
-    """Measures bakes against Cycles; writes folder/cycles.md and folder/csv/against_cycles.csv.
+    """Measures bakes against Cycles; writes folder/cycles.md and both its tables in folder/csv.
 
-    effort: a CyclesEffort; run, data: see report(). Returns a dict: "out", "seed", "passed" (no
-    goal is missed), "rows" (none) and "against_cycles", a list of dicts. Raises LeaflightError,
-    Cancelled, and then writes nothing.
+    effort: a CyclesEffort; run, data: see report(). Returns a dict: "out", "seed", "passed" (none
+    is missed), "rows" (none), "bakes_against_cycles" and "against_cycles", lists of dicts. Raises
+    LeaflightError, Cancelled, and then writes nothing.
     """
     find_blender()
     folder = _prepared(folder, "cycles.md")
@@ -177,10 +177,18 @@ def report_cycles(folder, effort, run, data=None, *, seed=0, threads=0):
         "",
         *cycles_section.cycles_text(judged, absent, effort),
     ]
-    rows = _split(cycles_section.cycles_rows(judged))
-    files = {"csv/against_cycles.csv": _csv(rows), "cycles.md": "\n".join(lines) + "\n"}
-    _write(folder, files)
-    return {**_result(folder, seed, judged=judged), **_finite({"against_cycles": rows})}
+    found = _against_cycles(judged)
+    files = {f"csv/{name}.csv": _csv(rows) for name, rows in found.items()}
+    _write(folder, {**files, "cycles.md": "\n".join(lines) + "\n"})
+    return {**_result(folder, seed, judged=judged), **_finite(found)}
+
+
+def _against_cycles(judged):
+    """Tables of CyclesRows, by name."""
+    return {
+        "bakes_against_cycles": cycles_section.bake_rows(judged),
+        "against_cycles": cycles_section.cycles_rows(judged),
+    }
 
 
 def _prepared(folder, name):
@@ -204,8 +212,7 @@ def _result(folder, seed, tables=(), judged=()):
         for table in tables
         for row in table.rows
     ]
-    verdicts = [row["passed"] for row in rows] + [row.passed for row in judged]
-    passed = all(verdict is not False for verdict in verdicts)
+    passed = all([row["passed"] is not False for row in rows] + [row.passed for row in judged])
     return {"out": str(folder), "seed": seed, "passed": passed, "rows": rows}
 
 

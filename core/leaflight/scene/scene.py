@@ -32,6 +32,7 @@ class Leaves:
     a single volume, the window to bake; None is default_window(volume).
     capped: close the isosurfaces at the border of the volume (Volume.capped).
     source: where the volume comes from, as the command line names volumes; None if it is given.
+    reading: options of read_volume() for the source, by name; None for none.
     """
 
     name: str
@@ -42,6 +43,7 @@ class Leaves:
     isovalues: tuple = None
     capped: bool = False
     source: str = None
+    reading: dict = None
 
 
 @dataclass(frozen=True, eq=False)

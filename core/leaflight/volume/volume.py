@@ -14,13 +14,16 @@ from .setting_error import SettingError
 BACKGROUND_SHARE = 0.1
 # How far below the data the layer around a capped volume is, in ranges of the data.
 CAP_DEPTH = 2.0
+# What the core reads voxels in, from the narrowest on: files of other types are converted.
+VOXEL_TYPES = (np.uint8, np.int16, np.uint16, np.float32)
 
 
 @dataclass(frozen=True, eq=False)
 class Volume:
     """Samples of a scalar field at the nodes of a grid.
 
-    values: float32, shape (nz, ny, nx), x fastest, in data units; NaN where there is no data.
+    values: shape (nz, ny, nx), x fastest, in data units, of one of VOXEL_TYPES, which are all the
+        same to what is baked; NaN where there is no data.
     index_to_world: float64, shape (4, 4), takes the node (i, j, k, 1) to world coordinates.
     name: short name for people; source: the file or the function the values came from.
     In flatland values has the shape (ny, nx) and index_to_world (3, 3).
@@ -36,7 +39,7 @@ class Volume:
         kind = _core.Field2 if np.ndim(self.values) == 2 else _core.Field
         try:
             return kind(
-                np.ascontiguousarray(self.values, dtype=np.float32),
+                as_voxels(self.values),
                 np.ascontiguousarray(self.index_to_world, dtype=np.float64),
             )
         except LeaflightError as error:
@@ -73,7 +76,13 @@ class Volume:
                 f"{self.source or self.name}: its values {low:g}..{high:g} are too large to be "
                 "capped; scale them down."
             )
-        values = np.pad(self.values, 1, constant_values=layer)
+        values = as_voxels(self.values)
+        kept = next(
+            kept
+            for kept in VOXEL_TYPES
+            if np.can_cast(values.dtype, kept) and (kept is np.float32 or layer >= _least(kept))
+        )
+        values = np.pad(values.astype(kept, copy=False), 1, constant_values=layer)
         index_to_world = np.array(self.index_to_world, dtype=np.float64)
         index_to_world[:-1, -1] -= index_to_world[:-1, :-1].sum(axis=1)
         return replace(self, values=values, index_to_world=index_to_world)
@@ -87,6 +96,21 @@ class Volume:
             for end in (0, -1)
         )
 
+    def coarser(self):
+        """The volume with half as many nodes along each axis, each the mean of eight; one in space.
+
+        Made at the first call. It ends up to one and a half voxels within the border. Raises
+        LeaflightError where too few nodes are left for a field.
+        """
+        return self._coarser
+
+    @cached_property
+    def _coarser(self):
+        values = _core.coarser_values(self.field())
+        from_coarser = np.diag([2.0, 2.0, 2.0, 1.0])
+        from_coarser[:3, 3] = 0.5
+        return replace(self, values=values, index_to_world=self.index_to_world @ from_coarser)
+
     @cached_property
     def _within_layer(self):
         """The values within the layer of capped() and their range; None without such a layer."""
@@ -99,6 +123,19 @@ class Volume:
             return None
         return inside, (low, high)
 
+    @cached_property
+    def _counted(self):
+        """(values float32, numbers of voxels that have them) of data(); None unless integers."""
+        values = as_voxels(self.data())
+        if values.dtype == np.float32:
+            return None
+        least = _least(values.dtype)
+        voxels = np.zeros(np.iinfo(values.dtype).max - least + 1, np.int64)
+        for plane in values:
+            voxels += np.bincount(plane.ravel().astype(np.int64) - least, minlength=voxels.size)
+        present = np.flatnonzero(voxels)
+        return (present + least).astype(np.float32), voxels[present]
+
     def data(self):
         """The values without the layer that capped() added, if there is one; not a copy."""
         return self._within_layer[0] if self._within_layer else self.values
@@ -106,6 +143,23 @@ class Volume:
     def data_range(self):
         """(lowest, highest) of data(), in data units."""
         return self._within_layer[1] if self._within_layer else self.field().range
+
+
+def as_voxels(values):
+    """The array in the narrowest of VOXEL_TYPES that holds all that its own type can, else float32.
+
+    C-contiguous; a copy only where it must be.
+    """
+    kept = held_type(values.dtype)
+    # float64 values beyond the range of float32 become infinite, which Field refuses by itself.
+    with np.errstate(over="ignore"):
+        return np.ascontiguousarray(values, dtype=kept)
+
+
+def held_type(dtype):
+    """The one of VOXEL_TYPES, a dtype, that values of this type are held in."""
+    kept = next((kept for kept in VOXEL_TYPES if np.can_cast(dtype, kept)), np.float32)
+    return np.dtype(kept)
 
 
 def bump_box(n=100):
@@ -136,12 +190,11 @@ def default_window(volume):
 
 def default_isovalue(volume):
     """The isovalue that best parts the object from its background (Otsu 1979), in the window."""
-    values = volume.data()
-    values = values[np.isfinite(values)]
-    counts, edges = np.histogram(values, bins=256)
+    values, voxels = _distribution(volume)
+    counts, edges = np.histogram(values, bins=256, weights=voxels)
     middles = 0.5 * (edges[1:] + edges[:-1])
     below, below_sum = np.cumsum(counts)[:-1], np.cumsum(counts * middles)
-    above = values.size - below
+    above = counts.sum() - below
     # The first and the last bin hold the extremes, so neither side is empty.
     distance = below_sum[:-1] / below - (below_sum[-1] - below_sum[:-1]) / above
     best = np.argmax(below * above.astype(np.float64) * distance**2)
@@ -158,21 +211,38 @@ def _quantiles(volume, shares):
     An integer isovalue of integer data passes through grid nodes and shows the quantisation.
     """
     low, high = volume.data_range()
-    values = volume.data()
-    if volume.field().masked:
-        values = values[np.isfinite(values)]
-    values = values.ravel()
+    values, voxels = _distribution(volume)
     for end in (low, high):
         inside = values != end
-        if np.count_nonzero(inside) < (1.0 - BACKGROUND_SHARE) * values.size:
-            values = values[inside]
-    if values.size == 0:
-        return [0.5 * (low + high)] * len(shares)
-    ranks = [int(share * (values.size - 1)) for share in shares]
-    quantiles = np.partition(values, ranks)[ranks].astype(np.float64)
+        if np.average(inside, weights=voxels) < 1.0 - BACKGROUND_SHARE:
+            values, voxels = values[inside], None if voxels is None else voxels[inside]
+        if values.size == 0:
+            return [0.5 * (low + high)] * len(shares)
+    count = values.size if voxels is None else voxels.sum()
+    ranks = [int(share * (count - 1)) for share in shares]
+    if voxels is None:
+        quantiles = np.partition(values, ranks)[ranks]
+    else:
+        quantiles = values[np.searchsorted(np.cumsum(voxels), ranks, side="right")]
+    quantiles = quantiles.astype(np.float64)
     if _is_integer(values, (low, high)):
         quantiles = np.floor(quantiles) + 0.5
     return list(np.clip(quantiles, low, high))
+
+
+def _distribution(volume):
+    """(values float32, numbers of voxels that have them) of data() without those that are NaN.
+
+    The numbers are None where the voxels are float32: each is listed with a value of its own.
+    """
+    if volume._counted is not None:
+        return volume._counted
+    values = volume.data().astype(np.float32, copy=False)
+    return (values[np.isfinite(values)] if volume.field().masked else values.ravel()), None
+
+
+def _least(integer_type):
+    return int(np.iinfo(integer_type).min)
 
 
 def _is_integer(values, data_range):

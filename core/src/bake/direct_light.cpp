@@ -7,31 +7,64 @@ namespace leaflight {
 
 template <int D>
 DirectLight<D>::DirectLight(const SweptVolume<D>& volume, const LightSampler<D>& lights,
-                            const SweptLattice<D>& texels, bool inner, std::uint64_t seed)
+                            const SweptLattice<D>& texels, bool inner, std::uint64_t seed,
+                            int first_block)
     : volume_(volume),
       lights_(lights),
       texels_(texels),
       seed_(seed),
-      shadows_(texels.lattice, volume.window()) {
+      leaf_light_(volume, texels),
+      first_block_(first_block) {
   const std::size_t n = texels.lattice.active.size();
   moments_[0] = TexelMoments(n);
   if (inner) moments_[1] = TexelMoments(n);
 }
 
 template <int D>
-void DirectLight<D>::add_block(Progress& progress, std::atomic<std::uint64_t>& lines) {
-  Random random = random_for(seed_, Purpose::direct_sweep, blocks_++);
+void DirectLight<D>::add_blocks(int count, Progress& progress, std::atomic<std::uint64_t>& lines,
+                                const std::function<void()>& after_block) {
+  if (count == 0) return;
+  // They are larger than anything else of a large volume, and nothing else needs them: made anew
+  // for each round.
+  const VoxelGradients<D> made = gradients();
+  for (int i = 0; i < count; ++i) {
+    sweep_block(blocks_++, made, progress, lines, moments_);
+    if (after_block) after_block();
+  }
+}
+
+template <int D>
+void DirectLight<D>::keep(Keeper& keeper, Progress& progress) {
+  keeper(blocks_);
+  for (TexelMoments& side : moments_) side.keep(keeper);
+  if (!keeper.restores() || blocks_ == 0) return;
+  SideMoments unused;
+  for (int side = 0; side < 2; ++side) unused[side] = TexelMoments(moments_[side].sums.size());
+  std::atomic<std::uint64_t> lines{0};
+  sweep_block(0, gradients(), progress, lines, unused);
+}
+
+template <int D>
+VoxelGradients<D> DirectLight<D>::gradients() const {
+  return voxel_gradients(volume_.volume().field,
+                         inverse(volume_.tracer.index_to_frame(volume_.number)));
+}
+
+template <int D>
+void DirectLight<D>::sweep_block(int block, const VoxelGradients<D>& gradients, Progress& progress,
+                                 std::atomic<std::uint64_t>& lines, SideMoments& moments) {
+  Random random = random_for(seed_, Purpose::direct_sweep, first_block_ + block);
   const std::uint64_t choice_key = random.bits(), source_key = random.bits(),
                       offset_key = random.bits();
   for (int i = 0; i < sources_per_block && lights_.can_light(); ++i) {
     const double choice = lights_.has_choice() ? sobol_point(i, choice_key)[0] : 0;
     const LightSource<D> source = lights_.source(choice, sobol_point(i, source_key));
-    LeafShadows<D>* shadows = shadows_.sources() < most_shadows ? &shadows_ : nullptr;
-    sweep_direct(volume_, texels_, source, sobol_point(i, offset_key), progress, lines, moments_,
-                 shadows);
+    LeafLight<D>* known = leaf_light_.sources() < most_leaf_sources ? &leaf_light_ : nullptr;
+    sweep_direct(volume_, gradients, texels_, source, sobol_point(i, offset_key), progress, lines,
+                 moments, known);
     progress.advance(cost() / sources_per_block);
   }
-  for (TexelMoments& side : moments_) side.close_block(progress);
+  for (TexelMoments& side : moments) side.close_block(progress);
 }
 
 template <int D>

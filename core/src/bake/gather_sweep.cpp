@@ -6,29 +6,224 @@
 #include <optional>
 
 #include "leaflight/math/random.h"
-#include "leaflight/math/sampling.h"
 
 namespace leaflight {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr float infinity = std::numeric_limits<float>::infinity();
 
-// What the points of a line need, found once for both of its directions.
-template <int D>
-struct GatherLine {
-  LineValues<D> line;
-  std::vector<std::int32_t> slot;  // of each plane, or inactive
-  std::vector<float> weight;       // area that the point stands for, times the cosine
-  std::vector<char> climbs;        // whether values grow along the axis
-  std::vector<int> higher, lower;  // stacks of planes
+// Planes of a line whose values fall, or grow, from the bottom to the top: those at which a leaf
+// may be met first on the way back.
+struct Stack {
+  struct Entry {
+    float h;
+    int plane;
+  };
+  std::vector<Entry> entries;
+  int top = 0;
 
-  GatherLine(const Field<D>& field, const TexelLattice<D>& lattice, const LineSet<D>& set,
-             const Planes<D>& planes)
-      : line(field, lattice, set, planes),
-        slot(planes.planes.size()),
-        weight(planes.planes.size()),
-        climbs(planes.planes.size()) {}
+  // `bottom` is beyond all values and stays.
+  Stack(std::size_t planes, float bottom) : entries(planes + 1) { entries[0] = {bottom, -1}; }
+  void clear() { top = 0; }
+  void push(float h, int plane) { entries[++top] = {h, plane}; }
 };
+
+// What the lines of a bundle need of the planes that they cross.
+template <int D>
+struct GatherLines {
+  // The slots that their points belong to, or inactive.
+  std::vector<std::array<std::int32_t, LineBundle<D>::width>> slots;
+  std::size_t source = 0;  // of direct light
+  // Of one line.
+  std::vector<float> h;
+  Stack higher, lower;
+
+  explicit GatherLines(std::size_t planes)
+      : slots(planes), h(planes), higher(planes, infinity), lower(planes, -infinity) {}
+};
+
+template <int D>
+struct Gathering {
+  const SweptVolume<D>& volume;
+  const SweptLattice<D>& texels;
+  const GatheredRadiance<D>& from;
+  std::uint64_t key;
+  SideMoments& moments;
+  const SceneTracer<D>& tracer = volume.tracer;
+  const Volume<D>& of = volume.volume();
+  const IsovalueWindow window = volume.window();
+  const bool inner = !moments[1].empty(), emissive = of.emission.largest() > 0;
+  const bool one_albedo = of.albedo.stops.size() == 1;
+  const Affine<D> to_frame = texels_to_frame(volume, texels.lattice);
+  const bool meshes = !tracer.meshes().empty();
+  const bool within = meshes && meshes_near<D>(volume, nullptr);
+  // From texels to those of other lattices.
+  const Vec<D> to_source = texels.lattice.voxels_per_texel / from.texels.lattice.voxels_per_texel;
+  const Vec<D> to_direct = texels.lattice.voxels_per_texel / from.direct.lattice().voxels_per_texel;
+
+  // Whether texels of direct light are the same.
+  const bool direct_alike = texels.lattice.resolution == from.direct.lattice().resolution;
+
+  void add(const LineBundle<D>& lines, GatherLines<D>& own) const;
+  void find_slots(const LineBundle<D>& lines, GatherLines<D>& own) const;
+  void walk(const LineBundle<D>& lines, int lane, int step, const Vec<D>& way, double length,
+            GatherLines<D>& own) const;
+  int beyond_masked(const GatherLines<D>& own, int begin, int stretch, int step, float h,
+                    bool outer) const;
+  Rgb leaf_radiance(const LineBundle<D>& lines, int lane, int step, double half, int k,
+                    int crossing, double z, const GatherLines<D>& own) const;
+};
+
+// What the walks will look up comes into the cache meanwhile: they wait for memory more than for
+// anything else.
+template <int D>
+void Gathering<D>::find_slots(const LineBundle<D>& lines, GatherLines<D>& own) const {
+  const std::vector<Rgb>& soft = *from.soft[0];
+  for (int k = lines.first(); k <= lines.last(); ++k) {
+    for (int lane = 0; lane < lines.lanes(); ++lane) {
+      std::int32_t& slot = own.slots[k][lane];
+      slot = TexelLattice<D>::inactive;
+      if (!window.contains(lines.value(k, lane))) continue;
+      const std::int64_t texel = lines.texel(k, lane);
+      if (texel < 0) continue;
+      slot = texels.slots[texel];
+      if (slot == TexelLattice<D>::inactive) continue;
+      __builtin_prefetch(&moments[0].sums[slot], 1);
+      if (!soft.empty()) __builtin_prefetch(&soft[slot]);
+      if (direct_alike) from.direct.prefetch(own.source, texel);
+    }
+  }
+}
+
+template <int D>
+void Gathering<D>::add(const LineBundle<D>& lines, GatherLines<D>& own) const {
+  find_slots(lines, own);
+  for (int lane = 0; lane < lines.lanes(); ++lane) {
+    bool any = false;
+    for (int k = lines.first(lane); k <= lines.last(lane); ++k) {
+      own.h[k] = lines.value(k, lane);
+      any = any || own.slots[k][lane] != TexelLattice<D>::inactive;
+    }
+    if (!any) continue;
+    const Vec<D> per_z = to_frame.vector(lines.direction(lane));
+    const double length = per_z.length();
+    for (const int step : {1, -1}) walk(lines, lane, step, per_z / length, length, own);
+  }
+}
+
+// From the points of a line the way back is looked along, towards where the walk came from.
+template <int D>
+void Gathering<D>::walk(const LineBundle<D>& line, int lane, int step, const Vec<D>& way,
+                        double length, GatherLines<D>& own) const {
+  const int begin = step > 0 ? line.first(lane) : line.last(lane);
+  const int end = step > 0 ? line.last(lane) : line.first(lane);
+  const Vec<D> back = way * -step;
+  const auto per_length = static_cast<float>(step / length);
+  const double half = 0.5 / (line.direction(lane) * to_source).length();
+  std::optional<SurroundingsHit> wall;
+  double wall_z = 0;  // of the nearest mesh behind
+  const auto find_wall = [&](double z) {
+    wall = tracer.surroundings().intersect(to_frame.point(line.position(lane, z)), back,
+                                           std::numeric_limits<double>::infinity());
+    if (wall) wall_z = z - step * wall->t / length;
+  };
+  if (meshes) find_wall(line.z(begin));
+  Stack &higher = own.higher, &lower = own.lower;
+  higher.clear();
+  lower.clear();
+  int stretch = begin;  // the plane after the last masked one
+  for (int k = begin; k != end + step; k += step) {
+    const float h = own.h[k];
+    if (std::isnan(h)) {
+      higher.clear();
+      lower.clear();
+      stretch = k + step;
+      continue;
+    }
+    while (higher.entries[higher.top].h < h) --higher.top;
+    if (inner) {
+      while (lower.entries[lower.top].h >= h) --lower.top;
+    }
+    const std::int32_t slot = own.slots[k][lane];
+    if (slot != TexelLattice<D>::inactive) {
+      // Climbing along the walk, the way back leads down and away from the outer side.
+      const float climb = line.slope(k, lane) * per_length;
+      const bool outer = climb > 0;
+      if (outer || (inner && climb < 0)) {
+        if (within) find_wall(line.z(k));
+        const Stack& stack = outer ? higher : lower;
+        int crossing = stack.entries[stack.top].plane;
+        if (crossing < 0 && stretch != begin) {
+          crossing = beyond_masked(own, begin, stretch, step, h, outer);
+        }
+        double z = 0;
+        if (crossing >= 0) {
+          const float there = own.h[crossing], here = own.h[crossing + step];
+          const float t = there != here ? (there - h) / (there - here) : 0;
+          z = line.z(crossing) + (line.z(crossing + step) - line.z(crossing)) * t;
+        }
+        Rgb radiance(0);
+        if (crossing >= 0 && (!wall || (z - wall_z) * step > 0)) {
+          radiance = leaf_radiance(line, lane, step, half, k, crossing, z, own);
+        } else if (wall) {
+          const double u = static_cast<double>(Random::mix(key + slot) >> 11) * 0x1p-53;
+          radiance = from.surroundings->radiance(*wall, back, of.leaf_coordinate(h), u);
+        }
+        moments[!outer].sums[slot].add(Imath::V3f(radiance), std::abs(climb));
+      }
+    }
+    // Values beyond the window are no leaf's.
+    if (h >= window.min) higher.push(h, k);
+    if (inner && h <= window.max) lower.push(h, k);
+  }
+}
+
+// Where the leaf of value h is met before the last masked voxels, if it is: a plane, or -1.
+template <int D>
+int Gathering<D>::beyond_masked(const GatherLines<D>& own, int begin, int stretch, int step,
+                                float h, bool outer) const {
+  bool above = !outer, known = false;
+  for (int j = stretch - step; j != begin - step; j -= step) {
+    const float other = own.h[j];
+    if (std::isnan(other)) {
+      known = false;
+      continue;
+    }
+    if (known && (other >= h) != above) return j;
+    above = other >= h;
+    known = true;
+  }
+  return -1;
+}
+
+// Of the leaf of plane k, met at coordinate z after a plane.
+template <int D>
+Rgb Gathering<D>::leaf_radiance(const LineBundle<D>& line, int lane, int step, double half, int k,
+                                int crossing, double z, const GatherLines<D>& own) const {
+  const float h = own.h[k];
+  const bool above = own.h[crossing] < h;  // its inner side is seen
+  const double gap = std::abs(line.z(k) - z);
+  Rgb radiance(0);
+  const Vec<D> at = line.position(lane, z + step * std::min(half, gap));
+  std::int32_t met = from.texels.slot_near(at * to_source);
+  if (met == TexelLattice<D>::inactive) {
+    met = from.texels.slot_near(line.position(lane, z) * to_source);
+  }
+  if (met != TexelLattice<D>::inactive && !from.soft[above]->empty()) {
+    radiance = (*from.soft[above])[met];
+  }
+  if (!above && from.direct.sources() > 0) {
+    const Vec<D> there = line.position(lane, z) * to_direct;
+    radiance += from.direct.reflected(own.source, nearest_texel(from.direct.lattice(), there), h);
+  }
+  const double c = one_albedo ? 0 : of.leaf_coordinate(h);
+  radiance *= of.albedo.at(c);
+  if (above && met != TexelLattice<D>::inactive && !from.inner_direct->empty()) {
+    radiance += (*from.inner_direct)[met];
+  }
+  if (emissive) radiance += of.emission.at(of.leaf_coordinate(h));
+  return radiance;
+}
 
 }  // namespace
 
@@ -38,171 +233,17 @@ void sweep_gather(const SweptVolume<D>& volume, const SweptLattice<D>& texels,
                   const std::array<double, 2>& offset, std::uint64_t key, Progress& progress,
                   std::atomic<std::uint64_t>& lines, SideMoments& moments) {
   const TexelLattice<D>& lattice = texels.lattice;
-  const SceneTracer<D>& tracer = volume.tracer;
-  const Volume<D>& of = volume.volume();
-  const IsovalueWindow window = volume.window();
-  const Affine<D> to_frame = texels_to_frame(volume, lattice), to_texels = inverse(to_frame);
-  const bool inner = !moments[1].empty(), emissive = of.emission.largest() > 0;
-  const LineSet<D> set = parallel_lines(lattice, to_texels.vector(direction), spacing, offset);
-  const Planes<D> planes(of.field, lattice, set.axis);
-  const bool meshes = !tracer.meshes().empty(), within = meshes && meshes_near<D>(volume, nullptr);
-  Vec<D> to_source, to_shadows;
-  for (int a = 0; a < D; ++a) {
-    to_shadows[a] = lattice.voxels_per_texel[a] / from.shadows.lattice().voxels_per_texel[a];
-    to_source[a] = lattice.voxels_per_texel[a] / from.texels.lattice.voxels_per_texel[a];
-  }
-  // What the outer side of leaf h, as if white, reflects of one of the sources; position in texels.
-  const auto direct_at = [&](const Vec<D>& position, double h, std::uint64_t bits) {
-    const LeafShadows<D>& shadows = from.shadows;
-    if (shadows.sources() == 0) return Rgb(0);
-    const std::size_t k = bits % shadows.sources();
-    const LightSource<D>& source = shadows.source(k);
-    Index<D> voxel;
-    std::size_t at = 0, stride = 1;
-    for (int a = 0; a < D; ++a) {
-      voxel[a] = std::clamp(static_cast<int>(position[a] * lattice.voxels_per_texel[a] + 0.5), 0,
-                            of.field.dims[a] - 1);
-      at += voxel[a] * stride;
-      stride *= of.field.dims[a];
-    }
-    const Vec<D> gradient(volume.gradients[at]);
-    const double steep = gradient.length();
-    if (!(steep > 0)) return Rgb(0);
-    const Vec<D> normal = gradient / -steep;
-    Vec<D> way = source.direction;
-    double distance = 1;
-    if (!source.infinite) {
-      way = to_frame.point(position) - source.position;
-      distance = way.length();
-      way /= distance;
-    }
-    const double cosine = -way.dot(normal);
-    if (!(cosine > 0)) return Rgb(0);
-    // A texel away from the surface.
-    Vec<D> out = to_texels.vector(normal);
-    double most = 0;
-    for (int a = 0; a < D; ++a) most = std::max(most, std::abs(out[a]));
-    if (shadows.shadowed(k, (position + out / most) * to_shadows, h)) return Rgb(0);
-    return source.irradiance(way, distance) * static_cast<Real>(cosine / projected_hemisphere<D>);
-  };
+  const Gathering<D> gathering{volume, texels, from, key, moments};
+  const LineSet<D> set =
+      parallel_lines(lattice, inverse(gathering.to_frame).vector(direction), spacing, offset);
+  const Planes<D> planes(volume.volume().field, lattice, set.axis);
   lines += set.lines();
-  for_each_line(
-      set, progress, [&] { return GatherLine<D>(of.field, lattice, set, planes); },
-      [&](GatherLine<D>& own, const auto& tracks) {
-        LineValues<D>& line = own.line;
-        line.follow(tracks);
-        const int first = line.first(), last = line.last();
-        if (first > last) return;
-        const Vec<D> per_z = to_frame.vector(line.direction());
-        const double length = per_z.length();
-        const Vec<D> way = per_z / length;
-        const Vec<D, float> way_(way);
-        bool any = false;
-        for (int k = first; k <= last; ++k) {
-          own.slot[k] = TexelLattice<D>::inactive;
-          const double h = line.value(k);
-          if (!window.contains(h)) continue;
-          const std::int64_t texel = line.texel(k);
-          if (texel < 0) continue;
-          own.slot[k] = texels.slots[texel];
-          if (own.slot[k] == TexelLattice<D>::inactive) continue;
-          const float along = way_.dot(line.gradient(volume.gradients, k));
-          own.weight[k] = std::abs(along);
-          own.climbs[k] = along > 0;
-          any = any || along != 0;
-        }
-        if (!any) return;
-        const Vec<D> texel_steps = line.direction() * to_source;
-        const double half = 0.5 / texel_steps.length();
-        for (const int step : {1, -1}) {
-          // From the points the way back is looked along, towards where the walk came from.
-          const Vec<D> back = way * -step;
-          const int begin = step > 0 ? first : last, end = step > 0 ? last : first;
-          std::optional<SurroundingsHit> wall;
-          double wall_z = -step * infinity;  // z of the nearest mesh behind
-          const auto find_wall = [&](double z) {
-            wall =
-                tracer.surroundings().intersect(to_frame.point(line.position(z)), back, infinity);
-            wall_z = wall ? z - step * wall->t / length : -step * infinity;
-          };
-          if (meshes) find_wall(line.z(begin));
-          own.higher.clear();
-          own.lower.clear();
-          int stretch = begin;  // the plane after the last masked one
-          for (int k = begin; k != end + step; k += step) {
-            const double h = line.value(k);
-            if (std::isnan(h)) {
-              own.higher.clear();
-              own.lower.clear();
-              stretch = k + step;
-              continue;
-            }
-            while (!own.higher.empty() && line.value(own.higher.back()) < h) own.higher.pop_back();
-            while (inner && !own.lower.empty() && line.value(own.lower.back()) >= h) {
-              own.lower.pop_back();
-            }
-            const std::int32_t slot = own.slot[k];
-            // Climbing along the walk, the way back leads down and away from the outer side.
-            const bool outer = own.climbs[k] == (step > 0);
-            if (slot != TexelLattice<D>::inactive && own.weight[k] > 0 && (outer || inner)) {
-              const std::vector<int>& stack = outer ? own.higher : own.lower;
-              if (within) find_wall(line.z(k));
-              const double c = of.leaf_coordinate(h);
-              const Rgb albedo = of.albedo.at(c);
-              int crossing = stack.empty() ? -1 : stack.back();
-              if (stack.empty()) {
-                // Beyond masked voxels the way goes on.
-                bool above = !outer, known = false;
-                for (int j = stretch - step; j != begin - step; j -= step) {
-                  const double other = line.value(j);
-                  if (std::isnan(other)) {
-                    known = false;
-                    continue;
-                  }
-                  if (known && (other >= h) != above) {
-                    crossing = j;
-                    break;
-                  }
-                  above = other >= h;
-                  known = true;
-                }
-              }
-              Rgb radiance(0);
-              bool leaf = false;
-              double z = 0;
-              if (crossing >= 0) {
-                const double there = line.value(crossing), here = line.value(crossing + step);
-                const double t = there != here ? (there - h) / (there - here) : 0;
-                z = line.z(crossing) + (line.z(crossing + step) - line.z(crossing)) * t;
-                leaf = !wall || (z - wall_z) * step > 0;
-              }
-              if (leaf) {
-                const bool above = line.value(crossing) < h;  // its inner side is seen
-                const double gap = std::abs(line.z(k) - z);
-                const Vec<D> at = line.position(z + step * std::min(half, gap)) * to_source;
-                std::int32_t met = from.texels.slot_near(at);
-                if (met == TexelLattice<D>::inactive) {
-                  met = from.texels.slot_near(line.position(z) * to_source);
-                }
-                if (met != TexelLattice<D>::inactive) {
-                  if (!from.soft[above]->empty()) radiance = albedo * (*from.soft[above])[met];
-                  if (above && !from.inner_direct->empty()) radiance += (*from.inner_direct)[met];
-                }
-                if (!above) {
-                  radiance +=
-                      albedo * direct_at(line.position(z), h, Random::mix(key ^ (slot + 77)));
-                }
-                if (emissive) radiance += of.emission.at(c);
-              } else if (wall) {
-                const double u = static_cast<double>(Random::mix(key + slot) >> 11) * 0x1p-53;
-                radiance = from.surroundings->radiance(*wall, back, c, u);
-              }
-              moments[!outer].sums[slot].add(Imath::V3f(radiance), own.weight[k]);
-            }
-            own.higher.push_back(k);
-            if (inner) own.lower.push_back(k);
-          }
-        }
+  const std::size_t sources = std::max<std::size_t>(1, from.direct.sources());
+  for_each_bundle(
+      volume, lattice, set, planes, progress, [&] { return GatherLines<D>(planes.planes.size()); },
+      [&](GatherLines<D>& own, const LineBundle<D>& bundle, std::size_t number) {
+        own.source = Random::mix(key ^ number) % sources;
+        gathering.add(bundle, own);
       });
 }
 

@@ -22,12 +22,13 @@ Vec<D> line_direction(const std::array<double, 2>& u) {
 
 template <int D>
 IndirectLight<D>::IndirectLight(const SweptVolume<D>& volume, SweptLattice<D> texels, int spacing,
-                                bool inner, std::uint64_t seed)
+                                bool inner, std::uint64_t seed, int first_block)
     : volume_(volume),
       texels_(std::move(texels)),
       spacing_(spacing),
       seed_(seed),
-      sides_(inner ? 2 : 1) {
+      sides_(inner ? 2 : 1),
+      drawn_(first_block) {
   clear();
 }
 
@@ -51,6 +52,13 @@ void IndirectLight<D>::add_block(const GatheredRadiance<D>& from, Progress& prog
   }
   for (TexelMoments& side : moments_) side.close_block(progress);
   ++blocks_;
+}
+
+template <int D>
+void IndirectLight<D>::keep(Keeper& keeper) {
+  keeper(blocks_);
+  keeper(drawn_);
+  for (TexelMoments& side : moments_) side.keep(keeper);
 }
 
 template <int D>

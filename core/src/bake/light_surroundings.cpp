@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "leaflight/bake/smooth_surroundings.h"
 #include "leaflight/math/parallel.h"
 
 namespace leaflight {
@@ -36,15 +37,16 @@ class SurroundingsLighter {
   // One side of a mesh, for all nodes of c.
   Radiance side(int mesh, bool back) const {
     // A side that is dark at some of its points for all c is taken to be dark.
-    if (dark(vertices(mesh, back, probe_stride))) return {};
-    return vertices(mesh, back, 1);
+    const Halves probes = vertices(mesh, back, probe_stride);
+    if (dark(probes[0]) && dark(probes[1])) return {};
+    return smooth(work_.meshes[mesh], vertices(mesh, back, 1), progress_);
   }
 
  private:
-  Radiance vertices(int mesh, bool back, std::size_t stride) const {
+  Halves vertices(int mesh, bool back, std::size_t stride) const {
     const std::vector<FacetPoint>& places = work_.meshes[mesh].places;
     const std::size_t n = (places.size() + stride - 1) / stride, count = n * LeafNodes::count;
-    Radiance radiance(count);
+    Halves halves{Radiance(count), Radiance(count)};
     parallel_range(count, vertices_per_piece, work_.samples * work_.rays_per_sample, progress_,
                    [&](std::size_t begin, std::size_t end) {
                      std::uint64_t rays = 0;
@@ -58,21 +60,25 @@ class SurroundingsLighter {
                        const SampleKeys keys =
                            sample_keys(work_.seed, Purpose::surroundings, 2 * mesh + back,
                                        static_cast<std::uint32_t>(vertex));
-                       radiance[e] = Vec<3, float>(mean_radiance(point, keys, rays));
+                       for (const int half : {0, 1}) {
+                         halves[half][e] = mean_radiance(point, keys, half, rays);
+                       }
                      }
                      rays_ += rays;
                    });
-    return radiance;
+    return halves;
   }
 
-  Rgb mean_radiance(const SurfacePoint<D>& point, const SampleKeys& keys,
-                    std::uint64_t& rays) const {
+  // Of one half of the samples.
+  Vec<3, float> mean_radiance(const SurfacePoint<D>& point, const SampleKeys& keys, int half,
+                              std::uint64_t& rays) const {
     Imath::V3d sum(0);
-    for (int i = 0; i < work_.samples; ++i) {
+    const int samples = std::max(1, work_.samples / 2);
+    for (int i = half * samples; i < (half + 1) * samples; ++i) {
       sum += Imath::V3d(sampler_.direct(point, keys, i, rays)) +
              Imath::V3d(sampler_.indirect(point, estimator_, keys, i, rays));
     }
-    return Rgb(sum / work_.samples);
+    return Vec<3, float>(sum / samples);
   }
 
   const SceneTracer<D>& tracer_;

@@ -19,7 +19,7 @@ PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampl
                                   const BakeSettings<D>& settings, const Plan& plan,
                                   int wall_samples, Progress& progress,
                                   std::atomic<std::uint64_t>& rays) {
-  const bool gathers = settings.estimator == EstimatorName::gather;
+  const EstimatorTraits& estimator = traits_of(settings.estimator);
   // The largest flux-height with which any photon starts (thesis Eq. 4.4).
   std::uint64_t photons = plan.photons ? settings.photons : 0;
   std::uint64_t fewest = plan.photons ? settings.photons : settings.caustic_photons;
@@ -33,11 +33,11 @@ PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampl
                                                : SideContents::nothing;
   PhotonCaches<D> caches;
   for (std::size_t v = 0; v < lattices.size(); ++v) {
-    caches.leaves.push_back(std::make_unique<LeafCache<D>>(
-        tracer, static_cast<int>(v), lattices[v], inner,
-        settings.estimator == EstimatorName::volumetric, plan.caustics, photon_flux, photons));
+    caches.leaves.push_back(std::make_unique<LeafCache<D>>(tracer, static_cast<int>(v), lattices[v],
+                                                           inner, estimator.density, plan.caustics,
+                                                           photon_flux, photons));
   }
-  if (plan.surroundings_cache || gathers) {
+  if (plan.surroundings_cache || estimator.surroundings) {
     caches.surroundings =
         std::make_unique<SurfaceCache<D>>(tracer, plan.caustics, photon_flux, photons);
   }
@@ -46,8 +46,8 @@ PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampl
       // Caustic photons bring these.
       const bool caustic = photon.arrival == Arrival::caustic;
       if (paths == PhotonPaths::all && plan.caustics && caustic) return;
-      if (photon.point.kind == HitKind::leaf) {
-        caches.leaves[photon.point.volume]->deposit(photon);
+      if (photon.point.kind() == HitKind::leaf) {
+        caches.leaves[photon.point.leaf().volume]->deposit(photon);
       } else if (plan.surroundings_cache) {
         caches.surroundings->deposit(photon);
       }
@@ -67,7 +67,7 @@ PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampl
     trace(PhotonPaths::caustics, settings.caustic_photons);
   }
   for (const auto& cache : caches.leaves) cache->finish(progress);
-  if (!plan.surroundings_cache || !gathers) return caches;
+  if (!plan.surroundings_cache || !estimator.surroundings) return caches;
   progress.begin("Lighting the surroundings");
   SurfaceCache<D>& surroundings = *caches.surroundings;
   parallel_range(surroundings.entries(), 256, 0, progress, [&](std::size_t begin, std::size_t end) {

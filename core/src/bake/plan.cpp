@@ -14,13 +14,6 @@ bool anything_reflects(const Scene<D>& scene) {
                      [](const Mesh<D>& mesh) { return largest(mesh.albedo) > 0; });
 }
 
-template <int D>
-bool anything_specular(const Scene<D>& scene) {
-  const auto specular = [](const auto& object) { return object.scattering != Scattering::diffuse; };
-  return std::any_of(scene.volumes.begin(), scene.volumes.end(), specular) ||
-         std::any_of(scene.meshes.begin(), scene.meshes.end(), specular);
-}
-
 // Whether a leaf of the window meets the border of the domain or a masked cell, where light can
 // reach its inside.
 template <int D>
@@ -34,7 +27,7 @@ bool leaves_are_open(const Volume<D>& volume, const IsovalueWindow& window) {
       high[axis] = end + 1;
       bool reaches = false;
       for_each_index<D>(low, high, [&](const Index<D>& voxel) {
-        reaches |= field.values[field.offset(voxel)] >= volume.isovalue(window.min);
+        reaches |= field.value(voxel) >= volume.isovalue(window.min);
       });
       if (reaches) return true;
     }
@@ -107,25 +100,22 @@ Plan make_plan(const Scene<D>& scene, const BakeSettings<D>& settings) {
     plan.*pass = false;
     plan.skipped.push_back({name, reason});
   };
-  const bool path = settings.estimator == EstimatorName::path;
-  const bool thesis = settings.estimator == EstimatorName::thesis;
-  const bool gather = settings.estimator == EstimatorName::gather;
+  const EstimatorTraits& estimator = traits_of(settings.estimator);
   if (!anything_reflects(scene)) {
     skip(&Plan::indirect, "indirect light", "nothing in the scene reflects light");
   }
-  if (!anything_specular(scene)) {
+  if (!has_specular(scene)) {
     const std::string reason = "there is no mirror and no glass in the scene";
     skip(&Plan::specular, "specular light", reason);
     skip(&Plan::caustics, "caustics", reason);
-  } else if (path) {
-    skip(&Plan::caustics, "caustic photons", "the path estimator needs none");
-  } else if (thesis) {
-    skip(&Plan::caustics, "caustic photons", "the thesis's estimator keeps all photons in one map");
+  } else if (estimator.caustics) {
+    skip(&Plan::caustics, "caustic photons",
+         "caustics are part of the " + estimator.name + " estimator's light");
   }
   if (!plan.indirect) {
     skip(&Plan::photons, "photons", "there is no indirect light");
-  } else if (path) {
-    skip(&Plan::photons, "photons", "the path estimator needs none");
+  } else if (!estimator.photons) {
+    skip(&Plan::photons, "photons", "the " + estimator.name + " estimator needs none");
   }
   if (!settings.surroundings) {
     skip(&Plan::surroundings, "radiance of the surroundings", "it was not asked for");
@@ -136,9 +126,9 @@ Plan make_plan(const Scene<D>& scene, const BakeSettings<D>& settings) {
     skip(&Plan::surroundings_cache, "surroundings cache", "no photons are traced");
   } else if (scene.meshes.empty()) {
     skip(&Plan::surroundings_cache, "surroundings cache", "nothing surrounds the volume");
-  } else if (!gather && !plan.surroundings) {
+  } else if (!estimator.surroundings && !plan.surroundings) {
     skip(&Plan::surroundings_cache, "surroundings cache",
-         "the " + name_of(settings.estimator) + " estimator needs none");
+         "the " + estimator.name + " estimator needs none");
   }
   bool inside = false, open = false;
   for (const Volume<D>& volume : scene.volumes) {

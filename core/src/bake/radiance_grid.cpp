@@ -1,24 +1,39 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "leaflight/bake/radiance_grid.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace leaflight {
 
 template <int D>
-const RadianceGrid<D>& RadianceGrid<D>::at(const Vec<D>& index_position) const {
-  if (!finer) return *this;
-  Index<D> middle = lattice.cell_point(index_position).cell;
-  for (int& n : middle) n = 2 * n + 1;
-  // All leaves through the cell reach the texel in its middle, so that it tells for the cell.
-  const TexelLattice<D>& fine = finer->lattice;
-  const bool serves = fine.slot[fine.linear(middle)] != TexelLattice<D>::inactive;
-  return serves ? finer->at(index_position) : *this;
+std::size_t RadianceGrid<D>::texels() const {
+  std::size_t sum = 0;
+  for (int l = 0; l < levels(); ++l) sum += level(l).lattice.active.size();
+  return sum;
+}
+
+template <int D>
+int RadianceGrid<D>::level_at(const Vec<D>& index_position) const {
+  int found = 0;
+  for (; found + 1 < levels(); ++found) {
+    Index<D> middle = level(found).lattice.cell_point(index_position).cell;
+    for (int& n : middle) n = 2 * n + 1;
+    // All leaves through the cell reach the texel in its middle, so that it tells for the cell.
+    const TexelLattice<D>& fine = level(found + 1).lattice;
+    if (fine.slot[fine.linear(middle)] == TexelLattice<D>::inactive) break;
+  }
+  return found;
 }
 
 template <int D>
 RadianceGrid<D> make_grid(const SideAverages& direct, const SideAverages& indirect) {
   RadianceGrid<D> grid;
+  grid.radiance.reserve(direct[0].size());
+  grid.radiance_indirect.reserve(direct[0].size());
+  grid.radiance_error.reserve(direct[0].size());
+  grid.radiance_back.reserve(direct[1].size());
+  grid.radiance_back_indirect.reserve(direct[1].size());
   for (std::size_t s = 0; s < direct[0].size(); ++s) {
     const Average &straight = direct[0][s], &rest = indirect[0][s];
     grid.radiance.emplace_back(straight.mean + rest.mean);
@@ -27,19 +42,83 @@ RadianceGrid<D> make_grid(const SideAverages& direct, const SideAverages& indire
   }
   for (std::size_t s = 0; s < direct[1].size(); ++s) {
     grid.radiance_back.emplace_back(direct[1][s].mean + indirect[1][s].mean);
+    grid.radiance_back_indirect.emplace_back(indirect[1][s].mean);
   }
   return grid;
 }
 
+namespace {
+
+// The texels that a lookup reads, as linear_weights() has them, without those of no weight: on an
+// edge of the grid six of eight, where texels are as wide as voxels.
+template <int D>
+class UsedTexels {
+ public:
+  void find(const TexelLattice<D>& lattice, const Vec<D>& index_position) {
+    const CellPoint<D> at = lattice.cell_point(index_position);
+    std::array<double, 1 << D> weights;
+    double sum = 0;
+    int between = 0;  // axes along which the upper texels have weight
+    for (int a = 0; a < D; ++a) between |= (at.local[a] > 0) << a;
+    count_ = 0;
+    for (int corner = 0; corner < (1 << D); ++corner) {
+      if ((corner & ~between) != 0) continue;
+      Index<D> texel;
+      double weight = 1;
+      for (int a = 0; a < D; ++a) {
+        const int bit = (corner >> a) & 1;
+        texel[a] = at.cell[a] + bit;
+        weight *= bit ? at.local[a] : 1 - at.local[a];
+      }
+      if (!(weight > 0)) continue;
+      const std::int32_t slot = lattice.slot[lattice.linear(texel)];
+      if (slot == TexelLattice<D>::inactive) continue;
+      slot_[count_] = slot;
+      weights[count_++] = weight;
+      sum += weight;
+    }
+    for (int i = 0; i < count_; ++i) {
+      weight_[i] = static_cast<float>(sum == 1 ? weights[i] : weights[i] / sum);
+    }
+  }
+  void fetch(const std::vector<Vec<3, float>>& values) const {
+    for (int i = 0; i < count_; ++i) __builtin_prefetch(&values[slot_[i]]);
+  }
+  Vec<3, float> mean(const std::vector<Vec<3, float>>& values) const {
+    Vec<3, float> mean(0);
+    for (int i = 0; i < count_; ++i) mean += values[slot_[i]] * weight_[i];
+    return mean;
+  }
+
+ private:
+  int count_ = 0;
+  std::array<std::int32_t, 1 << D> slot_;
+  std::array<float, 1 << D> weight_;
+};
+
+}  // namespace
+
 template <int D>
 Vec<3, float> lookup(const TexelLattice<D>& lattice, const std::vector<Vec<3, float>>& values,
                      const Vec<D>& index_position) {
-  const TexelWeights<D> weights = linear_weights(lattice, index_position);
-  Vec<3, float> radiance(0);
-  for (int i = 0; i < (1 << D); ++i) {
-    if (weights.weight[i] > 0) radiance += values[weights.slot[i]] * weights.weight[i];
+  UsedTexels<D> texels;
+  texels.find(lattice, index_position);
+  return texels.mean(values);
+}
+
+template <int D>
+void lookup(const TexelLattice<D>& lattice, const std::vector<Vec<3, float>>& values,
+            const std::vector<Vec<D>>& index_positions, Vec<3, float>* found) {
+  constexpr std::size_t ahead = 16;
+  std::array<UsedTexels<D>, ahead> texels;
+  for (std::size_t first = 0; first < index_positions.size(); first += ahead) {
+    const std::size_t count = std::min(ahead, index_positions.size() - first);
+    for (std::size_t n = 0; n < count; ++n) {
+      texels[n].find(lattice, index_positions[first + n]);
+      texels[n].fetch(values);
+    }
+    for (std::size_t n = 0; n < count; ++n) found[first + n] = texels[n].mean(values);
   }
-  return radiance;
 }
 
 template <int D>
@@ -63,6 +142,10 @@ template Vec<3, float> lookup<2>(const TexelLattice<2>&, const std::vector<Vec<3
                                  const Vec<2>&);
 template Vec<3, float> lookup<3>(const TexelLattice<3>&, const std::vector<Vec<3, float>>&,
                                  const Vec<3>&);
+template void lookup<2>(const TexelLattice<2>&, const std::vector<Vec<3, float>>&,
+                        const std::vector<Vec<2>>&, Vec<3, float>*);
+template void lookup<3>(const TexelLattice<3>&, const std::vector<Vec<3, float>>&,
+                        const std::vector<Vec<3>>&, Vec<3, float>*);
 template float lookup_error<2>(const TexelLattice<2>&, const std::vector<float>&, const Vec<2>&);
 template float lookup_error<3>(const TexelLattice<3>&, const std::vector<float>&, const Vec<3>&);
 

@@ -19,7 +19,7 @@ Index<D> cells_of(const TexelLattice<D>& lattice) {
 
 // The squared colours of a cell's texels about their mean, averaged, less what noise adds.
 template <int D>
-double variation(const RadianceGrid<D>& grid, const std::vector<Vec<3, float>>& radiance,
+double variation(const RadianceLevel<D>& level, const std::vector<Vec<3, float>>& radiance,
                  const Index<D>& cell, double exposure) {
   Index<D> end = cell;
   for (int& n : end) n += 2;
@@ -27,14 +27,14 @@ double variation(const RadianceGrid<D>& grid, const std::vector<Vec<3, float>>& 
   double noise = 0;
   int count = 0;
   for_each_index<D>(cell, end, [&](const Index<D>& texel) {
-    const std::int32_t slot = grid.lattice.slot[grid.lattice.linear(texel)];
+    const std::int32_t slot = level.lattice.slot[level.lattice.linear(texel)];
     if (slot == TexelLattice<D>::inactive) return;
     for (int i = 0; i < 3; ++i) {
       const double colour = std::min(1.0, exposure * radiance[slot][i]);
       sum[i] += colour;
       squares[i] += colour * colour;
     }
-    const double error = exposure * grid.radiance_error[slot];
+    const double error = exposure * level.radiance_error[slot];
     noise += error * error;
     ++count;
   });
@@ -72,21 +72,16 @@ bool any_active(const TexelLattice<D>& lattice, const Index<D>& cell) {
   return any;
 }
 
-template <int D>
-const RadianceGrid<D>& finest(const RadianceGrid<D>& grid) {
-  return grid.finer ? finest(*grid.finer) : grid;
-}
-
 // The cells of the finest lattice in which it is looked up.
 template <int D>
 std::vector<char> used_cells(const RadianceGrid<D>& grid) {
-  const RadianceGrid<D>& fine = finest(grid);
+  const RadianceLevel<D>& fine = grid.finest();
   const Index<D> cells = cells_of(fine.lattice);
   std::vector<char> used(cell_count<D>(cells));
   tbb::parallel_for(std::size_t{0}, used.size(), [&](std::size_t i) {
     const Index<D> cell = index_of<D>(i, cells);
     const Vec<D> middle = (to_vector<D>(cell) + Vec<D>(0.5)) * fine.lattice.voxels_per_texel;
-    used[i] = any_active(fine.lattice, cell) && &grid.at(middle) == &fine;
+    used[i] = any_active(fine.lattice, cell) && grid.level_at(middle) + 1 == grid.levels();
   });
   return used;
 }
@@ -96,7 +91,7 @@ std::vector<char> used_cells(const RadianceGrid<D>& grid) {
 template <int D>
 std::vector<bool> cells_to_refine(const Field<D>& field, const IsovalueWindow& window,
                                   const RadianceGrid<D>& grid, double exposure) {
-  const RadianceGrid<D>& from = finest(grid);
+  const RadianceLevel<D>& from = grid.finest();
   const Index<D> cells = cells_of(from.lattice);
   const std::vector<char> used = used_cells(grid);
   std::vector<std::uint32_t> candidates;
@@ -133,10 +128,9 @@ std::vector<bool> cells_to_refine(const Field<D>& field, const IsovalueWindow& w
 template <int D>
 FinerTexels<D> finer_texels(const Field<D>& field, const IsovalueWindow& window,
                             const RadianceGrid<D>& grid, const std::vector<bool>& cells) {
-  const TexelLattice<D>& coarse = finest(grid).lattice;
+  const TexelLattice<D>& coarse = grid.finest().lattice;
   const Index<D> cell_counts = cells_of(coarse);
-  Index<D> resolution;
-  for (int a = 0; a < D; ++a) resolution[a] = 2 * coarse.resolution[a] - 1;
+  const Index<D> resolution = finer_resolution<D>(coarse.resolution);
   std::vector<bool> touched(cell_count<D>(resolution), false);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     if (!cells[i]) continue;
@@ -160,7 +154,7 @@ FinerTexels<D> finer_texels(const Field<D>& field, const IsovalueWindow& window,
     bool all = true;
     for_each_index<D>(low, high, [&](const Index<D>& cell) {
       const bool refined = cells[linear_number<D>(cell, cell_counts)];
-      all = all && (refined || (!grid.finer && !any_active(coarse, cell)));
+      all = all && (refined || (grid.finer.empty() && !any_active(coarse, cell)));
     });
     return all;
   };
@@ -176,29 +170,34 @@ FinerTexels<D> finer_texels(const Field<D>& field, const IsovalueWindow& window,
 }
 
 template <int D>
-RadianceGrid<D> finer_grid(const RadianceGrid<D>& coarse, FinerTexels<D> texels,
-                           const RadianceGrid<D>& sampled) {
-  RadianceGrid<D> grid;
-  grid.lattice = std::move(texels.all);
-  for (const std::uint32_t texel : grid.lattice.active) {
+RadianceLevel<D> finer_level(const RadianceGrid<D>& coarse, FinerTexels<D> texels,
+                             const RadianceLevel<D>& sampled) {
+  RadianceLevel<D> level;
+  level.lattice = std::move(texels.all);
+  for (const std::uint32_t texel : level.lattice.active) {
     const std::int32_t slot = texels.sampled.slot[texel];
     if (slot != TexelLattice<D>::inactive) {
-      grid.radiance.push_back(sampled.radiance[slot]);
-      grid.radiance_indirect.push_back(sampled.radiance_indirect[slot]);
-      grid.radiance_error.push_back(sampled.radiance_error[slot]);
-      if (coarse.has_back()) grid.radiance_back.push_back(sampled.radiance_back[slot]);
+      level.radiance.push_back(sampled.radiance[slot]);
+      level.radiance_indirect.push_back(sampled.radiance_indirect[slot]);
+      level.radiance_error.push_back(sampled.radiance_error[slot]);
+      if (coarse.has_back()) {
+        level.radiance_back.push_back(sampled.radiance_back[slot]);
+        level.radiance_back_indirect.push_back(sampled.radiance_back_indirect[slot]);
+      }
       continue;
     }
-    const Vec<D> position = grid.lattice.centre(texel);
-    const RadianceGrid<D>& from = coarse.at(position);
-    grid.radiance.push_back(lookup(from.lattice, from.radiance, position));
-    grid.radiance_indirect.push_back(lookup(from.lattice, from.radiance_indirect, position));
-    grid.radiance_error.push_back(lookup_error(from.lattice, from.radiance_error, position));
+    const Vec<D> position = level.lattice.centre(texel);
+    const RadianceLevel<D>& from = coarse.at(position);
+    level.radiance.push_back(lookup(from.lattice, from.radiance, position));
+    level.radiance_indirect.push_back(lookup(from.lattice, from.radiance_indirect, position));
+    level.radiance_error.push_back(lookup_error(from.lattice, from.radiance_error, position));
     if (coarse.has_back()) {
-      grid.radiance_back.push_back(lookup(from.lattice, from.radiance_back, position));
+      level.radiance_back.push_back(lookup(from.lattice, from.radiance_back, position));
+      level.radiance_back_indirect.push_back(
+          lookup(from.lattice, from.radiance_back_indirect, position));
     }
   }
-  return grid;
+  return level;
 }
 
 template std::vector<bool> cells_to_refine<2>(const Field<2>&, const IsovalueWindow&,
@@ -209,9 +208,9 @@ template FinerTexels<2> finer_texels<2>(const Field<2>&, const IsovalueWindow&,
                                         const RadianceGrid<2>&, const std::vector<bool>&);
 template FinerTexels<3> finer_texels<3>(const Field<3>&, const IsovalueWindow&,
                                         const RadianceGrid<3>&, const std::vector<bool>&);
-template RadianceGrid<2> finer_grid<2>(const RadianceGrid<2>&, FinerTexels<2>,
-                                       const RadianceGrid<2>&);
-template RadianceGrid<3> finer_grid<3>(const RadianceGrid<3>&, FinerTexels<3>,
-                                       const RadianceGrid<3>&);
+template RadianceLevel<2> finer_level<2>(const RadianceGrid<2>&, FinerTexels<2>,
+                                         const RadianceLevel<2>&);
+template RadianceLevel<3> finer_level<3>(const RadianceGrid<3>&, FinerTexels<3>,
+                                         const RadianceLevel<3>&);
 
 }  // namespace leaflight

@@ -12,7 +12,7 @@ namespace leaflight {
 namespace {
 
 // Texels that a bake has by default, at most, where they are finer than voxels.
-constexpr std::size_t most_finer_texels = 2'500'000;
+constexpr std::size_t most_finer_texels = 2'500'000, most_finer_soft_texels = 500'000;
 constexpr int most_halvings = 2;
 // Where leaves pass more voxels than these, soft light's lines are two texels apart, its texels are
 // coarser than voxels, those that photons fall into are.
@@ -29,36 +29,29 @@ constexpr std::uint64_t photons = 400'000, preview_photons = 20'000;
 // the error; and at most.
 constexpr int first_blocks = 2, least_blocks = 4, most_blocks = 32;
 // What noise may be of the error that is asked for: what the texels' width leaves of it, within
-// these shares, as more sweeps do not mend texels.
-constexpr double least_noise = 0.5, most_noise = 0.8;
+// these shares; and of what texels miss, where that alone is more, as sweeps do not mend it.
+constexpr double least_noise = 0.25, most_noise = 0.8, out_of_reach_noise = 0.5;
+
+template <int D>
+TexelLattice<D> lattice_of(const SweptVolume<D>& volume, const Index<D>& resolution) {
+  const IsovalueWindow window = volume.window();
+  return make_lattice(volume.volume().field, resolution, window.min, window.max);
+}
 
 // A lattice with texels of so many voxels.
 template <int D>
 TexelLattice<D> lattice_of(const SweptVolume<D>& volume, int voxels_per_texel) {
-  const Field<D>& field = volume.volume().field;
-  const IsovalueWindow window = volume.window();
-  Index<D> resolution;
-  for (int a = 0; a < D; ++a) {
-    resolution[a] = std::max(2, (field.dims[a] - 1 + voxels_per_texel - 1) / voxels_per_texel + 1);
-  }
-  return make_lattice(field, resolution, window.min, window.max);
+  return lattice_of(volume, coarser_resolution<D>(volume.volume().field.dims, voxels_per_texel));
 }
 
-// The texels of the result: as the settings say, else voxels, or finer where they are few.
+// Voxels, or texels finer than these where they are few.
 template <int D>
-TexelLattice<D> result_lattice(const SweptVolume<D>& volume, const BakeSettings<D>& settings) {
-  const Field<D>& field = volume.volume().field;
-  const IsovalueWindow window = volume.window();
-  if (settings.resolution != Index<D>{}) {
-    return make_lattice(field, settings.resolution, window.min, window.max);
+TexelLattice<D> finest_lattice(const SweptVolume<D>& volume, TexelLattice<D> voxels,
+                               std::size_t most) {
+  for (int i = 0; i < most_halvings && voxels.active.size() << D <= most; ++i) {
+    voxels = lattice_of(volume, finer_resolution<D>(voxels.resolution));
   }
-  TexelLattice<D> lattice = lattice_of(volume, 1);
-  for (int i = 0; i < most_halvings && lattice.active.size() << D <= most_finer_texels; ++i) {
-    Index<D> finer;
-    for (int a = 0; a < D; ++a) finer[a] = 2 * lattice.resolution[a] - 1;
-    lattice = make_lattice(field, finer, window.min, window.max);
-  }
-  return lattice;
+  return voxels;
 }
 
 // How wide texels are for leaves to pass at most so many, given the voxels that they pass.
@@ -73,13 +66,21 @@ int width_for(std::size_t voxels, std::size_t most, int dimension) {
 
 template <int D>
 SweptTexels<D> texels_of(const SweptVolume<D>& volume, const BakeSettings<D>& settings) {
+  const bool given = settings.resolution != Index<D>{};
+  const IsovalueWindow window = volume.window();
+  const Field<D>& field = volume.volume().field;
+  const TexelLattice<D> voxels = given ? TexelLattice<D>{} : lattice_of(volume, 1);
+  const std::size_t count =
+      given ? active_texels(field, field.dims, window.min, window.max) : voxels.active.size();
+  const int width = width_for(count, most_soft_voxels, D);
   SweptTexels<D> texels;
-  texels.direct = SweptLattice<D>(result_lattice(volume, settings));
-  const std::size_t voxels = lattice_of(volume, 1).active.size();
-  // Soft light needs no texels finer than voxels.
-  texels.soft = SweptLattice<D>(lattice_of(volume, width_for(voxels, most_soft_voxels, D)));
-  texels.spacing = voxels > most_dense_voxels ? 2 : 1;
-  texels.photons = lattice_of(volume, width_for(voxels, most_photon_voxels, D));
+  texels.direct = SweptLattice<D>(given ? lattice_of(volume, settings.resolution)
+                                        : finest_lattice(volume, voxels, most_finer_texels));
+  texels.soft =
+      SweptLattice<D>(given || width > 1 ? lattice_of(volume, width)
+                                         : finest_lattice(volume, voxels, most_finer_soft_texels));
+  texels.spacing = count > most_dense_voxels ? 2 : 1;
+  texels.photons = lattice_of(volume, width_for(count, most_photon_voxels, D));
   texels.photon_count = photons;
   return texels;
 }
@@ -107,38 +108,47 @@ struct Blocks {
 template <int D>
 Blocks next_blocks(const SweptBake<D>& bake, double target) {
   const int direct = bake.direct_blocks(), indirect = bake.indirect_blocks();
+  const LeafError error = bake.errors().all();
   // Variance times work of one block.
-  const double own = bake.direct_noise() * direct * bake.direct_cost();
-  const double soft = bake.indirect_noise() * indirect * bake.indirect_cost();
+  const double own = error.direct * direct * bake.direct_cost();
+  const double soft = error.indirect * indirect * bake.indirect_cost();
   const double both = (std::sqrt(own) + std::sqrt(soft)) / target;
   const auto next = [&](int now, double product, double cost) {
     const int least = std::max(now, std::min(least_blocks, 2 * now));
     const int most = std::max(least, std::min(2 * now, most_blocks));
     const double wanted = cost > 0 ? std::sqrt(product) / cost * both : 0;
-    return static_cast<int>(std::clamp<double>(std::ceil(wanted), least, most));
+    // A round that adds little costs as much to look at as one that adds more.
+    const double grown = wanted > now ? std::max(std::ceil(wanted), std::ceil(1.25 * now)) : now;
+    return static_cast<int>(std::clamp<double>(grown, least, most));
   };
   return {next(direct, own, bake.direct_cost()), next(indirect, soft, bake.indirect_cost())};
 }
 
 }  // namespace
 
+double noise_to_reach(double error, double texture) {
+  const double least = texture < error ? least_noise * error : out_of_reach_noise * texture;
+  const double wanted = std::sqrt(std::max(0.0, error * error - texture * texture));
+  return std::clamp(wanted, least, std::max(least, most_noise * error));
+}
+
 template <int D>
 bool fits_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan) {
-  return settings.samples == 0 && settings.estimator == EstimatorName::gather &&
-         !settings.scattered && settings.only_at.empty() && scene.volumes.size() == 1 &&
+  return settings.samples == 0 && settings.estimator == EstimatorName::gather && !settings.thesis &&
+         settings.only_at.empty() && scene.volumes.size() == 1 &&
          scene.volumes[0].scattering == Scattering::diffuse && !plan.specular;
 }
 
 template <int D>
 Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
-                        Progress& progress, const OnRound<D>& on_round) {
+                        Progress& progress, const OnRound<D>& on_round, const KeptLight<D>* kept,
+                        const Checkpoints* checkpoints) {
   const auto start = std::chrono::steady_clock::now();
   const SceneTracer<D> tracer(scene);
   check_placement(tracer);
   const LightSampler<D> lights(tracer);
-  const std::vector<Vec<D, float>> gradients =
-      voxel_gradients(scene.volumes[0].field, inverse(tracer.index_to_frame(0)));
-  const SweptVolume<D> volume{tracer, 0, gradients};
+  const EmptySpace<D> empty(scene.volumes[0].field, scene.volumes[0].isovalues(scene.window).min);
+  const SweptVolume<D> volume{tracer, 0, empty};
   progress.check();
   SweptTexels<D> texels = texels_of(volume, settings);
   progress.check();
@@ -147,20 +157,29 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
     throw Error(
         "No isosurface of the isovalue window passes through the volume; widen the window.");
   }
+  if (kept && kept->lattice().resolution != texels.direct.lattice.resolution) kept = nullptr;
+  if (kept &&
+      (kept->lattice().active != texels.direct.lattice.active || kept->has_back() != plan.back)) {
+    throw Error(
+        "The bake to continue is of another volume, window or other sides; bake the volume anew.");
+  }
   // Until sweeps know what they cost.
   progress.expect(least_blocks * static_cast<double>(texels.direct.lattice.texels()) *
                   (DirectLight<D>::sources_per_block +
                    IndirectLight<D>::directions_per_block / std::pow(texels.spacing, D - 1)));
   std::atomic<std::uint64_t> rays{0};
-  int rounds = 0;
+  int rounds = kept ? kept->rounds() : 0;
   const auto whole = [&](SweptBake<D>& bake) {
     Baked<D> baked;
     baked.grids.push_back(bake.grid());
     baked.statistics.rays = rays;
     baked.statistics.rounds = rounds;
-    const double noise = bake.direct_noise() + bake.indirect_noise();
-    baked.statistics.noise_percent = 100 * std::sqrt(noise);
-    baked.statistics.error_percent = 100 * std::sqrt(noise + bake.texture_error());
+    baked.statistics.direct_blocks = bake.direct_blocks();
+    baked.statistics.indirect_blocks = bake.indirect_blocks();
+    const LeafError error = bake.errors().all();
+    baked.statistics.noise_percent = 100 * std::sqrt(error.noise());
+    baked.statistics.error_percent = error.percent();
+    baked.statistics.worst = bake.errors().worst();
     return baked;
   };
   const auto ended = [&] {
@@ -174,30 +193,58 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
     baked.statistics.stopped = stopped;
     return baked;
   };
-  if (count > most_without_preview) {
+  const bool resumes = checkpoints && checkpoints->from;
+  if (!kept && count > most_without_preview) {
     ++rounds;
-    if (on_round) {
-      SweptBake<D> preview(volume, lights, settings, plan, progress, rays, preview_texels(volume));
+    if (on_round && !resumes) {
+      SweptBake<D> preview(volume, lights, settings, plan, progress, rays, preview_texels(volume),
+                           nullptr);
       preview.add(first_blocks, first_blocks);
       on_round(whole(preview));
       if (ended()) return last(preview, whole(preview), true);
     }
   }
-  SweptBake<D> bake(volume, lights, settings, plan, progress, rays, std::move(texels));
-  const double asked = std::pow(settings.error / 100, 2);
-  Blocks blocks{first_blocks, plan.indirect ? first_blocks : 0};
+  SweptBake<D> bake(volume, lights, settings, plan, progress, rays, std::move(texels), kept);
+  const Blocks before{bake.direct_blocks(), bake.indirect_blocks()};
+  Blocks blocks{before.direct + first_blocks, plan.indirect ? before.indirect + first_blocks : 0};
+  const auto keep = [&](Keeper keeper) {
+    // Numbers are kept as this build has them in memory.
+    int layout = sizeof(Real) * 256 + D;
+    const int own_layout = layout;
+    keeper(layout);
+    if (layout != own_layout) throw Error("The checkpoint is of another Leaflight; bake anew.");
+    std::uint64_t traced = rays;
+    keeper(traced);
+    keeper(rounds);
+    keeper(blocks.direct);
+    keeper(blocks.indirect);
+    bake.keep(keeper);
+    rays = traced;
+  };
+  if (resumes) keep(Keeper(*checkpoints->from));
+  const auto after_block = [&, last = start, before_last = start]() mutable {
+    const auto now = std::chrono::steady_clock::now();
+    // The next block takes about as long as the one before.
+    const std::chrono::duration<double> then = now + (now - before_last) - last;
+    before_last = now;
+    if (!checkpoints || !checkpoints->save || then.count() < checkpoints->seconds) return;
+    checkpoints->save([&](std::ostream& stream) { keep(Keeper(stream)); });
+    last = std::chrono::steady_clock::now();
+  };
+  const std::function<void()> between = after_block;
   for (;;) {
-    progress.expect(bake.direct_cost() * std::max(blocks.direct, least_blocks) +
-                    bake.indirect_cost() * std::max(blocks.indirect + 1, least_blocks));
-    bake.add(blocks.direct - bake.direct_blocks(), blocks.indirect - bake.indirect_blocks());
+    progress.expect(bake.direct_cost() * (std::max(blocks.direct, least_blocks) - before.direct) +
+                    bake.indirect_cost() *
+                        (std::max(blocks.indirect + 1, least_blocks) - before.indirect));
+    bake.add(blocks.direct - bake.direct_blocks(), blocks.indirect - bake.indirect_blocks(),
+             between);
     ++rounds;
     Baked<D> baked = whole(bake);
-    const double texture = bake.texture_error();
-    const double least = least_noise * least_noise * std::max(asked, texture);
-    const double target =
-        std::clamp(asked - texture, least, std::max(least, most_noise * most_noise * asked));
+    const LeafError error = bake.errors().all();
+    const double noise = noise_to_reach(settings.error, 100 * std::sqrt(error.texture));
+    const double target = std::pow(noise / 100, 2);
     const Blocks next = next_blocks(bake, target);
-    const bool reached = blocks.enough() && bake.direct_noise() + bake.indirect_noise() <= target;
+    const bool reached = blocks.enough() && error.noise() <= target;
     const bool more = next.direct > blocks.direct || next.indirect > blocks.indirect;
     if (reached || !more) return last(bake, std::move(baked), false);
     if (ended()) return last(bake, std::move(baked), true);
@@ -211,8 +258,8 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
 template bool fits_rounds<2>(const Scene<2>&, const BakeSettings<2>&, const Plan&);
 template bool fits_rounds<3>(const Scene<3>&, const BakeSettings<3>&, const Plan&);
 template Baked<2> bake_in_rounds<2>(const Scene<2>&, const BakeSettings<2>&, const Plan&, Progress&,
-                                    const OnRound<2>&);
+                                    const OnRound<2>&, const KeptLight<2>*, const Checkpoints*);
 template Baked<3> bake_in_rounds<3>(const Scene<3>&, const BakeSettings<3>&, const Plan&, Progress&,
-                                    const OnRound<3>&);
+                                    const OnRound<3>&, const KeptLight<3>*, const Checkpoints*);
 
 }  // namespace leaflight

@@ -2,30 +2,9 @@
 #include "leaflight/bake/settings.h"
 
 #include "leaflight/math/error.h"
+#include "leaflight/thesis/thesis.h"
 
 namespace leaflight {
-
-EstimatorName estimator_from(const std::string& name) {
-  if (name == "volumetric") return EstimatorName::volumetric;
-  if (name == "gather") return EstimatorName::gather;
-  if (name == "path") return EstimatorName::path;
-  if (name == "thesis") return EstimatorName::thesis;
-  throw Error("There is no estimator named '" + name +
-              "'; choose gather, volumetric, path or thesis.");
-}
-
-std::string name_of(EstimatorName name) {
-  switch (name) {
-    case EstimatorName::volumetric:
-      return "volumetric";
-    case EstimatorName::path:
-      return "path";
-    case EstimatorName::thesis:
-      return "thesis";
-    default:
-      return "gather";
-  }
-}
 
 template <int D>
 void validate(const BakeSettings<D>& settings) {
@@ -51,18 +30,19 @@ void validate(const BakeSettings<D>& settings) {
     throw Error("The spacing of soft light is " + std::to_string(settings.soft_spacing) +
                 " texels; choose between 1 and 64.");
   }
-  validate(settings.photon_map);
+  if (settings.thesis) validate(settings.thesis->photon_map);
   if (!(settings.refine >= 0 && settings.refine <= 4)) {
     throw Error("Texels cannot be refined " + std::to_string(settings.refine) +
                 " times; choose between 0 and 4.");
   }
-  if (settings.refine > 0 && (settings.scattered || !settings.only_at.empty())) {
+  const bool scattered = settings.thesis && settings.thesis->scattered;
+  if (settings.refine > 0 && (scattered || !settings.only_at.empty())) {
     throw Error("Finer texels need samples in each texel; leave out " +
-                std::string(settings.scattered ? "the strategy" : "the points") +
-                " or the refinement.");
+                std::string(scattered ? "the strategy" : "the points") + " or the refinement.");
   }
-  if (!settings.only_at.empty() && settings.estimator != EstimatorName::path) {
-    throw Error("The estimator " + name_of(settings.estimator) +
+  const EstimatorTraits& estimator = traits_of(settings.estimator);
+  if (!settings.only_at.empty() && estimator.photons) {
+    throw Error("The estimator " + estimator.name +
                 " needs all texels; bake those at some points alone with the path estimator.");
   }
   if (!(settings.threads >= 0 && settings.threads <= 4096)) {

@@ -3,19 +3,12 @@
 
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "leaflight/math/error.h"
 
 namespace leaflight {
 namespace {
-
-bool has_specular(const Scene<3>& scene) {
-  const auto specular = [](const auto& item) { return item.scattering != Scattering::diffuse; };
-  return std::any_of(scene.volumes.begin(), scene.volumes.end(), specular) ||
-         std::any_of(scene.meshes.begin(), scene.meshes.end(), specular);
-}
 
 const Scene<3>& checked(const Scene<3>& scene, const SettleSettings& settings) {
   validate(scene);
@@ -44,7 +37,7 @@ std::vector<Vec<3, float>> baked_indirect(const Field<3>& field, const RadianceG
   if (above) return result;
   tbb::parallel_for(std::size_t{0}, vertices.size(), [&](std::size_t v) {
     const Vec3 position = field.world_to_index.point(Vec3(vertices[v]));
-    const RadianceGrid<3>& from = grid.at(position);
+    const RadianceLevel<3>& from = grid.at(position);
     result[v] = lookup(from.lattice, from.radiance_indirect, position);
   });
   return result;

@@ -57,7 +57,7 @@ void SettledDirect::trace_vertex(std::size_t vertex, int count, std::uint64_t& r
   const std::uint64_t key = random_for(seed_, Purpose::settle, vertex).bits();
   const auto sample = [&](int i) -> DirectSample<3> {
     const SurfacePoint<3>& point = spots[i % spots.size()];
-    if (point.kind == HitKind::none) return {};
+    if (point.kind() == HitKind::none) return {};
     const double choice = lights_.has_choice() ? sobol_point(i, ~key)[0] : 0;
     return lights_.direct_sample(point, choice, sobol_point(i, key));
   };

@@ -15,8 +15,10 @@ namespace leaflight {
 namespace {
 
 constexpr std::size_t vertices_per_piece = 128;
-// Some two hundred vertices share their paths.
-constexpr int smoothing_steps = 32;
+// Vertices have more than one path each where they are fewer than this.
+constexpr std::size_t all_paths = 1'000'000, most_paths = 64;
+// Some six hundred paths are averaged, if no more than two hundred vertices share theirs.
+constexpr int most_smoothing_steps = 32, least_smoothing_steps = 2;
 
 float square(float x) { return x * x; }
 float channel_mean(const Vec<3, float>& v) { return (v.x + v.y + v.z) / 3; }
@@ -30,11 +32,11 @@ struct Half {
 };
 
 std::vector<Vec<3, float>> smoothed(const MeshSmoother& smoother,
-                                    const std::vector<Vec<3, float>>& values) {
+                                    const std::vector<Vec<3, float>>& values, int steps) {
   std::vector<std::array<float, 3>> rows;
   rows.reserve(values.size());
   for (const Vec<3, float>& value : values) rows.push_back({value.x, value.y, value.z});
-  smoother.smooth(rows, smoothing_steps);
+  smoother.smooth(rows, steps);
   std::vector<Vec<3, float>> result;
   result.reserve(values.size());
   for (const auto& row : rows) result.emplace_back(row[0], row[1], row[2]);
@@ -74,22 +76,27 @@ SettledIndirect::SettledIndirect(const SceneTracer<3>& tracer, const LightSample
       smoother_(leaf.fans, normals),
       paths_(make_path_estimator(tracer, lights)),
       seed_(seed),
+      paths_per_vertex_(static_cast<int>(std::clamp<std::size_t>(
+          all_paths / std::max<std::size_t>(1, leaf.vertices.size()), 1, most_paths))),
+      smoothing_steps_(std::clamp(3 * most_smoothing_steps / paths_per_vertex_,
+                                  least_smoothing_steps, most_smoothing_steps)),
       order_(morton_order(tracer.scene().volumes[leaf.volume].field, leaf.vertices)),
       baked_(std::move(baked)),
       detail_(baked_),
-      found_more_(baked_.size(), Vec<3, float>(0)),
-      count_(baked_.size(), 0.0f) {
-  const std::vector<Vec<3, float>> mean = smoothed(smoother_, baked_);
+      halves_(baked_.size(), std::array<float, 8>{}) {
+  const std::vector<Vec<3, float>> mean = smoothed(smoother_, baked_, smoothing_steps_);
   for (std::size_t v = 0; v < detail_.size(); ++v) detail_[v] -= mean[v];
-  mean_detail_ = smoothed(smoother_, detail_);
+  mean_detail_ = smoothed(smoother_, detail_, smoothing_steps_);
 }
 
 float SettledIndirect::share_of_detail(const std::vector<Vec<3, float>>& more) const {
   // The slope of a regression, which one number for all the surface makes sure of.
   double together = 0, alone = 0;
   for (std::size_t v = 0; v < detail_.size(); ++v) {
-    together += (found_more_[v] - more[v] * count_[v]).dot(detail_[v]);
-    alone += count_[v] * detail_[v].length2();
+    const Half a(halves_[v].data()), b(halves_[v].data() + 4);
+    const float count = a.count + b.count;
+    together += (a.sum + b.sum - more[v] * count).dot(detail_[v]);
+    alone += count * detail_[v].length2();
   }
   return alone > 0 ? static_cast<float>(std::clamp(1 + together / alone, 0.0, 1.0)) : 1.0f;
 }
@@ -98,7 +105,7 @@ void SettledIndirect::trace(Progress& progress, std::uint64_t& rays) {
   // The points of one sequence, along a curve that stays near, stratify neighbours against each
   // other.
   const std::size_t first = pass_ % passes_per_path;
-  const auto after = static_cast<float>(pass_ / passes_per_path + 1);
+  const auto after = static_cast<float>((pass_ / passes_per_path + 1) * paths_per_vertex_);
   Random keys = random_for(seed_, Purpose::settle, baked_.size() + pass_);
   const std::uint64_t direction_key = keys.bits(), path_key = keys.bits();
   const std::size_t n =
@@ -109,16 +116,21 @@ void SettledIndirect::trace(Progress& progress, std::uint64_t& rays) {
                    std::uint64_t traced = 0;
                    for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) {
                      const std::uint32_t v = order_[first + i * passes_per_path];
-                     if (count_[v] >= after) continue;  // before it was cancelled
+                     auto& halves = halves_[v];
+                     if (halves[3] + halves[7] >= after) continue;  // before it was cancelled
                      const VertexSpots spots = spots_of(tracer_, leaf_, v);
-                     const SurfacePoint<3>& point = spots[i % spots.size()];
-                     if (point.kind == HitKind::none) continue;
-                     Random random(path_key, 0, i);
-                     const auto u = sobol_point(static_cast<std::uint32_t>(i), direction_key);
-                     const Rgb found =
-                         point.emission + paths_->indirect_radiance(point, u, random, traced);
-                     found_more_[v] += Vec<3, float>(found) - baked_[v];
-                     ++count_[v];
+                     for (int k = 0; k < paths_per_vertex_; ++k) {
+                       const std::size_t path = i * paths_per_vertex_ + k;
+                       const SurfacePoint<3>& point = spots[path % spots.size()];
+                       if (point.kind() == HitKind::none) continue;
+                       Random random(path_key, 0, path);
+                       const auto u = sobol_point(static_cast<std::uint32_t>(path), direction_key);
+                       const Rgb found =
+                           point.emission + paths_->indirect_radiance(point, u, random, traced);
+                       float* half = halves.data() + ((i + k) % 2 == 0 ? 0 : 4);
+                       for (int c = 0; c < 3; ++c) half[c] += found[c] - baked_[v][c];
+                       ++half[3];
+                     }
                    }
                    all += traced;
                  });
@@ -129,15 +141,8 @@ void SettledIndirect::trace(Progress& progress, std::uint64_t& rays) {
 SettledIndirect::Found SettledIndirect::found() const {
   Found found{baked_, std::vector<float>(baked_.size(), 0.0f)};
   if (pass_ == 0) return found;
-  // Two halves of the vertices: sums of what their paths found more, and their numbers.
-  std::vector<std::array<float, 8>> halves(baked_.size(), std::array<float, 8>{});
-  for (std::size_t i = 0; i < order_.size(); ++i) {
-    const std::uint32_t v = order_[i];
-    float* sums = halves[v].data() + (i / passes_per_path % 2 == 0 ? 0 : 4);
-    for (int k = 0; k < 3; ++k) sums[k] = found_more_[v][k];
-    sums[3] = count_[v];
-  }
-  smoother_.smooth(halves, smoothing_steps);
+  std::vector<std::array<float, 8>> halves = halves_;
+  smoother_.smooth(halves, smoothing_steps_);
   std::vector<Vec<3, float>> more;
   more.reserve(halves.size());
   for (const auto& sums : halves) {
@@ -154,7 +159,7 @@ SettledIndirect::Found SettledIndirect::found() const {
     squares[v] = {square(0.5f * (channel_mean(a.mean()) - channel_mean(b.mean()))),
                   square(channel_mean(more[v]))};
   }
-  smoother_.smooth(squares, smoothing_steps);
+  smoother_.smooth(squares, most_smoothing_steps);
   for (std::size_t v = 0; v < more.size(); ++v) {
     const auto [error, mean] = squares[v];
     const float share = mean > error ? 1 - error / mean : 0;

@@ -9,6 +9,7 @@
 #include <sstream>
 #include <string>
 
+#include "leaflight/math/bounds.h"
 #include "leaflight/math/error.h"
 
 namespace leaflight {
@@ -21,7 +22,8 @@ struct Survey {
   bool infinite = false;
 };
 
-Survey survey(const float* values, std::size_t n) {
+template <class Value>
+Survey survey(const Value* values, std::size_t n) {
   return tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, n, 1 << 16), Survey{},
       [&](const auto& range, Survey s) {
@@ -40,10 +42,78 @@ Survey survey(const float* values, std::size_t n) {
       });
 }
 
+template <int D, class Value>
+Vec<D> voxel_gradient(const Field<D>& field, const Value* values, const Index<D>& voxel) {
+  Vec<D> gradient(0.0);
+  const Value* h = values + field.offset(voxel);
+  std::size_t stride = 1;
+  for (int a = 0; a < D; stride *= field.dims[a], ++a) {
+    double low = voxel[a] > 0 ? h[-static_cast<std::ptrdiff_t>(stride)] : h[0];
+    double high = voxel[a] < field.dims[a] - 1 ? h[stride] : h[0];
+    double span = (voxel[a] > 0) + (voxel[a] < field.dims[a] - 1);
+    if (field.masked) {
+      if (std::isnan(low)) low = h[0], span -= 1;
+      if (std::isnan(high)) high = h[0], span -= 1;
+      if (span <= 0) continue;
+    }
+    gradient[a] = (high - low) / span;
+  }
+  return gradient;
+}
+
+template <int D>
+void check_placement(const Index<D>& dims, const Affine<D>& index_to_world) {
+  const auto check_inverse = [](bool exists) {
+    if (!exists) {
+      throw Error(
+          "The volume's index-to-world transform cannot be inverted; check its spacing and axes.");
+    }
+  };
+  const double volume = determinant(index_to_world);
+  check_inverse(std::isfinite(volume) && volume != 0);
+  double box = 1;
+  for (const Vec<D>& column : index_to_world.column) {
+    const double edge = column.length();
+    if (!(edge >= 1 / farthest && edge <= farthest)) {
+      throw Error(
+          "The volume's voxels are smaller than 1e-18 or larger than 1e18 along an axis; check its "
+          "spacing, and measure it in another unit.");
+    }
+    box *= edge;
+  }
+  // The volume of a cell, compared with that of one whose axes are at right angles.
+  check_inverse(std::abs(volume) >= 1e-9 * box);
+  for (int corner = 0; corner < (1 << D); ++corner) {
+    Vec<D> index(0.0);
+    for (int a = 0; a < D; ++a) index[a] = (corner >> a) & 1 ? dims[a] - 1 : 0;
+    if (!within_bounds(index_to_world.point(index))) {
+      throw Error(
+          "The volume reaches farther than 1e18 from the origin; check its origin and spacing, and "
+          "measure it in another unit.");
+    }
+  }
+}
+
+template <int D, class Value>
+Vec<D> shading_gradient(const Field<D>& field, const Value* values, const CellPoint<D>& point) {
+  Vec<D> gradient(0.0);
+  for (int corner = 0; corner < (1 << D); ++corner) {
+    double weight = 1;
+    Index<D> voxel;
+    for (int a = 0; a < D; ++a) {
+      const int bit = (corner >> a) & 1;
+      weight *= bit ? point.local[a] : 1 - point.local[a];
+      voxel[a] = point.cell[a] + bit;
+    }
+    gradient += voxel_gradient(field, values, voxel) * weight;
+  }
+  return gradient;
+}
+
 }  // namespace
 
 template <int D>
-Field<D> make_field(const float* values, const Index<D>& dims, const Affine<D>& index_to_world,
+Field<D> make_field(const Voxels& values, const Index<D>& dims, const Affine<D>& index_to_world,
                     std::shared_ptr<const void> owner) {
   for (int a = 0; a < D; ++a) {
     if (dims[a] < 2) {
@@ -51,18 +121,15 @@ Field<D> make_field(const float* values, const Index<D>& dims, const Affine<D>& 
                   std::string("; give one with at least 2 along each axis."));
     }
   }
-  const double volume = determinant(index_to_world);
-  if (!std::isfinite(volume) || volume == 0.0 || !std::isfinite(index_to_world.origin.length())) {
-    throw Error(
-        "The volume's index-to-world transform cannot be inverted; check its spacing and axes.");
-  }
+  check_placement(dims, index_to_world);
   Field<D> field;
   field.owner = std::move(owner);
   field.values = values;
   field.dims = dims;
   field.index_to_world = index_to_world;
   field.world_to_index = inverse(index_to_world);
-  const Survey s = survey(values, field.voxels());
+  const Survey s =
+      std::visit([&](const auto* h) { return survey(h, field.voxels()); }, field.values);
   if (s.infinite) {
     throw Error("The volume contains infinite values; replace them by NaN or by finite numbers.");
   }
@@ -80,6 +147,7 @@ Field<D> make_field(const float* values, const Index<D>& dims, const Affine<D>& 
   field.max = s.max;
   field.masked = s.masked;
   field.pyramid = build_pyramid<D>(values, dims);
+  field.cell_bounds_once = std::make_shared<CellBoundsOnce<D>>();
   return field;
 }
 
@@ -133,32 +201,15 @@ Vec<D> geometric_gradient(const CellCorners<D>& corners, const Vec<D>& local) {
 }
 
 template <int D>
+Vec<D> voxel_gradient(const Field<D>& field, const Index<D>& voxel) {
+  return std::visit([&](const auto* values) { return voxel_gradient(field, values, voxel); },
+                    field.values);
+}
+
+template <int D>
 Vec<D> shading_gradient(const Field<D>& field, const CellPoint<D>& point) {
-  Vec<D> gradient(0.0);
-  for (int corner = 0; corner < (1 << D); ++corner) {
-    double weight = 1;
-    Index<D> i;
-    for (int a = 0; a < D; ++a) {
-      const int bit = (corner >> a) & 1;
-      weight *= bit ? point.local[a] : 1 - point.local[a];
-      i[a] = point.cell[a] + bit;
-    }
-    const float* h = field.values + field.offset(i);
-    std::size_t stride = 1;
-    for (int a = 0; a < D; stride *= field.dims[a], ++a) {
-      // One-sided at the border of the domain and beside masked voxels.
-      double low = i[a] > 0 ? h[-static_cast<std::ptrdiff_t>(stride)] : h[0];
-      double high = i[a] < field.dims[a] - 1 ? h[stride] : h[0];
-      double span = (i[a] > 0) + (i[a] < field.dims[a] - 1);
-      if (field.masked) {
-        if (std::isnan(low)) low = h[0], span -= 1;
-        if (std::isnan(high)) high = h[0], span -= 1;
-        if (span <= 0) continue;
-      }
-      gradient[a] += weight * (high - low) / span;
-    }
-  }
-  return gradient;
+  return std::visit([&](const auto* values) { return shading_gradient(field, values, point); },
+                    field.values);
 }
 
 template <int D>
@@ -169,9 +220,9 @@ Vec<D> shading_normal(const Field<D>& field, const Vec<D>& index_position) {
   return length > 0 ? gradient * (-1 / length) : Vec<D>(0.0);
 }
 
-template Field<2> make_field<2>(const float*, const Index<2>&, const Affine<2>&,
+template Field<2> make_field<2>(const Voxels&, const Index<2>&, const Affine<2>&,
                                 std::shared_ptr<const void>);
-template Field<3> make_field<3>(const float*, const Index<3>&, const Affine<3>&,
+template Field<3> make_field<3>(const Voxels&, const Index<3>&, const Affine<3>&,
                                 std::shared_ptr<const void>);
 template Box<2> world_box<2>(const Field<2>&);
 template Box<3> world_box<3>(const Field<3>&);
@@ -183,6 +234,8 @@ template Vec<2> geometric_gradient<2>(const CellCorners<2>&, const Vec<2>&);
 template Vec<3> geometric_gradient<3>(const CellCorners<3>&, const Vec<3>&);
 template Vec<2> shading_normal<2>(const Field<2>&, const Vec<2>&);
 template Vec<3> shading_normal<3>(const Field<3>&, const Vec<3>&);
+template Vec<2> voxel_gradient<2>(const Field<2>&, const Index<2>&);
+template Vec<3> voxel_gradient<3>(const Field<3>&, const Index<3>&);
 template Vec<2> shading_gradient<2>(const Field<2>&, const CellPoint<2>&);
 template Vec<3> shading_gradient<3>(const Field<3>&, const CellPoint<3>&);
 

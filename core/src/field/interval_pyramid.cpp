@@ -17,8 +17,8 @@ Interval merge(const Interval& a, const Interval& b) {
   return {std::min(a.min, b.min), std::max(a.max, b.max)};
 }
 
-template <int D>
-Interval cell_interval(const float* values, const Index<D>& dims, const Index<D>& cell) {
+template <int D, class Value>
+Interval cell_interval(const Value* values, const Index<D>& dims, const Index<D>& cell) {
   Interval interval = empty;
   for (int corner = 0; corner < (1 << D); ++corner) {
     Index<D> voxel;
@@ -30,8 +30,8 @@ Interval cell_interval(const float* values, const Index<D>& dims, const Index<D>
   return interval;
 }
 
-template <int D>
-Interval brick_interval(const float* values, const Index<D>& dims, const Index<D>& brick) {
+template <int D, class Value>
+Interval brick_interval(const Value* values, const Index<D>& dims, const Index<D>& brick) {
   Index<D> low, high;
   for (int a = 0; a < D; ++a) {
     low[a] = brick[a] << IntervalPyramid<D>::log2_brick;
@@ -59,7 +59,7 @@ Interval brick_interval(const float* values, const Index<D>& dims, const Index<D
 }  // namespace
 
 template <int D>
-IntervalPyramid<D> build_pyramid(const float* values, const Index<D>& dims) {
+IntervalPyramid<D> build_pyramid(const Voxels& values, const Index<D>& dims) {
   constexpr int size = 1 << IntervalPyramid<D>::log2_brick;
   IntervalPyramid<D> pyramid;
   Index<D> level_dims = dims;
@@ -73,7 +73,8 @@ IntervalPyramid<D> build_pyramid(const float* values, const Index<D>& dims) {
           for (std::size_t b = range.begin(); b != range.end(); ++b) {
             const Index<D> brick = index_of<D>(b, level.dims);
             if (!finer) {
-              level.bricks[b] = brick_interval<D>(values, dims, brick);
+              level.bricks[b] = std::visit(
+                  [&](const auto* h) { return brick_interval<D>(h, dims, brick); }, values);
               continue;
             }
             Index<D> low, high;
@@ -93,7 +94,7 @@ IntervalPyramid<D> build_pyramid(const float* values, const Index<D>& dims) {
   return pyramid;
 }
 
-template IntervalPyramid<2> build_pyramid<2>(const float*, const Index<2>&);
-template IntervalPyramid<3> build_pyramid<3>(const float*, const Index<3>&);
+template IntervalPyramid<2> build_pyramid<2>(const Voxels&, const Index<2>&);
+template IntervalPyramid<3> build_pyramid<3>(const Voxels&, const Index<3>&);
 
 }  // namespace leaflight

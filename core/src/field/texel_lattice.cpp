@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "leaflight/field/texel_lattice.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <string>
 
@@ -18,13 +21,31 @@ template <int D>
 bool reached(const Field<D>& field, const Index<D>& first, const Index<D>& last, double low,
              double high) {
   float min = std::numeric_limits<float>::infinity(), max = -min;
-  for_each_index<D>(first, last, [&](const Index<D>& voxel) {
-    const float h = field.values[field.offset(voxel)];
-    // Comparisons with NaN are false: masked voxels are passed over.
-    if (h < min) min = h;
-    if (h > max) max = h;
-  });
+  std::visit(
+      [&](const auto* values) {
+        for_each_index<D>(first, last, [&](const Index<D>& voxel) {
+          const float h = values[field.offset(voxel)];
+          // Comparisons with NaN are false: masked voxels are passed over.
+          if (h < min) min = h;
+          if (h > max) max = h;
+        });
+      },
+      field.values);
   return min < max && min < high && max >= low;
+}
+
+// Whether it does within one texel of a texel.
+template <int D>
+bool reached(const Field<D>& field, const TexelLattice<D>& lattice, std::size_t number, double low,
+             double high) {
+  const Index<D> texel = lattice.texel(static_cast<std::uint32_t>(number));
+  Index<D> first, last;
+  for (int a = 0; a < D; ++a) {
+    const double step = lattice.voxels_per_texel[a];
+    first[a] = std::max(0, static_cast<int>(std::floor((texel[a] - 1) * step)));
+    last[a] = std::min(field.dims[a], static_cast<int>(std::ceil((texel[a] + 1) * step)) + 1);
+  }
+  return reached<D>(field, first, last, low, high);
 }
 
 template <int D>
@@ -40,16 +61,6 @@ template <int D>
 void TexelLattice<D>::activate(std::vector<std::uint32_t> numbers) {
   active = std::move(numbers);
   slot = RankedSet(texels(), active);
-}
-
-template <int D>
-std::int32_t TexelLattice<D>::nearest_slot(const Vec<D>& index_position) const {
-  Index<D> texel;
-  for (int a = 0; a < D; ++a) {
-    const double x = index_position[a] / voxels_per_texel[a];
-    texel[a] = std::clamp(static_cast<int>(x + 0.5), 0, resolution[a] - 1);
-  }
-  return slot[linear(texel)];
 }
 
 template <int D>
@@ -86,23 +97,35 @@ TexelLattice<D> make_lattice(const Field<D>& field, const Index<D>& resolution, 
     const std::size_t end = std::min<std::size_t>((p + 1) * piece, texels);
     for (std::size_t i = p * piece; i < end; ++i) {
       if (considered && !(*considered)[i]) continue;
-      const auto number = static_cast<std::uint32_t>(i);
-      const Index<D> texel = lattice.texel(number);
-      Index<D> first, last;
-      for (int a = 0; a < D; ++a) {
-        const double step = lattice.voxels_per_texel[a];
-        first[a] = std::max(0, static_cast<int>(std::floor((texel[a] - 1) * step)));
-        last[a] = std::min(field.dims[a], static_cast<int>(std::ceil((texel[a] + 1) * step)) + 1);
+      if (reached(field, lattice, i, low, high)) {
+        pieces[p].push_back(static_cast<std::uint32_t>(i));
       }
-      if (reached<D>(field, first, last, low, high)) pieces[p].push_back(number);
     }
   });
+  std::size_t count = 0;
+  for (const std::vector<std::uint32_t>& numbers : pieces) count += numbers.size();
   std::vector<std::uint32_t> active;
+  active.reserve(count);
   for (const std::vector<std::uint32_t>& numbers : pieces) {
     active.insert(active.end(), numbers.begin(), numbers.end());
   }
   lattice.activate(std::move(active));
   return lattice;
+}
+
+template <int D>
+std::size_t active_texels(const Field<D>& field, const Index<D>& resolution, double low,
+                          double high) {
+  const TexelLattice<D> lattice = inactive_lattice<D>(field.dims, resolution);
+  return tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, lattice.texels(), 4096), std::size_t{0},
+      [&](const auto& range, std::size_t count) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+          count += reached(field, lattice, i, low, high);
+        }
+        return count;
+      },
+      std::plus<>());
 }
 
 template <int D>
@@ -164,6 +187,8 @@ template TexelLattice<2> make_lattice<2>(const Field<2>&, const Index<2>&, doubl
                                          const std::vector<bool>*);
 template TexelLattice<3> make_lattice<3>(const Field<3>&, const Index<3>&, double, double,
                                          const std::vector<bool>*);
+template std::size_t active_texels<2>(const Field<2>&, const Index<2>&, double, double);
+template std::size_t active_texels<3>(const Field<3>&, const Index<3>&, double, double);
 template TexelWeights<2> linear_weights<2>(const TexelLattice<2>&, const Vec<2>&);
 template TexelWeights<3> linear_weights<3>(const TexelLattice<3>&, const Vec<3>&);
 template std::vector<bool> texels_around<2>(const Index<2>&, const Index<2>&,

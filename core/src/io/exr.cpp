@@ -4,6 +4,7 @@
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStandardAttributes.h>
@@ -11,6 +12,7 @@
 #include <array>
 
 #include "leaflight/io/files.h"
+#include "leaflight/io/replaced_files.h"
 #include "leaflight/math/error.h"
 
 namespace leaflight {
@@ -29,22 +31,39 @@ Imf::FrameBuffer frame_buffer(float* pixels, const Imath::Box2i& window, int cha
   return buffer;
 }
 
+// OpenEXR's own stream of files keeps what fails at its end to itself.
+class Stream : public Imf::OStream {
+ public:
+  explicit Stream(std::ostream& stream) : OStream("output"), stream_(stream) {}
+  void write(const char text[], int count) override { stream_.write(text, count); }
+  std::uint64_t tellp() override { return static_cast<std::uint64_t>(stream_.tellp()); }
+  void seekp(std::uint64_t place) override {
+    stream_.seekp(static_cast<std::ostream::pos_type>(place));
+  }
+
+ private:
+  std::ostream& stream_;
+};
+
 }  // namespace
 
-void write_exr(const std::string& path, const float* pixels, int width, int height, int channels,
-               const std::string& comments) {
+void write_exr(const std::filesystem::path& path, const float* pixels, int width, int height,
+               int channels, const std::string& comments) {
   if (width < 1 || height < 1 || channels < 3 || channels > 4) {
     throw Error("An image of " + std::to_string(width) + " x " + std::to_string(height) + " with " +
                 std::to_string(channels) + " channels cannot be written as EXR; give RGB or RGBA.");
   }
-  write_atomically(path, [&](const std::string& temporary) {
+  replace_file(path, [&](std::ostream& stream) {
+    // OpenEXR's destructors write, too, and must not throw: failures are told by the state.
+    stream.exceptions(std::ios::goodbit);
     Imf::Header header(width, height);
     header.compression() = Imf::ZIP_COMPRESSION;
     if (!comments.empty()) Imf::addComments(header, comments);
     for (int c = 0; c < channels; ++c) {
       header.channels().insert(channel_names[c], Imf::Channel(Imf::FLOAT));
     }
-    Imf::OutputFile file(temporary.c_str(), header);
+    Stream out(stream);
+    Imf::OutputFile file(out, header);
     file.setFrameBuffer(frame_buffer(const_cast<float*>(pixels), header.dataWindow(), channels));
     file.writePixels(height);
   });
@@ -54,28 +73,28 @@ namespace {
 
 // Calls read(file) and turns what OpenEXR throws into one sentence.
 template <class Read>
-auto read_file(const std::string& path, const Read& read) {
+auto read_file(const std::filesystem::path& path, const Read& read) {
   require_file(path);
   try {
-    Imf::InputFile file(path.c_str());
+    Imf::InputFile file(path.string().c_str());
     return read(file);
   } catch (const Error&) {
     throw;
   } catch (const std::exception& problem) {
-    throw Error("'" + path + "' is not a readable EXR image (" + brief(problem.what()) +
+    throw Error("'" + text_of(path) + "' is not a readable EXR image (" + brief(problem.what()) +
                 "); check that it is complete.");
   }
 }
 
 }  // namespace
 
-Image read_exr(const std::string& path) {
+Image read_exr(const std::filesystem::path& path) {
   return read_file(path, [&](Imf::InputFile& file) {
     const Imath::Box2i window = file.header().dataWindow();
     const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
     const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
     if (width < 1 || height < 1 || width * height > (std::int64_t{1} << 28)) {
-      throw Error("The image '" + path + "' claims " + std::to_string(width) + " x " +
+      throw Error("The image '" + text_of(path) + "' claims " + std::to_string(width) + " x " +
                   std::to_string(height) + " pixels; give one of at most 2^28 pixels.");
     }
     Image image;
@@ -89,7 +108,7 @@ Image read_exr(const std::string& path) {
   });
 }
 
-std::string read_exr_comments(const std::string& path) {
+std::string read_exr_comments(const std::filesystem::path& path) {
   return read_file(path, [](Imf::InputFile& file) {
     return Imf::hasComments(file.header()) ? Imf::comments(file.header()) : std::string();
   });

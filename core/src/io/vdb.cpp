@@ -7,12 +7,17 @@
 #include <openvdb/tools/Dense.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <type_traits>
 #include <vector>
 
 #include "leaflight/io/files.h"
+#include "leaflight/io/replaced_files.h"
+#include "leaflight/io/seal.h"
+#include "leaflight/io/vdb_header.h"
 #include "leaflight/math/error.h"
 
 namespace leaflight {
@@ -21,7 +26,8 @@ namespace {
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 constexpr char field_name[] = "field", radiance_name[] = "radiance",
                indirect_name[] = "radiance_indirect", error_name[] = "radiance_error",
-               back_name[] = "radiance_back", surroundings_name[] = "surroundings_radiance";
+               back_name[] = "radiance_back", back_indirect_name[] = "radiance_back_indirect",
+               surroundings_name[] = "surroundings_radiance";
 // Keeps our keys apart from OpenVDB's own, such as "name".
 const std::string metadata_prefix = "leaflight_";
 
@@ -33,6 +39,23 @@ void initialize() {
   static_cast<void>(done);
 }
 
+// OpenVDB refuses transforms whose voxels are smaller than 3e-15, and judges by differences of
+// 1e-15 whether axes are alike: small voxels are written 2^k times larger, beside k.
+constexpr char doublings_key[] = "leaflight_doublings";
+constexpr int most_doublings = 100;
+
+int doublings_for(const Affine<3>& texel_to_world) {
+  const double edge = std::cbrt(std::abs(determinant(texel_to_world)));
+  return edge >= 1e-4 ? 0
+                      : std::min(most_doublings, static_cast<int>(-std::floor(std::log2(edge))));
+}
+
+Affine<3> doubled(Affine<3> m, int times) {
+  for (Vec3& column : m.column) column *= std::ldexp(1.0, times);
+  m.origin *= std::ldexp(1.0, times);
+  return m;
+}
+
 openvdb::math::Transform::Ptr to_transform(const Affine<3>& m) {
   openvdb::Mat4d matrix = openvdb::Mat4d::identity();
   for (int a = 0; a < 3; ++a) {
@@ -42,9 +65,15 @@ openvdb::math::Transform::Ptr to_transform(const Affine<3>& m) {
   return openvdb::math::Transform::createLinearTransform(matrix);
 }
 
-Affine<3> to_affine(const openvdb::math::Transform& transform, const std::string& path) {
+void place(openvdb::GridBase& grid, const Affine<3>& index_to_world, int doublings) {
+  grid.setTransform(to_transform(doubled(index_to_world, doublings)));
+  if (doublings > 0) grid.insertMeta(doublings_key, openvdb::Int32Metadata(doublings));
+}
+
+Affine<3> to_affine(const openvdb::GridBase& grid, const std::filesystem::path& path) {
+  const openvdb::math::Transform& transform = grid.transform();
   if (!transform.isLinear()) {
-    throw Error("A grid of '" + path +
+    throw Error("A grid of '" + text_of(path) +
                 "' has a perspective transform; resample it to a linear one.");
   }
   const openvdb::Mat4d matrix = transform.baseMap()->getAffineMap()->getMat4();
@@ -52,6 +81,9 @@ Affine<3> to_affine(const openvdb::math::Transform& transform, const std::string
   for (int a = 0; a < 3; ++a) {
     for (int i = 0; i < 3; ++i) m.column[a][i] = matrix(a, i);
     m.origin[a] = matrix(3, a);
+  }
+  if (const auto doublings = grid.getMetadata<openvdb::Int32Metadata>(doublings_key)) {
+    m = doubled(m, -std::clamp(doublings->value(), 0, most_doublings));
   }
   return m;
 }
@@ -64,27 +96,42 @@ openvdb::CoordBBox box_of(const Index<3>& dims) {
   return {openvdb::Coord(0), openvdb::Coord(dims[0] - 1, dims[1] - 1, dims[2] - 1)};
 }
 
-openvdb::FloatGrid::Ptr field_grid(const std::string& name, const Field<3>& field) {
+// OpenVDB has no grids of bytes or of shorts: voxels are written as floats, beside the name of the
+// type that they have, in the order of Voxels.
+constexpr std::array<const char*, 4> type_names{"float32", "uint8", "int16", "uint16"};
+constexpr char type_key[] = "leaflight_type";
+
+openvdb::FloatGrid::Ptr field_grid(const std::string& name, const Field<3>& field, int doublings) {
   // Masked voxels are inactive: OpenVDB cannot compare NaN, so they take a value of no other voxel.
   constexpr float lowest = std::numeric_limits<float>::lowest();
   const float masked = field.min > lowest ? lowest : std::numeric_limits<float>::infinity();
   auto grid = openvdb::FloatGrid::create(masked);
   std::vector<float> unmasked;
+  Voxels voxels = field.values;
   if (field.masked) {
-    unmasked.assign(field.values, field.values + field.voxels());
-    for (float& h : unmasked) h = std::isnan(h) ? masked : h;
+    unmasked.resize(field.voxels());
+    for (std::size_t i = 0; i < unmasked.size(); ++i) {
+      const float h = value_at(field.values, i);
+      unmasked[i] = std::isnan(h) ? masked : h;
+    }
+    voxels = unmasked.data();
   }
-  const float* values = field.masked ? unmasked.data() : field.values;
-  const DenseView<float> dense(box_of(field.dims), const_cast<float*>(values));
-  openvdb::tools::copyFromDense(dense, *grid, 0.0f);
+  std::visit(
+      [&](const auto* values) {
+        using Value = std::remove_const_t<std::remove_pointer_t<decltype(values)>>;
+        const DenseView<Value> dense(box_of(field.dims), const_cast<Value*>(values));
+        openvdb::tools::copyFromDense(dense, *grid, 0.0f);
+      },
+      voxels);
+  grid->insertMeta(type_key, openvdb::StringMetadata(type_names[field.values.index()]));
   grid->setName(name);
-  grid->setTransform(to_transform(field.index_to_world));
+  place(*grid, field.index_to_world, doublings);
   return grid;
 }
 
 template <class Grid, class Value>
 typename Grid::Ptr texel_grid(const std::string& name, const Affine<3>& texel_to_world,
-                              const TexelLattice<3>& lattice, Value value) {
+                              int doublings, const TexelLattice<3>& lattice, Value value) {
   auto grid = Grid::create();
   auto accessor = grid->getAccessor();
   for (std::size_t s = 0; s < lattice.active.size(); ++s) {
@@ -92,7 +139,7 @@ typename Grid::Ptr texel_grid(const std::string& name, const Affine<3>& texel_to
     accessor.setValue(openvdb::Coord(t[0], t[1], t[2]), value(s));
   }
   grid->setName(name);
-  grid->setTransform(to_transform(texel_to_world));
+  place(*grid, texel_to_world, doublings);
   grid->setSaveFloatAsHalf(true);
   return grid;
 }
@@ -110,11 +157,11 @@ struct Contents {
 // Calls read(stream) and turns what OpenVDB throws into one sentence. OpenVDB does not notice that
 // a file ends early and goes on with sizes it never read, hence a stream of ours that throws.
 template <class Read>
-auto read_stream(const std::string& path, const Read& read) {
+auto read_stream(const std::filesystem::path& path, const Read& read) {
   require_file(path);
   initialize();
   const auto damaged = [&](const std::string& why) {
-    return Error("'" + path + "' is not a readable OpenVDB file (" + why +
+    return Error("'" + text_of(path) + "' is not a readable OpenVDB file (" + why +
                  "); check that it is complete.");
   };
   try {
@@ -128,16 +175,17 @@ auto read_stream(const std::string& path, const Read& read) {
   }
 }
 
-Contents read_file(const std::string& path) {
+Contents read_file(const std::filesystem::path& path) {
   return read_stream(path, [](std::istream& stream) {
     openvdb::io::Stream file(stream, false);
     return Contents{*file.getGrids(), file.getMetadata()};
   });
 }
 
-// Archive leaves the reading of a header to its heirs.
-struct Header : openvdb::io::Archive {
-  using Archive::readHeader;
+// Archive writes into a stream that can be sought only for its heirs. File would do so too, but not
+// notice that the disk is full.
+struct SeekableArchive : openvdb::io::Archive {
+  using Archive::write;
 };
 
 // Adds the texts among metadata that are ours.
@@ -170,13 +218,13 @@ typename Grid::Ptr find_grid(const Contents& file, const std::string& name) {
 
 template <class Grid>
 typename Grid::Ptr require_grid(const Contents& file, const std::string& name,
-                                const std::string& path) {
+                                const std::filesystem::path& path) {
   if (const auto found = find_grid<Grid>(file, name)) return found;
-  throw Error("'" + path + "' is not a Leaflight bake, as it has no grid '" + name +
+  throw Error("'" + text_of(path) + "' is not a Leaflight bake, as it has no grid '" + name +
               "'; choose a file written by a bake.");
 }
 
-Index<3> dims_from(const openvdb::GridBase& grid, const std::string& path) {
+Index<3> dims_from(const openvdb::GridBase& grid, const std::filesystem::path& path) {
   const auto dims = grid.getMetadata<openvdb::Vec3IMetadata>("leaflight_dims");
   std::uint64_t voxels = 1;
   if (dims) {
@@ -186,40 +234,43 @@ Index<3> dims_from(const openvdb::GridBase& grid, const std::string& path) {
     }
   }
   if (!dims || voxels == 0 || voxels > std::numeric_limits<std::int32_t>::max()) {
-    throw Error("'" + path + "' is not a Leaflight bake, or a damaged one; bake again.");
+    throw Error("'" + text_of(path) + "' is not a Leaflight bake, or a damaged one; bake again.");
   }
   return {dims->value()[0], dims->value()[1], dims->value()[2]};
 }
 
 template <class Grid>
-bool read_as(const openvdb::GridBase::Ptr& base, const std::string& path, DenseVolume& volume) {
+bool read_as(const openvdb::GridBase::Ptr& base, const std::filesystem::path& path,
+             DenseVolume& volume) {
   const auto grid = openvdb::gridPtrCast<Grid>(base);
   if (!grid) return false;
   const openvdb::CoordBBox box = grid->evalActiveVoxelBoundingBox();
   if (box.empty()) {
-    throw Error("The grid '" + brief(grid->getName()) + "' of '" + path +
+    throw Error("The grid '" + brief(grid->getName()) + "' of '" + text_of(path) +
                 "' has no active voxels; choose another grid.");
   }
   std::uint64_t voxels = 1;
   for (int a = 0; a < 3; ++a) {
     const std::int64_t n = std::int64_t{box.max()[a]} - box.min()[a] + 1;
     if (n > 65535 || (voxels *= n) > std::numeric_limits<std::int32_t>::max()) {
-      throw Error("The grid '" + brief(grid->getName()) + "' of '" + path +
+      throw Error("The grid '" + brief(grid->getName()) + "' of '" + text_of(path) +
                   "' is too large for a dense volume; crop or resample it.");
     }
     volume.dims[a] = static_cast<int>(n);
   }
-  volume.values.resize(voxels);
-  DenseView<float> dense(box, volume.values.data());
+  std::vector<float> values(voxels);
+  DenseView<float> dense(box, values.data());
   openvdb::tools::copyToDense(*grid, dense);
+  volume.values = std::move(values);
   volume.name = brief(grid->getName());
-  volume.index_to_world = to_affine(grid->transform(), path);
+  volume.index_to_world = to_affine(*grid, path);
   volume.index_to_world.origin =
       volume.index_to_world.point(Vec3(box.min().x(), box.min().y(), box.min().z()));
   return true;
 }
 
-bool read_scalar(const openvdb::GridBase::Ptr& grid, const std::string& path, DenseVolume& volume) {
+bool read_scalar(const openvdb::GridBase::Ptr& grid, const std::filesystem::path& path,
+                 DenseVolume& volume) {
   return read_as<openvdb::FloatGrid>(grid, path, volume) ||
          read_as<openvdb::DoubleGrid>(grid, path, volume) ||
          read_as<openvdb::Int32Grid>(grid, path, volume) ||
@@ -233,31 +284,41 @@ namespace {
 using Vec3Grid = openvdb::Vec3SGrid;
 using SideRadiance = std::vector<Vec<3, float>>;
 
-void add_radiance(openvdb::GridPtrVec& grids, std::size_t volume, int level, const Field<3>& field,
-                  const RadianceGrid<3>& grid) {
-  const TexelLattice<3>& lattice = grid.lattice;
+Affine<3> texel_to_world_of(const Field<3>& field, const TexelLattice<3>& lattice) {
   Affine<3> texel_to_world = field.index_to_world;
   for (int a = 0; a < 3; ++a) texel_to_world.column[a] *= lattice.voxels_per_texel[a];
+  return texel_to_world;
+}
+
+void add_radiance(openvdb::GridPtrVec& grids, std::size_t volume, int level, const Field<3>& field,
+                  const RadianceLevel<3>& from, int doublings) {
+  const TexelLattice<3>& lattice = from.lattice;
+  const Affine<3> texel_to_world = texel_to_world_of(field, lattice);
   const auto add = [&](const char* name, const SideRadiance& radiance) {
-    grids.push_back(texel_grid<Vec3Grid>(numbered(name, volume, level), texel_to_world, lattice,
+    grids.push_back(texel_grid<Vec3Grid>(numbered(name, volume, level), texel_to_world, doublings,
+                                         lattice,
                                          [&](std::size_t s) { return to_vdb(radiance[s]); }));
   };
-  add(radiance_name, grid.radiance);
+  add(radiance_name, from.radiance);
   grids.back()->insertMeta("leaflight_dims", openvdb::Vec3IMetadata(to_vdb(lattice.resolution)));
-  add(indirect_name, grid.radiance_indirect);
-  if (grid.has_back()) add(back_name, grid.radiance_back);
-  grids.push_back(
-      texel_grid<openvdb::FloatGrid>(numbered(error_name, volume, level), texel_to_world, lattice,
-                                     [&](std::size_t s) { return grid.radiance_error[s]; }));
-  if (grid.finer) add_radiance(grids, volume, level + 1, field, *grid.finer);
+  add(indirect_name, from.radiance_indirect);
+  if (from.has_back()) {
+    add(back_name, from.radiance_back);
+    add(back_indirect_name, from.radiance_back_indirect);
+  }
+  grids.push_back(texel_grid<openvdb::FloatGrid>(
+      numbered(error_name, volume, level), texel_to_world, doublings, lattice,
+      [&](std::size_t s) { return from.radiance_error[s]; }));
 }
 
 void add_volume(openvdb::GridPtrVec& grids, std::size_t volume, const Field<3>& field,
-                const RadianceGrid<3>& grid) {
-  const auto values = field_grid(numbered(field_name, volume), field);
+                const RadianceGrid<3>& grid, int doublings) {
+  const auto values = field_grid(numbered(field_name, volume), field, doublings);
   values->insertMeta("leaflight_dims", openvdb::Vec3IMetadata(to_vdb(field.dims)));
   grids.push_back(values);
-  add_radiance(grids, volume, 0, field, grid);
+  for (int level = 0; level < grid.levels(); ++level) {
+    add_radiance(grids, volume, level, field, grid.level(level), doublings);
+  }
 }
 
 constexpr int nodes = LeafNodes::count;
@@ -283,34 +344,57 @@ Vec3Grid::Ptr surroundings_grid(const SurroundingsRadiance<3>& surroundings) {
   return grid;
 }
 
-DenseVolume read_field(const Contents& file, std::size_t volume, const std::string& path) {
-  const auto values = require_grid<openvdb::FloatGrid>(file, numbered(field_name, volume), path);
+template <class Value>
+VoxelBuffer narrowed(const std::vector<float>& values, const std::filesystem::path& path) {
+  using Limits = std::numeric_limits<Value>;
+  const bool fit = std::all_of(values.begin(), values.end(), [](float h) {
+    return h >= Limits::lowest() && h <= Limits::max() && h == std::trunc(h);
+  });
+  if (!fit) throw Error("'" + text_of(path) + "' is a damaged bake; bake again.");
+  return std::vector<Value>(values.begin(), values.end());
+}
+
+// In the type that the grid says they had.
+VoxelBuffer in_own_type(std::vector<float>&& values, const openvdb::GridBase& grid,
+                        const std::filesystem::path& path) {
+  const auto type = grid.getMetadata<openvdb::StringMetadata>(type_key);
+  const std::string name = type ? type->value() : "";
+  if (name == type_names[1]) return narrowed<std::uint8_t>(values, path);
+  if (name == type_names[2]) return narrowed<std::int16_t>(values, path);
+  if (name == type_names[3]) return narrowed<std::uint16_t>(values, path);
+  return std::move(values);
+}
+
+DenseVolume read_field(const Contents& file, std::size_t volume,
+                       const std::filesystem::path& path) {
+  const auto grid = require_grid<openvdb::FloatGrid>(file, numbered(field_name, volume), path);
   DenseVolume field;
-  field.dims = dims_from(*values, path);
-  field.index_to_world = to_affine(values->transform(), path);
+  field.dims = dims_from(*grid, path);
+  field.index_to_world = to_affine(*grid, path);
   field.name = field_name;
-  field.values.resize(cell_count<3>(field.dims));
-  DenseView<float> dense(box_of(field.dims), field.values.data());
-  openvdb::tools::copyToDense(*values, dense);
-  for (float& h : field.values) h = h == values->background() ? nan : h;
+  std::vector<float> values(cell_count<3>(field.dims));
+  DenseView<float> dense(box_of(field.dims), values.data());
+  openvdb::tools::copyToDense(*grid, dense);
+  for (float& h : values) h = h == grid->background() ? nan : h;
+  field.values = in_own_type(std::move(values), *grid, path);
   return field;
 }
 
-RadianceGrid<3> read_radiance(const Contents& file, std::size_t volume, int level,
-                              const Index<3>& dims, const std::string& path) {
+RadianceLevel<3> read_level(const Contents& file, std::size_t volume, int level,
+                            const Index<3>& dims, const std::filesystem::path& path) {
   const auto name = [&](const char* base) { return numbered(base, volume, level); };
   const auto radiance = require_grid<Vec3Grid>(file, name(radiance_name), path);
   const auto indirect = require_grid<Vec3Grid>(file, name(indirect_name), path);
   const auto error = require_grid<openvdb::FloatGrid>(file, name(error_name), path);
   const auto back = find_grid<Vec3Grid>(file, name(back_name));
-  RadianceGrid<3> grid;
-  TexelLattice<3>& lattice = grid.lattice;
+  RadianceLevel<3> found;
+  TexelLattice<3>& lattice = found.lattice;
   lattice = inactive_lattice<3>(dims, dims_from(*radiance, path));
   const openvdb::CoordBBox box = box_of(lattice.resolution);
   std::vector<std::uint32_t> active;
   for (auto texel = radiance->cbeginValueOn(); texel; ++texel) {
     if (!texel.isVoxelValue() || !box.isInside(texel.getCoord())) {
-      throw Error("'" + path + "' is a damaged bake; bake again.");
+      throw Error("'" + text_of(path) + "' is a damaged bake; bake again.");
     }
     const openvdb::Coord t = texel.getCoord();
     active.push_back(static_cast<std::uint32_t>(lattice.linear({t[0], t[1], t[2]})));
@@ -324,29 +408,44 @@ RadianceGrid<3> read_radiance(const Contents& file, std::size_t volume, int leve
       into.push_back(from_vdb(access.getValue(openvdb::Coord(t[0], t[1], t[2]))));
     }
   };
-  fetch(*radiance, grid.radiance);
-  fetch(*indirect, grid.radiance_indirect);
-  if (back) fetch(*back, grid.radiance_back);
+  fetch(*radiance, found.radiance);
+  fetch(*indirect, found.radiance_indirect);
+  if (back) {
+    const auto back_indirect = find_grid<Vec3Grid>(file, name(back_indirect_name));
+    if (!back_indirect) {
+      throw Error("'" + text_of(path) +
+                  "' is a bake of an earlier Leaflight; bake the volume again.");
+    }
+    fetch(*back, found.radiance_back);
+    fetch(*back_indirect, found.radiance_back_indirect);
+  }
   const auto error_access = error->getConstAccessor();
   for (const std::uint32_t texel : lattice.active) {
     const Index<3> t = lattice.texel(texel);
-    grid.radiance_error.push_back(error_access.getValue(openvdb::Coord(t[0], t[1], t[2])));
+    found.radiance_error.push_back(error_access.getValue(openvdb::Coord(t[0], t[1], t[2])));
   }
-  if (find_grid<Vec3Grid>(file, numbered(radiance_name, volume, level + 1))) {
-    grid.finer =
-        std::make_shared<RadianceGrid<3>>(read_radiance(file, volume, level + 1, dims, path));
+  return found;
+}
+
+RadianceGrid<3> read_radiance(const Contents& file, std::size_t volume, const Index<3>& dims,
+                              const std::filesystem::path& path) {
+  RadianceGrid<3> grid{read_level(file, volume, 0, dims, path), {}};
+  while (find_grid<Vec3Grid>(file, numbered(radiance_name, volume, grid.levels()))) {
+    RadianceLevel<3> finer = read_level(file, volume, grid.levels(), dims, path);
+    const RadianceLevel<3>& coarse = grid.finest();
     for (int a = 0; a < 3; ++a) {
-      if (grid.finer->lattice.resolution[a] != 2 * lattice.resolution[a] - 1 ||
-          grid.finer->has_back() != grid.has_back()) {
-        throw Error("'" + path + "' is a damaged bake; bake again.");
+      if (finer.lattice.resolution[a] != 2 * coarse.lattice.resolution[a] - 1 ||
+          finer.has_back() != coarse.has_back()) {
+        throw Error("'" + text_of(path) + "' is a damaged bake; bake again.");
       }
     }
+    grid.finer.push_back(std::move(finer));
   }
   return grid;
 }
 
 // Their number of vertices is the largest that a side has; attach() checks it against the meshes.
-void read_surroundings(const Contents& file, const std::string& path,
+void read_surroundings(const Contents& file, const std::filesystem::path& path,
                        SurroundingsRadiance<3>& surroundings) {
   const auto grid = find_grid<Vec3Grid>(file, surroundings_name);
   if (!grid) return;
@@ -356,7 +455,7 @@ void read_surroundings(const Contents& file, const std::string& path,
   if (count < 0 || (!box.empty() && (box.min().x() < 0 || box.min().y() < 0 || box.min().z() < 0 ||
                                      box.max().x() >= 1 << 20 || box.max().y() >= nodes ||
                                      box.max().z() / 2 >= count))) {
-    throw Error("'" + path + "' is a damaged bake; bake again.");
+    throw Error("'" + text_of(path) + "' is a damaged bake; bake again.");
   }
   surroundings.radiance.resize(count);
   std::vector<int> vertices(2 * static_cast<std::size_t>(count), 0);
@@ -377,11 +476,20 @@ void read_surroundings(const Contents& file, const std::string& path,
 
 }  // namespace
 
-void write_bake(const std::string& path, const std::vector<const Field<3>*>& fields,
-                const Baked<3>& baked, const Metadata& metadata) {
+void write_bake(const std::filesystem::path& path, const std::vector<const Field<3>*>& fields,
+                const Baked<3>& baked, const Metadata& metadata, const Progress* progress) {
   initialize();
+  // One for all, so that they fit each other in other programs too.
+  int doublings = 0;
+  for (std::size_t v = 0; v < fields.size(); ++v) {
+    const TexelLattice<3>& finest = baked.grids[v].finest().lattice;
+    doublings = std::max(doublings, doublings_for(texel_to_world_of(*fields[v], finest)));
+    doublings = std::max(doublings, doublings_for(fields[v]->index_to_world));
+  }
   openvdb::GridPtrVec grids;
-  for (std::size_t v = 0; v < fields.size(); ++v) add_volume(grids, v, *fields[v], baked.grids[v]);
+  for (std::size_t v = 0; v < fields.size(); ++v) {
+    add_volume(grids, v, *fields[v], baked.grids[v], doublings);
+  }
   openvdb::MetaMap file_metadata;
   for (const auto& [key, value] : metadata) {
     const openvdb::StringMetadata text(value);
@@ -392,19 +500,24 @@ void write_bake(const std::string& path, const std::vector<const Field<3>*>& fie
     }
   }
   if (!baked.surroundings.empty()) grids.push_back(surroundings_grid(baked.surroundings));
-  write_atomically(path, [&](const std::string& temporary) {
-    openvdb::io::File file(temporary);
-    file.write(grids, file_metadata);
-  });
+  const auto write = [&](std::ostream& stream) {
+    SeekableArchive().write(stream, grids, true, file_metadata);
+  };
+  replace_file(path, write, progress, true);
 }
 
-StoredBake read_bake(const std::string& path) {
+StoredBake read_bake(const std::filesystem::path& path) {
+  if (check_seal(path) == Seal::broken) {
+    throw Error("'" + text_of(path) +
+                "' is damaged: its checksum is not that of what it holds; fetch it again, or bake "
+                "again.");
+  }
   const Contents file = read_file(path);
   StoredBake bake;
   for (std::size_t v = 0; v == 0 || find_grid<openvdb::FloatGrid>(file, numbered(field_name, v));
        ++v) {
     bake.fields.push_back(read_field(file, v, path));
-    bake.baked.grids.push_back(read_radiance(file, v, 0, bake.fields[v].dims, path));
+    bake.baked.grids.push_back(read_radiance(file, v, bake.fields[v].dims, path));
   }
   read_surroundings(file, path, bake.baked.surroundings);
   const auto radiance = require_grid<Vec3Grid>(file, radiance_name, path);
@@ -413,18 +526,15 @@ StoredBake read_bake(const std::string& path) {
   return bake;
 }
 
-Metadata read_bake_header(const std::string& path) {
-  return read_stream(path, [](std::istream& stream) {
-    Header().readHeader(stream);
-    openvdb::MetaMap of_file;
-    of_file.readMeta(stream);
-    Metadata metadata;
-    add_texts(of_file, metadata);
-    return metadata;
-  });
+Metadata read_bake_header(const std::filesystem::path& path) {
+  Metadata metadata;
+  for (const auto& [name, text] : read_vdb_texts(path)) {
+    if (name.rfind(metadata_prefix, 0) == 0) metadata[name.substr(metadata_prefix.size())] = text;
+  }
+  return metadata;
 }
 
-DenseVolume read_vdb_volume(const std::string& path, const std::string& grid_name) {
+DenseVolume read_vdb_volume(const std::filesystem::path& path, const std::string& grid_name) {
   const Contents file = read_file(path);
   DenseVolume volume;
   std::string names;
@@ -434,13 +544,14 @@ DenseVolume read_vdb_volume(const std::string& path, const std::string& grid_nam
     if (!grid_name.empty() && name != grid_name) continue;
     if (read_scalar(grid, path, volume)) return volume;
     if (!grid_name.empty()) {
-      throw Error("The grid '" + grid_name + "' of '" + path +
+      throw Error("The grid '" + grid_name + "' of '" + text_of(path) +
                   "' does not hold scalars; choose another grid.");
     }
   }
-  throw Error(grid_name.empty() ? "'" + path + "' has no scalar grid; it has: " + brief(names) + "."
-                                : "'" + path + "' has no grid '" + grid_name +
-                                      "'; it has: " + brief(names) + ".");
+  throw Error(grid_name.empty()
+                  ? "'" + text_of(path) + "' has no scalar grid; it has: " + brief(names) + "."
+                  : "'" + text_of(path) + "' has no grid '" + grid_name +
+                        "'; it has: " + brief(names) + ".");
 }
 
 }  // namespace leaflight

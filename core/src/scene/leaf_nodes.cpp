@@ -21,7 +21,7 @@ LeafNodes::LeafNodes(const Scene<D>& scene) {
   for (const Volume<D>& volume : scene.volumes) {
     const std::size_t voxels = volume.field.voxels(), step = 1 + voxels / samples;
     for (std::size_t v = 0; v < voxels; v += step) {
-      const double c = volume.leaf_coordinate(volume.field.values[v]);
+      const double c = volume.leaf_coordinate(value_at(volume.field.values, v));
       if (!window.contains(c)) continue;  // nor does it contain NaN
       const double position = (c - window.min) / window.height() * histogram_bins;
       share[std::min(histogram_bins - 1, static_cast<int>(position))] += 1;

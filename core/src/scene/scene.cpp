@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "leaflight/scene/scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
+#include "leaflight/math/bounds.h"
 #include "leaflight/math/error.h"
 #include "leaflight/math/sampling.h"
 
@@ -70,8 +72,9 @@ void check_mesh(const Mesh<D>& mesh) {
     throw Error("There are no faces in " + name + "; remove it or give it faces.");
   }
   for (const auto& vertex : mesh.vertices) {
-    if (!is_finite(vertex)) {
-      throw Error("A vertex of " + name + " is not a finite number; repair the mesh.");
+    if (!within_bounds(vertex)) {
+      throw Error("A vertex of " + name +
+                  " is not a number or farther than 1e18 from the origin; repair the mesh.");
     }
   }
   for (const auto& facet : mesh.facets) {
@@ -100,16 +103,16 @@ void check_mesh(const Mesh<D>& mesh) {
   }
 }
 
-[[noreturn]] void not_finite(const std::string& light) {
-  throw Error(light + " has a position or size that is not a finite number; correct it.");
+[[noreturn]] void unbounded(const std::string& light) {
+  throw Error(light + " has a position or size that is not a number or above 1e18; correct it.");
 }
 
 template <int D>
 void check_light(const AreaLight<D>& light) {
   const std::string name = "The light '" + light.name + "'";
-  bool finite = is_finite(light.corner);
-  for (const Vec<D>& edge : light.edges) finite = finite && is_finite(edge);
-  if (!finite) not_finite(name);
+  bool bounded = within_bounds(light.corner);
+  for (const Vec<D>& edge : light.edges) bounded = bounded && within_bounds(edge);
+  if (!bounded) unbounded(name);
   if (!(light.area() > 0)) {
     throw Error(name + " has no area; give it a width and a height.");
   }
@@ -119,7 +122,7 @@ void check_light(const AreaLight<D>& light) {
 template <int D>
 void check_light(const PointLight<D>& light) {
   const std::string name = "The light '" + light.name + "'";
-  if (!is_finite(light.position) || !std::isfinite(light.radius)) not_finite(name);
+  if (!within_bounds(light.position) || !(light.radius <= farthest)) unbounded(name);
   if (light.radius < 0) throw Error(name + " has a negative radius; choose one that is 0 or more.");
   check_light_amount(light.intensity, name, "intensity");
   if (!light.cone) return;
@@ -220,6 +223,13 @@ Rgb Mesh<D>::albedo_at(std::size_t facet, double u, double v) const {
 }
 
 template <int D>
+bool has_specular(const Scene<D>& scene) {
+  const auto specular = [](const auto& object) { return object.scattering != Scattering::diffuse; };
+  return std::any_of(scene.volumes.begin(), scene.volumes.end(), specular) ||
+         std::any_of(scene.meshes.begin(), scene.meshes.end(), specular);
+}
+
+template <int D>
 void validate(const Scene<D>& scene) {
   const IsovalueWindow& window = scene.window;
   if (!(window.min < window.max) || !std::isfinite(window.height())) {
@@ -251,6 +261,8 @@ void validate(const Scene<D>& scene) {
 
 template struct Mesh<2>;
 template struct Mesh<3>;
+template bool has_specular<2>(const Scene<2>&);
+template bool has_specular<3>(const Scene<3>&);
 template void validate<2>(const Scene<2>&);
 template void validate<3>(const Scene<3>&);
 

@@ -1,19 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "leaflight/surface/cell_polygons.h"
 
-#include <vector>
-
 namespace leaflight {
 namespace {
-
-// The corners of a face, counter-clockwise seen from outside the cell.
-std::array<int, 4> face_corners(int face) {
-  const int axis = face / 2, side = face % 2;
-  const int u = 1 << ((axis + 1) % 3), v = 1 << ((axis + 2) % 3);
-  const int base = side << axis;
-  if (side == 1) return {base, base | u, base | u | v, base | v};
-  return {base, base | v, base | u | v, base | u};
-}
 
 int edge_between(int a, int b) {
   const int difference = a ^ b;
@@ -23,10 +12,52 @@ int edge_between(int a, int b) {
   return 4 * axis + ((low >> first) & 1) + 2 * ((low >> second) & 1);
 }
 
+}  // namespace
+
+CellEdge cell_edge(int edge) {
+  const int axis = edge / 4;
+  const int first = axis == 0 ? 1 : 0, second = axis == 2 ? 1 : 2;
+  return {axis, ((edge & 1) << first) | (((edge >> 1) & 1) << second)};
+}
+
+std::array<int, 4> face_corners(int face) {
+  const int axis = face / 2, side = face % 2;
+  const int u = 1 << ((axis + 1) % 3), v = 1 << ((axis + 2) % 3);
+  const int base = side << axis;
+  if (side == 1) return {base, base | u, base | u | v, base | v};
+  return {base, base | v, base | u | v, base | u};
+}
+
+unsigned alternating_faces(unsigned above) {
+  unsigned faces = 0;
+  for (int face = 0; face < 6; ++face) {
+    const auto corner = face_corners(face);
+    const auto is_above = [&](int i) { return (above >> corner[i]) & 1u; };
+    if (is_above(0) != is_above(1) && is_above(0) == is_above(2) && is_above(1) == is_above(3)) {
+      faces |= 1u << face;
+    }
+  }
+  return faces;
+}
+
+unsigned joined_faces(const std::array<double, 8>& g, unsigned above) {
+  unsigned joined = 0;
+  const unsigned alternating = alternating_faces(above);
+  for (int face = 0; face < 6; ++face) {
+    if (!((alternating >> face) & 1u)) continue;
+    const auto corner = face_corners(face);
+    const double even = g[corner[0]] * g[corner[2]], odd = g[corner[1]] * g[corner[3]];
+    // h == c counts as above, hence >= for the saddle.
+    const bool first_above = (above >> corner[0]) & 1u;
+    if (first_above ? even >= odd : odd >= even) joined |= 1u << face;
+  }
+  return joined;
+}
+
 // Walks the faces: on each, the surface leaves through the edge at which the walk goes from above
 // to below and returns through one at which it goes from below to above, keeping the above on the
 // left.
-CellTriangles triangulate(unsigned above, unsigned joined) {
+std::vector<std::vector<int>> cell_polygons(unsigned above, unsigned joined) {
   std::array<int, 12> next;
   next.fill(-1);
   const auto is_above = [&](int corner) { return (above >> corner) & 1u; };
@@ -46,62 +77,18 @@ CellTriangles triangulate(unsigned above, unsigned joined) {
       next[edge_between(a, b)] = from;
     }
   }
-  CellTriangles result{{}, 0};
+  std::vector<std::vector<int>> polygons;
   for (int start = 0; start < 12; ++start) {
     if (next[start] < 0) continue;
-    std::vector<int> loop;
+    std::vector<int>& polygon = polygons.emplace_back();
     for (int edge = start; next[edge] >= 0;) {
-      loop.push_back(edge);
+      polygon.push_back(edge);
       const int following = next[edge];
       next[edge] = -1;
       edge = following;
     }
-    for (std::size_t i = 1; i + 1 < loop.size(); ++i) {
-      std::uint8_t* triangle = &result.edge[3 * result.count++];
-      triangle[0] = static_cast<std::uint8_t>(loop[0]);
-      triangle[1] = static_cast<std::uint8_t>(loop[i + 1]);
-      triangle[2] = static_cast<std::uint8_t>(loop[i]);
-    }
   }
-  return result;
-}
-
-std::vector<CellTriangles> all_cases() {
-  std::vector<CellTriangles> table(256 * 64);
-  for (unsigned above = 0; above < 256; ++above) {
-    for (unsigned joined = 0; joined < 64; ++joined) {
-      table[above * 64 + joined] = triangulate(above, joined);
-    }
-  }
-  return table;
-}
-
-}  // namespace
-
-CellEdge cell_edge(int edge) {
-  const int axis = edge / 4;
-  const int first = axis == 0 ? 1 : 0, second = axis == 2 ? 1 : 2;
-  return {axis, ((edge & 1) << first) | (((edge >> 1) & 1) << second)};
-}
-
-const CellTriangles& cell_triangles(unsigned above, unsigned joined) {
-  static const std::vector<CellTriangles> table = all_cases();
-  return table[above * 64 + joined];
-}
-
-unsigned joined_faces(const std::array<double, 8>& g, unsigned above) {
-  unsigned joined = 0;
-  for (int face = 0; face < 6; ++face) {
-    const auto corner = face_corners(face);
-    const auto is_above = [&](int i) { return (above >> corner[i]) & 1u; };
-    if (is_above(0) == is_above(1) || is_above(0) != is_above(2) || is_above(1) != is_above(3)) {
-      continue;
-    }
-    const double even = g[corner[0]] * g[corner[2]], odd = g[corner[1]] * g[corner[3]];
-    // h == c counts as above, hence >= for the saddle.
-    if (is_above(0) ? even >= odd : odd >= even) joined |= 1u << face;
-  }
-  return joined;
+  return polygons;
 }
 
 }  // namespace leaflight

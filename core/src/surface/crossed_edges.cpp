@@ -1,28 +1,83 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "leaflight/surface/crossed_edges.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include <cmath>
+#include <algorithm>
 #include <limits>
 #include <string>
 
 #include "leaflight/math/error.h"
 
 namespace leaflight {
+namespace {
+
+// Calls visit(brick) for the bricks of the lowest level, among those below a brick of a higher one,
+// whose interval holds the isovalue.
+template <int D, class Visit>
+void visit_crossed(const IntervalPyramid<D>& pyramid, std::size_t level, const Index<D>& brick,
+                   double isovalue, const Visit& visit) {
+  if (!pyramid.levels[level].at(brick).crossed_by(isovalue)) return;
+  if (level == 0) {
+    visit(brick);
+    return;
+  }
+  Index<D> low, high;
+  for (int a = 0; a < D; ++a) {
+    low[a] = brick[a] << IntervalPyramid<D>::log2_brick;
+    high[a] = std::min((brick[a] + 1) << IntervalPyramid<D>::log2_brick,
+                       pyramid.levels[level - 1].dims[a]);
+  }
+  for_each_index<D>(low, high, [&](const Index<D>& below) {
+    visit_crossed(pyramid, level - 1, below, isovalue, visit);
+  });
+}
+
+}  // namespace
 
 template <int D>
 CrossedEdges<D>::CrossedEdges(const Field<D>& field, double isovalue)
-    : field_(field),
-      isovalue_(isovalue),
-      level_(field.pyramid.levels[0]),
-      slot_(level_.bricks.size(), -1) {
-  stride_[0] = 1;
-  for (int a = 1; a < D; ++a) stride_[a] = stride_[a - 1] * field.dims[a - 1];
-  find_bricks();
-  tbb::parallel_for(std::size_t{0}, edges_.size(), [&](std::size_t i) { mark(edges_[i]); });
+    : field_(field), isovalue_(isovalue), level_(field.pyramid.levels[0]) {
+  for (int a = 0; a < D; ++a) {
+    along_[a] = Vec<D>(0.0);
+    along_[a][a] = 1;
+  }
+  constexpr std::int32_t absent = -1, present = 0;
+  place_.assign(level_.bricks.size(), absent);
+  std::size_t found = 0;
+  visit_crossed(field_.pyramid, field_.pyramid.levels.size() - 1, Index<D>{}, isovalue_,
+                [&](const Index<D>& brick) {
+                  Index<D> end;
+                  for (int a = 0; a < D; ++a) end[a] = std::min(brick[a] + 2, level_.dims[a]);
+                  for_each_index<D>(brick, end, [&](const Index<D>& owner) {
+                    std::int32_t& place = place_[linear_number<D>(owner, level_.dims)];
+                    found += place == absent;
+                    place = present;
+                  });
+                });
+  bricks_.reserve(found);
+  for (std::size_t i = 0; i < place_.size(); ++i) {
+    if (place_[i] == absent) continue;
+    place_[i] = static_cast<std::int32_t>(bricks_.size());
+    bricks_.push_back({index_of<D>(i, level_.dims)});
+  }
+}
+
+template <int D>
+void CrossedEdges<D>::mark(const Visit& visit) {
+  constexpr std::size_t grain = 64, ahead = 2;
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, bricks_.size(), grain), [&](const auto& range) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+          if (i + ahead < bricks_.size()) fetch_brick(field_, bricks_[i + ahead].brick);
+          const BrickValues<D> values = load_brick(field_, bricks_[i].brick, isovalue_);
+          for (int a = 0; a < D; ++a) bricks_[i].edges[a] = values.crossed_edges(a);
+          if (visit) visit(i, values);
+        }
+      });
   std::int64_t vertices = 0;
-  for (BrickEdges& e : edges_) {
+  for (BrickEdges& e : bricks_) {
     e.first = vertices;
     vertices += e.count();
   }
@@ -31,65 +86,6 @@ CrossedEdges<D>::CrossedEdges(const Field<D>& field, double isovalue)
                 " vertices, more than a mesh can hold; reduce the volume's resolution.");
   }
   count_ = static_cast<std::size_t>(vertices);
-}
-
-// Bricks with crossed cells, and those that own edges of such cells.
-template <int D>
-void CrossedEdges<D>::find_bricks() {
-  for_each_index<D>({}, level_.dims, [&](const Index<D>& brick) {
-    if (!level_.at(brick).crossed_by(isovalue_)) return;
-    crossed_.push_back(brick);
-    Index<D> behind;
-    for (int a = 0; a < D; ++a) behind[a] = std::min(brick[a] + 2, level_.dims[a]);
-    for_each_index<D>(brick, behind, [&](const Index<D>& owner) {
-      slot_[linear_number<D>(owner, level_.dims)] = 0;
-    });
-  });
-  for_each_index<D>({}, level_.dims, [&](const Index<D>& brick) {
-    std::int32_t& slot = slot_[linear_number<D>(brick, level_.dims)];
-    if (slot < 0) return;
-    slot = static_cast<std::int32_t>(edges_.size());
-    edges_.push_back({brick, {}, 0});
-  });
-}
-
-template <int D>
-void CrossedEdges<D>::mark(BrickEdges& e) const {
-  for_each_voxel(e.brick, 0, [&](const Index<D>& i) {
-    const float* h = field_.values + field_.offset(i);
-    const bool above = *h >= isovalue_;
-    for (int a = 0; a < D; ++a) {
-      if (i[a] + 1 >= field_.dims[a]) continue;
-      const float other = h[stride_[a]];
-      if (above == (other >= isovalue_) || std::isnan(*h) || std::isnan(other)) continue;
-      e.crossed[a] |= std::uint64_t{1} << bit_of(i);
-    }
-  });
-}
-
-template <int D>
-void CrossedEdges<D>::place(std::vector<Vec<D, float>>& vertices,
-                            std::vector<Vec<D, float>>& normals) const {
-  vertices.resize(count_);
-  normals.resize(count_);
-  tbb::parallel_for(std::size_t{0}, edges_.size(), [&](std::size_t n) {
-    const BrickEdges& e = edges_[n];
-    if (e.count() == 0) return;
-    for_each_voxel(e.brick, 0, [&](const Index<D>& i) {
-      const int bit = bit_of(i);
-      for (int a = 0; a < D; ++a) {
-        if (!((e.crossed[a] >> bit) & 1)) continue;
-        const float* h = field_.values + field_.offset(i);
-        // The two values lie on different sides, so they differ.
-        const double low = *h, high = h[stride_[a]];
-        Vec<D> position = to_vector<D>(i);
-        position[a] += (isovalue_ - low) / (high - low);
-        const std::int64_t v = e.number(a, bit);
-        vertices[v] = Vec<D, float>(field_.index_to_world.point(position));
-        normals[v] = Vec<D, float>(shading_normal(field_, position));
-      }
-    });
-  });
 }
 
 template class CrossedEdges<2>;

@@ -3,8 +3,6 @@
 
 #include <tbb/parallel_for.h>
 
-#include <cmath>
-
 #include "leaflight/surface/crossed_edges.h"
 
 namespace leaflight {
@@ -27,30 +25,25 @@ bool joined(const std::array<double, 4>& g, bool first_above) {
   return first_above ? even >= odd : odd >= even;
 }
 
-void cell_segments(const Field<2>& field, double isovalue, const CrossedEdges<2>& edges,
-                   const Index<2>& cell, bool mirrored, std::vector<Segment>& segments) {
-  CellCorners<2> corners = load_corners(field, cell);
-  std::array<bool, 4> above;
-  int count = 0;
-  for (int i = 0; i < 4; ++i) {
-    if (std::isnan(corners.h[i])) return;
-    above[i] = corners.h[i] >= isovalue;
-    count += above[i];
-    corners.h[i] -= isovalue;
-  }
-  if (count == 0 || count == 4) return;
+void cell_segments(const CrossedEdges<2>& edges, const BrickValues<2>& values, int bit,
+                   bool mirrored, std::vector<Segment>& segments) {
+  const Index<2> cell = values.voxel(bit);
+  const unsigned corners = values.corners_above(bit);
+  const auto above = [&](int corner) { return ((corners >> corner) & 1u) != 0; };
   const auto vertex = [&](int i) {
     const RingEdge& e = ring_edges[i];
     return edges.number({cell[0] + (e.corner & 1), cell[1] + (e.corner >> 1)}, e.axis);
   };
-  const auto rises = [&](int i) { return !above[ring[i]] && above[ring[(i + 1) % 4]]; };
-  const bool alternating = count == 2 && above[0] == above[3];
+  const auto rises = [&](int i) { return !above(ring[i]) && above(ring[(i + 1) % 4]); };
+  const bool alternating = above(0) == above(3) && above(1) == above(2) && above(0) != above(1);
+  CellCorners<2> g = load_corners(edges.field(), cell);
+  for (double& h : g.h) h -= edges.isovalue();
   // The line leaves through an edge at which the ring falls. It came in, around the run above that
   // ends there, through the edge before it at which the ring rises; or, if the higher corners are
   // joined, around the run below that begins there, through the one after it.
-  const int step = alternating && joined(corners.h, above[0]) ? 1 : 3;
+  const int step = alternating && joined(g.h, above(0)) ? 1 : 3;
   for (int i = 0; i < 4; ++i) {
-    if (!above[ring[i]] || above[ring[(i + 1) % 4]]) continue;
+    if (!above(ring[i]) || above(ring[(i + 1) % 4])) continue;
     int from = (i + step) % 4;
     while (!rises(from)) from = (from + step) % 4;
     Segment segment{vertex(from), vertex(i)};
@@ -62,21 +55,34 @@ void cell_segments(const Field<2>& field, double isovalue, const CrossedEdges<2>
 }  // namespace
 
 IsolineMesh contour(const Field<2>& field, double isovalue) {
-  const CrossedEdges<2> edges(field, isovalue);
+  CrossedEdges<2> edges(field, isovalue);
+  edges.mark();
   IsolineMesh mesh;
-  edges.place(mesh.vertices, mesh.normals);
+  mesh.vertices.resize(edges.count());
+  mesh.normals.resize(edges.count());
   std::vector<std::vector<Segment>> pieces(edges.bricks().size());
   // Outside is on the left in index coordinates; a mirroring transform turns that around.
   const bool mirrored = determinant(field.index_to_world) < 0;
   tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t p) {
-    edges.for_each_cell(edges.bricks()[p], [&](const Index<2>& cell) {
-      cell_segments(field, isovalue, edges, cell, mirrored, pieces[p]);
-    });
+    const auto& brick = edges.bricks()[p];
+    const BrickValues<2> values = load_brick(field, brick.brick, isovalue);
+    std::int64_t v = brick.first;
+    for (int axis = 0; axis < 2; ++axis) {
+      for_each_bit(brick.edges[axis], [&](int bit) {
+        const Vec<2> position = edges.position(values, axis, bit);
+        mesh.vertices[v] = Vec<2, float>(field.index_to_world.point(position));
+        mesh.normals[v++] = Vec<2, float>(shading_normal(field, position));
+      });
+    }
+    for_each_bit(values.crossed_cells(),
+                 [&](int bit) { cell_segments(edges, values, bit, mirrored, pieces[p]); });
   });
   for (const auto& piece : pieces) {
     mesh.segments.insert(mesh.segments.end(), piece.begin(), piece.end());
   }
-  if (field.masked) drop_unused_vertices(mesh.vertices, mesh.normals, mesh.segments);
+  if (field.masked) {
+    drop_unused_vertices(mesh.vertices, mesh.normals, mesh.segments);
+  }
   return mesh;
 }
 

@@ -2,10 +2,11 @@
 #include "leaflight/surface/split_edges.h"
 
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
+#include <numeric>
 
+#include "leaflight/surface/mesh_edges.h"
 #include "leaflight/surface/project.h"
 
 namespace leaflight {
@@ -13,25 +14,23 @@ namespace {
 
 using Triangle = std::array<std::int32_t, 3>;
 
-// The lower vertex first.
-using Edge = std::array<std::int32_t, 2>;
-Edge edge_of(const Triangle& triangle, int corner) {
-  const std::int32_t a = triangle[corner], b = triangle[(corner + 1) % 3];
-  return {std::min(a, b), std::max(a, b)};
+// The vertices in the middle of a triangle's edges, from each corner to the next; absent: none.
+using Middles = std::array<std::int32_t, 3>;
+
+int cut_edges(const Middles& middle) {
+  return 3 - static_cast<int>(std::count(middle.begin(), middle.end(), MeshEdges::absent));
 }
 
-// The triangles into which one falls whose edges, from each corner to the next, have these middles;
-// -1: none.
-void append_parts(const Triangle& t, const std::array<std::int32_t, 3>& middle,
-                  std::vector<Triangle>& parts) {
-  const auto cut = 3 - std::count(middle.begin(), middle.end(), -1);
+// The triangles into which one falls, one more than the edges that are cut.
+void write_parts(const Triangle& t, const Middles& middle, Triangle* parts) {
+  const int cut = cut_edges(middle);
   if (cut == 0) {
-    parts.push_back(t);
+    *parts = t;
     return;
   }
   if (cut == 3) {
-    for (int i = 0; i < 3; ++i) parts.push_back({t[i], middle[i], middle[(i + 2) % 3]});
-    parts.push_back(middle);
+    for (int i = 0; i < 3; ++i) *parts++ = {t[i], middle[i], middle[(i + 2) % 3]};
+    *parts = middle;
     return;
   }
   // From the corner before the only edge that is cut, or after the only one that is not.
@@ -43,12 +42,12 @@ void append_parts(const Triangle& t, const std::array<std::int32_t, 3>& middle,
   const std::int32_t a = t[first], b = t[(first + 1) % 3], c = t[(first + 2) % 3];
   const std::int32_t ab = middle[first], bc = middle[(first + 1) % 3];
   if (cut == 1) {
-    parts.push_back({a, ab, c});
-    parts.push_back({ab, b, c});
+    *parts++ = {a, ab, c};
+    *parts = {ab, b, c};
   } else {
-    parts.push_back({ab, b, bc});
-    parts.push_back({a, ab, bc});
-    parts.push_back({a, bc, c});
+    *parts++ = {ab, b, bc};
+    *parts++ = {a, ab, bc};
+    *parts = {a, bc, c};
   }
 }
 
@@ -63,45 +62,56 @@ Vec3 middle_of(const Field<3>& field, double isovalue, const Vec3& a, const Vec3
 
 IsosurfaceMesh split_edges(const Field<3>& field, double isovalue, const IsosurfaceMesh& mesh,
                            const std::function<bool(const Vec3&)>& wanted) {
-  const auto ends = [&](const Edge& edge) {
-    return std::array<Vec3, 2>{Vec3(mesh.vertices[edge[0]]), Vec3(mesh.vertices[edge[1]])};
-  };
-  std::vector<Edge> edges(3 * mesh.triangles.size());
-  tbb::parallel_for(std::size_t{0}, edges.size(), [&](std::size_t i) {
-    const Edge edge = edge_of(mesh.triangles[i / 3], static_cast<int>(i % 3));
-    const auto [a, b] = ends(edge);
-    const bool keep = wanted(field.world_to_index.point((a + b) * 0.5));
-    edges[i] = keep ? edge : Edge{-1, -1};
-  });
-  tbb::parallel_sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  if (!edges.empty() && edges.front()[0] < 0) edges.erase(edges.begin());
-
-  IsosurfaceMesh result;
   const std::size_t old = mesh.vertices.size();
-  result.vertices = mesh.vertices;
-  result.normals = mesh.normals;
-  result.vertices.resize(old + edges.size());
-  result.normals.resize(old + edges.size());
-  tbb::parallel_for(std::size_t{0}, edges.size(), [&](std::size_t i) {
-    const auto [a, b] = ends(edges[i]);
-    const Vec3 middle = middle_of(field, isovalue, a, b);
-    result.vertices[old + i] = Vec<3, float>(middle);
-    result.normals[old + i] =
-        Vec<3, float>(shading_normal(field, field.world_to_index.point(middle)));
+  const bool normals = !mesh.normals.empty();
+  const auto vertex = [&](std::int32_t v) { return Vec3(mesh.vertices[v]); };
+  const MeshEdges edges(old, mesh.triangles, [&](std::int32_t a, std::int32_t b) {
+    return wanted(field.world_to_index.point((vertex(a) + vertex(b)) * 0.5));
   });
-  for (const Triangle& triangle : mesh.triangles) {
-    std::array<std::int32_t, 3> middle;
-    for (int corner = 0; corner < 3; ++corner) {
-      const Edge edge = edge_of(triangle, corner);
-      const auto found = std::lower_bound(edges.begin(), edges.end(), edge);
-      const bool cut = found != edges.end() && *found == edge;
-      middle[corner] =
-          cut ? static_cast<std::int32_t>(old + static_cast<std::size_t>(found - edges.begin()))
-              : -1;
-    }
-    append_parts(triangle, middle, result.triangles);
+  IsosurfaceMesh result;
+  result.vertices.resize(old + edges.count());
+  std::copy(mesh.vertices.begin(), mesh.vertices.end(), result.vertices.begin());
+  if (normals) {
+    result.normals.resize(old + edges.count());
+    std::copy(mesh.normals.begin(), mesh.normals.end(), result.normals.begin());
   }
+  tbb::parallel_for(std::size_t{0}, old, [&](std::size_t v) {
+    const auto lower = static_cast<std::int32_t>(v);
+    edges.for_each_at(lower, [&](std::int32_t edge, std::int32_t other) {
+      const Vec3 middle = middle_of(field, isovalue, vertex(lower), vertex(other));
+      result.vertices[old + edge] = Vec<3, float>(middle);
+      if (!normals) return;
+      result.normals[old + edge] =
+          Vec<3, float>(shading_normal(field, field.world_to_index.point(middle)));
+    });
+  });
+  const auto middles = [&](const Triangle& t) {
+    Middles middle;
+    for (int corner = 0; corner < 3; ++corner) {
+      const std::int32_t edge = edges(t[corner], t[(corner + 1) % 3]);
+      middle[corner] = edge == MeshEdges::absent ? edge : static_cast<std::int32_t>(old) + edge;
+    }
+    return middle;
+  };
+  // Pieces in the order of the triangles.
+  constexpr std::size_t piece = 4096;
+  std::vector<std::size_t> first((mesh.triangles.size() + piece - 1) / piece + 1, 0);
+  const auto for_each_triangle = [&](const auto& visit) {
+    tbb::parallel_for(std::size_t{1}, first.size(), [&](std::size_t p) {
+      const std::size_t end = std::min(p * piece, mesh.triangles.size());
+      for (std::size_t t = (p - 1) * piece; t < end; ++t) visit(p, mesh.triangles[t]);
+    });
+  };
+  for_each_triangle(
+      [&](std::size_t p, const Triangle& t) { first[p] += 1 + cut_edges(middles(t)); });
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  result.triangles.resize(first.back());
+  for_each_triangle([&](std::size_t p, const Triangle& t) {
+    const Middles middle = middles(t);
+    std::size_t& next = first[p - 1];
+    write_parts(t, middle, result.triangles.data() + next);
+    next += 1 + cut_edges(middle);
+  });
   return result;
 }
 

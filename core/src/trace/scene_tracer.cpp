@@ -110,13 +110,10 @@ SurfacePoint<D> SceneTracer<D>::leaf_point(int volume, const CellPoint<D>& point
   const FieldFrame& frames = fields_[volume];
   SurfacePoint<D> s;
   s.scattering = of.scattering;
-  s.volume = volume;
   s.c = c;
   s.position = frames.index_to_frame.point(point.index_position());
   s.albedo = of.albedo.at(c);
   s.emission = of.emission.at(c);
-  s.cell_point = point;
-  s.above = above;
   s.ior = above ? 1 / of.ior : of.ior;
   // The inside is higher, so the outside faces -grad h.
   const double side = above ? 1 : -1;
@@ -126,8 +123,7 @@ SurfacePoint<D> SceneTracer<D>::leaf_point(int volume, const CellPoint<D>& point
       frames.frame_to_index.pull_back_gradient(shading_gradient(of.field, point));
   const double geometric_length = geometric.length(), shading_length = shading.length();
   if (!(geometric_length > 0)) return s;
-  s.kind = HitKind::leaf;
-  s.gradient_length = geometric_length / of.scale;
+  s.on = LeafPlace<D>{volume, point, above, geometric_length / of.scale};
   s.geometric_normal = geometric * (side / geometric_length);
   s.shading_normal = shading_length > 0 ? shading * (side / shading_length) : s.geometric_normal;
   return s;
@@ -139,10 +135,9 @@ SurfacePoint<D> SceneTracer<D>::facet_point(int mesh_index, int facet, double u,
   const Mesh<D>& mesh = meshes_[mesh_index];
   const FacetFrame<D> frame(mesh, facet);
   SurfacePoint<D> s;
-  s.kind = HitKind::surroundings;
+  s.on = SurroundingsHit{0, mesh_index, facet, u, v};
   s.scattering = mesh.scattering;
   s.c = c;
-  s.place = {0, mesh_index, facet, u, v};
   s.position = frame.point(u, v);
   s.geometric_normal = front ? frame.normal() : -frame.normal();
   s.shading_normal = s.geometric_normal;
@@ -158,11 +153,12 @@ LeafRay<D> SceneTracer<D>::leaf_ray(int volume, const SurfacePoint<D>& from,
   LeafRay<D> ray;
   ray.direction = fields_[volume].frame_to_index.vector(direction);
   ray.isovalue = scene_.volumes[volume].isovalue(from.c);
-  if (from.kind == HitKind::leaf && from.volume == volume) {
+  const auto* place = std::get_if<LeafPlace<D>>(&from.on);
+  if (place && place->volume == volume) {
     ray.starts_on_leaf = true;
-    ray.starts_above = from.above;
-    ray.origin = from.cell_point;
-    ray.position = from.cell_point.index_position();
+    ray.starts_above = place->above;
+    ray.origin = place->cell_point;
+    ray.position = place->cell_point.index_position();
   } else {
     ray.position = fields_[volume].frame_to_index.point(from.position);
   }
@@ -171,8 +167,8 @@ LeafRay<D> SceneTracer<D>::leaf_ray(int volume, const SurfacePoint<D>& from,
 
 template <int D>
 Vec<D> SceneTracer<D>::ray_origin(const SurfacePoint<D>& from) const {
-  return from.kind == HitKind::surroundings ? leave_plane<D>(from.position, from.geometric_normal)
-                                            : from.position;
+  return from.kind() == HitKind::surroundings ? leave_plane<D>(from.position, from.geometric_normal)
+                                              : from.position;
 }
 
 template <int D>
@@ -216,9 +212,9 @@ SurfacePoint<D> SceneTracer<D>::surface_point(const Hit<D>& hit, const Vec<D>& d
                                               double c) const {
   if (hit.kind == HitKind::leaf) {
     SurfacePoint<D> s = leaf_point(hit.volume, hit.leaf.point, c, hit.leaf.from_above);
-    if (s.kind == HitKind::none) {
+    if (s.kind() == HitKind::none) {
       // A crossing in a place without a gradient, as on the face of a plateau: face the ray.
-      s.kind = HitKind::leaf;
+      s.on = LeafPlace<D>{hit.volume, hit.leaf.point, hit.leaf.from_above, 0};
       s.geometric_normal = s.shading_normal = -direction.normalized();
     }
     return s;
@@ -233,13 +229,12 @@ SurfacePoint<D> SceneTracer<D>::surface_point(const Hit<D>& hit, const Vec<D>& d
 template <int D>
 bool SceneTracer<D>::blocked(const SurfacePoint<D>& from, const Vec<D>& origin, const Vec<D>& way,
                              double t_max) const {
-  if (surroundings_.occluded(origin, way, t_max)) return true;
   for (int v = 0; v < static_cast<int>(fields_.size()); ++v) {
     LeafRay<D> ray = leaf_ray(v, from, way);
     ray.t_max = t_max;
-    if (leaflight::intersect(scene_.volumes[v].field, ray)) return true;
+    if (leaflight::occluded(scene_.volumes[v].field, ray)) return true;
   }
-  return false;
+  return surroundings_.occluded(origin, way, t_max);
 }
 
 template <int D>

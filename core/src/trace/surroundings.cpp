@@ -1,39 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "leaflight/trace/surroundings.h"
 
-#if __has_include(<embree4/rtcore.h>)
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
-
 #include <cstring>
 
 #include "leaflight/math/error.h"
+#include "leaflight/trace/embree_query.h"
 
 namespace leaflight {
 namespace {
-
-// The one difference between Embree 3 and 4 that concerns us: where the query context goes.
-void intersect_one(RTCScene scene, RTCRayHit& query) {
-#if RTC_VERSION_MAJOR >= 4
-  rtcIntersect1(scene, &query);
-#else
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcIntersect1(scene, &context, &query);
-#endif
-}
-
-void occluded_one(RTCScene scene, RTCRay& ray) {
-#if RTC_VERSION_MAJOR >= 4
-  rtcOccluded1(scene, &ray);
-#else
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcOccluded1(scene, &context, &ray);
-#endif
-}
 
 Vec3 in_space(const Vec<2>& v) { return {v.x, v.y, 0}; }
 Vec3 in_space(const Vec<3>& v) { return v; }

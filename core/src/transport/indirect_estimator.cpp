@@ -58,7 +58,7 @@ Sight<D> look(const SceneTracer<D>& tracer, const SurfacePoint<D>& start, const 
     if (!(largest(sight.throughput) > 0)) break;
   }
   sight.hit.kind = HitKind::none;
-  sight.point.kind = HitKind::none;
+  sight.point.on = std::monostate();
   return sight;
 }
 
@@ -89,11 +89,11 @@ class PathEstimator final : public IndirectEstimator<D> {
             radiance += throughput * way.throughput * lights_.visible_radiance(origin, along, t);
           },
           [&](const Sight<D>& way) {
-            if (way.point.kind == HitKind::leaf || way.specular) {
+            if (way.point.kind() == HitKind::leaf || way.specular) {
               radiance += throughput * way.throughput * way.point.emission;
             }
           });
-      if (sight.point.kind == HitKind::none) return radiance;
+      if (sight.point.kind() == HitKind::none) return radiance;
       throughput *= sight.throughput;
       point = sight.point;
       const double choice = random.uniform();
@@ -110,6 +110,17 @@ class PathEstimator final : public IndirectEstimator<D> {
   const LightSampler<D>& lights_;
 };
 
+// Of the radiance that a photons' density of a texel means.
+template <int D>
+float density_variance(const std::vector<LeafRadiance<D>>& leaves, const LeafTexel<D>& texel,
+                       float (LeafCache<D>::*variance)(std::int32_t, bool) const) {
+  const LeafRadiance<D>& leaf = leaves[texel.volume];
+  const std::int32_t slot = leaf.lattice->nearest_slot(texel.centre);
+  if (!leaf.photons || slot == TexelLattice<D>::inactive) return 0;
+  const auto brdf = static_cast<float>(average(texel.albedo) / projected_hemisphere<D>);
+  return brdf * brdf * (leaf.photons->*variance)(slot, texel.above);
+}
+
 template <int D>
 class VolumetricEstimator final : public IndirectEstimator<D> {
  public:
@@ -120,13 +131,16 @@ class VolumetricEstimator final : public IndirectEstimator<D> {
   Rgb indirect_radiance(const SurfacePoint<D>& point, const std::array<double, 2>&, Random&,
                         std::uint64_t&) const override {
     const Rgb brdf = point.albedo / static_cast<Real>(projected_hemisphere<D>);
-    if (point.kind == HitKind::surroundings) return brdf * surroundings_->soft_irradiance(point);
-    const LeafRadiance<D>& leaf = leaves_[point.volume];
-    const std::int32_t slot = leaf.lattice->nearest_slot(point.cell_point.index_position());
+    if (point.kind() == HitKind::surroundings) return brdf * surroundings_->soft_irradiance(point);
+    const LeafRadiance<D>& leaf = leaves_[point.leaf().volume];
+    const std::int32_t slot = leaf.lattice->nearest_slot(point.leaf().cell_point.index_position());
     if (slot == TexelLattice<D>::inactive) return Rgb(0);
-    return brdf * leaf.photons->soft(slot, point.above);
+    return brdf * leaf.photons->soft(slot, point.leaf().above);
   }
   bool is_random() const override { return false; }
+  float shared_variance(const LeafTexel<D>& texel, const Rgb&) const override {
+    return density_variance<D>(leaves_, texel, &LeafCache<D>::soft_variance);
+  }
 
  private:
   const std::vector<LeafRadiance<D>>& leaves_;
@@ -164,7 +178,7 @@ class GatherEstimator final : public IndirectEstimator<D> {
  private:
   // Leaves this near to each other, in texels, do not look each other up, but go on as paths: seen
   // from there a texel is wide, and holds the light of leaves that face and see other things. So
-  // many bounces at most; most rays of a scan meet nothing near (docs/architecture.md).
+  // many bounces at most; most rays of a scan meet nothing near (docs/experiments.md).
   static constexpr double near = 8;
   static constexpr int most_near_bounces = 4;
 
@@ -216,15 +230,15 @@ class GatherEstimator final : public IndirectEstimator<D> {
         tracer_, bounce.from, bounce.direction, random, rays,
         [](const Vec<D>&, const Vec<D>&, double, const Sight<D>&) {},
         [&](const Sight<D>& way) {
-          const bool leaf = way.point.kind == HitKind::leaf;
+          const bool leaf = way.point.kind() == HitKind::leaf;
           const bool specular = way.point.scattering != Scattering::diffuse;
           if (leaf && specular) emitted += way.throughput * way.point.emission;
         });
     Rgb radiance = emitted;
-    if (sight.point.kind != HitKind::none) {
+    if (sight.point.kind() != HitKind::none) {
       radiance += sight.throughput * found(sight.hit, sight.direction, c, random);
     }
-    const Rgb own = first.kind == HitKind::leaf ? first.emission : Rgb(0);
+    const Rgb own = first.kind() == HitKind::leaf ? first.emission : Rgb(0);
     return own + bounce.weight * bounce.radiance_scale * radiance;
   }
 
@@ -303,11 +317,16 @@ template <int D>
 Rgb caustic_radiance(const std::vector<LeafRadiance<D>>& leaves,
                      const SurfaceCache<D>* surroundings, const SurfacePoint<D>& point) {
   const Rgb brdf = point.albedo / static_cast<Real>(projected_hemisphere<D>);
-  if (point.kind == HitKind::surroundings) return brdf * surroundings->caustic_irradiance(point);
-  const LeafRadiance<D>& leaf = leaves[point.volume];
-  const std::int32_t slot = leaf.lattice->nearest_slot(point.cell_point.index_position());
+  if (point.kind() == HitKind::surroundings) return brdf * surroundings->caustic_irradiance(point);
+  const LeafRadiance<D>& leaf = leaves[point.leaf().volume];
+  const std::int32_t slot = leaf.lattice->nearest_slot(point.leaf().cell_point.index_position());
   if (slot == TexelLattice<D>::inactive) return Rgb(0);
-  return brdf * leaf.photons->caustic(slot, point.above);
+  return brdf * leaf.photons->caustic(slot, point.leaf().above);
+}
+
+template <int D>
+float caustic_variance(const std::vector<LeafRadiance<D>>& leaves, const LeafTexel<D>& texel) {
+  return density_variance<D>(leaves, texel, &LeafCache<D>::caustic_variance);
 }
 
 template Rgb albedo_near<2>(const Volume<2>&, const Vec<2>&);
@@ -330,5 +349,7 @@ template Rgb caustic_radiance<2>(const std::vector<LeafRadiance<2>>&, const Surf
                                  const SurfacePoint<2>&);
 template Rgb caustic_radiance<3>(const std::vector<LeafRadiance<3>>&, const SurfaceCache<3>*,
                                  const SurfacePoint<3>&);
+template float caustic_variance(const std::vector<LeafRadiance<2>>&, const LeafTexel<2>&);
+template float caustic_variance(const std::vector<LeafRadiance<3>>&, const LeafTexel<3>&);
 
 }  // namespace leaflight

@@ -132,12 +132,12 @@ LeafCache<D>::LeafCache(const SceneTracer<D>& tracer, int volume, const TexelLat
 
 template <int D>
 void LeafCache<D>::deposit(const PhotonHit<D>& photon) {
-  Side& side = sides_[photon.point.above];
+  Side& side = sides_[photon.point.leaf().above];
   if (side.contents == SideContents::nothing) return;
   if (photon.arrival == Arrival::direct && side.contents == SideContents::indirect) return;
   const bool apart = photon.arrival == Arrival::caustic && !side.caustic.flux.empty();
   Density& density = apart ? side.caustic : side.soft;
-  const std::int32_t slot = lattice_.nearest_slot(photon.point.cell_point.index_position());
+  const std::int32_t slot = lattice_.nearest_slot(photon.point.leaf().cell_point.index_position());
   if (slot == TexelLattice<D>::inactive) return;
   density.flux.add(slot, photon.flux_height);
   density.stored.fetch_add(1, std::memory_order_relaxed);

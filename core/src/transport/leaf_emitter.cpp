@@ -34,7 +34,8 @@ LeafEmitter<D>::LeafEmitter(const SceneTracer<D>& tracer, int volume)
       const double h = interpolate(load_corners(of.field, cell), middle.local);
       if (std::isnan(h)) return;
       const SurfacePoint<D> p = tracer.leaf_point(volume, middle, of.leaf_coordinate(h), false);
-      power += average(p.emission) * p.gradient_length / height;
+      if (p.kind() == HitKind::none) return;
+      power += average(p.emission) * p.leaf().gradient_length / height;
     });
     // A brick whose middles are dark may still shine elsewhere.
     power = std::max(power, 1e-3 * of.emission.largest());
@@ -64,8 +65,9 @@ typename LeafEmitter<D>::Sample LeafEmitter<D>::sample(double choice, Random& ra
   const double c = of.leaf_coordinate(h);
   if (!tracer_.scene().window.contains(c)) return sample;
   sample.point = tracer_.leaf_point(volume_, at, c, above);
+  if (sample.point.kind() == HitKind::none) return sample;
   const double volume = cells * std::abs(determinant(tracer_.index_to_frame(volume_)));
-  const double steepness = sample.point.gradient_length / tracer_.scene().window.height();
+  const double steepness = sample.point.leaf().gradient_length / tracer_.scene().window.height();
   sample.flux_height =
       sample.point.emission *
       static_cast<Real>(2 * projected_hemisphere<D> * volume * steepness / picked.probability);

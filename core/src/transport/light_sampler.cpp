@@ -153,7 +153,7 @@ PhotonStart<D> LightSampler<D>::emit(double c, double choice,
   PhotonStart<D> start;
   if (picked.index >= first_leaf()) {
     const auto sample = leaves_[picked.index - first_leaf()].sample(picked.rest, random);
-    if (sample.point.kind == HitKind::none) return start;
+    if (sample.point.kind() == HitKind::none) return start;
     start.from = sample.point;
     start.direction = sample_cosine_hemisphere<D>(sample.point.geometric_normal, u_direction);
     start.flux_height = sample.flux_height / static_cast<Real>(picked.probability);

@@ -279,15 +279,15 @@ EmittedPhoton<D> emit_from(const Light<D>& light, const BoundingSphere<D>& bound
 }
 
 template <int D>
-Rgb LightSource<D>::irradiance(const Vec<D>& way, double distance) const {
-  if (infinite) return amount;
+double LightSource<D>::strength(const Vec<D>& way, double distance) const {
+  if (infinite) return 1;
   double factor = 1 / spread<D>(distance);
   if (!sphere) {
     const double cosine = way.dot(normal);
     factor *= both_sides ? std::abs(cosine) : std::max(0.0, cosine);
   }
   if (cone) factor *= cone_factor(*cone, way);
-  return amount * static_cast<Real>(factor);
+  return factor;
 }
 
 template <int D>

@@ -29,7 +29,7 @@ std::vector<ReferenceRadiance> trace_reference(const Scene<D>& scene, std::size_
     std::uint64_t rays = 0;
     for (std::size_t p = begin; p < end; ++p) {
       const SurfacePoint<D> point = place(tracer, p);
-      if (point.kind == HitKind::none) continue;
+      if (point.kind() == HitKind::none) continue;
       Random keys = random_for(settings.seed, Purpose::reference, p);
       const std::uint64_t light_key = keys.bits(), gather_key = keys.bits();
       Imath::V3d sum(0), sum2(0);

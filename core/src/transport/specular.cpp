@@ -62,7 +62,7 @@ SpecularBounce<D> specular_bounce(const SurfacePoint<D>& point, const Vec<D>& in
   bounce.radiance_scale = static_cast<Real>(1 / spread<D>(point.ior));
   bounce.from.geometric_normal = -point.geometric_normal;
   bounce.from.shading_normal = -point.shading_normal;
-  bounce.from.above = !point.above;
+  if (auto* leaf = std::get_if<LeafPlace<D>>(&bounce.from.on)) leaf->above = !leaf->above;
   bounce.from.ior = 1 / point.ior;
   return bounce;
 }

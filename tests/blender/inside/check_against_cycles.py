@@ -4,8 +4,9 @@
 import bpy
 import numpy as np
 import pytest
+from boxes import build_cornell_box
 from leaflight_addon import versions
-from leaflight_addon.compare import render_comparison
+from leaflight_addon.compare import figures, stills
 from tools import add_light, constant_material, error_of, noise_image
 
 
@@ -27,13 +28,13 @@ def _frame():
 def assert_agrees(leaf, isovalue, samples=256, baked_samples=16, most=2.5):
     """most: RMS error in percent of what can be displayed, beyond the noise of Cycles."""
     leaf.leaflight.isovalue = isovalue
-    result = render_comparison.compare(bpy.context, leaf, samples, baked_samples)
+    result = stills.compare(bpy.context, leaf, samples, baked_samples)
     noise = result["leaf_noise_percent"]
     assert result["leaf_pixels"] > 15 and 0 < noise < 6
     assert result["leaf_rms_percent"] ** 2 - noise**2 < most**2
     assert result["image_rms_percent"] < most + noise
     cycles = result["cycles"].mean(axis=(0, 1))
-    assert not render_comparison.doubt(result)
+    assert not figures.doubt(result)
     assert np.all(np.abs(result["baked"].mean(axis=(0, 1)) / cycles - 1.0) < 0.015)
     return result
 
@@ -55,7 +56,7 @@ def check_two_volumes(bumps, bump_file):
     first.leaflight.low, first.leaflight.high = 20.0, 100.0
     second.leaflight.low, second.leaflight.high = 20.0, 160.0
     bpy.context.view_layer.update()
-    bpy.ops.leaflight.build_cornell_box()
+    build_cornell_box()
     second.leaflight.leaf_albedo = (0.2, 0.4, 0.8)
     settings = first.leaflight
     settings.light_surroundings = True

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from leaflight_addon.bake import bake
 from leaflight_addon.operators import background
-from leaflight_addon.show import surface_object
+from leaflight_addon.show import surface_material, surface_object
 from leaflight_addon.store import atlases, bake_files, cache
 from tools import assert_shows, close, error_of, mesh_arrays
 
@@ -96,7 +96,7 @@ def check_too_large_an_atlas_gives_the_vertex_attribute_with_the_reason(boxed, m
     bpy.ops.leaflight.bake()
     settings = boxed.leaflight
     assert settings.shading == "ATLAS"
-    mode, reason = surface_object.shading_in_use(settings)
+    mode, reason = surface_material.shading_in_use(settings)
     assert mode == "ATTRIBUTE" and "64 x 64" in reason
     kinds = {node.type for node in settings.baked_material.node_tree.nodes}
     assert "ATTRIBUTE" in kinds and "TEX_IMAGE" not in kinds

@@ -1,15 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Render Comparison: images, figures, and the scene as it was before."""
 
+import csv
 import json
+import time
+from pathlib import Path
 
 import bpy
+import leaflight
 import numpy as np
 import pytest
 from leaflight import _core
 from leaflight.measure import blender_versions
 from leaflight_addon import versions
-from leaflight_addon.compare import render_comparison
+from leaflight_addon.compare import figures, process
+from leaflight_addon.operators import background
+from PIL import Image
 from tools import close, error_of
 
 
@@ -48,7 +54,7 @@ def check_images_and_figures(boxed, small_frame, tmp_path):
     assert _render_settings() == before
 
     images = {}
-    for name in ("baked", "cycles", "difference"):
+    for name in ("baked", "cycles", "local", "difference"):
         stem = folder / f"{boxed.name}_47_{name}"
         images[name] = _core.read_exr(f"{stem}.exr")[..., :3]
         assert images[name].shape == (80, 80, 3)
@@ -61,13 +67,81 @@ def check_images_and_figures(boxed, small_frame, tmp_path):
     assert 0 < result["leaf_noise_percent"] < 3
     assert result["leaf_noise_percent"] < result["leaf_rms_percent"] < 6
     everywhere = np.ones((80, 80), bool)
-    rms = render_comparison.rms_percent(images["baked"], images["cycles"], 1.0, everywhere)
+    rms = figures.rms_percent(images["baked"], images["cycles"], 1.0, everywhere)
     assert rms == pytest.approx(result["image_rms_percent"], rel=1e-3)
     assert f"{result['leaf_rms_percent']:.2f}" in boxed.leaflight.comparison
     assert abs(result["leaf_mean_off_percent"]) < 3
     assert 0 < result["leaf_mean_off_within"] < 0.5
     assert f"mean off by {result['leaf_mean_off_percent']:+.2f}" in boxed.leaflight.comparison
     assert "brighter or darker" not in boxed.leaflight.comparison
+
+    _local_shading(images, result)
+    _labelled_picture_and_table(folder / f"{boxed.name}_47_comparison", result)
+
+
+def _local_shading(images, result):
+    """No shadows, no bounces: what the lamp lights is as bright or brighter than its direct light,
+    and far off from what light does."""
+    assert result["local_rms_percent"] > 2 * result["leaf_rms_percent"]
+    local = images["local"]
+    assert 0.01 < local.mean() and 0.5 < local.mean() / images["cycles"].mean() < 2.0
+
+
+def _labelled_picture_and_table(stem, result):
+    picture = np.asarray(Image.open(f"{stem}.png").convert("RGB")) / 255.0
+    assert picture.shape[0] > 2 * 560 and picture.shape[1] > 2 * 560
+    # Half of it is stills, which are not white paper; the bar is blue below and red above.
+    assert 0.5 < (picture.min(axis=2) < 0.9).mean() < 0.95
+    bar = picture[picture.shape[0] // 2 :, picture.shape[1] - 90 :]
+    assert ((bar[..., 0] - bar[..., 2]) > 0.4).any() and ((bar[..., 2] - bar[..., 0]) > 0.4).any()
+    rows = list(csv.DictReader(Path(f"{stem}.csv").open()))
+    assert [row["still"] for row in rows] == ["baked", "local", "cycles"]
+    for row in rows[:2]:
+        name = {"baked": "leaf"}.get(row["still"], row["still"])
+        expected = result[f"{name}_rms_percent"]
+        assert float(row["rms_percent_on_leaf"]) == pytest.approx(expected, abs=1e-4)
+
+
+def check_in_a_blender_of_its_own(baked, small_frame, tmp_path):
+    """What the window does: the job runs in a thread, and this Blender stays as it is."""
+    if not process.can_start():
+        pytest.skip("Blender as a Python module has no program to start")
+    before, told = _render_settings(), set()
+    folder = tmp_path / "images"
+    folder.mkdir()
+    job = process.ComparisonJob(baked, folder, 16, 4, 0.5)
+    work = background.BackgroundWork(job.run, job.status)
+    while work.is_alive():
+        told.add(work.status())
+        work.wait(0.02)
+    work.result()
+    begins = f"Isovalue {baked.leaflight.isovalue:g}: RMS"
+    assert job.apply().startswith(begins) and baked.leaflight.comparison.startswith(begins)
+    assert _render_settings() == before
+    (numbers,) = folder.glob("*_comparison.json")
+    result = json.loads(numbers.read_text())
+    assert 0 < result["leaf_rms_percent"] < 10 and len(list(folder.iterdir())) == 11
+    assert _core.read_exr(str(next(folder.glob("*_baked.exr")))).shape[:2] == (40, 40)
+    names = {status.rpartition("%")[2].strip() for status in told}
+    assert {"Blender starts", "Cycles"} <= names
+
+
+def check_it_is_cancelled_at_once(baked, small_frame, tmp_path):
+    if not process.can_start():
+        pytest.skip("Blender as a Python module has no program to start")
+    bpy.context.scene.render.resolution_x = bpy.context.scene.render.resolution_y = 2000
+    job = process.ComparisonJob(baked, tmp_path, 4096, 4096, 1.0)
+    work = background.BackgroundWork(job.run, job.status)
+    end = time.monotonic() + 60
+    while "%" not in work.status() and time.monotonic() < end:
+        work.wait(0.05)
+    assert "Baked" in work.status() and work.is_alive()
+    start = time.monotonic()
+    work.cancel()
+    with pytest.raises(leaflight.Cancelled):
+        work.result()
+    assert time.monotonic() - start < 2.0
+    assert not list(tmp_path.glob("*.png")) and not Path(job._files.name).exists()
 
 
 def check_the_interval_of_the_mean_holds():
@@ -78,7 +152,7 @@ def check_the_interval_of_the_mean_holds():
             [random.normal(mean, noise, (30, 30, 1)) * np.ones(3) for _ in range(2)]
             for mean, noise in ((1.02, 0.2), (1.0, 0.3))
         )
-        found = render_comparison.mean_off(baked, cycles, mask)
+        found = figures.mean_off(baked, cycles, mask)
         off, within = found["leaf_mean_off_percent"], found["leaf_mean_off_within"]
         held += abs(off - 2.0) < within
     assert 365 < held < 394
@@ -104,10 +178,10 @@ def check_rms_is_thesis_equation_4_11_corrected():
     image = np.zeros((2, 1, 3))
     reference = np.array([[[0.3, 0.0, 0.0]], [[5.0, 5.0, 5.0]]])
     all_pixels = np.ones((2, 1), bool)
-    rms = render_comparison.rms_percent(image, reference, 1.0, all_pixels)
+    rms = figures.rms_percent(image, reference, 1.0, all_pixels)
     assert rms == pytest.approx(100 * np.sqrt((0.3**2 / 3 + 1) / 2))
     first = np.array([[True], [False]])
-    assert render_comparison.rms_percent(image, reference, 2.0, first) == pytest.approx(
+    assert figures.rms_percent(image, reference, 2.0, first) == pytest.approx(
         100 * np.sqrt(0.6**2 / 3)
     )
 
@@ -151,13 +225,13 @@ def check_an_error_in_the_middle_restores_the_scene(baked, small_frame, tmp_path
 
     def fail_at_the_last(*arguments, **options):
         calls.append(1)
-        return (fail if len(calls) == 5 else still)(*arguments, **options)
+        return (fail if len(calls) == 6 else still)(*arguments, **options)
 
     monkeypatch.setattr(render, "cycles_still", fail_at_the_last)
     sentence = error_of(
         bpy.ops.leaflight.render_comparison, samples=2, baked_samples=2, folder=str(tmp_path)
     )
-    assert "cancelled" in sentence and len(calls) == 5
+    assert "cancelled" in sentence and len(calls) == 6
     assert _render_settings() == before
 
 

@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 import pytest
 from blends import assert_lit, brighten, mean_radiance, open_blend, save
+from boxes import build_cornell_box
 from leaflight_addon.show import display, properties, surface_object
 from leaflight_addon.stage import staleness
 from leaflight_addon.store import bake_files, cache
@@ -106,7 +107,7 @@ def check_an_override_keeps_a_bake_of_its_own(linked):
     library = linked.leaflight.bake_id
     own = linked.override_create(remap_local_usages=True)
     bpy.context.view_layer.objects.active = own
-    bpy.ops.leaflight.build_cornell_box()
+    build_cornell_box()
     own.leaflight.samples = 3
     bpy.ops.leaflight.bake()
     identifier = own.leaflight.bake_id

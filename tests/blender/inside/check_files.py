@@ -121,27 +121,27 @@ def check_what_cannot_be_moved_stays_and_is_told(unsaved, tmp_path):
 
 @pytest.mark.parametrize("linkable", [True, False])
 def check_a_disk_that_fills_up_while_moving_loses_nothing(unsaved, tmp_path, monkeypatch, linkable):
-    """Hard links where the file system has them, else copies, of which the second fails."""
+    """Hard links where the file system has them, else copies: the second finds no space."""
     old = bake_files.locate(unsaved)
     files = {path: path.read_bytes() for path in (old, *atlases.beside(old))}
     made = []
 
+    def no_space(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
     def full(call):
         def fails_later(*arguments):
             made.append(arguments)
-            if len(made) > 1:
-                raise OSError(errno.ENOSPC, "No space left on device")
-            return call(*arguments)
+            return no_space() if len(made) > 1 else call(*arguments)
 
         return fails_later
 
     def no_links(*_):
         raise OSError(errno.EXDEV, "Invalid cross-device link")
 
-    name = "replace" if linkable else "copyfile"
-    monkeypatch.setattr(moving.os, "link", os.link if linkable else no_links)
-    owner = moving.os if linkable else moving.shutil
-    monkeypatch.setattr(owner, name, full(getattr(owner, name)))
+    copy = no_space if linkable else full(shutil.copyfile)
+    monkeypatch.setattr(moving.os, "link", full(os.link) if linkable else no_links)
+    monkeypatch.setattr(moving.shutil, "copyfile", copy)
     obj = open_saved(tmp_path / "scene.blend")
     monkeypatch.undo()
     assert len(made) > 1

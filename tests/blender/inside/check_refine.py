@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from leaflight.scene.on_mesh import interpolated
 from leaflight_addon.bake import bake
-from leaflight_addon.show import surface_object
+from leaflight_addon.show import surface_material
 from leaflight_addon.store import atlases, bake_files, cache
 from tools import (
     assert_shows,
@@ -52,7 +52,7 @@ def _shading_nodes(obj):
 
 def _assert_by_vertices(obj):
     assert obj.leaflight.shading == "ATLAS"
-    assert surface_object.shading_in_use(obj.leaflight) == ("ATTRIBUTE", REASON)
+    assert surface_material.shading_in_use(obj.leaflight) == ("ATTRIBUTE", REASON)
     nodes = _shading_nodes(obj)
     assert "ATTRIBUTE" in nodes and "TEX_IMAGE" not in nodes
 
@@ -101,12 +101,12 @@ def check_it_is_shown_by_vertex_attribute_with_the_reason(refined):
     _assert_by_vertices(refined)
     assert not atlases.beside(bake_files.locate(refined))
     settings.shading = "ATTRIBUTE"
-    assert surface_object.shading_in_use(settings) == ("ATTRIBUTE", "")
+    assert surface_material.shading_in_use(settings) == ("ATTRIBUTE", "")
     settings.shading = "ATLAS"
     settings.refine = 0
     _assert_by_vertices(refined)
     bpy.ops.leaflight.bake()
-    assert surface_object.shading_in_use(settings) == ("ATLAS", "")
+    assert surface_material.shading_in_use(settings) == ("ATLAS", "")
     assert "TEX_IMAGE" in _shading_nodes(refined)
 
 

@@ -8,14 +8,15 @@ from leaflight_addon import versions
 from leaflight_addon.show import properties
 from leaflight_addon.store import cache
 from leaflight_addon.ui import handlers
-from tools import ADDON, assert_shows, close, look_down, mesh_arrays, render_exr
-
-
-def _edit_as_the_slider_does(obj, isovalue):
-    """A slider writes the ID property and tags the object; no Python of ours runs by it."""
-    obj.leaflight["isovalue"] = isovalue
-    obj.update_tag()
-    bpy.context.view_layer.update()
+from tools import (
+    ADDON,
+    assert_shows,
+    close,
+    edit_as_the_slider_does,
+    look_down,
+    mesh_arrays,
+    render_exr,
+)
 
 
 def _animate(obj):
@@ -30,13 +31,13 @@ def _animate(obj):
 
 def check_slider_before_the_bake(bumps):
     for isovalue in (30.0, 100.0):
-        _edit_as_the_slider_does(bumps, isovalue)
+        edit_as_the_slider_does(bumps, isovalue)
         assert_shows(bumps, isovalue)
 
 
 def check_slider_and_script(baked):
     for isovalue in (30.0, 47.0, 100.0):
-        _edit_as_the_slider_does(baked, isovalue)
+        edit_as_the_slider_does(baked, isovalue)
         assert_shows(baked, isovalue)
     for isovalue in (60.0, 33.0):
         baked.leaflight.isovalue = isovalue

@@ -8,7 +8,16 @@ import numpy as np
 import pytest
 from leaflight_addon.show import settling, surface_object
 from leaflight_addon.store import cache
-from tools import assert_shows, close, colours_of, look_down, render_exr, to_world, vertices_of
+from tools import (
+    assert_shows,
+    close,
+    colours_of,
+    look_down,
+    render_exr,
+    rest,
+    to_world,
+    vertices_of,
+)
 
 
 @pytest.fixture
@@ -20,36 +29,6 @@ def resting(baked):
 def _expected(obj, back=False):
     """Radiance of the settled surface, by the package itself."""
     return cache.bake_of(obj).surface(obj.leaflight.isovalue, back=back, settle=True).radiance
-
-
-def _wait(obj, seconds=60):
-    """Runs the timer of the background work as Blender's event loop would, until it ends."""
-    end = time.monotonic() + seconds
-    seen = []
-    while settling._tick() is not None:
-        seen.append(surface_object.settled_state(obj.data))
-        assert time.monotonic() < end
-        time.sleep(0.02)
-    return seen
-
-
-@pytest.fixture
-def interactive(monkeypatch):
-    """Checks run without a window, where nothing settles until a render asks for it."""
-
-    class App:
-        background = False
-        timers = bpy.app.timers
-
-    class Bpy:
-        app, data = App, bpy.data
-
-    monkeypatch.setattr(settling, "bpy", Bpy)
-    monkeypatch.setattr(settling, "PAUSE", 0.05)
-    yield
-    settling.forget()
-    if bpy.app.timers.is_registered(settling._tick):
-        bpy.app.timers.unregister(settling._tick)
 
 
 @pytest.mark.parametrize("shading", ["ATLAS", "ATTRIBUTE"])
@@ -66,7 +45,9 @@ def check_a_still_shows_the_settled_light(resting, tmp_path, shading):
     expected = _expected(resting)
     close(colours_of(resting), expected, 1e-6)
     assert surface_object.settled_state(resting.data) == (True, True)
-    assert np.abs(expected - baked).max() > 0.05
+    # The same mesh, whose edges were cut in two.
+    assert len(expected) > 10 * len(baked)
+    assert np.abs(expected[: len(baked)] - baked).max() > 0.05
     # What the camera sees changes with it.
     assert np.abs(after - before).max() > 0.02
     resting.leaflight.settle = False
@@ -89,7 +70,7 @@ def check_without_a_render_a_background_blender_settles_nothing(resting):
 
 def check_a_surface_at_rest_settles_in_the_background(resting, interactive):
     settling.watch([resting])
-    seen = _wait(resting)
+    seen = rest(resting)
     assert (True, True) not in seen[:1]
     assert surface_object.settled_state(resting.data) == (True, True)
     close(colours_of(resting), _expected(resting), 1e-6)
@@ -108,7 +89,7 @@ def check_a_move_ends_the_work_at_once(resting, interactive):
     work.wait(5.0)
     assert not work.is_alive() and time.monotonic() - start < 0.5
     assert_shows(resting, resting.leaflight.isovalue)
-    _wait(resting)
+    rest(resting)
     assert surface_object.settled_state(resting.data) == (True, True)
 
 
@@ -141,3 +122,29 @@ def check_a_moved_object_keeps_the_light_of_its_bake(resting):
     settling.settle_now([resting])
     close(colours_of(resting), before, 1e-6)
     assert len(to_world(resting, vertices_of(resting))) == len(before)
+
+
+@pytest.mark.parametrize("scale", [(1.0, 1.0, 1.0), (-0.5, 0.7, 0.9)])
+def check_an_object_baked_off_the_origin_stays_where_it_is(boxed, scale):
+    boxed.location, boxed.rotation_euler = (0.1, -0.1, 0.05), (0.05, 0.1, 0.3)
+    boxed.scale = np.multiply(boxed.scale, scale)
+    bpy.context.view_layer.update()
+    bpy.ops.leaflight.bake()
+    moving = vertices_of(boxed)
+    facing = _volume_inside(boxed)
+    boxed.leaflight.settle = True
+    settling.settle_now([boxed])
+    # Edges were cut in two, once or twice; the vertices that were there stay the first ones.
+    assert len(vertices_of(boxed)) > 10 * len(moving)
+    close(vertices_of(boxed)[: len(moving)], moving, 1e-5)
+    assert 0.9 < _volume_inside(boxed) / facing < 1.1
+    close(colours_of(boxed), _expected(boxed), 1e-6)
+
+
+def _volume_inside(obj):
+    """Signed volume between the triangles and the local origin."""
+    obj.data.calc_loop_triangles()
+    corners = np.empty((len(obj.data.loop_triangles), 3), np.int32)
+    obj.data.loop_triangles.foreach_get("vertices", corners.ravel())
+    a, b, c = np.moveaxis(vertices_of(obj)[corners], 1, 0).astype(np.float64)
+    return np.einsum("ij,ij", a, np.cross(b, c)) / 6.0

@@ -4,8 +4,9 @@
 import bpy
 import numpy as np
 import pytest
+from boxes import build_cornell_box
 from leaflight_addon import versions
-from leaflight_addon.show import isovalues, properties, surface_object
+from leaflight_addon.show import isovalues, properties, surface_material
 from leaflight_addon.stage import scene_export, staleness
 from leaflight_addon.store import cache
 from tools import assert_shows, close, mesh_arrays
@@ -25,7 +26,7 @@ def pair(bumps, bump_file):
     second.leaflight.low, second.leaflight.high = 100.0, 160.0
     _activate(bumps)
     bumps.leaflight.isovalue = 50.0
-    bpy.ops.leaflight.build_cornell_box()
+    build_cornell_box()
     return bumps, second
 
 
@@ -78,7 +79,7 @@ def check_each_has_its_finer_texels(pair):
     for index, obj in enumerate(pair):
         grid = bake.grids[index]
         assert grid.levels == 2
-        assert surface_object.shading_in_use(obj.leaflight)[0] == "ATTRIBUTE"
+        assert surface_material.shading_in_use(obj.leaflight)[0] == "ATTRIBUTE"
         vertices, _, radiance = mesh_arrays(obj)
         expected = grid.lookup(cache.volume_of(obj).field(), vertices)
         close(radiance, expected, 1e-4 * expected.max())

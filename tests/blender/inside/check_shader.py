@@ -47,7 +47,8 @@ def _eight_texels_are_active(bake, points):
 @pytest.mark.parametrize("engine", ["CYCLES", "EEVEE"])
 def check_rendered_emission_is_the_cores_lookup(boxed, tmp_path, engine, resolution):
     boxed.rotation_euler.z = 0.4
-    boxed.leaflight.resolution = resolution
+    if resolution:
+        boxed.leaflight.resolution = resolution
     bpy.context.view_layer.update()
     bpy.ops.leaflight.bake()
     bake = cache.bake_of(boxed)

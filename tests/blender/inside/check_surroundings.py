@@ -6,7 +6,7 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight_addon import versions
-from leaflight_addon.stage import scene_export, staleness, world
+from leaflight_addon.stage import scene_export, staleness
 from leaflight_addon.store import cache
 from tools import close, error_of, one_coloured_world, plain_material
 
@@ -39,35 +39,6 @@ def check_the_box_comes_back_as_it_was_described(boxed):
         close(same.edge_u, light.edge_u, 1e-5)
         close(same.edge_v, light.edge_v, 1e-5)
         close(same.radiance, light.radiance, 1e-5)
-
-
-@pytest.mark.parametrize("width", [100, 178])
-def check_the_box_has_a_camera_that_sees_it_and_a_black_world(boxed, width):
-    scene = bpy.context.scene
-    from bpy_extras.object_utils import world_to_camera_view
-
-    scene.render.resolution_x, scene.render.resolution_y = width, 100
-    bpy.context.view_layer.update()
-    for name in ("left wall", "right wall"):
-        for vertex in bpy.data.objects[name].data.vertices:
-            point = bpy.data.objects[name].matrix_world @ vertex.co
-            x, y, depth = world_to_camera_view(scene, scene.camera, point)
-            assert -1e-3 <= x <= 1.001 and -1e-3 <= y <= 1.001 and depth > 0
-    assert world.is_dark(scene.world)
-    assert scene.view_settings.view_transform == "Standard"
-
-
-def check_the_users_world_stays_in_the_file(bumps):
-    mine = bpy.data.worlds.new("Mine")
-    mine.color = (1.0, 0.5, 0.2)
-    bpy.context.scene.world = mine
-    bpy.ops.leaflight.build_cornell_box()
-    assert bpy.context.scene.world != mine and mine.use_fake_user
-
-
-def check_a_second_box_is_refused_with_a_reason(boxed):
-    with pytest.raises(RuntimeError, match="delete its collection"):
-        bpy.ops.leaflight.build_cornell_box()
 
 
 def check_moved_recoloured_scaled_and_deleted_walls(boxed):

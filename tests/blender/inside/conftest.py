@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """An empty scene for each check, and the bump box imported, boxed and baked in it."""
 
+import os
 import shutil
 
 import bpy
 import leaflight
 import pytest
 from blends import open_saved
+from boxes import build_cornell_box
+from leaflight_addon.show import settling
 from leaflight_addon.store import bake_files
+from rounds import UNREACHED
 
 N = 24
 
@@ -48,7 +52,7 @@ def bumps(bump_file, tmp_path):
 @pytest.fixture
 def boxed(bumps):
     """The same in a Cornell box."""
-    bpy.ops.leaflight.build_cornell_box()
+    build_cornell_box()
     return bumps
 
 
@@ -73,3 +77,38 @@ def saved(boxed, tmp_path):
     """The boxed bumps, baked in a .blend in a folder of its own."""
     boxed.leaflight.bake_folder = ""
     return open_saved(tmp_path / "here" / "scene.blend", bake=True)
+
+
+@pytest.fixture
+def rounds(boxed):
+    """The boxed bumps, to be baked in rounds in a window of their isovalues."""
+    boxed.leaflight.fixed_samples = False
+    boxed.leaflight.low, boxed.leaflight.high = 40.0, 60.0
+    boxed.leaflight.isovalue = 50.0
+    os.mkdir(boxed.leaflight.bake_folder)
+    return boxed
+
+
+@pytest.fixture
+def endless(rounds):
+    rounds.leaflight.error = UNREACHED
+    return rounds
+
+
+@pytest.fixture
+def interactive(monkeypatch):
+    """Checks run without a window, where nothing settles until a render asks for it."""
+
+    class App:
+        background = False
+        timers = bpy.app.timers
+
+    class Bpy:
+        app, data = App, bpy.data
+
+    monkeypatch.setattr(settling, "bpy", Bpy)
+    monkeypatch.setattr(settling, "PAUSE", 0.05)
+    yield
+    settling.forget()
+    if bpy.app.timers.is_registered(settling._tick):
+        bpy.app.timers.unregister(settling._tick)

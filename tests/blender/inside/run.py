@@ -4,29 +4,16 @@
 What came of each check, and what it recorded, goes to the file named by LEAFLIGHT_RESULTS.
 """
 
-import importlib
 import json
 import os
-import pkgutil
+import runpy
 import sys
 from pathlib import Path
 
-import addon_utils
 import bpy
 import pytest
 
 here = Path(__file__).resolve().parent
-
-
-def name_the_addon():
-    """The checks import it as leaflight_addon, its name where no extension has another."""
-    names = ("leaflight_addon", "bl_ext.user_default.leaflight")
-    (name,) = (name for name in names if addon_utils.check(name)[1])
-    addon = sys.modules[name]
-    sys.modules["leaflight_addon"] = addon
-    for part in pkgutil.walk_packages(addon.__path__, f"{name}."):
-        alias = part.name.replace(name, "leaflight_addon", 1)
-        sys.modules[alias] = importlib.import_module(part.name)
 
 
 class Results:
@@ -46,7 +33,7 @@ class Results:
             Path(os.environ["LEAFLIGHT_RESULTS"]).write_text(text + "\n")
 
 
-name_the_addon()
+runpy.run_path(str(here.parent / "name_the_addon.py"))
 print(f"Blender {bpy.app.version_string}, {sys.modules['leaflight_addon'].__name__}")
 sys.path.insert(0, str(here))  # for tools.py
 # The project's own settings would put the built package in the place of the installed one.

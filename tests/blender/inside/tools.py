@@ -2,6 +2,7 @@
 """What the checks share: reading meshes back, rendering exact pixels, reading reports."""
 
 import sys
+import time
 from dataclasses import replace
 
 import bpy
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 from leaflight.scene.scene import Leaves, core_scene
 from leaflight_addon import versions
+from leaflight_addon.show import settling, surface_object
 from leaflight_addon.store import cache
 
 
@@ -85,6 +87,24 @@ def assert_shows(obj, isovalue):
         assert radiance is None
     else:
         close(radiance, expected_radiance, 1e-4 * expected_radiance.max())
+
+
+def edit_as_the_slider_does(obj, isovalue):
+    """A slider writes the ID property and tags the object; no Python of ours runs by it."""
+    obj.leaflight["isovalue"] = isovalue
+    obj.update_tag()
+    bpy.context.view_layer.update()
+
+
+def rest(obj, seconds=60):
+    """Runs the timer of the background work as Blender's event loop would, until it ends."""
+    end = time.monotonic() + seconds
+    seen = []
+    while settling._tick() is not None:
+        seen.append(surface_object.settled_state(obj.data))
+        assert time.monotonic() < end
+        time.sleep(0.02)
+    return seen
 
 
 def error_of(operator, **arguments):

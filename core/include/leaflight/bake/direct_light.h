@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
+
 #include "leaflight/bake/direct_sweep.h"
 #include "leaflight/transport/light_sampler.h"
 
@@ -13,28 +15,37 @@ class DirectLight {
  public:
   static constexpr int sources_per_block = 8;
 
+  // `first_block`: how many blocks of the seed others have drawn.
   DirectLight(const SweptVolume<D>& volume, const LightSampler<D>& lights,
-              const SweptLattice<D>& texels, bool inner, std::uint64_t seed);
+              const SweptLattice<D>& texels, bool inner, std::uint64_t seed, int first_block = 0);
 
-  void add_block(Progress& progress, std::atomic<std::uint64_t>& lines);
+  // after_block, if given, is called after each of them.
+  void add_blocks(int count, Progress& progress, std::atomic<std::uint64_t>& lines,
+                  const std::function<void()>& after_block = {});
+  // Its state between two blocks. What the first sources told is not in it, but learnt anew.
+  void keep(Keeper& keeper, Progress& progress);
   int blocks() const { return blocks_; }
   // What a block costs, in points of lines.
   double cost() const;
 
   std::vector<Average> averages(bool inner) const;
   // Of the first sources.
-  const LeafShadows<D>& shadows() const { return shadows_; }
+  const LeafLight<D>& leaf_light() const { return leaf_light_; }
 
  private:
-  static constexpr int most_shadows = 8;
+  static constexpr int most_leaf_sources = 8;
+
+  void sweep_block(int block, const VoxelGradients<D>& gradients, Progress& progress,
+                   std::atomic<std::uint64_t>& lines, SideMoments& moments);
+  VoxelGradients<D> gradients() const;
 
   SweptVolume<D> volume_;
   const LightSampler<D>& lights_;
   const SweptLattice<D>& texels_;
   std::uint64_t seed_;
   SideMoments moments_;
-  LeafShadows<D> shadows_;
-  int blocks_ = 0;
+  LeafLight<D> leaf_light_;
+  int first_block_, blocks_ = 0;
 };
 
 }  // namespace leaflight

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "leaflight/bake/leaf_shadows.h"
+#include "leaflight/bake/leaf_light.h"
 #include "leaflight/bake/swept_volume.h"
 #include "leaflight/transport/surface_cache.h"
 
@@ -14,7 +14,7 @@ struct GatheredRadiance {
   // Soft light that white leaves reflect, of the texels' outer and inner sides; empty: none.
   std::array<const std::vector<Rgb>*, 2> soft;
   const std::vector<Rgb>* inner_direct;  // radiance of the inner sides by direct light; empty: none
-  const LeafShadows<D>& shadows;         // of the direct light of the outer sides
+  const LeafLight<D>& direct;            // of the outer sides
   const SurfaceCache<D>* surroundings;   // null where there are none
 };
 

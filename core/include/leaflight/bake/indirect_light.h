@@ -14,14 +14,17 @@ class IndirectLight {
   static constexpr int directions_per_block = 32;
 
   // `spacing`: of the lines, in texels; each texel then takes one of spacing^(D - 1) directions.
+  // `first_block`: how many blocks of the seed others have drawn.
   IndirectLight(const SweptVolume<D>& volume, SweptLattice<D> texels, int spacing, bool inner,
-                std::uint64_t seed);
+                std::uint64_t seed, int first_block = 0);
 
   const SweptLattice<D>& texels() const { return texels_; }
 
   // One block of directions, given what lines meet; all blocks that are averaged have as many.
   void add_block(const GatheredRadiance<D>& from, Progress& progress,
                  std::atomic<std::uint64_t>& lines, int directions = directions_per_block);
+  // Its state between two blocks.
+  void keep(Keeper& keeper);
   int blocks() const { return blocks_; }
   // What a block costs, in points of lines.
   double cost() const;
@@ -37,7 +40,7 @@ class IndirectLight {
   std::uint64_t seed_;
   int sides_;
   SideMoments moments_;
-  int blocks_ = 0, drawn_ = 0;
+  int blocks_ = 0, drawn_;
 };
 
 // Averages known at the texels of one lattice, interpolated at those of another.

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "leaflight/bake/sample_average.h"
 #include "leaflight/field/texel_lattice.h"
 #include "leaflight/math/progress.h"
+#include "leaflight/math/sample_average.h"
 
 namespace leaflight {
 

@@ -1,39 +1,50 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <memory>
 #include <vector>
 
-#include "leaflight/bake/sample_average.h"
 #include "leaflight/field/texel_lattice.h"
+#include "leaflight/math/sample_average.h"
 
 namespace leaflight {
 
-// What one bake says of the leaves of one volume: radiance [W/(m^2 sr)] at the active texels, in
-// the order of `lattice.active`.
+// Radiance [W/(m^2 sr)] at the active texels of a lattice, in the order of `lattice.active`.
 template <int D>
-struct RadianceGrid {
+struct RadianceLevel {
   TexelLattice<D> lattice;
   // The outer side.
   std::vector<Vec<3, float>> radiance;
   std::vector<Vec<3, float>> radiance_indirect;  // all of it but the lights' direct light
   std::vector<float> radiance_error;             // standard error of the mean over the channels
   // The inner side; empty where it was not baked.
-  std::vector<Vec<3, float>> radiance_back;
-  // Texels of half the width, which serve some cells instead; null: none do.
-  std::shared_ptr<RadianceGrid> finer;
+  std::vector<Vec<3, float>> radiance_back, radiance_back_indirect;
 
-  // Active ones, of all levels.
-  std::size_t texels() const { return lattice.active.size() + (finer ? finer->texels() : 0); }
   bool has_back() const { return !radiance_back.empty(); }
-  // The finest grid that serves an index position.
-  const RadianceGrid& at(const Vec<D>& index_position) const;
+};
+
+// What one bake says of the leaves of one volume: its coarsest level, which serves all of them, and
+// finer ones, each with texels half as wide as those before, which serve some cells instead.
+template <int D>
+struct RadianceGrid : RadianceLevel<D> {
+  std::vector<RadianceLevel<D>> finer;
+
+  int levels() const { return 1 + static_cast<int>(finer.size()); }
+  const RadianceLevel<D>& level(int number) const {
+    return number == 0 ? *this : finer[number - 1];
+  }
+  const RadianceLevel<D>& finest() const { return level(levels() - 1); }
+  std::size_t texels() const;  // active ones, of all levels
+  // The finest level that serves an index position.
+  int level_at(const Vec<D>& index_position) const;
+  const RadianceLevel<D>& at(const Vec<D>& index_position) const {
+    return level(level_at(index_position));
+  }
 };
 
 // Averages of the outer and the inner side; the latter's are empty where it is not baked.
 using SideAverages = std::array<std::vector<Average>, 2>;
 
-// The grid without its lattice, from averages of the active texels.
+// The coarsest level without its lattice, from averages of the active texels.
 template <int D>
 RadianceGrid<D> make_grid(const SideAverages& direct, const SideAverages& indirect);
 
@@ -41,6 +52,12 @@ RadianceGrid<D> make_grid(const SideAverages& direct, const SideAverages& indire
 template <int D>
 Vec<3, float> lookup(const TexelLattice<D>& lattice, const std::vector<Vec<3, float>>& values,
                      const Vec<D>& index_position);
+
+// The same at many positions, into as many places from `found` on. What is read lies far apart: it
+// is fetched ahead.
+template <int D>
+void lookup(const TexelLattice<D>& lattice, const std::vector<Vec<3, float>>& values,
+            const std::vector<Vec<D>>& index_positions, Vec<3, float>* found);
 
 // The standard error of such a radiance, from those of the texels, which are independent.
 template <int D>

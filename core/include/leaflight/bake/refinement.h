@@ -10,7 +10,7 @@ namespace leaflight {
 
 // The share of a grid's cells, those with eight texels about them, that finer texels serve. Of a
 // scan's error that texels of half the width everywhere take away, the fifth of the cells where
-// light varies most holds all (docs/architecture.md).
+// light varies most holds all (docs/experiments.md).
 inline constexpr double refined_share = 0.2;
 
 // For each cell of the grid's finest lattice, whether finer texels are to serve it: the share of
@@ -32,9 +32,10 @@ template <int D>
 FinerTexels<D> finer_texels(const Field<D>& field, const IsovalueWindow& window,
                             const RadianceGrid<D>& grid, const std::vector<bool>& cells);
 
-// The grid of all these texels, from the radiance of those that were sampled and a coarser grid.
+// The level of all these texels, from the radiance of those that were sampled and of the levels
+// before.
 template <int D>
-RadianceGrid<D> finer_grid(const RadianceGrid<D>& coarse, FinerTexels<D> texels,
-                           const RadianceGrid<D>& sampled);
+RadianceLevel<D> finer_level(const RadianceGrid<D>& coarse, FinerTexels<D> texels,
+                             const RadianceLevel<D>& sampled);
 
 }  // namespace leaflight

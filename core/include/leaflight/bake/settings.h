@@ -2,27 +2,15 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
-#include <string>
+#include <memory>
+#include <vector>
 
-#include "leaflight/bake/sample_strategy.h"
-#include "leaflight/bake/scattered.h"
-#include "leaflight/transport/photon_map.h"
+#include "leaflight/bake/estimator_traits.h"
+#include "leaflight/math/vector.h"
 
 namespace leaflight {
 
-enum class EstimatorName { volumetric, gather, path, thesis };
-
-// "volumetric", "gather", "path" or "thesis"; throws Error for any other name.
-EstimatorName estimator_from(const std::string& name);
-std::string name_of(EstimatorName name);
-
-// Samples strewn over the domain and interpolated into texels (thesis 3.4 and 4.4), instead of
-// samples in each texel.
-struct ScatteredBake {
-  SampleSettings samples;  // their seed is the bake's
-  ScatteredSettings filter;
-};
+struct ThesisSettings;
 
 template <int D>
 struct BakeSettings {
@@ -42,10 +30,10 @@ struct BakeSettings {
   int soft_spacing = 1;
   int refine = 0;       // how many times texels are halved where light varies most (refinement.h)
   double exposure = 1;  // radiance times this is a displayed colour, whose differences count there
-  bool both_sides = false;       // the inner side's radiance too, where light can reach it
-  bool surroundings = false;     // the radiance of the surroundings too, per leaf coordinate
-  PhotonMapSettings photon_map;  // of the thesis's estimator
-  std::optional<ScatteredBake> scattered;  // nothing: samples in each texel
+  bool both_sides = false;    // the inner side's radiance too, where light can reach it
+  bool surroundings = false;  // the radiance of the surroundings too, per leaf coordinate
+  // Of the thesis's ways, which rounds know nothing of (thesis/thesis.h). Null: its defaults.
+  std::shared_ptr<const ThesisSettings> thesis;
   // World positions: only the texels that lookups there use. Empty: all. Of the path estimator, as
   // the others look up what other texels hold.
   std::vector<Vec<D>> only_at;

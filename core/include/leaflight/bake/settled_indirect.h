@@ -9,13 +9,14 @@
 namespace leaflight {
 
 // Indirect light at the vertices of a leaf's mesh: that of the bake, corrected by the mean over the
-// neighbours on the mesh of what a few paths find differently. The bake keeps the detail, the paths
-// see which sheet they start on, and their mean may reach far since it varies little. What it
-// differs by no more than noise does is left out (Wiener's filter): a bake that is right stays so.
-// Of a bake's own noise as much is taken away as the paths do not find again.
+// neighbours on the mesh of what a few paths find differently; where vertices are few, each has
+// many. The bake keeps the detail, the paths see which sheet they start on, and their mean may
+// reach far since it varies little. What it differs by no more than noise does is left out
+// (Wiener's filter): a bake that is right stays so. Of a bake's own noise as much is taken away as
+// the paths do not find again.
 class SettledIndirect {
  public:
-  // A pass traces a path at every so many vertices.
+  // A pass traces the paths of every so many vertices.
   static constexpr int passes_per_path = 4;
 
   // normals: unit; baked: radiance, both of the vertices. All but `baked` must outlive this.
@@ -44,12 +45,13 @@ class SettledIndirect {
   MeshSmoother smoother_;
   std::unique_ptr<IndirectEstimator<3>> paths_;
   std::uint64_t seed_;
+  int paths_per_vertex_, smoothing_steps_;
   int pass_ = 0;
   std::vector<std::uint32_t> order_;           // the vertices, neighbours next to each other
   std::vector<Vec<3, float>> baked_, detail_;  // of it: what its neighbours' mean lacks
   std::vector<Vec<3, float>> mean_detail_;
-  std::vector<Vec<3, float>> found_more_;  // what its paths found beyond that, summed
-  std::vector<float> count_;               // paths
+  // Of two halves of a vertex's paths: what they found beyond the bake, summed, and their number.
+  std::vector<std::array<float, 8>> halves_;
 };
 
 }  // namespace leaflight

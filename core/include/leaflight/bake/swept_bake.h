@@ -5,6 +5,8 @@
 
 #include "leaflight/bake/direct_light.h"
 #include "leaflight/bake/indirect_light.h"
+#include "leaflight/bake/kept_light.h"
+#include "leaflight/bake/leaf_error.h"
 #include "leaflight/bake/photon_caches.h"
 #include "leaflight/bake/radiance_grid.h"
 #include "leaflight/bake/surroundings_radiance.h"
@@ -21,42 +23,49 @@ struct SweptTexels {
   std::uint64_t photon_count = 0;
 };
 
-// One volume's bake by sweeps, from nothing to any number of blocks: the passes and what they know
-// of each other's light. What is asked for at any time is a whole bake.
+// One volume's bake by sweeps, from nothing, or from what others have kept, to any number of
+// blocks: the passes and what they know of each other's light. What is asked for at any time is a
+// whole bake.
 template <int D>
 class SweptBake {
  public:
+  // `kept`: of the same texels and settings; null: nothing.
   SweptBake(const SweptVolume<D>& volume, const LightSampler<D>& lights,
             const BakeSettings<D>& settings, const Plan& plan, Progress& progress,
-            std::atomic<std::uint64_t>& rays, SweptTexels<D> texels);
+            std::atomic<std::uint64_t>& rays, SweptTexels<D> texels, const KeptLight<D>* kept);
 
-  // Sweeps more blocks of either light.
-  void add(int direct_blocks, int indirect_blocks);
-  int direct_blocks() const { return direct_.blocks(); }
-  int indirect_blocks() const { return indirect_ ? indirect_->blocks() : 0; }
+  // Sweeps more blocks of either light; after_block, if given, is called between them.
+  void add(int direct_blocks, int indirect_blocks, const std::function<void()>& after_block = {});
+  // Its state, as it is whenever after_block is called. An add() that was interrupted goes on with
+  // one of the blocks that are missing then.
+  void keep(Keeper& keeper);
+  // With those that were kept.
+  int direct_blocks() const { return direct_.blocks() + (kept_ ? kept_->direct_blocks() : 0); }
+  int indirect_blocks() const {
+    return indirect_ ? indirect_->blocks() + (kept_ ? kept_->indirect_blocks() : 0) : 0;
+  }
   // Of a block, in points of lines.
   double direct_cost() const { return direct_.cost(); }
   double indirect_cost() const { return indirect_ ? indirect_->cost() : 0; }
 
   RadianceGrid<D> grid();
-  // Mean squares, over points of the leaves, of the standard errors of the colours that grid()
-  // found.
-  double direct_noise() const { return direct_noise_; }
-  double indirect_noise() const { return indirect_noise_; }
-  // The mean square of what the texels miss of the colours between them, estimated likewise.
-  double texture_error() const { return texture_error_; }
+  // Of what grid() found: noise by the standard errors of the texels, what they miss estimated from
+  // their neighbours.
+  const LeafErrors& errors() const { return errors_; }
 
   SurroundingsRadiance<D> surroundings();
 
  private:
   void trace_photons(const TexelLattice<D>& texels, std::uint64_t count);
+  std::vector<Average> direct_means(bool inner) const;
+  std::vector<Rgb> soft_of_photons(bool inner) const;
   void learn_soft();
   void learn_inner_direct();
   GatheredRadiance<D> gathered() const;
   void finish(std::vector<Average>& direct, std::vector<Average>& indirect);
   double texture_error(const std::vector<Average>& direct, const std::vector<Average>& indirect,
                        std::size_t slot) const;
-  void measure_noise(const std::vector<Average>& direct, const std::vector<Average>& indirect);
+  void measure_errors(const std::vector<Average>& direct, const std::vector<Average>& indirect);
 
   SweptVolume<D> volume_;
   const LightSampler<D>& lights_;
@@ -64,14 +73,18 @@ class SweptBake {
   const Plan& plan_;
   Progress& progress_;
   std::atomic<std::uint64_t>& rays_;
+  const KeptLight<D>* kept_;  // may be null
   SweptLattice<D> texels_;
   DirectLight<D> direct_;
   std::unique_ptr<IndirectLight<D>> indirect_;  // null: nothing reflects
   std::vector<TexelLattice<D>> lattices_;       // of the photons
   PhotonCaches<D> photons_;
-  std::array<std::vector<Rgb>, 2> soft_;  // of white leaves' sides, at the texels of soft light
-  std::vector<Rgb> inner_direct_;         // there too
-  double direct_noise_ = 0, indirect_noise_ = 0, texture_error_ = 0;
+  // Of white leaves' sides, at the texels of soft light, while lines look it up.
+  std::array<std::vector<Rgb>, 2> soft_;
+  std::array<std::vector<Rgb>, 2> kept_soft_;  // what of it was kept
+  std::vector<Rgb> inner_direct_;              // there, too
+  int bounces_ = 0;                            // gathered so far
+  LeafErrors errors_;
 };
 
 }  // namespace leaflight

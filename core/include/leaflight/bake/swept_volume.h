@@ -3,9 +3,8 @@
 
 #include <atomic>
 
-#include "leaflight/bake/leaf_shadows.h"
 #include "leaflight/bake/texel_moments.h"
-#include "leaflight/trace/line_values.h"
+#include "leaflight/trace/line_bundle.h"
 #include "leaflight/trace/scene_tracer.h"
 
 namespace leaflight {
@@ -15,11 +14,17 @@ template <int D>
 struct SweptVolume {
   const SceneTracer<D>& tracer;
   int number;
-  const std::vector<Vec<D, float>>& gradients;  // of c, at the voxels, in the frame
+  const EmptySpace<D>& empty;  // below the window
 
   const Volume<D>& volume() const { return tracer.scene().volumes[number]; }
   IsovalueWindow window() const { return volume().isovalues(tracer.scene().window); }
 };
+
+// The number of the texel nearest to a position in texels.
+template <int D>
+std::size_t nearest_texel(const TexelLattice<D>& lattice, const Vec<D>& position) {
+  return lattice.linear(lattice.nearest_texel(position));
+}
 
 // A lattice whose slots can be looked up once a sample.
 template <int D>
@@ -51,20 +56,26 @@ Affine<D> texels_to_frame(const SweptVolume<D>& volume, const TexelLattice<D>& l
 template <int D>
 bool meshes_near(const SweptVolume<D>& volume, const Vec<D>* point);
 
-// Calls body(local, tracks) for each line of a set, in parallel, with what local() made for some of
-// them. Lines that come to the same texel leave it to one of them, so that no two write to one
-// place.
+// Calls body(local, bundle, number) for bundles of all lines of a set, in parallel, with what
+// local() made for some of them and a number of its own for each bundle, `width` apart. Lines that
+// come to the same texel leave it to one of them, so that no two write to one place.
 template <int D, class Local, class Body>
-void for_each_line(const LineSet<D>& set, Progress& progress, Local local, Body body) {
-  const std::size_t row = set.tracks[0].size();
-  parallel_range(set.lines(), std::clamp<std::size_t>(row, 1, 256), 0, progress,
+void for_each_bundle(const SweptVolume<D>& volume, const TexelLattice<D>& lattice,
+                     const LineSet<D>& set, const Planes<D>& planes, Progress& progress,
+                     Local local, Body body) {
+  constexpr std::size_t width = LineBundle<D>::width;
+  const std::size_t row = (set.tracks[0].size() + width - 1) / width;
+  const std::size_t rows = D == 3 ? set.tracks[D - 2].size() : 1;
+  parallel_range(row * rows, std::clamp<std::size_t>(row, 1, 32), 0, progress,
                  [&](std::size_t begin, std::size_t end) {
+                   LineBundle<D> bundle(volume.volume().field, volume.empty, lattice, set, planes);
                    auto own = local();
                    for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) {
-                     std::array<int, static_cast<std::size_t>(D - 1)> tracks;
-                     tracks[0] = static_cast<int>(i % row);
+                     typename LineBundle<D>::Tracks tracks;
+                     tracks[0] = static_cast<int>(i % row * width);
                      if constexpr (D == 3) tracks[1] = static_cast<int>(i / row);
-                     body(own, tracks);
+                     bundle.follow(tracks);
+                     body(own, bundle, i * width);
                    }
                  });
 }

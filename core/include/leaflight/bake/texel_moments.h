@@ -3,8 +3,9 @@
 
 #include <vector>
 
-#include "leaflight/bake/sample_average.h"
+#include "leaflight/bake/checkpoint.h"
 #include "leaflight/math/parallel.h"
+#include "leaflight/math/sample_average.h"
 
 namespace leaflight {
 
@@ -34,6 +35,14 @@ class TexelMoments {
     parallel_range(sums.size(), 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) blocks_[i].close(sums[i]);
     });
+  }
+  void keep(Keeper& keeper) {
+    const std::size_t texels = sums.size();
+    keeper(sums, texels);
+    keeper(blocks_, texels);
+    if (sums.size() != texels || blocks_.size() != texels) {
+      throw Error("The checkpoint is of another bake; bake the volume anew.");
+    }
   }
   std::vector<Average> averages() const {
     std::vector<Average> result(sums.size());

@@ -67,7 +67,7 @@ int for_each_texel_sample(const SceneTracer<D>& tracer, int volume, bool above,
   constexpr int tries_per_sample = 16;
   // The lookup's interpolation blurs once more, so a texel averages over less than its own box;
   // 0.25 to 0.5 measure alike on smooth surfaces, and less is better on thin shells
-  // (docs/architecture.md).
+  // (docs/experiments.md).
   constexpr double own_half_width = 0.35;
   const Volume<D>& of = tracer.scene().volumes[volume];
   const Field<D>& field = of.field;
@@ -79,7 +79,7 @@ int for_each_texel_sample(const SceneTracer<D>& tracer, int volume, bool above,
     const double c = of.leaf_coordinate(h);
     if (!window.contains(c)) return;
     const SurfacePoint<D> surface = tracer.leaf_point(volume, point, c, above);
-    if (surface.kind == HitKind::none) return;
+    if (surface.kind() == HitKind::none) return;
     visit(surface, visited++);
   };
   for (const double half_width : {own_half_width, 1.0}) {

@@ -3,7 +3,9 @@
 
 #include <memory>
 
+#include "leaflight/field/cell_bounds.h"
 #include "leaflight/field/interval_pyramid.h"
+#include "leaflight/field/voxels.h"
 #include "leaflight/math/affine.h"
 #include "leaflight/math/box.h"
 
@@ -14,7 +16,7 @@ namespace leaflight {
 template <int D>
 struct Field {
   std::shared_ptr<const void> owner;  // keeps the values alive
-  const float* values = nullptr;      // axis 0 fastest
+  Voxels values;
   Index<D> dims{};
   Affine<D> index_to_world;
   Affine<D> world_to_index;
@@ -22,15 +24,23 @@ struct Field {
   float max = 0;
   bool masked = false;
   IntervalPyramid<D> pyramid;
+  std::shared_ptr<CellBoundsOnce<D>> cell_bounds_once;
 
+  const CellBounds<D>& cell_bounds() const {
+    auto& [flag, bounds] = *cell_bounds_once;
+    tbb::collaborative_call_once(
+        flag, [this, &bounds] { bounds = bound_cells<D>(values, dims, min, max); });
+    return bounds;
+  }
   std::size_t offset(const Index<D>& voxel) const { return linear_number<D>(voxel, dims); }
   std::size_t voxels() const { return cell_count<D>(dims); }
+  float value(const Index<D>& voxel) const { return value_at(values, offset(voxel)); }
 };
 
 // Checks the values (at least two voxels along each axis, finite or NaN, not constant) and the
 // transform (invertible), and builds the interval pyramid. `values` must live as long as `owner`.
 template <int D>
-Field<D> make_field(const float* values, const Index<D>& dims, const Affine<D>& index_to_world,
+Field<D> make_field(const Voxels& values, const Index<D>& dims, const Affine<D>& index_to_world,
                     std::shared_ptr<const void> owner);
 
 // A point of the domain: a cell and the coordinates in [0,1]^D within it.
@@ -67,15 +77,16 @@ struct CellCorners {
 template <int D>
 CellCorners<D> load_corners(const Field<D>& field, const Index<D>& cell) {
   CellCorners<D> corners;
-  const float* base = field.values + field.offset(cell);
-  const std::size_t row = field.dims[0];
-  if constexpr (D == 2) {
-    corners.h = {base[0], base[1], base[row], base[row + 1]};
-  } else {
-    const std::size_t slice = row * field.dims[1];
-    corners.h = {base[0],     base[1],         base[row],         base[row + 1],
-                 base[slice], base[slice + 1], base[slice + row], base[slice + row + 1]};
-  }
+  const std::size_t first = field.offset(cell), row = field.dims[0], slice = row * field.dims[1];
+  std::visit(
+      [&](const auto* values) {
+        for (int edge = 0; edge < 1 << (D - 1); ++edge) {
+          const auto* h = values + first + (edge & 1) * row + (edge >> 1) * slice;
+          corners.h[2 * edge] = h[0];
+          corners.h[2 * edge + 1] = h[1];
+        }
+      },
+      field.values);
   return corners;
 }
 
@@ -88,8 +99,13 @@ double interpolate(const CellCorners<D>& corners, const Vec<D>& local);
 template <int D>
 Vec<D> geometric_gradient(const CellCorners<D>& corners, const Vec<D>& local);
 
-// Central differences at the voxels, interpolated: continuous, in index coordinates. Used for the
-// cosine of shading and the normals of meshes.
+// Central differences, in index coordinates; one-sided at the border of the domain and beside
+// masked voxels.
+template <int D>
+Vec<D> voxel_gradient(const Field<D>& field, const Index<D>& voxel);
+
+// The same interpolated between the voxels: continuous. Used for the cosine of shading and the
+// normals of meshes.
 template <int D>
 Vec<D> shading_gradient(const Field<D>& field, const CellPoint<D>& point);
 

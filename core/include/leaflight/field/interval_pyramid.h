@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "leaflight/field/voxels.h"
 #include "leaflight/math/index_range.h"
 
 namespace leaflight {
@@ -34,6 +35,6 @@ struct IntervalPyramid {
 };
 
 template <int D>
-IntervalPyramid<D> build_pyramid(const float* values, const Index<D>& dims);
+IntervalPyramid<D> build_pyramid(const Voxels& values, const Index<D>& dims);
 
 }  // namespace leaflight

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -31,9 +32,31 @@ struct TexelLattice {
   }
   // The cell between texels that holds an index position, clamped to the domain.
   CellPoint<D> cell_point(const Vec<D>& index_position) const;
+  // The texel nearest to a position in texels.
+  Index<D> nearest_texel(const Vec<D>& position) const {
+    Index<D> texel;
+    for (int a = 0; a < D; ++a) {
+      texel[a] = std::clamp(static_cast<int>(position[a] + 0.5), 0, resolution[a] - 1);
+    }
+    return texel;
+  }
   // Slot of the texel nearest to an index position of the field, or inactive.
-  std::int32_t nearest_slot(const Vec<D>& index_position) const;
+  std::int32_t nearest_slot(const Vec<D>& index_position) const {
+    return slot[linear(nearest_texel(index_position / voxels_per_texel))];
+  }
 };
+
+// Of a lattice with texels `width` times as wide, and with texels half as wide.
+template <int D>
+Index<D> coarser_resolution(Index<D> resolution, int width) {
+  for (int& n : resolution) n = std::max(2, (n - 1 + width - 1) / width + 1);
+  return resolution;
+}
+template <int D>
+Index<D> finer_resolution(Index<D> resolution) {
+  for (int& n : resolution) n = 2 * n - 1;
+  return resolution;
+}
 
 // A lattice over a field of the given dimensions of which no texel is active.
 template <int D>
@@ -45,6 +68,11 @@ TexelLattice<D> inactive_lattice(const Index<D>& dims, const Index<D>& resolutio
 template <int D>
 TexelLattice<D> make_lattice(const Field<D>& field, const Index<D>& resolution, double low,
                              double high, const std::vector<bool>* considered = nullptr);
+
+// How many of its texels would be active.
+template <int D>
+std::size_t active_texels(const Field<D>& field, const Index<D>& resolution, double low,
+                          double high);
 
 // Up to 2^D slots around an index position with their (bi-, tri-)linear weights, renormalised over
 // the active texels; all weights are zero if none is active.

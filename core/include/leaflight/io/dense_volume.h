@@ -2,8 +2,8 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
+#include "leaflight/field/voxels.h"
 #include "leaflight/math/affine.h"
 
 namespace leaflight {
@@ -11,7 +11,7 @@ namespace leaflight {
 // A volume as it comes from a file, not yet checked as a field.
 struct DenseVolume {
   Index<3> dims{};
-  std::vector<float> values;  // axis 0 fastest
+  VoxelBuffer values;  // axis 0 fastest
   Affine<3> index_to_world;
   std::string name;
 };

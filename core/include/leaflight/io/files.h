@@ -2,18 +2,16 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
+#include <filesystem>
 #include <string>
 
 namespace leaflight {
 
-// Calls write(temporary path) and renames the result to `path`, so that a crash or an exception
-// never leaves half a file under the final name. Throws Error when the folder cannot be written.
-void write_atomically(const std::string& path,
-                      const std::function<void(const std::string&)>& write);
+// A path as errors call it: UTF-8, but for names that are not.
+std::string text_of(const std::filesystem::path& path);
 
 // Throws Error when there is no readable file at `path`; returns its size in bytes.
-std::uintmax_t require_file(const std::string& path);
+std::uintmax_t require_file(const std::filesystem::path& path);
 
 // The first line of a text from a library or a file, at most 200 characters of ASCII: a damaged
 // file can put anything there.

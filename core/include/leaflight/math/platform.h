@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <system_error>
 
 #ifdef _MSC_VER
 #include <intrin.h>
@@ -13,15 +15,54 @@ namespace leaflight {
 inline int count_ones(std::uint64_t word) {
 #ifdef _MSC_VER
   return static_cast<int>(__popcnt64(word));
+#elif defined(__x86_64__) && !defined(__POPCNT__)
+  // The first of these processors have no instruction for it, so that GCC calls a function: sums of
+  // two, four and eight bits side by side are faster.
+  word -= (word >> 1) & 0x5555555555555555;
+  word = (word & 0x3333333333333333) + ((word >> 2) & 0x3333333333333333);
+  word = (word + (word >> 4)) & 0x0F0F0F0F0F0F0F0F;
+  return static_cast<int>((word * 0x0101010101010101) >> 56);
 #else
   return __builtin_popcountll(word);
+#endif
+}
+
+// The place of the lowest bit that is set; the word is not zero.
+inline int lowest_bit(std::uint64_t word) {
+#ifdef _MSC_VER
+  unsigned long place;
+  _BitScanForward64(&place, word);
+  return static_cast<int>(place);
+#else
+  return __builtin_ctzll(word);
 #endif
 }
 
 // The most memory that this process has held so far, in bytes.
 std::uint64_t peak_memory();
 
-// Of this process, for the names of temporary files.
-long process_number();
+// Holds a folder: of all who ask for it, in this process and in others, one has it, until it is
+// given back or its process ends, however that comes about.
+class FolderHold {
+ public:
+  // wait: until nobody else has it.
+  FolderHold(const std::filesystem::path& folder, bool wait);
+  ~FolderHold();
+  FolderHold(const FolderHold&) = delete;
+  FolderHold& operator=(const FolderHold&) = delete;
+
+  bool held() const { return state_ == State::held; }
+  // Somebody else has it. On file systems that cannot tell it is neither held nor refused.
+  bool refused() const { return state_ == State::refused; }
+
+ private:
+  enum class State { held, refused, unknown };
+  State state_ = State::unknown;
+  std::intptr_t handle_ = -1;
+};
+
+// Returns when a file's content, or the names in a folder, have reached the disk. Of a folder
+// errors count only where something was lost: not every file system writes one through.
+std::error_code write_through(const std::filesystem::path& path);
 
 }  // namespace leaflight

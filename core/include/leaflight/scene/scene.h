@@ -71,6 +71,10 @@ struct Scene {
   IsovalueWindow window;  // of the leaf coordinate
 };
 
+// Whether anything is a mirror or glass.
+template <int D>
+bool has_specular(const Scene<D>& scene);
+
 // Throws Error with one sentence that names the offending object.
 template <int D>
 void validate(const Scene<D>& scene);

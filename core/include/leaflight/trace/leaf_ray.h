@@ -32,4 +32,8 @@ struct LeafHit {
 template <int D>
 std::optional<LeafHit<D>> intersect(const Field<D>& field, const LeafRay<D>& ray);
 
+// Whether there is such a point.
+template <int D>
+bool occluded(const Field<D>& field, const LeafRay<D>& ray);
+
 }  // namespace leaflight

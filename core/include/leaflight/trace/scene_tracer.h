@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <variant>
+
 #include "leaflight/trace/leaf_ray.h"
 #include "leaflight/trace/surroundings.h"
 
@@ -16,23 +18,32 @@ struct Hit {
   SurroundingsHit surroundings;
 };
 
+// Where on a leaf a point is.
+template <int D>
+struct LeafPlace {
+  int volume;
+  CellPoint<D> cell_point;
+  bool above;              // seen from the side of higher values, the inside
+  double gradient_length;  // |grad c| in the frame, the coarea measure dA dc / dV
+};
+
 // A point of a leaf or of the surroundings, seen from one of its sides.
 template <int D>
 struct SurfacePoint {
-  HitKind kind = HitKind::none;
+  // In the order of HitKind.
+  std::variant<std::monostate, LeafPlace<D>, SurroundingsHit> on;
   Scattering scattering = Scattering::diffuse;
-  int volume = 0;                // leaf only
   double c = 0;                  // the leaf coordinate
   Vec<D> position{0.0};          // frame
   Vec<D> geometric_normal{0.0};  // unit, of the traced surface, on the side from which it is seen
   Vec<D> shading_normal{0.0};    // unit, for the cosine; the geometric one on surroundings
   Rgb albedo{0};
   Rgb emission{0};
-  CellPoint<D> cell_point;     // leaf only
-  SurroundingsHit place;       // surroundings only
-  bool above = false;          // leaf only: seen from the side of higher values, the inside
-  double gradient_length = 0;  // leaf only: |grad c| in the frame, the coarea measure dA dc / dV
-  double ior = 1;              // glass only: of the far side against the near one
+  double ior = 1;  // glass only: of the far side against the near one
+
+  HitKind kind() const { return static_cast<HitKind>(on.index()); }
+  const LeafPlace<D>& leaf() const { return std::get<LeafPlace<D>>(on); }
+  const SurroundingsHit& facet() const { return std::get<SurroundingsHit>(on); }
 };
 
 // A position is known to a few units in the last place of single precision; moved this far along

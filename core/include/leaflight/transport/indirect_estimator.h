@@ -9,6 +9,15 @@
 
 namespace leaflight {
 
+// A texel of a side of a volume's leaves.
+template <int D>
+struct LeafTexel {
+  int volume;
+  bool above;
+  Vec<D> centre;  // index position
+  Rgb albedo;
+};
+
 // Answers "which radiance does this point, of a leaf or of the surroundings, reflect of light that
 // has bounced diffusely before?" with one sample; in the terms of thesis Eq. 1.5 soft indirect
 // light, which mirrors and glass may have passed on. Caustics are not part of it, save where the
@@ -23,6 +32,9 @@ class IndirectEstimator {
                                 Random& random, std::uint64_t& rays) const = 0;
   // Whether samples of one point differ.
   virtual bool is_random() const { return true; }
+  // The variance that all samples of a texel have in common, and so do not show: that of the
+  // photons' density, of the mean over the colours. `radiance`: what was found in all.
+  virtual float shared_variance(const LeafTexel<D>&, const Rgb& /*radiance*/) const { return 0; }
 };
 
 // Unbiased: follows the path until Russian roulette ends it, with a shadow ray at each diffuse
@@ -66,5 +78,9 @@ std::unique_ptr<IndirectEstimator<D>> make_gather_estimator(
 template <int D>
 Rgb caustic_radiance(const std::vector<LeafRadiance<D>>& leaves,
                      const SurfaceCache<D>* surroundings, const SurfacePoint<D>& point);
+
+// The variance that all caustics of a texel have in common.
+template <int D>
+float caustic_variance(const std::vector<LeafRadiance<D>>& leaves, const LeafTexel<D>& texel);
 
 }  // namespace leaflight

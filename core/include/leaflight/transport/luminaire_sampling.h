@@ -36,8 +36,9 @@ struct LightSource {
   bool sphere = true;                   // without a normal
   Rgb amount{0};  // irradiance of a surface that faces the source, at distance 1 unless infinite
 
-  // The irradiance of a surface that faces the source, reached by it in a unit direction.
-  Rgb irradiance(const Vec<D>& way, double distance) const;
+  // The irradiance of a surface that faces the source, reached by it in a unit direction, as a
+  // share of the amount.
+  double strength(const Vec<D>& way, double distance) const;
 };
 
 // What every luminaire must answer; lights and positions in the frame, `bounds` about the scene,

@@ -44,7 +44,7 @@ class SurfaceCache {
   std::size_t entry(const SurroundingsHit& hit, const Vec<D>& direction, int node) const;
   // The point's normal faces the side from which it is seen.
   std::size_t entry(const SurfacePoint<D>& point, int node) const {
-    return entry(point.place, -point.geometric_normal, node);
+    return entry(point.facet(), -point.geometric_normal, node);
   }
   Rgb between_nodes(const FluxAccumulator& flux, const SurfacePoint<D>& point) const;
   Rgb density(const FluxAccumulator& flux, std::size_t entry) const;

@@ -22,6 +22,15 @@ def check_size(path, shape, itemsize, stored, most=1):
         )
 
 
+def check_shape(path, shape):
+    """Raises LeaflightError unless a volume has three dimensions, or four with its frames."""
+    if len(shape) not in (3, 4) or min(shape) < 1:
+        raise LeaflightError(
+            f"{path}: the data are {text(shape)}, but a volume needs three dimensions, "
+            "or four, of which one is the frame."
+        )
+
+
 def truncated(path, shape):
     """The error for a file whose data end early or do not decode."""
     return LeaflightError(
@@ -40,25 +49,59 @@ def check_scalar(path, dtype):
         )
 
 
-def choose_frame(path, frame, count):
-    """The frame to read out of count; 4D data demand a choice. Raises LeaflightError."""
-    if frame is None:
+def choose(path, what, chosen, count):
+    """Which of `count` frames or channels to read; several demand a choice. Raises LeaflightError.
+
+    what: "frame" or "channel", the name of the option.
+    """
+    if count == 1:
+        if chosen not in (None, 0):
+            raise SettingError(
+                f"{path}: the data are 3D and have no {what} {chosen}; choose none.", what
+            )
+        return 0
+    if chosen is None:
         raise SettingError(
-            f"{path}: the data are 4D with {count} frames; choose one of 0..{count - 1}.", "frame"
+            f"{path}: the data are 4D with {count} {what}s; choose one of 0..{count - 1}.", what
         )
-    if not 0 <= frame < count:
+    if not 0 <= chosen < count:
         raise SettingError(
-            f"{path}: there is no frame {frame}; choose one of 0..{count - 1}.", "frame"
+            f"{path}: there is no {what} {chosen}; choose one of 0..{count - 1}.", what
         )
-    return int(frame)
+    return int(chosen)
 
 
-def no_frame(path, frame):
-    """Raises LeaflightError when a frame was chosen of 3D data; frame 0 is what there is."""
-    if frame not in (None, 0):
+def choose_named(path, names, chosen):
+    """The name of the dataset to read, None where several demand a choice. Raises LeaflightError.
+
+    names: what the file holds.
+    """
+    if not names:
+        raise LeaflightError(f"{path}: it holds no volume of real numbers with three dimensions.")
+    if chosen is None:
+        return names[0] if len(names) == 1 else None
+    if chosen not in names:
         raise SettingError(
-            f"{path}: the data are 3D and have no frame {frame}; choose none.", "frame"
+            f"{path}: there is no volume {chosen!r} in it; choose one of {listed(names)}.",
+            "dataset",
         )
+    return chosen
+
+
+def undecided(path, names):
+    """A load() for files of several volumes none of which was chosen: it asks for a choice."""
+
+    def load(_frame, _channel, _progress):
+        raise SettingError(
+            f"{path}: it holds {len(names)} volumes; choose one of {listed(names)}.", "dataset"
+        )
+
+    return load
+
+
+def listed(names, most=8):
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(str(name) for name in names[:most]) + more
 
 
 def index_to_world(path, spacing):
@@ -71,11 +114,12 @@ def index_to_world(path, spacing):
     return np.diag([*np.broadcast_to(sizes, 3), 1.0])
 
 
-def to_float32(values):
-    """Values (nz, ny, nx) as float32 with x fastest; copies only when it must."""
-    # float64 values beyond the range of float32 become infinite, which Field refuses by itself.
-    with np.errstate(over="ignore"):
-        return np.ascontiguousarray(values, dtype=np.float32)
+def check_matrix(path, matrix):
+    """Raises LeaflightError unless it places the voxels in space."""
+    if not np.isfinite(matrix).all() or abs(np.linalg.det(matrix[:3, :3])) == 0:
+        raise LeaflightError(
+            f"{path}: the header places the voxels nowhere in space; repair its spacing and axes."
+        )
 
 
 def text(shape):

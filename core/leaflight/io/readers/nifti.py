@@ -6,29 +6,28 @@ from contextlib import contextmanager
 
 import nibabel
 import numpy as np
+from nibabel.arrayproxy import ArrayProxy
 
 from ..._core import LeaflightError
 from ...volume.volume import Volume
-from .checks import (
-    DEFLATE_MOST,
-    check_scalar,
-    check_size,
-    choose_frame,
-    no_frame,
-    text,
-    to_float32,
-    truncated,
-)
+from .checks import DEFLATE_MOST, check_scalar, check_shape, check_size, truncated
+from .stored import StoredVolume, lengths, unit_of
+from .watched import open_watched
 
 
-def read(path, frame=None):
-    """Reads the scaled values and the affine (sform, else qform), whichever way it may mirror."""
+def open_volume(path):
+    """The values and the affine (sform, else qform), whichever way it may mirror.
+
+    Values that the header scales become float32.
+    """
     try:
         with _quiet_nibabel():
-            image = nibabel.load(path)
+            # A mapped file might change behind our back.
+            image = nibabel.load(path, mmap=False)
         affine = np.array(image.affine, dtype=np.float64)
         proxy = image.dataobj
         shape, dtype = image.shape, image.get_data_dtype()
+        unit = unit_of(image.header.get_xyzt_units()[0])
     except (
         nibabel.filebasedimages.ImageFileError,
         nibabel.spatialimages.HeaderDataError,
@@ -45,11 +44,7 @@ def read(path, frame=None):
 
     while len(shape) > 3 and shape[-1] == 1:
         shape = shape[:-1]
-    if len(shape) not in (3, 4) or min(shape) < 1:
-        raise LeaflightError(
-            f"{path}: the data are {text(shape)}, but a volume needs three dimensions, "
-            "or four, of which one is the frame."
-        )
+    check_shape(path, shape)
     check_scalar(path, dtype)
     if not np.isfinite(affine).all():
         raise LeaflightError(f"{path}: the affine in the header is not finite; repair the header.")
@@ -57,21 +52,38 @@ def read(path, frame=None):
     if path.suffix.lower() != ".gz":
         stored, most = max(0, stored - int(proxy.offset)), 1
     check_size(path, shape, dtype.itemsize, stored, most)
-
-    if len(shape) == 4:
-        last = (0,) * (len(image.shape) - 4)
-        index = (slice(None),) * 3 + (choose_frame(path, frame, shape[3]),) + last
-    else:
-        no_frame(path, frame)
-        index = (slice(None),) * 3 + (0,) * (len(image.shape) - 3)
-    try:
-        # Without a frame to cut out, nibabel scales in float32 rather than float64.
-        whole = len(image.shape) == 3
-        values = np.asarray(proxy, dtype=np.float32) if whole else proxy[index]
-    except (EOFError, OSError, ValueError, zlib.error):
-        raise truncated(path, shape) from None
     name = path.name[: path.name.lower().rindex(".nii")]
-    return Volume(to_float32(values.T), affine, name, str(path))
+    layout = (image.shape, dtype, proxy.offset, proxy.slope, proxy.inter)
+    scaled = (proxy.slope, proxy.inter) != (1, 0)
+
+    def load(frame, _channel, progress):
+        index = (slice(None),) * 3
+        if len(shape) == 4:
+            index += (frame,)
+        index += (0,) * (len(image.shape) - len(index))
+        try:
+            with open_watched(path, progress) as file:
+                stored = ArrayProxy(file, layout, mmap=False)
+                # Without a frame to cut out, nibabel scales in float32 rather than float64.
+                if len(image.shape) == 3 and scaled:
+                    values = np.asarray(stored, dtype=np.float32)
+                else:
+                    values = stored[index]
+        except (EOFError, OSError, ValueError, zlib.error):
+            raise truncated(path, shape) from None
+        return Volume(values.T, affine, name)
+
+    return StoredVolume(
+        dims=tuple(shape[:3]),
+        dtype=np.dtype(np.float32) if scaled else dtype,
+        load=load,
+        voxel_size=lengths(affine),
+        # Where the header does not say, it is what the format was made for.
+        unit=unit or "mm",
+        frames=shape[3] if len(shape) == 4 else 1,
+        # By the format's rule.
+        patient=True,
+    )
 
 
 @contextmanager

@@ -5,14 +5,15 @@ import numpy as np
 
 from ...volume.setting_error import SettingError
 from ...volume.volume import Volume
-from .checks import index_to_world, text, to_float32
+from .checks import index_to_world, text
+from .stored import StoredVolume, lengths
 
 TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")
 ENDIANS = {"little": "<", "big": ">"}
 
 
-def read(path, dims=None, type=None, endian="little", spacing=1.0):
-    """Reads x-fastest values; the file must hold exactly dims (nx, ny, nz) of them."""
+def open_volume(path, dims=None, type=None, endian="little", spacing=1.0):
+    """x-fastest values; the file must hold exactly dims (nx, ny, nz) of them."""
     if dims is None or type is None:
         raise SettingError(
             f"{path}: a .raw file does not tell its layout; give its dimensions and the type of "
@@ -43,5 +44,9 @@ def read(path, dims=None, type=None, endian="little", spacing=1.0):
             "type",
         )
     matrix = index_to_world(path, spacing)
-    values = np.fromfile(path, dtype=dtype)
-    return Volume(to_float32(values.reshape(nz, ny, nx)), matrix, path.stem, str(path))
+
+    def load(_frame, _channel, _progress):
+        values = np.memmap(path, dtype, "r", shape=(nz, ny, nx))
+        return Volume(values, matrix, path.stem)
+
+    return StoredVolume((nx, ny, nz), dtype, load, lengths(matrix))

@@ -9,18 +9,11 @@ from math import prod
 import numpy as np
 import tifffile
 
-from ..._core import LeaflightError
+from ..._core import Cancelled, LeaflightError
 from ...volume.volume import Volume
-from .checks import (
-    check_scalar,
-    check_size,
-    choose_frame,
-    index_to_world,
-    no_frame,
-    text,
-    to_float32,
-    truncated,
-)
+from .checks import check_scalar, check_size, index_to_world, text, truncated
+from .stored import StoredVolume, lengths, unit_of
+from .watched import open_watched, watched
 
 # No compression of TIFF that is decoded here expands more: 12-bit LZW makes 4 KB of 12 bits.
 LZW_MOST = 4096
@@ -36,70 +29,113 @@ MICROMETRES = {
 }
 
 
-def read(path, frame=None, spacing=None):
-    """Reads a stack or a folder of slices.
+def open_volume(path, spacing=None):
+    """A stack or a folder of slices.
 
     The size of a voxel comes from spacing, else from ImageJ metadata (in their own unit) or OME
     metadata (in micrometres), else it is 1. A time or channel axis without a depth is the depth.
     """
     if path.is_dir():
-        values, found = _read_folder(path, frame), None
-    else:
-        values, found = _read_stack(path, frame)
-    matrix = index_to_world(path, spacing if spacing is not None else found or 1.0)
-    return Volume(values, matrix, path.stem, str(path))
+        return _open_folder(path, spacing)
+    return _open_stack(path, spacing)
 
 
-def _read_stack(path, frame):
+def _open_stack(path, spacing):
     with opened(path) as file:
         series = file.series[0]
-        shape, axes = series.shape, series.axes
         _check_pages(path, file, series)
-        kept = [i for i, n in enumerate(shape) if n > 1]
-        shape, axes = [shape[i] for i in kept], "".join(axes[i] for i in kept)
-        if len(shape) == 4:
-            # Channels and time may be at any place; without such a name, frames are the first axis.
-            at = next((i for i, axis in enumerate(axes) if axis in "TC"), 0)
-            frame = choose_frame(path, frame, shape[at])
-        elif len(shape) != 3:
-            raise LeaflightError(
-                f"{path}: the data are {text(shape)}, but a volume needs three dimensions, "
-                "or four, of which one is the frame."
-            )
-        else:
-            no_frame(path, frame)
-        values = series.asarray().squeeze()
-        if len(shape) == 4:
-            values = np.take(values, frame, axis=at)
-        return to_float32(values), _voxel_size(file)
+        axes = [(axis, n) for axis, n in zip(series.axes, series.shape) if n > 1]
+        dtype, (found, unit) = series.dtype, _voxel_size(file)
+    chosen = _choices(path, axes)
+    frames, channels = (chosen[kind][1] if kind in chosen else 1 for kind in ("T", "C"))
+    matrix = index_to_world(path, spacing if spacing is not None else found or 1.0)
+    places = {place for place, _ in chosen.values()}
+    dims = tuple(n for place, (_, n) in enumerate(axes) if place not in places)[::-1]
+
+    def load(frame, channel, progress):
+        index = [slice(None)] * len(axes)
+        for kind, (place, _) in chosen.items():
+            index[place] = frame if kind == "T" else channel
+        with open_watched(path, progress) as source, opened(path, source) as file:
+            return Volume(_part(file, tuple(index)), matrix, path.stem)
+
+    return StoredVolume(dims, dtype, load, lengths(matrix), unit, frames, channels)
 
 
-def _read_folder(path, frame):
-    no_frame(path, frame)
+def _choices(path, axes):
+    """{"T" or "C": (place among the axes, how many)} of those axes that are not of space."""
+    names = [axis for axis, _ in axes]
+    shape = [n for _, n in axes]
+    chosen = {}
+    if len(axes) > 3:
+        for kind in "TC":
+            if kind in names:
+                chosen[kind] = names.index(kind), shape[names.index(kind)]
+        # Without such a name, frames are the first axis.
+        if not chosen:
+            chosen["T"] = 0, shape[0]
+        # A time without a depth is one.
+        if len(axes) - len(chosen) == 2:
+            chosen.pop("T")
+    if len(axes) - len(chosen) != 3:
+        raise LeaflightError(
+            f"{path}: the data are {text(shape)}, but a volume needs three dimensions, "
+            "or four, of which one is the frame."
+        )
+    return chosen
+
+
+def _part(file, index):
+    """What stands at an index of the axes that are longer than 1; other pages stay unread."""
+    series = file.series[0]
+    shape = tuple(n for n in series.shape if n > 1)
+    planes = np.arange(prod(shape[:-2])).reshape(shape[:-2])[index[:-2]]
+    one_by_one = series.dataoffset is None and len(series.pages) == prod(shape[:-2])
+    if not one_by_one or planes.size == prod(shape[:-2]) or index[-2:] != (slice(None),) * 2:
+        return series.asarray().reshape(shape)[index]
+    values = file.asarray(key=planes.ravel().tolist(), series=0)
+    return values.reshape(*planes.shape, *shape[-2:])
+
+
+def _open_folder(path, spacing):
     slices = [p for p in path.iterdir() if p.suffix.lower() in (".tif", ".tiff") and p.is_file()]
-    if not slices:
-        raise LeaflightError(f"{path}: this folder holds no .tif or .tiff files.")
     slices.sort(key=lambda p: [int(s) if s.isdigit() else s for s in re.split(r"(\d+)", p.name)])
-    values = None
-    for k, slice_path in enumerate(slices):
-        with opened(slice_path) as file:
-            series = file.series[0]
-            _check_pages(slice_path, file, series)
-            image = series.asarray().squeeze()
-        if image.ndim != 2 or (values is not None and image.shape != values.shape[1:]):
-            raise LeaflightError(
-                f"{slice_path}: the slice is {text(image.shape)}, but every slice of the folder "
-                "must be one plane of the same size."
-            )
-        if values is None:
-            values = np.empty((len(slices), *image.shape), dtype=np.float32)
-        values[k] = image
-    return values
+    first = _slice(slices[0])
+    matrix = index_to_world(path, spacing if spacing is not None else 1.0)
+
+    def load(_frame, _channel, progress):
+        planes = [_slice(slice_path) for slice_path in watched(progress, slices)]
+        for image, slice_path in zip(planes, slices):
+            if image.shape != first.shape:
+                raise LeaflightError(
+                    f"{slice_path}: the slice is {text(image.shape)}, but every slice of the "
+                    f"folder must be one plane of the same size, {text(first.shape)}."
+                )
+        return Volume(np.stack(planes), matrix, path.stem)
+
+    dims = (*first.shape[::-1], len(slices))
+    return StoredVolume(dims, first.dtype, load, lengths(matrix))
+
+
+def _slice(path):
+    with opened(path) as file:
+        series = file.series[0]
+        _check_pages(path, file, series)
+        image = series.asarray().squeeze()
+    if image.ndim != 2:
+        raise LeaflightError(
+            f"{path}: the slice is {text(image.shape)}, but every slice of the folder must be one "
+            "plane of the same size."
+        )
+    return image
 
 
 @contextmanager
-def opened(path):
-    """The open TiffFile; damage that tifffile raises or logs is a LeaflightError."""
+def opened(path, source=None):
+    """The open TiffFile of a path, read through `source` where that is open already.
+
+    Damage that tifffile raises or logs is a LeaflightError.
+    """
     damage = LeaflightError(
         f"{path}: this is not a readable TIFF file, or it is truncated or damaged; fetch it again."
     )
@@ -108,7 +144,7 @@ def opened(path):
     log.addHandler(complaints)
     propagate, log.propagate = log.propagate, False
     try:
-        with tifffile.TiffFile(path) as file:
+        with tifffile.TiffFile(source or path) as file:
             if not file.pages or not file.series:
                 raise damage
             yield file
@@ -118,7 +154,7 @@ def opened(path):
         if complaints.damage:
             raise damage from None
         raise
-    except (MemoryError, OSError):
+    except (Cancelled, MemoryError, OSError):
         raise
     except Exception as error:
         # On damaged files tifffile fails with whatever comes first, from KeyError to a failed
@@ -172,7 +208,8 @@ def _check_pages(path, file, series):
 
 
 def _voxel_size(file):
-    """(x, y, z) from ImageJ's or OME's metadata, or None."""
+    """((x, y, z) from ImageJ's or OME's metadata or None, the key of its unit in METERS)."""
+    unit = ""
     if file.is_ome:
         try:
             images = tifffile.xml2dict(file.ome_metadata)["OME"]["Image"]
@@ -183,7 +220,8 @@ def _voxel_size(file):
                 for axis in "XYZ"
             ]
         except (KeyError, TypeError):
-            return None
+            return None, ""
+        unit = "µm"
     elif file.is_imagej:
         tags = file.pages[0].tags
         try:
@@ -191,7 +229,8 @@ def _voxel_size(file):
             sizes = [below / above for above, below in resolutions]
             sizes.append(float(file.imagej_metadata["spacing"]))
         except (KeyError, TypeError, ValueError, ZeroDivisionError):
-            return None
+            return None, ""
+        unit = unit_of(file.imagej_metadata.get("unit"))
     else:
-        return None
-    return sizes if all(0 < size < float("inf") for size in sizes) else None
+        return None, ""
+    return (sizes, unit) if all(0 < size < float("inf") for size in sizes) else (None, "")

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bake All Frames: one bake for each frame of a volume that changes over time."""
+
+import bpy
+
+from .. import versions
+from ..operators import background, checks
+from ..show import isovalues
+from . import bake, stopped
+
+
+class LEAFLIGHT_OT_bake_frames(background.BackgroundOperator, bpy.types.Operator):
+    bl_idname = "leaflight.bake_frames"
+    bl_label = "Bake All Frames"
+    bl_description = (
+        "Bake every frame of the volume, one after the other, each in the scene as it is when the "
+        "animation shows that frame. Esc ends it; the frames that are done stay"
+    )
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if not (cls.is_free() and stopped.is_decided(cls) and checks.has_volume(cls, context)):
+            return False
+        if context.object.leaflight.frames < 2:
+            cls.poll_message_set("The file of this volume holds one frame")
+            return False
+        return True
+
+    def start(self, context):
+        self._name, self._scene_frame = context.object.name, context.scene.frame_current
+        self._steps = self._each_frame(context.scene)
+        next(self._steps)
+        return bake.BakeJob(context, context.object)
+
+    def next_job(self, context):
+        obj = context.scene.objects.get(self._name)
+        if obj is None or next(self._steps, None) is None:
+            context.scene.frame_set(self._scene_frame)
+            return None
+        return bake.BakeJob(context, obj)
+
+    def _each_frame(self, scene):
+        """Shows each frame of the volume once, and yields its number."""
+        obj = scene.objects[self._name]
+        frames = obj.leaflight.frames
+        if not versions.is_animated(obj, isovalues.FRAME_PATH):
+            for frame in range(frames):
+                scene.objects[self._name].leaflight.shown_frame = frame
+                yield frame
+            return
+        done = set()
+        for scene_frame in range(scene.frame_start, scene.frame_end + 1):
+            scene.frame_set(scene_frame)
+            frame = scene.objects[self._name].leaflight.frame
+            if frame not in done:
+                done.add(frame)
+                yield frame
+            if len(done) == frames:
+                return
+
+
+def register():
+    bpy.utils.register_class(LEAFLIGHT_OT_bake_frames)
+
+
+def unregister():
+    bpy.utils.unregister_class(LEAFLIGHT_OT_bake_frames)

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Continue: go on with the bake that lights a volume, to a smaller error or for longer."""
+
+import bpy
+import leaflight
+
+from ..operators import background, checks
+from ..stage import staleness
+from ..store import cache, preferences
+from . import bake, stopped
+
+
+class ContinueJob(bake.BakeJob):
+    """A bake that goes on where the one of an object ended, with its present error and time."""
+
+    def __init__(self, context, obj, resume=False):
+        """Raises LeaflightError when the bake is not found, or as BakeJob does."""
+        super().__init__(context, obj, resume)
+        self._kept = cache.bake_of(obj)
+        self._seconds_before = self._kept.statistics["seconds"]
+        settings = obj.leaflight
+        self._arguments = {
+            "error": settings.error,
+            "time": bake.time_limit(settings),
+            "threads": preferences.threads(),
+        }
+
+    def _recipe(self, obj):
+        return {"kept": obj.leaflight.bake_id}
+
+    def _light(self, **how):
+        arguments = {**self._arguments, "checkpoint": self.checkpoint}
+        return leaflight.resume(self._kept, **arguments, **how)
+
+
+class LEAFLIGHT_OT_continue_bake(background.BackgroundOperator, bpy.types.Operator):
+    bl_idname = "leaflight.continue_bake"
+    bl_label = "Continue"
+    bl_description = (
+        "Go on with the bake that lights the volume, until its error is the present one or the "
+        "time is over. Esc stops it: what there is then may be kept"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if not (cls.is_free() and stopped.is_decided(cls) and checks.has_bake(cls, context)):
+            return False
+        if not can_continue(context.object):
+            cls.poll_message_set("Only a bake that goes by its error can be continued")
+            return False
+        change = staleness.known_change(context.object)
+        if change:
+            cls.poll_message_set(change)
+        return not change
+
+    def start(self, context):
+        change = staleness.change_since_bake(context, context.object)
+        if change:
+            raise leaflight.LeaflightError(f"{change}.")
+        return ContinueJob(context, context.object)
+
+
+def can_continue(obj):
+    """Whether the bake that lights an object went by its error."""
+    return bool(obj.leaflight.bake_outcome)
+
+
+def register():
+    bpy.utils.register_class(LEAFLIGHT_OT_continue_bake)
+
+
+def unregister():
+    bpy.utils.unregister_class(LEAFLIGHT_OT_continue_bake)

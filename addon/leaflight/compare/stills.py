@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The stills of a comparison: baked, path-traced by Cycles, and by local shading.
+
+Baked and path-traced stills go through Cycles with the same walls and lights; only the leaf's
+material differs. In the baked still it emits the baked radiance, which is all the light that leaves
+it, and reflects nothing: a path from the camera or from a wall that meets the leaf ends there with
+the answer the bake has stored. So the leaf's light reaches the walls exactly once, the walls look
+right, and a diffuse leaf's pixels have no noise: what differs there is the error of the bake plus
+the noise of Cycles. A mirror or glass shows its surroundings by paths, with noise in both stills.
+So that of each is measured as well, from two halves of its samples.
+
+Local shading is what viewers of isosurfaces show, the thesis's local illumination: the lamps upon
+the surface, without shadows and without light from one surface to another.
+"""
+
+import contextlib
+import time
+
+import bpy
+import leaflight
+import numpy as np
+
+from .. import versions
+from ..show import added, fill, isosurface, isovalues, surface_material, surface_object
+from ..stage import scene_export
+from . import render
+from .figures import mean_off, rms_percent
+
+LeaflightError = leaflight.LeaflightError
+
+_MASK_SAMPLES = 16
+_LOCAL_SAMPLES = 64
+
+
+def compare(context, leaf, samples, baked_samples, share=1.0, tell=None):
+    """Renders the stills of the current frame, at a share of the scene's resolution.
+
+    tell(done, part, name): called before each render with the share of the work that is done, the
+    share that the render is, and what it renders.
+    Returns a dict: images baked, cycles, local, difference (height, width, 3) in linear radiance
+    and coverage (height, width), the share of each pixel that the leaf fills; leaf_rms_percent
+    over the pixels that the leaf fills and image_rms_percent over all (thesis Eq. 4.11 corrected:
+    colors times exposure, clamped to 0..1); leaf_noise_percent, what the noise of both stills
+    adds to the former; leaf_mean_off_percent, how much more radiance the leaf's pixels have than
+    in Cycles, nothing clamped, and leaf_mean_off_within, half of its interval of 95 %;
+    local_rms_percent, of local shading against Cycles over the leaf's pixels; baked_seconds,
+    cycles_seconds, local_seconds, of the renders, and bake_seconds, of the bake. Raises
+    LeaflightError.
+    """
+    scene = context.scene
+    isovalue = leaf.evaluated_get(context.evaluated_depsgraph_get()).leaflight.isovalue
+    check_lit(leaf, isovalue)
+    tell = _Teller(tell, 2 * (baked_samples // 2 + samples // 2) + _MASK_SAMPLES + _LOCAL_SAMPLES)
+    percentage = max(1, round(share * scene.render.resolution_percentage))
+    with _volumes_alone(scene), render.overridden(scene.render, resolution_percentage=percentage):
+        baked_halves, baked_seconds = _halves(scene, baked_samples, tell, "Baked")
+        with _seen_alone(context, leaf):
+            tell(_MASK_SAMPLES, "Where the isosurface is")
+            mask = render.cycles_still(scene, _MASK_SAMPLES, seed=0, transparent=True)
+        with _path_traced(context, leaf):
+            local, local_seconds = _local(context, tell)
+            cycles_halves, cycles_seconds = _halves(scene, samples, tell, "Cycles")
+
+    exposure = 2.0**scene.view_settings.exposure
+    coverage = mask[..., 3]
+    filled = coverage > 0.999
+    baked, cycles = (0.5 * (a + b) for a, b in (baked_halves, cycles_halves))
+    noise = [0.5 * rms_percent(*each, exposure, filled) for each in (baked_halves, cycles_halves)]
+    everywhere = np.ones_like(filled)
+    return {
+        "baked": baked,
+        "cycles": cycles,
+        "local": local,
+        "difference": baked - cycles,
+        "coverage": coverage,
+        "isovalue": isovalue,
+        "samples": samples,
+        "exposure": exposure,
+        "leaf_pixels": int(filled.sum()),
+        "leaf_rms_percent": rms_percent(baked, cycles, exposure, filled),
+        "leaf_noise_percent": float(np.hypot(*noise)),
+        **mean_off(baked_halves, cycles_halves, filled),
+        "image_rms_percent": rms_percent(baked, cycles, exposure, everywhere),
+        "local_rms_percent": rms_percent(local, cycles, exposure, filled),
+        "bake_seconds": leaf.leaflight.bake_seconds,
+        "baked_seconds": baked_seconds,
+        "cycles_seconds": cycles_seconds,
+        "local_seconds": local_seconds,
+    }
+
+
+class _Teller:
+    """Counts samples, of which there are `total`, for a function that wants shares."""
+
+    def __init__(self, tell, total):
+        self._tell, self._total, self._done = tell, total, 0
+
+    def __call__(self, samples, name):
+        if self._tell is not None:
+            self._tell(self._done / self._total, samples / self._total, name)
+        self._done += samples
+
+
+def _halves(scene, samples, tell, name):
+    """(two stills of half of the samples each, by different random numbers, their seconds)."""
+    start, halves = time.perf_counter(), []
+    for seed in (1, 2):
+        tell(samples // 2, name)
+        halves.append(render.cycles_still(scene, samples // 2, seed)[..., :3])
+    return halves, time.perf_counter() - start
+
+
+def _local(context, tell):
+    """(the still of local shading, its seconds)."""
+    tell(_LOCAL_SAMPLES, "Local shading")
+    start = time.perf_counter()
+    with contextlib.ExitStack() as stack:
+        for obj in context.view_layer.objects:
+            stack.enter_context(render.overridden(obj, visible_shadow=False))
+        still = render.cycles_still(context.scene, _LOCAL_SAMPLES, seed=0, max_bounces=0)
+    return still[..., :3], time.perf_counter() - start
+
+
+def check_lit(leaf, isovalue):
+    settings = leaf.leaflight
+    low, high = isovalues.window(settings)
+    if not low <= isovalue <= high:
+        raise LeaflightError(
+            f"Isovalue {isovalue:g} lies outside the baked window {low:g} to {high:g}: choose one "
+            "inside, or bake with a wider window."
+        )
+    if settings.leaf_scattering != "DIFFUSE":
+        if not settings.bake_surroundings:
+            raise LeaflightError(
+                f'"{leaf.name}" is a mirror or glass, which only shows its surroundings: bake with '
+                "Light the Surroundings, or select a diffuse volume."
+            )
+    elif not isosurface.is_lit(leaf, isovalue):
+        raise LeaflightError(
+            f'"{leaf.name}" is capped otherwise than in its bake, so it is not lit: bake again.'
+        )
+
+
+@contextlib.contextmanager
+def _volumes_alone(scene):
+    """Each volume with its own isosurface alone, whole and opaque, as the bake has it."""
+    with contextlib.ExitStack() as stack:
+        for obj in isovalues.isosurfaces(scene):
+            stack.enter_context(render.overridden(obj.leaflight_look, opacity=1.0, is_cut=False))
+            if added.is_added(obj):
+                stack.enter_context(render.overridden(obj, hide_render=True))
+        yield
+
+
+@contextlib.contextmanager
+def _path_traced(context, leaf):
+    """All that was baked as it is: surroundings and volumes with materials of their own."""
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(render.overridden(context.scene.leaflight, show_walls=False))
+        for obj in scene_export.volume_objects(context, leaf):
+            stack.enter_context(_own_material(context, obj))
+        yield
+
+
+@contextlib.contextmanager
+def _own_material(context, leaf):
+    """The same mesh with the leaf's own material and the normals that the bake shades with."""
+    isovalue = surface_object.shown_isovalue(leaf)
+    vertices, normals, triangles = isosurface.isosurface_of(leaf, isovalue).mesh()
+    shown = leaf.data
+    mesh = bpy.data.meshes.new("Leaflight Comparison")
+    try:
+        fill.fill(mesh, vertices, triangles, {})
+        versions.set_normals(mesh, normals)
+        mesh.materials.append(surface_material.leaf_material(leaf, isovalue))
+        surface_object.mark_shown(mesh, shown)
+        leaf.data = mesh
+        context.view_layer.update()
+        yield
+    finally:
+        leaf.data = shown
+        bpy.data.meshes.remove(mesh)
+
+
+@contextlib.contextmanager
+def _seen_alone(context, leaf):
+    """Everything else becomes a hole, so that alpha is the share of a pixel that the leaf fills."""
+    others = [obj for obj in context.view_layer.objects if obj != leaf]
+    with contextlib.ExitStack() as stack:
+        for obj in others:
+            stack.enter_context(render.overridden(obj, is_holdout=True))
+        yield

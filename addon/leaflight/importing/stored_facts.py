@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the file dialog tells of a volume before it is read, from its header alone."""
+
+import os
+from pathlib import Path
+
+import leaflight
+from leaflight.io import readers
+
+from ..store import source_files
+from ..translations import iface_
+
+LeaflightError = leaflight.LeaflightError
+
+# Above so many voxels a volume is halved unless told otherwise: 512^3.
+MOST_VOXELS = 1 << 27
+
+RESOLUTION_ITEMS = [
+    (
+        "AUTO",
+        "By Size",
+        "Every voxel of volumes up to 512^3, means of 2, 4 or 8 along each axis of larger ones",
+    ),
+    ("FULL", "Full", "Every voxel"),
+    ("HALF", "Half", "The mean of two voxels along each axis: an eighth of the memory"),
+    ("QUARTER", "Quarter", "The mean of four voxels along each axis: a 64th of the memory"),
+]
+_STEPS = {"FULL": 1, "HALF": 2, "QUARTER": 4}
+
+# Choices that the header has no need of.
+_NOT_ASKED = {"frame", "channel", "downsample"}
+
+# (path, state of the file, choices) -> StoredVolume or a sentence, of the last file looked at.
+_last = {}
+
+
+def look(path, choices):
+    """(StoredVolume, "") of a file, or (None, why there is none). Reads a file once."""
+    try:
+        state = os.stat(path)
+        where = sorted((name, choices[name]) for name in choices.keys() - _NOT_ASKED)
+        key = (path, state.st_mtime_ns, state.st_size, tuple(where))
+    except OSError:
+        return None, ""
+    if key not in _last:
+        _last.clear()
+        _last[key] = _look(path, choices)
+    return _last[key]
+
+
+def _look(path, choices):
+    try:
+        if Path(path).is_dir() and not _may_be_volume(path):
+            return None, ""
+        return source_files.probe(path, **choices), ""
+    except LeaflightError as error:
+        # The dialog shows the path itself.
+        return None, str(error).removeprefix(f"{path}: ")
+
+
+def _may_be_volume(path):
+    """Whether a folder that the user walks through is one volume."""
+    try:
+        readers.format_of(path)
+    except LeaflightError:
+        return False
+    return True
+
+
+def step_of(resolution, stored):
+    """How many voxels along each axis make one."""
+    if resolution != "AUTO":
+        return _STEPS[resolution]
+    step = 1
+    if stored is not None and stored.dims is not None:
+        voxels = stored.dims[0] * stored.dims[1] * stored.dims[2]
+        while voxels / step**3 > MOST_VOXELS and step < 8:
+            step *= 2
+    return step
+
+
+def lines(path, stored, step):
+    """What to tell of a file, a line for each thing."""
+    told = [readers.format_of(path).name]
+    if stored.dims is not None:
+        told.append(iface_("%s voxels, %s") % (_by(stored.dims), stored.dtype.name))
+        if stored.voxel_size is not None:
+            told.append(_extent(stored))
+        if step > 1:
+            told.append(iface_("Read as %s voxels") % _by(n // step for n in stored.dims))
+        told.append(iface_("Memory: %s") % _megabytes(stored.bytes(step)))
+    return told
+
+
+def _extent(stored):
+    """The size in space, without a unit where the file gives none."""
+    sides = (max(n - 1, 1) * size for n, size in zip(stored.dims, stored.voxel_size))
+    return f"{' x '.join(f'{side:.4g}' for side in sides)} {stored.unit or iface_('(no unit)')}"
+
+
+def _by(numbers):
+    return " x ".join(str(number) for number in numbers)
+
+
+def _megabytes(count):
+    return f"{count / 1e9:.1f} GB" if count >= 1e9 else f"{max(count / 1e6, 0.1):.1f} MB"

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Messages of the interface in other languages, one a file: plain data."""

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""German, of what one meets on the way from a file to a lit isosurface."""
+
+MESSAGES = {
+    # File > Import, and the file dialog.
+    "Import Volume": "Volumen importieren",
+    "Volume for Leaflight": "Volumen für Leaflight",
+    "Image for Leaflight (Flatland)": "Bild für Leaflight (Flachland)",
+    "Example for Leaflight": "Beispiel für Leaflight",
+    "Open Example": "Beispiel öffnen",
+    "Read a scalar volume and show one of its isosurfaces": (
+        "Ein skalares Volumen lesen und eine seiner Isoflächen zeigen"
+    ),
+    "All Files": "Alle Dateien",
+    "Size From": "Größe aus",
+    "Fit": "Einpassen",
+    "Life Size": "Lebensgröße",
+    "Together With": "Zusammen mit",
+    "By Size": "Nach der Größe",
+    "Half": "Halbe",
+    "Quarter": "Viertel",
+    "As Animation": "Als Animation",
+    "Own Voxel Size": "Eigene Voxelgröße",
+    "Voxel Size": "Voxelgröße",
+    "Byte Order": "Bytereihenfolge",
+    "Several volumes: choose one": "Mehrere Volumen: eines wählen",
+    "Frame (0 to %d)": "Bild (0 bis %d)",
+    "Channel (0 to %d)": "Kanal (0 bis %d)",
+    "Level (0 to %d)": "Stufe (0 bis %d)",
+    "%s voxels, %s": "%s Voxel, %s",
+    "Read as %s voxels": "Gelesen als %s Voxel",
+    "Memory: %s": "Speicher: %s",
+    # The strip above the viewport.
+    "Isovalue": "Isowert",
+    "Stage": "Bühne",
+    "Choose what to put around the volumes": "Wählen, was die Volumen umgibt",
+    "Keep Bake": "Licht behalten",
+    "Throw Away": "Verwerfen",
+    # The sidebar.
+    "Pick in Histogram": "Im Histogramm wählen",
+    "Looking at the data": "Die Daten werden angesehen",
+    "Baked; %d of %d frames are": "Beleuchtet; %d von %d Bildern sind es",
+    "Not baked; %d of %d frames are": "Nicht beleuchtet; %d von %d Bildern sind es",
+    "Bake All Frames": "Alle Bilder beleuchten",
+    "Lowest": "Niedrigster",
+    "Highest": "Höchster",
+    "Light the Surroundings": "Umgebung beleuchten",
+    "Both Sides": "Beide Seiten",
+    "Draft": "Entwurf",
+    "Good": "Gut",
+    "Final": "Endgültig",
+    "Custom: %s %%": "Eigener Fehler: %s %%",
+    "Estimate": "Schätzen",
+    "About %s and %s to %s %%": "Etwa %s und %s bis %s %%",
+    "Stopped: %s": "Angehalten: %s",
+    "Baked in %s s": "In %s s beleuchtet",
+    "Set aside: %s": "Beiseite: %s",
+    "Bring Back": "Zurückholen",
+    "Isosurfaces": "Isoflächen",
+    "Capped": "Geschlossen",
+    "Bakes: %s": "Beleuchtungen: %s",
+    "Bakes: %s, of which unused: %s": "Beleuchtungen: %s, davon unbenutzt: %s",
+    "Select a Leaflight volume to see its settings": (
+        "Ein Leaflight-Volumen auswählen, um seine Einstellungen zu sehen"
+    ),
+    # Why a button is greyed.
+    "Leave Edit Mode first": "Erst den Bearbeitungsmodus verlassen",
+    "Leaflight is at work; Esc ends it": "Leaflight arbeitet; Esc beendet es",
+    "Select a Leaflight volume first (File > Import > Volume for Leaflight)": (
+        "Erst ein Leaflight-Volumen auswählen (Datei > Importieren > Volumen für Leaflight)"
+    ),
+}

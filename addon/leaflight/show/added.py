@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Isosurfaces that are shown beside a volume's own, each at an isovalue of its own.
+
+Each is a child of the volume's object, with the same coordinates, and shares its volume and bake.
+Those cannot be selected: the volume's panel has them.
+"""
+
+import bpy
+import leaflight
+
+from . import display
+
+# With the volume's own.
+MOST = 3
+
+_KIND = "isosurface"
+
+
+def is_isosurface(obj):
+    """Whether an object shows an isosurface: a volume, or one that was added to a volume."""
+    return obj.leaflight.is_volume or (is_added(obj) and obj.parent is not None)
+
+
+def is_added(obj):
+    return display.is_display(obj, _KIND)
+
+
+def volume_object(obj):
+    """The object whose volume and bake an isosurface shows: itself unless it was added."""
+    return obj.parent if is_added(obj) and obj.parent is not None else obj
+
+
+def added_to(volume):
+    """The isosurfaces that were added to a volume object, in the order of their names."""
+    return sorted(filter(is_added, volume.children), key=lambda obj: obj.name)
+
+
+def add(volume, isovalue, opacity):
+    """A new isosurface of a volume object, which has yet to be shown. Raises LeaflightError."""
+    if len(added_to(volume)) + 1 >= MOST:
+        raise leaflight.LeaflightError(
+            f'"{volume.name}" shows {MOST} isosurfaces already: remove one first.'
+        )
+    obj = bpy.data.objects.new(f"{volume.name} Isosurface", bpy.data.meshes.new(volume.name))
+    display.mark(obj, _KIND)
+    obj.parent = volume
+    obj.hide_select = True
+    for collection in volume.users_collection:
+        collection.objects.link(obj)
+    obj.leaflight["isovalue"] = float(isovalue)
+    obj.leaflight_look.opacity = opacity
+    return obj
+
+
+def remove(obj):
+    mesh = obj.data
+    bpy.data.objects.remove(obj)
+    if not mesh.users:
+        bpy.data.meshes.remove(mesh)

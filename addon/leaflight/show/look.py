@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How one isosurface is shown, beyond its light: opacity, color, and the box that cuts it."""
+
+import numpy as np
+
+from .. import versions
+from . import added, isosurface, leaves, shader
+
+# For panels, where a color is not the baked one.
+NEW_COLOR = "Light that was reflected before has still the baked color: bake again"
+
+# Keyframes and drivers use this path, seen from the object.
+OPACITY_PATH = "leaflight_look.opacity"
+
+# Less of a channel than this is reflected too seldom to tell how much light there is.
+_DARK = 1e-3
+
+# Albedos alike but for the rounding of Blender's properties.
+_ALIKE = 1e-5
+
+
+def view_of(obj):
+    """The shader.View of an isosurface."""
+    volume = added.volume_object(obj)
+    others = (o for o in (volume, *added.added_to(volume)) if o != obj)
+    return shader.View(_is_translucent(obj), any(map(_is_translucent, others)), _cut_of(obj))
+
+
+def _is_translucent(obj):
+    return obj.leaflight_look.opacity < 1.0 or versions.is_animated(obj, OPACITY_PATH)
+
+
+def box_of(obj):
+    """The object whose box cuts an isosurface, or None."""
+    box = added.volume_object(obj).leaflight_look.box
+    # One that was deleted is in no scene, but is kept by what refers to it.
+    return box if obj.leaflight_look.is_cut and box is not None and box.users_scene else None
+
+
+def albedo_at(obj, isovalue):
+    """The albedo (r, g, b) that an isosurface has there: its own, or its volume's."""
+    look = obj.leaflight_look
+    if added.is_added(obj) and look.use_color:
+        return tuple(look.color)
+    return leaves.albedo_at(added.volume_object(obj), isovalue)
+
+
+def recoloring(obj, isovalue):
+    """(factor, offset), each (r, g, b), that give radiance of its bake the present albedo.
+
+    Light that falls upon the surface is what it was at the bake, so that what has met it before,
+    coming back from walls or from the surface itself, has still the baked color. Raises
+    LeaflightError.
+    """
+    bake, index = isosurface.lit_by(obj)
+    baked = bake.scene.leaves[index]
+    before = np.array(leaves.color_at(baked.albedo, isovalue))
+    factor = np.array(albedo_at(obj, isovalue)) / np.maximum(before, _DARK)
+    factor[(before < _DARK) | (np.abs(factor - 1.0) < _ALIKE)] = 1.0
+    # What it emits by itself has no albedo.
+    emission = np.array(leaves.color_at(baked.emission, isovalue))
+    return tuple(factor), tuple((1.0 - factor) * emission)
+
+
+def _cut_of(obj):
+    box = box_of(obj)
+    if box is None:
+        return None
+    if box.type == "EMPTY":
+        size = box.empty_display_size
+        low, high = (-size,) * 3, (size,) * 3
+    else:
+        corners = np.array(box.bound_box)
+        low, high = (tuple(map(float, f(axis=0))) for f in (corners.min, corners.max))
+    keeps = added.volume_object(obj).leaflight_look.keep == "INSIDE"
+    return shader.Cut(box, box.name_full, low, high, keeps)

@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The material of an isosurface: of its light in the bake, of a round, or the leaf's own, unlit.
+
+Each is built once and then keeps its nodes: isovalue, opacity and color only change values in it,
+so that nothing is compiled anew while they move.
+"""
+
+import bpy
+
+from .. import versions
+from ..store import atlases, bake_files, cache
+from . import added, leaves, look, preview, shader
+from .isosurface import RADIANCE, RADIANCE_BACK
+
+# What a material was built for.
+_BUILT = "leaflight_built"
+
+# Marks the materials of rounds of a bake, by the number of sides that they light.
+_ROUND = {1: "leaflight_round", 2: "leaflight_round_sides"}
+
+
+def material_of(obj, isovalue, settled):
+    """The material of the state that the mesh of an isosurface is in. Raises LeaflightError.
+
+    settled: whether the mesh holds settled light in place of the bake's.
+    """
+    if RADIANCE not in obj.data.attributes:
+        return leaf_material(obj, isovalue)
+    if preview.of(obj) is not None and look.view_of(obj) == shader.View():
+        return _round_material(obj)
+    material = _baked_material(obj, isovalue)
+    shader.set_settled(material, settled)
+    return material
+
+
+def may_replace(obj, material):
+    """Whether a material is one of ours, or none, and not one that the user put there."""
+    own = (None, obj.leaflight.leaf_material, obj.leaflight.baked_material)
+    return material in own or any(mark in material for mark in _ROUND.values())
+
+
+def is_own(changed):
+    """Whether a data-block is a material of a surface that was built here, or the nodes of one."""
+    marks = (_BUILT, *_ROUND.values())
+    if isinstance(changed, bpy.types.Material):
+        return any(mark in changed for mark in marks)
+    return isinstance(changed, bpy.types.ShaderNodeTree) and any(
+        material.node_tree == changed and any(mark in material for mark in marks)
+        for material in bpy.data.materials
+    )
+
+
+def show_opacity(obj, opacity):
+    """Shows an opacity that may be animated, which the object itself may not have yet."""
+    material = obj.data.materials[0] if obj.data.materials else None
+    if material is not None and _BUILT in material and material.library is None:
+        shader.set_opacity(material, opacity)
+
+
+def is_recolored(obj):
+    """Whether an isosurface is lit by a bake, but shows another color than was baked."""
+    return RADIANCE in obj.data.attributes and any(map(shader.is_recolored, obj.data.materials))
+
+
+def shows_its_view(obj):
+    """Whether the material of an isosurface is as translucent, and cut, as it is to be now."""
+    materials = obj.data.materials
+    built = materials[0].get(_BUILT) if materials and materials[0] is not None else None
+    return built is None or built.endswith(_ending(obj))
+
+
+def _ending(obj):
+    """What the label of a material ends with, of all that does not come from the bake."""
+    return repr(look.view_of(obj))
+
+
+def remove_round_materials():
+    for material in [m for m in bpy.data.materials if any(mark in m for mark in _ROUND.values())]:
+        if not material.users:
+            bpy.data.materials.remove(material)
+
+
+def leaf_material(obj, isovalue):
+    """The material of the leaf itself, as the bake assumes it."""
+    volume = added.volume_object(obj)
+    scattering, ior = volume.leaflight.leaf_scattering, volume.leaflight.leaf_ior
+    emission, view = leaves.emission_of(volume), look.view_of(obj)
+
+    def build(material):
+        shader.build_leaf(material, scattering, ior, emission, view)
+
+    label = f"{scattering} {ior} {emission} {_ending(obj)}"
+    material = _material(obj, "leaf_material", label, build)
+    shader.set_albedo(material, look.albedo_at(obj, isovalue))
+    return material
+
+
+def shading_in_use(settings):
+    """(the shading mode, the reason when it is not the one chosen or an empty text)."""
+    if settings.shading != "ATLAS" or not settings.bake_id:
+        return settings.shading, ""
+    if settings.frames > 1:
+        return "ATTRIBUTE", "Vertex attribute: a volume texture would hold one frame alone"
+    if settings.atlas_columns > 0:
+        return "ATLAS", ""
+    if settings.bake_refined:
+        return "ATTRIBUTE", "Vertex attribute: a volume texture holds no finer texels"
+    size = atlases.LARGEST_ATLAS
+    return "ATTRIBUTE", f"Vertex attribute: a volume texture would exceed {size} x {size} pixels"
+
+
+def look_after_images(obj, bake_path):
+    """Finds the atlases of an isosurface's material where they are now, beside their bake.
+
+    Raises LeaflightError.
+    """
+    volume, material = added.volume_object(obj), obj.leaflight.baked_material
+    if material is None or material.library is not None:
+        return
+    settings = volume.leaflight
+    for image in shader.images_of(material):
+        back = bool(image.get(shader.BACK))
+        if image.get(shader.ATLAS) == atlases.label(settings.bake_id, settings.bake_index, back):
+            _atlas_image(volume, bake_path, back)
+
+
+def _round_material(obj):
+    """By vertex attribute: an atlas is a file, which a round is not worth."""
+    sides = [name for name in (RADIANCE, RADIANCE_BACK) if name in obj.data.attributes]
+    return shader.shared_material(_ROUND[len(sides)], "Leaflight Round", *sides)
+
+
+def _baked_material(obj, isovalue):
+    volume = added.volume_object(obj)
+    settings, view = volume.leaflight, look.view_of(obj)
+    in_rounds = preview.of(volume) is not None
+    mode = "ATTRIBUTE" if in_rounds else shading_in_use(settings)[0]
+    back = RADIANCE_BACK in obj.data.attributes
+
+    def build(material):
+        versions.do_not_sample_as_light(material)
+        if mode == "ATTRIBUTE":
+            shader.build_attribute(material, RADIANCE, RADIANCE_BACK if back else None, view)
+            return
+        grid, path = cache.grid_of(volume), bake_files.locate(volume)
+        sides = [_atlas_image(volume, path, s) for s in ((False, True) if back else (False,))]
+        matrix = shader.texel_from_object(cache.volume_of(volume), grid.resolution)
+        attributes = (RADIANCE, RADIANCE_BACK)
+        columns = settings.atlas_columns
+        shader.build_atlas(material, sides, attributes, grid.resolution, columns, matrix, view)
+
+    # Materials of files from before colors could change have another label, and are built anew.
+    # The nodes that read an attribute are the same for every bake.
+    light = f"{settings.bake_id} {settings.bake_index}" if mode == "ATLAS" else ""
+    label = f"{mode} {light} {back} recolored {_ending(obj)}"
+    material = _material(obj, "baked_material", label, build)
+    shader.set_albedo(material, look.albedo_at(obj, isovalue))
+    shader.set_recoloring(material, *look.recoloring(obj, isovalue))
+    return material
+
+
+def _atlas_image(volume, bake_path, back):
+    """The image of an atlas, whose file is written anew unless it holds this bake."""
+    identifier, index = volume.leaflight.bake_id, volume.leaflight.bake_index
+    path, written = atlases.require(
+        lambda: cache.grid_of(volume), bake_path, identifier, index, back
+    )
+    return shader.atlas_image(path, atlases.label(identifier, index, back), back, written)
+
+
+def _material(obj, slot, label, build):
+    """The material in a slot of the settings, built only when it is not yet what the label says.
+
+    A duplicate of the object gets a material of its own.
+    """
+    settings = obj.leaflight
+    material = getattr(settings, slot)
+    others = (other.leaflight for other in bpy.data.objects if other != obj)
+    taken = any(getattr(other, slot) == material for other in others)
+    if material is None or taken or (material.library is not None and obj.library is None):
+        material = bpy.data.materials.new(f"{obj.name} {slot.partition('_')[0].title()}")
+        setattr(settings, slot, material)
+    if material.get(_BUILT) != label:
+        build(material)
+        material[_BUILT] = label
+    shader.set_opacity(material, obj.leaflight_look.opacity)
+    return material

@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Objects that are set aside for a stage: out of sight and out of renders, until brought back."""
+
+import bpy
+
+from .. import versions
+from ..operators import checks
+from ..show import display
+from ..translations import iface_
+
+# Whether the eye had hidden it before.
+_ASIDE = "leaflight_aside"
+
+
+def is_aside(obj):
+    return _ASIDE in obj
+
+
+def would_render(scene, kept):
+    """The objects of a scene that a bake would see, besides volumes and those in `kept`."""
+    return [
+        obj
+        for obj in scene.objects
+        if obj not in kept
+        and obj.library is None
+        and obj.type not in versions.UNSEEN_TYPES
+        and not (obj.hide_render or obj.leaflight.is_volume or display.is_display(obj))
+    ]
+
+
+def set_aside(scene, objects):
+    for obj in objects:
+        obj[_ASIDE] = hidden = _is_hidden(scene, obj)
+        obj.hide_render = True
+        if not hidden:
+            _hide(scene, obj, True)
+
+
+def bring_back(scene, objects):
+    for obj in objects:
+        hidden = obj[_ASIDE]
+        del obj[_ASIDE]
+        obj.hide_render = False
+        if not hidden:
+            _hide(scene, obj, False)
+
+
+def all_aside(scene):
+    return [obj for obj in scene.objects if is_aside(obj)]
+
+
+def names(objects):
+    """For sentences: up to three names."""
+    text = ", ".join(obj.name for obj in objects[:3])
+    more = len(objects) - 3
+    return iface_("%s and %d more") % (text, more) if more > 0 else text
+
+
+def _is_hidden(scene, obj):
+    return any(obj.hide_get(view_layer=v) for v in scene.view_layers if obj.name in v.objects)
+
+
+def _hide(scene, obj, hidden):
+    for layer in scene.view_layers:
+        if obj.name in layer.objects:
+            obj.hide_set(hidden, view_layer=layer)
+
+
+class LEAFLIGHT_OT_bring_back(bpy.types.Operator):
+    bl_idname = "leaflight.bring_back"
+    bl_label = "Bring Back"
+    bl_description = (
+        "Show and render the objects again that Stage has set aside. They then stand in the stage "
+        "and are baked with it"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if not all_aside(context.scene):
+            cls.poll_message_set("No object is set aside")
+            return False
+        return checks.in_object_mode(cls, context)
+
+    def execute(self, context):
+        objects = all_aside(context.scene)
+        bring_back(context.scene, objects)
+        self.report({"INFO"}, f"Brought back: {names(objects)}")
+        return {"FINISHED"}
+
+
+def register():
+    bpy.utils.register_class(LEAFLIGHT_OT_bring_back)
+
+
+def unregister():
+    bpy.utils.unregister_class(LEAFLIGHT_OT_bring_back)

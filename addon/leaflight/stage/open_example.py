@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Open Example: a volume without a file of one's own, to try Leaflight with."""
+
+from pathlib import Path
+
+import bpy
+import leaflight
+
+from ..operators import background, checks
+from ..store import bake_files
+
+# Colin27's brain, and his head, of the Debian package mricron-data.
+_SCANS = [Path("/usr/share/mricron/templates") / name for name in ("ch2bet.nii.gz", "ch2.nii.gz")]
+
+# Nodes along an axis of the volume that is computed where there is no scan.
+_NODES = 96
+
+
+class LEAFLIGHT_OT_open_example(bpy.types.Operator):
+    bl_idname = "leaflight.open_example"
+    bl_label = "Open Example"
+    bl_description = (
+        "Import a volume to try Leaflight with: a scan of a brain where this computer has one "
+        "(Debian's mricron-data), else the computed cloud of an electron in a hydrogen atom"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return background.is_free(cls) and checks.in_object_mode(cls, context)
+
+    def execute(self, _context):
+        try:
+            path = next((scan for scan in _SCANS if scan.exists()), None) or _computed()
+            return bpy.ops.leaflight.import_volume(filepath=str(path))
+        except (leaflight.LeaflightError, RuntimeError) as error:
+            self.report({"ERROR"}, str(error).strip().removeprefix("Error: "))
+            return {"CANCELLED"}
+
+
+def _computed():
+    """The file of a volume that is computed, once. Raises LeaflightError."""
+    path = bake_files.user_folder() / "examples" / "hydrogen.nii.gz"
+    if not path.exists():
+        import nibabel
+        from leaflight.volume.particles import hydrogen
+
+        volume = hydrogen(_NODES)
+        bake_files.make_folder(path.parent)
+        part = path.with_name("part.nii.gz")
+        nibabel.save(nibabel.Nifti1Image(volume.values.T, volume.index_to_world), part)
+        part.replace(path)
+    return path
+
+
+def _draw_menu(menu, _context):
+    menu.layout.operator(LEAFLIGHT_OT_open_example.bl_idname, text="Example for Leaflight")
+
+
+def register():
+    bpy.utils.register_class(LEAFLIGHT_OT_open_example)
+    bpy.types.TOPBAR_MT_file_import.append(_draw_menu)
+
+
+def unregister():
+    bpy.types.TOPBAR_MT_file_import.remove(_draw_menu)
+    bpy.utils.unregister_class(LEAFLIGHT_OT_open_example)

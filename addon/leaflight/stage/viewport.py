@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The viewport as it shows a stage: lit, and through the scene's camera."""
+
+import bpy
+
+from .. import versions
+
+
+def show_stage(context):
+    """Lights the viewport in use, or the largest there is, and looks through the camera.
+
+    Material Preview with the scene's lights and world shows baked colors as renders do, with the
+    scene's exposure, whichever engine the scene renders with.
+    """
+    window, area = _viewport(context)
+    if area is None:
+        return
+    space = area.spaces.active
+    space.shading.type = "MATERIAL"
+    space.shading.use_scene_lights = True
+    space.shading.use_scene_world = True
+    versions.choose_sidebar_tab(area, "Leaflight")
+    view = space.region_3d
+    if view is None or bpy.app.background:
+        return
+    view.view_perspective = "CAMERA"
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    with context.temp_override(window=window, area=area, region=region):
+        bpy.ops.view3d.view_center_camera()
+
+
+def _viewport(context):
+    """(window, area), or (None, None) where there is none."""
+    if context.area is not None and context.area.type == "VIEW_3D":
+        return context.window, context.area
+    found = [
+        (window, area)
+        for window in context.window_manager.windows
+        for area in window.screen.areas
+        if area.type == "VIEW_3D"
+    ]
+    return max(found, key=lambda pair: pair[1].width * pair[1].height, default=(None, None))

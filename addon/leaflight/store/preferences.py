@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# flake8: noqa: F722,F821  (Blender declares properties as annotations)
+"""What the user has chosen for all files: Edit > Preferences > Add-ons > Leaflight."""
+
+import os
+from pathlib import Path
+
+import bpy
+from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
+
+# The name under which Blender has the add-on.
+PACKAGE = __package__.rpartition(".")[0]
+
+
+class LeaflightPreferences(bpy.types.AddonPreferences):
+    bl_idname = PACKAGE
+
+    own_cache_folder: BoolProperty(
+        name="Own Cache Folder",
+        description="Keep the bakes of unsaved files elsewhere than in Blender's user folder, "
+        "where that lies on a small or slow disk",
+    )
+    cache_folder: StringProperty(
+        name="Cache Folder",
+        description="Folder for the bakes of files that were never saved",
+        subtype="DIR_PATH",
+    )
+    limit_threads: BoolProperty(
+        name="Limit Threads",
+        description="Leave some processors to other work while a bake runs",
+    )
+    threads: IntProperty(
+        name="Threads",
+        description="Threads that bake at once. The result is the same for any number",
+        default=max(1, (os.cpu_count() or 2) // 2),
+        min=1,
+        soft_max=64,
+    )
+    limit_memory: BoolProperty(
+        name="Limit Memory",
+        description="Stop a bake that takes more memory than this machine can spare",
+    )
+    memory: FloatProperty(
+        name="Memory",
+        description="Gigabytes that Blender may take while it bakes",
+        default=8.0,
+        min=0.5,
+        soft_max=512.0,
+        precision=1,
+    )
+
+    def draw(self, _context):
+        layout = self.layout
+        layout.use_property_split = True
+        for switch, value in (
+            ("own_cache_folder", "cache_folder"),
+            ("limit_threads", "threads"),
+            ("limit_memory", "memory"),
+        ):
+            layout.prop(self, switch)
+            row = layout.row()
+            row.active = getattr(self, switch)
+            row.prop(self, value)
+
+
+def cache_folder():
+    """The folder chosen for the bakes of unsaved files, a Path, or None."""
+    chosen = _chosen()
+    if chosen is None or not (chosen.own_cache_folder and chosen.cache_folder):
+        return None
+    return Path(bpy.path.abspath(chosen.cache_folder))
+
+
+def threads():
+    """How many threads may bake at once; 0 for all."""
+    chosen = _chosen()
+    return chosen.threads if chosen is not None and chosen.limit_threads else 0
+
+
+def memory_limit():
+    """Bytes that Blender may take while it bakes, or None."""
+    chosen = _chosen()
+    return int(chosen.memory * 2**30) if chosen is not None and chosen.limit_memory else None
+
+
+def _chosen():
+    """The preferences, None where the add-on runs without any."""
+    addon = bpy.context.preferences.addons.get(PACKAGE)
+    return addon.preferences if addon is not None else None
+
+
+def register():
+    bpy.utils.register_class(LeaflightPreferences)
+
+
+def unregister():
+    bpy.utils.unregister_class(LeaflightPreferences)

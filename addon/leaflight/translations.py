@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The words of the interface in other languages, through Blender's own message catalogs.
+
+Blender looks up names, descriptions and labels by itself where they are constants. A label with
+numbers in it is made of a template that iface_() translates. scripts/messages lists all messages.
+"""
+
+import bpy
+
+from .languages import german
+
+# Blender's extractor of messages knows it by this name.
+iface_ = bpy.app.translations.pgettext_iface
+
+# Blender asks for a message in one of these contexts: the label of an operator in its own.
+_CONTEXTS = ("*", "Operator")
+# Blender names the languages of its catalogs with and without a country.
+CATALOGS = {"de_DE": german.MESSAGES, "de": german.MESSAGES}
+
+
+def register():
+    catalogs = {
+        language: {
+            (context, english): word for english, word in messages.items() for context in _CONTEXTS
+        }
+        for language, messages in CATALOGS.items()
+    }
+    bpy.app.translations.register(__package__, catalogs)
+
+
+def unregister():
+    bpy.app.translations.unregister(__package__)

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# flake8: noqa: F722,F821  (Blender declares properties as annotations)
+"""Showing further isosurfaces of a volume, and a box that cuts them."""
+
+import bpy
+import leaflight
+import mathutils
+import numpy as np
+from bpy.props import FloatProperty, StringProperty
+
+from ..operators import checks
+from ..show import added, isovalues, surface_object
+from ..store import cache
+from ..translations import iface_
+
+# Of an isosurface around the others, through which they show.
+_OPACITY = 0.3
+
+
+class LEAFLIGHT_OT_add_isosurface(bpy.types.Operator):
+    bl_idname = "leaflight.add_isosurface"
+    bl_label = "Add Isosurface"
+    bl_description = (
+        "Show another isosurface of this volume, around the present one, with its own light from "
+        "the same bake. Isosurfaces that are shown together neither light nor shade each other"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    isovalue: FloatProperty(name="Isovalue", options={"HIDDEN", "SKIP_SAVE"})
+    opacity: FloatProperty(
+        name="Opacity",
+        description="How much of what lies behind it the isosurface hides",
+        subtype="FACTOR",
+        default=_OPACITY,
+        min=0.0,
+        max=1.0,
+    )
+
+    @classmethod
+    def poll(cls, context):
+        if not checks.has_volume(cls, context):
+            return False
+        if context.object.library is not None:
+            cls.poll_message_set("Make a library override of the linked volume first")
+            return False
+        if len(added.added_to(context.object)) + 1 >= added.MOST:
+            cls.poll_message_set(
+                iface_("%d isosurfaces are shown already: remove one first") % added.MOST
+            )
+            return False
+        return True
+
+    def execute(self, context):
+        volume = context.object
+        given = self.properties.is_property_set("isovalue")
+        isovalue = self.isovalue if given else _next_isovalue(volume)
+        try:
+            obj = added.add(volume, isovalue, self.opacity)
+            isovalues.limit(obj)
+        except leaflight.LeaflightError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        obj.leaflight.isovalue = isovalue
+        return {"FINISHED"}
+
+
+class LEAFLIGHT_OT_remove_isosurface(bpy.types.Operator):
+    bl_idname = "leaflight.remove_isosurface"
+    bl_label = "Remove Isosurface"
+    bl_description = "Show this isosurface no more"
+    bl_options = {"REGISTER", "UNDO"}
+
+    name: StringProperty(options={"HIDDEN", "SKIP_SAVE"})
+
+    def execute(self, context):
+        obj = context.scene.objects.get(self.name)
+        if obj is None or not added.is_added(obj):
+            self.report({"ERROR"}, f'"{self.name}" is no isosurface that was added: choose one.')
+            return {"CANCELLED"}
+        surface_object.problems.pop(obj.name_full, None)
+        added.remove(obj)
+        return {"FINISHED"}
+
+
+class LEAFLIGHT_OT_add_clip_box(bpy.types.Operator):
+    bl_idname = "leaflight.add_clip_box"
+    bl_label = "Add Clip Box"
+    bl_description = (
+        "Cut the isosurfaces by a box: an Empty, which you move, turn and scale as any object. It "
+        "begins at the eighth of the volume that is nearest to the camera"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return checks.has_volume(cls, context)
+
+    def execute(self, context):
+        volume = context.object
+        try:
+            low, high = np.asarray(cache.volume_of(volume).field().bounds, np.float64)
+        except leaflight.LeaflightError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        box = bpy.data.objects.new(f"{volume.name} Clip Box", None)
+        box.empty_display_type = "CUBE"
+        _place_nearest(box, volume.matrix_world, low, high)
+        for collection in volume.users_collection:
+            collection.objects.link(box)
+        context.view_layer.update()
+        volume.leaflight_look.box = box
+        return {"FINISHED"}
+
+
+def _next_isovalue(volume):
+    """Around what is shown: halfway from the outermost isosurface to the window's lowest isovalue.
+
+    Where that leaves no room, halfway to the highest.
+    """
+    low, high = isovalues.window(volume.leaflight)
+    shown = [obj.leaflight.isovalue for obj in (volume, *added.added_to(volume))]
+    if min(shown) - low > 0.1 * (high - low):
+        return 0.5 * (low + min(shown))
+    return 0.5 * (max(shown) + high)
+
+
+def _place_nearest(box, volume_to_world, low, high):
+    """Puts a box of half size 1 around the eighth of the volume that is nearest to the camera."""
+    camera = bpy.context.scene.camera
+    middle, size = 0.5 * (low + high), high - low
+    towards = np.array([1.0, -1.0, 1.0])
+    if camera is not None:
+        place = volume_to_world.inverted_safe() @ camera.matrix_world.translation
+        towards = np.where(np.array(place) < middle, -1.0, 1.0)
+    # Beyond the volume, whose border is on no box's own.
+    half = 0.26 * size
+    local = mathutils.Matrix.Diagonal((*half, 1.0))
+    local.translation = middle + towards * half
+    box.matrix_world = volume_to_world @ local
+
+
+_CLASSES = (
+    LEAFLIGHT_OT_add_isosurface,
+    LEAFLIGHT_OT_remove_isosurface,
+    LEAFLIGHT_OT_add_clip_box,
+)
+
+
+def register():
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel of the baked still beside that of Cycles."""
+
+import bpy
+
+from ..compare import render_comparison
+from ..show import added
+from .sidebar import VolumePanel, sentence
+
+
+class LEAFLIGHT_PT_comparison(VolumePanel, bpy.types.Panel):
+    bl_label = "Comparison"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = self.layout
+        layout.operator(
+            render_comparison.LEAFLIGHT_OT_render_comparison.bl_idname, icon="RENDER_STILL"
+        )
+        if added.added_to(context.object):
+            sentence(context, layout, "Of the volume's own isosurface alone", icon="INFO")
+        comparison = context.object.leaflight.comparison
+        if comparison:
+            sentence(context, layout, comparison)
+
+
+def register():
+    bpy.utils.register_class(LEAFLIGHT_PT_comparison)
+
+
+def unregister():
+    bpy.utils.unregister_class(LEAFLIGHT_PT_comparison)

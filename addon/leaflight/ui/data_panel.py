@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the volume holds: a slice, the histogram with its marks, and the facts of the file."""
+
+import bpy
+
+from ..bake import bake_frames
+from ..store import frame_bakes
+from ..translations import iface_
+from . import data_picture, pick_isovalue
+
+# Pixels of an icon of scale 1, and of the sidebar beside the picture, in an unscaled interface.
+ICON, BESIDE = 20, 40
+
+
+class LEAFLIGHT_PT_data(bpy.types.Panel):
+    bl_label = "Data"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Leaflight"
+    bl_parent_id = "LEAFLIGHT_PT_volume"
+
+    @classmethod
+    def poll(cls, context):
+        return context.object is not None and context.object.leaflight.is_volume
+
+    def draw(self, context):
+        layout = self.layout
+        obj = context.object
+        icon = data_picture.icon_of(obj)
+        if icon:
+            width = context.region.width / context.preferences.system.ui_scale
+            layout.template_icon(icon_value=icon, scale=max(4.0, (width - BESIDE) / ICON))
+        else:
+            layout.label(text="Looking at the data", icon="TIME")
+        if obj.leaflight.frames > 1:
+            self._draw_frames(obj.leaflight)
+        layout.operator(pick_isovalue.LEAFLIGHT_OT_pick_isovalue.bl_idname, icon="EYEDROPPER")
+
+    def _draw_frames(self, settings):
+        """Which frame of a series is shown, and how many are baked."""
+        layout = self.layout
+        layout.prop(settings, "shown_frame", text=iface_("Frame (0 to %d)") % (settings.frames - 1))
+        baked = frame_bakes.count_baked(settings)
+        if settings.bake_id:
+            text, icon = iface_("Baked; %d of %d frames are"), "CHECKMARK"
+        else:
+            text, icon = iface_("Not baked; %d of %d frames are"), "ERROR"
+        layout.label(text=text % (baked, settings.frames), icon=icon, translate=False)
+        layout.operator(bake_frames.LEAFLIGHT_OT_bake_frames.bl_idname, icon="RENDER_ANIMATION")
+
+
+def register():
+    data_picture.register()
+    bpy.utils.register_class(LEAFLIGHT_PT_data)
+
+
+def unregister():
+    bpy.utils.unregister_class(LEAFLIGHT_PT_data)
+    data_picture.unregister()

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The picture of a volume's data in the sidebar: a slice, and below it the histogram.
+
+Painted anew only when the volume, the window or the isovalue has changed by what can be seen.
+"""
+
+import bpy.utils.previews
+import numpy as np
+
+from . import distribution
+
+# Pixels of the whole, which Blender shows as a square, and of its lower part.
+SIDE, HISTOGRAM = 256, 84
+BACKGROUND = (0.11, 0.11, 0.11)
+OUTSIDE, INSIDE = (0.32, 0.32, 0.32), (0.75, 0.75, 0.75)
+ISOVALUE = (1.0, 0.55, 0.1)
+# How much of a pixel at or above the isovalue is its color.
+TINT = 0.45
+
+_pictures = None
+_last = {}
+
+
+def icon_of(obj):
+    """The icon of an object's picture, 0 until its volume has been looked at."""
+    found = distribution.of(obj)
+    if found is None:
+        return 0
+    marks = [_column(found, value) for value in _values(obj)]
+    key = (id(found), *marks)
+    if _last.get("key") != key:
+        _last.update(key=key, found=found)
+        _put(paint(found, *_values(obj)))
+    return _pictures["data"].icon_id
+
+
+def paint(found, low, high, isovalue):
+    """The picture, float32 (SIDE, SIDE, 4), bottom row first: a Distribution and its marks."""
+    pixels = np.empty((SIDE, SIDE, 4), np.float32)
+    pixels[..., :3], pixels[..., 3] = BACKGROUND, 1.0
+    _paint_slice(pixels[: SIDE - HISTOGRAM - 4], found, low, high, isovalue)
+    _paint_histogram(pixels[SIDE - HISTOGRAM :], found, low, high, isovalue)
+    return pixels[::-1]
+
+
+def bars(counts):
+    """Heights within 0..1 of the bars of a histogram, in logarithms, so that few voxels show."""
+    heights = np.log1p(counts.astype(np.float64))
+    return heights / max(heights.max(), 1e-9)
+
+
+def _paint_slice(pixels, found, low, high, isovalue):
+    """From black at `low` to white at `high`; what is inside of the isosurface is tinted."""
+    rows, columns = found.middle.shape
+    first = (pixels.shape[0] - rows) // 2, (SIDE - columns) // 2
+    part = pixels[first[0] : first[0] + rows, first[1] : first[1] + columns]
+    middle = np.nan_to_num(found.middle, nan=found.low)
+    grey = np.clip((middle - low) / max(high - low, 1e-30), 0, 1)
+    part[..., :3] = grey[..., None]
+    inside = found.middle >= isovalue
+    part[inside, :3] += TINT * (np.array(ISOVALUE) - part[inside, :3])
+
+
+def _paint_histogram(pixels, found, low, high, isovalue):
+    heights = np.rint((HISTOGRAM - 2) * bars(found.counts)).astype(int)
+    rows = np.arange(HISTOGRAM)[::-1, None]
+    columns = np.arange(SIDE)
+    filled = rows < heights[columns * len(heights) // SIDE]
+    first, last, mark = (_column(found, value) for value in (low, high, isovalue))
+    in_window = (columns >= first) & (columns <= last)
+    pixels[:, in_window, :3] += 0.08
+    for chosen, color in ((in_window, INSIDE), (~in_window, OUTSIDE)):
+        pixels[filled & chosen, :3] = color
+    pixels[:, max(0, mark - 1) : mark + 1, :3] = ISOVALUE
+
+
+def _values(obj):
+    settings = obj.leaflight
+    return settings.low, settings.high, settings.isovalue
+
+
+def _column(found, value):
+    return int(np.clip(found.place_of(value) * (SIDE - 1), 0, SIDE - 1))
+
+
+def _put(pixels):
+    # A new picture, since Blender may keep what it has drawn of one.
+    if "data" in _pictures:
+        del _pictures["data"]
+    picture = _pictures.new("data")
+    picture.image_size = picture.icon_size = (SIDE, SIDE)
+    flat = np.ascontiguousarray(pixels).ravel()
+    picture.image_pixels_float.foreach_set(flat)
+    picture.icon_pixels_float.foreach_set(flat)
+
+
+def register():
+    global _pictures
+    _pictures = bpy.utils.previews.new()
+
+
+def unregister():
+    global _pictures
+    bpy.utils.previews.remove(_pictures)
+    _pictures = None
+    _last.clear()
+    distribution.forget()

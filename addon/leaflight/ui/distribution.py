@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How often values occur in a volume, and one of its slices: looked at once for each volume.
+
+Looking takes a part of a second, so it is done by a timer and never while a panel is drawn.
+"""
+
+import os
+from dataclasses import dataclass
+
+import bpy
+import leaflight
+import numpy as np
+
+from ..store import cache, source_files
+
+BINS = 256
+# Of larger volumes so many voxels are counted, evenly spread.
+COUNTED = 1 << 22
+# Pixels along the longer side of a slice.
+SLICE = 160
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """counts: (n,) voxels in equal parts of low..high, at most BINS of them.
+
+    middle: (rows, columns) a slice, in data units, top row first, its pixels square.
+    """
+
+    low: float
+    high: float
+    counts: np.ndarray
+    middle: np.ndarray
+
+    def place_of(self, isovalue):
+        """Where within 0..1 a value lies."""
+        return (isovalue - self.low) / (self.high - self.low)
+
+
+# Key of a volume -> its Distribution, or None while it is being looked at and where it has none.
+_known = {}
+
+
+def of(obj):
+    """The Distribution of an object's volume; None until the timer has looked at it."""
+    key = _key(obj)
+    if key not in _known:
+        _known[key] = None
+        name = obj.name_full
+        bpy.app.timers.register(lambda: _look(name, key), first_interval=0.01)
+    return _known[key]
+
+
+def look_now(obj):
+    """The same without a timer, where there is time."""
+    key = _key(obj)
+    if _known.get(key) is None:
+        _known[key] = _distribution(cache.volume_of(obj))
+    return _known[key]
+
+
+def forget():
+    _known.clear()
+
+
+def _key(obj):
+    """Asked for whenever the panel is drawn."""
+    settings = obj.leaflight
+    path, choices = source_files.path_of(settings), source_files.choices_of(settings)
+    try:
+        written = os.stat(path).st_mtime_ns
+    except OSError:
+        written = 0
+    return (path, written, *choices.values(), settings.bake_id, settings.bake_index)
+
+
+def _look(name, key):
+    obj = next((obj for obj in bpy.data.objects if obj.name_full == name), None)
+    if obj is None or key not in _known:
+        return
+    try:
+        _known[key] = _distribution(cache.volume_of(obj))
+    except leaflight.LeaflightError:
+        # The panel of the volume tells why.
+        return
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+
+def _distribution(volume):
+    low, high = volume.data_range()
+    values = volume.data()
+    some = values.reshape(-1)[:: max(1, values.size // COUNTED)]
+    bins = BINS
+    if values.dtype.kind in "iu":
+        # Each with as many of the integers.
+        width = -(-int(high - low + 1) // BINS)
+        bins = -(-int(high - low + 1) // width)
+        low, high = low - 0.5, low - 0.5 + bins * width
+    counts, _ = np.histogram(some[np.isfinite(some)], bins, (low, high))
+    return Distribution(low, high, counts, _middle(values, volume.index_to_world))
+
+
+def _middle(values, index_to_world):
+    """The slice in the middle along z, at the nearest voxels."""
+    plane = values[len(values) // 2]
+    sizes = np.linalg.norm(index_to_world[:3, :2], axis=0)
+    sides = np.array(plane.shape) * sizes[::-1]
+    rows, columns = np.maximum(1, np.rint(SLICE * sides / sides.max()).astype(int))
+    # The volume's y runs up, rows run down; a mirrored axis turns this round.
+    up, right = index_to_world[1, 1] >= 0, index_to_world[0, 0] >= 0
+    row = np.linspace(0, plane.shape[0] - 1, rows).round().astype(int)[:: -1 if up else 1]
+    column = np.linspace(0, plane.shape[1] - 1, columns).round().astype(int)[:: 1 if right else -1]
+    return plane[np.ix_(row, column)].astype(np.float32)

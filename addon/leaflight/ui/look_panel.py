@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel of how the isosurfaces look."""
+
+import bpy
+
+from ..show import look, surface_material
+from . import leaf_look
+from .sidebar import VolumePanel, sentence, split
+
+
+class LEAFLIGHT_PT_leaves(VolumePanel, bpy.types.Panel):
+    bl_label = "Isosurfaces"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = self.layout
+        split(layout)
+        settings = context.object.leaflight
+        layout.operator_menu_enum(
+            leaf_look.LEAFLIGHT_OT_leaf_preset.bl_idname, "preset", text="Preset"
+        )
+        layout.prop(settings, "leaf_scattering")
+        if settings.leaf_scattering == "GLASS":
+            layout.prop(settings, "leaf_ior")
+        row = layout.row()
+        if settings.leaf_stops:
+            row.template_list(
+                "LEAFLIGHT_UL_stops", "", settings, "leaf_stops", settings, "leaf_stop", rows=3
+            )
+        else:
+            row.prop(settings, "leaf_albedo")
+        buttons = row.column(align=True)
+        buttons.operator(leaf_look.LEAFLIGHT_OT_add_stop.bl_idname, text="", icon="ADD")
+        if settings.leaf_stops:
+            buttons.operator(leaf_look.LEAFLIGHT_OT_remove_stop.bl_idname, text="", icon="REMOVE")
+        column = layout.column(align=True)
+        column.prop(settings, "leaf_emission")
+        column.prop(settings, "leaf_emission_strength")
+        layout.prop(settings, "capped")
+        layout.prop(context.object.leaflight_look, "opacity")
+        if surface_material.is_recolored(context.object):
+            sentence(context, layout, look.NEW_COLOR, icon="INFO")
+
+
+class LEAFLIGHT_UL_stops(bpy.types.UIList):
+    """The stops of the color ramp, each with its isovalue and its color."""
+
+    def draw_item(self, _context, layout, _data, item, _icon, _active, _property):
+        row = layout.row(align=True)
+        row.use_property_split = False
+        row.prop(item, "isovalue", text="", emboss=False)
+        row.prop(item, "color", text="")
+
+
+_CLASSES = (LEAFLIGHT_UL_stops, LEAFLIGHT_PT_leaves)
+
+
+def register():
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the panels of the Leaflight tab share: their place, and sentences that wrap."""
+
+import textwrap
+
+# Pixels that a letter takes on average, and those beside the text, both at a scale of 1.
+_LETTER, _MARGIN = 6.6, 66
+
+
+class SidebarPanel:
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Leaflight"
+
+
+class VolumePanel(SidebarPanel):
+    """A panel of the volume that is active."""
+
+    bl_parent_id = "LEAFLIGHT_PT_volume"
+
+    @classmethod
+    def poll(cls, context):
+        return context.object is not None and context.object.leaflight.is_volume
+
+
+def split(layout):
+    """Names left, values right, as in Blender's own panels."""
+    layout.use_property_split = True
+    layout.use_property_decorate = False
+
+
+def sentence(context, layout, text, icon="NONE"):
+    """A text that is translated already; labels do not wrap by themselves."""
+    scale = context.preferences.system.ui_scale
+    width = max(16, int((context.region.width / scale - _MARGIN) / _LETTER))
+    column = layout.column(align=True)
+    for line in textwrap.wrap(text, width):
+        column.label(text=line, icon=icon, translate=False)
+        icon = "BLANK1" if icon != "NONE" else icon
+
+
+def optional(layout, settings, switch, value):
+    """A value that counts only where its switch is on."""
+    layout.prop(settings, switch)
+    row = layout.row()
+    row.active = getattr(settings, switch)
+    row.prop(settings, value)

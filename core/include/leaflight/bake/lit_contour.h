@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "leaflight/bake/radiance_grid.h"
+#include "leaflight/surface/marching_cubes.h"
+
+namespace leaflight {
+
+// A leaf's mesh, and what a bake says of it at its vertices.
+struct LitMesh : IsosurfaceMesh {
+  // [W/(m^2 sr)], of the outer and the inner side; empty where not wished.
+  std::vector<Vec<3, float>> radiance, radiance_back;
+};
+
+struct LitContourSettings {
+  bool normals = false;
+  bool radiance = false, radiance_back = false;
+  // Edges are cut in two, twice at most, until there are so many.
+  std::size_t least_vertices = 0;
+};
+
+// The contour of the volume that the grid lights, with edges cut in two as often as texels are
+// narrower than voxels there, so that vertices show them. Uses the mesh's memory again. The result
+// does not depend on the number of threads. Throws Error where the inner side was not baked.
+void lit_contour(const RadianceGrid<3>& grid, const Field<3>& field, double isovalue,
+                 const LitContourSettings& settings, LitMesh& mesh);
+
+}  // namespace leaflight

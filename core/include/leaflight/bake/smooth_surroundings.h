@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "leaflight/bake/surroundings_radiance.h"
+#include "leaflight/math/progress.h"
+
+namespace leaflight {
+
+// What samples say of one side of a mesh, [node * vertices + vertex]: two halves of the samples,
+// each with a mean of its own.
+using Halves = std::array<std::vector<Vec<3, float>>, 2>;
+
+// The mean of both halves, with the noise taken out that few samples leave: each vertex becomes the
+// mean of those around it that differ from it by no more than their noise lets expect, so that
+// edges of shadows stay. The noise is known from how far the halves lie apart; the weights of one
+// half come from the other, which knows nothing of its noise (Rousselle 2012). Each of a few passes
+// reaches one facet further.
+template <int D>
+std::vector<Vec<3, float>> smooth(const FineMesh<D>& mesh, Halves halves, Progress& progress);
+
+}  // namespace leaflight

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an interrupted bake in rounds leaves, and goes on from with the same bits."""
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import leaflight._core as _core
+
+from .._core import LeaflightError
+
+# Between two checkpoints, at most, as long as a block of light takes no longer.
+SECONDS = 25.0
+
+
+def checkpoint_for(out):
+    """The path of the checkpoints of a bake that is to be written to a file."""
+    return Path(f"{out}.checkpoint")
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """Where a bake in rounds leaves its state; a bake of fixed work leaves none.
+
+    path: of the file; recipe: what its caller needs to bake the same again, of anything that JSON
+    holds; resume: whether to go on from the file that is there; seconds: between two of them,
+    None for SECONDS.
+    """
+
+    path: Path
+    recipe: dict = field(default_factory=dict)
+    resume: bool = False
+    seconds: float = None
+
+    def arguments(self, metadata):
+        """Those of _core.bake() for the bake of this metadata. Raises LeaflightError."""
+        text = json.dumps({"metadata": metadata, "recipe": self.recipe})
+        seconds = SECONDS if self.seconds is None else self.seconds
+        arguments = {"checkpoint": (self.path, text, seconds)}
+        if self.resume:
+            if _without_sources(_read(self.path)["metadata"]) != _without_sources(metadata):
+                raise LeaflightError(
+                    f"{self.path}: this is the checkpoint of another bake, or the volume, the "
+                    "scene or the program has changed since; bake anew."
+                )
+            arguments["resumed"] = self.path
+        return arguments
+
+    def remove(self):
+        """Once the bake is saved, or given up."""
+        try:
+            self.path.unlink(missing_ok=True)
+        except OSError:
+            pass  # It is in nobody's way.
+
+
+def read_recipe(path):
+    """The recipe of the bake that left a checkpoint. Raises LeaflightError."""
+    return _read(path)["recipe"]
+
+
+def _without_sources(metadata):
+    """Where a volume came from may be said in other words now, such as by a whole path."""
+    records = json.loads(metadata["volumes"])
+    for record in records:
+        record.pop("source", None)
+    return {**metadata, "volumes": records}
+
+
+def _read(path):
+    try:
+        text = json.loads(_core.read_checkpoint(path))
+        if not isinstance(text["metadata"]["volumes"], str) or not isinstance(text["recipe"], dict):
+            raise ValueError
+        return text
+    except (KeyError, TypeError, ValueError, RecursionError):
+        raise LeaflightError(f"{path}: this is no checkpoint of a bake; bake anew.") from None

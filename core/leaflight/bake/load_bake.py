@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bakes from their files."""
+
+import json
+
+import leaflight._core as _core
+
+from .._core import LeaflightError
+from ..io.apart import check_bake
+from ..io.scene_file import scene_from_json
+from ..scene.scene import core_scene
+from ..volume.volume import Volume
+from .bake import Bake
+from .stamps import EARLIER, METADATA, read_bake_id
+
+
+def load_bake(path):
+    """Reads what Bake.save wrote. Raises LeaflightError for any other file."""
+    identifier = read_bake_id(path)
+    if not _core.has_seal(path):
+        # Of an earlier Leaflight, cut, or saved by another program: nothing tells that it is whole.
+        check_bake(path)
+    try:
+        fields, grids, surroundings, metadata = _core.read_bake(path)
+        statistics = json.loads(metadata["statistics"])
+        lo, hi = (float(isovalue) for isovalue in json.loads(metadata["isovalues"]))
+        scene = scene_from_json(metadata["scene"], str(path))
+        names = [str(record["name"]) for record in json.loads(metadata["volumes"])]
+        if not len(names) == len(fields) == len(grids) == len(scene.leaves):
+            raise ValueError("the number of volumes differs")
+        if not {"rounds", "blocks"} <= metadata.keys():
+            raise LeaflightError(f"{path}: {EARLIER}.")
+        # OpenVDB adds text of its own.
+        metadata = {key: metadata[key] for key in METADATA}
+    except (KeyError, TypeError, ValueError, OverflowError, RecursionError):
+        raise LeaflightError(
+            f"{path}: this .vdb lacks the metadata of a bake; bake the volume again."
+        ) from None
+    volumes = [Volume(*field, name, str(path)) for field, name in zip(fields, names)]
+    for volume in volumes:
+        volume.field()
+    if surroundings is not None:
+        core = core_scene(scene, [volume.field() for volume in volumes], (lo, hi))
+        _core.attach_surroundings(surroundings, core)
+    bake = Bake(volumes, scene, (lo, hi), grids, surroundings, statistics, metadata)
+    if bake.id != identifier:
+        raise LeaflightError(f"{path}: its metadata were changed; bake the volume again.")
+    return bake

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""VTK in a process of its own: FlyingEdges3D, then ProbeFilter at the vertices that it gives."""
+
+import json
+import subprocess
+import sys
+import tempfile
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+
+from .._core import LeaflightError
+
+SCRIPT = Path(__file__).with_name("vtk_contours.py")
+
+
+class VtkPeer:
+    """Contours a volume and looks baked radiance up, in index coordinates.
+
+    values: float32 [z, y, x]; radiance: float32 [z, y, x, 3], from end to end of the same box.
+    """
+
+    def __init__(self, values, radiance):
+        """Raises LeaflightError where this Python has no VTK."""
+        if find_spec("vtkmodules") is None:
+            raise LeaflightError(
+                "bench scrub holds contours against VTK, which this Python does not have: install "
+                "the Debian package python3-vtk9, or vtk with pip."
+            )
+        self._folder = tempfile.TemporaryDirectory(prefix="leaflight-")
+        folder = Path(self._folder.name)
+        np.save(folder / "values.npy", np.asarray(values, np.float32))
+        np.save(folder / "radiance.npy", radiance)
+        self._process = subprocess.Popen(
+            [sys.executable, str(SCRIPT), str(folder)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+
+    def milliseconds(self, isovalue):
+        """By the clock, of one isovalue. Raises LeaflightError."""
+        return self.ask(isovalue)["milliseconds"]
+
+    def ask(self, isovalue):
+        """A dict: milliseconds and triangles of one isovalue. Raises LeaflightError."""
+        print(isovalue, file=self._process.stdin, flush=True)
+        answer = self._process.stdout.readline()
+        if not answer:
+            raise LeaflightError(
+                f"VTK ended without an answer (exit status {self._process.wait()}): see whether "
+                "there is enough memory, and what it wrote above."
+            )
+        return json.loads(answer)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._process.kill()
+        self._process.wait()
+        self._folder.cleanup()

@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Leaflight in Blender's Python: what the panels do, as functions.
+
+    from leaflight import blender
+
+    head = blender.import_volume("head.nii.gz")
+    blender.stage(head)
+    blender.bake(head, error=1.5)
+    blender.show(head, 45.5)
+    blender.export(head, "head.glb")
+
+Needs the add-on to be enabled, and runs with a window or without (`blender --background`), where
+each function returns when its work is done. `head` is an ordinary object; all that the panels show
+is in `head.leaflight`. Every function raises LeaflightError, one sentence, where the panel would
+show it.
+"""
+
+import contextlib
+import json
+import os
+from pathlib import Path
+
+from ._core import LeaflightError
+
+try:
+    import bpy
+except ImportError:
+    raise LeaflightError(
+        "leaflight.blender works inside Blender alone: run the script there, or use "
+        "leaflight.bake() here."
+    ) from None
+
+
+def import_volume(path, **options):
+    """Imports a volume and returns its object, which shows an isosurface that suits the data.
+
+    path: a file of any format that File > Import takes; options: those of that operator, such as
+        size (of the longest side, in Blender units), dims and value_type (of a .raw), frame.
+    """
+    _call(bpy.ops.leaflight.import_volume, filepath=_absolute(path), **options)
+    return bpy.context.object
+
+
+def stage(obj, preset="CORNELL", **options):
+    """Puts walls, lights and a camera around the volumes, and sets other objects aside.
+
+    preset: the identifier of one of the stages of the panel; options: those of the operator, such
+        as collection (the name of your own, for the preset MY_SCENE) and set_aside.
+    """
+    with _active(obj):
+        _call(bpy.ops.leaflight.stage, preset=preset, **options)
+
+
+def bake(obj, isovalues=None, **settings):
+    """Lights every isosurface of a window at once, of all volumes that render.
+
+    isovalues: (lowest, highest), in data units; None leaves what is set. settings: attributes of
+        obj.leaflight that the panel shows, such as error (percent), time_limit (seconds),
+        both_sides, light_surroundings, bake_folder. They stay.
+    Returns the path of the bake.
+    """
+    if isovalues is not None:
+        settings = {**settings, "low": float(isovalues[0]), "high": float(isovalues[1])}
+    for name, value in settings.items():
+        if name not in obj.leaflight.bl_rna.properties:
+            raise LeaflightError(f'"{obj.name}" has no setting "{name}" of a bake; check its name.')
+        setattr(obj.leaflight, name, value)
+    with _active(obj):
+        _call(bpy.ops.leaflight.bake)
+    return Path(os.path.normpath(bpy.path.abspath(obj.leaflight.bake_path)))
+
+
+def show(obj, isovalue, settle=False):
+    """Shows an isosurface, lit by the bake if there is one, with all volumes that are linked.
+
+    obj: a volume, or what add_isosurface() returned. isovalue: in data units; settle: whether
+        renders trace the light at the vertices, which is sharper and takes seconds for each frame.
+    """
+    volume = obj if obj.leaflight.is_volume else obj.parent
+    volume.leaflight.settle = bool(settle)
+    obj.leaflight.isovalue = float(isovalue)
+    bpy.context.view_layer.update()
+
+
+def add_isosurface(obj, isovalue, opacity=0.3, color=None):
+    """Shows another isosurface of a volume beside its own, lit by the same bake; up to three.
+
+    isovalue: in data units; opacity: 0..1, how much of what lies behind it hides; color: its albedo
+        (r, g, b) where that is not to be the volume's, in the light that was baked.
+    Returns its object, a child of obj: show() and animate() move its isovalue, and
+    `leaflight_look.opacity` changes the opacity.
+    """
+    before = set(obj.children)
+    with _active(obj):
+        _call(bpy.ops.leaflight.add_isosurface, isovalue=float(isovalue), opacity=opacity)
+    (added,) = set(obj.children) - before
+    if color is not None:
+        added.leaflight_look.color = color
+    return added
+
+
+def clip(obj, box, keep="OUTSIDE"):
+    """Cuts the isosurfaces of a volume by a box that moves like any object.
+
+    box: an object, whose bounding box counts, or an Empty, whose cube does; None cuts nothing.
+    keep: "OUTSIDE" cuts away what lies in the box, "INSIDE" shows nothing else. Which isosurfaces
+    are cut is told by their `leaflight_look.is_cut`.
+    """
+    obj.leaflight_look.keep = keep
+    obj.leaflight_look.box = box
+
+
+def animate(obj, isovalues, first_frame=1):
+    """Keyframes one isovalue a frame, for a sweep; sets the scene's range of frames to them.
+
+    isovalues: in data units, one for each frame from first_frame on.
+    """
+    settings, isovalues = obj.leaflight, [float(isovalue) for isovalue in isovalues]
+    if not isovalues:
+        raise LeaflightError("There is no isovalue to animate: give one for each frame.")
+    for frame, isovalue in enumerate(isovalues, start=first_frame):
+        settings.isovalue = isovalue
+        obj.keyframe_insert('leaflight["isovalue"]', frame=frame)
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = first_frame, first_frame + len(isovalues) - 1
+    scene.frame_set(first_frame)
+
+
+def compare(obj, folder, samples=256, baked_samples=64, share=1.0):
+    """Renders the present view baked, by Cycles and by local shading, and measures the difference.
+
+    folder: for the pictures, the .csv and the .json; samples, baked_samples: per pixel of the
+        stills of Cycles and of the bake; share: of the scene's resolution, 0..1.
+    Returns the figures, a dict: leaf_rms_percent, leaf_noise_percent, baked_seconds, ...
+    """
+    folder = Path(_absolute(folder))
+    before = _written(folder)
+    with _active(obj):
+        _call(
+            bpy.ops.leaflight.render_comparison,
+            folder=str(folder),
+            samples=samples,
+            baked_samples=baked_samples,
+            share=100.0 * share,
+        )
+    path = max(_written(folder).items() - before.items(), key=lambda item: item[1])[0]
+    return json.loads(path.read_text())
+
+
+def export(obj, path, isovalues=None, settle=False):
+    """Writes the bake of an object for another program, by leaflight.export().
+
+    path: its suffix is the format (docs/export.md). isovalues: of the isosurfaces of a sequence, in
+        data units; None is the present one. settle: whether their light is traced at the vertices.
+    """
+    chosen = {}
+    if isovalues is not None:
+        values = " ".join(repr(float(isovalue)) for isovalue in isovalues)
+        chosen = {"isovalues": "LIST", "listed": values}
+    with _active(obj):
+        _call(bpy.ops.leaflight.export, filepath=_absolute(path), settle=settle, **chosen)
+
+
+@contextlib.contextmanager
+def _active(obj):
+    """Operators work on the active object."""
+    if obj is None or not obj.leaflight.is_volume:
+        name = "None" if obj is None else f'"{obj.name}"'
+        raise LeaflightError(f"{name} is no Leaflight volume: give what import_volume() returned.")
+    layer = bpy.context.view_layer
+    before = layer.objects.active
+    layer.objects.active = obj
+    try:
+        yield
+    finally:
+        if before is not None and before.name in layer.objects:
+            layer.objects.active = before
+
+
+def _call(operator, **options):
+    """Runs an operator to its end. Raises LeaflightError with its sentence."""
+    try:
+        result = operator("EXEC_DEFAULT", **options)
+    except RuntimeError as error:
+        sentence = str(error).strip().removeprefix("Error: ")
+        # Why a button would be greyed comes behind the operator's name.
+        raise LeaflightError(sentence.rpartition("poll() failed, ")[2]) from None
+    if "FINISHED" not in result:
+        raise LeaflightError(f"{operator.idname_py()} was cancelled.")
+
+
+def _absolute(path):
+    return os.path.abspath(bpy.path.abspath(str(path)))
+
+
+def _written(folder):
+    """When the .json of each comparison in a folder was written."""
+    return {path: path.stat().st_mtime_ns for path in folder.glob("*_comparison.json")}

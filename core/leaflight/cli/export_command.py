@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command export: a bake for other programs."""
+
+from pathlib import Path
+
+from ..bake.load_bake import load_bake
+from ..export.export import export
+from .progress import run_with_progress
+
+
+def run_export(options):
+    baked = load_bake(options.bake)
+
+    def work(progress):
+        return export(
+            baked,
+            options.out,
+            options.isovalue,
+            volume=options.volume,
+            back=options.back,
+            settle=options.settle,
+            seed=options.seed,
+            threads=options.threads,
+            progress=progress,
+            coarser=options.coarser,
+            embed=options.embed,
+        )
+
+    surfaces = run_with_progress(work, "export", writes=True)
+    out = Path(options.out)
+    if options.embed:
+        out = out.with_suffix("")
+    size = sum(file.stat().st_size for file in (out.iterdir() if options.embed else [out]))
+    result = {
+        "out": str(out),
+        "bytes": size,
+        "volume": options.volume,
+        "settled": options.settle,
+        "isosurfaces": [
+            {
+                "isovalue": isovalue,
+                "vertices": len(surface.vertices),
+                "triangles": len(surface.triangles),
+            }
+            for isovalue, surface in surfaces.items()
+        ],
+    }
+    what = "all isosurfaces"
+    if surfaces:
+        triangles = sum(len(surface.triangles) for surface in surfaces.values())
+        shown = ", ".join(f"{isovalue:g}" for isovalue in surfaces)
+        what = f"isovalue{'s' if len(surfaces) > 1 else ''} {shown}, {triangles} triangles"
+    return result, [f"{out}: {what}, {size / 2**20:.1f} MiB"]

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the commands that light volumes make of their options."""
+
+from dataclasses import replace
+
+from .._core import LeaflightError
+from ..bake.settings import PhotonMap, Scattered
+from ..io.output import check_writable
+from ..io.readers.reading import OPTIONS
+from ..io.scene_file import cornell_box, load_scene
+from ..io.sources import open_volume
+
+
+def to_light(options, suffix):
+    """The volumes and the scene of a command that lights them and writes a file."""
+    scene = load_scene(options.scene) if options.scene else cornell_box()
+    readings = [(source, {}) for source in options.volumes]
+    readings = readings or [(leaves.source, leaves.reading or {}) for leaves in scene.leaves]
+    sources = [source for source, _ in readings]
+    if None in sources:
+        raise LeaflightError(
+            "Nothing to light: name a VOLUME, or give --scene a file whose volumes have a source."
+        )
+    if options.out is not None:
+        check_writable(options.out, suffix, *sources)
+    volumes = [open_with(source, options, reading) for source, reading in readings]
+    if options.capped:
+        scene = replace(scene, leaves=[replace(leaves, capped=True) for leaves in scene.leaves])
+    return volumes, scene
+
+
+def work_options(options):
+    """What is baked, and how well: those arguments that bake and bake_flatland have in common."""
+    names = ("isovalues", "resolution", "samples", "photons", "estimator", "seed", "threads")
+    return {
+        **given_options(options, **{name: name for name in names}),
+        "photon_map": _photon_map(options),
+        "scattered": _scattered(options),
+    }
+
+
+def _photon_map(options):
+    given = given_options(options, k="k", radius="photon_radius", g="g", region="region")
+    return PhotonMap(**given) if given else None
+
+
+def _scattered(options):
+    given = given_options(
+        options,
+        strategy="strategy",
+        count="count",
+        isovalues="isovalue_count",
+        filter="filter",
+        radius="filter_radius",
+    )
+    if not given:
+        return None
+    if "strategy" not in given or "count" not in given:
+        raise LeaflightError("Scattered samples need both --strategy NAME and --count N.")
+    return Scattered(**given)
+
+
+def given_options(options, **names):
+    """The options that were given, by the names that the settings have for them."""
+    values = {name: getattr(options, option) for name, option in names.items()}
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def open_with(source, options, reading=None):
+    """The volume; reading: what a scene file says of it, where no option says otherwise."""
+    given = given_options(options, **{name: name for name in OPTIONS})
+    return open_volume(source, **{**(reading or {}), **given})

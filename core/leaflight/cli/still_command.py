@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command still: a picture of a lit isosurface."""
+
+import time
+from pathlib import Path
+
+import leaflight._core as _core
+import numpy as np
+
+from .._core import LeaflightError
+from ..bake.load_bake import load_bake
+from ..export.export import default_isovalue_of
+from ..io.images import display_colours, write_png
+from ..io.output import check_writable
+from ..still.camera import VIEW, camera_around_bake, load_camera
+from ..still.still import still
+from ..volume.setting_error import SettingError
+from .progress import run_with_progress
+
+SUFFIXES = (".png", ".exr")
+
+
+def run_still(options):
+    suffix = Path(options.out).suffix.lower()
+    if suffix not in SUFFIXES:
+        raise LeaflightError(f"{options.out}: a picture must end in {' or '.join(SUFFIXES)}.")
+    check_writable(options.out, suffix, options.bake)
+    baked = load_bake(options.bake)
+    isovalue = options.isovalue
+    if isovalue is None:
+        isovalue = default_isovalue_of(baked)
+    camera = _camera(baked, options)
+    start = time.perf_counter()
+
+    def work(progress):
+        return still(
+            baked,
+            isovalue,
+            camera,
+            options.size,
+            options.samples,
+            walls=not options.no_walls,
+            local=options.local,
+            progress=progress,
+        )
+
+    picture = run_with_progress(work, "still")
+    if suffix == ".exr":
+        _core.write_exr(options.out, picture)
+    else:
+        write_png(options.out, displayed(picture, baked.scene.exposure))
+    seconds = time.perf_counter() - start
+    result = {
+        "out": options.out,
+        "isovalue": isovalue,
+        "size": list(options.size),
+        "filled": float(picture[..., 3].mean()),
+        "seconds": seconds,
+    }
+    width, height = options.size
+    return result, [
+        f"{options.out}: isovalue {isovalue:g}, {width} x {height} pixels, {seconds:.1f} s"
+    ]
+
+
+def displayed(picture, exposure):
+    """The picture of still() as uint8 RGBA: exposed, encoded as sRGB, alpha not multiplied in."""
+    alpha = picture[..., 3:]
+    radiance = picture[..., :3] / np.maximum(alpha, 1e-6)
+    colors = display_colours(radiance, exposure)
+    return np.concatenate([colors, np.rint(255.0 * alpha).astype(np.uint8)], axis=-1)
+
+
+def _camera(baked, options):
+    if options.camera is None:
+        zoom = 1.0 if options.zoom is None else options.zoom
+        return camera_around_bake(baked, *(options.view or VIEW), zoom)
+    if options.zoom is not None:
+        raise SettingError("A camera from a file stands where it stands: leave it out.", "zoom")
+    return load_camera(options.camera)

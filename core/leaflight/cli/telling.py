@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a command says, also where nobody listens: its work is done by then."""
+
+import json
+import math
+import os
+import sys
+
+
+def tell(lines):
+    """Prints to stdout; returns whether that took them."""
+    if sys.stdout is None:
+        return True  # It was closed from the beginning.
+    try:
+        for line in lines:
+            print(_printable(line, sys.stdout))
+        sys.stdout.flush()
+        return True
+    except OSError as error:
+        tell_error(f"The result cannot be printed: {error.strerror}; what was asked for is done.")
+        _send_to_nowhere(sys.stdout)
+        return False
+
+
+def tell_error(sentence):
+    """Prints one line to stderr, if that is open."""
+    if sys.stderr is None:
+        return
+    try:
+        print(_printable(f"leaflight: {sentence}", sys.stderr), file=sys.stderr, flush=True)
+    except OSError:
+        _send_to_nowhere(sys.stderr)
+
+
+def json_line(result):
+    """A result as one line of JSON, which knows no infinite numbers: null stands for them."""
+    return json.dumps(_finite(result), allow_nan=False)
+
+
+def _printable(text, stream):
+    """Names of files need not be UTF-8, and a terminal need not know all letters."""
+    encoding = stream.encoding or "utf-8"
+    return text.encode(encoding, "backslashreplace").decode(encoding)
+
+
+def _finite(value):
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _send_to_nowhere(stream):
+    """Else Python fails once more when it flushes the stream at its end."""
+    try:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, stream.fileno())
+        os.close(nowhere)
+    except (OSError, ValueError):
+        pass

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The light of all isosurfaces as an RGBA volume for amira (AmiraMesh, .am): thesis 5.3.
+
+There it is the Color Field of an isosurface of the same data.
+"""
+
+import numpy as np
+
+from ..io.images import display_colours
+from ..io.output import check_writable, replaced
+from .point_grid import point_grid
+
+
+def write_amira(path, bake, volume=0):
+    """Writes the colors of a volume (its number) of a Bake. Raises LeaflightError.
+
+    Four bytes a point: sRGB at the scene's exposure, and 255. The box is the volume's in world
+    coordinates; where its axes are not the world's, a TransformationMatrix takes it there.
+    """
+    check_writable(path, ".am")
+    grid = point_grid(bake, volume)
+    nz, ny, nx = grid.values.shape
+    pixels = np.full((nz, ny, nx, 4), 255, np.uint8)
+    pixels[..., :3] = display_colours(grid.radiance, bake.scene.exposure)
+    header = "\n".join(
+        [
+            "# AmiraMesh BINARY-LITTLE-ENDIAN 2.1",
+            f"define Lattice {nx} {ny} {nz}",
+            "Parameters {",
+            f'    Content "{nx}x{ny}x{nz} byte[4], uniform coordinates",',
+            *_place(grid.index_to_world, (nx, ny, nz)),
+            '    CoordType "uniform"',
+            "}",
+            "Lattice { byte[4] Data } @1",
+            "# Data section follows",
+            "@1",
+            "",
+        ]
+    )
+    with replaced(path) as temporary:
+        with open(temporary, "wb") as file:
+            file.write(header.encode("ascii"))
+            file.write(pixels)
+            file.write(b"\n")
+
+
+def _place(index_to_world, count):
+    """The lines that say where the points are: amira's box goes from the first to the last."""
+    axes, origin = index_to_world[:3, :3], index_to_world[:3, 3]
+    step = np.diag(axes)
+    if np.array_equal(axes, np.diag(step)) and (step > 0).all():
+        ends = origin + step * (np.array(count) - 1)
+        return [_numbers("BoundingBox", np.stack([origin, ends], axis=1))]
+    ends = np.array(count) - 1.0
+    return [
+        # Column by column, as OpenGL has it.
+        _numbers("TransformationMatrix", index_to_world.T),
+        _numbers("BoundingBox", np.stack([np.zeros(3), ends], axis=1)),
+    ]
+
+
+def _numbers(name, numbers):
+    return f"    {name} {' '.join(f'{number:.9g}' for number in np.ravel(numbers))},"

@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""export(): a bake in the format that the suffix of a file names; export_page(): a web page."""
+
+from importlib import import_module
+from pathlib import Path
+
+import leaflight._core as _core
+
+from .._core import LeaflightError
+from ..io.output import check_writable
+from ..volume.setting_error import SettingError
+from ..volume.volume import default_isovalue
+from .page import write_page
+
+# Suffix -> (module of this room or of io, its function): a page of all, of the whole volume, of one
+# isosurface, or of one or a sequence.
+PAGE = ".html"
+OF_VOLUME = {".vti": ("vti", "write_vti"), ".am": ("amira", "write_amira")}
+OF_SURFACE = {".vtp": ("vtp", "write_vtp"), ".ply": ("..io.ply", "write_ply")}
+OF_SEQUENCE = {
+    ".glb": ("gltf", "write_glb"),
+    **{suffix: ("usd", "write_usd") for suffix in (".usda", ".usdc", ".usd")},
+}
+_WRITERS = {**OF_VOLUME, **OF_SURFACE, **OF_SEQUENCE}
+SUFFIXES = (*_WRITERS, PAGE)
+
+# Module -> what brings it: a package of Debian or, where that has none, one of PyPI.
+_BROUGHT_BY = {
+    "vtkmodules": "python3-vtk9, or pip install vtk",
+    "meshio": "python3-meshio, or pip install meshio",
+    "pygltflib": "it by pip install pygltflib",
+    "pxr": "it by pip install usd-core",
+}
+
+
+def export(
+    bake,
+    path,
+    isovalues=None,
+    *,
+    volume=0,
+    back=False,
+    settle=False,
+    seed=0,
+    threads=0,
+    progress=None,
+    coarser=0,
+    embed=False,
+):
+    """Writes a Bake for another program, as a whole or not at all; docs/export.md has the formats.
+
+    path: .vti and .am hold the volume with the light of all isosurfaces, .vtp and .ply one lit
+        isosurface, .glb, .usda, .usdc and .usd one or a sequence; an .html shows all of all
+        volumes, at first the isovalue that is given (docs/web_page.md).
+    isovalues: of the isosurfaces (of the leaf coordinate, see Bake), in their order; None is the
+        default one.
+    volume: the number of one of several; back: the inner side; settle, seed: as of Bake.surface().
+    coarser, embed: of an .html, see write_page() in page.py.
+    Returns {isovalue: Surface} of what was written, empty for a volume. Raises LeaflightError,
+    Cancelled.
+    """
+    path, suffix = Path(path), Path(path).suffix.lower()
+    isovalues = None if isovalues is None else [float(isovalue) for isovalue in isovalues]
+    _check(path, suffix, isovalues, back, settle)
+    if suffix != PAGE and (coarser or embed):
+        raise SettingError(
+            f"{path}: only a web page (.html) is written coarser or to embed.", "coarser", "embed"
+        )
+    check_writable(path, suffix)
+    if suffix == PAGE:
+        first = isovalues[0] if isovalues else None
+        export_page(bake, path, first, coarser=coarser, embed=embed, progress=progress)
+        return {}
+    write = _writer(path, suffix)
+    if suffix in OF_VOLUME:
+        write(path, bake, volume)
+        return {}
+    progress = progress or _core.Progress()
+    surfaces = {}
+    for isovalue in isovalues or [default_isovalue_of(bake, volume)]:
+        if progress.cancelled:
+            raise _core.Cancelled("The export was cancelled.")
+        surface = bake.surface(isovalue, volume, back, settle, seed, threads, progress)
+        if len(surface.triangles) == 0:
+            raise LeaflightError(
+                f"{path}: the isosurface of {isovalue:g} is empty: choose another."
+            )
+        surfaces[isovalue] = surface
+    exposure = bake.scene.exposure
+    if suffix in OF_SEQUENCE:
+        write(path, surfaces, exposure)
+    else:
+        ((isovalue, surface),) = surfaces.items()
+        write(path, surface, exposure, *([isovalue] if suffix == ".vtp" else []))
+    return surfaces
+
+
+def export_page(bake, path, isovalue=None, *, coarser=0, embed=False, progress=None):
+    """Writes a Bake as a web page, see write_page(); isovalue: None is the default one."""
+    isovalue = default_isovalue_of(bake) if isovalue is None else isovalue
+    return write_page(path, bake, isovalue, coarser, embed, progress)
+
+
+def _check(path, suffix, isovalues, back, settle):
+    """Raises LeaflightError unless the format exists and takes what is asked for."""
+    if suffix not in SUFFIXES:
+        raise LeaflightError(
+            f"{path}: the suffix {suffix or '(none)'} is not known; known are "
+            f"{', '.join(SUFFIXES)}."
+        )
+    if suffix in OF_VOLUME or suffix == PAGE:
+        of_one = ("isovalue", isovalues if suffix in OF_VOLUME else None)
+        given = [
+            name
+            for name, value in (of_one, ("back", back), ("settle", settle))
+            if value not in (None, False)
+        ]
+        if given:
+            raise SettingError(
+                f"{path}: a {suffix} holds the light of all isosurfaces as it was baked; leave "
+                "out what asks for one.",
+                *given,
+            )
+    elif isovalues is not None and len(set(isovalues)) != len(isovalues):
+        raise SettingError(f"{path}: the isovalues must differ.", "isovalue")
+    elif suffix in OF_SURFACE and isovalues is not None and len(isovalues) != 1:
+        raise SettingError(
+            f"{path}: a {suffix} holds one isosurface; give one isovalue, or write a sequence as "
+            f"{', '.join(OF_SEQUENCE)}.",
+            "isovalue",
+        )
+
+
+def _writer(path, suffix):
+    """The function that writes the format. Raises LeaflightError where its library is absent."""
+    module, function = _WRITERS[suffix]
+    relative = module if module.startswith(".") else f".{module}"
+    try:
+        loaded = import_module(relative, __package__)
+        if suffix == ".ply":
+            import_module("meshio")  # which io.ply imports when it writes, after all the work
+    except ImportError as error:
+        package = (error.name or "").partition(".")[0]
+        raise LeaflightError(
+            f"{path}: writing {suffix} needs the Python package {package}, which is not "
+            f"installed; install {_BROUGHT_BY.get(package, package)}."
+        ) from None
+    return getattr(loaded, function)
+
+
+def default_isovalue_of(bake, volume=0):
+    """The isovalue (leaf coordinate) of a Bake that is shown at first, within the window."""
+    low, high = bake.isovalues
+    middle = 0.5 * (low + high)
+    if len(bake.volumes) > 1:
+        return middle
+    isovalue = default_isovalue(bake.volumes[volume])
+    return isovalue if low < isovalue < high else middle

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Texels as a texture of bricks, without those that hold no light.
+
+A brick of n^3 texels serves the n - 1 cells between them along each axis, so that neighbours share
+a layer and a graphics card interpolates within one brick.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+# Along each axis; whether either is smaller than all texels as one brick is tried.
+SIDES = (8, 16)
+
+
+@dataclass(frozen=True, eq=False)
+class LightBricks:
+    """brick: (x, y, z) texels of each. table: uint8 (nz, ny, nx, 4), for each the place (x, y, z)
+    in the texture, in bricks, and 1; or zeros for one without light. shape: (x, y, z) bricks of
+    the texture."""
+
+    brick: tuple
+    table: np.ndarray
+    shape: tuple
+
+    def gather(self, texels):
+        """The texture of an array [z, y, x], of zeros where nothing is."""
+        bx, by, bz = self.brick
+        sx, sy, sz = self.shape
+        texture = np.zeros((sz * bz, sy * by, sx * bx), texels.dtype)
+        for k, j, i in np.argwhere(self.table[..., 3]):
+            x, y, z, _ = (int(n) for n in self.table[k, j, i])
+            low = (k * (bz - 1), j * (by - 1), i * (bx - 1))
+            part = texels[low[0] : low[0] + bz, low[1] : low[1] + by, low[2] : low[2] + bx]
+            nz, ny, nx = part.shape
+            z, y, x = z * bz, y * by, x * bx
+            texture[z : z + nz, y : y + ny, x : x + nx] = part
+        return texture
+
+
+def light_bricks(lit):
+    """The LightBricks that take the least memory. lit: bool [z, y, x], the texels with light."""
+    return min((_bricks(lit, side) for side in (*SIDES, None)), key=_texels)
+
+
+def _bricks(lit, side):
+    resolution = lit.shape[::-1]
+    brick = tuple(resolution if side is None else (side,) * 3)
+    counts = tuple(max(1, -(-(n - 1) // (b - 1))) for n, b in zip(resolution, brick))
+    is_used = lit
+    for axis, (count, b) in enumerate(zip(counts[::-1], brick[::-1])):
+        parts = [
+            is_used.take(range(k * (b - 1), min(k * (b - 1) + b, lit.shape[axis])), axis).any(axis)
+            for k in range(count)
+        ]
+        is_used = np.stack(parts, axis)
+    places = np.argwhere(is_used)
+    across = max(1, round(len(places) ** (1 / 3)))
+    down = max(1, round((len(places) / across) ** 0.5))
+    shape = (across, down, max(1, -(-len(places) // (across * down))))
+    table = np.zeros((*counts[::-1], 4), np.uint8)
+    number = np.arange(len(places))
+    x, y, z = number % across, number // across % down, number // (across * down)
+    table[tuple(places.T)] = np.stack([x, y, z, np.ones_like(x)], axis=1)
+    return LightBricks(brick, table, shape)
+
+
+def _texels(bricks):
+    return int(np.prod(bricks.brick, dtype=np.int64) * np.prod(bricks.shape, dtype=np.int64))

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake as a web page that shows every isosurface with its light, in one file and by itself."""
+
+import base64
+import html
+import json
+from pathlib import Path
+
+import leaflight._core as _core
+
+from .._core import LeaflightError
+from ..io.output import check_writable, replaced, replaced_together
+from ..still.still import check_diffuse
+from .page_data import EVERY, dims_of, estimated_bytes, page_data, texels_of
+
+# Of package data: the page without a bake, made by web/bundle.mjs.
+TEMPLATE = Path(__file__).parent.parent / "page" / "page.html"
+# Where the page's data and its permissions go.
+_DATA, _POLICY = "<!--leaflight:data-->", "leaflight-connect-src"
+
+# What a browser still takes well, as a file and along one axis of a texture.
+LARGEST_BYTES = 200e6
+LARGEST_SIDE = 2048
+MOST_COARSER = 3
+
+
+def write_page(path, bake, isovalue, coarser=0, embed=False, progress=None):
+    """Writes a Bake as a web page, an .html that needs no server and asks for nothing.
+
+    isovalue: the leaf coordinate that is shown at first. coarser: how many times voxels and texels
+    are halved along each axis, 0 to 3. embed: a folder named as path without its suffix instead,
+    for an iframe: index.html, which fetches bake.bin beside it and so needs a server. Returns the
+    path of the file, or of index.html. Raises LeaflightError, and names the coarser level that
+    would do where the page would be too large; Cancelled.
+    """
+    path = Path(path)
+    check_writable(path, ".html")
+    check_diffuse(bake)
+    bake.check_isovalue(isovalue)
+    template = read_template(path)
+    _check_size(path, bake, coarser)
+    progress = progress or _core.Progress()
+    data = page_data(bake, isovalue, coarser, lambda: _raise_if_cancelled(progress))
+    _raise_if_cancelled(progress)
+    header = _script("leaflight-header", "application/json", json.dumps(data.header))
+    title = html.escape(f"{data.header['title']} - Leaflight")
+    template = template.replace("<title></title>", f"<title>{title}</title>", 1)
+    if embed:
+        page = template.replace(_POLICY, "'self'", 1).replace(_DATA, header, 1)
+        return _write_folder(path.with_suffix(""), page, data.body)
+    text = base64.b64encode(data.body).decode("ascii")
+    body = _script("leaflight-body", "text/plain", text)
+    page = template.replace(_POLICY, "'none'", 1).replace(_DATA, header + body, 1)
+    with replaced(path) as temporary:
+        temporary.write_text(page, encoding="utf-8")
+    return path
+
+
+def read_template(path):
+    """The page without a bake. Raises LeaflightError, which names path, where it was left out."""
+    try:
+        return TEMPLATE.read_text(encoding="utf-8")
+    except OSError:
+        raise LeaflightError(
+            f"{path}: this installation was built without Node and has no web page to write; "
+            "install a wheel of Leaflight, or build it after scripts/setup."
+        ) from None
+
+
+def _check_size(path, bake, coarser):
+    if not 0 <= coarser <= MOST_COARSER:
+        raise LeaflightError(f"{path}: choose 0 to {MOST_COARSER} for coarser, not {coarser}.")
+    why = _too_large(bake, coarser)
+    if why is None:
+        return
+    more = range(coarser + 1, MOST_COARSER + 1)
+    fitting = [
+        each for each in more if min(dims_of(bake, 0, each)) > 1 and not _too_large(bake, each)
+    ]
+    if not fitting:
+        raise LeaflightError(f"{path}: the page would {why}; crop the volume or downsample it.")
+    size = estimated_bytes(bake, fitting[0]) / 1e6
+    raise LeaflightError(
+        f"{path}: the page would {why}; with coarser={fitting[0]}, {EVERY[fitting[0]]} voxel "
+        f"along each axis, it takes about {size:.0f} MB."
+    )
+
+
+def _too_large(bake, coarser):
+    """What a browser would not take, as the end of a sentence, or None."""
+    for number in range(len(bake.volumes)):
+        side = max(*dims_of(bake, number, coarser), *texels_of(bake, number, coarser))
+        if side > LARGEST_SIDE:
+            return f"have {side} voxels or texels along one axis, of {LARGEST_SIDE} at most"
+    size = estimated_bytes(bake, coarser)
+    return f"take about {size / 1e6:.0f} MB" if size > LARGEST_BYTES else None
+
+
+def _script(name, kind, text):
+    # An end tag within a script element would end it.
+    safe = text.replace("</", "<\\/")
+    return f'<script id="{name}" type="{kind}">{safe}</script>'
+
+
+def _write_folder(folder, page, body):
+    """Both files change together, or neither does."""
+    index, data = folder / "index.html", folder / "bake.bin"
+    new = not folder.exists()
+    try:
+        folder.mkdir(exist_ok=True)
+        others = {item.name for item in folder.iterdir()} - {index.name, data.name}
+    except OSError as error:
+        raise LeaflightError(f"{folder}: cannot write it: {error.strerror}.") from None
+    # Hidden ones are what a killed run left, which goes now.
+    if any(not name.startswith(".leaflight-part-") for name in others):
+        raise LeaflightError(f"{folder}: this folder holds something else; choose another name.")
+    try:
+        with replaced_together(index, data) as (index_file, data_file):
+            index_file.write_text(page, encoding="utf-8")
+            data_file.write_bytes(body)
+    except LeaflightError:
+        if new:
+            folder.rmdir()
+        raise
+    return index
+
+
+def _raise_if_cancelled(progress):
+    if progress.cancelled:
+        raise _core.Cancelled("The export was cancelled.")

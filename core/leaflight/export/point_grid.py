@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake as values and radiance at the points of one regular grid."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False)
+class PointGrid:
+    """What a bake knows of one volume, at points that are evenly spaced along three axes.
+
+    index_to_world: float64 (4, 4), takes the point (i, j, k, 1) to world coordinates.
+    values: float32 (nz, ny, nx), in data units, NaN where there are no data; radiance: float32
+    (nz, ny, nx, 3), W/(m^2 sr), linear RGB, of the isosurface through each point, 0 where none of
+    the window passes; error: float32 (nz, ny, nx), the standard error of its mean over the
+    channels; radiance_back: that of the inner sides, or None where these were not baked.
+    """
+
+    index_to_world: np.ndarray
+    values: np.ndarray
+    radiance: np.ndarray
+    error: np.ndarray
+    radiance_back: np.ndarray
+
+
+def point_grid(bake, volume=0):
+    """The PointGrid of a volume (its number) of a Bake: its voxels, or its texels if these are
+    finer; texels that were refined in some places only are left out."""
+    field, grid = bake.volumes[volume].field(), bake.grids[volume]
+    voxels, texels = np.array(field.dims), np.array(grid.resolution)
+    values = np.asarray(bake.volumes[volume].values, np.float32)
+    if np.all(texels >= voxels):
+        step = (voxels - 1) / (texels - 1)
+        names = ["radiance", "radiance_error", *(["radiance_back"] if grid.has_back else [])]
+        radiance, error, *back = (grid.dense(name) for name in names)
+        values = _between_voxels(values, texels)
+    else:
+        step = np.ones(3)
+        radiance = _looked_up(field, grid.lookup)
+        error = _looked_up(field, grid.lookup_error)
+        back = [_looked_up(field, grid.lookup, True)] if grid.has_back else []
+    index_to_world = np.asarray(bake.volumes[volume].index_to_world) @ np.diag([*step, 1.0])
+    return PointGrid(index_to_world, values, radiance, error, back[0] if back else None)
+
+
+def _between_voxels(values, texels):
+    """The trilinear interpolant at as many points (along x, y, z), the first and last voxels'."""
+    for axis, count in zip((2, 1, 0), texels):
+        n = values.shape[axis]
+        if count == n:
+            continue
+        position = np.arange(count) * ((n - 1) / (count - 1))
+        cell = np.minimum(position.astype(int), n - 2)
+        shape = [1, 1, 1]
+        shape[axis] = count
+        share = (position - cell).astype(np.float32).reshape(shape)
+        low, high = values.take(cell, axis), values.take(cell + 1, axis)
+        values = low + share * (high - low)
+    return values
+
+
+def _looked_up(field, lookup, *options):
+    """What a lookup tells at all voxels; plane by plane, since their coordinates take memory."""
+    nx, ny, nz = field.dims
+    y, x = np.mgrid[:ny, :nx]
+    planes = []
+    for z in range(nz):
+        index = np.stack([x, y, np.full_like(x, z), np.ones_like(x)], axis=-1).reshape(-1, 4)
+        points = (index @ field.index_to_world.T)[:, :3]
+        planes.append(lookup(field, points, *options))
+    found = np.stack(planes)
+    return found.reshape(nz, ny, nx, *found.shape[2:])

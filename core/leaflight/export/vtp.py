@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A lit isosurface as VTK's polygons (.vtp), for ParaView."""
+
+import numpy as np
+from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+from vtkmodules.vtkCommonCore import vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
+
+from ..io.images import display_colours
+from ..io.output import check_writable, replaced
+from .vtk_arrays import add_text_and_numbers, write
+
+
+def write_vtp(path, surface, exposure, isovalue):
+    """Writes a Surface, in world coordinates. Raises LeaflightError.
+
+    Point data: radiance (W/(m^2 sr), linear RGB), color (uchar, sRGB at the exposure), normals, and
+    radiance_error where the surface has settled. Field data: isovalue, exposure.
+    """
+    check_writable(path, ".vtp")
+    mesh = vtkPolyData()
+    points = vtkPoints()
+    points.SetData(numpy_to_vtk(surface.vertices, deep=True))
+    mesh.SetPoints(points)
+    corners = np.ascontiguousarray(surface.triangles, np.int64).ravel()
+    ends = np.arange(0, len(corners) + 1, 3, dtype=np.int64)
+    cells = vtkCellArray()
+    cells.SetData(*(numpy_to_vtkIdTypeArray(numbers, deep=True) for numbers in (ends, corners)))
+    mesh.SetPolys(cells)
+    arrays = {
+        "radiance": surface.radiance,
+        "color": display_colours(surface.radiance, exposure),
+    }
+    if surface.error is not None:
+        arrays["radiance_error"] = surface.error
+    for name, values in arrays.items():
+        array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
+        array.SetName(name)
+        mesh.GetPointData().AddArray(array)
+    normals = numpy_to_vtk(np.ascontiguousarray(surface.normals), deep=True)
+    normals.SetName("normals")
+    mesh.GetPointData().SetNormals(normals)
+    add_text_and_numbers(mesh, isovalue=isovalue, exposure=exposure)
+    with replaced(path) as temporary:
+        write(vtkXMLPolyDataWriter(), mesh, temporary)

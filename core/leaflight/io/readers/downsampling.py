@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Volumes with fewer voxels, made while they are read."""
+
+import numpy as np
+
+from ..._core import LeaflightError
+from ...volume.volume import held_type
+from .checks import text
+from .watched import watched
+
+
+def downsampled(path, values, step, progress):
+    """The means of step^3 voxels each; rounded where the values are integers.
+
+    values: [z, y, x], an array or what can be sliced like one, of which only `step` planes are in
+    memory at once. What is left over at the far ends is dropped. A mean of which a voxel has no
+    data has none. Raises LeaflightError where fewer than 2 voxels along an axis would be left.
+    """
+    shape = tuple(n // step for n in values.shape)
+    if min(shape) < 2:
+        raise LeaflightError(
+            f"{path}: {text(values.shape[::-1])} voxels are too few to keep one of {step} along "
+            "each axis; keep more of them."
+        )
+    nz, ny, nx = shape
+    kept = np.empty(shape, held_type(values.dtype))
+    for k in watched(progress, range(nz), "Averaging voxels"):
+        slab = np.asarray(values[k * step : (k + 1) * step, : ny * step, : nx * step])
+        mean = slab.reshape(step, ny, step, nx, step).mean(axis=(0, 2, 4), dtype=np.float32)
+        kept[k] = np.rint(mean) if kept.dtype.kind in "iu" else mean
+    return kept

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The registry of formats: which reader reads what, and which choices it offers."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..._core import LeaflightError
+
+
+@dataclass(frozen=True)
+class Format:
+    """One kind of file.
+
+    name: for people; module: of this package, whose open_volume(path, **options) reads it;
+    suffixes: in lower case; options: those of read_volume() that open_volume() takes.
+    """
+
+    name: str
+    module: str
+    suffixes: tuple
+    options: frozenset = frozenset()
+
+
+def _format(name, module, suffixes, *options):
+    return Format(name, module, tuple(suffixes.split()), frozenset(options))
+
+
+FORMATS = (
+    _format("NIfTI file", "nifti", ".nii .nii.gz"),
+    _format("NRRD file", "nrrd", ".nrrd .nhdr"),
+    _format("MetaImage", "metaimage", ".mhd .mha"),
+    _format("DICOM series", "dicom", ".dcm .dicom .ima", "dataset"),
+    _format("MRC or CCP4 map", "mrc", ".mrc .ccp4 .map .mrc.gz .ccp4.gz .map.gz"),
+    _format("VTK image", "vti", ".vti", "dataset"),
+    _format("TIFF file", "tiff", ".tif .tiff", "spacing"),
+    _format("OME-Zarr folder", "ome_zarr", ".zarr", "level"),
+    _format("HDF5 file", "hdf5", ".h5 .hdf5 .hdf", "dataset", "spacing"),
+    _format("NumPy file", "numpy_file", ".npy .npz", "dataset", "spacing"),
+    _format("Gaussian cube", "cube", ".cube .cube.gz .cub"),
+    _format("OpenVDB file", "vdb", ".vdb", "grid"),
+    _format("file without a header", "raw", ".raw", "dims", "type", "endian", "spacing"),
+    _format("table of points", "csv_points", ".csv", "dims"),
+    _format("point cloud", "ply_points", ".ply", "dims", "dataset"),
+)
+SUFFIXES = tuple(suffix for kind in FORMATS for suffix in kind.suffixes)
+# Files of a folder that are opened to find out whether it is a series.
+_LOOKED_AT = 100
+_BY_MODULE = {kind.module: kind for kind in FORMATS}
+
+
+def format_of(path):
+    """The Format of a file by its name, of a folder by what it holds. Raises LeaflightError."""
+    path = Path(path)
+    name = path.name.lower()
+    found = [
+        (suffix, kind) for kind in FORMATS for suffix in kind.suffixes if name.endswith(suffix)
+    ]
+    if path.is_dir():
+        if any((path / entry).exists() for entry in (".zgroup", ".zarray", "zarr.json")):
+            return _BY_MODULE["ome_zarr"]
+        entries = [entry for entry in path.iterdir() if entry.is_file()]
+        if any(entry.suffix.lower() in _BY_MODULE["tiff"].suffixes for entry in entries):
+            return _BY_MODULE["tiff"]
+        if any(is_dicom(entry) for entry in entries[:_LOOKED_AT]):
+            return _BY_MODULE["dicom"]
+        raise LeaflightError(
+            f"{path}: this folder holds no .tif or .tiff files, no DICOM slices and no OME-Zarr."
+        )
+    if found:
+        # The longest: a .nii.gz is no other .gz.
+        return max(found, key=lambda pair: len(pair[0]))[1]
+    if is_dicom(path):
+        return _BY_MODULE["dicom"]
+    raise LeaflightError(
+        f"{path}: the suffix {path.suffix or '(none)'} is not known; known are "
+        f"{', '.join(SUFFIXES)} and folders of TIFF or DICOM slices."
+    )
+
+
+def is_dicom(path):
+    """Whether a file begins as DICOM files do; scanners often give them no suffix."""
+    try:
+        with open(path, "rb") as file:
+            return file.read(132)[128:] == b"DICM"
+    except OSError:
+        return False

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""HDF5 through h5py: the only array of three or four dimensions, or the one that is chosen."""
+
+import h5py
+import numpy as np
+
+from ...volume.volume import Volume
+from .checks import choose_named, index_to_world, undecided
+from .stored import StoredVolume, lengths
+from .watched import watched
+
+# How ilastik and Fiji write the size of a voxel, z first, in micrometers.
+_ELEMENT_SIZE = "element_size_um"
+
+
+def open_volume(path, dataset=None, spacing=None):
+    """Arrays are [z, y, x] or [frame, z, y, x]; axes of length 1 do not count."""
+    with h5py.File(path, "r") as file:
+        found = {}
+
+        def look(name, item):
+            if isinstance(item, h5py.Dataset) and _is_volume(item):
+                found[name] = item.shape, item.dtype, _voxel_size(item)
+
+        file.visititems(look)
+    names = tuple(sorted(found))
+    name = choose_named(path, names, None if dataset is None else dataset.strip("/"))
+    if name is None:
+        return StoredVolume(None, np.dtype(np.float32), undecided(path, names), datasets=names)
+    shape, dtype, size = found[name]
+    shape = tuple(n for n in shape if n > 1)
+    matrix = index_to_world(path, spacing if spacing is not None else size or 1.0)
+
+    def load(frame, _channel, progress):
+        with h5py.File(path, "r") as file:
+            data = file[name]
+            index = [slice(None) if n > 1 else 0 for n in data.shape]
+            places = [i for i, n in enumerate(data.shape) if n > 1]
+            if len(shape) == 4:
+                index[places.pop(0)] = frame
+            values = np.empty(shape[-3:], dtype)
+            step = data.chunks[places[0]] if data.chunks else 1
+            for k in watched(progress, range(0, len(values), step)):
+                index[places[0]] = slice(k, k + step)
+                values[k : k + step] = data[tuple(index)]
+            return Volume(values, matrix, path.stem)
+
+    return StoredVolume(
+        dims=shape[-3:][::-1],
+        dtype=dtype,
+        load=load,
+        voxel_size=lengths(matrix),
+        unit="µm" if size and spacing is None else "",
+        frames=shape[0] if len(shape) == 4 else 1,
+        datasets=names,
+    )
+
+
+def _is_volume(data):
+    return sum(n > 1 for n in data.shape) in (3, 4) and data.size > 0 and data.dtype.kind in "biuf"
+
+
+def _voxel_size(data):
+    """(x, y, z) in micrometers, or None."""
+    sizes = np.atleast_1d(data.attrs.get(_ELEMENT_SIZE, ()))
+    if sizes.shape != (3,) or sizes.dtype.kind not in "iuf" or not (sizes > 0).all():
+        return None
+    return tuple(float(size) for size in sizes[::-1])

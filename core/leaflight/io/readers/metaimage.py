@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""MetaImage: a header of text, and values behind it (.mha) or in a file of their own (.mhd).
+
+https://itk.org/Wiki/ITK/MetaIO/Documentation
+"""
+
+import zlib
+
+import numpy as np
+
+from ..._core import LeaflightError
+from ...volume.volume import Volume
+from .checks import DEFLATE_MOST, check_matrix, check_scalar, check_shape, check_size, truncated
+from .stored import StoredVolume, lengths
+from .watched import open_watched
+
+_TYPES = {
+    "MET_CHAR": "i1",
+    "MET_UCHAR": "u1",
+    "MET_SHORT": "i2",
+    "MET_USHORT": "u2",
+    "MET_INT": "i4",
+    "MET_UINT": "u4",
+    "MET_LONG_LONG": "i8",
+    "MET_ULONG_LONG": "u8",
+    "MET_FLOAT": "f4",
+    "MET_DOUBLE": "f8",
+}
+# Where a header ends, at the latest.
+_MOST = 1 << 16
+# Packed bytes that are read at once.
+_PIECE = 1 << 20
+# ITK's world is left-posterior-superior, ours right-anterior-superior.
+_FROM_LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
+
+
+def open_volume(path):
+    """Compressed or not, 3D or 4D; the last of four axes is the frame."""
+    header, end = _header(path)
+    shape = tuple(int(n) for n in header["DimSize"].split())
+    check_shape(path, shape)
+    if int(header.get("ElementNumberOfChannels", 1)) != 1:
+        raise LeaflightError(
+            f"{path}: it has several values a voxel, as colours have, but a volume needs one real "
+            "number; convert the file first."
+        )
+    if header["ElementType"] not in _TYPES:
+        raise LeaflightError(
+            f"{path}: the type {header['ElementType'][:40]} is not known; convert the file first."
+        )
+    big = _true(header, "BinaryDataByteOrderMSB") or _true(header, "ElementByteOrderMSB")
+    dtype = np.dtype((">" if big else "<") + _TYPES[header["ElementType"]])
+    check_scalar(path, dtype)
+    matrix = _matrix(path, header)
+    data, offset = _data_file(path, header, end)
+    compressed = _true(header, "CompressedData")
+    stored = data.stat().st_size - offset
+    check_size(data, shape, dtype.itemsize, stored, DEFLATE_MOST if compressed else 1)
+
+    def load(frame, _channel, progress):
+        if compressed:
+            size = int(np.prod(shape, dtype=np.int64)) * dtype.itemsize
+            values = np.frombuffer(_inflated(data, offset, size, shape, progress), dtype)
+            values = values.reshape(shape[::-1])
+        else:
+            values = np.memmap(data, dtype, "r", offset, shape[::-1])
+        return Volume(values[frame] if len(shape) == 4 else values, matrix, path.stem)
+
+    frames = shape[3] if len(shape) == 4 else 1
+    orientation = header.get("AnatomicalOrientation", "?")
+    # ITK writes ??? where it does not know.
+    patient = "?" not in orientation
+    return StoredVolume(shape[:3], dtype, load, lengths(matrix), "mm", frames, patient=patient)
+
+
+def _header(path):
+    """(the fields, where the data begin if they follow)."""
+    with open(path, "rb") as file:
+        text = file.read(_MOST)
+    fields, place = {}, 0
+    while place < len(text):
+        end = text.find(b"\n", place)
+        end = len(text) if end < 0 else end
+        key, equals, value = text[place:end].decode("latin-1").partition("=")
+        place = end + 1
+        if equals:
+            fields[key.strip()] = value.strip()
+        # By the format's rule the last one.
+        if key.strip() == "ElementDataFile":
+            break
+    if not {"DimSize", "ElementType", "ElementDataFile"} <= fields.keys():
+        raise LeaflightError(
+            f"{path}: this is not a readable MetaImage header, or it is damaged; fetch it again."
+        )
+    return fields, place
+
+
+def _data_file(path, header, end):
+    """(the file that holds the values, where in it they begin)."""
+    name, skip = header["ElementDataFile"], int(header.get("HeaderSize", 0))
+    if name.upper() == "LOCAL":
+        return path, end
+    if name.upper().startswith("LIST") or "%" in name:
+        raise LeaflightError(
+            f"{path}: its values lie in several files, which is not supported; save it as one."
+        )
+    # A header from elsewhere must not make us open files outside its own folder.
+    if name != name.replace("\\", "/").rpartition("/")[2]:
+        raise LeaflightError(
+            f"{path}: it refers to the data file {name!r} outside its own folder; move that beside "
+            "the header."
+        )
+    data = path.parent / name
+    if not data.is_file():
+        raise LeaflightError(f"{path}: its data file {name!r} is not beside it; put it there.")
+    # -1 says that the values are the end of the file.
+    return data, max(skip, 0)
+
+
+def _inflated(path, offset, size, shape, progress):
+    """zlib, or gzip where the first bytes say so; not a byte more than asked for."""
+    inflate, data = zlib.decompressobj(zlib.MAX_WBITS | 32), bytearray()
+    with open_watched(path, progress, unpacked=False) as file:
+        file.seek(offset)
+        try:
+            while len(data) < size and (piece := file.read(_PIECE)):
+                data += inflate.decompress(piece, size - len(data))
+        except zlib.error:
+            raise truncated(path, shape) from None
+    if len(data) != size:
+        raise truncated(path, shape)
+    return data
+
+
+def _matrix(path, header):
+    spacing = header.get("ElementSpacing", header.get("ElementSize", "1 1 1")).split()[:3]
+    count = len(header["DimSize"].split())
+    axes = np.eye(count)
+    for key in ("TransformMatrix", "Rotation", "Orientation"):
+        if key in header:
+            axes = np.array(header[key].split(), np.float64).reshape(count, count)
+            break
+    origin = next((header[k] for k in ("Offset", "Position", "Origin") if k in header), "0 0 0")
+    matrix = np.eye(4)
+    # Row i is the direction of axis i.
+    matrix[:3, :3] = axes[:3, :3].T * np.array(spacing, np.float64)
+    matrix[:3, 3] = np.array(origin.split()[:3], np.float64)
+    check_matrix(path, matrix)
+    return _FROM_LPS @ matrix
+
+
+def _true(header, key):
+    return header.get(key, "False").lower() == "true"

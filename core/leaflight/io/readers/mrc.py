@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""MRC2014 and CCP4 maps through mrcfile: electron microscopy and crystallography, in angstrom.
+
+https://www.ccpem.ac.uk/mrc_format/mrc2014.php
+"""
+
+import gzip
+
+import mrcfile
+import numpy as np
+
+from ..._core import LeaflightError
+from ...volume.volume import Volume
+from .checks import DEFLATE_MOST, check_matrix, check_scalar, check_size
+from .stored import StoredVolume, lengths
+from .watched import open_watched
+
+_HEADER = 1024
+
+
+def open_volume(path):
+    """The axes of the file may run along x, y and z in any order; stacks of volumes are frames."""
+    _check_text(path)
+    with mrcfile.open(path, "r", permissive=True, header_only=True) as file:
+        header = file.header.copy()
+    dtype = mrcfile.utils.data_dtype_from_header(header)
+    check_scalar(path, dtype)
+    counts = [int(header[name]) for name in ("nx", "ny", "nz")]
+    packed = path.suffix.lower() == ".gz"
+    stored = path.stat().st_size - (0 if packed else _HEADER + int(header["nsymbt"]))
+    check_size(path, counts, dtype.itemsize, max(0, stored), DEFLATE_MOST if packed else 1)
+    if min(counts) < 1:
+        raise LeaflightError(f"{path}: the header claims no voxels; the file is damaged.")
+    # Columns, rows and sections run along these; x is 0. Old files leave them out.
+    axes = [int(header[name]) - 1 for name in ("mapc", "mapr", "maps")]
+    axes = axes if sorted(axes) == [0, 1, 2] else [0, 1, 2]
+    frames, depth = 1, int(header["mz"])
+    if int(header["ispg"]) >= 401 and 0 < depth < counts[2] and counts[2] % depth == 0:
+        frames, counts[2] = counts[2] // depth, depth
+    dims = [0, 0, 0]
+    for axis, count in zip(axes, counts):
+        dims[axis] = count
+    matrix = _matrix(path, header, axes)
+    # Of the array's axes, which are sections, rows, columns, those that run along z, y and x.
+    order = [2 - axes.index(axis) for axis in (2, 1, 0)]
+
+    def load(frame, _channel, progress):
+        shape = (frames * counts[2], counts[1], counts[0])
+        values = _values(path, header, dtype, shape, progress)
+        return Volume(
+            values[frame * counts[2] : (frame + 1) * counts[2]].transpose(order),
+            matrix,
+            path.name.partition(".")[0],
+        )
+
+    return StoredVolume(tuple(dims), dtype, load, lengths(matrix), "Å", frames)
+
+
+def _check_text(path):
+    """The text behind the header, whose length mrcfile believes before it reads it."""
+    packed = path.suffix.lower() == ".gz"
+    with (gzip.open if packed else open)(path, "rb") as file:
+        head = file.read(_HEADER)
+    order = "big" if head[212:213] == b"\x11" else "little"
+    length = int.from_bytes(head[92:96], order, signed=True)
+    check_size(path, (max(0, length),), 1, path.stat().st_size, DEFLATE_MOST if packed else 1)
+
+
+def _values(path, header, dtype, shape, progress):
+    offset = _HEADER + int(header["nsymbt"])
+    if path.suffix.lower() != ".gz":
+        return np.memmap(path, dtype, "r", offset, shape)
+    size = int(np.prod(shape, dtype=np.int64)) * dtype.itemsize
+    with open_watched(path, progress) as file:
+        file.seek(offset)
+        return np.frombuffer(file.read(size), dtype).reshape(shape)
+
+
+def _matrix(path, header, axes):
+    """From the cell, whose angles need not be right ones: a along x, b in the plane of x and y."""
+    sizes = [float(header["cella"][name]) for name in "xyz"]
+    angles = [float(header["cellb"][name]) for name in ("alpha", "beta", "gamma")]
+    cosines = [np.cos(np.radians(angle or 90.0)) for angle in angles]
+    cosines = [0.0 if abs(cosine) < 1e-9 else cosine for cosine in cosines]
+    alpha, beta, gamma = cosines
+    sine = np.sqrt(1 - gamma**2)
+    lean = (alpha - beta * gamma) / sine
+    cell = np.array(
+        [[1, gamma, beta], [0, sine, lean], [0, 0, np.sqrt(1 - beta**2 - lean**2)]], np.float64
+    )
+    samples = [max(1, int(header[name])) for name in ("mx", "my", "mz")]
+    # Without a cell a voxel has the size 1.
+    steps = np.array([size / n if size > 0 else 1.0 for size, n in zip(sizes, samples)])
+    matrix = np.eye(4)
+    matrix[:3, :3] = cell * steps
+    starts = [0, 0, 0]
+    for axis, name in zip(axes, ("nxstart", "nystart", "nzstart")):
+        starts[axis] = int(header[name])
+    # Microscopists give the origin, crystallographers the first index.
+    origin = np.array([float(header["origin"][name]) for name in "xyz"])
+    matrix[:3, 3] = origin if np.isfinite(origin).all() and origin.any() else cell * steps @ starts
+    check_matrix(path, matrix)
+    return matrix

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Point clouds of .ply whose points have a value, interpolated into a volume.
+
+http://paulbourke.net/dataformats/ply
+"""
+
+import numpy as np
+
+from ..._core import LeaflightError
+from ...volume.scattered_points import interpolated
+from .checks import check_size, choose_named, truncated, undecided
+from .stored import StoredVolume
+
+_TYPES = {
+    "char": "i1",
+    "int8": "i1",
+    "uchar": "u1",
+    "uint8": "u1",
+    "short": "i2",
+    "int16": "i2",
+    "ushort": "u2",
+    "uint16": "u2",
+    "int": "i4",
+    "int32": "i4",
+    "uint": "u4",
+    "uint32": "u4",
+    "float": "f4",
+    "float32": "f4",
+    "double": "f8",
+    "float64": "f8",
+}
+_MARKS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
+# Properties that are no value of the point.
+_OTHERS = {"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue", "alpha", "s", "t", "u", "v"}
+# Where a header ends, at the latest.
+_MOST = 1 << 16
+
+
+def open_volume(path, dataset=None, dims=None):
+    """dataset: name of the property that is the value, where there are several."""
+    form, count, dtype, offset = _header(path)
+    names = tuple(name for name in dtype.names or () if name not in _OTHERS)
+    if not names or not set("xyz") <= set(dtype.names):
+        raise LeaflightError(
+            f"{path}: its points need x, y, z and a value, a property of any other name; it has "
+            f"{', '.join(dtype.names or ()) or 'none'}."
+        )
+    name = "value" if dataset is None and "value" in names else choose_named(path, names, dataset)
+    if name is None:
+        return StoredVolume(None, np.dtype(np.float32), undecided(path, names), datasets=names)
+    stored = path.stat().st_size - offset
+    # A number of text takes two characters at least.
+    itemsize = dtype.itemsize if _MARKS[form] else 2 * len(dtype.names)
+    check_size(path, (count,), itemsize, stored)
+
+    def load(_frame, _channel, _progress):
+        with open(path, "rb") as file:
+            file.seek(offset)
+            if _MARKS[form]:
+                table = np.frombuffer(file.read(count * dtype.itemsize), dtype)
+            else:
+                plain = [(field, np.float64) for field in dtype.names]
+                table = np.loadtxt(file, plain, max_rows=count, ndmin=1)
+        if len(table) != count:
+            raise truncated(path, (count,))
+        points = np.stack([table[axis] for axis in "xyz"], axis=-1)
+        return interpolated(points, table[name], path.stem, str(path), dims)
+
+    return StoredVolume(None, np.dtype(np.float32), load, datasets=names)
+
+
+def _header(path):
+    """(format, number of points, dtype of one, where they begin)."""
+    with open(path, "rb") as file:
+        text, end, _ = file.read(_MOST).partition(b"end_header\n")
+    lines = text.decode("latin-1").split("\n")
+    words = [line.split() for line in lines if line.strip()]
+    form = next((line[1] for line in words if line[0] == "format" and len(line) > 1), None)
+    if not end or words[0] != ["ply"] or form not in _MARKS:
+        raise LeaflightError(
+            f"{path}: this is not a readable point cloud, or it is damaged; fetch it again."
+        )
+    elements = [number for number, line in enumerate(words) if line[0] == "element"]
+    if not elements or words[elements[0]][1] != "vertex":
+        raise LeaflightError(f"{path}: its points must be the first element; save it so.")
+    last = elements[1] if len(elements) > 1 else len(words)
+    properties = [line[1:] for line in words[elements[0] + 1 : last] if line[0] == "property"]
+    if any(kind not in _TYPES for kind, *_ in properties):
+        raise LeaflightError(f"{path}: its points have properties that are no numbers.")
+    dtype = np.dtype([(name, _MARKS[form] + _TYPES[kind]) for kind, name in properties])
+    return form, int(words[elements[0]][2]), dtype, len(text) + len(end)

@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The one gate through which volumes come from files."""
+
+import os
+import warnings
+from contextlib import contextmanager
+from dataclasses import replace
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+
+from ..._core import Cancelled, LeaflightError, Progress
+from ...volume.setting_error import SettingError
+from ...volume.volume import as_voxels, held_type
+from .checks import choose, text
+from .downsampling import downsampled
+from .formats import format_of
+from .watched import watched
+
+DOWNSAMPLE = (1, 2, 4, 8)
+# What read_volume() can be told beside the path.
+OPTIONS = (
+    *("dims", "type", "endian", "spacing", "grid"),
+    *("frame", "channel", "level", "dataset", "downsample"),
+)
+
+
+class MissingPackage(LeaflightError):
+    """A Python package that a format needs is not installed; package: its name."""
+
+    def __init__(self, path, kind, package):
+        super().__init__(
+            f"{path}: reading this {kind} needs the Python package {package}, which is not "
+            f"installed; run 'pip install {package}', or on Debian 'apt install "
+            f"python3-{package}'."
+        )
+        self.path, self.kind, self.package = path, kind, package
+
+
+def read_volume(
+    path,
+    *,
+    dims=None,
+    type=None,
+    endian=None,
+    spacing=None,
+    grid=None,
+    frame=None,
+    channel=None,
+    level=None,
+    dataset=None,
+    downsample=None,
+    progress=None,
+):
+    """Reads a scalar volume from a file of one of SUFFIXES or from a folder of slices.
+
+    dims: of a .raw (nx, ny, nz); of scattered points the nodes along x, y and z, or one number,
+        those along the longest side.
+    type ("uint8", "float32", ...), endian ("little", "big"): of the values in a .raw.
+    spacing: size of a voxel, one number or (x, y, z), for files that often lack it.
+    grid: name of the grid in a .vdb; None is the first scalar one.
+    frame, channel: which of several volumes, from 0; data that have some demand a choice.
+    level: which resolution of an OME-Zarr, from 0, the finest, which is the default.
+    dataset: name of the array or series, where a file or folder holds several.
+    downsample: 2, 4 or 8 keep the mean of so many voxels along each axis; 1 is the default.
+    progress: a Progress that tells how far it is, and cancels it.
+    Returns a Volume. Raises LeaflightError: one sentence with the file and the remedy.
+    Raises Cancelled.
+    """
+    progress = progress or Progress()
+    chosen = dict(dims=dims, type=type, endian=endian, spacing=spacing, grid=grid)
+    chosen.update(level=level, dataset=dataset)
+    path = Path(path)
+    if downsample is not None and downsample not in DOWNSAMPLE:
+        raise SettingError(
+            f"{path}: downsample must be one of {', '.join(map(str, DOWNSAMPLE))}, not "
+            f"{downsample}.",
+            "downsample",
+        )
+    with _sentences(path) as kind:
+        stored = _opened(path, kind(), chosen)
+        # Files of channels alone were read by `frame` before there was `channel`.
+        if channel is None and stored.frames == 1 and stored.channels > 1:
+            frame, channel = None, frame
+        frame = choose(path, "frame", frame, stored.frames)
+        channel = choose(path, "channel", channel, stored.channels)
+        step = downsample or 1
+        _check_memory(path, stored, step)
+        volume = stored.load(frame, channel, progress)
+        values, matrix = volume.values, volume.index_to_world
+        if step > 1:
+            values = downsampled(path, values, step, progress)
+            matrix = matrix @ _from_downsampled(step)
+        values = _held(values, progress)
+        volume = replace(volume, values=values, index_to_world=matrix, source=str(path))
+    progress.begin("Looking at the values")
+    progress.check()
+    volume.field()
+    return volume
+
+
+def probe(path, **options):
+    """What the file tells of its volume before its voxels are read: a StoredVolume.
+
+    options: those of read_volume() that say where in the file it is: dims, type, endian, spacing,
+        grid, level, dataset; without a choice that is needed the file's own list of them comes
+        back, with dims None. Raises LeaflightError.
+    """
+    path = Path(path)
+    with _sentences(path) as kind:
+        return _opened(path, kind(), options)
+
+
+def _opened(path, kind, options):
+    options = {name: value for name, value in options.items() if value is not None}
+    for name in options:
+        if name not in kind.options:
+            raise SettingError(
+                f"{path}: {name} has no meaning for this kind of file; leave it out.", name
+            )
+    return import_module(f".{kind.module}", __package__).open_volume(path, **options)
+
+
+@contextmanager
+def _sentences(path):
+    """Turns whatever reading a file raises into one sentence; gives a function to its Format."""
+    kinds = []
+
+    def kind():
+        if not path.exists():
+            raise LeaflightError(f"{path}: there is no such file or folder; check the path.")
+        kinds.append(format_of(path))
+        return kinds[0]
+
+    try:
+        # What a library warns of is harmless, or an error comes.
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield kind
+    except (Cancelled, SettingError):
+        raise
+    except LeaflightError as error:
+        # The sentence may be about another file, the detached data of a header.
+        if str(path) in str(error):
+            raise
+        raise LeaflightError(f"{path}: {error}") from None
+    except ImportError as error:
+        package = (error.name or str(error)).partition(".")[0]
+        raise MissingPackage(path, kinds[0].name, package) from None
+    except OSError as error:
+        raise LeaflightError(f"{path}: cannot read it: {error.strerror or 'damaged'}.") from None
+    except MemoryError:
+        raise LeaflightError(
+            f"{path}: the volume does not fit into memory; downsample it, or use a smaller one."
+        ) from None
+    except Exception as error:
+        # On damaged files libraries fail with whatever comes first.
+        name = kinds[0].name if kinds else "file"
+        raise LeaflightError(
+            f"{path}: this is not a readable {name}, or it is truncated or damaged; "
+            "fetch it again."
+        ) from error
+
+
+def _check_memory(path, stored, step):
+    """Refuses what cannot fit, before it is allocated: a header may claim anything."""
+    needed = stored.bytes(step)
+    here = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") if hasattr(os, "sysconf") else 0
+    if needed is not None and 0 < here < needed:
+        raise SettingError(
+            f"{path}: its {text(stored.dims)} voxels need {needed / 1e9:.1f} GB of memory, but "
+            f"there are {here / 1e9:.1f} GB; downsample it.",
+            "downsample",
+        )
+
+
+def _held(values, progress):
+    """The voxels in memory of their own: a mapped file might change behind our back."""
+    if isinstance(values, np.memmap) and values.flags.c_contiguous:
+        held = np.empty(values.shape, held_type(values.dtype))
+        for k in watched(progress, range(len(values))):
+            held[k] = as_voxels(values[k])
+        return held
+    held = as_voxels(values if isinstance(values, np.ndarray) else np.asarray(values))
+    mapped = isinstance(values, np.memmap) and np.may_share_memory(held, values)
+    return held.copy() if mapped else held
+
+
+def _from_downsampled(step):
+    matrix = np.diag([float(step)] * 3 + [1.0])
+    matrix[:3, 3] = 0.5 * (step - 1)
+    return matrix

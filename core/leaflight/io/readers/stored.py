@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A volume in its file: what is known of it before its voxels are read."""
+
+from dataclasses import dataclass
+from math import prod
+from typing import Callable, Optional
+
+import numpy as np
+
+from ..._core import Progress
+from ...volume.volume import Volume, held_type
+
+# What files measure lengths in -> meters.
+METERS = {
+    "m": 1.0,
+    "cm": 1e-2,
+    "mm": 1e-3,
+    "µm": 1e-6,
+    "nm": 1e-9,
+    "Å": 1e-10,
+    "bohr": 5.29177210903e-11,
+}
+
+
+@dataclass(frozen=True)
+class StoredVolume:
+    """What a header tells, and how to read the rest.
+
+    dims: voxels (nx, ny, nz), None where only reading tells; dtype: of the values as they come.
+    load: load(frame, channel, progress) reads one scalar volume, its values an array [z, y, x] or
+        what can be sliced like one, of any type of real numbers; it tells the core's Progress how
+        far it is, and raises Cancelled once that is cancelled.
+    voxel_size: (x, y, z) in `unit`, None where only reading tells; unit: a key of METERS, "" where
+        the file does not say.
+    frames, channels: how many volumes there are to choose from, over time and otherwise.
+    levels: dims of each resolution that the file holds, finest first; datasets: names of the
+        volumes in it. Both empty where there is but one.
+    patient: whether its world coordinates are a patient's: towards right, front and up.
+    """
+
+    dims: Optional[tuple]
+    dtype: np.dtype
+    load: Callable[[int, int, Progress], Volume]
+    voxel_size: Optional[tuple] = None
+    unit: str = ""
+    frames: int = 1
+    channels: int = 1
+    levels: tuple = ()
+    datasets: tuple = ()
+    patient: bool = False
+
+    def bytes(self, downsample=1):
+        """Memory of the voxels once they are read, None where only reading tells."""
+        if self.dims is None:
+            return None
+        halved = (max(1, n // downsample) for n in self.dims)
+        return prod(halved) * held_type(np.dtype(self.dtype)).itemsize
+
+
+def lengths(index_to_world):
+    """The sizes (x, y, z) of a voxel."""
+    return tuple(float(n) for n in np.linalg.norm(np.asarray(index_to_world)[:3, :3], axis=0))
+
+
+def unit_of(text):
+    """The key of METERS that a file's own word means, "" for any other."""
+    return _WORDS.get(str(text or "").strip().lower(), "")
+
+
+_WORDS = {
+    "m": "m",
+    "meter": "m",
+    "meters": "m",
+    "metre": "m",
+    "cm": "cm",
+    "centimeter": "cm",
+    "mm": "mm",
+    "millimeter": "mm",
+    "millimeters": "mm",
+    "millimetre": "mm",
+    "µm": "µm",
+    "μm": "µm",
+    "um": "µm",
+    "\\u00b5m": "µm",
+    "micron": "µm",
+    "microns": "µm",
+    "micrometer": "µm",
+    "micrometers": "µm",
+    "micrometre": "µm",
+    "nm": "nm",
+    "nanometer": "nm",
+    "nanometers": "nm",
+    "nanometre": "nm",
+    "å": "Å",
+    "angstrom": "Å",
+    "angstroms": "Å",
+    "ångström": "Å",
+    "bohr": "bohr",
+}

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reading that tells how far it is and can be cancelled, by the core's Progress."""
+
+import gzip
+import io
+from contextlib import contextmanager
+
+# Bytes that are read at once: few, since packed ones may stand for a thousand times as many.
+_MOST = 1 << 16
+STAGE = "Reading"
+
+
+def watched(progress, things, stage=STAGE):
+    """Yields the things, and tells after each that it was worked on. Raises Cancelled."""
+    things = list(things)
+    _begin(progress, stage, len(things))
+    for thing in things:
+        progress.check()
+        yield thing
+        progress.advance(1)
+
+
+@contextmanager
+def open_watched(path, progress, unpacked=True):
+    """A binary file; what it holds where its name ends with .gz, unless `unpacked` is False."""
+    _begin(progress, STAGE, path.stat().st_size)
+    with io.BufferedReader(_Watched(path, progress), _MOST) as file:
+        packed = unpacked and path.suffix.lower() == ".gz"
+        yield gzip.GzipFile(fileobj=file) if packed else file
+
+
+def _begin(progress, stage, total):
+    progress.begin(stage)
+    # Reading is nearly all there is to do.
+    if progress.fraction < 1:
+        progress.expect(total)
+
+
+class _Watched(io.RawIOBase):
+    """A file that is read in pieces, between which its progress is asked."""
+
+    def __init__(self, path, progress):
+        super().__init__()
+        self._file = open(path, "rb", buffering=0)
+        self._progress = progress
+
+    def readable(self):
+        return True
+
+    def seekable(self):
+        return True
+
+    def readinto(self, buffer):
+        self._progress.check()
+        count = self._file.readinto(memoryview(buffer)[:_MOST])
+        self._progress.advance(count)
+        return count
+
+    def seek(self, offset, whence=io.SEEK_SET):
+        return self._file.seek(offset, whence)
+
+    def close(self):
+        self._file.close()
+        super().close()

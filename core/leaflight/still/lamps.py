@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Local shading: lamps upon a surface without shadows, and no light between surfaces.
+
+What viewers of isosurfaces show, and what the thesis compares with. Lamps with an extent become a
+few points.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..scene.scene import AreaLight, PointLight, SunLight
+
+# What the shader of a web page has room for.
+MOST_LAMPS = 16
+_SUN, _POINT, _ONE_SIDED, _TWO_SIDED = range(4)
+
+
+@dataclass(frozen=True, eq=False)
+class Lamps:
+    """rows: float64 (n, 12), of each lamp: position, kind; axis, cosine where a spot's cone ends;
+    intensity, cosine up to which it is bright. Kinds: 0 a sun, whose position is the direction to
+    it and whose intensity its irradiance; 1 a point or spot; 2 a piece of a surface that shines
+    along its axis; 3 of one that does so to both sides. ambient: mean radiance from all around.
+    headlight: there is no other light.
+    """
+
+    rows: np.ndarray
+    ambient: np.ndarray
+    headlight: bool
+
+    def irradiance(self, points, normals, eye):
+        """Over pi: what a white surface reflects, float64 (n, 3), at points with unit normals."""
+        if self.headlight:
+            way = eye - points
+            cosine = (normals * way).sum(axis=1) / np.linalg.norm(way, axis=1)
+            return np.repeat(np.maximum(cosine, 0.0)[:, None], 3, axis=1)
+        total = np.zeros((len(points), 3))
+        for row in self.rows:
+            position, kind, axis, end, intensity, bright = np.split(row, [3, 4, 7, 8, 11])
+            way = np.broadcast_to(position, points.shape) - (0.0 if kind == _SUN else points)
+            squared = (way * way).sum(axis=1)
+            way = way / np.sqrt(np.maximum(squared, 1e-30))[:, None]
+            share = np.maximum((way * normals).sum(axis=1), 0.0)
+            if kind != _SUN:
+                cosine = -(way @ axis)
+                share = share / np.maximum(squared, 1e-30)
+                if kind == _POINT:
+                    share = share * np.clip((cosine - end) / max(bright - end, 1e-6), 0.0, 1.0)
+                else:
+                    share = share * np.maximum(abs(cosine) if kind == _TWO_SIDED else cosine, 0.0)
+            total += share[:, None] * intensity
+        return total / math.pi + self.ambient
+
+
+def lamps_of(description):
+    """The Lamps of a SceneDescription in world coordinates, the brightest if there are many."""
+    rows = [row for light in description.lights for row in _rows(light)]
+    for mesh in description.meshes:
+        if max(mesh.emission) > 0.0:
+            rows += _facets(mesh)
+    environment = description.environment
+    ambient = np.zeros(3)
+    if environment is not None:
+        ambient = np.asarray(environment.radiance, np.float64)
+        if environment.image is not None:
+            ambient = ambient * _mean_of_sky(environment.image)
+    rows = sorted(rows, key=lambda row: -max(row[8:11]))[:MOST_LAMPS]
+    rows = np.array(rows, np.float64).reshape(-1, 12)
+    return Lamps(rows, ambient, len(rows) == 0 and not ambient.any())
+
+
+def _rows(light):
+    if isinstance(light, SunLight):
+        return [(*np.negative(light.direction), _SUN, 0, 0, 0, 0, *light.irradiance, 0)]
+    if isinstance(light, PointLight):
+        if light.cone is None:
+            return [(*light.position, _POINT, 0, 0, 0, -2, *light.intensity, -1)]
+        cone = light.cone
+        end = math.cos(0.5 * cone.angle)
+        bright = end + cone.blend * (1.0 - end)
+        return [(*light.position, _POINT, *cone.axis, end, *light.intensity, bright)]
+    assert isinstance(light, AreaLight)
+    corner, u, v = (np.asarray(x, np.float64) for x in (light.corner, light.edge_u, light.edge_v))
+    normal = np.cross(u, v)
+    area = np.linalg.norm(normal)
+    share = 0.25 * (math.pi / 4.0 if light.ellipse else 1.0)
+    intensity = np.multiply(light.radiance, area * share)
+    return [
+        (*(corner + a * u + b * v), _ONE_SIDED, *(normal / area), 0, *intensity, 0)
+        for a in (0.25, 0.75)
+        for b in (0.25, 0.75)
+    ]
+
+
+def _facets(mesh):
+    corners = np.asarray(mesh.vertices, np.float64)[np.asarray(mesh.triangles, np.int64)]
+    normals = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas = np.linalg.norm(normals, axis=1)
+    largest = np.argsort(-areas)[:MOST_LAMPS]
+    return [
+        (*corners[k].mean(axis=0), _TWO_SIDED, *(normals[k] / areas[k]), 0)
+        + (*np.multiply(mesh.emission, areas[k]), 0)
+        for k in largest
+        if areas[k] > 0.0
+    ]
+
+
+def _mean_of_sky(image):
+    """Over the sphere, of a latitude-longitude image."""
+    latitude = (np.arange(len(image)) + 0.5) / len(image) * math.pi
+    weight = np.sin(latitude)
+    return (image.mean(axis=1) * weight[:, None]).sum(axis=0) / weight.sum()

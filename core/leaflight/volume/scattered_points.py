@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Volumes of scattered points with a value each, by Shepard's interpolation (thesis 4.3.1)."""
+
+import numpy as np
+
+from .._core import LeaflightError
+from .setting_error import SettingError
+from .volume import Volume
+
+# A point reaches the nodes within so many voxels of the one that is nearest to it.
+REACH = 3
+# Weights fall with this power of the distance (thesis Eq. 3.11).
+POWER = 5
+# Nearer than this, in voxels, a point counts as lying on the node.
+NEAREST = 1e-3
+# Nodes along the longest side where they are not chosen.
+FEWEST, MOST = 16, 256
+
+
+def interpolated(points, values, name, source="", nodes=None):
+    """A Volume through points (n, 3) with values (n,), on the box that they fill.
+
+    Each node is the mean of the points within REACH voxels, weighted by distance^-5; one that none
+    reaches takes the mean of its neighbours that have a value, so that there are no holes. Points
+    that are not finite, or whose value is not, are left out.
+    nodes: along the longest side, or along x, y and z; by default about one for each point.
+    Raises LeaflightError when the points do not fill a box.
+    """
+    points, values = np.asarray(points, np.float64), np.asarray(values, np.float64)
+    known = np.isfinite(points).all(axis=1) & np.isfinite(values)
+    points, values = points[known], values[known]
+    low, high = (points.min(axis=0), points.max(axis=0)) if len(points) else (np.zeros(3),) * 2
+    sides = high - low
+    if len(points) < 4 or not (sides > 0).all():
+        raise LeaflightError(
+            f"{source or name}: its {len(points)} points do not fill a box; a volume needs points "
+            "that differ along x, y and z."
+        )
+    counts, step = _grid(source or name, sides, len(points), nodes)
+    # Centred, since the sides need not be whole numbers of voxels.
+    first = low + 0.5 * (sides - step * (counts - 1))
+    array = _filled(*_averages((points - first) / step, values, counts))
+    matrix = np.diag([*step, 1.0])
+    matrix[:3, 3] = first
+    return Volume(array.astype(np.float32), matrix, name, source)
+
+
+def _grid(source, sides, points, nodes):
+    """(nodes along x, y and z, the distances between them)."""
+    if nodes is not None and len(nodes) == 3 and min(nodes) >= 2:
+        counts = np.array(nodes, int)
+        return counts, sides / (counts - 1)
+    if nodes is not None and (len(nodes) != 1 or nodes[0] < 2):
+        raise SettingError(
+            f"{source}: the nodes must be one number, those along the longest side, or three, of 2 "
+            "at least.",
+            "dims",
+        )
+    if nodes is not None:
+        step = sides.max() / (nodes[0] - 1)
+    else:
+        # So that a lattice of points gets a node for each.
+        step = _lattice_step(sides, points)
+        step = np.clip(step, sides.max() / (MOST - 1), sides.max() / (FEWEST - 1))
+    counts = np.maximum(2, np.rint(sides / step).astype(int) + 1)
+    return counts, sides / (counts - 1) if nodes is None else np.full(3, step)
+
+
+def _lattice_step(sides, points):
+    """The distance at which a cubic lattice in a box of these sides has so many nodes."""
+    low, high = 0.0, sides.max()
+    for _ in range(60):
+        step = 0.5 * (low + high)
+        low, high = (step, high) if np.prod(sides / step + 1) > points else (low, step)
+    return high
+
+
+def _averages(places, values, counts):
+    """(weighted sums, sums of weights) at the nodes, [z, y, x]; places: of points, in voxels."""
+    shape = tuple(counts[::-1])
+    sums, weights = np.zeros(np.prod(shape)), np.zeros(np.prod(shape))
+    nearest = np.rint(places).astype(np.int64)
+    offsets = np.arange(-REACH, REACH + 1)
+    for offset in np.stack(np.meshgrid(offsets, offsets, offsets), axis=-1).reshape(-1, 3):
+        nodes = nearest + offset
+        inside = ((nodes >= 0) & (nodes < counts)).all(axis=1)
+        nodes = nodes[inside]
+        distance = np.linalg.norm(places[inside] - nodes, axis=1)
+        weight = np.maximum(distance, NEAREST) ** -POWER
+        at = np.ravel_multi_index(nodes.T[::-1], shape)
+        sums += np.bincount(at, weight * values[inside], sums.size)
+        weights += np.bincount(at, weight, sums.size)
+    return sums.reshape(shape), weights.reshape(shape)
+
+
+def _filled(sums, weights):
+    """The means; where no point reached, layer by layer, those of the neighbours that have one."""
+    known = weights > 0
+    means = np.divide(sums, weights, out=np.zeros_like(sums), where=known)
+    while not known.all():
+        padded, seen = np.pad(means * known, 1), np.pad(known.astype(np.float64), 1)
+        total, count = (_neighbours(array) for array in (padded, seen))
+        new = ~known & (count > 0)
+        means[new] = total[new] / count[new]
+        known |= new
+    return means
+
+
+def _neighbours(padded):
+    """The sum over the six neighbours of each inner voxel."""
+    inner = slice(1, -1)
+    total = np.zeros(tuple(n - 2 for n in padded.shape))
+    for axis in range(3):
+        for side in (slice(0, -2), slice(2, None)):
+            index = [inner] * 3
+            index[axis] = side
+            total += padded[tuple(index)]
+    return total

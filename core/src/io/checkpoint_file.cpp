@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/io/checkpoint_file.h"
+
+#include <fstream>
+
+#include "leaflight/io/files.h"
+#include "leaflight/io/replaced_files.h"
+#include "leaflight/io/seal.h"
+
+namespace leaflight {
+namespace {
+
+const std::string mark = "Leaflight checkpoint 1\n";
+
+Error damaged(const std::filesystem::path& path) {
+  return Error("'" + text_of(path) + "' is no checkpoint of a bake, or damaged; bake anew.");
+}
+
+// The text; the stream then is at the state.
+std::string read_text(std::istream& stream, const std::filesystem::path& path) {
+  std::string found(mark.size(), '\0');
+  std::uint64_t length = 0;
+  stream.read(found.data(), static_cast<std::streamsize>(found.size()));
+  stream.read(reinterpret_cast<char*>(&length), sizeof length);
+  if (found != mark || length > std::filesystem::file_size(path)) throw damaged(path);
+  std::string text(length, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(length));
+  return text;
+}
+
+template <class Read>
+auto read_file(const std::filesystem::path& path, const Read& read) {
+  try {
+    std::ifstream stream;
+    stream.exceptions(std::ios::failbit | std::ios::badbit);
+    stream.open(path, std::ios::binary);
+    return read(stream);
+  } catch (const std::ios::failure&) {
+    throw damaged(path);
+  }
+}
+
+}  // namespace
+
+void write_checkpoint(const std::filesystem::path& path, const std::string& text,
+                      const Checkpoints::Write& write) {
+  const auto all = [&](std::ostream& stream) {
+    const std::uint64_t length = text.size();
+    stream << mark;
+    stream.write(reinterpret_cast<const char*>(&length), sizeof length);
+    stream << text;
+    write(stream);
+  };
+  replace_file(path, all, nullptr, true);
+}
+
+std::string read_checkpoint(const std::filesystem::path& path) {
+  if (check_seal(path) != Seal::whole) throw damaged(path);
+  return read_file(path, [&](std::istream& stream) { return read_text(stream, path); });
+}
+
+void read_checkpoint_state(const std::filesystem::path& path,
+                           const std::function<void(std::istream&)>& read) {
+  read_file(path, [&](std::istream& stream) {
+    read_text(stream, path);
+    read(stream);
+    return 0;
+  });
+}
+
+}  // namespace leaflight

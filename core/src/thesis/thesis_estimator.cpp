@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/thesis/thesis_estimator.h"
+
+#include "leaflight/math/sampling.h"
+
+namespace leaflight {
+namespace {
+
+template <int D>
+class ThesisEstimator final : public IndirectEstimator<D> {
+ public:
+  ThesisEstimator(std::vector<PhotonMap<D>> photons, const SurfaceCache<D>* surroundings)
+      : photons_(std::move(photons)), surroundings_(surroundings) {}
+
+  Rgb indirect_radiance(const SurfacePoint<D>& point, const std::array<double, 2>&, Random&,
+                        std::uint64_t&) const override {
+    const Rgb brdf = point.albedo / static_cast<Real>(projected_hemisphere<D>);
+    if (point.kind() == HitKind::surroundings) return brdf * surroundings_->soft_irradiance(point);
+    const LeafPlace<D>& leaf = point.leaf();
+    return brdf * photons_[leaf.volume].irradiance(point.position, point.c, leaf.above,
+                                                   point.geometric_normal * leaf.gradient_length);
+  }
+  bool is_random() const override { return false; }
+  float shared_variance(const LeafTexel<D>& texel, const Rgb& radiance) const override {
+    const double mean = average(radiance);
+    return static_cast<float>(mean * mean / photons_[texel.volume].settings().k);
+  }
+
+ private:
+  std::vector<PhotonMap<D>> photons_;
+  const SurfaceCache<D>* surroundings_;
+};
+
+}  // namespace
+
+template <int D>
+std::vector<PhotonMap<D>> make_photon_maps(const SceneTracer<D>& tracer,
+                                           const std::vector<StoredPhoton<D>>& photons,
+                                           const PhotonMapSettings& settings) {
+  std::vector<PhotonMap<D>> maps;
+  const auto& volumes = tracer.scene().volumes;
+  for (std::size_t v = 0; v < volumes.size(); ++v) {
+    std::vector<StoredPhoton<D>> own;
+    for (const StoredPhoton<D>& photon : photons) {
+      if (photon.volume == static_cast<int>(v)) own.push_back(photon);
+    }
+    const Field<D>& field = volumes[v].field;
+    const double side = world_box(field).longest_side();
+    const double range = (static_cast<double>(field.max) - field.min) / volumes[v].scale;
+    maps.emplace_back(std::move(own), side * tracer.frame().scale, range, settings,
+                      tracer.scene().window.height());
+  }
+  return maps;
+}
+
+template <int D>
+std::unique_ptr<IndirectEstimator<D>> make_thesis_estimator(std::vector<PhotonMap<D>> photons,
+                                                            const SurfaceCache<D>* surroundings) {
+  return std::make_unique<ThesisEstimator<D>>(std::move(photons), surroundings);
+}
+
+template std::vector<PhotonMap<2>> make_photon_maps(const SceneTracer<2>&,
+                                                    const std::vector<StoredPhoton<2>>&,
+                                                    const PhotonMapSettings&);
+template std::vector<PhotonMap<3>> make_photon_maps(const SceneTracer<3>&,
+                                                    const std::vector<StoredPhoton<3>>&,
+                                                    const PhotonMapSettings&);
+template std::unique_ptr<IndirectEstimator<2>> make_thesis_estimator(std::vector<PhotonMap<2>>,
+                                                                     const SurfaceCache<2>*);
+template std::unique_ptr<IndirectEstimator<3>> make_thesis_estimator(std::vector<PhotonMap<3>>,
+                                                                     const SurfaceCache<3>*);
+
+}  // namespace leaflight

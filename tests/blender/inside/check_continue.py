@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Continue: a bake that was kept or has ended goes on."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import bpy
+import leaflight
+import pytest
+from leaflight_addon.bake import bake, continue_bake
+from leaflight_addon.show import preview
+from leaflight_addon.stage import staleness
+from leaflight_addon.store import cache
+from leaflight_addon.ui import bake_panel
+from rounds import UNREACHED, assert_shows_round, begin, drawn, state, stop
+from tools import assert_shows
+
+
+def check_a_kept_bake_is_continued(endless):
+    stop(*begin(endless))
+    with pytest.raises(RuntimeError, match="Keep the bake that was stopped"):
+        bpy.ops.leaflight.continue_bake()
+    bpy.ops.leaflight.keep_bake()
+    kept = cache.bake_of(endless)
+    reached = kept.statistics["estimated_error_percent"]
+    endless.leaflight.error = 0.7 * reached
+    assert bpy.ops.leaflight.continue_bake() == {"FINISHED"}
+    ours = cache.bake_of(endless)
+    assert ours.metadata["continued"] == kept.id and endless.leaflight.bake_id == ours.id
+    assert 0 < ours.statistics["estimated_error_percent"] <= 0.7 * reached
+    assert "was asked for" in endless.leaflight.bake_outcome
+    assert endless.leaflight.bake_seconds > kept.statistics["seconds"]
+    assert_shows(endless, 50.0)
+    # Both are kept, and what is good enough is not continued.
+    assert len(list(Path(endless.leaflight.bake_folder).glob("*.vdb"))) == 2
+    with pytest.raises(RuntimeError, match="ask for a smaller error to continue it"):
+        bpy.ops.leaflight.continue_bake()
+    assert cache.bake_of(endless) is ours
+
+
+def check_a_continued_bake_shows_its_rounds_and_is_stopped(rounds):
+    rounds.leaflight.error = 20.0
+    bpy.ops.leaflight.bake()
+    rounds.leaflight.error = UNREACHED
+    before, first = state(), cache.bake_of(rounds)
+    more = first.statistics["rounds"] + 1
+    job, work = begin(rounds, more, continue_bake.ContinueJob)
+    job.show()
+    assert_shows_round(rounds, preview.of(rounds).bake)
+    assert "keep" in stop(job, work)
+    assert job.round.metadata["continued"] == first.id
+    bpy.ops.leaflight.throw_bake_away()
+    assert state() == before
+
+
+def check_only_what_can_be_is_continued(rounds):
+    with pytest.raises(RuntimeError, match="Bake the flattened illumination first"):
+        bpy.ops.leaflight.continue_bake()
+    rounds.leaflight.fixed_samples = True
+    bpy.ops.leaflight.bake()
+    assert "leaflight.continue_bake" not in drawn(bake_panel.LEAFLIGHT_PT_bake)
+    with pytest.raises(RuntimeError, match="Only a bake that goes by its error"):
+        bpy.ops.leaflight.continue_bake()
+    rounds.leaflight.fixed_samples = False
+    rounds.leaflight.error = 20.0
+    bpy.ops.leaflight.bake()
+    assert "leaflight.continue_bake" in drawn(bake_panel.LEAFLIGHT_PT_bake)
+    rounds.leaflight.error = 10.0
+    rounds.leaflight.high = 55.0
+    staleness.forget()
+    with pytest.raises(RuntimeError, match="The scene has changed since the bake"):
+        bpy.ops.leaflight.continue_bake()
+
+
+class _Interrupted(bake.BakeJob):
+    """Ends after its first round, as if Blender had."""
+
+    def __init__(self, context, obj):
+        super().__init__(context, obj)
+        self.checkpoint = replace(self.checkpoint, seconds=0.0)
+
+    def _light(self, on_round, progress):
+        def end(round):
+            on_round(round)
+            progress.cancel()
+
+        return super()._light(on_round=end, progress=progress)
+
+
+def check_an_interrupted_bake_is_resumed(rounds):
+    with pytest.raises(RuntimeError, match="No bake of this volume was interrupted"):
+        bpy.ops.leaflight.resume_bake()
+    rounds.leaflight.error = 1.5
+    job = _Interrupted(bpy.context, rounds)
+    with pytest.raises(leaflight.Cancelled):
+        job.run(leaflight.Progress())
+    assert "leaflight.resume_bake" in drawn(bake_panel.LEAFLIGHT_PT_bake)
+    # Of another bake than that of the settings.
+    rounds.leaflight.error = 1.6
+    with pytest.raises(RuntimeError, match="of another bake"):
+        bpy.ops.leaflight.resume_bake()
+    rounds.leaflight.error = 1.5
+    assert bpy.ops.leaflight.resume_bake() == {"FINISHED"}
+    resumed = cache.bake_of(rounds)
+    assert "leaflight.resume_bake" not in drawn(bake_panel.LEAFLIGHT_PT_bake)
+    assert not list(Path(rounds.leaflight.bake_folder).glob("*.checkpoint"))
+    bpy.ops.leaflight.bake()
+    whole = cache.bake_of(rounds)
+    assert whole.id == resumed.id and whole.statistics["rounds"] > 1
+    assert (whole.grid.dense("radiance") == resumed.grid.dense("radiance")).all()
+    # What is thrown away is not gone on with either.
+    rounds.leaflight.error = UNREACHED
+    job, work = begin(rounds)
+    job.checkpoint.path.write_bytes(b"of this bake")
+    stop(job, work)
+    bpy.ops.leaflight.throw_bake_away()
+    assert "leaflight.resume_bake" not in drawn(bake_panel.LEAFLIGHT_PT_bake)

@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""File > Export > Leaflight: the files hold what the viewport shows."""
+
+import addon_utils
+import bpy
+import leaflight
+import numpy as np
+import pytest
+from leaflight.export.export import SUFFIXES
+from leaflight.still.camera import Camera
+from leaflight_addon.compare.figures import rms_percent
+from leaflight_addon.export import export_bake
+from leaflight_addon.operators import background
+from leaflight_addon.store import cache
+from tools import close, error_of, mesh_arrays, render_exr, to_world
+
+
+def export(path, **options):
+    return bpy.ops.leaflight.export(filepath=str(path), **options)
+
+
+def check_gltf_comes_back_by_blenders_own_importer(baked, tmp_path, monkeypatch):
+    baked.leaflight.isovalue = 47.0
+    assert export(tmp_path / "box.glb") == {"FINISHED"}
+    if addon_utils.enable("io_scene_gltf2") is None:
+        pytest.skip("this Blender has no importer of glTF")
+    # Debian's importer is older than its NumPy.
+    monkeypatch.setattr(np, "bool", bool, raising=False)
+    before = set(bpy.data.objects)
+    bpy.ops.import_scene.gltf(filepath=str(tmp_path / "box.glb"), merge_vertices=False)
+    (mesh,) = [obj for obj in set(bpy.data.objects) - before if obj.type == "MESH"]
+    bpy.context.view_layer.update()
+    vertices, _, _ = mesh_arrays(mesh)
+    # y is up in the file, and z again here.
+    expected, _, radiance = mesh_arrays(baked)
+    expected = to_world(baked, expected)
+    close(to_world(mesh, vertices), expected, 1e-5)
+    colors = mesh.data.color_attributes[0]
+    values = np.empty(4 * len(colors.data), np.float32)
+    colors.data.foreach_get("color", values)
+    values = values.reshape(-1, 4)[:, :3]
+    if colors.domain == "CORNER":
+        corners = np.empty(len(mesh.data.loops), np.int32)
+        mesh.data.loops.foreach_get("vertex_index", corners)
+        radiance = radiance[corners]
+    # Blender keeps eight bits of sRGB in some versions.
+    close(values, np.clip(radiance, 0, 1), 0.01)
+
+
+def check_a_range_is_a_sequence(baked, tmp_path):
+    import pygltflib
+
+    options = {"isovalues": "RANGE", "first": 40.0, "last": 60.0, "count": 3}
+    export(tmp_path / "box.glb", **options)
+    file = pygltflib.GLTF2().load(str(tmp_path / "box.glb"))
+    assert [mesh.name for mesh in file.meshes] == [f"isovalue {c}" for c in (40, 50, 60)]
+    export(tmp_path / "listed.glb", isovalues="LIST", listed="60, 45.5")
+    file = pygltflib.GLTF2().load(str(tmp_path / "listed.glb"))
+    assert [mesh.name for mesh in file.meshes] == ["isovalue 60", "isovalue 45.5"]
+    # Of one isosurface alone there is no range.
+    pytest.importorskip("meshio", reason="meshio is not in this Blender")
+    assert "one isosurface" in error_of(export, path=tmp_path / "box.ply", **options)
+    listed = {"isovalues": "LIST", "listed": "45.5"}
+    assert export(tmp_path / "box.ply", **listed) == {"FINISHED"}
+
+
+def check_paraview_and_amira(baked, tmp_path):
+    export(tmp_path / "box.am")
+    assert b"define Lattice 24 24 24" in (tmp_path / "box.am").read_bytes()[:200]
+    pytest.importorskip("vtkmodules", reason="VTK is not in this Blender")
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkIOXML import vtkXMLImageDataReader
+
+    export(tmp_path / "box.vti")
+    reader = vtkXMLImageDataReader()
+    reader.SetFileName(str(tmp_path / "box.vti"))
+    reader.Update()
+    radiance = vtk_to_numpy(reader.GetOutput().GetPointData().GetArray("radiance"))
+    expected = cache.grid_of(baked).dense("radiance").reshape(-1, 3)
+    np.testing.assert_array_equal(radiance, expected)
+    assert expected.max() > 0.1
+
+
+def check_a_web_page_and_the_still_of_the_same_view(baked, tmp_path):
+    """The page is the still (tests/web), and the still is what Blender renders."""
+    baked.leaflight.isovalue = 47.0
+    assert export(tmp_path / "box.html") == {"FINISHED"}
+    text = (tmp_path / "box.html").read_text()
+    assert '"isovalue": 47.0' in text and 'id="leaflight-body"' in text
+    assert export(tmp_path / "coarse.html", coarser=1) == {"FINISHED"}
+    coarse = (tmp_path / "coarse.html").stat().st_size
+    assert coarse < (tmp_path / "box.html").stat().st_size - 10_000
+    # Without lamps and walls only the light of the bake is seen, on outer sides.
+    for obj in bpy.context.scene.objects:
+        obj.hide_render = obj not in (baked, bpy.context.scene.camera)
+    render = render_exr(tmp_path / "box.exr", samples=1, size=256)[..., :3]
+    camera = bpy.context.scene.camera
+    _, up, back = (np.array(camera.matrix_world.col[k][:3]) for k in range(3))
+    place = np.array(camera.matrix_world.translation)
+    seen_by = Camera(tuple(place), tuple(place - back), tuple(up), np.degrees(camera.data.angle))
+    bake = cache.bake_of(baked)
+    still = leaflight.still(bake, 47.0, seen_by, (256, 256), samples=1, walls=False)
+    seen = (still[..., 3] == 1) & (render.max(axis=-1) > 0)
+    assert seen.sum() > 1000
+    off = rms_percent(still[..., :3], render, bake.scene.exposure, seen)
+    assert off <= 3.0
+
+
+def check_it_needs_a_bake(boxed, tmp_path):
+    with pytest.raises(RuntimeError, match="Bake the flattened illumination first"):
+        export(tmp_path / "box.glb")
+
+
+def check_sentences(baked, tmp_path):
+    assert "is not known" in error_of(export, path=tmp_path / "box.stl")
+    assert "window" in error_of(
+        export, path=tmp_path / "x.glb", isovalues="RANGE", first=0.0, last=1e6
+    )
+    assert "no list" in error_of(export, path=tmp_path / "x.glb", isovalues="LIST", listed="a")
+    try:
+        import pxr  # noqa: F401
+    except ImportError:
+        assert "pip install usd-core" in error_of(export, path=tmp_path / "box.usdc")
+    assert list(tmp_path.glob("box.*")) == []
+
+
+def check_the_name_follows_the_format():
+    class Operator:
+        check = export_bake.LEAFLIGHT_OT_export.check
+
+    operator = Operator()
+    for file_type, path, expected in (
+        (".vti", "/x/brain.glb", "/x/brain.vti"),
+        (".vti", "/x/ch2.5", "/x/ch2.5.vti"),
+        (".vti", "/x/brain.vti", "/x/brain.vti"),
+    ):
+        operator.file_type, operator.filepath = file_type, path
+        operator.check(None)
+        assert operator.filepath == expected
+    # Whatever is offered can be written.
+    assert {item[0] for item in export_bake._FORMATS} <= set(SUFFIXES)
+
+
+def check_it_is_cancelled(baked, tmp_path):
+    values = np.linspace(31.0, 69.0, 200)
+    job = export_bake.ExportJob(baked, tmp_path / "box.glb", values, True)
+    work = background.BackgroundWork(job.run, job.status)
+    work.wait(0.5)
+    work.cancel()
+    with pytest.raises(export_bake.leaflight.Cancelled):
+        work.result()
+    assert "cancelled" in job.ended() and list(tmp_path.glob("box.*")) == []

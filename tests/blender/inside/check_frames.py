@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A volume that changes over time: frames of its file play, each with a bake of its own."""
+
+import bpy
+import nibabel
+import numpy as np
+import pytest
+from blends import open_blend, open_saved
+from leaflight_addon.bake import unused_bakes
+from leaflight_addon.show import surface_material
+from leaflight_addon.store import bake_files, cache, frame_bakes
+from tools import assert_shows, close, mesh_arrays
+
+FRAMES = 3
+
+
+@pytest.fixture
+def values(tmp_path):
+    """A ball that shrinks, [frame, x, y, z], in series.nii."""
+    x, y, z = np.mgrid[-1:1:12j, -1:1:12j, -1:1:12j]
+    ball = 100 - 80 * np.sqrt(x**2 + y**2 + z**2)
+    values = np.stack([ball - 12 * frame for frame in range(FRAMES)]).astype(np.float32)
+    affine = np.diag([1.0, 1.0, 1.0, 1.0])
+    nibabel.save(nibabel.Nifti1Image(np.moveaxis(values, 0, -1), affine), tmp_path / "series.nii")
+    return values
+
+
+@pytest.fixture
+def played(values, tmp_path):
+    bpy.ops.leaflight.import_volume(filepath=str(tmp_path / "series.nii"), animate=True)
+    obj = bpy.context.object
+    settings = obj.leaflight
+    settings.bake_folder = str(tmp_path / "bakes")
+    settings.fixed_samples, settings.samples, settings.photons = True, 1, 500
+    settings.resolution, settings.settle = 8, False
+    bpy.ops.leaflight.stage(preset="LIGHT_TENT")
+    bpy.context.view_layer.objects.active = obj
+    return obj
+
+
+def show_frame(number):
+    bpy.context.scene.frame_set(bpy.context.scene.frame_start + number)
+
+
+def check_frames_play_from_the_scenes_first_on(played, values):
+    for number in (0, 2, 1, 7):
+        show_frame(number)
+        number = min(number, FRAMES - 1)
+        assert played.leaflight.frame == number
+        close(cache.volume_of(played).values, values[number].T, 0)
+        assert_shows(played, played.leaflight.isovalue)
+
+
+def check_a_frame_is_lit_by_its_own_bake_and_by_no_other(played):
+    show_frame(1)
+    bpy.ops.leaflight.bake()
+    first = played.leaflight.bake_id
+    assert first and mesh_arrays(played)[2] is not None
+    show_frame(0)
+    assert not played.leaflight.bake_id and mesh_arrays(played)[2] is None
+    assert frame_bakes.count_baked(played.leaflight) == 1
+    # The slider of the panel goes without keyframes.
+    played.animation_data_clear()
+    played.leaflight.shown_frame = 1
+    assert played.leaflight.bake_id == first
+    assert_shows(played, played.leaflight.isovalue)
+    assert surface_material.shading_in_use(played.leaflight)[0] == "ATTRIBUTE"
+
+
+def check_all_frames_are_baked_kept_and_found_again(played, tmp_path):
+    played.leaflight.bake_folder = ""
+    bpy.ops.leaflight.bake_frames()
+    assert bpy.context.scene.frame_current == 1
+    assert len(frame_bakes.bakes_of(played.leaflight)) == FRAMES
+    # From the folder of the session to beside the .blend.
+    open_saved(tmp_path / "here" / "scene.blend")
+    played = open_blend(tmp_path / "here" / "scene.blend")
+    found = set()
+    for number in range(FRAMES):
+        show_frame(number)
+        found.add(played.leaflight.bake_id)
+        assert bake_files.locate(played).parent == tmp_path / "here" / "leaflight"
+        assert_shows(played, played.leaflight.isovalue)
+        assert mesh_arrays(played)[2] is not None
+    assert found == frame_bakes.bakes_of(played.leaflight) and len(found) == FRAMES
+    assert not unused_bakes.unused()

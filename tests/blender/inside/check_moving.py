@@ -1,0 +1,242 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""While the isovalue moves a surface is coarse; at rest, in renders and in scripts it is whole."""
+
+import time
+
+import bpy
+import numpy as np
+import pytest
+from leaflight_addon.show import isovalues, properties, settling, surface_object
+from leaflight_addon.stage import scene_export, staleness
+from leaflight_addon.store import cache
+from leaflight_addon.ui import bake_panel
+from rounds import drawn
+from tools import (
+    assert_shows,
+    edit_as_the_slider_does,
+    expected_surface,
+    look_down,
+    render_exr,
+    rest,
+    vertices_of,
+)
+
+MOST = 250
+
+
+@pytest.fixture
+def large(monkeypatch):
+    """What is small becomes too large to move in its whole detail."""
+    monkeypatch.setattr(surface_object, "MOVING_TRIANGLES", MOST)
+
+
+def _field_misses(obj, isovalue):
+    """RMS distance of the vertices from the isosurface, in voxels."""
+    field = cache.volume_of(obj).field()
+    points = vertices_of(obj)
+    values = field.sample(points)
+    steps = [field.sample(points + 1e-3 * axis) - values for axis in np.eye(3)]
+    slopes = np.linalg.norm(steps, axis=0) / 1e-3
+    return np.sqrt(np.nanmean(((values - isovalue) / slopes) ** 2)) / 1.0
+
+
+def check_it_is_coarse_while_it_moves_and_whole_at_rest(baked, interactive, large):
+    assert len(baked.data.polygons) > 2 * MOST
+    for isovalue in (50.0, 60.0, 40.0):
+        edit_as_the_slider_does(baked, isovalue)
+        mesh = baked.data
+        assert surface_object.is_coarse(mesh) and "radiance" in mesh.attributes
+        assert 50 < len(mesh.polygons) < 0.4 * len(expected_surface(baked, isovalue)[1])
+        assert _field_misses(baked, isovalue) < 0.5
+        assert surface_object.shown_isovalue(baked) == isovalue
+    start = time.monotonic()
+    rest(baked)
+    assert time.monotonic() - start > settling.WHOLE_PAUSE
+    assert_shows(baked, 40.0)
+
+
+def check_a_surface_that_is_small_is_never_coarse(baked, interactive):
+    edit_as_the_slider_does(baked, 50.0)
+    assert_shows(baked, 50.0)
+    assert not settling._jobs
+
+
+def check_before_the_bake_too(bumps, interactive, large):
+    edit_as_the_slider_does(bumps, 60.0)
+    assert surface_object.is_coarse(bumps.data)
+    rest(bumps)
+    assert_shows(bumps, 60.0)
+
+
+def check_finer_texels_wait_for_rest(boxed, interactive):
+    """They cut the mesh, which by itself is small enough to move."""
+    boxed.leaflight.resolution = 47
+    bpy.ops.leaflight.bake()
+    whole = len(boxed.data.polygons)
+    edit_as_the_slider_does(boxed, boxed.leaflight.isovalue + 1.0)
+    assert surface_object.is_coarse(boxed.data)
+    assert 0.2 * whole < len(boxed.data.polygons) < 0.3 * whole
+    edit_as_the_slider_does(boxed, 60.0)
+    rest(boxed)
+    assert_shows(boxed, 60.0)
+
+
+def check_a_move_ends_the_making_of_the_whole(baked, interactive, large):
+    edit_as_the_slider_does(baked, 50.0)
+    settling._tick()
+    time.sleep(settling.WHOLE_PAUSE)
+    settling._tick()
+    assert settling._jobs[baked.name]._work is not None
+    edit_as_the_slider_does(baked, 60.0)
+    assert settling._jobs[baked.name]._work is None
+    rest(baked)
+    assert_shows(baked, 60.0)
+
+
+def check_without_a_window_it_is_always_whole(baked, large):
+    for isovalue in (50.0, 60.0):
+        edit_as_the_slider_does(baked, isovalue)
+        assert_shows(baked, isovalue)
+
+
+def check_scripts_get_it_whole(baked, interactive, large):
+    edit_as_the_slider_does(baked, 50.0)
+    baked.leaflight.isovalue = 60.0
+    assert_shows(baked, 60.0)
+
+
+def check_a_frame_that_is_chosen_is_whole(baked, interactive, large):
+    for frame, isovalue in ((1, 40.0), (11, 60.0)):
+        baked.leaflight.isovalue = isovalue
+        baked.keyframe_insert(properties.ISOVALUE_PATH, frame=frame)
+    bpy.context.scene.frame_set(11)
+    assert_shows(baked, 60.0)
+    bpy.context.scene.frame_set(1)
+    assert_shows(baked, 40.0)
+
+
+@pytest.mark.parametrize("settles", [False, True])
+def check_a_render_is_whole(baked, interactive, large, tmp_path, settles):
+    baked.leaflight.shading = "ATTRIBUTE"
+    baked.leaflight.settle = settles
+    look_down(5.0, 2.2)
+    edit_as_the_slider_does(baked, 50.0)
+    assert surface_object.is_coarse(baked.data)
+    render_exr(tmp_path / "still.exr")
+    assert surface_object.settled_state(baked.data) == (settles, settles)
+    if not settles:
+        assert_shows(baked, 50.0)
+    assert not surface_object.is_coarse(baked.data)
+
+
+def check_it_is_made_whole_and_then_settles(baked, interactive, large):
+    baked.leaflight.settle = True
+    edit_as_the_slider_does(baked, 50.0)
+    states = rest(baked)
+    assert states[0] == (False, False)
+    assert surface_object.settled_state(baked.data) == (True, True)
+    edit_as_the_slider_does(baked, 52.0)
+    assert surface_object.settled_state(baked.data) == (False, False)
+    assert surface_object.is_coarse(baked.data)
+    # Vertices that settling has added do not count for what is too large.
+    assert len(baked.data.polygons) > 50
+
+
+def check_undo_keeps_the_coarse_surface(baked, interactive, large):
+    """What a step of undo keeps is what there is when the slider is let go."""
+    name = baked.name
+    bpy.ops.ed.undo_push(message="start")
+    edit_as_the_slider_does(baked, 50.0)
+    bpy.ops.ed.undo_push(message="fifty")
+    rest(baked)
+    edit_as_the_slider_does(baked, 60.0)
+    bpy.ops.ed.undo_push(message="sixty")
+    bpy.ops.ed.undo()
+    obj = bpy.data.objects[name]
+    assert surface_object.is_coarse(obj.data)
+    assert surface_object.shown_isovalue(obj) == 50.0
+    rest(obj)
+    assert_shows(obj, 50.0)
+
+
+@pytest.fixture
+def exports(monkeypatch):
+    """The exports of the scene that are made."""
+    found = []
+    export = scene_export.export_scene
+
+    def counted(*arguments):
+        found.append(arguments)
+        return export(*arguments)
+
+    monkeypatch.setattr(scene_export, "export_scene", counted)
+    return found
+
+
+@pytest.mark.parametrize("ramp", [False, True])
+def check_a_scrub_step_reads_no_scene(baked, interactive, exports, ramp):
+    if ramp:
+        for _ in range(2):
+            bpy.ops.leaflight.add_stop()
+            edit_as_the_slider_does(baked, baked.leaflight.isovalue + 5.0)
+        baked.leaflight.leaf_stops[0].color = (0.1, 0.2, 0.3)
+        bpy.ops.leaflight.bake()
+    assert staleness.change_since_bake(bpy.context, baked) == ""
+    exports.clear()
+    for isovalue in (50.0, 60.0, 70.0):
+        edit_as_the_slider_does(baked, isovalue)
+        bpy.context.view_layer.update()
+        drawn(bake_panel.LEAFLIGHT_PT_bake)
+        assert staleness.change_since_bake(bpy.context, baked) == ""
+    assert not exports
+    edit_as_the_slider_does(baked, 55.0)
+    baked.location.x += 1.0
+    bpy.context.view_layer.update()
+    assert "bake again" in staleness.change_since_bake(bpy.context, baked)
+    assert len(exports) == 1
+
+
+def check_a_move_of_place_and_isovalue_together_is_noticed(baked):
+    assert staleness.change_since_bake(bpy.context, baked) == ""
+    baked.location.x += 1.0
+    edit_as_the_slider_does(baked, 55.0)
+    assert "bake again" in staleness.change_since_bake(bpy.context, baked)
+
+
+def check_panels_tell_of_a_change_when_the_scene_rests(baked, exports, monkeypatch):
+    class App:
+        background = False
+        timers = bpy.app.timers
+
+    class Bpy:
+        app, context = App, bpy.context
+
+    monkeypatch.setattr(staleness, "bpy", Bpy)
+    monkeypatch.setattr(staleness, "PAUSE", 0.05)
+    assert staleness.change_since_bake(bpy.context, baked) == ""
+    exports.clear()
+    bpy.data.objects["floor"].location.z -= 0.1
+    bpy.context.view_layer.update()
+    for _ in range(3):
+        drawn(bake_panel.LEAFLIGHT_PT_bake)
+    assert not exports
+    wait = staleness._look()
+    while wait is not None:
+        time.sleep(wait)
+        wait = staleness._look()
+    assert len(exports) == 1
+    assert any("The scene has changed" in text for text in drawn(bake_panel.LEAFLIGHT_PT_bake))
+    bpy.app.timers.unregister(staleness._look)
+
+
+def check_handlers_leave_the_surfaces_alone_when_others_change(baked, monkeypatch):
+    asked = []
+    for name in ("update", "_show"):
+        monkeypatch.setattr(isovalues, name, lambda *a: asked.append(a) or [])
+    bpy.data.objects["floor"].location.z -= 0.1
+    bpy.context.view_layer.update()
+    bpy.data.objects["floor"].data.materials[0].diffuse_color = (1, 0, 0, 1)
+    bpy.context.view_layer.update()
+    assert not asked
+    edit_as_the_slider_does(baked, 50.0)
+    assert asked

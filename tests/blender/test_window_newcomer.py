@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A real window: from Blender's factory scene to a lit isosurface in four clicks, and what follows.
+
+Runs where there is a Blender with a window and xvfb-run, which gives it a screen.
+"""
+
+from pathlib import Path
+
+import leaflight
+import nibabel
+import numpy as np
+import pytest
+from leaflight.volume.particles import neuron
+from PIL import Image
+
+SCRIPT = Path(__file__).resolve().parent / "window" / "newcomer.py"
+BRAIN = Path("/usr/share/mricron/templates/ch2bet.nii.gz")
+
+# Of 255: white, and what nobody takes for lit.
+WHITE, BLACK = 250, 8
+
+
+@pytest.fixture(scope="module")
+def volume(tmp_path_factory):
+    """A NIfTI file: Colin27's brain at a third of its fineness, or a generated neuron."""
+    path = tmp_path_factory.mktemp("volume") / "brain.nii.gz"
+    if BRAIN.exists():
+        values = leaflight.read_volume(str(BRAIN)).values[:180, :216, :180].astype(np.float32)
+        values = values.reshape(60, 3, 72, 3, 60, 3).mean(axis=(1, 3, 5))
+    else:
+        values = neuron(64).values
+        values = 255 * values / values.max()
+    nibabel.save(nibabel.Nifti1Image(values.T.astype(np.uint8), np.diag([3, 3, 3, 1])), path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def pictures(tmp_path_factory):
+    return tmp_path_factory.mktemp("pictures")
+
+
+@pytest.fixture(scope="module")
+def found(blender, volume, pictures):
+    return blender.in_window(SCRIPT, volume, pictures, timeout=1200, size=(1600, 900))
+
+
+def test_four_clicks_and_one_file(found):
+    assert found["objects"] == ["Camera", "Cube", "Light"]
+    assert found["bake"]["clicks"] == 4
+    assert found["bake"]["lit"] and not found["bake"]["failure"]
+
+
+def test_the_stage_is_seen_lit_and_nothing_is_in_its_way(found):
+    staged = found["staged"]
+    assert {"Cube", "Light"} <= set(staged["hidden"])
+    assert staged["camera"] == "Stage Camera"
+    assert staged["perspective"] == "CAMERA" and staged["shading"] == "MATERIAL"
+
+
+def test_the_picture_improves_while_it_bakes(found):
+    assert found["bake"]["rounds"] > 1
+
+
+@pytest.fixture(scope="module")
+def shown(found, pictures):
+    """(the picture, where it shows the volume)."""
+    whole, empty = (
+        np.asarray(Image.open(pictures / name).convert("RGB"), np.int64)
+        for name in ("with.png", "without.png")
+    )
+    mask = np.abs(whole - empty).max(axis=2) > 6
+    assert 0.05 < mask.mean() < 0.6
+    return whole, mask
+
+
+def test_nothing_is_burnt_out(shown):
+    picture, mask = shown
+    assert picture[mask].min(axis=1).max() < WHITE
+    assert picture[~mask].min(axis=1).max() < WHITE
+    # Nor is it dim.
+    assert 90 < picture[mask].mean() < 220
+
+
+def test_no_black_hole_around_the_volume(shown):
+    picture, mask = shown
+    brightness = picture.max(axis=2)
+    # Beyond the seam of the volume's own outline.
+    grown = mask.copy()
+    for _ in range(3):
+        grown[1:] |= grown[:-1]
+        grown[:-1] |= grown[1:]
+        grown[:, 1:] |= grown[:, :-1]
+        grown[:, :-1] |= grown[:, 1:]
+    assert (brightness[~grown] < BLACK).mean() < 1e-3
+
+
+def test_corners_are_darker_than_the_middle_of_the_wall(found, shown):
+    """Both together: the red wall reflects more light onto the wall between them than the green."""
+    picture, mask = shown
+    height, width = mask.shape
+
+    def brightness(part):
+        patches = []
+        for name, (x, y) in found["wall"].items():
+            if part in name:
+                column, row = int(x * width), int((1 - y) * height)
+                patches.append((slice(row - 5, row + 6), slice(column - 5, column + 6)))
+        assert len(patches) == 2 and not any(mask[patch].any() for patch in patches)
+        return np.mean([picture[patch].mean() for patch in patches])
+
+    assert brightness("corner") < 0.95 * brightness("middle")
+
+
+def test_escape_offers_what_there_is_and_it_is_kept(found):
+    stopped = found["stopped"]
+    assert stopped["offered"] and stopped["bake"] and stopped["seconds"] < 20
+    assert found["second"] != found["first"]
+
+
+def test_undo_and_redo_change_the_bake(found):
+    assert found["undone"] == found["first"] and found["redone"] == found["second"]
+
+
+def test_a_saved_file_is_lit_when_it_is_opened(found):
+    loaded = found["loaded"]
+    assert loaded["bake"] == found["second"] and loaded["path"].startswith("//leaflight")
+    assert loaded["brightest"] > 0.05 and not loaded["problem"]
+
+
+def test_a_copy_shows_its_own_isovalue_and_goes_alone(found):
+    assert all(found["copied"].values()) and found["deleted"]

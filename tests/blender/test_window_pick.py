@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A real window: the isovalue is dragged in the histogram that lies over the viewport.
+
+Runs where there is a Blender with a window and xvfb-run, which gives it a screen.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+SCRIPT = Path(__file__).resolve().parent / "window" / "pick_isovalue.py"
+
+
+@pytest.fixture(scope="module")
+def picked(blender, tmp_path_factory):
+    path = tmp_path_factory.mktemp("volume") / "ball.npy"
+    z, y, x = np.mgrid[-1:1:40j, -1:1:40j, -1:1:40j]
+    np.save(path, (100 - 50 * np.sqrt(x**2 + y**2 + z**2)).astype(np.float32))
+    return blender.in_window(SCRIPT, path, timeout=300)
+
+
+def test_a_drag_moves_the_isovalue_and_enter_keeps_it(picked):
+    assert picked["imported"] != picked["dragged, kept"] == picked["kept"]
+    # To the right of the middle of the range, 13.4 to 100, and within it.
+    assert 56.7 < picked["kept"] < 100
+    assert picked["dragged, taken back"] < 56.7
+
+
+def test_esc_brings_back_the_isovalue_before(picked):
+    assert picked["taken back"] == pytest.approx(picked["kept"])
+
+
+def test_the_histogram_is_drawn_and_goes(picked):
+    assert picked["drawn"] > 200 and picked["gone"] < 20
+    assert picked["left over, kept"] == picked["left over, taken back"] == 0

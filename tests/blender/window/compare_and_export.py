@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""blender --enable-event-simulate --python compare_and_export.py -- FOLDER: a comparison and an
+export by dialog and file browser, as a user makes them, and a comparison that Esc ends.
+
+Prints a line WINDOW and a JSON object.
+"""
+
+import gzip
+import os
+import sys
+import time
+from pathlib import Path
+
+import bpy
+import leaflight
+import nibabel
+import numpy as np
+from leaflight import blender
+from leaflight_addon.operators import background
+
+sys.path.insert(0, os.path.dirname(__file__))
+import stepwise  # noqa: E402
+
+PATIENCE = 200.0
+FOLDER = Path(sys.argv[-1])
+
+found = {}
+
+
+def main():
+    bpy.context.preferences.view.show_splash = False
+    # 5.2 crashes when a script presses the button of a browser in a window of its own.
+    bpy.context.preferences.view.filebrowser_display_type = "SCREEN"
+    for obj in list(bpy.data.objects):
+        bpy.data.objects.remove(obj)
+    raw = FOLDER / "bumps.raw"
+    leaflight._core.bump_box(24).astype("<f4").tofile(raw)
+    obj = blender.import_volume(raw, dims=(24, 24, 24), value_type="float32")
+    blender.stage(obj)
+    scene = bpy.context.scene
+    scene.render.resolution_x = scene.render.resolution_y = 256
+    settings = obj.leaflight
+    settings.fixed_samples, settings.samples, settings.photons = True, 4, 20_000
+    settings.settle = False
+    blender.bake(obj, (40, 60), bake_folder=str(FOLDER / "bakes"))
+    blender.show(obj, 47.0)
+    bpy.context.view_layer.objects.active = obj
+    stepwise.run(drive(obj), found)
+
+
+def drive(obj):
+    window = bpy.context.window_manager.windows[0]
+    yield from compare(window, obj)
+    yield from cancel(window, obj)
+    yield from export(window)
+    yield from cancel_import(window)
+
+
+def compare(window, obj):
+    images = FOLDER / "images"
+    with viewport(window):
+        bpy.ops.leaflight.render_comparison(
+            "INVOKE_DEFAULT", samples=64, baked_samples=96, share=50.0, folder=str(images)
+        )
+    yield 1.0
+    press(window, "RET")
+    start, last, gaps, told = time.perf_counter(), None, [], set()
+    yield from until(lambda: background.running() is not None, "the comparison has not begun")
+    while background.running() is not None:
+        if time.perf_counter() > start + PATIENCE:
+            raise RuntimeError("The comparison takes too long.")
+        now = time.perf_counter()
+        gaps += [] if last is None else [now - last]
+        last = now
+        told.add(background.running().status() if background.running() else "")
+        # As a hand that goes on with its work.
+        blender.show(obj, 45.0 + len(gaps) % 5)
+        yield 0.05
+    yield 0.5
+    found["compare"] = {
+        "gap": max(gaps),
+        "seconds": time.perf_counter() - start,
+        "told": sorted(told),
+        "sentence": obj.leaflight.comparison,
+        "files": sorted(path.name for path in images.iterdir()),
+    }
+
+
+def cancel(window, obj):
+    obj.leaflight.comparison = ""
+    images = FOLDER / "cancelled"
+    with viewport(window):
+        bpy.ops.leaflight.render_comparison(
+            "INVOKE_DEFAULT", asked=True, samples=4096, baked_samples=4096, folder=str(images)
+        )
+    yield from until(lambda: "Baked" in background.running().status(), "no render has begun")
+    start = time.perf_counter()
+    press(window, "ESC")
+    yield from until(lambda: background.running() is None, "Esc has not ended it")
+    found["cancel"] = {
+        "seconds": time.perf_counter() - start,
+        "sentence": obj.leaflight.comparison,
+        "files": len(list(images.iterdir())),
+    }
+
+
+def export(window):
+    path = FOLDER / "box.glb"
+    with viewport(window):
+        bpy.ops.leaflight.export("INVOKE_DEFAULT", filepath=str(path))
+    yield from choose_file()
+    yield from until(path.exists, "nothing was exported")
+    found["export"] = {"bytes": path.stat().st_size}
+
+
+def cancel_import(window):
+    """Of half a gigabyte of zeros, which take no room on the disk and time to unpack."""
+    path = FOLDER / "large.nii.gz"
+    header = nibabel.Nifti1Header()
+    header.set_data_shape((800, 800, 800))
+    header.set_data_dtype(np.uint8)
+    header["magic"], header["vox_offset"] = b"n+1", 352
+    block = gzip.compress(bytes(800**3 // 64))
+    path.write_bytes(gzip.compress(header.binaryblock + bytes(4)) + 64 * block)
+    before = len(bpy.data.objects), len(bpy.data.meshes)
+    with viewport(window):
+        bpy.ops.leaflight.import_volume("INVOKE_DEFAULT", filepath=str(path))
+    yield from choose_file()
+    yield from until(lambda: background.running() is not None, "the import has not begun")
+    work = background.running()
+    yield from until(lambda: work.progress.fraction > 0.05, "nothing was read")
+    start, told = time.perf_counter(), work.status()
+    press(window, "ESC")
+    yield from until(lambda: background.running() is None, "Esc has not ended it")
+    found["import"] = {
+        "seconds": time.perf_counter() - start,
+        "told": told,
+        "read": work.progress.fraction,
+        "left": (len(bpy.data.objects), len(bpy.data.meshes)) != before,
+    }
+
+
+def choose_file():
+    """Presses the button of the file browser."""
+    yield 2.0
+    window = bpy.context.window_manager.windows[0]
+    area = next(area for area in window.screen.areas if area.type == "FILE_BROWSER")
+    with bpy.context.temp_override(window=window, area=area):
+        bpy.ops.file.execute()
+
+
+def press(window, key):
+    area = view_area(window)
+    x, y = area.x + area.width // 2, area.y + area.height // 2
+    window.event_simulate(type=key, value="PRESS", x=x, y=y)
+    window.event_simulate(type=key, value="RELEASE", x=x, y=y)
+
+
+def until(happened, otherwise):
+    end = time.perf_counter() + PATIENCE
+    while not happened():
+        if time.perf_counter() > end:
+            raise RuntimeError(f"In the window {otherwise}.")
+        yield 0.05
+
+
+def viewport(window):
+    area = view_area(window)
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    return bpy.context.temp_override(window=window, area=area, region=region)
+
+
+def view_area(window):
+    return next(area for area in window.screen.areas if area.type == "VIEW_3D")
+
+
+main()

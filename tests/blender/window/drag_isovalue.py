@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""blender --enable-event-simulate --python drag_isovalue.py -- VOLUME.npy WINDOW_LOW WINDOW_HIGH:
+drags the isovalue's slider to and fro with the mouse, as a user does, and prints what came of it.
+
+Three times: with the whole detail in every step, as Leaflight shows it, and beside a bake. Prints a
+line WINDOW and a JSON object: of each drag the seconds between pictures of the viewport.
+"""
+
+import os
+import sys
+import time
+
+import bpy
+import leaflight
+import numpy as np
+from leaflight_addon.operators import background
+from leaflight_addon.show import surface_object
+
+sys.path.insert(0, os.path.dirname(__file__))
+import stepwise  # noqa: E402
+
+# Steps of the mouse in a drag, of so many pixels, that many times a second; and how often a drag
+# goes to and fro.
+STEPS, PIXELS, PER_SECOND, TURNS = 16, 4, 30, 1
+PATIENCE = 120.0
+
+found = {}
+pictures = []
+
+
+def main():
+    path, low, high = sys.argv[-3:]
+    bpy.context.preferences.view.show_splash = False
+    bpy.context.preferences.view.ui_scale = 1.0
+    # Without a graphics card most of a picture's time would go into these.
+    bpy.context.preferences.system.viewport_aa = "OFF"
+    show_leaflight_alone()
+    import_volume(path, float(low), float(high))
+    bpy.types.SpaceView3D.draw_handler_add(
+        lambda: pictures.append(time.perf_counter()), (), "WINDOW", "POST_PIXEL"
+    )
+    stepwise.run(drive(), found)
+
+
+def show_leaflight_alone():
+    """The sidebar of the viewport has no other tabs, save Blender's innermost."""
+    for cls in list(bpy.types.Panel.__subclasses__()):
+        place = [getattr(cls, name, None) for name in ("bl_space_type", "bl_region_type")]
+        if place == ["VIEW_3D", "UI"] and getattr(cls, "bl_category", None) != "Leaflight":
+            try:
+                bpy.utils.unregister_class(cls)
+            except RuntimeError:
+                pass
+    area = view_area()
+    area.spaces.active.show_region_ui = True
+    area.spaces.active.shading.type = "SOLID"
+    area.spaces.active.overlay.show_overlays = False
+
+
+def view_area():
+    (window,) = bpy.context.window_manager.windows
+    return next(area for area in window.screen.areas if area.type == "VIEW_3D")
+
+
+def sidebar():
+    return next(region for region in view_area().regions if region.type == "UI")
+
+
+def import_volume(path, low, high):
+    for obj in list(bpy.data.objects):
+        bpy.data.objects.remove(obj)
+    values = np.load(path)
+    raw = f"{path}.raw"
+    values.tofile(raw)
+    bpy.ops.leaflight.import_volume(
+        filepath=raw, dims=values.shape[::-1], value_type=str(values.dtype), spacing=(1, 1, 1)
+    )
+    bpy.ops.leaflight.stage()
+    # Without a graphics card a lit viewport takes its time for all but the surface.
+    view_area().spaces.active.shading.type = "SOLID"
+    view_area().spaces.active.region_3d.view_perspective = "CAMERA"
+    settings = bpy.context.object.leaflight
+    settings.light_surroundings = False
+    settings.limit_isovalue((float(values.min()), float(values.max())), (low, high), low)
+    settings.low, settings.high = low, high
+    # Few triangles, until the slider is found.
+    settings.isovalue = float(values.max()) - 1.0
+    settings.bake_folder = os.path.dirname(path)
+    # The bake shall go on for as long as anyone drags.
+    settings.resolution = 192
+    settings.error = 0.01
+
+
+def drive():
+    window = bpy.context.window_manager.windows[0]
+    yield from wait(1.0)
+    yield from choose_last_tab(window)
+    place = yield from find_slider(window)
+    settings = bpy.context.object.leaflight
+    settings.isovalue = 0.5 * (settings.low + settings.high)
+    limit = surface_object.MOVING_TRIANGLES
+    for name in ("whole", "coarse", "whole again", "coarse again"):
+        surface_object.MOVING_TRIANGLES = limit if name.startswith("coarse") else 10**9
+        yield from rest()
+        yield from drag(window, place, name)
+        yield from rest(name)
+    bpy.context.window.cursor_warp(*place)
+    with bpy.context.temp_override(window=window, area=view_area(), region=sidebar()):
+        bpy.ops.leaflight.bake("INVOKE_DEFAULT")
+    yield from rest()
+    yield from bake_alone()
+    yield from drag(window, place, "baking")
+    found["baking"]["bakes"] = background.running() is not None
+    yield from rest("baking")
+
+
+def wait(seconds):
+    end = time.perf_counter() + seconds
+    while time.perf_counter() < end:
+        yield 0.02
+
+
+def choose_last_tab(window):
+    """Clicks down the tabs of the sidebar; Blender's own is above ours."""
+    region = sidebar()
+    x, top = region.x + region.width - 14, region.y + region.height
+    for y in range(top - 20, top - 200, -12):
+        yield from gesture(window, [(x, y)])
+
+
+def find_slider(window):
+    """Presses and drags a little, row by row, until the isovalue moves; returns the place."""
+    region = sidebar()
+    x = region.x + region.width // 3
+    obj = bpy.context.object
+    for y in range(region.y + region.height - 30, region.y + region.height - 160, -8):
+        before = obj.leaflight.isovalue
+        yield from gesture(window, [(x, y), *((x + 3 * k, y) for k in range(1, 6))])
+        yield from wait(0.3)
+        if obj.leaflight.isovalue != before:
+            return x, y
+    raise RuntimeError("There is no slider of the isovalue in the sidebar.")
+
+
+def gesture(window, places):
+    """Presses the mouse at the first place, lets go at the last."""
+    window.event_simulate(type="MOUSEMOVE", value="NOTHING", x=places[0][0], y=places[0][1])
+    yield 0.05
+    window.event_simulate(type="LEFTMOUSE", value="PRESS", x=places[0][0], y=places[0][1])
+    for x, y in places[1:]:
+        yield 1.0 / PER_SECOND
+        window.event_simulate(type="MOUSEMOVE", value="NOTHING", x=x, y=y)
+    yield 1.0 / PER_SECOND
+    window.event_simulate(type="LEFTMOUSE", value="RELEASE", x=places[-1][0], y=places[-1][1])
+
+
+def drag(window, place, name):
+    x, y = place
+    out = [x + PIXELS * k for k in range(STEPS)]
+    there_and_back = (out + out[::-1]) * TURNS
+    obj = bpy.context.object
+    pictures.clear()
+    values, triangles, times = set(), [], []
+    start, processor = time.perf_counter(), time.process_time()
+    for pause in gesture(window, [(at, y) for at in there_and_back]):
+        values.add(obj.leaflight.isovalue)
+        triangles.append(len(obj.data.polygons))
+        times.append(surface_object.is_coarse(obj.data))
+        yield pause
+    end = time.perf_counter()
+    shown = [t for t in pictures if start <= t <= end]
+    found[name] = {
+        "gaps": [float(b - a) for a, b in zip(shown, shown[1:])],
+        "seconds": end - start,
+        "processor_seconds": time.process_time() - processor,
+        "isovalues": len(values),
+        "triangles": int(np.median(triangles)),
+        "coarse": float(np.mean(times)),
+    }
+
+
+def rest(name=None):
+    """Waits for the whole detail; notes when it came after the last move."""
+    start = time.perf_counter()
+    yield 0.05
+    while surface_object.is_coarse(bpy.context.object.data):
+        if time.perf_counter() > start + PATIENCE:
+            raise RuntimeError("The surface has not become whole.")
+        yield 0.02
+    if name is not None:
+        found[name]["whole_after"] = time.perf_counter() - start
+        found[name]["whole_triangles"] = len(bpy.context.object.data.polygons)
+        print(name, found[name], flush=True)
+    yield from wait(0.5)
+
+
+def bake_alone():
+    """A while of the bake, with rounds that are shown, and nobody at the mouse."""
+    end = time.perf_counter() + PATIENCE
+    while not bpy.context.object.data.get("leaflight_shown", "").count(" round "):
+        if background.running() is None or time.perf_counter() > end:
+            raise RuntimeError("The bake has shown no round.")
+        yield 0.05
+    pictures.clear()
+    start, before, rounds = time.perf_counter(), None, 0
+    told = set()
+    while time.perf_counter() < start + 5.0:
+        label = surface_object.label_of(bpy.context.object.data)
+        rounds, before = rounds + (label != before), label
+        told.add(background.running().status())
+        yield 0.02
+    found["bake alone"] = {"pictures": len(pictures), "rounds": rounds, "told": len(told)}
+
+
+assert leaflight.__version__
+main()

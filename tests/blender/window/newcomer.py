@@ -1,0 +1,330 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""blender --enable-event-simulate --python newcomer.py -- VOLUME FOLDER: from the factory scene
+to a lit isosurface by mouse clicks, which are counted, and what a user does next.
+
+Pictures of the viewport go into the folder. Prints a line WINDOW and a JSON object: what was found
+after each step. A file's choice in the file browser is given by its path.
+"""
+
+import os
+import sys
+import time
+import traceback
+from pathlib import Path
+
+import bpy
+import numpy as np
+from bpy_extras.object_utils import world_to_camera_view
+from leaflight_addon.bake import stopped
+from leaflight_addon.operators import background
+from leaflight_addon.show import settling, surface_object
+
+sys.path.insert(0, os.path.dirname(__file__))
+import stepwise  # noqa: E402
+
+VOLUME, FOLDER = sys.argv[-2], Path(sys.argv[-1])
+PATIENCE = 500.0
+# Pixels between the upper border of the window and the entry Import in the menu File.
+IMPORT = 295 if bpy.app.version < (5, 0, 0) else 311
+
+found = {"clicks": 0}
+
+
+def main():
+    preferences = bpy.context.preferences
+    preferences.view.show_splash = False
+    preferences.view.ui_scale = 1.0
+    preferences.view.filebrowser_display_type = "SCREEN"
+    stepwise.run(drive(), found)
+
+
+def drive():
+    yield from wait(1.0)
+    yield from import_by_menu()
+    yield from stage_and_bake()
+    yield from stop_and_keep()
+    yield from undo_and_redo()
+    yield from save_and_load()
+    yield from copy_and_delete()
+
+
+# ---- The four clicks ----
+
+
+def import_by_menu():
+    found["objects"] = sorted(obj.name for obj in bpy.data.objects)
+    window = the_window()
+    top = window.height
+    # From below the entries of Blender itself.
+    for row in (*range(9, 40), *range(9)):
+        # File, then down to Import, whose submenu opens under the mouse, and one of its entries.
+        yield from click((46, top - 13))
+        yield from wait(0.4)
+        if not (yield from hover_import()):
+            raise RuntimeError("The menu File has no Import.")
+        # To the right first, since the way across other entries would open theirs.
+        x, y = found["import"]
+        for place in ((x + 200, y), (x + 200, y - 21 * row)):
+            yield from move(place)
+        yield from click(None)
+        yield from wait(0.8)
+        operator = chosen_operator()
+        if operator is not None and operator.bl_idname == "LEAFLIGHT_OT_import_volume":
+            break
+        yield from key("ESC")
+        yield from key("ESC")
+        yield from wait(0.3)
+    else:
+        raise RuntimeError("The menu Import has no volume for Leaflight.")
+    # Searching for the entry does not count, finding it does.
+    found["clicks"] = 2
+    area = next(area for area in the_window().screen.areas if area.type == "FILE_BROWSER")
+    parameters = area.spaces.active.params
+    parameters.directory = os.path.dirname(VOLUME).encode()
+    parameters.filename = os.path.basename(VOLUME)
+    with bpy.context.temp_override(window=the_window(), area=area):
+        bpy.ops.file.execute()
+    yield from until(lambda: volume() is not None)
+    yield from wait(1.0)
+
+
+def hover_import():
+    """Moves down the menu File until the mouse is on Import."""
+    place = found.get("import", (80, the_window().height - IMPORT))
+    found["import"] = place
+    yield from move(place)
+    yield from wait(0.5)
+    return True
+
+
+def chosen_operator():
+    for area in the_window().screen.areas:
+        if area.type == "FILE_BROWSER":
+            return area.spaces.active.active_operator
+    return None
+
+
+def stage_and_bake():
+    yield from click(header_button(275))
+    yield from until(lambda: "floor" in bpy.data.objects)
+    yield from wait(2.0)
+    found["staged"] = {
+        "hidden": sorted(o.name for o in bpy.data.objects if o.hide_render),
+        "camera": bpy.context.scene.camera.name,
+        "perspective": view_area().spaces.active.region_3d.view_perspective,
+        "shading": view_area().spaces.active.shading.type,
+    }
+    # For the time of the test: no newcomer's settings.
+    volume().leaflight.quality = "DRAFT"
+    volume().leaflight.resolution = 48
+    start = time.perf_counter()
+    yield from click(header_button(386))
+    yield from until(lambda: background.running() is not None, 20)
+    rounds = set()
+
+    def is_done():
+        rounds.add(surface_object.label_of(volume().data))
+        return background.running() is None
+
+    yield from until(is_done)
+    print("baked", flush=True)
+    found["bake"] = {
+        "seconds": time.perf_counter() - start,
+        "rounds": len(rounds),
+        "lit": "radiance" in volume().data.attributes,
+        "clicks": found["clicks"],
+        "failure": background.failure(),
+    }
+    yield from until(lambda: surface_object.settled_state(volume().data)[1])
+    yield from wait(1.0)
+    yield from take_pictures()
+
+
+def take_pictures():
+    """The viewport as it is; through the camera with and without the volume."""
+    space = view_area().spaces.active
+    with bpy.context.temp_override(window=the_window()):
+        bpy.ops.screen.screenshot(filepath=str(FOLDER / "screen.png"))
+    yield from wait(0.5)
+    space.overlay.show_overlays = False
+    scene = bpy.context.scene
+    scene.render.resolution_percentage = 50
+    for name, hidden in (("with.png", False), ("without.png", True)):
+        volume().hide_set(hidden)
+        yield from wait(1.0)
+        picture(FOLDER / name)
+    volume().hide_set(False)
+    space.overlay.show_overlays = True
+    wall = bpy.data.objects["back wall"]
+    corners = [wall.matrix_world @ v.co for v in wall.data.vertices]
+    # Across the wall, along the floor and upwards, as the camera sees it.
+    origin, across, up = corners[0], corners[1] - corners[0], corners[3] - corners[0]
+    found["wall"] = {
+        name: tuple(world_to_camera_view(scene, scene.camera, origin + a * across + b * up))[:2]
+        for name, (a, b) in {
+            "left corner": (0.05, 0.06),
+            "right corner": (0.95, 0.06),
+            "left of the middle": (0.4, 0.54),
+            "right of the middle": (0.6, 0.54),
+        }.items()
+    }
+
+
+def picture(path):
+    region = next(r for r in view_area().regions if r.type == "WINDOW")
+    scene = bpy.context.scene
+    scene.render.image_settings.file_format = "PNG"
+    scene.render.filepath = str(path)
+    with bpy.context.temp_override(window=the_window(), area=view_area(), region=region):
+        bpy.ops.render.opengl(write_still=True, view_context=True)
+
+
+# ---- What follows ----
+
+
+def stop_and_keep():
+    first = volume().leaflight.bake_id
+    # More work than anyone waits for.
+    volume().leaflight.error = 0.01
+    volume().leaflight.use_resolution = False
+    yield from click(header_button(386))
+    yield from until(lambda: background.running() is not None, 20)
+    yield from until(lambda: " round " in (surface_object.label_of(volume().data) or ""))
+    yield from key("ESC")
+    start = time.perf_counter()
+    yield from until(lambda: background.running() is None)
+    found["stopped"] = {
+        "seconds": time.perf_counter() - start,
+        "offered": stopped.offered() is not None,
+        "bake": volume().leaflight.bake_id == first,
+    }
+    # Keep Bake stands where Bake stood.
+    yield from click(header_button(386))
+    yield from until(lambda: volume().leaflight.bake_id != first)
+    yield from until(lambda: background.running() is None)
+    found["first"], found["second"] = first, volume().leaflight.bake_id
+
+
+def undo_and_redo():
+    yield from wait(1.0)
+    yield from key("Z", ctrl=True)
+    yield from wait(2.0)
+    found["undone"] = volume().leaflight.bake_id
+    yield from key("Z", ctrl=True, shift=True)
+    yield from wait(2.0)
+    found["redone"] = volume().leaflight.bake_id
+
+
+def save_and_load():
+    path = FOLDER / "saved" / "head.blend"
+    path.parent.mkdir()
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    yield from wait(0.5)
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    yield from wait(3.0)
+    obj = volume()
+    radiance = np.empty(4 * len(obj.data.vertices), np.float32)
+    obj.data.attributes["radiance"].data.foreach_get("color", radiance)
+    found["loaded"] = {
+        "bake": obj.leaflight.bake_id,
+        "path": obj.leaflight.bake_path,
+        "brightest": float(radiance.reshape(-1, 4)[:, :3].max()),
+        "problem": surface_object.problems.get(obj.name_full, ""),
+    }
+
+
+def copy_and_delete():
+    first = volume()
+    name, isovalue = first.name, first.leaflight.isovalue
+    other = isovalue + 0.3 * (first.leaflight.high - isovalue)
+    with bpy.context.temp_override(window=the_window(), area=view_area()):
+        bpy.ops.object.select_all(action="DESELECT")
+        first.select_set(True)
+        bpy.context.view_layer.objects.active = first
+        bpy.ops.object.duplicate()
+    yield from wait(0.5)
+    copy = bpy.context.view_layer.objects.active
+    copy.leaflight.linked = False
+    copy.leaflight.isovalue = other
+    yield from wait(1.0)
+    found["copied"] = {
+        "names": copy.name != name,
+        "original": surface_object.shown_isovalue(bpy.data.objects[name]) == isovalue,
+        "copy": abs(surface_object.shown_isovalue(copy) - other) < 1e-4,
+    }
+    with bpy.context.temp_override(window=the_window(), area=view_area()):
+        bpy.ops.object.delete()
+    yield from wait(0.5)
+    found["deleted"] = [o.name for o in bpy.context.scene.objects if o.leaflight.is_volume] == [
+        name
+    ]
+    settling.forget()
+
+
+# ---- The window and the mouse ----
+
+
+def the_window():
+    return bpy.context.window_manager.windows[0]
+
+
+def view_area():
+    return next(area for area in the_window().screen.areas if area.type == "VIEW_3D")
+
+
+def header_button(x):
+    """The place of a button above the viewport, so many pixels from its left."""
+    region = next(r for r in view_area().regions if r.type == "TOOL_HEADER")
+    return region.x + x, region.y + region.height // 2
+
+
+def volume():
+    return next((obj for obj in bpy.context.scene.objects if obj.leaflight.is_volume), None)
+
+
+def wait(seconds):
+    end = time.perf_counter() + seconds
+    while time.perf_counter() < end:
+        yield 0.05
+
+
+def until(is_so, patience=PATIENCE):
+    end = time.perf_counter() + patience
+    while not is_so():
+        if time.perf_counter() > end:
+            raise RuntimeError("It has not come: " + traceback.format_stack()[-2])
+        yield 0.1
+
+
+_mouse = [0, 0]
+
+
+def move(place):
+    """In small steps: menus judge where the mouse is heading."""
+    for k in range(1, 5):
+        x, y = (round(a + (b - a) * k / 4) for a, b in zip(_mouse, place))
+        the_window().event_simulate(type="MOUSEMOVE", value="NOTHING", x=x, y=y)
+        yield 0.03
+    _mouse[:] = place
+
+
+def click(place):
+    if place is not None:
+        yield from move(place)
+    for value in ("PRESS", "RELEASE"):
+        the_window().event_simulate(type="LEFTMOUSE", value=value, x=_mouse[0], y=_mouse[1])
+        yield 0.1
+    found["clicks"] += 1
+
+
+def key(name, **modifiers):
+    """Over the middle of the viewport."""
+    areas = [area for area in the_window().screen.areas if area.type == "VIEW_3D"]
+    if areas:
+        yield from move((areas[0].x + areas[0].width // 2, areas[0].y + areas[0].height // 2))
+    for value in ("PRESS", "RELEASE"):
+        the_window().event_simulate(type=name, value=value, x=_mouse[0], y=_mouse[1], **modifiers)
+        yield 0.1
+
+
+main()

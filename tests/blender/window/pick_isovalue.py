@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""blender --enable-event-simulate --python pick_isovalue.py -- VOLUME: drags the isovalue in the
+histogram over the viewport, keeps it, drags it again and takes that back.
+
+Prints a line WINDOW and a JSON object of the isovalues after each of these.
+"""
+
+import os
+import sys
+
+import bpy
+import numpy as np
+from leaflight_addon.ui import data_picture, pick_isovalue
+
+sys.path.insert(0, os.path.dirname(__file__))
+import stepwise  # noqa: E402
+
+bpy.context.preferences.view.show_splash = False
+found = {}
+
+
+def window():
+    return bpy.context.window_manager.windows[0]
+
+
+def area():
+    return next(area for area in window().screen.areas if area.type == "VIEW_3D")
+
+
+def region():
+    return next(region for region in area().regions if region.type == "WINDOW")
+
+
+def volume():
+    return next(obj for obj in bpy.data.objects if obj.leaflight.is_volume)
+
+
+def event(kind, value, share, height=60):
+    """At a share of the viewport's width, so many pixels above its floor."""
+    x = int(region().x + share * region().width)
+    window().event_simulate(type=kind, value=value, x=x, y=int(region().y + height))
+
+
+def press(key):
+    event(key, "PRESS", 0.5)
+    event(key, "RELEASE", 0.5)
+
+
+def pick():
+    with bpy.context.temp_override(window=window(), area=area(), region=region()):
+        bpy.ops.leaflight.pick_isovalue("INVOKE_DEFAULT")
+
+
+def steps():
+    for obj in list(bpy.data.objects):
+        bpy.data.objects.remove(obj)
+    bpy.ops.leaflight.import_volume(filepath=sys.argv[-1])
+    area().spaces.active.show_region_ui = False
+    # A grey viewport, before which the mark's color stands out.
+    volume().hide_set(False)
+    found["imported"] = volume().leaflight.isovalue
+    pick()
+    yield 1.0
+    found["drawn"] = yield from orange_pixels()
+    for kept, last in (("kept", 0.6), ("taken back", 0.3)):
+        event("MOUSEMOVE", "NOTHING", 0.5)
+        yield 0.2
+        event("LEFTMOUSE", "PRESS", 0.5)
+        yield 0.3
+        event("MOUSEMOVE", "NOTHING", last)
+        yield 0.5
+        event("LEFTMOUSE", "RELEASE", last)
+        yield 0.3
+        found[f"dragged, {kept}"] = volume().leaflight.isovalue
+        press("RET" if kept == "kept" else "ESC")
+        yield 0.5
+        found[kept] = volume().leaflight.isovalue
+        found[f"left over, {kept}"] = len(pick_isovalue._drawn)
+        if kept == "kept":
+            pick()
+            yield 0.5
+    found["gone"] = yield from orange_pixels()
+
+
+def orange_pixels():
+    """How many pixels have the color of the isovalue's mark, below in the viewport."""
+    seen = {}
+    yield from stepwise.pixels_of(area(), seen)
+    part = seen["pixels"][:220, :, :3]
+    return int((np.abs(part - data_picture.ISOVALUE) < 0.06).all(axis=-1).sum())
+
+
+stepwise.run(steps(), found)

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a user does in a window, step by step, while Blender goes on with its own work."""
+
+import json
+import os
+import traceback
+
+import bpy
+import gpu
+import numpy as np
+from leaflight_addon.operators import background
+
+
+def run(script, found):
+    """Runs a generator by a timer, then ends Blender, with 1 after an exception.
+
+    script: yields the seconds until its next step, also across the loading of a file. found: a dict
+    that the steps fill, printed as JSON behind WINDOW.
+    """
+
+    def step():
+        try:
+            return next(script)
+        except StopIteration:
+            _leave(found, 0)
+        except Exception:
+            traceback.print_exc()
+            _leave(found, 1)
+
+    bpy.app.timers.register(step, first_interval=1.0, persistent=True)
+
+
+def _leave(found, status):
+    print("WINDOW", json.dumps(found), flush=True)
+    background.cancel_running()
+    os._exit(status)
+
+
+def pixels_of(area, found):
+    """Yields until the viewport of an area was drawn, with all that is drawn over it; then found
+    holds its pixels, float32 (height, width, 4), bottom row first.
+
+    Screenshots are black in Blender 5.2 with OpenGL.
+    """
+    region = next(region for region in area.regions if region.type == "WINDOW")
+
+    def read():
+        if "pixels" not in found and bpy.context.area == area:
+            buffer = gpu.state.active_framebuffer_get()
+            size = region.width, region.height
+            pixels = buffer.read_color(0, 0, *size, 4, 0, "FLOAT")
+            found["pixels"] = np.array(pixels.to_list(), np.float32).reshape(*size[::-1], 4)
+
+    # After what draws already.
+    handle = bpy.types.SpaceView3D.draw_handler_add(read, (), "WINDOW", "POST_PIXEL")
+    try:
+        while "pixels" not in found:
+            region.tag_redraw()
+            yield 0.1
+    finally:
+        bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")

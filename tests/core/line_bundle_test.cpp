@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/trace/line_bundle.h"
+
+#include <gtest/gtest.h>
+
+#include "fields.h"
+
+namespace leaflight {
+namespace {
+
+// All lines of a set read the field wherever it is not empty, in bundles that are full and in the
+// last ones of their rows, which are not.
+void expect_values(int nodes, int voxels_per_texel, int spacing) {
+  constexpr double below = 0.5;
+  // A ball in the last corner, where rows end; else empty.
+  const Field<3> field =
+      test::sampled<3>(nodes, [](const Vec3& x) { return 1 - 8 * (x - Vec3(1)).length(); });
+  const EmptySpace<3> empty(field, below);
+  const TexelLattice<3> lattice =
+      make_lattice<3>(field, coarser_resolution<3>(field.dims, voxels_per_texel), below, 1.0);
+  const LineSet<3> set = parallel_lines<3>(lattice, Vec3(0.02, 0.01, 1), spacing, {0.3, 0.6});
+  const Planes<3> planes(field, lattice, set.axis);
+  LineBundle<3> bundle(field, empty, lattice, set, planes);
+  std::size_t checked = 0, skipped = 0;
+  for (std::size_t row = 0; row < set.tracks[1].size(); ++row) {
+    for (std::size_t i = 0; i < set.tracks[0].size(); i += LineBundle<3>::width) {
+      bundle.follow({static_cast<int>(i), static_cast<int>(row)});
+      for (int lane = 0; lane < bundle.lanes(); ++lane) {
+        for (int k = bundle.first(lane); k <= bundle.last(lane); ++k) {
+          const CellPoint<3> at =
+              locate(field, bundle.position(lane, bundle.z(k)) * lattice.voxels_per_texel);
+          const double h = interpolate(load_corners(field, at.cell), at.local);
+          if (h >= below) {
+            ASSERT_NEAR(bundle.value(k, lane), h, 1e-5);
+            ++checked;
+          } else {
+            ASSERT_LT(bundle.value(k, lane), below + 1e-6);
+            skipped += bundle.value(k, lane) == empty.value();
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(checked, 0u);
+  // Lines that are far apart ask for too many bricks.
+  if (voxels_per_texel == 1) {
+    EXPECT_GT(skipped, checked);
+  }
+}
+
+// Also at the border, and beside masked voxels, where there may be none.
+TEST(VoxelGradients, AreThoseOfShading) {
+  const Field<3> whole = test::noise<3>(9, 5, 0.5);
+  std::vector<float> values = test::values_of(whole);
+  values[whole.offset({3, 4, 8})] = std::nanf("");
+  Affine<3> skewed = whole.index_to_world;
+  skewed.column[1] += Vec3(0.01, 0, 0.02);
+  for (const Field<3>& field :
+       {whole, test::field_from<3>(values, whole.dims, whole.index_to_world)}) {
+    const VoxelGradients<3> gradients = voxel_gradients(field, skewed);
+    std::size_t found = 0;
+    for (std::size_t v = 0; v < field.voxels(); ++v) {
+      const CellPoint<3> at = locate(field, to_vector<3>(index_of<3>(v, field.dims)));
+      const Vec<3, float> expected(skewed.pull_back_gradient(shading_gradient(field, at)));
+      if (std::isnan(expected.length())) {
+        ASSERT_TRUE(std::isnan(gradients[v].length()));
+      } else {
+        ASSERT_EQ(gradients[v], expected);
+        ++found;
+      }
+    }
+    EXPECT_GT(found, field.voxels() / 2);
+  }
+}
+
+TEST(LineBundle, ReadsWhatIsNotEmpty) {
+  for (int nodes = 61; nodes < 97; nodes += 4) {
+    expect_values(nodes, 1, 1);
+    expect_values(nodes, 1, 2);
+    expect_values(nodes, 4, 1);
+  }
+}
+
+}  // namespace
+}  // namespace leaflight

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/surface/polygon_edges.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <random>
+
+#include "fields.h"
+#include "leaflight/surface/marching_cubes.h"
+
+namespace leaflight {
+namespace {
+
+using Edge = std::array<std::int32_t, 2>;
+
+// The same by a map.
+void expect_edges_of(const std::vector<std::int32_t>& corners, int sides, std::size_t vertices) {
+  const std::size_t polygons = corners.size() / sides;
+  const PolygonEdges edges = polygon_edges(corners.data(), polygons, sides, vertices);
+  std::map<Edge, std::int32_t> numbers;
+  const auto edge_from = [&](std::size_t corner) {
+    const std::size_t first = corner - corner % sides;
+    const auto [low, high] =
+        std::minmax(corners[corner], corners[first + (corner + 1 - first) % sides]);
+    return Edge{low, high};
+  };
+  for (std::size_t corner = 0; corner < corners.size(); ++corner) numbers[edge_from(corner)] = 0;
+  std::vector<Edge> expected;
+  for (auto& [edge, number] : numbers) {
+    number = static_cast<std::int32_t>(expected.size());
+    expected.push_back(edge);
+  }
+  EXPECT_EQ(edges.vertices, expected);
+  ASSERT_EQ(edges.of_corner.size(), corners.size());
+  for (std::size_t corner = 0; corner < corners.size(); ++corner) {
+    EXPECT_EQ(edges.of_corner[corner], numbers.at(edge_from(corner)));
+  }
+}
+
+TEST(PolygonEdges, OfTwoQuads) {
+  const std::vector<std::int32_t> corners{0, 1, 2, 3, 3, 2, 5, 4};
+  const PolygonEdges edges = polygon_edges(corners.data(), 2, 4, 6);
+  const std::vector<Edge> expected{{0, 1}, {0, 3}, {1, 2}, {2, 3}, {2, 5}, {3, 4}, {4, 5}};
+  EXPECT_EQ(edges.vertices, expected);
+  EXPECT_EQ(edges.of_corner, (std::vector<std::int32_t>{0, 2, 3, 1, 3, 4, 6, 5}));
+}
+
+TEST(PolygonEdges, OfAClosedSurface) {
+  const IsosurfaceMesh mesh = contour(test::ball<3>(21), 0.7);
+  std::vector<std::int32_t> corners;
+  for (const auto& t : mesh.triangles) corners.insert(corners.end(), t.begin(), t.end());
+  expect_edges_of(corners, 3, mesh.vertices.size());
+  const std::size_t edges =
+      polygon_edges(corners.data(), mesh.triangles.size(), 3, mesh.vertices.size()).vertices.size();
+  EXPECT_EQ(2 * edges, corners.size());
+}
+
+TEST(PolygonEdges, OfAnyPolygons) {
+  std::mt19937 random(1);
+  for (const int sides : {3, 4}) {
+    // Few vertices, so that many polygons share an edge and many edges a vertex.
+    for (const int vertices : {5, 40, 1000}) {
+      std::uniform_int_distribution<std::int32_t> any(0, vertices - 1);
+      std::vector<std::int32_t> corners(300 * sides);
+      for (std::int32_t& corner : corners) corner = any(random);
+      expect_edges_of(corners, sides, vertices);
+    }
+  }
+}
+
+TEST(PolygonEdges, OfNothing) {
+  const PolygonEdges edges = polygon_edges(nullptr, 0, 3, 0);
+  EXPECT_TRUE(edges.vertices.empty() && edges.of_corner.empty());
+}
+
+}  // namespace
+}  // namespace leaflight

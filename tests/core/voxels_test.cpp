@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/field/voxels.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <limits>
+
+#include "agreement.h"
+#include "leaflight/field/empty_space.h"
+#include "leaflight/surface/marching_cubes.h"
+#include "leaflight/trace/leaf_ray.h"
+#include "scenes.h"
+
+namespace leaflight {
+namespace {
+
+template <class T>
+bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() &&
+         std::memcmp(static_cast<const void*>(a.data()), static_cast<const void*>(b.data()),
+                     a.size() * sizeof(T)) == 0;
+}
+
+// A noisy ball whose values reach from one end of an integer type to the other, held by this type
+// and by floats.
+template <class Value>
+struct Pair {
+  Field<3> own, floats;
+
+  explicit Pair(int n) {
+    const Field<3> ball = test::ball<3>(n);
+    const double low = std::numeric_limits<Value>::lowest();
+    const double range = std::numeric_limits<Value>::max() - low;
+    Random random(n);
+    const auto values = std::make_shared<std::vector<Value>>();
+    for (const float h : test::values_of(ball)) {
+      const double u = (h - ball.min) / (ball.max - ball.min);
+      const double noise = h == ball.max || h == ball.min ? 0 : 0.1 * (random.uniform() - 0.5);
+      values->push_back(
+          static_cast<Value>(std::lround(low + range * std::clamp(u + noise, 0.0, 1.0))));
+    }
+    own = make_field<3>(values->data(), ball.dims, ball.index_to_world, values);
+    floats = test::field_from<3>({values->begin(), values->end()}, ball.dims, ball.index_to_world);
+  }
+  double isovalue(double share) const {
+    return floats.min + share * (double{floats.max} - floats.min);
+  }
+};
+
+template <class Value>
+class VoxelsOf : public testing::Test {};
+using Integers = testing::Types<std::uint8_t, std::int16_t, std::uint16_t>;
+TYPED_TEST_SUITE(VoxelsOf, Integers);
+
+TYPED_TEST(VoxelsOf, AreReadAsIfTheyWereFloats) {
+  const Pair<TypeParam> pair(21);
+  EXPECT_TRUE(std::holds_alternative<const TypeParam*>(pair.own.values));
+  EXPECT_EQ(pair.own.min, std::numeric_limits<TypeParam>::lowest());
+  EXPECT_EQ(pair.own.max, std::numeric_limits<TypeParam>::max());
+  EXPECT_EQ(test::values_of(pair.own), test::values_of(pair.floats));
+  Random random(1);
+  for (int i = 0; i < 20'000; ++i) {
+    Vec3 p;
+    for (int a = 0; a < 3; ++a) p[a] = 20 * random.uniform();
+    const CellPoint<3> at = locate(pair.own, p);
+    ASSERT_EQ(load_corners(pair.own, at.cell).h, load_corners(pair.floats, at.cell).h);
+    ASSERT_EQ(shading_gradient(pair.own, at), shading_gradient(pair.floats, at));
+    LeafRay<3> ray;
+    ray.position = p;
+    ray.direction = test::random_direction(random);
+    ray.isovalue = pair.isovalue(random.uniform());
+    const auto hit = intersect(pair.own, ray), same = intersect(pair.floats, ray);
+    ASSERT_EQ(hit.has_value(), same.has_value());
+    if (!hit) continue;
+    ASSERT_EQ(hit->t, same->t);
+  }
+}
+
+TYPED_TEST(VoxelsOf, BoundTheSameLeaves) {
+  const Pair<TypeParam> pair(37);
+  const double low = pair.isovalue(0.6), high = pair.isovalue(0.8);
+  for (std::size_t level = 0; level < pair.own.pyramid.levels.size(); ++level) {
+    const auto &own = pair.own.pyramid.levels[level].bricks,
+               &floats = pair.floats.pyramid.levels[level].bricks;
+    EXPECT_TRUE(same_bits(own, floats));
+  }
+  EXPECT_EQ(make_lattice<3>(pair.own, {30, 31, 32}, low, high).active,
+            make_lattice<3>(pair.floats, {30, 31, 32}, low, high).active);
+  const EmptySpace<3> own(pair.own, low), floats(pair.floats, low);
+  std::size_t empty = 0;
+  for_each_index<3>({}, pair.own.dims, [&](const Index<3>& voxel) {
+    empty += own.holds(voxel);
+    ASSERT_EQ(own.holds(voxel), floats.holds(voxel));
+  });
+  EXPECT_GT(empty, 0u);
+  const IsosurfaceMesh mesh = contour(pair.own, low), same = contour(pair.floats, low);
+  EXPECT_GT(mesh.triangles.size(), 0u);
+  EXPECT_TRUE(same_bits(mesh.vertices, same.vertices));
+  EXPECT_TRUE(same_bits(mesh.normals, same.normals));
+  EXPECT_EQ(mesh.triangles, same.triangles);
+}
+
+// In rounds, which follow lines, and with fixed samples by rays.
+TYPED_TEST(VoxelsOf, BakeToTheSameBits) {
+  const Pair<TypeParam> pair(test::sanitized ? 8 : 15);
+  for (const int samples : {0, 2}) {
+    std::vector<Baked<3>> bakes;
+    for (const Field<3>& field : {pair.own, pair.floats}) {
+      BakeSettings<3> settings;
+      settings.samples = samples;
+      settings.photons = 20'000;
+      if (samples == 0) settings.error = 20;
+      Progress progress;
+      bakes.push_back(
+          bake(test::cornell(field, {pair.isovalue(0.6), pair.isovalue(0.9)}), settings, progress));
+    }
+    const RadianceGrid<3>&own = bakes[0].grids[0], &floats = bakes[1].grids[0];
+    EXPECT_GT(own.lattice.active.size(), test::sanitized ? 50u : 1000u);
+    EXPECT_EQ(own.lattice.active, floats.lattice.active);
+    EXPECT_TRUE(same_bits(own.radiance, floats.radiance));
+    EXPECT_TRUE(same_bits(own.radiance_indirect, floats.radiance_indirect));
+    EXPECT_TRUE(same_bits(own.radiance_error, floats.radiance_error));
+  }
+}
+
+}  // namespace
+}  // namespace leaflight

@@ -1,0 +1,251 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is fuzzed: everything that reads a file which others may have made.
+
+Each target has files to begin with, which are generated, and the command that reads such a file. A
+command may succeed, or refuse the file by one sentence and exit with 2; all else is a failure: any
+other exception, a crash, more than a minute, or memory out of proportion.
+"""
+
+import contextlib
+import io
+import os
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Callable
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "tests" / "python")]
+
+import numpy as np  # noqa: E402
+from leaflight_command import main  # noqa: E402
+
+# What one command may say of a bad file, at most.
+LONGEST_SENTENCE = 600
+
+
+@dataclass(frozen=True)
+class Target:
+    """name: on the command line; suffix: of its files; seeds: seeds(folder) gives their bytes.
+
+    arguments: of the command, in which FILE is the file and OUT a file that it may write.
+    within: the name of the file in a folder that stands for the volume, "" for the file itself.
+    slow: whether each try starts a process or bakes.
+    """
+
+    name: str
+    suffix: str
+    seeds: Callable[[Path], list]
+    arguments: tuple
+    within: str = ""
+    slow: bool = False
+
+
+def check(target, folder, data, good=False):
+    """Runs the target's command on a file of these bytes; returns whether it was accepted.
+
+    good: whether it must be. Raises AssertionError, or whatever the command raises, for a failure.
+    """
+    path = folder / f"input{target.suffix}"
+    file = path / target.within if target.within else path
+    file.write_bytes(data)
+    out = folder / "output"
+    places = {"FILE": str(path), "OUT": f"{out}.vdb", "MESH": f"{out}.ply", "TEXTURE": f"{out}.exr"}
+    arguments = [places.get(argument, argument) for argument in target.arguments]
+    said, complained = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(complained):
+        status = main(arguments)
+    said, complained = said.getvalue(), complained.getvalue()
+    if status == 0:
+        assert "NaN" not in said and "Infinity" not in said, said
+        return True
+    assert not good, f"a good file is refused: {complained}"
+    lines = complained.splitlines()
+    assert status == 2 and said == "" and len(lines) == 1, (status, said, complained)
+    assert len(lines[0]) < LONGEST_SENTENCE and lines[0].startswith("leaflight: "), lines
+    return False
+
+
+def _of_tests(name):
+    """The seeds that tests of damaged files use."""
+
+    def seeds(folder):
+        from test_damaged_files import FORMATS
+
+        path = folder / name
+        data = [FORMATS[name](path)]
+        path.unlink(missing_ok=True)
+        return data
+
+    return seeds
+
+
+def _nrrd(folder):
+    import bz2
+    import gzip
+
+    from test_damaged_files import NRRD, VALUES
+
+    data = VALUES.tobytes()
+    packed = {
+        b"raw": data,
+        b"gzip": gzip.compress(data, mtime=0),
+        b"bzip2": bz2.compress(data),
+        b"hex": data.hex().encode(),
+        b"ascii": " ".join(map(str, data)).encode(),
+    }
+    spaced = NRRD.split(b"space:")[0] + b"spacings: 1 2 nan\nline skip: 0\nbyte skip: -1\n\n" + data
+    return [NRRD.replace(b"raw", name) + text for name, text in packed.items()] + [spaced]
+
+
+def _detached_nrrd(folder):
+    from test_damaged_files import NRRD, VALUES
+
+    (folder / "values.raw").write_bytes(VALUES.tobytes())
+    return [NRRD.rstrip() + b"\ndata file: values.raw\n# note\nkey:=value\n"]
+
+
+def _csv(_folder):
+    points = np.random.default_rng(1).random((40, 4)).round(3)
+    lines = [",".join(map(str, row)) for row in points]
+    return ["\n".join(["x,y,z,density", *lines]).encode(), "\n".join(lines).encode()]
+
+
+def _ply(folder):
+    from test_reader_points import ply
+
+    points = np.random.default_rng(1).random((40, 3))
+    seeds = []
+    for form in ("ascii", "binary_little_endian", "binary_big_endian"):
+        ply(folder / "seed.ply", points, form, density=points[:, 0].astype(np.float32))
+        seeds.append((folder / "seed.ply").read_bytes())
+    return seeds
+
+
+def _zarr(folder):
+    from test_reader_arrays import ome_zarr
+
+    values = np.random.default_rng(7).permutation(96).reshape(4, 4, 6).astype(np.float32)
+    path = ome_zarr(folder / "input.zarr", values)
+    return [(path / ".zattrs").read_bytes()]
+
+
+def _bake(folder):
+    """Without the seal that would tell every change."""
+    import leaflight
+
+    path = folder / "seed.vdb"
+    settings = {"samples": 1, "photons": 1000, "isovalues": (30.0, 70.0)}
+    leaflight.bake(leaflight.bump_box(9), both_sides=True, **settings).save(path)
+    return [path.read_bytes()[:-24]]
+
+
+def _sealed_bake(folder):
+    return [data + _seal(data) for data in _bake(folder)]
+
+
+def _seal(data):
+    import zlib
+
+    mark = b"Leaflight\x1ae1"
+    return mark + len(data).to_bytes(8, "little") + zlib.crc32(data).to_bytes(4, "little")
+
+
+def _scenes(_folder):
+    names = ("bump_box", "caustic", "lights", "mirror", "texture", "light_tent")
+    return [(ROOT / "scenes" / f"{name}.json").read_bytes() for name in names]
+
+
+def _flat_scenes(_folder):
+    return [(ROOT / "scenes" / "flatland_bump_box.json").read_bytes()]
+
+
+def _exr(folder):
+    from leaflight import _core
+
+    pixels = np.random.default_rng(4).random((9, 12, 3), np.float32)
+    _core.write_exr(folder / "seed.exr", pixels, "a comment")
+    return [(folder / "seed.exr").read_bytes()]
+
+
+def _pictures(kind):
+    def seeds(folder):
+        from PIL import Image
+
+        pixels = np.random.default_rng(4).integers(0, 255, (9, 12, 3)).astype(np.uint8)
+        file = io.BytesIO()
+        Image.fromarray(pixels).save(file, kind)
+        return [file.getvalue()]
+
+    return seeds
+
+
+_INFO = ("info", "FILE", "--json")
+_POINTS = (*_INFO, "--dims", "8")
+_FLAT = ("--samples", "1", "--photons", "100", "--resolution", "4", "--out", "TEXTURE")
+_TINY = ("bump_box", "--dims", "4", "--samples", "1", "--photons", "100")
+
+TARGETS = (
+    Target("nifti", ".nii", _of_tests("x.nii"), _INFO),
+    Target("nifti-gz", ".nii.gz", _of_tests("x.nii.gz"), _INFO),
+    Target("nrrd", ".nrrd", _nrrd, _INFO),
+    Target("nhdr", ".nhdr", _detached_nrrd, _INFO),
+    Target("metaimage", ".mha", _of_tests("x.mha"), _INFO),
+    Target("dicom", ".dcm", _of_tests("x.dcm"), _INFO),
+    Target("mrc", ".mrc", _of_tests("x.mrc"), _INFO),
+    Target("vti", ".vti", _of_tests("x.vti"), _INFO),
+    Target("tiff", ".tif", _of_tests("deflated.tif"), _INFO),
+    Target("imagej", ".tif", _of_tests("imagej.tif"), _INFO),
+    Target("ome-tiff", ".ome.tif", _of_tests("x.ome.tif"), _INFO),
+    Target("ome-zarr", ".zarr", _zarr, _INFO, within=".zattrs"),
+    Target("hdf5", ".h5", _of_tests("x.h5"), _INFO),
+    Target("npy", ".npy", _of_tests("x.npy"), _INFO),
+    Target("npz", ".npz", _of_tests("x.npz"), _INFO),
+    Target("cube", ".cube", _of_tests("x.cube"), _INFO),
+    Target("csv", ".csv", _csv, _POINTS),
+    Target("ply", ".ply", _ply, _POINTS),
+    Target("vdb", ".vdb", _bake, _INFO, slow=True),
+    Target(
+        "bake", ".vdb", _bake, ("surface", "FILE", "--isovalue", "47", "--out", "MESH"), slow=True
+    ),
+    Target(
+        "sealed-bake",
+        ".vdb",
+        _sealed_bake,
+        ("surface", "FILE", "--isovalue", "47", "--out", "MESH"),
+    ),
+    Target(
+        "scene", ".json", _scenes, ("bake", *_TINY, "--scene", "FILE", "--out", "OUT"), slow=True
+    ),
+    Target(
+        "flat-scene",
+        ".json",
+        _flat_scenes,
+        ("flatland", "bump_box", "--dims", "5", "--scene", "FILE", *_FLAT),
+        slow=True,
+    ),
+    Target("exr", ".exr", _exr, ("flatland", "FILE", *_FLAT), slow=True),
+    Target("png", ".png", _pictures("PNG"), ("flatland", "FILE", *_FLAT), slow=True),
+    Target("jpeg", ".jpg", _pictures("JPEG"), ("flatland", "FILE", *_FLAT), slow=True),
+)
+BY_NAME = {target.name: target for target in TARGETS}
+
+
+def missing_library(target):
+    """The library without which a target cannot be tried here, or None."""
+    import tempfile
+
+    import pytest
+
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            target.seeds(Path(folder))
+    except (ImportError, pytest.skip.Exception) as problem:
+        return str(problem)
+    return None
+
+
+def seeds_of(target, folder):
+    """Good files to begin with. The folder then holds what the target's files refer to."""
+    os.makedirs(folder, exist_ok=True)
+    return target.seeds(Path(folder))

@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake that was interrupted, wherever that was, ends with the bits that it would have had."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+from dataclasses import replace
+from pathlib import Path
+
+import leaflight
+import numpy as np
+import pytest
+from leaflight import Cancelled, Checkpoint, LeaflightError, Progress, load_bake
+from leaflight.bake.checkpoint import checkpoint_for, read_recipe
+
+ERROR = 4.0
+LAYERS = ("radiance", "radiance_indirect", "radiance_error")
+
+
+def assert_same(one, other):
+    assert one.id == other.id
+    assert one.statistics["rounds"] == other.statistics["rounds"]
+    for mine, theirs in zip(one.grids, other.grids):
+        layers = (*LAYERS, "radiance_back") if mine.has_back else LAYERS
+        for layer in layers:
+            np.testing.assert_array_equal(mine.dense(layer), theirs.dense(layer))
+    assert (one.surroundings is None) is (other.surroundings is None)
+    for mesh in range(one.surroundings.count if one.surroundings else 0):
+        mine, theirs = (b.surroundings.radiance(mesh, 50.0) for b in (one, other))
+        np.testing.assert_array_equal(mine, theirs)
+
+
+def interrupted(arguments, checkpoint, states):
+    """Bakes until so many states were left, or to the end; then the memory of it is gone."""
+    progress, seen = Progress(), []
+
+    def watch():
+        while len(seen) < states and not done.is_set():
+            try:
+                now = os.stat(checkpoint.path).st_mtime_ns
+            except OSError:
+                continue
+            if now not in seen:
+                seen.append(now)
+        progress.cancel()
+
+    done = threading.Event()
+    watcher = threading.Thread(target=watch)
+    watcher.start()
+    try:
+        leaflight.bake(**arguments, checkpoint=checkpoint, progress=progress)
+    except Cancelled:
+        pass
+    finally:
+        done.set()
+        watcher.join()
+
+
+@pytest.mark.parametrize(
+    "options, counts", [({"resolution": 12}, (1, 4)), ({"both_sides": True}, (3,))], ids=str
+)
+def test_the_same_bits(tmp_path, bump_scene, options, counts):
+    arguments = {"volumes": leaflight.bump_box(10), "scene": bump_scene, "isovalues": (30.0, 70.0)}
+    arguments.update(options, error=ERROR)
+    whole = leaflight.bake(**arguments)
+    assert whole.statistics["rounds"] > 1
+    for states in counts:
+        checkpoint = Checkpoint(tmp_path / f"{states}.checkpoint", {"of": states}, seconds=0.0)
+        interrupted(arguments, checkpoint, states)
+        # Twice, and with another number of threads.
+        again = replace(checkpoint, resume=True)
+        interrupted(arguments, again, states + 2)
+        assert read_recipe(again.path) == {"of": states}
+        assert_same(leaflight.bake(**arguments, checkpoint=again, threads=1), whole)
+
+
+def test_a_continued_bake_is_resumed(tmp_path, bump_scene):
+    volume = leaflight.bump_box(8)
+    kept = leaflight.bake(volume, bump_scene, isovalues=(30.0, 70.0), error=12.0)
+    whole = leaflight.resume(kept, error=1.6)
+    checkpoint = Checkpoint(tmp_path / "x.checkpoint", seconds=0.0)
+    first = leaflight.resume(kept, error=1.6, checkpoint=checkpoint)
+    again = leaflight.resume(kept, error=1.6, checkpoint=replace(checkpoint, resume=True))
+    assert_same(first, whole)
+    assert_same(again, whole)
+
+
+def test_only_its_own_bake_goes_on(tmp_path, bump_scene):
+    checkpoint = Checkpoint(tmp_path / "x.checkpoint", seconds=0.0)
+    arguments = {"scene": bump_scene, "isovalues": (30.0, 70.0), "error": 12.0}
+    leaflight.bake(leaflight.bump_box(6), checkpoint=checkpoint, **arguments)
+    again = replace(checkpoint, resume=True)
+    for changed in ({"error": 11.0}, {"seed": 1}, {"isovalues": (30.0, 71.0)}):
+        with pytest.raises(LeaflightError, match="of another bake"):
+            leaflight.bake(leaflight.bump_box(6), checkpoint=again, **{**arguments, **changed})
+    with pytest.raises(LeaflightError, match="of another bake"):
+        leaflight.bake(leaflight.bump_box(7), checkpoint=again, **arguments)
+    whole = checkpoint.path.read_bytes()
+    for damaged in (whole[:-1], whole[:100], b"", whole[:200] + b"x" + whole[201:]):
+        checkpoint.path.write_bytes(damaged)
+        with pytest.raises(LeaflightError, match="bake anew"):
+            leaflight.bake(leaflight.bump_box(6), checkpoint=again, **arguments)
+
+
+def test_a_checkpoint_that_cannot_be_written_does_not_end_the_bake(tmp_path, bump_scene):
+    checkpoint = Checkpoint(tmp_path / "gone" / "x.checkpoint", seconds=0.0)
+    bake = leaflight.bake(
+        leaflight.bump_box(6),
+        bump_scene,
+        isovalues=(30.0, 70.0),
+        error=9.0,
+        checkpoint=checkpoint,
+    )
+    assert bake.statistics["stopped"] is False
+
+
+def test_killed_and_resumed_by_the_command_line(tmp_path, cli):
+    out, other = tmp_path / "x.vdb", tmp_path / "whole.vdb"
+    # A relative path, and a checkpoint after each block instead of each half minute.
+    script = "import sys; from leaflight.bake import checkpoint as c; c.SECONDS = 0.0\n"
+    script += "from leaflight_command import main; sys.exit(main(sys.argv[1:]))"
+    np.save(tmp_path / "box.npy", leaflight.bump_box(16).values)
+    bake = ["bake", "box.npy", "--isovalues", "30", "70", "--error", "0.7", "--out"]
+    run = [sys.executable, "-c", script, *bake, "x.vdb"]
+    environment = {**os.environ, "PYTHONPATH": str(Path(leaflight.__file__).parents[1])}
+    process = subprocess.Popen(run, cwd=tmp_path, env=environment, stderr=subprocess.DEVNULL)
+    while process.poll() is None and not checkpoint_for(out).exists():
+        pass
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    assert checkpoint_for(out).exists() and not out.exists(), "it was killed too late"
+    outcome = cli("bake", "--resume", out, "--seed", "3")
+    assert outcome.status == 2 and "leave out --seed" in outcome.err
+    assert cli("bake", "--resume", out).status == 0
+    assert not list(tmp_path.glob("*checkpoint")) and not list(tmp_path.glob(".leaflight-*"))
+    assert cli(*bake[:1], tmp_path / "box.npy", *bake[2:], other).status == 0
+    assert_same(load_bake(out), load_bake(other))
+    outcome = cli("bake", "--resume", out)
+    assert outcome.status == 2 and "is complete" in outcome.err

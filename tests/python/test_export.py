@@ -1,0 +1,331 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bakes in other programs' formats, each read back by a reader that is not ours."""
+
+import re
+import sys
+from dataclasses import replace
+
+import leaflight
+import meshio
+import numpy as np
+import pytest
+from leaflight import LeaflightError
+from leaflight.export.point_grid import point_grid
+
+ISOVALUES = (40.0, 47.0, 60.0)
+
+
+@pytest.fixture(scope="module")
+def finer(bump_scene):
+    """Texels half as wide as voxels, and inner sides."""
+    return leaflight.bake(
+        leaflight.bump_box(12),
+        bump_scene,
+        isovalues=(30, 70),
+        resolution=23,
+        samples=4,
+        photons=20_000,
+        both_sides=True,
+    )
+
+
+@pytest.fixture(scope="module")
+def surface(box_bake):
+    return box_bake.surface(47.0)
+
+
+def srgb(linear):
+    """As 8-bit images hold it."""
+    linear = np.clip(linear, 0, 1)
+    encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    return 255 * encoded
+
+
+# --- volumes
+
+
+def read_vti(path):
+    pytest.importorskip("vtkmodules", reason="VTK (python3-vtk9) is not installed")
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkIOXML import vtkXMLImageDataReader
+
+    reader = vtkXMLImageDataReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    image = reader.GetOutput()
+    data = image.GetPointData()
+    arrays = {
+        data.GetArrayName(k): vtk_to_numpy(data.GetArray(k))
+        for k in range(data.GetNumberOfArrays())
+    }
+    return image, arrays
+
+
+def test_vti_holds_values_and_radiance(box_bake, tmp_path):
+    pytest.importorskip("vtkmodules", reason="VTK (python3-vtk9) is not installed")
+    assert leaflight.export(box_bake, tmp_path / "box.vti") == {}
+    image, arrays = read_vti(tmp_path / "box.vti")
+    assert image.GetDimensions() == (20, 20, 20)
+    np.testing.assert_array_equal(arrays["value"], box_bake.volume.values.ravel())
+    grid = box_bake.grid
+    np.testing.assert_array_equal(arrays["radiance"], grid.dense("radiance").reshape(-1, 3))
+    np.testing.assert_array_equal(arrays["radiance_error"], grid.dense("radiance_error").ravel())
+    exposed = srgb(arrays["radiance"] * box_bake.scene.exposure)
+    assert arrays["color"].dtype == np.uint8 and arrays["color"].max() > 100
+    assert np.abs(arrays["color"] - exposed).max() < 0.51
+    # Points are where the voxels are in the world.
+    for number in (0, 21, 7999):
+        index = (number % 20, number // 20 % 20, number // 400, 1)
+        place = box_bake.volume.index_to_world @ index
+        np.testing.assert_allclose(image.GetPoint(number), place[:3], atol=1e-6)
+    assert image.GetFieldData().GetAbstractArray("bake_id").GetValue(0) == box_bake.id
+
+
+def test_vti_contoured_and_probed_by_vtk_shows_the_lit_isosurface(finer, tmp_path):
+    """What a user of ParaView does: Contour of the value, colored by the radiance."""
+    pytest.importorskip("vtkmodules", reason="VTK (python3-vtk9) is not installed")
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkFiltersCore import vtkContourFilter
+
+    leaflight.export(finer, tmp_path / "finer.vti")
+    image, arrays = read_vti(tmp_path / "finer.vti")
+    assert image.GetDimensions() == (23, 23, 23) and "radiance_back" in arrays
+    contour = vtkContourFilter()
+    contour.SetInputData(image)
+    contour.SetInputArrayToProcess(0, 0, 0, 0, "value")
+    contour.SetValue(0, 47.0)
+    contour.Update()
+    mesh = contour.GetOutput()
+    points = vtk_to_numpy(mesh.GetPoints().GetData())
+    found = vtk_to_numpy(mesh.GetPointData().GetArray("radiance"))
+    expected = finer.radiance(points)
+    assert len(points) > 300 and expected.mean() > 0.01
+    np.testing.assert_allclose(found, expected, atol=2e-3 * expected.max())
+
+
+def test_a_sheared_volume_is_refused_as_vti_and_placed_by_amira(box_bake, tmp_path):
+    pytest.importorskip("vtkmodules", reason="VTK (python3-vtk9) is not installed")
+    matrix = box_bake.volume.index_to_world.copy()
+    matrix[0, 1] = 0.01
+    sheared = replace(box_bake, volumes=[replace(box_bake.volume, index_to_world=matrix)])
+    with pytest.raises(LeaflightError, match="sheared"):
+        leaflight.export(sheared, tmp_path / "box.vti")
+    leaflight.export(sheared, tmp_path / "box.am")
+    text = (tmp_path / "box.am").read_bytes()[:600].decode("latin1")
+    numbers = re.search(r"TransformationMatrix (.+),", text)[1].split()
+    np.testing.assert_allclose(np.array(numbers, float).reshape(4, 4).T, matrix, rtol=1e-6)
+
+
+def test_amira_holds_four_bytes_a_texel(finer, tmp_path):
+    """The layout of the format: AmiraMesh's own header, then the bytes, x fastest."""
+    leaflight.export(finer, tmp_path / "finer.am")
+    head, _, data = (tmp_path / "finer.am").read_bytes().partition(b"\n@1\n")
+    lines = head.decode("ascii").splitlines()
+    assert lines[0] == "# AmiraMesh BINARY-LITTLE-ENDIAN 2.1"
+    assert lines[1] == "define Lattice 23 23 23" and "Lattice { byte[4] Data } @1" in lines
+    pixels = np.frombuffer(data[:-1], np.uint8).reshape(23, 23, 23, 4)
+    assert (pixels[..., 3] == 255).all()
+    exposed = srgb(finer.grid.dense("radiance") * finer.scene.exposure)
+    assert exposed.max() > 100 and np.abs(pixels[..., :3] - exposed).max() < 0.51
+    box = re.search(r"BoundingBox (.+),", head.decode())[1].split()
+    np.testing.assert_allclose(np.array(box, float), [0, 1, 0, 1, 0, 1], atol=1e-6)
+
+
+def test_where_texels_are_wider_the_points_are_voxels(bump_scene):
+    bake = leaflight.bake(
+        leaflight.bump_box(20),
+        bump_scene,
+        isovalues=(30, 70),
+        resolution=10,
+        samples=4,
+        photons=9999,
+    )
+    grid = point_grid(bake)
+    assert grid.radiance.shape == (20, 20, 20, 3)
+    np.testing.assert_array_equal(grid.values, bake.volume.values)
+    index = np.array([7, 5, 9])
+    point = bake.volume.index_to_world @ [*index, 1]
+    expected = bake.radiance(point[None, :3])[0]
+    np.testing.assert_allclose(grid.radiance[9, 5, 7], expected, rtol=1e-5)
+
+
+def test_between_voxels_values_are_those_of_the_field(finer):
+    grid = point_grid(finer)
+    index = np.random.default_rng(3).integers(1, 22, (50, 3))
+    points = (np.c_[index, np.ones(50)] @ grid.index_to_world.T)[:, :3]
+    np.testing.assert_allclose(
+        grid.values[tuple(index.T[::-1])], finer.volume.field().sample(points), atol=1e-4
+    )
+
+
+# --- isosurfaces
+
+
+def test_vtp(box_bake, surface, tmp_path):
+    pytest.importorskip("vtkmodules", reason="VTK (python3-vtk9) is not installed")
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+
+    written = leaflight.export(box_bake, tmp_path / "box.vtp", [47.0], settle=True)[47.0]
+    reader = vtkXMLPolyDataReader()
+    reader.SetFileName(str(tmp_path / "box.vtp"))
+    reader.Update()
+    mesh = reader.GetOutput()
+    data = mesh.GetPointData()
+    np.testing.assert_array_equal(vtk_to_numpy(mesh.GetPoints().GetData()), written.vertices)
+    triangles = vtk_to_numpy(mesh.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+    np.testing.assert_array_equal(triangles, written.triangles)
+    np.testing.assert_array_equal(vtk_to_numpy(data.GetArray("radiance")), written.radiance)
+    np.testing.assert_array_equal(vtk_to_numpy(data.GetNormals()), written.normals)
+    np.testing.assert_array_equal(vtk_to_numpy(data.GetArray("radiance_error")), written.error)
+    assert mesh.GetFieldData().GetArray("isovalue").GetValue(0) == 47.0
+    assert len(written.vertices) > len(surface.vertices)
+
+
+def test_ply(box_bake, surface, tmp_path):
+    leaflight.export(box_bake, tmp_path / "box.ply", [47.0])
+    mesh = meshio.read(tmp_path / "box.ply")
+    np.testing.assert_array_equal(mesh.points, surface.vertices)
+
+
+def test_glb(box_bake, surface, tmp_path):
+    trimesh = pytest.importorskip("trimesh", reason="trimesh of PyPI is not installed")
+    pytest.importorskip("pygltflib", reason="pygltflib of PyPI is not installed")
+    leaflight.export(box_bake, tmp_path / "box.glb", [47.0])
+    scene = trimesh.load(tmp_path / "box.glb", process=False)
+    (mesh,) = scene.geometry.values()
+    np.testing.assert_array_equal(mesh.vertices, surface.vertices)
+    np.testing.assert_array_equal(mesh.faces, surface.triangles)
+    np.testing.assert_allclose(mesh.vertex_normals, surface.normals, atol=1e-5)
+    np.testing.assert_array_equal(mesh.vertex_attributes["_RADIANCE"], surface.radiance)
+    # The world's z axis is up, which there is y.
+    v = surface.vertices
+    turned = np.stack([v[:, 0], v[:, 2], -v[:, 1]], axis=1)
+    np.testing.assert_allclose(scene.bounds, [turned.min(axis=0), turned.max(axis=0)], atol=1e-5)
+
+
+def test_glb_colors_are_linear_and_unlit(box_bake, surface, tmp_path):
+    gltf = pytest.importorskip("pygltflib", reason="pygltflib of PyPI is not installed")
+    leaflight.export(box_bake, tmp_path / "box.glb", [47.0])
+    file = gltf.GLTF2().load(str(tmp_path / "box.glb"))
+    primitive = file.meshes[0].primitives[0]
+    accessor = file.accessors[primitive.attributes.COLOR_0]
+    view = file.bufferViews[accessor.bufferView]
+    data = file.binary_blob()[view.byteOffset : view.byteOffset + view.byteLength]
+    colors = np.frombuffer(data, "<u2").reshape(-1, 4) / 65535
+    linear = np.clip(surface.radiance * box_bake.scene.exposure, 0, 1)
+    assert accessor.normalized and linear.max() > 0.2
+    np.testing.assert_allclose(colors[:, :3], linear, atol=1e-5)
+    assert (colors[:, 3] == 1).all()
+    material = file.materials[primitive.material]
+    assert "KHR_materials_unlit" in material.extensions
+    assert file.extensionsUsed == ["KHR_materials_unlit"] and not file.animations
+
+
+def test_a_sequence_as_glb_shows_one_isovalue_at_a_time(box_bake, tmp_path):
+    gltf = pytest.importorskip("pygltflib", reason="pygltflib of PyPI is not installed")
+    leaflight.export(box_bake, tmp_path / "box.glb", ISOVALUES)
+    file = gltf.GLTF2().load(str(tmp_path / "box.glb"))
+    blob, (animation,) = file.binary_blob(), file.animations
+    assert [mesh.name for mesh in file.meshes] == [f"isovalue {c:g}" for c in ISOVALUES]
+
+    def floats(number):
+        accessor = file.accessors[number]
+        view = file.bufferViews[accessor.bufferView]
+        assert view.target is None
+        return np.frombuffer(blob[view.byteOffset :][: view.byteLength], "<f4")
+
+    def shown(time):
+        nodes = []
+        for channel in animation.channels:
+            sampler = animation.samplers[channel.sampler]
+            times = floats(sampler.input)
+            scales = floats(sampler.output).reshape(-1, 3)
+            assert channel.target.path == "scale" and sampler.interpolation == "STEP"
+            key = max(np.searchsorted(times, time, side="right") - 1, 0)
+            if scales[key].all():
+                nodes.append(file.nodes[channel.target.node].name)
+        return nodes
+
+    for frame, isovalue in enumerate(ISOVALUES):
+        assert shown(0.1 * frame + 0.05) == [f"isovalue {isovalue:g}"]
+    # Without the animation there is the first.
+    at_rest = [node.name for node in file.nodes[1:] if node.scale != [0.0, 0.0, 0.0]]
+    assert at_rest == ["isovalue 40"]
+
+
+@pytest.mark.parametrize("suffix", ["usda", "usdc", "usd"])
+def test_usd(box_bake, surface, tmp_path, suffix):
+    pytest.importorskip("pxr", reason="usd-core of PyPI is not installed")
+    from pxr import Usd, UsdGeom, UsdShade
+
+    path = tmp_path / f"box.{suffix}"
+    leaflight.export(box_bake, path, [47.0])
+    stage = Usd.Stage.Open(str(path))
+    mesh = UsdGeom.Mesh(stage.GetPrimAtPath("/Leaflight/isosurface"))
+    assert UsdGeom.GetStageUpAxis(stage) == "Z"
+    np.testing.assert_array_equal(np.array(mesh.GetPointsAttr().Get()), surface.vertices)
+    corners = np.array(mesh.GetFaceVertexIndicesAttr().Get()).reshape(-1, 3)
+    np.testing.assert_array_equal(corners, surface.triangles)
+    colors = np.array(UsdGeom.PrimvarsAPI(mesh).GetPrimvar("displayColor").Get())
+    np.testing.assert_allclose(colors, surface.radiance * box_bake.scene.exposure, rtol=1e-6)
+    material, _ = UsdShade.MaterialBindingAPI(mesh).ComputeBoundMaterial()
+    assert material.GetSurfaceOutput().HasConnectedSource()
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_sequence_as_usd_has_a_time_sample_each(box_bake, tmp_path):
+    pytest.importorskip("pxr", reason="usd-core of PyPI is not installed")
+    from pxr import Usd, UsdGeom
+
+    surfaces = leaflight.export(box_bake, tmp_path / "box.usdc", ISOVALUES)
+    stage = Usd.Stage.Open(str(tmp_path / "box.usdc"))
+    mesh = UsdGeom.Mesh(stage.GetPrimAtPath("/Leaflight/isosurface"))
+    assert (stage.GetStartTimeCode(), stage.GetEndTimeCode()) == (1, 3)
+    for frame, (isovalue, surface) in enumerate(surfaces.items(), start=1):
+        assert mesh.GetPrim().GetAttribute("isovalue").Get(frame) == isovalue
+        np.testing.assert_array_equal(np.array(mesh.GetPointsAttr().Get(frame)), surface.vertices)
+
+
+# --- what cannot be
+
+
+def test_sentences(box_bake, tmp_path):
+    for name, isovalues, words in (
+        ("x.obj", None, "is not known; known are .vti, .am, .vtp, .ply, .glb, .usda"),
+        ("x.ply", (40.0, 47.0), "holds one isosurface"),
+        ("x.am", (40.0,), "all isosurfaces"),
+        ("x.ply", (400.0,), "outside the baked window"),
+        ("nowhere/x.ply", (47.0,), "cannot write into the folder"),
+    ):
+        with pytest.raises(LeaflightError, match=re.escape(words)):
+            leaflight.export(box_bake, tmp_path / name, isovalues)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_absent_library_is_named_before_any_work(box_bake, tmp_path, monkeypatch):
+    for suffix, module, word in (
+        (".vtp", "vtkmodules", "python3-vtk9"),
+        (".glb", "pygltflib", "pip install pygltflib"),
+        (".usdc", "pxr", "pip install usd-core"),
+        (".ply", "meshio", "python3-meshio"),
+    ):
+        for name in [name for name in sys.modules if name.partition(".")[0] == module]:
+            monkeypatch.delitem(sys.modules, name)
+        for own in ("vtp", "vti", "vtk_arrays", "gltf", "usd"):
+            monkeypatch.delitem(sys.modules, f"leaflight.export.{own}", raising=False)
+        monkeypatch.setitem(sys.modules, module, None)
+        monkeypatch.setattr(leaflight.Bake, "surface", lambda *_: pytest.fail("worked in vain"))
+        with pytest.raises(LeaflightError, match=re.escape(word)) as caught:
+            leaflight.export(box_bake, tmp_path / f"x{suffix}", [47.0])
+        assert str(caught.value).count(".") < 8 and "\n" not in str(caught.value)
+
+
+def test_the_command(cli, box_file, tmp_path):
+    out = tmp_path / "box.ply"
+    done = cli("export", box_file, "--isovalue", 47, "--out", out, "--json")
+    assert done.status == 0, done.err
+    assert '"isovalue": 47.0' in done.out and len(meshio.read(out).points) > 100
+    refused = cli("export", box_file, "--isovalue", 40, 47, "--out", tmp_path / "two.ply")
+    assert refused.status == 2 and refused.err.count("\n") == 1 and "(--isovalue)" in refused.err
+    assert list(tmp_path.iterdir()) == [out]

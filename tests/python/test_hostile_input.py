@@ -1,0 +1,277 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Input that was made to break a program: it is refused by one sentence, before any work."""
+
+import bz2
+import gzip
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import leaflight
+import numpy as np
+import pytest
+from leaflight import LeaflightError, Volume, load_bake, read_volume
+
+BAD_INPUTS = Path(os.environ.get("LEAFLIGHT_BAD_INPUTS", "../shared/bad-inputs"))
+NRRD = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 8 7 6\nencoding: raw\n"
+DATA = np.random.default_rng(2).integers(0, 255, 8 * 7 * 6).astype(np.uint8).tobytes()
+
+
+def test_nrrd_headers_that_no_one_closes(tmp_path):
+    path = tmp_path / "x.nrrd"
+    path.write_bytes(NRRD.replace("\n", "\n# " + "x" * 5000 + "\n").encode() + b"\n" + DATA)
+    assert read_volume(path).values.shape == (6, 7, 8)
+    for text in (
+        NRRD.replace("raw", "raw" + "x" * 5000),
+        NRRD.replace("8 7 6", "8 7 6 " * 1000),
+        NRRD.replace("8 7 6", "8 7 " + "9" * 5000),
+        NRRD + "space directions: " + "(1,0,0) " * 5000 + "\n",
+        "NRRD0004" + "x" * 5000,
+    ):
+        path.write_bytes(text.encode() + b"\n" + DATA)
+        with pytest.raises(LeaflightError) as refusal:
+            read_volume(path)
+        assert len(str(refusal.value)) < 500
+    # No blank line: the values would be read as the header.
+    path.write_bytes(NRRD.encode() + b"x" * 4000)
+    with pytest.raises(LeaflightError, match="no end"):
+        read_volume(path)
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        "data file: ../secret.raw\n",
+        "# comment\n" * 1200 + "data file: ../secret.raw\n",
+        "data file:=inside.raw\ndata file: ../secret.raw\n",
+        "datafile: /etc/hostname\n",
+        "data file: link.raw\n",
+        "data file: inside.raw\ndata file: ../secret.raw\n",
+    ],
+)
+def test_nrrd_data_stay_in_their_folder(tmp_path, more):
+    folder = tmp_path / "scan"
+    folder.mkdir()
+    (tmp_path / "secret.raw").write_bytes(DATA)
+    (folder / "inside.raw").write_bytes(DATA)
+    (folder / "link.raw").symlink_to("../secret.raw")
+    path = folder / "x.nhdr"
+    path.write_text(NRRD + more)
+    with pytest.raises(LeaflightError, match="outside its own folder|twice"):
+        read_volume(path)
+    path.write_text(NRRD + "data file:=../secret.raw\ndata file: inside.raw\n")
+    assert read_volume(path).values.tobytes() == DATA
+
+
+def test_nrrd_encodings(tmp_path):
+    """Not what a note says it is counts, and not a byte more is unpacked than is asked for."""
+    path = tmp_path / "x.nrrd"
+    header = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 3000 2000 1000\nencoding:=gzip\n"
+    path.write_bytes((header + "encoding: raw\n\n").encode() + bytes(82000))
+    with pytest.raises(LeaflightError, match="holds only 82000 bytes"):
+        read_volume(path)
+    values = np.frombuffer(DATA, np.uint8).reshape(6, 7, 8)
+    packed = {
+        "gzip": gzip.compress(DATA[:100]) + gzip.compress(DATA[100:]) + b"and more",
+        "bzip2": bz2.compress(DATA + bytes(10**6)),
+        "hex": DATA.hex().encode(),
+        "ascii": " ".join(map(str, DATA)).encode(),
+    }
+    for encoding, data in packed.items():
+        path.write_bytes(NRRD.replace("raw", encoding).encode() + b"\n" + data)
+        np.testing.assert_array_equal(read_volume(path).values, values)
+        path.write_bytes(NRRD.replace("raw", encoding).encode() + b"\n" + data[:50])
+        with pytest.raises(LeaflightError):
+            read_volume(path)
+    path.write_bytes(NRRD.encode() + b"line skip: 1\nbyte skip: 2\n\nskipped\nxx" + DATA)
+    np.testing.assert_array_equal(read_volume(path).values, values)
+    path.write_bytes(NRRD.encode() + b"byte skip: -1\n\nwhatever\n" + DATA)
+    np.testing.assert_array_equal(read_volume(path).values, values)
+
+
+FAR = {
+    "nan": np.nan,
+    "infinite": np.inf,
+    "beyond the bounds": 1e19,
+    "beyond any number": -1e308,
+}
+
+
+@pytest.mark.parametrize("far", FAR)
+def test_points_are_in_bounds(box_bake, lapr_bake, far):
+    points = np.full((3, 3), 0.5)
+    points[1, 2] = FAR[far]
+    calls = [
+        lambda: box_bake.radiance(points),
+        lambda: box_bake.radiance_error(points),
+        lambda: box_bake.reference(points, 47.0, spp=1),
+        lambda: leaflight.bake(
+            box_bake.volume, isovalues=(30, 70), samples=1, estimator="path", only_at=points
+        ),
+        lambda: lapr_bake.mesh_reference(0, [0, 0, 0], points[:, :2][:, ::-1] * 0 + FAR[far], 0.5),
+        lambda: box_bake.settling(47.0, points.astype(np.float32), points, np.zeros((1, 3), int)),
+    ]
+    if abs(FAR[far]) < 1e30 or not np.isfinite(FAR[far]):
+        calls.append(lambda: box_bake.radiance(points.astype(np.float32)))
+    for call in calls:
+        with pytest.raises(LeaflightError, match="1e18"):
+            call()
+
+
+@pytest.mark.parametrize(
+    "matrix",
+    [
+        np.diag([1e-308, 1, 1, 1]),
+        np.diag([1e300, 1e300, 1e300, 1]),
+        np.diag([1e-30, 1e-30, 1e-30, 1]),
+        np.eye(4) + 1e19 * np.eye(4, k=3),
+        np.diag([1e17, 1, 1, 1]),
+        np.diag([np.nan, 1, 1, 1]),
+        np.array([[1, 1, 0, 0], [1, 1 + 1e-14, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]),
+    ],
+)
+def test_volumes_are_in_bounds(box_bake, matrix):
+    volume = Volume(box_bake.volume.values, matrix, "x")
+    with pytest.raises(LeaflightError, match="1e18|inverted"):
+        volume.field()
+
+
+def test_scenes_are_in_bounds(cli, root, tmp_path):
+    scene = json.loads((root / "scenes" / "bump_box.json").read_text())
+    path = tmp_path / "scene.json"
+    for change in (
+        lambda s: s["lights"][0].update(corner=[0, 0, 4e18]),
+        lambda s: s["meshes"][0]["vertices"].__setitem__(0, [0, 0, 4e18]),
+        lambda s: s.update(name="\ud800"),
+        lambda s: s["lights"][0].update(corner=[0, 0, 10**400]),
+    ):
+        bad = json.loads(json.dumps(scene))
+        change(bad)
+        path.write_text(json.dumps(bad))
+        out = tmp_path / "x.vdb"
+        outcome = cli("bake", "bump_box", "--dims", 8, "--scene", path, "--out", out)
+        assert outcome.status == 2 and outcome.err.count("\n") == 1
+        assert not out.exists()
+    path.write_text("[" * 100_000)
+    assert cli("bake", "bump_box", "--scene", path, "--out", tmp_path / "x.vdb").status == 2
+
+
+def test_small_voxels_are_saved(small, tmp_path):
+    """10 micrometers in meters: OpenVDB itself takes no cell of 1e-15."""
+    box = leaflight.bump_box(12)
+    small_box = Volume(box.values, np.diag([1e-5, 1e-5, 2e-5, 1.0]), "x")
+    bake = leaflight.bake(small_box, **small)
+    bake.save(tmp_path / "x.vdb")
+    again = load_bake(tmp_path / "x.vdb")
+    np.testing.assert_array_equal(again.volume.index_to_world, small_box.index_to_world)
+    assert again.id == bake.id
+    points = bake.surface(50.0).vertices
+    np.testing.assert_allclose(again.radiance(points), bake.radiance(points), rtol=2e-3, atol=1e-5)
+
+
+@pytest.fixture
+def foreign(box_file, tmp_path):
+    """A .vdb without our seal, as other programs write."""
+    path = tmp_path / "foreign.vdb"
+    path.write_bytes(box_file.read_bytes()[:-24])
+    return path
+
+
+def test_foreign_vdb_files_cannot_end_this_process(foreign, box_bake):
+    np.testing.assert_array_equal(read_volume(foreign).values, box_bake.volume.values)
+    good = foreign.read_bytes()
+    rng = np.random.default_rng(11)
+    for _ in range(6):
+        bad = bytearray(good)
+        for place in rng.integers(400, len(bad), 8):
+            bad[place] = rng.choice([0, 1, 127, 128, 255])
+        foreign.write_bytes(bad)
+        for read in (read_volume, load_bake):
+            try:
+                read(foreign)
+            except LeaflightError as error:
+                assert str(foreign) in str(error) and "\n" not in str(error)
+
+
+@pytest.mark.skipif(not BAD_INPUTS.is_dir(), reason="the files that broke it are not here")
+@pytest.mark.parametrize("name", ["own_segv_lookup", "openvdb_segv_destructor"])
+def test_vdb_files_that_ended_it(script, tmp_path, name):
+    path = tmp_path / f"{name}.vdb"
+    path.write_bytes(gzip.decompress((BAD_INPUTS / f"{name}.vdb.gz").read_bytes()))
+    outcome = script("surface", path, "--isovalue", "47", "--out", tmp_path / "x.ply")
+    assert outcome.status == 2 and outcome.err.count("\n") == 1
+    assert not (tmp_path / "x.ply").exists()
+
+
+@pytest.mark.parametrize(
+    "arguments, sentence",
+    [
+        (["--seed", "4294967296"], "2^31"),
+        (["--seed", "9" * 5000], "whole number"),
+        (["--threads", "-9999999999"], "2^31"),
+        (["--samples", "1e3"], "whole number"),
+        (["--error", "nan"], "finite"),
+        (["--time", "inf"], "finite"),
+    ],
+)
+def test_numbers_of_options(cli, tmp_path, arguments, sentence):
+    outcome = cli("bake", "bump_box", "--dims", 8, "--out", tmp_path / "x.vdb", *arguments)
+    assert outcome.status == 2 and sentence in outcome.err and len(outcome.err) < 300
+
+
+@pytest.mark.parametrize("name", ["x" * 300 + ".vdb", "\udcff\udcfe.vdb", "\ud800.vdb", "a\0.vdb"])
+def test_names_of_files(cli, tmp_path, name):
+    """One that no file can have is refused at once, any other is written."""
+    out = tmp_path / name
+    arguments = ["--samples", "1", "--photons", "1000", "--json"]
+    outcome = cli("bake", "bump_box", "--dims", 8, "--out", out, *arguments)
+    if outcome.status == 0:
+        assert "\udcff" in name
+        assert json.loads(outcome.out.splitlines()[-1])["out"] == str(out)
+        assert len(load_bake(out).id) == 32
+        assert cli("info", out).status == 0
+        assert cli("surface", out, "--isovalue", "100", "--out", f"{out}.ply").status == 0
+    else:
+        assert outcome.status == 2 and outcome.err.count("\n") == 1
+    assert cli("info", tmp_path / ("y" + name)).status == 2
+    assert cli("surface", f"y{name}", "--isovalue", "1", "--out", tmp_path / "x.ply").status == 2
+
+
+@pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-", "> /dev/full", "| true"])
+def test_nobody_listens(root, tmp_path, closed):
+    """The bake is there all the same."""
+    out = tmp_path / "x.vdb"
+    bake = f"{root}/scripts/leaflight bake bump_box --dims 8 --samples 1 --photons 1000 --json"
+    done = subprocess.run(
+        ["bash", "-c", f"{bake} --out {out} {closed}; exit ${{PIPESTATUS[0]}}"],
+        capture_output=True,
+        text=True,
+    )
+    assert load_bake(out) and "Traceback" not in done.stderr and "ignored" not in done.stderr
+    told = [line for line in done.stderr.splitlines() if not line.startswith("bake: ")]
+    assert done.returncode in (0, 2) and len(told) == (done.returncode == 2)
+
+
+def test_info_prints_json(cli, tmp_path):
+    np.save(tmp_path / "x.npy", np.arange(27.0).reshape(3, 3, 3))
+    outcome = cli("info", tmp_path / "x.npy", "--spacing", "1e17", "--json")
+
+    def refuse(constant):
+        raise AssertionError(constant)
+
+    assert outcome.status == 0
+    json.loads(outcome.out.splitlines()[-1], parse_constant=refuse)
+
+
+def test_little_memory(root, tmp_path):
+    """A limit of memory ends in a sentence, not in a trace of calls."""
+    out = tmp_path / "x.vdb"
+    for limit in (300_000, 500_000, 700_000):
+        bake = f"{root}/scripts/leaflight bake bump_box --dims 200 --out {out} --time 0.1"
+        done = subprocess.run(
+            ["bash", "-c", f"ulimit -v {limit}; {bake}"], capture_output=True, text=True
+        )
+        assert done.returncode == 2, (limit, done.stderr)
+        assert "Traceback" not in done.stderr, (limit, done.stderr)
+        assert os.listdir(tmp_path) == []

@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Arrays of NumPy, HDF5, OME-Zarr and OME-TIFF."""
+
+import numpy as np
+import pytest
+import tifffile
+from leaflight import LeaflightError, read_volume
+from leaflight.io.readers import probe
+
+
+@pytest.mark.parametrize("dtype", ["u1", ">i2", "<f8", "?"])
+@pytest.mark.parametrize("order", "CF")
+def test_npy(tmp_path, values, dtype, order):
+    array = (values > 60 if dtype == "?" else values).astype(dtype, order=order)
+    path = tmp_path / "x.npy"
+    np.save(path, array)
+    stored = probe(path, spacing=(1, 2, 3))
+    assert (stored.dims, stored.voxel_size) == ((6, 5, 4), (1, 2, 3))
+    volume = read_volume(path, spacing=2)
+    np.testing.assert_array_equal(volume.values, array)
+    assert np.diag(volume.index_to_world).tolist() == [2, 2, 2, 1]
+    assert stored.bytes() == volume.values.nbytes
+
+
+def test_what_was_read_does_not_follow_its_file(tmp_path, values):
+    path = tmp_path / "x.npy"
+    np.save(path, values)
+    volume = read_volume(path)
+    np.save(path, values + 1)
+    np.testing.assert_array_equal(volume.values, values)
+
+
+def test_npz(tmp_path, values):
+    path = tmp_path / "x.npz"
+    np.savez(path, times=np.arange(3), h=values)
+    np.testing.assert_array_equal(read_volume(path).values, values)
+    np.savez_compressed(path, g=values + 1, h=np.stack([values, values + 2]), name="text")
+    assert set(probe(path).datasets) == {"g", "h"}
+    with pytest.raises(LeaflightError, match="2 volumes; choose one of g, h"):
+        read_volume(path)
+    np.testing.assert_array_equal(read_volume(path, dataset="g").values, values + 1)
+    np.testing.assert_array_equal(read_volume(path, dataset="h", frame=1).values, values + 2)
+
+
+def test_damaged_npy(tmp_path, values):
+    path = tmp_path / "x.npy"
+    np.save(path, values)
+    whole = path.read_bytes()
+    for broken, sentence in (
+        (whole[:-1], "claims"),
+        (whole.replace(b"(4, 5, 6)", b"(9,99,99)"), "claims"),
+        (b"text", "readable NumPy file"),
+    ):
+        path.write_bytes(broken)
+        with pytest.raises(LeaflightError, match=sentence):
+            read_volume(path)
+    np.save(path, np.array([{}], dtype=object))
+    with pytest.raises(LeaflightError, match="structured"):
+        read_volume(path)
+    np.save(path, values[0])
+    with pytest.raises(LeaflightError, match="three dimensions"):
+        read_volume(path)
+
+
+def test_hdf5(tmp_path, values):
+    h5py = pytest.importorskip("h5py")
+    path = tmp_path / "x.h5"
+    with h5py.File(path, "w") as file:
+        file["a/h"] = values[None]
+        file["a/h"].attrs["element_size_um"] = (3.0, 2.0, 1.0)
+        file["times"] = np.arange(3)
+    stored = probe(path)
+    assert (stored.dims, stored.voxel_size, stored.unit) == ((6, 5, 4), (1, 2, 3), "µm")
+    np.testing.assert_array_equal(read_volume(path).values, values)
+    with h5py.File(path, "a") as file:
+        packed = np.stack([values, values + 1])
+        file.create_dataset("g", data=packed, chunks=True, compression="gzip")
+    assert probe(path).datasets == ("a/h", "g")
+    np.testing.assert_array_equal(read_volume(path, dataset="g", frame=1).values, values + 1)
+    half = read_volume(path, dataset="g", frame=1, downsample=2)
+    np.testing.assert_allclose(half.values[0, 0, 0], values[:2, :2, :2].mean() + 1, rtol=1e-6)
+    with pytest.raises(LeaflightError, match="2 volumes; choose one of a/h, g"):
+        read_volume(path)
+    path.write_bytes(path.read_bytes()[:-100])
+    with pytest.raises(LeaflightError, match="x.h5: .*damaged"):
+        read_volume(path, dataset="g", frame=1)
+    with h5py.File(path, "w") as file:
+        file["times"] = np.arange(3)
+    with pytest.raises(LeaflightError, match="no volume of real numbers"):
+        read_volume(path)
+
+
+def ome_zarr(path, values):
+    """Two channels at two levels, the second half as fine, as OME-NGFF 0.4 has it."""
+    zarr = pytest.importorskip("zarr")
+    group = zarr.open_group(str(path), mode="w", **_ZARR_2(zarr))
+    levels = [np.stack([values, values + 1])]
+    levels.append(levels[0].reshape(2, 2, 2, 2, 2, 3, 2).mean((2, 4, 6)).astype(values.dtype))
+    datasets = []
+    for number, level in enumerate(levels):
+        group.create_dataset(str(number), data=level, shape=level.shape, chunks=(1, 2, 4, 4))
+        scale = {"type": "scale", "scale": [1.0] + [size * 2**number for size in (4, 2, 1)]}
+        place = {"type": "translation", "translation": [0.0] + [0.5 * number] * 3}
+        datasets.append({"path": str(number), "coordinateTransformations": [scale, place]})
+    axes = [{"name": "c", "type": "channel"}]
+    axes += [{"name": axis, "type": "space", "unit": "micrometer"} for axis in "zyx"]
+    group.attrs["multiscales"] = [{"version": "0.4", "axes": axes, "datasets": datasets}]
+    return path
+
+
+def _ZARR_2(zarr):
+    return {"zarr_format": 2} if int(zarr.__version__.partition(".")[0]) > 2 else {}
+
+
+def test_ome_zarr(tmp_path, values):
+    values = values[:, :4].copy()
+    path = ome_zarr(tmp_path / "x.ome.zarr", values)
+    stored = probe(path)
+    assert (stored.dims, stored.channels, stored.unit) == ((6, 4, 4), 2, "µm")
+    assert stored.levels == ((6, 4, 4), (3, 2, 2)) and stored.voxel_size == (1, 2, 4)
+    volume = read_volume(path, channel=1)
+    np.testing.assert_array_equal(volume.values, values + 1)
+    assert volume.name == "x"
+    coarse = read_volume(path, channel=0, level=1)
+    assert coarse.values.shape == (2, 2, 3) and probe(path, level=1).dims == (3, 2, 2)
+    np.testing.assert_array_equal(np.diag(coarse.index_to_world), [2, 4, 8, 1])
+    np.testing.assert_array_equal(coarse.index_to_world[:3, 3], [0.5] * 3)
+    with pytest.raises(LeaflightError, match="no level 2; choose one of 0..1"):
+        read_volume(path, level=2, channel=0)
+    with pytest.raises(LeaflightError, match="2 channels; choose one of 0..1"):
+        read_volume(path)
+    # Without its suffix it is known by what is in it.
+    path.rename(tmp_path / "plain")
+    np.testing.assert_array_equal(read_volume(tmp_path / "plain", channel=0).values, values)
+    (tmp_path / "plain" / ".zattrs").write_text("{}")
+    with pytest.raises(LeaflightError, match="no multiscale image"):
+        read_volume(tmp_path / "plain")
+    one = read_volume(tmp_path / "plain" / "0", frame=1)
+    np.testing.assert_array_equal(one.values, values + 1)
+
+
+def test_ome_tiff_of_five_dimensions(tmp_path, values):
+    """Times and channels are told apart, and only the pages asked for are read."""
+    path = tmp_path / "x.ome.tif"
+    whole = np.stack([np.stack([values + 10 * t + c for c in range(2)]) for t in range(3)])
+    metadata = {"axes": "TCZYX", "PhysicalSizeX": 0.5, "PhysicalSizeY": 1, "PhysicalSizeZ": 2}
+    tifffile.imwrite(path, whole, ome=True, metadata=metadata, compression="zlib")
+    stored = probe(path)
+    assert (stored.dims, stored.frames, stored.channels) == ((6, 5, 4), 3, 2)
+    assert (stored.voxel_size, stored.unit) == ((0.5, 1, 2), "µm")
+    np.testing.assert_array_equal(read_volume(path, frame=2, channel=1).values, values + 21)
+    with pytest.raises(LeaflightError, match="3 frames; choose one of 0..2"):
+        read_volume(path)
+    with pytest.raises(LeaflightError, match="2 channels; choose one of 0..1"):
+        read_volume(path, frame=1)
+
+
+def test_tiff_of_times_and_channels_without_a_depth(tmp_path, values):
+    """Then time is the depth, as of a film."""
+    path = tmp_path / "x.ome.tif"
+    both = np.stack([values, values + 1], axis=1)
+    tifffile.imwrite(path, both, ome=True, metadata={"axes": "TCYX"})
+    np.testing.assert_array_equal(read_volume(path, channel=1).values, values + 1)
+
+
+def test_downsampling(tmp_path):
+    """Means of eight, rounded where the voxels are integers; the leftover is dropped."""
+    values = np.random.default_rng(3).integers(0, 255, (9, 8, 12)).astype(np.uint8)
+    path = tmp_path / "x.npy"
+    np.save(path, values)
+    half = read_volume(path, downsample=2, spacing=(1, 2, 3))
+    assert half.values.dtype == np.uint8 and probe(path).bytes(2) == half.values.nbytes
+    exact = values[:8].reshape(4, 2, 4, 2, 6, 2).mean((1, 3, 5))
+    np.testing.assert_array_equal(half.values, np.rint(exact))
+    # A voxel is in the middle of those that it is the mean of.
+    np.testing.assert_array_equal(half.index_to_world @ [0, 0, 0, 1], [0.5, 1.0, 1.5, 1])
+    np.testing.assert_array_equal(half.index_to_world @ [1, 1, 1, 1], [2.5, 5, 7.5, 1])
+    np.save(path, values.astype(np.float32))
+    np.testing.assert_allclose(read_volume(path, downsample=2).values, exact, rtol=1e-6)
+    with pytest.raises(LeaflightError, match="too few to keep one of 8"):
+        read_volume(path, downsample=8)
+    with pytest.raises(LeaflightError, match="one of 1, 2, 4, 8"):
+        read_volume(path, downsample=3)

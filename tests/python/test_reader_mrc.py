@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Maps of electrons: MRC and CCP4, and Gaussian's cubes."""
+
+import gzip
+
+import numpy as np
+import pytest
+from leaflight import LeaflightError, read_volume
+from leaflight.io.readers import probe
+
+pytest.importorskip("mrcfile")
+
+
+def ccp4(values, order=(2, 1, 3), starts=(0, 0, 0), angles=(90, 90, 90), **fields):
+    """Columns, rows and sections run along the axes of `order`, after a text of 80 bytes."""
+    nz, ny, nx = values.shape
+    # The array's axes are sections, rows, columns; its own are z, y, x.
+    stored = np.ascontiguousarray(values.transpose([3 - axis for axis in order[::-1]]))
+    numbers = np.zeros(256, "<i4")
+    numbers[:3], numbers[3] = stored.shape[::-1], 2
+    numbers[4:7] = starts
+    numbers[7:10] = nx, ny, nz
+    numbers[10:16] = np.array([1.5 * nx, 2 * ny, 4 * nz, *angles], "<f4").view("<i4")
+    numbers[16:19], numbers[22], numbers[23] = order, 1, 80
+    for place, value in fields.get("at", {}).items():
+        numbers[place] = value
+    header = bytearray(numbers.tobytes())
+    header[208:212], header[212:216] = b"MAP ", b"\x44\x44\x00\x00"
+    return bytes(header) + b" " * 80 + stored.astype("<f4").tobytes()
+
+
+@pytest.mark.parametrize("order", [(1, 2, 3), (2, 1, 3), (3, 2, 1), (2, 3, 1)])
+@pytest.mark.parametrize("name", ["x.ccp4", "x.mrc", "x.map", "x.map.gz"])
+def test_the_order_of_axes(tmp_path, values, order, name):
+    data = ccp4(values, order)
+    path = tmp_path / name
+    path.write_bytes(gzip.compress(data) if name.endswith("gz") else data)
+    assert (probe(path).dims, probe(path).unit) == ((6, 5, 4), "Å")
+    volume = read_volume(path)
+    np.testing.assert_array_equal(volume.values, values)
+    np.testing.assert_allclose(volume.index_to_world, np.diag([1.5, 2, 4, 1]))
+    assert volume.name == "x"
+
+
+def test_the_first_index_is_the_place(tmp_path, values):
+    """In the order of columns, rows and sections, here y, x, z."""
+    (tmp_path / "x.ccp4").write_bytes(ccp4(values, starts=(10, -3, 2)))
+    volume = read_volume(tmp_path / "x.ccp4")
+    np.testing.assert_allclose(volume.index_to_world[:3, 3], [-4.5, 20, 8])
+
+
+def test_a_cell_of_other_angles(tmp_path, values):
+    (tmp_path / "x.ccp4").write_bytes(ccp4(values, angles=(80, 95, 120)))
+    matrix = read_volume(tmp_path / "x.ccp4").index_to_world
+    axes = matrix[:3, :3]
+    np.testing.assert_allclose(np.linalg.norm(axes, axis=0), [1.5, 2, 4], rtol=1e-6)
+    a, b, c = (axes / np.linalg.norm(axes, axis=0)).T
+    np.testing.assert_allclose(np.degrees(np.arccos([b @ c, a @ c, a @ b])), [80, 95, 120])
+    np.testing.assert_allclose(a, [1, 0, 0], atol=1e-12)
+
+
+def test_a_stack_of_volumes_has_frames(tmp_path, values):
+    data = ccp4(np.concatenate([values, values + 1]), (1, 2, 3), at={9: 4, 22: 401})
+    (tmp_path / "x.mrc").write_bytes(data)
+    assert probe(tmp_path / "x.mrc").frames == 2
+    np.testing.assert_array_equal(read_volume(tmp_path / "x.mrc", frame=1).values, values + 1)
+
+
+def test_damaged_maps(tmp_path, values):
+    path = tmp_path / "x.ccp4"
+    for broken, sentence in (
+        (ccp4(values)[:-1], "claims"),
+        (ccp4(values, at={0: 2**30, 1: 2**30}), "claims"),
+        (ccp4(values, at={3: 4}), "complex"),
+        (b"no map", "damaged|readable"),
+        (b"", "damaged|readable"),
+    ):
+        path.write_bytes(broken)
+        with pytest.raises(LeaflightError, match=f"x.ccp4: .*({sentence})"):
+            read_volume(path)
+
+
+def cube(values, orbitals=1, sign=1):
+    nz, ny, nx = values.shape
+    atoms = -1 if orbitals > 1 else 1
+    lines = ["a", "b", f"{atoms} -1 2 3", f"{sign * nx} 0.5 0 0", f"{sign * ny} 0 1 0"]
+    lines += [f"{sign * nz} 0 0 2", "7 7 0 0 0"]
+    if orbitals > 1:
+        # Over two lines.
+        lines += ["2 11", "12"]
+    grids = np.stack([values, -values][:orbitals], axis=-1).transpose(2, 1, 0, 3)
+    lines += [" ".join(map(str, line)) for line in grids.reshape(-1, nz * orbitals)]
+    return "\n".join(lines)
+
+
+@pytest.mark.parametrize("name", ["x.cube", "x.cube.gz"])
+@pytest.mark.parametrize("orbitals", [1, 2])
+def test_orbitals(tmp_path, values, name, orbitals):
+    path = tmp_path / name
+    text = cube(values, orbitals).encode()
+    path.write_bytes(gzip.compress(text) if name.endswith("gz") else text)
+    stored = probe(path)
+    assert (stored.dims, stored.channels, stored.unit) == ((6, 5, 4), orbitals, "bohr")
+    volume = read_volume(path, channel=orbitals - 1)
+    np.testing.assert_array_equal(volume.values, -values if orbitals > 1 else values)
+    assert np.diag(volume.index_to_world).tolist() == [0.5, 1, 2, 1] and volume.name == "x"
+    np.testing.assert_array_equal(volume.index_to_world[:3, 3], [-1, 2, 3])
+
+
+def test_a_cube_in_angstrom_with_exponents_of_fortran(tmp_path, values):
+    path = tmp_path / "x.cube"
+    path.write_text(cube(values, sign=-1).replace(" 7.0", " 0.7D+01"))
+    assert probe(path).unit == "Å"
+    np.testing.assert_array_equal(read_volume(path).values, values)
+
+
+def test_damaged_cubes(tmp_path, values):
+    path = tmp_path / "x.cube"
+    for broken, sentence in (
+        (cube(values)[:-30], "ends before"),
+        (cube(values).replace("6 0.5", "60000 0.5"), "ends before"),
+        ("a\nb\nc\n", "readable"),
+        (cube(values).replace("0.5 0 0", "0 0 0"), "nowhere"),
+    ):
+        path.write_text(broken)
+        with pytest.raises(LeaflightError, match=f"x.cube: .*{sentence}"):
+            read_volume(path)
+    with pytest.raises(LeaflightError, match="2 channels; choose one of 0..1"):
+        path.write_text(cube(values, 2))
+        read_volume(path)

@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scattered points become a volume."""
+
+import numpy as np
+import pytest
+from leaflight import LeaflightError, read_volume
+from leaflight.volume.scattered_points import interpolated
+
+
+def bump(points):
+    return np.exp(-4 * (np.asarray(points) ** 2).sum(axis=-1))
+
+
+@pytest.fixture
+def points():
+    return np.random.default_rng(4).uniform(-1, 1, (8_000, 3)) * [1, 0.5, 2]
+
+
+def world_nodes(volume):
+    nz, ny, nx = volume.values.shape
+    k, j, i = np.mgrid[:nz, :ny, :nx]
+    return np.stack([i, j, k, np.ones_like(i)], axis=-1) @ volume.index_to_world[:3].T
+
+
+def test_a_smooth_function_comes_back(points):
+    volume = interpolated(points, bump(points), "bump")
+    sizes = np.diag(volume.index_to_world)[:3]
+    assert sizes.max() / sizes.min() < 1.1
+    assert 0.5 * len(points) < volume.values.size < 2 * len(points)
+    error = np.abs(volume.values - bump(world_nodes(volume)))
+    # Half a voxel beside the node the steepest slope, 1.7, makes this.
+    assert error.max() < 1.7 * sizes.max() and error.mean() < 0.02
+
+
+def test_a_lattice_of_points_comes_back_exactly(values):
+    nz, ny, nx = values.shape
+    k, j, i = np.mgrid[:nz, :ny, :nx]
+    places = np.stack([i, j, k], axis=-1).reshape(-1, 3) * [2.0, 2.0, 2.0] + [5, 6, 7]
+    order = np.random.default_rng(1).permutation(len(places))
+    volume = interpolated(places[order], values.ravel()[order], "h", nodes=(nx, ny, nz))
+    np.testing.assert_allclose(volume.values, values, atol=1e-6)
+    np.testing.assert_allclose(volume.index_to_world @ [0, 0, 0, 1], [5, 6, 7, 1])
+    np.testing.assert_allclose(np.diag(volume.index_to_world), [2, 2, 2, 1])
+
+
+def test_gaps_are_filled(points):
+    kept = points[np.linalg.norm(points - [0, 0, 1], axis=1) > 0.4]
+    volume = interpolated(kept, kept[:, 2], "z", nodes=(40,))
+    assert max(volume.values.shape) == 40
+    assert not volume.field().masked
+    inside = np.linalg.norm(world_nodes(volume) - [0, 0, 1], axis=-1) < 0.2
+    assert inside.any() and np.abs(volume.values[inside] - 1).max() < 0.4
+
+
+@pytest.mark.parametrize("comma", [",", ";", "\t", "  "])
+@pytest.mark.parametrize("names", ["", "id,value,z,y,x", "# x y z pressure"])
+def test_csv(tmp_path, points, comma, names):
+    h = bump(points)
+    columns = [*points.T, h]
+    if "id" in names:
+        columns = [np.arange(len(h)), h, *points.T[::-1]]
+        names = names.replace(",", comma)
+    table = np.stack(columns, axis=-1)
+    path = tmp_path / "x.csv"
+    np.savetxt(path, table, delimiter=comma, header=names, comments="" if names else "# ")
+    volume = read_volume(path)
+    expected = interpolated(points, h, "x")
+    np.testing.assert_allclose(volume.values, expected.values, atol=1e-6)
+    np.testing.assert_allclose(volume.index_to_world, expected.index_to_world, atol=1e-9)
+    assert read_volume(path, dims=(20,)).values.shape[0] == 20
+
+
+def ply(path, points, form, **columns):
+    kinds = [("x", "double"), ("y", "double"), ("z", "double")]
+    kinds += [(name, "float") for name in columns]
+    mark = "<" if "little" in form else ">"
+    dtype = [(name, mark + {"double": "f8", "float": "f4"}[kind]) for name, kind in kinds]
+    table = np.zeros(len(points), dtype)
+    for axis, name in enumerate("xyz"):
+        table[name] = points[:, axis]
+    for name, column in columns.items():
+        table[name] = column
+    header = f"ply\nformat {form} 1.0\nelement vertex {len(points)}\n"
+    header += "".join(f"property {kind} {name}\n" for name, kind in kinds)
+    header += "element face 0\nproperty list uchar int vertex_indices\nend_header\n"
+    path.write_bytes(header.encode())
+    with open(path, "ab") as file:
+        if form == "ascii":
+            np.savetxt(file, np.stack([table[name] for name, _ in kinds], axis=-1))
+        else:
+            file.write(table.tobytes())
+
+
+@pytest.mark.parametrize("form", ["ascii", "binary_little_endian", "binary_big_endian"])
+def test_ply(tmp_path, points, form):
+    path = tmp_path / "x.ply"
+    h = bump(points).astype(np.float32)
+    ply(path, points, form, red=h, density=h)
+    expected = interpolated(points, h, "x").values
+    np.testing.assert_allclose(read_volume(path).values, expected, atol=1e-6)
+    ply(path, points, form, density=h, heat=-h)
+    np.testing.assert_allclose(read_volume(path, dataset="heat").values, -expected, atol=1e-6)
+    with pytest.raises(LeaflightError, match="2 volumes; choose one of density, heat"):
+        read_volume(path)
+
+
+def test_damaged(tmp_path, points):
+    path = tmp_path / "x.csv"
+    for text, sentence in (
+        ("1,2,3,4\n5,6,7\n", "each line must hold"),
+        ("a,b,c,d\n1,2,3,4\n", "must name the columns"),
+        ("0,0,0,1\n1,1,0,2\n2,0,0,3\n3,2,0,3\n", "do not fill a box"),
+        ("", "each line must hold|do not fill"),
+    ):
+        path.write_text(text)
+        with pytest.raises(LeaflightError, match=f"x.csv: .*({sentence})"):
+            read_volume(path)
+    path = tmp_path / "x.ply"
+    ply(path, points, "binary_little_endian")
+    with pytest.raises(LeaflightError, match="x, y, z and a value"):
+        read_volume(path)
+    ply(path, points, "binary_little_endian", value=bump(points))
+    path.write_bytes(path.read_bytes()[:-1])
+    with pytest.raises(LeaflightError, match="claims"):
+        read_volume(path)

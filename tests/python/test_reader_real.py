@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Real files of every format, where there are some: LEAFLIGHT_DATA, or data/ beside the others."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from leaflight import read_volume
+from leaflight.io.readers import probe
+
+ROOT = Path(__file__).resolve().parents[2]
+FOLDER = Path(os.environ.get("LEAFLIGHT_DATA", ROOT.parent / "shared" / "data"))
+
+# Name -> (options, dims, range, sizes of a voxel and their unit), from what their makers say.
+FILES = {
+    "ch2.nii.gz": ({}, (181, 217, 181), (0, 254), (1, 1, 1), "mm"),
+    "heptane.nii.gz": ({}, (302, 302, 302), (0, 255), (1, 1, 1), "mm"),
+    "engine.vti": ({}, (256, 256, 128), (0, 255), (1, 1, 1), ""),
+    "hydrogen.vti": ({}, (64, 64, 64), (0, 1), (1, 1, 1), ""),
+    "isabel_02.vti": ({}, (125, 125, 25), (0, 68.25), (4.01, 4.01, 4.04), ""),
+    "aneurism.nrrd": ({}, (256, 256, 256), (0, 255), (1, 1, 1), ""),
+    "bunny_ct_half.nrrd": ({}, (256, 256, 180), (0, 2776), (0.676, 0.676, 1), ""),
+    "amos_0336.mhd": ({}, (256, 256, 157), (-1024, 3071), (1.586, 1.586, 4), "mm"),
+    "1jzv.ccp4": ({}, (76, 96, 70), (-0.99, 9.05), (0.545, 0.545, 0.560), "Å"),
+    "N2O_homo+lumo.cube.gz": (
+        {"channel": 0},
+        (19, 19, 31),
+        (-0.575, 0.575),
+        (0.378, 0.378, 0.378),
+        "bohr",
+    ),
+    "nucleon.raw": (
+        {"dims": (41, 41, 41), "type": "uint8"},
+        (41, 41, 41),
+        (0, 249),
+        (1, 1, 1),
+        "",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_real_files(name):
+    path = FOLDER / name
+    if not path.exists():
+        pytest.skip(f"{name} is not there")
+    options, dims, limits, sizes, unit = FILES[name]
+    stored = probe(path, **{key: options[key] for key in options.keys() & {"dims", "type"}})
+    volume = read_volume(path, **options)
+    assert stored.dims == dims == volume.values.shape[::-1] and stored.unit == unit
+    assert stored.bytes() == volume.values.nbytes
+    np.testing.assert_allclose(stored.voxel_size, sizes, rtol=1e-3)
+    np.testing.assert_allclose(volume.field().range, limits, atol=0.006)
+
+
+@pytest.fixture
+def of_pydicom():
+    try:
+        from pydicom.data import get_testdata_file
+    except ImportError:
+        pytest.skip("pydicom is not installed")
+
+    def path(name):
+        found = get_testdata_file(name, download=False)
+        if not found:
+            pytest.skip(f"pydicom's {name} is not here")
+        return Path(found)
+
+    return path
+
+
+def test_a_real_enhanced_dicom(of_pydicom):
+    """An MR of ten planes in one file, which pydicom brings along."""
+    volume = read_volume(of_pydicom("emri_small.dcm"))
+    assert volume.values.shape == (10, 64, 64)
+    np.testing.assert_allclose(np.linalg.norm(volume.index_to_world[:3, 0]), 0.3125)

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Going on with a bake that was stopped, or that shall err less."""
+
+import json
+
+import leaflight
+import numpy as np
+import pytest
+from leaflight import LeaflightError, Progress, _core, load_bake, resume
+from leaflight.volume.setting_error import SettingError
+
+GRIDS = ("radiance", "radiance_indirect", "radiance_error")
+
+
+def stopping(rounds):
+    """Arguments of a bake that is stopped after so many rounds."""
+    progress, seen = Progress(), []
+
+    def look(baked):
+        seen.append(baked)
+        if len(seen) == rounds:
+            progress.stop()
+
+    return {"on_round": look, "progress": progress}
+
+
+@pytest.fixture
+def box(bump_scene):
+    """bake(**settings) of the bump box with 12^3 nodes."""
+
+    def bake(**settings):
+        volume = leaflight.bump_box(12)
+        return leaflight.bake(volume, bump_scene, isovalues=(30.0, 70.0), **settings)
+
+    return bake
+
+
+@pytest.fixture
+def kept(box):
+    """A bake that was stopped after its first round, by far before its error."""
+    return box(error=1.0, **stopping(1))
+
+
+def blocks(baked):
+    return json.loads(baked.metadata["blocks"])
+
+
+def assert_same_light(one, two):
+    assert one.id == two.id and one.metadata == two.metadata
+    for name in GRIDS:
+        assert one.grid.dense(name).tobytes() == two.grid.dense(name).tobytes()
+
+
+def test_a_stopped_bake_goes_on_to_its_error(box, kept):
+    more = resume(kept)
+    assert more.statistics["estimated_error_percent"] < kept.statistics["estimated_error_percent"]
+    assert not more.statistics["stopped"] and kept.statistics["stopped"]
+    assert more.metadata["error"] == "1.0" and more.metadata["continued"] == kept.id != more.id
+    assert int(more.metadata["rounds"]) == more.statistics["rounds"] > 1
+    assert all(now > then for now, then in zip(blocks(more), blocks(kept)))
+    for name in ("rays", "seconds"):
+        assert more.statistics[name] > kept.statistics[name] > 0
+    # As near to the truth as one that was never stopped.
+    truth = np.mean([box(error=0.05, seed=seed).grid.dense("radiance") for seed in (1, 2, 3)], 0)
+    never_stopped = box(error=1.0)
+    errors = [np.abs(b.grid.dense("radiance") - truth).mean() for b in (kept, more, never_stopped)]
+    assert errors[1] < 0.8 * errors[0] and errors[1] < 1.25 * errors[2]
+
+
+def test_a_finished_bake_goes_on_to_a_smaller_error(box):
+    rough = box(error=8.0)
+    assert not rough.statistics["stopped"]
+    fine = resume(rough, error=2.0)
+    assert fine.metadata["error"] == "2.0"
+    assert fine.statistics["estimated_error_percent"] <= 2.0
+    points = fine.surface(47.0).vertices
+    assert fine.radiance_error(points).mean() < 0.7 * rough.radiance_error(points).mean()
+
+
+@pytest.mark.parametrize("both_sides", [False, True])
+def test_from_memory_and_from_its_file_alike(box, tmp_path, both_sides):
+    kept = box(error=1.0, both_sides=both_sides, seed=5, **stopping(1))
+    kept.save(tmp_path / "kept.vdb")
+    loaded = load_bake(tmp_path / "kept.vdb")
+    one, two = resume(kept, threads=1), resume(loaded, threads=2)
+    assert_same_light(one, two)
+    assert one.grid.has_back == both_sides
+    if both_sides:
+        for name in ("radiance_back", "radiance_back_indirect"):
+            assert one.grid.dense(name).tobytes() == two.grid.dense(name).tobytes()
+    # What results is a bake as any other, to be kept and to go on with.
+    two.save(tmp_path / "more.vdb")
+    again = resume(load_bake(tmp_path / "more.vdb"), error=0.7)
+    assert again.metadata["continued"] == one.id
+    for key in ("seed", "scene", "isovalues", "both_sides"):
+        assert again.metadata[key] == kept.metadata[key]
+
+
+def test_rounds_are_shown_and_stopped_as_those_of_a_bake(kept):
+    more = resume(kept, error=0.01, **stopping(2))
+    assert more.statistics["stopped"] and more.statistics["rounds"] == 3
+    same = resume(kept, error=0.01, **stopping(2))
+    assert_same_light(more, same)
+    limited = resume(kept, error=0.01, time=1e-3)
+    assert limited.statistics["stopped"] and limited.statistics["rounds"] == 2
+    seen = stopping(1)
+    progress = seen["progress"]
+    progress.cancel()
+    with pytest.raises(leaflight.Cancelled):
+        resume(kept, progress=progress)
+
+
+def test_surroundings_are_lit_anew(box):
+    kept = box(error=1.5, surroundings=True, **stopping(1))
+    more = resume(kept)
+    before, after = (b.surroundings.radiance(0, 50.0) for b in (kept, more))
+    assert before.shape == after.shape and not np.array_equal(before, after)
+    assert after.mean() == pytest.approx(before.mean(), rel=0.05)
+    # Asked for or not.
+    without = resume(kept, surroundings=False)
+    assert without.surroundings is None and without.metadata["surroundings"] == "false"
+
+
+def test_a_first_picture_begins_anew(bump_scene, tmp_path):
+    """It has texels of its own, and is kept where a bake is stopped early."""
+    volume = leaflight.bump_box(20)
+    kept = leaflight.bake(volume, bump_scene, error=3.0, **stopping(1))
+    whole = leaflight.bake(volume, bump_scene, error=3.0)
+    assert kept.grid.resolution != whole.grid.resolution
+    kept.save(tmp_path / "kept.vdb")
+    for first in (kept, load_bake(tmp_path / "kept.vdb")):
+        assert_same_light(resume(first), whole)
+
+
+def test_what_is_good_enough_is_not_continued(box):
+    baked = box(error=8.0)
+    with pytest.raises(SettingError, match="errs .* % already, and 8 % is asked for") as caught:
+        resume(baked)
+    assert caught.value.settings == ("error",)
+
+
+def test_a_fixed_amount_of_work_is_not_continued(box_bake, lapr_scene):
+    several = leaflight.bake(list(leaflight.lapr(8)), lapr_scene, error=1.0)
+    for baked in (box_bake, several):
+        with pytest.raises(LeaflightError, match="a fixed amount of work, so it cannot be"):
+            resume(baked, error=0.1)
+
+
+def test_a_bake_without_counters_is_of_an_earlier_leaflight(kept, tmp_path):
+    path = tmp_path / "old.vdb"
+    metadata = dict(kept.metadata, id=kept.id, statistics=json.dumps(kept.statistics))
+    del metadata["blocks"], metadata["continued"]
+    _core.write_bake(str(path), [kept.volume.field()], kept.grids, None, metadata)
+    with pytest.raises(LeaflightError, match="old.vdb: this is a bake of an earlier Leaflight"):
+        load_bake(path)
+
+
+def test_the_command_line(cli, root, tmp_path):
+    kept, more = tmp_path / "kept.vdb", tmp_path / "more.vdb"
+    scene = root / "scenes" / "bump_box.json"
+    given = ["bump_box", "--dims", "12", "--scene", scene, "--isovalues", "30", "70"]
+    first = cli("bake", *given, "--error", "8", "--out", kept, "--json")
+    assert first.status == 0
+    before = json.loads(first.out.splitlines()[-1])
+    continued = ["bake", "--continue", kept, "--out", more]
+    outcome = cli(*continued, "--error", "2.4", "--json")
+    assert outcome.status == 0 and "2.4 % was asked for" in outcome.out
+    after = json.loads(outcome.out.splitlines()[-1])
+    assert after["estimated_error_percent"] <= 2.4 < before["estimated_error_percent"]
+    assert after["rounds"] > before["rounds"] and after["rays"] > before["rays"]
+    assert load_bake(more).metadata["continued"] == load_bake(kept).id
+    # In place, too.
+    assert cli("bake", "--continue", more, "--out", more, "--error", "1.8").status == 0
+    refused = cli(*continued)
+    assert refused.status == 2 and refused.err.endswith("(--error).\n")
+    refused = cli(*continued, "--isovalues", "30", "60", "--seed", "2", "--both-sides")
+    assert refused.status == 2 and "leave out --isovalues, --seed, --both-sides." in refused.err
+    refused = cli("bake", "bump_box", "--continue", kept, "--estimate")
+    assert refused.status == 2 and "leave out VOLUME, --estimate." in refused.err

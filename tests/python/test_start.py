@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How soon the program answers, and what it need not load for that."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import leaflight
+import pytest
+from leaflight.io.readers import raw
+from leaflight.io.sources import GENERATED
+from leaflight_command import parser
+
+# User and system time of a call of main() beside that of an interpreter that does nothing.
+MEASURE = """
+import resource, sys
+sys.path.insert(0, sys.argv.pop(1))
+def seconds():
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    return used.ru_utime + used.ru_stime
+empty = seconds()
+import leaflight_command
+try:
+    leaflight_command.main()
+except SystemExit:
+    pass
+print(empty, seconds(), "leaflight" in sys.modules, "numpy" in sys.modules)
+"""
+
+
+def measured(*arguments):
+    """(seconds of an empty interpreter, those of the program, whether it loaded anything)."""
+    folder = Path(leaflight.__file__).parents[1]
+    command = [sys.executable, "-c", MEASURE, str(folder), *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+    empty, whole, *loaded = done.stdout.splitlines()[-1].split()
+    return float(empty), float(whole), "True" in loaded
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["bake", "--help"], ["bake", "--no-such"]])
+def test_help_loads_nothing_that_only_the_work_needs(arguments):
+    # The least of three: other work on the machine only ever adds.
+    runs = [measured(*arguments) for _ in range(3)]
+    assert not any(loaded for _, _, loaded in runs)
+    empty, whole = min(empty for empty, _, _ in runs), min(whole for _, whole, _ in runs)
+    # NumPy and the compiled module alone take ten times an empty interpreter.
+    assert whole < 6 * empty
+
+
+def test_commands_load_what_they_need():
+    """Or the test above would not notice what it looks for."""
+    assert measured("info", "bump_box", "--dims", "4")[2]
+
+
+def test_the_parser_knows_what_the_package_knows():
+    assert parser.TYPES == raw.TYPES and parser.ENDIANS == tuple(raw.ENDIANS)
+    assert parser.GENERATED == GENERATED
+
+
+def test_version(script):
+    assert script("--version").out == f"leaflight {leaflight.__version__}\n"

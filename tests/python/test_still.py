@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pictures by the core's own rays."""
+
+import json
+from dataclasses import replace
+
+import leaflight
+import numpy as np
+import pytest
+from leaflight import LeaflightError
+from leaflight.io.images import read_pixels
+from leaflight.scene.scene import Leaves, Mesh, SceneDescription, SunLight
+from leaflight.still.camera import Camera, camera_around_bake, load_camera
+
+SIZE = (80, 60)
+# Comes over the wall before the ball.
+SUN = SunLight("sun", (0.0, 0.6, -0.8), (4.0, 2.0, 1.0))
+
+
+def sphere_scene(lights=(SUN,), meshes=()):
+    return SceneDescription(
+        "ball", [Leaves("ball", (0.8, 0.6, 0.4))], 1.0, list(meshes), list(lights)
+    )
+
+
+@pytest.fixture(scope="module")
+def ball():
+    """Spheres about the middle of the unit cube: the isovalue is 1 less the radius."""
+    z, y, x = (np.mgrid[:33, :33, :33] / 32 - 0.5).astype(np.float32)
+    values = 1 - np.sqrt(x**2 + y**2 + z**2)
+    volume = leaflight.Volume(values, np.diag([1 / 32, 1 / 32, 1 / 32, 1]), "ball")
+    wall = np.array([[-1, 2, -1], [2, 2, -1], [2, 2, 2], [-1, 2, 2]], np.float32)
+    walls = [
+        Mesh("behind", wall, np.array([[0, 1, 2], [0, 2, 3]], np.uint32), (0.5, 0.5, 0.5)),
+        Mesh("before", wall - [0, 3, 0], np.array([[0, 1, 2], [0, 2, 3]], np.uint32), (0.5,) * 3),
+    ]
+    walls[1] = replace(walls[1], vertices=walls[1].vertices.astype(np.float32))
+    return leaflight.bake(
+        volume,
+        sphere_scene(meshes=walls),
+        isovalues=(0.55, 0.75),
+        samples=4,
+        photons=1000,
+        surroundings=True,
+    )
+
+
+CAMERA = Camera((0.5, -4.0, 0.5), (0.5, 0.5, 0.5), angle=20.0)
+
+
+def on_the_sphere():
+    """(which pixels see the sphere of radius 0.35, or nearly miss it; the points that they see)."""
+    directions = CAMERA.directions(*SIZE, range(SIZE[1]))
+    along = directions @ np.array([0.0, 4.5, 0.0])
+    inside = along**2 - (4.5**2 - 0.35**2)
+    points = CAMERA.position + (along - np.sqrt(np.maximum(inside, 0)))[..., None] * directions
+    return inside > 0, abs(inside) < 0.02, points
+
+
+def test_a_sphere_is_a_disc_with_the_light_of_the_bake(ball):
+    picture = leaflight.still(ball, 0.65, CAMERA, SIZE, samples=1, walls=False)
+    assert picture.shape == (60, 80, 4) and picture.dtype == np.float32
+    is_hit, is_near, points = on_the_sphere()
+    filled = picture[..., 3] == 1
+    np.testing.assert_array_equal(filled[~is_near], is_hit[~is_near])
+    expected = ball.radiance(points[filled & ~is_near])
+    np.testing.assert_allclose(picture[filled & ~is_near][:, :3], expected, atol=0.02)
+    assert expected.max() > 0.1 and not picture[~filled].any()
+
+
+def test_local_shading_is_the_lamps_cosine(ball):
+    picture = leaflight.still(ball, 0.65, CAMERA, SIZE, samples=1, walls=False, local=True)
+    is_hit, is_near, points = on_the_sphere()
+    seen = is_hit & ~is_near
+    normals = (points[seen] - 0.5) / 0.35
+    cosine = np.maximum(normals @ -np.array(SUN.direction), 0)
+    expected = np.array([0.8, 0.6, 0.4]) * SUN.irradiance * cosine[:, None] / np.pi
+    np.testing.assert_allclose(picture[seen][:, :3], expected, atol=0.02)
+    assert cosine.max() > 0.9
+
+
+def test_walls_between_the_viewer_and_the_volume_are_left_out(ball):
+    with_walls = leaflight.still(ball, 0.65, CAMERA, SIZE, samples=1)
+    without = leaflight.still(ball, 0.65, CAMERA, SIZE, samples=1, walls=False)
+    leaf = without[..., 3] == 1
+    np.testing.assert_array_equal(with_walls[leaf], without[leaf])
+    assert with_walls[..., 3].all() and with_walls[~leaf][:, :3].max() > 0.05
+    # From between them, looking back, the one before is seen.
+    back = Camera((0.5, 1.9, 0.5), (0.5, -1.0, 0.5), angle=20.0)
+    assert leaflight.still(ball, 0.65, back, SIZE, samples=1)[..., 3].all()
+
+
+def test_rays_of_a_pixel_are_averaged(ball):
+    fine = leaflight.still(ball, 0.65, CAMERA, (160, 120), samples=1)
+    coarse = leaflight.still(ball, 0.65, CAMERA, SIZE, samples=2)
+    mean = fine.reshape(60, 2, 80, 2, 4).mean(axis=(1, 3))
+    np.testing.assert_allclose(coarse, mean, atol=1e-5)
+
+
+def test_inner_sides(lapr_bake):
+    """Through the open border they are seen as they were baked; other bakes shade them."""
+    camera = camera_around_bake(lapr_bake, azimuth=90)
+    picture = leaflight.still(lapr_bake, 0.5, camera, SIZE, walls=False)
+    assert picture[..., 3].any() and np.isfinite(picture).all()
+
+
+def test_the_command(cli, box_file, tmp_path):
+    for name in ("box.png", "box.exr"):
+        done = cli("still", box_file, "--out", tmp_path / name, "--size", 64, 48, "--json")
+        assert done.status == 0, done.err
+        result = json.loads(done.out.splitlines()[-1])
+        assert result["size"] == [64, 48] and 0.01 < result["filled"] < 1
+    radiance = read_pixels(tmp_path / "box.exr")
+    assert radiance.shape == (48, 64, 3) and radiance.max() > 0.1
+    from PIL import Image
+
+    colors = np.asarray(Image.open(tmp_path / "box.png"))
+    assert colors.shape == (48, 64, 4) and colors[..., 3].min() == 0 and colors[..., :3].max() > 100
+    # A camera is a file, too.
+    camera = tmp_path / "camera.json"
+    camera.write_text('{"position": [0.5, 0.5, 4], "target": [0.5, 0.5, 0.5], "up": [0, 1, 0]}')
+    out = tmp_path / "other.png"
+    assert cli("still", box_file, "--out", out, "--camera", camera, "--size", 64, 48).status == 0
+    assert (np.asarray(Image.open(out)) != colors).any()
+
+
+def test_sentences(cli, box_bake, box_file, tmp_path):
+    out = tmp_path / "x.png"
+    for arguments, words in (
+        (["--out", tmp_path / "x.jpg"], "must end in .png or .exr"),
+        (["--out", out, "--isovalue", 400], "outside the baked window"),
+        (["--out", out, "--size", 0, 10], "(--size)"),
+        (["--out", out, "--samples", 99], "(--samples)"),
+        (["--out", out, "--view", 0, 90], "between -90 and 90"),
+        (["--out", out, "--zoom", 0], "positive"),
+    ):
+        done = cli("still", box_file, *arguments)
+        assert done.status == 2 and done.err.count("\n") == 1 and words in done.err, done.err
+    for text in ("[]", "{}", '{"position": [0, 0], "target": [1, 1, 1]}', '{"angle": 20}', "x"):
+        path = tmp_path / "camera.json"
+        path.write_text(text)
+        with pytest.raises(LeaflightError, match="is no camera"):
+            load_camera(path)
+    mirror = replace(box_bake.scene.leaves[0], scattering="mirror")
+    scene = replace(box_bake.scene, leaves=[mirror])
+    with pytest.raises(LeaflightError, match="mirror or glass"):
+        leaflight.still(replace(box_bake, scene=scene), 47.0)
+    assert not out.exists()

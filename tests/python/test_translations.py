@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Words of the add-on's interface can be translated: each is a constant that Blender looks up, or a
+template that iface_() does.
+"""
+
+import ast
+import importlib.util
+import re
+from pathlib import Path
+
+import pytest
+
+ADDON = Path(__file__).resolve().parents[2] / "addon" / "leaflight"
+SOURCES = sorted(ADDON.rglob("*.py"))
+LANGUAGES = [path for path in sorted((ADDON / "languages").glob("*.py")) if path.stem[0] != "_"]
+
+# Methods of Blender that take a text as an argument of this name or at this place, and our own.
+_TEXTS = {
+    "label": "text",
+    "prop": "text",
+    "prop_enum": "text",
+    "operator": "text",
+    "operator_menu_enum": "text",
+    "menu": "text",
+    "popover": "text",
+    "poll_message_set": 0,
+    "status_text_set": 0,
+    "sentence": 2,
+    "draw_progress": 2,
+}
+# Of a unit, as in "12 s", there is nothing to translate.
+_WORD = re.compile(r"[A-Za-z]{3}")
+
+
+def shown_texts(tree):
+    """The expressions that a module gives to Blender as texts to show."""
+    for call in (node for node in ast.walk(tree) if isinstance(node, ast.Call)):
+        name = getattr(call.func, "attr", getattr(call.func, "id", ""))
+        place = _TEXTS.get(name)
+        if isinstance(place, int):
+            yield from call.args[place : place + 1]
+        elif place is not None:
+            yield from (keyword.value for keyword in call.keywords if keyword.arg == place)
+
+
+def values(tree, expression):
+    """The expression, and what its module assigns to it where it is a name."""
+    yield expression
+    for name in (node.id for node in ast.walk(expression) if isinstance(node, ast.Name)):
+        for node in ast.walk(tree):
+            if isinstance(node, (ast.Assign, ast.AugAssign)):
+                targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+                if any(getattr(target, "id", None) == name for target in targets):
+                    yield node.value
+
+
+def untranslatable(expression):
+    """Words of an expression that no catalog can hold: put together where it is run."""
+    if isinstance(expression, ast.Call):
+        # What a function says is its own matter; what is given to iface_() must be constant.
+        if getattr(expression.func, "id", "") == "iface_":
+            return [] if isinstance(expression.args[0], ast.Constant) else ["iface_()"]
+        return []
+    if isinstance(expression, ast.JoinedStr):
+        parts = [part.value for part in expression.values if isinstance(part, ast.Constant)]
+        return [part for part in parts if _WORD.search(part)]
+    if isinstance(expression, ast.BinOp):
+        parts = [expression.left, expression.right]
+        found = [p.value for p in parts if isinstance(p, ast.Constant) and isinstance(p.value, str)]
+        return [part for part in found if _WORD.search(part)] + [
+            word for part in parts for word in untranslatable(part)
+        ]
+    if isinstance(expression, ast.IfExp):
+        return [*untranslatable(expression.body), *untranslatable(expression.orelse)]
+    return []
+
+
+def found_in(source):
+    tree = ast.parse(source)
+    return [
+        (value.lineno, word)
+        for text in shown_texts(tree)
+        for value in values(tree, text)
+        for word in untranslatable(value)
+    ]
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.name)
+def test_labels_can_be_translated(path):
+    assert not found_in(path.read_text())
+
+
+@pytest.mark.parametrize(
+    "label",
+    [
+        'layout.label(text=f"{n} frames")',
+        'layout.operator("x", text="Bake " + name)',
+        'layout.prop(settings, "frame", text="Frame %d" % n)',
+        'text = f"About {n} seconds"\nsentence(context, layout, text)',
+        'cls.poll_message_set(iface_(f"Frame {n}"))',
+    ],
+)
+def test_a_label_that_cannot_is_found(label):
+    assert found_in(label)
+
+
+def _messages(path):
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.MESSAGES
+
+
+@pytest.mark.parametrize("path", LANGUAGES, ids=lambda path: path.stem)
+def test_a_catalog_holds_messages_of_the_interface(path):
+    others = [source for source in SOURCES if source.parent.name != "languages"]
+    constants = {
+        node.value
+        for source in others
+        for node in ast.walk(ast.parse(source.read_text()))
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    }
+    messages = _messages(path)
+    assert len(messages) > 40 and not messages.keys() - constants
+    for english, other in messages.items():
+        holes = [re.findall("%[a-z%]", text) for text in (english, other)]
+        assert holes[0] == holes[1], english

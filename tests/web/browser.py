@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Debian's Chromium, driven by puppeteer-core in a Node of its own (web/tests/session.mjs)."""
+
+import base64
+import io
+import json
+import subprocess
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+ROOT = Path(__file__).resolve().parents[2]
+SESSION = ROOT / "web" / "tests" / "session.mjs"
+
+
+class Browser:
+    """A Chromium without a window; options: of its command line, by default software WebGL.
+
+    Every call of the session is a method: browser.press(["End"], "#isovalue").
+    """
+
+    def __init__(self, *options):
+        self._session = subprocess.Popen(
+            ["node", SESSION], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
+        self.version = self.start(*options)
+
+    def __getattr__(self, call):
+        def ask(*given):
+            print(json.dumps({"call": call, "with": given}), file=self._session.stdin, flush=True)
+            answer = json.loads(self._session.stdout.readline() or '{"error": "the session ended"}')
+            assert "error" not in answer, f"{call}: {answer['error']}"
+            return answer["result"]
+
+        return ask
+
+    def picture(self):
+        """What the view shows in the whole window, uint8 [row, column, RGBA]."""
+        self.hide_panel(True)
+        self.atRest()
+        url = self.evaluate(
+            "leaflight.view.drawNow(1); leaflight.view.canvas.toDataURL('image/png')"
+        )
+        self.hide_panel(False)
+        data = base64.b64decode(url.partition(",")[2])
+        return np.asarray(Image.open(io.BytesIO(data)).convert("RGBA"))
+
+    def hide_panel(self, is_hidden):
+        """And waits until the view has taken its new size."""
+        hidden = str(is_hidden).lower()
+        self.evaluate(
+            f"document.querySelector('#panel').hidden = {hidden};"
+            "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
+        )
+
+    def end(self):
+        self.close()
+        self._session.wait(60)

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bakes, their pages, and one browser for all."""
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import leaflight
+import numpy as np
+import pytest
+from browser import SESSION, Browser
+from leaflight.volume.particles import lapr
+
+ROOT = Path(__file__).resolve().parents[2]
+COLIN27 = Path("/usr/share/mricron/templates/ch2.nii.gz")
+WORK = {"samples": 4, "photons": 20_000}
+
+
+@pytest.fixture(scope="session")
+def browser():
+    if not Path("/usr/bin/chromium").exists() or not shutil.which("node"):
+        pytest.skip("chromium and nodejs are not installed; run scripts/setup")
+    if not (SESSION.parents[1] / "node_modules" / "puppeteer-core").is_dir():
+        pytest.skip("the packages of web/ are not installed; run scripts/setup")
+    browser = Browser()
+    yield browser
+    browser.end()
+
+
+def box():
+    """The bump box with walls and both sides."""
+    return leaflight.bake(
+        leaflight.bump_box(64),
+        leaflight.load_scene(ROOT / "scenes" / "bump_box.json"),
+        both_sides=True,
+        surroundings=True,
+        **WORK,
+    )
+
+
+def brain():
+    """Colin27 with coarse light: rays meet every voxel."""
+    if not COLIN27.exists():
+        pytest.skip("the Debian package mricron-data is not installed")
+    return leaflight.bake(leaflight.read_volume(COLIN27), resolution=60, samples=1, photons=20_000)
+
+
+def oblong():
+    """All that is unlike: turned, of three spacings, floats with a hole, inner sides not baked."""
+    z, y, x = np.mgrid[:30, :22, :26].astype(np.float32)
+    values = np.sin(0.4 * x) + np.cos(0.3 * y + 0.1 * z) + np.float32(0.01) * z * y
+    values[12:20, 3:9, 4:12] = np.nan
+    turn = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
+    index_to_world = np.eye(4)
+    index_to_world[:3, :3] = turn @ np.diag([0.1, 0.15, 0.07])
+    volume = leaflight.Volume(values.astype(np.float32), index_to_world, "oblong")
+    return leaflight.bake(volume, resolution=50, isovalues=(0.2, 2.5), **WORK)
+
+
+def two():
+    """Two volumes that are seen together."""
+    scene = leaflight.load_scene(ROOT / "scenes" / "lapr.json")
+    volumes = [replace(one, values=one.values[:, :, :20].copy()) for one in lapr(30)]
+    return leaflight.bake(volumes, scene, **WORK)
+
+
+MAKERS = {maker.__name__: maker for maker in (box, brain, oblong, two)}
+
+
+@pytest.fixture(scope="session")
+def bakes():
+    """Each bake by its name, made once."""
+    made = {}
+
+    def get(name):
+        if name not in made:
+            made[name] = MAKERS[name]()
+        return made[name]
+
+    return get
+
+
+@pytest.fixture(scope="session")
+def pages(bakes, tmp_path_factory):
+    """The path of the page of a bake, by its name."""
+    folder = tmp_path_factory.mktemp("pages")
+
+    def get(name):
+        path = folder / f"{name}.html"
+        if not path.exists():
+            bakes(name).export_page(path)
+        return path
+
+    return get

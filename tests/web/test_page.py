@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The web page in a browser: its pictures against the core's own, its interface, its sentences."""
+
+import functools
+import http.server
+import threading
+
+import leaflight
+import numpy as np
+import pytest
+from browser import Browser
+
+SIZE = {"width": 320, "height": 200}
+ISOVALUE = "leaflight.view.look.isovalue"
+# Keys on the slider after which pictures are compared: to the end, and back by tenths and steps.
+KEYS = (["Home", "PageUp", "PageUp", "PageUp"], ["PageUp", "ArrowRight"], ["PageUp", "ArrowLeft"])
+
+
+def linear(colors):
+    """Of uint8 sRGB."""
+    encoded = colors / 255.0
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+
+
+def difference_percent(picture, still, exposure):
+    """RMS over what both fill, of colors 0..1 as compare() has them, and the share that one fills
+    alone, both in percent."""
+    filled, expected = picture[..., 3] == 255, still[..., 3] == 1
+    both = filled & expected
+    assert both.sum() > 2000
+    off = linear(picture[both][:, :3]) - np.clip(still[both][:, :3] * exposure, 0, 1)
+    return 100 * np.sqrt((off**2).mean()), 100 * (filled != expected).mean()
+
+
+def check_like_still(browser, bake, **options):
+    isovalue = browser.evaluate(ISOVALUE)
+    size = (SIZE["width"], SIZE["height"])
+    still = leaflight.still(bake, isovalue, size=size, samples=1, **options)
+    off, alone = difference_percent(browser.picture(), still, bake.scene.exposure)
+    assert off <= 1.0 and alone <= 0.1, f"isovalue {isovalue}: {off:.3f} %, alone {alone:.3f} %"
+
+
+def is_local(url):
+    return url.startswith(("data:", "blob:"))
+
+
+@pytest.mark.parametrize("name", ["box", "brain", "oblong", "two"])
+def test_pictures_are_those_of_the_core(browser, bakes, pages, name):
+    bake, url = bakes(name), pages(name).as_uri()
+    browser.open(url, SIZE)
+    seen = set()
+    for keys in KEYS:
+        browser.press(keys, "#isovalue")
+        seen.add(browser.evaluate(ISOVALUE))
+        check_like_still(browser, bake)
+    assert len(seen) == 3
+    browser.click("#local")
+    check_like_still(browser, bake, local=True)
+    # Nothing leaves the page, and nothing went wrong in it.
+    assert [request for request in browser.requests() if not is_local(request)] == [url]
+
+
+def test_a_pixel_costs_few_fetches(browser, pages):
+    browser.open(pages("brain").as_uri(), {"width": 320, "height": 180})
+    for keys in KEYS:
+        browser.press(keys, "#isovalue")
+        browser.hide_panel(True)
+        browser.atRest()
+        counted = browser.evaluate("leaflight.view.countFetches()")
+        browser.hide_panel(False)
+        assert 5 < counted["ofPicture"] <= 150 and counted["ofBox"] >= counted["ofPicture"]
+
+
+def test_the_interface(browser, bakes, pages):
+    browser.open(pages("box").as_uri(), {"width": 800, "height": 300})
+    lo, hi = bakes("box").isovalues
+    position = "leaflight.view.camera.position.toArray()"
+
+    def changed(act, what=position):
+        before = browser.evaluate(what)
+        act()
+        browser.atRest()
+        return browser.evaluate(what) != before
+
+    def middle(selector):
+        return browser.evaluate(
+            f"(r => [r.x + r.width / 2, r.y + r.height / 2])"
+            f"(document.querySelector('{selector}').getBoundingClientRect())"
+        )
+
+    # The slider, the histogram and the number are one isovalue.
+    x, y = middle("#histogram")
+    browser.drag([x - 20, y], [x, y])
+    assert abs(browser.evaluate(ISOVALUE) - (lo + hi) / 2) < 0.01 * (hi - lo)
+    slider = browser.evaluate("document.querySelector('#isovalue').valueAsNumber")
+    assert slider == pytest.approx(browser.evaluate(ISOVALUE))
+    browser.evaluate(
+        "document.querySelector('#number').value = '80';"
+        "document.querySelector('#number').dispatchEvent(new Event('change'))"
+    )
+    assert browser.evaluate(ISOVALUE) == 80
+    # The view is turned by hand and by keys, and comes back.
+    assert changed(lambda: browser.drag([600, 150], [660, 180]))
+    assert changed(lambda: browser.press(["ArrowLeft", "+"], "#view"))
+    assert changed(lambda: browser.press(["r"]))
+    # The second isosurface, the walls, the clip and the exposure change the picture.
+    for selector in ("#has-second", "#walls", "#has-clip"):
+        before = browser.picture()
+        browser.click(selector)
+        off = (browser.picture() != before).any(axis=-1).mean()
+        assert off > 0.02, selector
+    # What is cut open shows values as gray.
+    colors = browser.picture()
+    gray = (colors[..., 3] == 255) & (np.ptp(colors[..., :3].astype(int), axis=-1) <= 1)
+    assert gray.mean() > 0.002
+    # It plays, and stops.
+    browser.press([" "], "#view")
+    start = browser.evaluate(ISOVALUE)
+    browser.evaluate("new Promise(done => setTimeout(done, 500))")
+    browser.press([" "])
+    browser.atRest()
+    stopped = browser.evaluate(ISOVALUE)
+    assert stopped != start and browser.evaluate(ISOVALUE) == stopped
+    # It takes the size of its window.
+    browser.resize(200, 300)
+    assert browser.picture().shape == (300, 200, 4)
+
+
+def test_a_screen_reader_finds_the_controls(browser, pages):
+    browser.open(pages("box").as_uri(), {**SIZE, "scheme": "light"})
+
+    def nodes(tree):
+        yield tree
+        for child in tree.get("children", []):
+            yield from nodes(child)
+
+    found = {(node["role"], node.get("name", "")): node for node in nodes(browser.tree())}
+    slider = found["slider", "Isovalue"]
+    assert slider["valuetext"].startswith("75.703")
+    for name in ("Play", "Local shading", "About"):
+        assert ("button", name) in found
+    assert any(role in ("image", "img") and "isovalue 75.7" in name for role, name in found)
+    assert (
+        browser.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(236, 234, 230)"
+    )
+
+
+def test_a_phone_turns_it_by_touch(browser, bakes, pages):
+    browser.open(pages("oblong").as_uri(), {"width": 360, "height": 640, "touch": True})
+    before = browser.evaluate("leaflight.view.camera.position.toArray()")
+    browser.touchDrag([180, 150], [240, 190])
+    browser.atRest()
+    assert browser.evaluate("leaflight.view.camera.position.toArray()") != before
+    # The panel is within the screen, and the canvas fills it.
+    panel = "document.querySelector('#panel').getBoundingClientRect()"
+    assert browser.evaluate(f"{panel}.right") <= 360 and browser.evaluate(f"{panel}.top") > 200
+    x, y, width = browser.evaluate(
+        "(r => [r.x, r.y + r.height / 2, r.width])"
+        "(document.querySelector('#histogram').getBoundingClientRect())"
+    )
+    browser.touchDrag([x + 40, y], [x + 0.25 * width, y])
+    lo, hi = bakes("oblong").isovalues
+    assert browser.evaluate(ISOVALUE) == pytest.approx(lo + 0.25 * (hi - lo), abs=0.01 * (hi - lo))
+
+
+def test_damaged_files_show_a_sentence(browser, pages, tmp_path):
+    text = pages("oblong").read_text()
+    body = text.index('id="leaflight-body"')
+    header = text.index('id="leaflight-header"')
+    damaged = tmp_path / "damaged.html"
+    for broken in (
+        text[: body + (len(text) - body) // 2],
+        text[: body + 5000] + "AAAAAAAA" + text[body + 5008 :],
+        text[: body + 5000] + "????????" + text[body + 5008 :],
+        text[: header + 200],
+        text[:header],
+    ):
+        damaged.write_text(broken)
+        browser.open(damaged.as_uri(), SIZE)
+        said = browser.evaluate("document.querySelector('[role=alert]').textContent")
+        assert "damaged or not whole" in said
+
+
+def test_a_volume_that_no_card_takes_shows_a_sentence(browser, pages, tmp_path):
+    text = pages("oblong").read_text()
+    large = tmp_path / "large.html"
+    large.write_text(text.replace('"dims": [26,', '"dims": [90000,'))
+    browser.open(large.as_uri(), SIZE)
+    said = browser.evaluate("document.querySelector('[role=alert]').textContent")
+    assert "90000 points along one axis" in said and "export it coarser" in said
+
+
+def test_a_folder_on_a_server(browser, bakes, tmp_path):
+    path = leaflight.export_page(bakes("oblong"), tmp_path / "oblong.html", embed=True)
+    assert path == tmp_path / "oblong" / "index.html"
+    handler = functools.partial(http.server.SimpleHTTPRequestHandler, directory=tmp_path)
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        url = f"http://127.0.0.1:{server.server_address[1]}/oblong/"
+        browser.open(url, SIZE)
+        check_like_still(browser, bakes("oblong"))
+        asked = [request for request in browser.requests() if not is_local(request)]
+        assert asked == [url, f"{url}bake.bin"]
+        (tmp_path / "oblong" / "bake.bin").unlink()
+        browser.open(url, SIZE)
+        said = browser.evaluate("document.querySelector('[role=alert]').textContent")
+        assert "bake.bin beside this page cannot be read" in said
+        server.shutdown()
+
+
+def test_a_browser_without_webgl_shows_a_sentence(pages):
+    browser = Browser("--disable-3d-apis")
+    try:
+        browser.open(pages("oblong").as_uri(), SIZE)
+        said = browser.evaluate("document.querySelector('[role=alert]').textContent")
+        assert "needs WebGL 2" in said
+    finally:
+        browser.end()

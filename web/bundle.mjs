@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Makes the page without a bake, one file: node bundle.mjs [OUT.html] (dist/page.html).
+import { mkdir, readFile, writeFile } from 'node:fs/promises';
+import { dirname, join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+import { build } from 'esbuild';
+
+const here = dirname(fileURLToPath(import.meta.url));
+const out = process.argv[2] ?? join(here, 'dist', 'page.html');
+
+const built = await build({
+  absWorkingDir: here,
+  entryPoints: { page: 'src/main.ts', style: 'src/style.css' },
+  outdir: 'dist',
+  bundle: true,
+  minify: true,
+  write: false,
+  format: 'iife',
+  target: 'es2022',
+  charset: 'ascii',
+  loader: { '.glsl': 'text', '.html': 'text' },
+  legalComments: 'inline',
+});
+const textOf = (suffix) => built.outputFiles.find((file) => file.path.endsWith(suffix)).text;
+const shell = await readFile(join(here, 'src', 'page.html'), 'utf8');
+// Functions, since a replacement text would read $ in the script as its own signs.
+const page = shell
+  .replace('/*leaflight:style*/', () => textOf('.css').trim())
+  .replace('/*leaflight:script*/', () => textOf('.js').trim());
+await mkdir(dirname(out), { recursive: true });
+await writeFile(out, page);

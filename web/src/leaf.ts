@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The isosurfaces of one volume: a box from which its rays are sent.
+
+import * as three from 'three';
+
+import { type Bake, type Header, type Vector, type VolumeData, rampAt } from './bake';
+import display from './shaders/display.glsl';
+import fragment from './shaders/leaf.frag.glsl';
+import vertex from './shaders/leaf.vert.glsl';
+import light from './shaders/light.glsl';
+import precision from './shaders/precision.glsl';
+import trace from './shaders/trace.glsl';
+import type { Look } from './look';
+import { integerTexture, volumeTextures } from './volume_textures';
+
+const NO_DATA = 65535;
+
+// Directions in the world: through the lower left corner of the picture, and from pixel to pixel.
+export interface Rays {
+  corner: three.Vector3;
+  right: three.Vector3;
+  up: three.Vector3;
+}
+
+export class Leaf {
+  readonly mesh: three.Mesh<three.BufferGeometry, three.RawShaderMaterial>;
+  private readonly indexToWorld = new three.Matrix4();
+  private readonly worldToIndex: three.Matrix4;
+  private readonly waysToIndex: three.Matrix3;
+
+  static async of(bake: Bake, data: VolumeData): Promise<Leaf> {
+    const bytes = await bake.block(data.values, data.bits === 8 ? 1 : 2);
+    const codes = data.bits === 8 ? bytes : new Uint16Array(bytes.buffer);
+    const places = await bake.block(data.table, 1);
+    const table = integerTexture(places, data.bricks, three.RGBAIntegerFormat);
+    const outer = lightTexture(await bake.block(data.outer, 4), data);
+    const inner =
+      data.inner === null ? outer : lightTexture(await bake.block(data.inner, 4), data);
+    const textures = { ...volumeTextures(codes, data.dims), table, outer, inner };
+    return new Leaf(bake.header, data, textures);
+  }
+
+  private constructor(
+    header: Header,
+    private readonly data: VolumeData,
+    textures: Record<string, three.Data3DTexture>,
+  ) {
+    this.indexToWorld.set(...(data.indexToWorld as Parameters<three.Matrix4['set']>));
+    this.worldToIndex = this.indexToWorld.clone().invert();
+    this.waysToIndex = new three.Matrix3().setFromMatrix4(this.worldToIndex);
+    const last = data.dims.map((n) => n - 1) as Vector;
+    const material = new three.RawShaderMaterial({
+      glslVersion: three.GLSL3,
+      vertexShader: vertex,
+      fragmentShader: [precision, trace, display, light, fragment].join('\n'),
+      side: three.BackSide,
+      transparent: true,
+      blending: three.CustomBlending,
+      blendSrc: three.OneFactor,
+      blendDst: three.OneMinusSrcAlphaFactor,
+      uniforms: uniformsOf(header, data, textures, this.indexToWorld, this.worldToIndex),
+    });
+    const box = new three.BoxGeometry(...last).translate(...(last.map((x) => 0.5 * x) as Vector));
+    this.mesh = new three.Mesh(box, material);
+    this.mesh.frustumCulled = false;
+    this.mesh.matrixAutoUpdate = false;
+    this.mesh.matrix.copy(this.indexToWorld);
+    this.mesh.renderOrder = 1;
+  }
+
+  // The isovalue, in data units, at a leaf coordinate.
+  isovalueAt(c: number): number {
+    const [low, high] = this.data.isovalues;
+    return low + c * (high - low);
+  }
+
+  show(look: Look, camera: three.Camera, rays: Rays, exposure: number): void {
+    const { uniforms } = this.mesh.material;
+    const code = (c: number) => (this.isovalueAt(c) - this.data.offset) / this.data.scale;
+    const own = this.isovalueAt(look.isovalue);
+    uniforms.isovalue.value = code(look.isovalue);
+    uniforms.secondIsovalue.value = code(look.second ?? look.isovalue);
+    uniforms.hasSecond.value = look.second !== null;
+    uniforms.opacity.value = look.opacity;
+    uniforms.isLocal.value = look.isLocal;
+    uniforms.gain.value = 2 ** look.stops;
+    uniforms.albedo.value = rampAt(this.data.albedo, own);
+    uniforms.emission.value = rampAt(this.data.emission, own);
+    uniforms.exposure.value = exposure;
+    const eye = camera.getWorldPosition(new three.Vector3());
+    uniforms.worldEye.value = eye;
+    uniforms.eye.value = eye.clone().applyMatrix4(this.worldToIndex);
+    for (const name of ['corner', 'right', 'up'] as const) {
+      uniforms[name].value = rays[name].clone().applyMatrix3(this.waysToIndex);
+    }
+    uniforms.indexToClip.value = new three.Matrix4()
+      .multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse)
+      .multiply(this.indexToWorld);
+    uniforms.clip.value = this.clipPlane(look);
+    uniforms.countsFetches.value = look.countsFetches;
+  }
+
+  // Of the plane in the world, in index coordinates.
+  private clipPlane(look: Look): three.Vector4 {
+    if (look.clip === null) return new three.Vector4();
+    const plane = new three.Vector4(...look.clip.normal, -look.clip.distance);
+    return plane.applyMatrix4(this.indexToWorld.clone().transpose());
+  }
+}
+
+function uniformsOf(
+  header: Header,
+  data: VolumeData,
+  textures: Record<string, three.Data3DTexture>,
+  indexToWorld: three.Matrix4,
+  worldToIndex: three.Matrix4,
+): Record<string, three.IUniform> {
+  const texelScale = data.texels.map((n, a) => (n - 1) / (data.dims[a] - 1));
+  const textureSize = data.brick.map((n, a) => n * data.textureBricks[a]);
+  const window = header.window.map((c) => {
+    const [low, high] = data.isovalues;
+    return (low + c * (high - low) - data.offset) / data.scale;
+  });
+  const lamps = header.lamps.flatMap((row) =>
+    [0, 4, 8].map((k) => new three.Vector4().fromArray(row, k)),
+  );
+  while (lamps.length < 48) lamps.push(new three.Vector4());
+  const constant = {
+    ...textures,
+    dims: data.dims,
+    noData: data.masked ? NO_DATA : -1,
+    brick: data.brick,
+    bricks: data.bricks,
+    texelScale: new three.Vector3(...texelScale),
+    textureScale: new three.Vector3(...textureSize.map((n) => 1 / n)),
+    innerIs: ['baked', 'dark', 'local'].indexOf(data.innerIs),
+    indexToWorld,
+    normalToWorld: new three.Matrix3().setFromMatrix4(worldToIndex).transpose(),
+    ambient: header.ambient,
+    lampCount: header.headlight ? -1 : header.lamps.length,
+    lamps,
+    window: new three.Vector2(...window),
+  };
+  const varying = [
+    'isovalue', 'secondIsovalue', 'hasSecond', 'opacity', 'isLocal', 'gain', 'albedo', 'emission',
+    'exposure', 'worldEye', 'eye', 'corner', 'right', 'up', 'indexToClip', 'clip', 'countsFetches',
+  ]; // prettier-ignore
+  return Object.fromEntries([
+    ...Object.entries(constant).map(([name, value]) => [name, { value }]),
+    ...varying.map((name) => [name, { value: null }]),
+  ]) as Record<string, three.IUniform>;
+}
+
+function lightTexture(bytes: Uint8Array<ArrayBuffer>, data: VolumeData): three.Data3DTexture {
+  const size = data.brick.map((n, a) => n * data.textureBricks[a]) as Vector;
+  const texture = new three.Data3DTexture(new Uint32Array(bytes.buffer), ...size);
+  texture.format = three.RGBFormat;
+  texture.type = three.UnsignedInt5999Type;
+  texture.internalFormat = 'RGB9_E5';
+  texture.minFilter = three.LinearFilter;
+  texture.magFilter = three.LinearFilter;
+  texture.needsUpdate = true;
+  return texture;
+}

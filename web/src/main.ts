@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Reads the bake in the page and shows it, or says in a sentence why it cannot.
+
+import { Bake, type Header } from './bake';
+import { Failure, showFailure } from './failure';
+import { Leaf } from './leaf';
+import { firstLook } from './look';
+import { buildPage, Panel } from './panel';
+import { View } from './view';
+import { Wall } from './walls';
+
+// The card is asked before the data are unpacked.
+function openCard(canvas: HTMLCanvasElement, header: Header): WebGL2RenderingContext {
+  const context = canvas.getContext('webgl2', { alpha: true, antialias: false });
+  if (!context) {
+    throw new Failure(
+      'This page needs WebGL 2, which this browser does not offer: open it in a newer one, ' +
+        'or allow it to use the graphics card.',
+    );
+  }
+  const most = context.getParameter(context.MAX_3D_TEXTURE_SIZE) as number;
+  for (const { dims, brick, textureBricks } of header.volumes) {
+    const side = Math.max(...dims, ...brick.map((n, a) => n * textureBricks[a]));
+    if (side > most) {
+      throw new Failure(
+        `This volume has ${side} points along one axis, and this graphics card takes ${most}: ` +
+          'export it coarser.',
+      );
+    }
+  }
+  return context;
+}
+
+async function open(): Promise<void> {
+  const bake = await Bake.read();
+  const { header } = bake;
+  const canvas = document.createElement('canvas');
+  openCard(canvas, header);
+  if (!('DecompressionStream' in window)) {
+    throw new Failure('This browser cannot unpack the data of this page: open it in a newer one.');
+  }
+  const leaves: Leaf[] = [];
+  const walls: Wall[] = [];
+  for (const volume of header.volumes) leaves.push(await Leaf.of(bake, volume));
+  for (const wall of header.walls) walls.push(await Wall.of(bake, wall));
+  const shown = buildPage(header);
+  const view = new View(shown, openCard(shown, header), header, leaves, walls, firstLook(header));
+  const panel = new Panel(header, view);
+  view.start();
+  // For whoever looks into it with the browser's tools: leaflight.view.countFetches().
+  Object.assign(window, { leaflight: { view, panel } });
+}
+
+document.addEventListener('DOMContentLoaded', () => {
+  open().catch(showFailure);
+});

@@ -1,0 +1,74 @@
+// One isosurface of one volume, and a second, transparent one in front of it.
+
+// Index coordinates: rays start at the eye; their directions are those of the picture's corner and
+// so much more for each pixel. Not interpolated, since cards round the places of corners.
+uniform vec3 eye, corner, right, up;
+uniform mat4 indexToClip;
+uniform float isovalue, secondIsovalue;  // in codes
+uniform bool hasSecond, countsFetches;
+uniform float opacity;  // of the second
+uniform vec4 clip;      // index coordinates: what dot(clip, (p, 1)) < 0 is left out; 0 for none
+uniform vec2 window;    // in codes, of gray on the cut
+
+out vec4 color;
+
+vec4 shown(vec3 radiance, float alpha) { return vec4(displayed(radiance) * alpha, alpha); }
+
+float depthOf(vec3 place) {
+  vec4 at = indexToClip * vec4(place, 1.0);
+  return clamp(0.5 * at.z / at.w + 0.5, 0.0, 1.0);
+}
+
+void main() {
+  vec3 direction = corner + gl_FragCoord.x * right + gl_FragCoord.y * up;
+  Ray ray = rayThroughBox(eye, direction);
+  bool isCut = false;
+  if (clip != vec4(0.0)) {
+    float start = dot(clip, vec4(eye, 1.0)), rate = dot(clip.xyz, direction);
+    float crossing = -start / rate;
+    if (rate > 0.0) {
+      isCut = crossing > ray.t;
+      ray.t = max(ray.t, crossing);
+    } else if (rate < 0.0) {
+      ray.end = min(ray.end, crossing);
+    } else if (start < 0.0) {
+      ray.end = -1.0;
+    }
+  }
+  Hit first = Hit(-1.0, false), second = Hit(-1.0, false);
+  bool isOnCut = false;
+  if (ray.t < ray.end) {
+    float cutValue = isCut ? valueAt(ray.origin + ray.t * direction) : -1.0;
+    isOnCut = isCut && cutValue >= isovalue;
+    if (isOnCut) {
+      // What is cut open shows the data, as gray.
+      first.t = ray.t;
+      float gray = clamp((cutValue - window.x) / (window.y - window.x), 0.0, 1.0);
+      color = vec4(vec3(0.15 + 0.7 * gray), 1.0);
+    } else {
+      first = trace(ray, isovalue);
+    }
+    if (hasSecond && !isOnCut) {
+      Ray before = ray;
+      if (first.t >= 0.0) before.end = first.t;
+      if (!isCut || cutValue < secondIsovalue) second = trace(before, secondIsovalue);
+    }
+  }
+  if (countsFetches) {
+    if (first.t >= 0.0) light(eye + first.t * direction, first, isovalue);
+    if (second.t >= 0.0) light(eye + second.t * direction, second, secondIsovalue);
+    color = vec4(float(fetches & 255) / 255.0, float(fetches >> 8) / 255.0, 0.0, 1.0);
+    gl_FragDepth = 0.0;
+    return;
+  }
+  if (first.t < 0.0 && second.t < 0.0) discard;
+  if (first.t < 0.0) color = vec4(0.0);
+  if (first.t >= 0.0 && !isOnCut) {
+    color = shown(light(eye + first.t * direction, first, isovalue), 1.0);
+  }
+  if (second.t >= 0.0) {
+    vec4 before = shown(light(eye + second.t * direction, second, secondIsovalue), opacity);
+    color = before + (1.0 - opacity) * color;
+  }
+  gl_FragDepth = depthOf(eye + (first.t >= 0.0 ? first.t : second.t) * direction);
+}

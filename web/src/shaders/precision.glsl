@@ -1,0 +1,5 @@
+// What is not said is less than single precision, on phones.
+precision highp float;
+precision highp int;
+precision highp sampler3D;
+precision highp usampler3D;

@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+declare module '*.html' {
+  const text: string;
+  export default text;
+}
+declare module '*.glsl' {
+  const text: string;
+  export default text;
+}

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A browser that does as it is told: one JSON object {call, with: [...]} a line, and one in answer.
+// tests/web/browser.py speaks with it.
+import { createInterface } from 'node:readline';
+
+import { launch } from 'puppeteer-core';
+
+const CHROMIUM = '/usr/bin/chromium';
+const SOFTWARE = ['--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
+
+let browser, page, requests;
+
+const calls = {
+  async start(...options) {
+    browser = await launch({
+      executablePath: CHROMIUM,
+      args: ['--no-sandbox', ...(options.length > 0 ? options : SOFTWARE)],
+      protocolTimeout: 600_000,
+    });
+    return browser.version();
+  },
+  // A page of its own, which remembers what it asked for and what it complained of.
+  async open(url, { width, height, touch = false, scheme = 'dark' }) {
+    if (page) await page.close();
+    page = await browser.newPage();
+    requests = [];
+    page.on('request', (request) => requests.push(request.url()));
+    page.on('pageerror', (error) => requests.push(`error: ${error.message}`));
+    page.on('console', (message) => {
+      if (message.type() === 'error') requests.push(`console: ${message.text()}`);
+    });
+    await page.setViewport({ width, height, hasTouch: touch, isMobile: touch });
+    await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: scheme }]);
+    await page.goto(url, { timeout: 600_000 });
+    await page.waitForSelector('[data-state=rest], [role=alert]', { timeout: 600_000 });
+  },
+  requests: () => requests,
+  resize: (width, height) => page.setViewport({ width, height }),
+  atRest: () => page.waitForSelector('[data-state=rest]', { timeout: 600_000 }),
+  evaluate: (script) => page.evaluate(script),
+  async press(keys, focus) {
+    if (focus) await page.focus(focus);
+    for (const key of keys) await page.keyboard.press(key);
+  },
+  click: (selector) => page.click(selector),
+  async drag(from, to) {
+    await page.mouse.move(...from);
+    await page.mouse.down();
+    await page.mouse.move(...to, { steps: 3 });
+    await page.mouse.up();
+  },
+  async touchDrag(from, to) {
+    await page.touchscreen.touchStart(...from);
+    await page.touchscreen.touchMove(...to);
+    await page.touchscreen.touchEnd();
+  },
+  screenshot: (path) => page.screenshot({ path }),
+  tree: () => page.accessibility.snapshot(),
+  close: () => browser.close(),
+};
+
+for await (const line of createInterface({ input: process.stdin })) {
+  const { call, with: given } = JSON.parse(line);
+  try {
+    const result = await calls[call](...given);
+    // What waits for elements returns a handle, which is of no use elsewhere.
+    const isHandle = result?.constructor?.name.includes('Handle');
+    console.log(JSON.stringify({ result: isHandle ? null : (result ?? null) }));
+  } catch (error) {
+    console.log(JSON.stringify({ error: String(error) }));
+  }
+  if (call === 'close') process.exit();
+}
