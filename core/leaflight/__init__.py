@@ -12,7 +12,8 @@
 from . import self_check  # noqa: F401 - first: it refuses what cannot be right
 from . import flatland
 from ._core import Cancelled, LeaflightError, Progress
-from .bake.bake import Bake, Surface, bake
+from .bake.bake import bake
+from .bake.baked import Bake, Surface
 from .bake.checkpoint import Checkpoint
 from .bake.estimate import Estimate, estimate
 from .bake.load_bake import load_bake

@@ -8,7 +8,8 @@ a traceback; and so that help and mistakes in the options need not wait until it
 import signal
 import sys
 
-from .parser import UsageError, make_parser
+from .parser import make_parser
+from .shared_options import UsageError
 
 
 def main(arguments=None):

@@ -7,10 +7,20 @@ Imports nothing of the package, which takes longer to load than all else that he
 import argparse
 
 from .numbers import integer, number
+from .shared_options import (
+    Parser,
+    layout_options,
+    leaf_options,
+    lit_options,
+    resolution_options,
+    scene_options,
+    side_options,
+    thesis_options,
+    threads_options,
+    work_options,
+)
 
 # What the package knows by these names.
-ENDIANS = ("little", "big")
-ESTIMATORS = ("gather", "volumetric", "path", "thesis")
 GENERATED = (
     "bump_box",
     "nucleons:0",
@@ -21,22 +31,6 @@ GENERATED = (
     "hydrogen",
 )
 REFERENCES = ("path", "cycles")
-TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")
-
-
-class UsageError(Exception):
-    """Of options that cannot be parsed: one sentence."""
-
-
-class Parser(argparse.ArgumentParser):
-    """Raises UsageError where argparse would print its usage and exit."""
-
-    def __init__(self, **options):
-        # Abbreviations would change meaning whenever an option is added.
-        super().__init__(allow_abbrev=False, **options)
-
-    def error(self, message):
-        raise UsageError(f"{message}; see '{self.prog} --help'.")
 
 
 class _Version(argparse.Action):
@@ -60,13 +54,14 @@ def make_parser():
     subparsers = parser.add_subparsers(
         title="commands", required=True, dest="command", metavar="COMMAND"
     )
-    layout, threads, scene, leaf = _layout(), _threads(), _scene(), _leaf()
+    layout, threads = layout_options(), threads_options()
+    scene, leaf = scene_options(), leaf_options()
     volume = f"a file, a folder of TIFF or DICOM slices, or {', '.join(GENERATED)}"
 
     info = subparsers.add_parser("info", parents=[layout], help="what a volume holds")
     info.add_argument("volume", metavar="VOLUME", help=volume)
 
-    lit = _lit(volume)
+    lit = lit_options(volume)
     bake = subparsers.add_parser(
         "bake", parents=[layout, lit, scene, threads], help="light every isosurface of volumes"
     )
@@ -102,11 +97,20 @@ def make_parser():
         ("--surroundings", "keep the light on the surroundings, too"),
     ):
         bake.add_argument(option, action="store_true", help=text)
-    _resolution(bake)
+    resolution_options(bake)
+    workers = bake.add_argument_group("several processes or machines, by Dask; the same bake")
+    workers.add_argument(
+        "--workers", type=integer, metavar="N", help="sweep light in so many processes here"
+    )
+    workers.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="or by the workers of this Dask scheduler, such as tcp://10.0.0.1:8786",
+    )
     research = bake.add_argument_group(
         "settings of research: a fixed amount of work in place of --error and --time"
     )
-    _work(research)
+    work_options(research)
     research.add_argument(
         "--caustic-photons",
         type=integer,
@@ -125,7 +129,18 @@ def make_parser():
         metavar="N",
         help="how many times to halve texels where light varies most; once doubles the time (0)",
     )
-    _thesis(bake)
+    thesis_options(bake)
+
+    batch = subparsers.add_parser("batch", help="many bakes, resumed where they stopped")
+    batch.add_argument(
+        "list", metavar="LIST.txt", help="a file with the arguments of one bake on each line"
+    )
+    batch.add_argument(
+        "--workers", type=integer, metavar="N", help="so many at a time on this machine (1)"
+    )
+    batch.add_argument(
+        "--scheduler", metavar="ADDRESS", help="by the workers of this Dask scheduler"
+    )
 
     surface = subparsers.add_parser(
         "surface", parents=[leaf, threads], help="one lit isosurface as a mesh"
@@ -194,7 +209,7 @@ def make_parser():
         metavar="C",
         help="in data units; of several volumes 0..1, from the lowest to the highest of each (one)",
     )
-    _side(export)
+    side_options(export)
     export.add_argument(
         "--settle", action="store_true", help="trace the light at the mesh's vertices: sharper"
     )
@@ -259,9 +274,9 @@ def make_parser():
         help="leave the picture at the plane's brightness, pi/2 of that in space",
     )
 
-    _resolution(flatland)
-    _work(flatland)
-    _thesis(flatland)
+    resolution_options(flatland)
+    work_options(flatland)
+    thesis_options(flatland)
 
     report = subparsers.add_parser(
         "report", parents=[threads], help="measure errors and seconds, and write a report of them"
@@ -302,157 +317,3 @@ def make_parser():
             "--json", action="store_true", help="print one JSON object as the last line"
         )
     return parser
-
-
-def _layout():
-    """How the values of a volume lie in its file."""
-    parser = Parser(add_help=False)
-    parser.add_argument(
-        "--dims",
-        type=integer,
-        nargs="+",
-        metavar="N",
-        help=".raw: nx ny nz; generated volumes: nodes a side; points: nodes of the longest side",
-    )
-    parser.add_argument("--type", choices=TYPES, help=".raw: type of the values")
-    parser.add_argument("--endian", choices=ENDIANS, help=".raw: byte order (little)")
-    parser.add_argument(
-        "--spacing",
-        type=number,
-        nargs="+",
-        metavar="S",
-        help=".raw, TIFF, HDF5, NumPy: voxel size, one or X Y Z (1)",
-    )
-    parser.add_argument(
-        "--grid", metavar="NAME", help=".vdb: name of the grid (the first scalar one)"
-    )
-    parser.add_argument("--frame", type=integer, metavar="K", help="4D data: frame to read, from 0")
-    parser.add_argument(
-        "--channel", type=integer, metavar="K", help="several values a voxel: which to read, from 0"
-    )
-    parser.add_argument(
-        "--level", type=integer, metavar="K", help="OME-Zarr: resolution, 0 the finest"
-    )
-    parser.add_argument(
-        "--dataset", metavar="NAME", help="several volumes in one file or folder: which to read"
-    )
-    parser.add_argument(
-        "--downsample",
-        type=integer,
-        choices=(1, 2, 4, 8),
-        metavar="N",
-        help="keep the mean of N voxels along each axis: 2, 4 or 8 (1)",
-    )
-    return parser
-
-
-def _threads():
-    parser = Parser(add_help=False)
-    parser.add_argument(
-        "--seed", type=integer, default=0, metavar="N", help="same seed, same result (0)"
-    )
-    parser.add_argument(
-        "--threads", type=integer, default=0, metavar="N", help="threads (0: every core)"
-    )
-    return parser
-
-
-def _lit(volume):
-    """Volumes in space that are to be lit."""
-    parser = Parser(add_help=False)
-    parser.add_argument(
-        "volumes", metavar="VOLUME", nargs="*", help=volume + " (those of the scene file)"
-    )
-    parser.add_argument(
-        "--capped", action="store_true", help="close isosurfaces at the border of the volume"
-    )
-    return parser
-
-
-def _scene():
-    """In which light, and within which isovalues."""
-    parser = Parser(add_help=False)
-    parser.add_argument("--scene", metavar="FILE", help="scene file (a box around the data)")
-    parser.add_argument(
-        "--isovalues",
-        type=number,
-        nargs=2,
-        metavar=("LO", "HI"),
-        help="window to bake (from the data); of several volumes within 0..1",
-    )
-    return parser
-
-
-def _resolution(parser):
-    parser.add_argument(
-        "--resolution", type=integer, metavar="N", help="texels on the longest axis (one a voxel)"
-    )
-
-
-def _work(parser):
-    """How much is done, where the amount is fixed."""
-    parser.add_argument("--samples", type=integer, metavar="N", help="rays a texel (32)")
-    parser.add_argument("--photons", type=integer, metavar="N", help="photons (2000000)")
-    parser.add_argument("--estimator", choices=ESTIMATORS, help="(gather)")
-
-
-def _thesis(parser):
-    """The thesis's own ways."""
-    thesis = parser.add_argument_group("of --estimator thesis")
-    thesis.add_argument("--k", type=integer, metavar="N", help="photons of an estimate (200)")
-    thesis.add_argument(
-        "--photon-radius",
-        type=number,
-        metavar="R",
-        help="how far an estimate reaches, in longest sides of the volume (without limit)",
-    )
-    thesis.add_argument(
-        "--g", type=number, metavar="G", help="weight of isovalues against distances (10)"
-    )
-    thesis.add_argument(
-        "--region", metavar="NAME", help="sphere, clipped_sphere (default), box, cylinder, graph"
-    )
-
-    scattered = parser.add_argument_group("samples strewn over the domain, not in each texel")
-    scattered.add_argument(
-        "--strategy",
-        metavar="NAME",
-        help="uniform, stratified, importance, level_set, letters, slabs, regular",
-    )
-    scattered.add_argument(
-        "--count", type=integer, metavar="N", help="how many, of --samples rays each"
-    )
-    scattered.add_argument(
-        "--isovalue-count", type=integer, metavar="N", help="level_set: isovalues (9)"
-    )
-    scattered.add_argument("--filter", metavar="NAME", help="shepard (default), tent, box")
-    scattered.add_argument(
-        "--filter-radius", type=integer, metavar="D", help="texels that a sample reaches (3)"
-    )
-
-
-def _leaf():
-    """One isosurface of a bake."""
-    parser = Parser(add_help=False)
-    parser.add_argument("bake", metavar="BAKE", help="a .vdb written by bake")
-    parser.add_argument(
-        "--isovalue",
-        type=number,
-        required=True,
-        metavar="C",
-        help="in data units; of several volumes 0..1, from the lowest to the highest of each",
-    )
-    _side(parser)
-    return parser
-
-
-def _side(parser):
-    """Which of the isosurfaces of that isovalue, and seen from where."""
-    parser.add_argument(
-        "--volume",
-        type=integer,
-        default=0,
-        metavar="K",
-        help="which of several volumes, from 0 (0)",
-    )
-    parser.add_argument("--back", action="store_true", help="the inner side")

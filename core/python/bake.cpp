@@ -8,6 +8,7 @@
 #include "leaflight/bake/rounds.h"
 #include "leaflight/io/checkpoint_file.h"
 #include "leaflight/thesis/thesis.h"
+#include "workers.h"
 
 namespace leaflight::python {
 namespace {
@@ -206,10 +207,10 @@ void bind_baking(py::module_& module, const std::string& suffix) {
          const py::object& on_round,
          std::optional<std::tuple<std::shared_ptr<RadianceGrid<D>>, int, int, int>> kept,
          const std::optional<std::tuple<fs::path, std::string, double>>& checkpoint,
-         const std::optional<fs::path>& resumed) {
-        OnRound<D> call;
+         const std::optional<fs::path>& resumed, const py::object& workers) {
+        BakeHooks<D> hooks;
         if (!on_round.is_none()) {
-          call = [&](Baked<D>&& baked) {
+          hooks.on_round = [&](Baked<D>&& baked) {
             const py::gil_scoped_acquire locked;
             on_round(BakedObjects<D>(std::move(baked)));
           };
@@ -222,7 +223,14 @@ void bind_baking(py::module_& module, const std::string& suffix) {
             const auto& [grid, rounds, direct, indirect] = *kept;
             light.emplace(*grid, rounds, direct, indirect);
           }
+          if (light) hooks.kept = &*light;
+          BlockWorkers block_workers;
+          if (!workers.is_none()) {
+            block_workers = workers_of(workers);
+            hooks.workers = &block_workers;
+          }
           Checkpoints checkpoints;
+          hooks.checkpoints = &checkpoints;
           if (checkpoint) {
             const auto& [path, text, seconds] = *checkpoint;
             checkpoints.seconds = seconds;
@@ -234,9 +242,7 @@ void bind_baking(py::module_& module, const std::string& suffix) {
               }
             };
           }
-          const auto run = [&] {
-            baked = bake(scene, settings, progress, call, light ? &*light : nullptr, &checkpoints);
-          };
+          const auto run = [&] { baked = bake(scene, settings, progress, hooks); };
           if (resumed) {
             read_checkpoint_state(*resumed, [&](std::istream& stream) {
               checkpoints.from = &stream;
@@ -250,14 +256,18 @@ void bind_baking(py::module_& module, const std::string& suffix) {
       },
       py::arg("scene"), py::arg("settings"), py::arg("progress"), py::arg("on_round") = py::none(),
       py::arg("kept") = py::none(), py::arg("checkpoint") = py::none(),
-      py::arg("resumed") = py::none(),
+      py::arg("resumed") = py::none(), py::arg("workers") = py::none(),
       "Lights all leaves of the scene's window. `on_round` is given what is baked after each\n"
       "round but the last, from the thread that bakes. `kept`: (grid, rounds, blocks of direct\n"
       "light, of indirect light) of a bake to go on with. `checkpoint`: (file, text, seconds): the "
       "bake leaves\n"
       "its state there, with the text, so many seconds apart. `resumed`: such a file, of a bake "
       "of\n"
-      "the same scene and settings, to go on from. Raises LeaflightError, or Cancelled.");
+      "the same scene and settings, to go on from. `workers`: an object that has blocks of light\n"
+      "swept by BlockSweepers: begin(light, first, count, state) announces the blocks [first,\n"
+      "first + count) of \"direct\" or \"indirect\" light, and what their lines look up, bytes;\n"
+      "take(light, number) returns one of them, or b\"\", and the bake sweeps it itself. Raises\n"
+      "LeaflightError, or Cancelled.");
 }
 
 }  // namespace

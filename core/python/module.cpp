@@ -46,7 +46,6 @@ PYBIND11_MODULE(_core, module) {
       .def_property_readonly("stage", &Progress::stage, "What is being done, for the user.")
       .def_property_readonly("cancelled", &Progress::cancelled)
       .def("cancel", &Progress::cancel, "The bake raises Cancelled within half a second.")
-      .def("check", &Progress::check, "Raises Cancelled once it is cancelled.")
       .def("stop", &Progress::stop,
            "A bake in rounds ends after the round under way, with what it has.")
       .def_property_readonly("stopped", &Progress::stopped);
@@ -55,6 +54,7 @@ PYBIND11_MODULE(_core, module) {
   python::bind_scene(module);
   python::bind_radiance_grid(module);
   python::bind_bake(module);
+  python::bind_workers(module);
   python::bind_photons(module);
   python::bind_rays(module);
   python::bind_reference(module);

@@ -5,59 +5,22 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <cstring>
 #include <thread>
 
-#include "agreement.h"
 #include "leaflight/math/error.h"
 #include "leaflight/math/sampling.h"
+#include "whole_rounds.h"
 
 namespace leaflight {
 namespace {
 
-BakeSettings<3> in_rounds(double error = 1.5) {
-  BakeSettings<3> settings;
-  settings.samples = 0;
-  settings.error = test::sanitized ? 20 * error : error;
-  if (test::sanitized) settings.resolution = {17, 17, 17};
-  return settings;
-}
-
-template <class T>
-bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
-  if (a.size() != b.size()) return false;
-  return a.empty() || std::memcmp(static_cast<const void*>(a.data()),
-                                  static_cast<const void*>(b.data()), a.size() * sizeof(T)) == 0;
-}
-
-bool same_bits(const RadianceGrid<3>& a, const RadianceGrid<3>& b) {
-  return a.lattice.active == b.lattice.active && same_bits(a.radiance, b.radiance) &&
-         same_bits(a.radiance_indirect, b.radiance_indirect) &&
-         same_bits(a.radiance_error, b.radiance_error) &&
-         same_bits(a.radiance_back, b.radiance_back);
-}
-
-// Both sides of leaves, and the walls.
-BakeSettings<3> of_all_light(int texels) {
-  BakeSettings<3> settings = in_rounds();
-  settings.both_sides = true;
-  settings.surroundings = !test::sanitized;
-  settings.resolution = Index<3>{texels, texels, texels};
-  return settings;
-}
-
-void expect_same_light(const std::vector<Baked<3>>& bakes) {
-  for (const Baked<3>& other : bakes) {
-    EXPECT_TRUE(same_bits(bakes[0].grids[0], other.grids[0]));
-    ASSERT_EQ(bakes[0].surroundings.radiance.size(), other.surroundings.radiance.size());
-    for (std::size_t m = 0; m < other.surroundings.radiance.size(); ++m) {
-      EXPECT_TRUE(
-          same_bits(bakes[0].surroundings.radiance[m][0], other.surroundings.radiance[m][0]));
-    }
-  }
-}
-
-Scene<3> small_scene() { return test::cornell(test::ball<3>(17), {0.6, 0.9}); }
+using test::expect_same_light;
+using test::in_rounds;
+using test::kept_of;
+using test::of_all_light;
+using test::same_bits;
+using test::small_scene;
+using test::stopped_after;
 
 TEST(Rounds, AreTheSameForAnyNumberOfThreads) {
   const Scene<3> scene = test::cornell(test::torus(17), {0.6, 0.95});
@@ -76,36 +39,23 @@ TEST(Rounds, StoppedAfterTheSameRoundAreTheSame) {
   const BakeSettings<3> settings = in_rounds(0.2);
   std::vector<RadianceGrid<3>> rounds;
   Progress whole;
-  const Baked<3> all = bake<3>(scene, settings, whole, [&](Baked<3>&& baked) {
+  const auto look = [&](Baked<3>&& baked) {
     EXPECT_EQ(baked.statistics.rounds, static_cast<int>(rounds.size()) + 1);
     rounds.push_back(std::move(baked.grids[0]));
-  });
+  };
+  const Baked<3> all = bake<3>(scene, settings, whole, {look});
   rounds.push_back(all.grids[0]);
   EXPECT_FALSE(all.statistics.stopped);
   ASSERT_GE(rounds.size(), 2u);
   Progress progress;
-  const Baked<3> stopped = bake<3>(scene, settings, progress, [&](Baked<3>&&) { progress.stop(); });
+  const Baked<3> stopped =
+      bake<3>(scene, settings, progress, {[&](Baked<3>&&) { progress.stop(); }});
   EXPECT_TRUE(stopped.statistics.stopped);
   EXPECT_EQ(stopped.statistics.rounds, 1);
   EXPECT_TRUE(same_bits(rounds[0], stopped.grids[0]));
   // Nobody needs to look on.
   Progress alone;
   EXPECT_TRUE(same_bits(all.grids[0], bake(scene, settings, alone).grids[0]));
-}
-
-// What a bake that goes on is given of one that was stopped.
-KeptLight<3> kept_of(const Baked<3>& baked) {
-  const BakeStatistics& s = baked.statistics;
-  return KeptLight<3>(baked.grids[0], s.rounds, s.direct_blocks, s.indirect_blocks);
-}
-
-Baked<3> stopped_after(int rounds, const Scene<3>& scene, const BakeSettings<3>& settings,
-                       const KeptLight<3>* kept = nullptr) {
-  Progress progress;
-  const auto look = [&](Baked<3>&&) {
-    if (--rounds == 0) progress.stop();
-  };
-  return bake<3>(scene, settings, progress, look, kept);
 }
 
 TEST(Rounds, ContinuedAreTheSameForAnyNumberOfThreads) {
@@ -116,7 +66,7 @@ TEST(Rounds, ContinuedAreTheSameForAnyNumberOfThreads) {
   for (const int threads : {1, 2, 5}) {
     settings.threads = threads;
     const KeptLight<3> kept = kept_of(stopped_after(1, scene, settings));
-    bakes.push_back(bake<3>(scene, settings, progress, {}, &kept));
+    bakes.push_back(bake<3>(scene, settings, progress, {{}, &kept}));
     EXPECT_EQ(bakes.back().statistics.rounds, 2);
   }
   expect_same_light(bakes);
@@ -218,12 +168,12 @@ TEST(Rounds, GoOnWithTheirOwnTexelsAlone) {
   const KeptLight<3> other = kept_of(bake(scene, coarse, progress));
   // A first picture has other texels, too: the bake begins anew.
   EXPECT_TRUE(same_bits(bake(scene, settings, progress).grids[0],
-                        bake<3>(scene, settings, progress, {}, &other).grids[0]));
+                        bake<3>(scene, settings, progress, {{}, &other}).grids[0]));
   const Scene<3> wider = test::cornell(test::ball<3>(17), {0.4, 0.9});
-  EXPECT_THROW(bake<3>(wider, coarse, progress, {}, &other), Error);
+  EXPECT_THROW(bake<3>(wider, coarse, progress, {{}, &other}), Error);
   BakeSettings<3> fixed = settings;
   fixed.samples = 4;
-  EXPECT_THROW(bake<3>(scene, fixed, progress, {}, &other), Error);
+  EXPECT_THROW(bake<3>(scene, fixed, progress, {{}, &other}), Error);
 }
 
 TEST(Rounds, EndInTime) {

@@ -10,7 +10,7 @@ from ..io.apart import check_bake
 from ..io.scene_file import scene_from_json
 from ..scene.scene import core_scene
 from ..volume.volume import Volume
-from .bake import Bake
+from .baked import Bake
 from .stamps import EARLIER, METADATA, read_bake_id
 
 

@@ -22,6 +22,7 @@ def resume(
     on_round=None,
     progress=None,
     checkpoint=None,
+    workers=None,
 ):
     """The Bake that goes on where another ended, with its volumes, its scene and its settings.
 
@@ -32,7 +33,7 @@ def resume(
     kept: a Bake in rounds, or one that load_bake() read. error: percent, as of bake(); None is what
     was asked for then. time: seconds that are added at most, None for no limit. surroundings:
     whether the meshes are lit, too, which they are anew; None is as before. threads, on_round,
-    progress, checkpoint: as of bake().
+    progress, checkpoint, workers: as of bake().
     Raises LeaflightError where there is nothing to go on with, Cancelled.
     """
     metadata = kept.metadata
@@ -56,7 +57,7 @@ def resume(
         "surroundings": json.dumps(settings.surroundings),
     }
     lights = kept.volumes, kept.scene, kept.isovalues
-    return lit(*lights, settings, metadata, kept, on_round, progress, checkpoint)
+    return lit(*lights, settings, metadata, kept, on_round, progress, checkpoint, workers)
 
 
 def _settings(kept, error, time, surroundings, threads):

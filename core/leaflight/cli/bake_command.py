@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command bake: volumes lit anew, a bake that is continued, and what a bake would cost."""
 
+import contextlib
 import os
 from argparse import Namespace
 from dataclasses import asdict
 
 from .._core import Cancelled, LeaflightError
-from ..bake.bake import bake
+from ..bake.bake import bake, worker_memory
 from ..bake.checkpoint import Checkpoint, checkpoint_for, read_recipe
 from ..bake.estimate import estimate
 from ..bake.load_bake import load_bake
@@ -18,9 +19,9 @@ from .lighting import given_options, to_light, work_options
 from .progress import run_with_progress
 
 # The options that a continued bake has of its own; all others it has from the bake before.
-_OF_CONTINUED = {"command", "json", "kept", "out", "error", "time", "surroundings", "threads"}
-# Those that a resumed bake may be given: they change nothing of what it ends with.
-_OF_RESUMED = {"command", "json", "resume", "threads"}
+_OF_CONTINUED = {"command", "json", "kept", "out", "error", "time", "surroundings"}
+# Those that any may be given: they change nothing of what it ends with.
+_WHO_WORKS = {"threads", "workers", "scheduler"}
 # The options that a bake depends on, by which it is baked again.
 _RECIPE = {
     *("volumes", "scene", "kept", "capped", "isovalues", "both_sides", "surroundings", "seed"),
@@ -35,26 +36,39 @@ def run_bake(options):
     if options.kept is not None:
         return _told(_continued(options), options)
     volumes, scene = to_light(options, ".vdb")
-    names = ("error", "time", "caustic_photons", "soft_spacing", "refine")
-    settings = {
-        **work_options(options),
-        **given_options(options, **{name: name for name in names}),
-        "both_sides": options.both_sides,
-        "surroundings": options.surroundings,
-    }
+    settings = bake_settings(options)
     if options.estimate:
-        return _estimate(volumes, scene, settings)
+        return _estimate(volumes, scene, settings, options)
 
     def work(progress):
-        checkpoint = _checkpoint(options)
-        baked = bake(volumes, scene, progress=progress, checkpoint=checkpoint, **settings)
+        checkpoint = checkpoint_of(options, resumed=getattr(options, "resumed", False))
+        with _workers(options, progress) as workers:
+            baked = bake(
+                volumes,
+                scene,
+                progress=progress,
+                checkpoint=checkpoint,
+                workers=workers,
+                **settings,
+            )
         return _saved(baked, options, progress, checkpoint)
 
     return _told(_worked(work, options), options)
 
 
+def bake_settings(options):
+    """Those that bake() is given."""
+    names = ("error", "time", "caustic_photons", "soft_spacing", "refine")
+    return {
+        **work_options(options),
+        **given_options(options, **{name: name for name in names}),
+        "both_sides": options.both_sides,
+        "surroundings": options.surroundings,
+    }
+
+
 def _continued(options):
-    given = _given(options, _OF_CONTINUED)
+    given = _given(options, _OF_CONTINUED | _WHO_WORKS)
     if given:
         raise LeaflightError(
             f"{options.kept}: a bake is continued in its own scene, with its own settings but the "
@@ -64,16 +78,18 @@ def _continued(options):
     kept = load_bake(options.kept)
 
     def work(progress):
-        checkpoint = _checkpoint(options)
-        baked = resume(
-            kept,
-            error=options.error,
-            time=options.time,
-            surroundings=options.surroundings or None,
-            threads=options.threads,
-            progress=progress,
-            checkpoint=checkpoint,
-        )
+        checkpoint = checkpoint_of(options, resumed=getattr(options, "resumed", False))
+        with _workers(options, progress) as workers:
+            baked = resume(
+                kept,
+                error=options.error,
+                time=options.time,
+                surroundings=options.surroundings or None,
+                threads=options.threads,
+                progress=progress,
+                checkpoint=checkpoint,
+                workers=workers,
+            )
         return _saved(baked, options, progress, checkpoint)
 
     return _worked(work, options)
@@ -81,7 +97,7 @@ def _continued(options):
 
 def _interrupted(options):
     """The options of the bake that left a checkpoint."""
-    given = _given(options, _OF_RESUMED)
+    given = _given(options, {"command", "json", "resume"} | _WHO_WORKS)
     if given:
         raise LeaflightError(
             f"{options.resume}: a bake is resumed with the settings that it had: leave out "
@@ -96,21 +112,36 @@ def _interrupted(options):
     recipe = read_recipe(path)
     if not _RECIPE <= recipe.keys():
         raise LeaflightError(f"{path}: this checkpoint is Blender's; resume the bake there.")
-    recipe.update(out=options.resume, json=options.json, threads=options.threads)
+    own = {name: getattr(options, name) for name in ("json", *_WHO_WORKS)}
+    recipe.update(out=options.resume, **own)
     return Namespace(**{**vars(options), **recipe, "resume": None, "resumed": True})
 
 
-def _checkpoint(options):
+@contextlib.contextmanager
+def _workers(options, progress):
+    """The workers that were asked for, or None."""
+    if options.workers is None and options.scheduler is None:
+        yield None
+        return
+    # Not everywhere is Dask installed, and it takes a second to load.
+    from ..cluster.workers import Workers
+
+    progress.begin("Starting workers")
+    with Workers(options.workers, options.scheduler) as workers:
+        yield workers
+
+
+def checkpoint_of(options, resumed):
     """Its recipe are the options, with paths that mean the same in any folder."""
     recipe = {name: value for name, value in vars(options).items() if name in _RECIPE}
-    recipe["volumes"] = [_anywhere(volume) for volume in options.volumes]
+    recipe["volumes"] = [path_anywhere(volume) for volume in options.volumes]
     for name in ("scene", "kept"):
         recipe[name] = recipe[name] and os.path.abspath(recipe[name])
-    resumed = getattr(options, "resumed", False)
     return Checkpoint(checkpoint_for(options.out), recipe, resumed)
 
 
-def _anywhere(volume):
+def path_anywhere(volume):
+    """What names the same volume in any folder."""
     return volume if is_generated(volume) else os.path.abspath(volume)
 
 
@@ -165,7 +196,7 @@ def _told(baked, options):
     ]
 
 
-def _estimate(volumes, scene, settings):
+def _estimate(volumes, scene, settings, options):
     def work(progress):
         return estimate(volumes, scene, progress=progress, **settings)
 
@@ -173,8 +204,16 @@ def _estimate(volumes, scene, settings):
     return asdict(cost), [
         f"about {cost.seconds:.0f} s and {cost.memory_bytes / 2**20:.0f} MiB to an error of "
         f"{cost.error:.2g} %, by {cost.pilot_rounds} of {cost.rounds} rounds done in "
-        f"{cost.pilot_seconds:.1f} s"
+        f"{cost.pilot_seconds:.1f} s",
+        *_worker_estimate(volumes, scene, settings, options),
     ]
+
+
+def _worker_estimate(volumes, scene, settings, options):
+    if options.workers is None and options.scheduler is None:
+        return []
+    mebibytes = worker_memory(volumes, scene, **settings) / 2**20
+    return [f"each worker would hold about {mebibytes:.0f} MiB of light and values"]
 
 
 def _leaf_map(baked):

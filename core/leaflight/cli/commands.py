@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line: info, bake, surface, still, export, compare, flatland, report and bench.
+"""The command line: info, bake, batch, surface, still, export, compare, flatland, report and bench.
 
 Results go to stdout, with --json as one JSON object on the last line; progress goes to stderr.
 Exit status: 0; 1 when a report found an error that is not what it must be; 2 after an error, told
@@ -28,6 +28,7 @@ from ..io.ply import write_photons, write_ply
 from ..measure.compare import compare
 from ..volume.volume import default_isovalue, default_window
 from .bake_command import run_bake
+from .batch_command import run_batch
 from .export_command import run_export
 from .lighting import open_with, to_light, work_options
 from .progress import run_with_progress
@@ -40,8 +41,7 @@ def run(options):
     try:
         result, sentences = COMMANDS[options.command](options)
     except Cancelled as end:
-        sentence = str(end)
-        tell_error(sentence if "--resume" in sentence else "cancelled, nothing written.")
+        tell_error(str(end))
         return 130
     except KeyboardInterrupt:
         tell_error("cancelled.")
@@ -283,6 +283,7 @@ def _by(numbers):
 COMMANDS = {
     "info": _info,
     "bake": run_bake,
+    "batch": run_batch,
     "surface": _surface,
     "still": run_still,
     "export": run_export,

@@ -12,15 +12,17 @@ from .._core import Cancelled, LeaflightError, Progress
 PATIENCE_SECONDS = 1.0
 POLL_SECONDS = 0.1
 BAR_CELLS = 30
+NOTHING_WRITTEN = "cancelled, nothing written."
 
 
-def run_with_progress(work, label, stream=None, writes=False):
+def run_with_progress(work, label, stream=None, writes=False, cancelled=NOTHING_WRITTEN):
     """Returns work(progress), run in a thread of its own while the main thread shows how far it is.
 
     A terminal gets a bar that is redrawn, anything else one line per tenth of the work. Ctrl-C
     cancels the work, waits for it and raises Cancelled; its other exceptions are raised here.
     writes: whether the work ends with writing what it found, so that once it returns a cancel comes
-    too late: from then on Ctrl-C is ignored, since only telling what was done is left.
+    too late: from then on Ctrl-C is ignored, since only telling what was done is left. cancelled:
+    the sentence of Cancelled.
     """
     progress = Progress()
     outcome = {}
@@ -55,7 +57,7 @@ def run_with_progress(work, label, stream=None, writes=False):
             signal.signal(signal.SIGINT, signal.SIG_IGN if written else before)
         display.close()
     if progress.cancelled and not written:
-        raise Cancelled(f"{label} cancelled")
+        raise Cancelled(cancelled)
     if "error" in outcome:
         raise outcome["error"]
     return outcome["result"]

@@ -78,8 +78,7 @@ def export(
     progress = progress or _core.Progress()
     surfaces = {}
     for isovalue in isovalues or [default_isovalue_of(bake, volume)]:
-        if progress.cancelled:
-            raise _core.Cancelled("The export was cancelled.")
+        progress.check()
         surface = bake.surface(isovalue, volume, back, settle, seed, threads, progress)
         if len(surface.triangles) == 0:
             raise LeaflightError(

@@ -40,8 +40,7 @@ def write_page(path, bake, isovalue, coarser=0, embed=False, progress=None):
     template = read_template(path)
     _check_size(path, bake, coarser)
     progress = progress or _core.Progress()
-    data = page_data(bake, isovalue, coarser, lambda: _raise_if_cancelled(progress))
-    _raise_if_cancelled(progress)
+    data = page_data(bake, isovalue, coarser, progress)
     header = _script("leaflight-header", "application/json", json.dumps(data.header))
     title = html.escape(f"{data.header['title']} - Leaflight")
     template = template.replace("<title></title>", f"<title>{title}</title>", 1)
@@ -123,8 +122,3 @@ def _write_folder(folder, page, body):
             folder.rmdir()
         raise
     return index
-
-
-def _raise_if_cancelled(progress):
-    if progress.cancelled:
-        raise _core.Cancelled("The export was cancelled.")

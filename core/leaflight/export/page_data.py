@@ -28,37 +28,49 @@ EVERY = ("every", "every 2nd", "every 4th", "every 8th")
 MOST_FINER_TEXELS = 20_000_000
 # Of 16 bits, where there are no data.
 NO_DATA = 65535
+# That are deflated before somebody may cancel.
+STEP_BYTES = 1 << 22
 
 
 @dataclass
 class PageData:
-    """header: a JSON object; its "blocks": [first byte, bytes, bytes when inflated] of body."""
+    """header: a JSON object; its "blocks": [first byte, bytes, bytes when inflated] of body.
 
+    progress: _core.Progress, which counts bytes before they are deflated.
+    """
+
+    progress: object
     header: dict = field(default_factory=dict)
     body: bytearray = field(default_factory=bytearray)
 
     def add(self, numbers):
-        """Appends an array, deflated; returns the number of its block."""
+        """Appends an array, deflated; returns the number of its block. Raises Cancelled."""
         # Bytes of like significance side by side deflate better.
         raw = np.ascontiguousarray(numbers)
         planes = np.ascontiguousarray(raw.reshape(-1).view(np.uint8).reshape(-1, raw.itemsize).T)
-        packed_bytes = zlib.compress(planes.data, 6)
+        first, deflate = len(self.body), zlib.compressobj(6)
+        for begin in range(0, planes.nbytes, STEP_BYTES):
+            self.progress.check()
+            part = planes.data.cast("B")[begin : begin + STEP_BYTES]
+            self.body += deflate.compress(part)
+            self.progress.advance(len(part))
+        self.body += deflate.flush()
         blocks = self.header.setdefault("blocks", [])
-        blocks.append([len(self.body), len(packed_bytes), raw.nbytes])
-        self.body += packed_bytes
+        blocks.append([first, len(self.body) - first, raw.nbytes])
         return len(blocks) - 1
 
 
-def page_data(bake, isovalue, coarser=0, still_wanted=lambda: None):
+def page_data(bake, isovalue, coarser, progress):
     """The PageData of a Bake; isovalue: the leaf coordinate that is shown at first.
 
-    coarser: how many times voxels and texels are halved along each axis. still_wanted(): called
-    now and then, raises where it is not.
+    coarser: how many times voxels and texels are halved along each axis. progress:
+    _core.Progress. Raises Cancelled.
     """
-    data = PageData()
+    data = PageData(progress)
+    progress.begin("Values and light")
+    progress.expect(sum(_raw_bytes(bake, number, coarser) for number in range(len(bake.volumes))))
     volumes = []
     for number in range(len(bake.volumes)):
-        still_wanted()
         volumes.append(_volume(data, bake, number, coarser))
     lamps = lamps_of(bake.scene)
     low, high = bounds_of(bake)
@@ -152,7 +164,7 @@ def _volume(data, bake, number, coarser):
     exposure = np.float32(bake.scene.exposure)
     resolution = texels_of(bake, number, coarser)
     sides = [
-        packed(_light(bake, number, volume, resolution, back) * exposure)
+        packed(_light(bake, number, volume, resolution, back, data.progress) * exposure)
         for back in ((False, True) if inner == "baked" else (False,))
     ]
     bricks = light_bricks(np.logical_or.reduce([side != 0 for side in sides]))
@@ -200,7 +212,7 @@ def coded(values):
     return codes, low, scale
 
 
-def _light(bake, number, volume, resolution, back):
+def _light(bake, number, volume, resolution, back, progress):
     """Radiance float32 (nz, ny, nx, 3) at texels evenly spaced from the first voxel to the last."""
     grid = bake.grids[number]
     if volume is bake.volumes[number] and tuple(grid.resolution) == tuple(resolution):
@@ -212,6 +224,7 @@ def _light(bake, number, volume, resolution, back):
     y, x = np.mgrid[:ny, :nx]
     planes = []
     for z in range(nz):
+        progress.check()
         texels = np.stack([x, y, np.full_like(x, z), np.ones_like(x)], axis=-1).reshape(-1, 4)
         planes.append(grid.lookup(field, (texels @ texel_to_world.T)[:, :3], back))
     light = np.stack(planes).reshape(nz, ny, nx, 3)
@@ -266,12 +279,19 @@ def _stops(ramp):
 def estimated_bytes(bake, coarser=0):
     """About how large the file of a page will be: of texels three of four bytes stay when deflated,
     and of values half; text holds six bits a byte."""
-    body = 0.0
-    for number, grid in enumerate(bake.grids):
-        voxels = math.prod(dims_of(bake, number, coarser))
-        sides = 2 if inner_side(bake, number) == "baked" else 1
-        share = 1.2 * grid.texels / math.prod(grid.resolution)
-        texels = math.prod(texels_of(bake, number, coarser)) * min(1.0, share)
-        bytes_a_voxel = 1 if np.asarray(bake.volumes[number].values).dtype == np.uint8 else 2
-        body += 3.0 * sides * texels + 0.5 * bytes_a_voxel * voxels
-    return 4.0 / 3.0 * body
+    parts = [_of_texels_and_voxels(bake, number, coarser) for number in range(len(bake.volumes))]
+    return 4.0 / 3.0 * sum(3.0 / 4.0 * light + 0.5 * values for light, values in parts)
+
+
+def _raw_bytes(bake, number, coarser):
+    return sum(_of_texels_and_voxels(bake, number, coarser))
+
+
+def _of_texels_and_voxels(bake, number, coarser):
+    """About how many bytes the light of a volume takes, and its values, before they deflate."""
+    grid = bake.grids[number]
+    sides = 2 if inner_side(bake, number) == "baked" else 1
+    share = 1.2 * grid.texels / math.prod(grid.resolution)
+    texels = math.prod(texels_of(bake, number, coarser)) * min(1.0, share)
+    bytes_a_voxel = 1 if np.asarray(bake.volumes[number].values).dtype == np.uint8 else 2
+    return 4.0 * sides * texels, bytes_a_voxel * math.prod(dims_of(bake, number, coarser))

@@ -20,15 +20,13 @@ constexpr int default_samples = 32;
 
 template <int D>
 Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, Progress& progress,
-              const OnRound<D>& on_round, const KeptLight<D>* kept,
-              const Checkpoints* checkpoints) {
-  return bake(scene, settings, make_plan(scene, settings), progress, on_round, kept, checkpoints);
+              const BakeHooks<D>& hooks) {
+  return bake(scene, settings, make_plan(scene, settings), progress, hooks);
 }
 
 template <int D>
 Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
-              Progress& progress, const OnRound<D>& on_round, const KeptLight<D>* kept,
-              const Checkpoints* checkpoints) {
+              Progress& progress, const BakeHooks<D>& hooks) {
   validate(scene);
   validate(settings);
   const auto start = std::chrono::steady_clock::now();
@@ -38,17 +36,24 @@ Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan
     baked.statistics.peak_memory_bytes = peak_memory();
     baked.statistics.skipped = plan.skipped;
   };
-  const OnRound<D> timed = [&](Baked<D>&& baked) {
-    if (!on_round) return;
-    finish(baked);
-    on_round(std::move(baked));
-  };
+  BakeHooks<D> timed = hooks;
+  if (hooks.on_round) {
+    timed.on_round = [&](Baked<D>&& baked) {
+      finish(baked);
+      hooks.on_round(std::move(baked));
+    };
+  }
   tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
   Baked<D> baked = arena.execute([&] {
     if (fits_rounds(scene, settings, plan)) {
-      return bake_in_rounds(scene, settings, plan, progress, timed, kept, checkpoints);
+      return bake_in_rounds(scene, settings, plan, progress, timed);
     }
-    if (kept) throw Error("Only a bake in rounds can be continued; bake the volume anew.");
+    if (hooks.workers) {
+      throw Error(
+          "Workers share bakes in rounds, of one volume without mirrors or glass; bake without "
+          "them.");
+    }
+    if (hooks.kept) throw Error("Only a bake in rounds can be continued; bake the volume anew.");
     BakeSettings<D> fixed = settings;
     if (fixed.samples == 0) fixed.samples = default_samples;
     return bake_with_fixed_samples(scene, fixed, plan, progress);
@@ -57,13 +62,11 @@ Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan
   return baked;
 }
 
-template Baked<2> bake<2>(const Scene<2>&, const BakeSettings<2>&, Progress&, const OnRound<2>&,
-                          const KeptLight<2>*, const Checkpoints*);
-template Baked<2> bake<2>(const Scene<2>&, const BakeSettings<2>&, const Plan&, Progress&,
-                          const OnRound<2>&, const KeptLight<2>*, const Checkpoints*);
-template Baked<3> bake<3>(const Scene<3>&, const BakeSettings<3>&, Progress&, const OnRound<3>&,
-                          const KeptLight<3>*, const Checkpoints*);
-template Baked<3> bake<3>(const Scene<3>&, const BakeSettings<3>&, const Plan&, Progress&,
-                          const OnRound<3>&, const KeptLight<3>*, const Checkpoints*);
+template Baked<2> bake(const Scene<2>&, const BakeSettings<2>&, Progress&, const BakeHooks<2>&);
+template Baked<2> bake(const Scene<2>&, const BakeSettings<2>&, const Plan&, Progress&,
+                       const BakeHooks<2>&);
+template Baked<3> bake(const Scene<3>&, const BakeSettings<3>&, Progress&, const BakeHooks<3>&);
+template Baked<3> bake(const Scene<3>&, const BakeSettings<3>&, const Plan&, Progress&,
+                       const BakeHooks<3>&);
 
 }  // namespace leaflight

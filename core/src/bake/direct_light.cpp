@@ -22,26 +22,54 @@ DirectLight<D>::DirectLight(const SweptVolume<D>& volume, const LightSampler<D>&
 
 template <int D>
 void DirectLight<D>::add_blocks(int count, Progress& progress, std::atomic<std::uint64_t>& lines,
-                                const std::function<void()>& after_block) {
-  if (count == 0) return;
+                                const std::function<void()>& after_block,
+                                const BlockWorkers* workers) {
+  const int own = blocks_ == 0 ? 1 : 0;  // it tells leaf_light_ its sources
+  if (workers && count > own) {
+    workers->begin(SweptLight::direct, first_block_ + blocks_ + own, count - own, {});
+  }
   // They are larger than anything else of a large volume, and nothing else needs them: made anew
   // for each round.
-  const VoxelGradients<D> made = gradients();
+  VoxelGradients<D> made;
   for (int i = 0; i < count; ++i) {
-    sweep_block(blocks_++, made, progress, lines, moments_);
+    const int number = first_block_ + blocks_;
+    const std::string bytes =
+        workers && i >= own ? workers->take(SweptLight::direct, number) : std::string();
+    if (bytes.empty()) {
+      if (made.empty()) made = gradients();
+      sweep(number, made, progress, lines, moments_, i < own ? &leaf_light_ : nullptr);
+    } else {
+      lines += take_block(bytes, moments_);
+      progress.advance(cost());
+    }
+    for (TexelMoments& side : moments_) side.close_block(progress);
+    ++blocks_;
     if (after_block) after_block();
   }
+}
+
+template <int D>
+std::string DirectLight<D>::sweep_for_others(int number, Progress& progress) {
+  std::atomic<std::uint64_t> lines{0};
+  sweep(number, gradients(), progress, lines, moments_, nullptr);
+  std::string bytes = block_bytes(moments_, lines);
+  for (TexelMoments& side : moments_) side.forget_block();
+  return bytes;
 }
 
 template <int D>
 void DirectLight<D>::keep(Keeper& keeper, Progress& progress) {
   keeper(blocks_);
   for (TexelMoments& side : moments_) side.keep(keeper);
-  if (!keeper.restores() || blocks_ == 0) return;
-  SideMoments unused;
-  for (int side = 0; side < 2; ++side) unused[side] = TexelMoments(moments_[side].sums.size());
+  if (keeper.restores() && blocks_ > 0) learn_leaf_light(first_block_, progress);
+}
+
+template <int D>
+void DirectLight<D>::learn_leaf_light(int block, Progress& progress) {
+  if (leaf_light_.sources() > 0) return;
   std::atomic<std::uint64_t> lines{0};
-  sweep_block(0, gradients(), progress, lines, unused);
+  sweep(block, gradients(), progress, lines, moments_, &leaf_light_);
+  for (TexelMoments& side : moments_) side.forget_block();
 }
 
 template <int D>
@@ -51,20 +79,19 @@ VoxelGradients<D> DirectLight<D>::gradients() const {
 }
 
 template <int D>
-void DirectLight<D>::sweep_block(int block, const VoxelGradients<D>& gradients, Progress& progress,
-                                 std::atomic<std::uint64_t>& lines, SideMoments& moments) {
-  Random random = random_for(seed_, Purpose::direct_sweep, first_block_ + block);
+void DirectLight<D>::sweep(int block, const VoxelGradients<D>& gradients, Progress& progress,
+                           std::atomic<std::uint64_t>& lines, SideMoments& moments,
+                           LeafLight<D>* leaf_light) {
+  Random random = random_for(seed_, Purpose::direct_sweep, block);
   const std::uint64_t choice_key = random.bits(), source_key = random.bits(),
                       offset_key = random.bits();
   for (int i = 0; i < sources_per_block && lights_.can_light(); ++i) {
     const double choice = lights_.has_choice() ? sobol_point(i, choice_key)[0] : 0;
     const LightSource<D> source = lights_.source(choice, sobol_point(i, source_key));
-    LeafLight<D>* known = leaf_light_.sources() < most_leaf_sources ? &leaf_light_ : nullptr;
     sweep_direct(volume_, gradients, texels_, source, sobol_point(i, offset_key), progress, lines,
-                 moments, known);
+                 moments, leaf_light);
     progress.advance(cost() / sources_per_block);
   }
-  for (TexelMoments& side : moments) side.close_block(progress);
 }
 
 template <int D>

@@ -43,15 +43,45 @@ void IndirectLight<D>::clear() {
 template <int D>
 void IndirectLight<D>::add_block(const GatheredRadiance<D>& from, Progress& progress,
                                  std::atomic<std::uint64_t>& lines, int directions) {
-  Random random = random_for(seed_, Purpose::gather_sweep, drawn_++);
+  sweep(drawn_, from, progress, lines, directions);
+  close_block(progress);
+}
+
+template <int D>
+void IndirectLight<D>::add_block_of_others(const std::string& bytes, Progress& progress,
+                                           std::atomic<std::uint64_t>& lines) {
+  lines += take_block(bytes, moments_);
+  progress.advance(cost());
+  close_block(progress);
+}
+
+template <int D>
+std::string IndirectLight<D>::sweep_for_others(int number, const GatheredRadiance<D>& from,
+                                               Progress& progress) {
+  std::atomic<std::uint64_t> lines{0};
+  sweep(number, from, progress, lines, directions_per_block);
+  std::string bytes = block_bytes(moments_, lines);
+  for (TexelMoments& side : moments_) side.forget_block();
+  return bytes;
+}
+
+template <int D>
+void IndirectLight<D>::sweep(int number, const GatheredRadiance<D>& from, Progress& progress,
+                             std::atomic<std::uint64_t>& lines, int directions) {
+  Random random = random_for(seed_, Purpose::gather_sweep, number);
   const std::uint64_t direction_key = random.bits(), offset_key = random.bits();
   for (int i = 0; i < directions; ++i) {
     sweep_gather(volume_, texels_, from, line_direction<D>(sobol_point(i, direction_key)), spacing_,
                  sobol_point(i, offset_key), random.bits(), progress, lines, moments_);
     progress.advance(cost() / directions_per_block);
   }
+}
+
+template <int D>
+void IndirectLight<D>::close_block(Progress& progress) {
   for (TexelMoments& side : moments_) side.close_block(progress);
   ++blocks_;
+  ++drawn_;
 }
 
 template <int D>

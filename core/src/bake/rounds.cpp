@@ -4,95 +4,21 @@
 #include <chrono>
 #include <cmath>
 
-#include "leaflight/bake/swept_bake.h"
+#include "leaflight/bake/rounds_texels.h"
 #include "leaflight/math/error.h"
 #include "leaflight/transport/placement.h"
 
 namespace leaflight {
 namespace {
 
-// Texels that a bake has by default, at most, where they are finer than voxels.
-constexpr std::size_t most_finer_texels = 2'500'000, most_finer_soft_texels = 500'000;
-constexpr int most_halvings = 2;
-// Where leaves pass more voxels than these, soft light's lines are two texels apart, its texels are
-// coarser than voxels, those that photons fall into are.
-constexpr std::size_t most_dense_voxels = 200'000, most_soft_voxels = 20'000'000,
-                      most_photon_voxels = 300'000;
-constexpr int widest_texel = 8;
-// A first picture has texels so many voxels wide; bakes of fewer texels do without.
-constexpr int preview_width = 4;
+// Bakes of fewer texels do without a first picture.
 constexpr std::size_t most_without_preview = 200'000;
-// Photons tell of the light that has bounced more than once before sweeps know it, and of the soft
-// light of the surroundings.
-constexpr std::uint64_t photons = 400'000, preview_photons = 20'000;
 // Blocks of sweeps of the first round; at least so many in the end, since their differences tell
 // the error; and at most.
 constexpr int first_blocks = 2, least_blocks = 4, most_blocks = 32;
 // What noise may be of the error that is asked for: what the texels' width leaves of it, within
 // these shares; and of what texels miss, where that alone is more, as sweeps do not mend it.
 constexpr double least_noise = 0.25, most_noise = 0.8, out_of_reach_noise = 0.5;
-
-template <int D>
-TexelLattice<D> lattice_of(const SweptVolume<D>& volume, const Index<D>& resolution) {
-  const IsovalueWindow window = volume.window();
-  return make_lattice(volume.volume().field, resolution, window.min, window.max);
-}
-
-// A lattice with texels of so many voxels.
-template <int D>
-TexelLattice<D> lattice_of(const SweptVolume<D>& volume, int voxels_per_texel) {
-  return lattice_of(volume, coarser_resolution<D>(volume.volume().field.dims, voxels_per_texel));
-}
-
-// Voxels, or texels finer than these where they are few.
-template <int D>
-TexelLattice<D> finest_lattice(const SweptVolume<D>& volume, TexelLattice<D> voxels,
-                               std::size_t most) {
-  for (int i = 0; i < most_halvings && voxels.active.size() << D <= most; ++i) {
-    voxels = lattice_of(volume, finer_resolution<D>(voxels.resolution));
-  }
-  return voxels;
-}
-
-// How wide texels are for leaves to pass at most so many, given the voxels that they pass.
-int width_for(std::size_t voxels, std::size_t most, int dimension) {
-  int width = 1;
-  while (width < widest_texel && voxels > most) {
-    width *= 2;
-    voxels >>= dimension;
-  }
-  return width;
-}
-
-template <int D>
-SweptTexels<D> texels_of(const SweptVolume<D>& volume, const BakeSettings<D>& settings) {
-  const bool given = settings.resolution != Index<D>{};
-  const IsovalueWindow window = volume.window();
-  const Field<D>& field = volume.volume().field;
-  const TexelLattice<D> voxels = given ? TexelLattice<D>{} : lattice_of(volume, 1);
-  const std::size_t count =
-      given ? active_texels(field, field.dims, window.min, window.max) : voxels.active.size();
-  const int width = width_for(count, most_soft_voxels, D);
-  SweptTexels<D> texels;
-  texels.direct = SweptLattice<D>(given ? lattice_of(volume, settings.resolution)
-                                        : finest_lattice(volume, voxels, most_finer_texels));
-  texels.soft =
-      SweptLattice<D>(given || width > 1 ? lattice_of(volume, width)
-                                         : finest_lattice(volume, voxels, most_finer_soft_texels));
-  texels.spacing = count > most_dense_voxels ? 2 : 1;
-  texels.photons = lattice_of(volume, width_for(count, most_photon_voxels, D));
-  texels.photon_count = photons;
-  return texels;
-}
-
-template <int D>
-SweptTexels<D> preview_texels(const SweptVolume<D>& volume) {
-  SweptTexels<D> texels;
-  texels.photons = lattice_of(volume, preview_width);
-  texels.direct = texels.soft = SweptLattice<D>(texels.photons);
-  texels.photon_count = preview_photons;
-  return texels;
-}
 
 // Blocks of direct and of indirect light.
 struct Blocks {
@@ -141,8 +67,10 @@ bool fits_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, const P
 
 template <int D>
 Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
-                        Progress& progress, const OnRound<D>& on_round, const KeptLight<D>* kept,
-                        const Checkpoints* checkpoints) {
+                        Progress& progress, const BakeHooks<D>& hooks) {
+  const KeptLight<D>* kept = hooks.kept;
+  const Checkpoints* checkpoints = hooks.checkpoints;
+  const auto& on_round = hooks.on_round;
   const auto start = std::chrono::steady_clock::now();
   const SceneTracer<D> tracer(scene);
   check_placement(tracer);
@@ -150,7 +78,7 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
   const EmptySpace<D> empty(scene.volumes[0].field, scene.volumes[0].isovalues(scene.window).min);
   const SweptVolume<D> volume{tracer, 0, empty};
   progress.check();
-  SweptTexels<D> texels = texels_of(volume, settings);
+  SweptTexels<D> texels = rounds_texels(volume, settings);
   progress.check();
   const std::size_t count = texels.direct.lattice.active.size();
   if (count == 0) {
@@ -197,14 +125,14 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
   if (!kept && count > most_without_preview) {
     ++rounds;
     if (on_round && !resumes) {
-      SweptBake<D> preview(volume, lights, settings, plan, progress, rays, preview_texels(volume),
-                           nullptr);
+      SweptBake<D> preview(volume, lights, settings, plan, progress, rays, preview_texels(volume));
       preview.add(first_blocks, first_blocks);
       on_round(whole(preview));
       if (ended()) return last(preview, whole(preview), true);
     }
   }
-  SweptBake<D> bake(volume, lights, settings, plan, progress, rays, std::move(texels), kept);
+  SweptBake<D> bake(volume, lights, settings, plan, progress, rays, std::move(texels), kept,
+                    hooks.workers);
   const Blocks before{bake.direct_blocks(), bake.indirect_blocks()};
   Blocks blocks{before.direct + first_blocks, plan.indirect ? before.indirect + first_blocks : 0};
   const auto keep = [&](Keeper keeper) {
@@ -257,9 +185,9 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
 
 template bool fits_rounds<2>(const Scene<2>&, const BakeSettings<2>&, const Plan&);
 template bool fits_rounds<3>(const Scene<3>&, const BakeSettings<3>&, const Plan&);
-template Baked<2> bake_in_rounds<2>(const Scene<2>&, const BakeSettings<2>&, const Plan&, Progress&,
-                                    const OnRound<2>&, const KeptLight<2>*, const Checkpoints*);
-template Baked<3> bake_in_rounds<3>(const Scene<3>&, const BakeSettings<3>&, const Plan&, Progress&,
-                                    const OnRound<3>&, const KeptLight<3>*, const Checkpoints*);
+template Baked<2> bake_in_rounds(const Scene<2>&, const BakeSettings<2>&, const Plan&, Progress&,
+                                 const BakeHooks<2>&);
+template Baked<3> bake_in_rounds(const Scene<3>&, const BakeSettings<3>&, const Plan&, Progress&,
+                                 const BakeHooks<3>&);
 
 }  // namespace leaflight

@@ -5,6 +5,7 @@
 
 #include "leaflight/bake/light_surroundings.h"
 #include "leaflight/bake/pooled_variance.h"
+#include "leaflight/math/error.h"
 #include "leaflight/math/sampling.h"
 
 namespace leaflight {
@@ -21,7 +22,7 @@ template <int D>
 SweptBake<D>::SweptBake(const SweptVolume<D>& volume, const LightSampler<D>& lights,
                         const BakeSettings<D>& settings, const Plan& plan, Progress& progress,
                         std::atomic<std::uint64_t>& rays, SweptTexels<D> texels,
-                        const KeptLight<D>* kept)
+                        const KeptLight<D>* kept, const BlockWorkers* workers)
     : volume_(volume),
       lights_(lights),
       settings_(settings),
@@ -29,6 +30,7 @@ SweptBake<D>::SweptBake(const SweptVolume<D>& volume, const LightSampler<D>& lig
       progress_(progress),
       rays_(rays),
       kept_(kept),
+      workers_(workers),
       texels_(std::move(texels.direct)),
       direct_(volume, lights, texels_, plan.back, settings.seed, kept ? kept->direct_blocks() : 0),
       errors_(volume.tracer.scene().window) {
@@ -48,7 +50,7 @@ template <int D>
 void SweptBake<D>::add(int direct_blocks, int indirect_blocks,
                        const std::function<void()>& after_block) {
   progress_.begin("Direct light");
-  direct_.add_blocks(direct_blocks, progress_, rays_, after_block);
+  direct_.add_blocks(direct_blocks, progress_, rays_, after_block, workers_);
   if (!indirect_) return;
   progress_.begin("Indirect light");
   // It is what it was where an interrupted add() goes on.
@@ -61,8 +63,21 @@ void SweptBake<D>::add(int direct_blocks, int indirect_blocks,
     learn_soft();
     indirect_->clear();
   }
+  if (workers_ && indirect_blocks > 0) {
+    workers_->begin(SweptLight::indirect, indirect_->next_block(), indirect_blocks,
+                    [this](std::ostream& stream) {
+                      Keeper keeper(stream);
+                      keep_looked_up(keeper);
+                    });
+  }
   for (int i = 0; i < indirect_blocks; ++i) {
-    indirect_->add_block(gathered(), progress_, rays_);
+    const std::string bytes =
+        workers_ ? workers_->take(SweptLight::indirect, indirect_->next_block()) : std::string();
+    if (bytes.empty()) {
+      indirect_->add_block(gathered(), progress_, rays_);
+    } else {
+      indirect_->add_block_of_others(bytes, progress_, rays_);
+    }
     if (after_block) after_block();
   }
   // What only lines look up takes as much memory as the result does.
@@ -76,9 +91,29 @@ void SweptBake<D>::keep(Keeper& keeper) {
   if (!indirect_) return;
   indirect_->keep(keeper);
   keeper(bounces_);
+  keep_soft(keeper);
+}
+
+template <int D>
+void SweptBake<D>::keep_soft(Keeper& keeper) {
   const std::size_t texels = indirect_->texels().lattice.active.size();
   for (std::vector<Rgb>& side : soft_) keeper(side, texels);
   keeper(inner_direct_, texels);
+}
+
+template <int D>
+void SweptBake<D>::keep_looked_up(Keeper& keeper) {
+  int first_block = direct_.first_block();
+  keeper(first_block);
+  keep_soft(keeper);
+  if (keeper.restores()) direct_.learn_leaf_light(first_block, progress_);
+}
+
+template <int D>
+std::string SweptBake<D>::sweep_for_others(SweptLight light, int number) {
+  if (light == SweptLight::direct) return direct_.sweep_for_others(number, progress_);
+  if (soft_[0].empty()) throw Error("A block of indirect light needs what its lines look up.");
+  return indirect_->sweep_for_others(number, gathered(), progress_);
 }
 
 template <int D>

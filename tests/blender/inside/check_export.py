@@ -1,18 +1,27 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """File > Export > Leaflight: the files hold what the viewport shows."""
 
+import importlib.util
+import shutil
+import sys
+from pathlib import Path
+
 import addon_utils
 import bpy
 import leaflight
+import mathutils
 import numpy as np
 import pytest
 from leaflight.export.export import SUFFIXES
-from leaflight.still.camera import Camera
+from leaflight.still.camera import camera_around_bake
 from leaflight_addon.compare.figures import rms_percent
 from leaflight_addon.export import export_bake
 from leaflight_addon.operators import background
 from leaflight_addon.store import cache
 from tools import close, error_of, mesh_arrays, render_exr, to_world
+
+# Of square pictures, in pixels.
+SIDE = 256
 
 
 def export(path, **options):
@@ -81,29 +90,57 @@ def check_paraview_and_amira(baked, tmp_path):
     assert expected.max() > 0.1
 
 
-def check_a_web_page_and_the_still_of_the_same_view(baked, tmp_path):
-    """The page is the still (tests/web), and the still is what Blender renders."""
+def check_a_web_page_and_stills_of_the_same_view(baked, tmp_path):
+    """The page, the core's still of its first view and Blender's are alike."""
     baked.leaflight.isovalue = 47.0
-    assert export(tmp_path / "box.html") == {"FINISHED"}
-    text = (tmp_path / "box.html").read_text()
+    page = tmp_path / "box.html"
+    assert export(page) == {"FINISHED"}
+    text = page.read_text()
     assert '"isovalue": 47.0' in text and 'id="leaflight-body"' in text
     assert export(tmp_path / "coarse.html", coarser=1) == {"FINISHED"}
     coarse = (tmp_path / "coarse.html").stat().st_size
-    assert coarse < (tmp_path / "box.html").stat().st_size - 10_000
+    assert coarse < page.stat().st_size - 10_000
     # Without lamps and walls only the light of the bake is seen, on outer sides.
+    bake, camera = cache.bake_of(baked), bpy.context.scene.camera
     for obj in bpy.context.scene.objects:
-        obj.hide_render = obj not in (baked, bpy.context.scene.camera)
-    render = render_exr(tmp_path / "box.exr", samples=1, size=256)[..., :3]
-    camera = bpy.context.scene.camera
-    _, up, back = (np.array(camera.matrix_world.col[k][:3]) for k in range(3))
-    place = np.array(camera.matrix_world.translation)
-    seen_by = Camera(tuple(place), tuple(place - back), tuple(up), np.degrees(camera.data.angle))
-    bake = cache.bake_of(baked)
-    still = leaflight.still(bake, 47.0, seen_by, (256, 256), samples=1, walls=False)
+        obj.hide_render = obj not in (baked, camera)
+    view = camera_around_bake(bake)
+    right, up, forward = (mathutils.Vector(axis) for axis in view.axes())
+    turn = mathutils.Matrix((right, up, -forward)).transposed().to_4x4()
+    camera.matrix_world = mathutils.Matrix.Translation(view.position) @ turn
+    camera.data.angle = np.radians(view.angle)
+    render = render_exr(tmp_path / "box.exr", samples=1, size=SIDE)[..., :3]
+    still = leaflight.still(bake, 47.0, view, (SIDE, SIDE), samples=1, walls=False)
     seen = (still[..., 3] == 1) & (render.max(axis=-1) > 0)
     assert seen.sum() > 1000
-    off = rms_percent(still[..., :3], render, bake.scene.exposure, seen)
-    assert off <= 3.0
+    exposure = bake.scene.exposure
+    assert rms_percent(still[..., :3], render, exposure, seen) <= 3.0
+    picture = in_a_browser(page)
+    shown = linear(picture[..., :3]) / exposure
+    assert rms_percent(shown, render, exposure, seen & (picture[..., 3] == 255)) <= 3.0
+    assert (picture[..., 3] == 255)[seen].mean() > 0.999
+
+
+def in_a_browser(page):
+    """What a page shows at first: uint8 [row, column, RGBA]."""
+    sys.path.append(str(Path(__file__).resolve().parents[2] / "web"))
+    missing = [name for name in ("node", "chromium") if shutil.which(name) is None]
+    if missing or importlib.util.find_spec("PIL") is None:
+        pytest.skip("the page is not looked at: chromium, nodejs or Pillow is missing here")
+    from browser import Browser
+
+    browser = Browser()
+    try:
+        browser.open(page.as_uri(), {"width": SIDE, "height": SIDE})
+        return browser.picture()
+    finally:
+        browser.end()
+
+
+def linear(colors):
+    """Of uint8 sRGB."""
+    encoded = colors / 255.0
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
 
 
 def check_it_needs_a_bake(boxed, tmp_path):

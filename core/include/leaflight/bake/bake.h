@@ -3,6 +3,7 @@
 
 #include <functional>
 
+#include "leaflight/bake/block_workers.h"
 #include "leaflight/bake/checkpoint.h"
 #include "leaflight/bake/kept_light.h"
 #include "leaflight/bake/leaf_error.h"
@@ -33,24 +34,27 @@ struct Baked {
   BakeStatistics statistics;
 };
 
-// Is given a whole bake after each round but the last.
+// What a bake in rounds has to do with others; bakes with fixed samples have nothing of it.
 template <int D>
-using OnRound = std::function<void(Baked<D>&&)>;
+struct BakeHooks {
+  // Is given a whole bake after each round but the last.
+  std::function<void(Baked<D>&&)> on_round;
+  // What the bake goes on with, of the same scene and settings but for the error and the time.
+  const KeptLight<D>* kept = nullptr;
+  const Checkpoints* checkpoints = nullptr;
+  const BlockWorkers* workers = nullptr;
+};
 
 // Lights every leaf of the scene's window at once. The result is the same, bit for bit, for any
-// number of threads. Throws Error for a bad scene or settings, Cancelled within half a second of
-// progress.cancel(). `kept`, if given, is what a bake in rounds goes on with, which is of the same
-// scene and settings but for the error and the time. `checkpoints`: of a bake in rounds; a bake
-// with fixed samples has none.
+// number of threads, and of workers. Throws Error for a bad scene or settings, Cancelled within
+// half a second of progress.cancel().
 template <int D>
 Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, Progress& progress,
-              const OnRound<D>& on_round = {}, const KeptLight<D>* kept = nullptr,
-              const Checkpoints* checkpoints = nullptr);
+              const BakeHooks<D>& hooks = {});
 
 // The same with a plan of the caller's.
 template <int D>
 Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
-              Progress& progress, const OnRound<D>& on_round = {},
-              const KeptLight<D>* kept = nullptr, const Checkpoints* checkpoints = nullptr);
+              Progress& progress, const BakeHooks<D>& hooks = {});
 
 }  // namespace leaflight

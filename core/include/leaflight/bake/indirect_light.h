@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "leaflight/bake/block_workers.h"
 #include "leaflight/bake/gather_sweep.h"
 
 namespace leaflight {
@@ -23,6 +24,12 @@ class IndirectLight {
   // One block of directions, given what lines meet; all blocks that are averaged have as many.
   void add_block(const GatheredRadiance<D>& from, Progress& progress,
                  std::atomic<std::uint64_t>& lines, int directions = directions_per_block);
+  // One that a sweeper has swept, as block_bytes(); its number is next_block().
+  void add_block_of_others(const std::string& bytes, Progress& progress,
+                           std::atomic<std::uint64_t>& lines);
+  int next_block() const { return drawn_; }
+  // A block of this number for another that has asked for it.
+  std::string sweep_for_others(int number, const GatheredRadiance<D>& from, Progress& progress);
   // Its state between two blocks.
   void keep(Keeper& keeper);
   int blocks() const { return blocks_; }
@@ -34,6 +41,10 @@ class IndirectLight {
   std::vector<Average> averages(bool inner) const;
 
  private:
+  void sweep(int number, const GatheredRadiance<D>& from, Progress& progress,
+             std::atomic<std::uint64_t>& lines, int directions);
+  void close_block(Progress& progress);
+
   SweptVolume<D> volume_;
   SweptLattice<D> texels_;
   int spacing_;

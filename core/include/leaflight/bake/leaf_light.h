@@ -17,6 +17,9 @@ namespace leaflight {
 template <int D>
 class LeafLight {
  public:
+  // Of so many sources as a bake has of them.
+  static constexpr std::size_t bytes_a_texel = 8 * sizeof(std::uint32_t) + 1;
+
   explicit LeafLight(const SweptVolume<D>& volume, const SweptLattice<D>& texels);
 
   const TexelLattice<D>& lattice() const { return texels_->lattice; }

@@ -14,15 +14,13 @@ bool fits_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, const P
 double noise_to_reach(double error, double texture);
 
 // A bake in rounds: each sweeps more lines through the volume, for direct and soft light as much as
-// their noise and cost ask for, and leaves a whole bake, which `on_round` is given for each round
-// but the last. What a round does depends on the rounds before alone, never on time. Ends when the
-// estimated noise leaves room for settings.error, when settings.seconds are over or progress.stop()
-// was called. `kept`, if given, is what the bake goes on with; a first picture is not, as it has
-// texels of its own. `checkpoints`, if given, leave its state now and then, and it goes on from one
-// of them with the bits of a bake that nobody interrupted.
+// their noise and cost ask for, and leaves a whole bake. What a round does depends on the rounds
+// before alone, never on time. Ends when the estimated noise leaves room for settings.error, when
+// settings.seconds are over or progress.stop() was called. A first picture is nothing to go on
+// with, as it has texels of its own. Checkpoints leave its state now and then, and it goes on from
+// one of them with the bits of a bake that nobody interrupted.
 template <int D>
 Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
-                        Progress& progress, const OnRound<D>& on_round, const KeptLight<D>* kept,
-                        const Checkpoints* checkpoints = nullptr);
+                        Progress& progress, const BakeHooks<D>& hooks);
 
 }  // namespace leaflight

@@ -29,16 +29,22 @@ struct SweptTexels {
 template <int D>
 class SweptBake {
  public:
-  // `kept`: of the same texels and settings; null: nothing.
+  // `kept`: of the same texels and settings; null: nothing. `workers`: who sweeps blocks; null:
+  // nobody else.
   SweptBake(const SweptVolume<D>& volume, const LightSampler<D>& lights,
             const BakeSettings<D>& settings, const Plan& plan, Progress& progress,
-            std::atomic<std::uint64_t>& rays, SweptTexels<D> texels, const KeptLight<D>* kept);
+            std::atomic<std::uint64_t>& rays, SweptTexels<D> texels,
+            const KeptLight<D>* kept = nullptr, const BlockWorkers* workers = nullptr);
 
   // Sweeps more blocks of either light; after_block, if given, is called between them.
   void add(int direct_blocks, int indirect_blocks, const std::function<void()>& after_block = {});
   // Its state, as it is whenever after_block is called. An add() that was interrupted goes on with
   // one of the blocks that are missing then.
   void keep(Keeper& keeper);
+  // What lines of indirect light look up, from a bake to the one of a sweeper (block_sweeper.h).
+  void keep_looked_up(Keeper& keeper);
+  // A block for another bake that has asked for it, as block_bytes().
+  std::string sweep_for_others(SweptLight light, int number);
   // With those that were kept.
   int direct_blocks() const { return direct_.blocks() + (kept_ ? kept_->direct_blocks() : 0); }
   int indirect_blocks() const {
@@ -57,6 +63,7 @@ class SweptBake {
 
  private:
   void trace_photons(const TexelLattice<D>& texels, std::uint64_t count);
+  void keep_soft(Keeper& keeper);
   std::vector<Average> direct_means(bool inner) const;
   std::vector<Rgb> soft_of_photons(bool inner) const;
   void learn_soft();
@@ -73,7 +80,8 @@ class SweptBake {
   const Plan& plan_;
   Progress& progress_;
   std::atomic<std::uint64_t>& rays_;
-  const KeptLight<D>* kept_;  // may be null
+  const KeptLight<D>* kept_;     // may be null
+  const BlockWorkers* workers_;  // may be null
   SweptLattice<D> texels_;
   DirectLight<D> direct_;
   std::unique_ptr<IndirectLight<D>> indirect_;  // null: nothing reflects

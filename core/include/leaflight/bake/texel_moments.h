@@ -28,7 +28,7 @@ class TexelMoments {
  public:
   explicit TexelMoments(std::size_t texels = 0) : sums(texels), blocks_(texels) {}
 
-  std::vector<TexelSum> sums;
+  std::vector<TexelSum> sums;  // of the block that is open
 
   bool empty() const { return sums.empty(); }
   void close_block(Progress& progress) {
@@ -36,34 +36,38 @@ class TexelMoments {
       for (std::size_t i = begin; i < end; ++i) blocks_[i].close(sums[i]);
     });
   }
+  // The open block's samples.
+  void forget_block() { std::fill(sums.begin(), sums.end(), TexelSum{}); }
+  // Between blocks.
   void keep(Keeper& keeper) {
     const std::size_t texels = sums.size();
-    keeper(sums, texels);
     keeper(blocks_, texels);
-    if (sums.size() != texels || blocks_.size() != texels) {
+    if (blocks_.size() != texels) {
       throw Error("The checkpoint is of another bake; bake the volume anew.");
     }
   }
   std::vector<Average> averages() const {
     std::vector<Average> result(sums.size());
-    for (std::size_t i = 0; i < result.size(); ++i) result[i] = blocks_[i].average(sums[i]);
+    for (std::size_t i = 0; i < result.size(); ++i) result[i] = blocks_[i].average();
     return result;
   }
 
  private:
+  // Those that are closed.
   struct Blocks {
-    float sum = 0, weight = 0;  // of those that are closed
+    TexelSum all;
     float weight2 = 0, mixed = 0, sum2 = 0;
 
-    void close(const TexelSum& all) {
-      const float mean = all.mean(), own = mean - sum, w = all.weight - weight;
-      sum = mean;
-      weight = all.weight;
+    void close(TexelSum& block) {
+      const float mean = block.mean(), w = block.weight;
+      all.radiance += block.radiance;
+      all.weight += w;
       weight2 += w * w;
-      mixed += w * own;
-      sum2 += own * own;
+      mixed += w * mean;
+      sum2 += mean * mean;
+      block = {};
     }
-    Average average(const TexelSum& all) const {
+    Average average() const {
       if (!(all.weight > 0 && weight2 > 0)) return {};
       const float m = all.mean() / all.weight, all2 = all.weight * all.weight;
       // The residuals about the ratio of sums (Cochran 1977, 6.4), see Moments.
@@ -73,6 +77,9 @@ class TexelMoments {
     }
   };
   std::vector<Blocks> blocks_;
+
+ public:
+  static constexpr std::size_t bytes_a_texel = sizeof(TexelSum) + sizeof(Blocks);
 };
 
 // Of the outer and the inner side; the latter is empty where it is not baked.

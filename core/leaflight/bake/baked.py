@@ -1,0 +1,271 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake, one radiance grid for every isosurface of a volume, and what to do with it."""
+
+import json
+import time
+from dataclasses import dataclass
+
+import leaflight._core as _core
+import numpy as np
+
+from .._core import LeaflightError
+from ..io.output import check_writable
+from ..scene.on_mesh import interpolated
+from ..scene.scene import SceneDescription, core_scene, isovalue_at
+from ..volume.setting_error import SettingError
+from .settle import LEAST_VERTICES
+from .settle import settle as settled
+from .stamps import id_of
+
+# The standard error of a colour at which direct light has settled.
+SETTLED_ERROR = 2e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """One lit isosurface in world coordinates.
+
+    vertices, normals (unit, away from the side that is lit), radiance (W/(m^2 sr), linear RGB):
+    float32 (n, 3); triangles: int32 (m, 3); seconds: the time contouring and lookup took, and
+    settling; error: None, or for a surface that has settled the standard error, of the radiance's
+    mean over the channels, of what settling traced: float32 (n,).
+    """
+
+    vertices: np.ndarray
+    normals: np.ndarray
+    triangles: np.ndarray
+    radiance: np.ndarray
+    seconds: float
+    error: np.ndarray = None
+
+
+@dataclass(frozen=True, eq=False)
+class Bake:
+    """Volumes, the scene in world coordinates they were lit in, and the radiance of all leaves.
+
+    `isovalue` always is the leaf coordinate (see scene.py): the isovalue of a single volume, and
+    0..1 with several. isovalues: (lo, hi), the baked window of it.
+    grids: one _core.RadianceGrid for each volume; surroundings: _core.SurroundingsRadiance or None.
+    statistics: seconds, rays, rays_per_second, texels, peak_memory_bytes, skipped_passes;
+        rounds, 0 where the work was fixed; estimated_error_percent, of what compare calls
+        rms_percent, worst_error_percent and worst_isovalue, the same of the isosurfaces that err
+        most, all None where the work was fixed; stopped, whether a stop or the time ended the
+        bake before it reached its error; and estimated_rms_percent, the RMS of the noise that the
+        texels report, in the units of compare.
+    metadata: text by key, everything the result depends on; equal bakes have equal metadata.
+    """
+
+    volumes: list
+    scene: SceneDescription
+    isovalues: tuple
+    grids: list
+    surroundings: object
+    statistics: dict
+    metadata: dict
+
+    @property
+    def volume(self):
+        return self.volumes[0]
+
+    @property
+    def grid(self):
+        return self.grids[0]
+
+    @property
+    def id(self):
+        """Tells bakes apart, 32 digits: equal bakes have equal ones, on any machine."""
+        return id_of(self.metadata)
+
+    def save(self, path, progress=None):
+        """Writes the bake as one .vdb under its final name or not at all.
+
+        Raises LeaflightError, and Cancelled where progress, a _core.Progress, is cancelled before
+        the file is whole.
+        """
+        check_writable(path, ".vdb")
+        metadata = dict(self.metadata, id=self.id, statistics=json.dumps(self.statistics))
+        fields = [volume.field() for volume in self.volumes]
+        _core.write_bake(path, fields, self.grids, self.surroundings, metadata, progress)
+
+    def isovalue_of(self, volume, isovalue):
+        """The isovalue, in data units, that a volume (its number) shows at a leaf coordinate."""
+        return isovalue_at(self.scene, volume, isovalue)
+
+    def surface(
+        self, isovalue, volume=0, back=False, settle=False, seed=0, threads=0, progress=None
+    ):
+        """The isosurface of a volume with its radiance, a Surface; finer where texels are.
+
+        back: its inner side, towards higher values. settle: whether direct light is traced at the
+        vertices, and indirect light corrected there, instead of looked up alone; a number is the
+        seconds after which that ends early. Inner sides settle whether they were baked or not.
+        Raises LeaflightError outside the window, Cancelled.
+        """
+        self.check_isovalue(isovalue, volume)
+        start = time.perf_counter()
+        if settle is False:
+            field, own = self.volumes[volume].field(), self.isovalue_of(volume, isovalue)
+            dark = self._is_dark(volume, back)
+            vertices, normals, triangles, *sides = self.grids[volume].lit_contour(
+                field, own, normals=True, front=not back, back=back and not dark
+            )
+            radiance = np.zeros((len(vertices), 3), np.float32) if dark else sides[back]
+            error = None
+        else:
+            vertices, normals, triangles = self.contour(isovalue, volume, at_rest=True)
+            settling = self.settling(isovalue, vertices, normals, triangles, volume, back, seed)
+            limit = None if settle is True else settle
+            radiance, error = settled(settling, limit, threads, progress)
+        if back:
+            normals, triangles = -normals, np.ascontiguousarray(triangles[:, ::-1])
+        seconds = time.perf_counter() - start
+        return Surface(vertices, normals, triangles, radiance, seconds, error)
+
+    def contour(self, isovalue, volume=0, at_rest=False):
+        """The mesh of an isosurface: (vertices float32 (n, 3), outward normals, triangles (m, 3)).
+
+        It is finer where texels are, and everywhere if it is to settle and would have few vertices.
+        """
+        return self.grids[volume].contour(
+            self.volumes[volume].field(),
+            self.isovalue_of(volume, isovalue),
+            LEAST_VERTICES if at_rest else 0,
+        )
+
+    def settling(self, isovalue, vertices, normals, triangles, volume=0, back=False, seed=0):
+        """A _core.Settle of an isosurface's mesh, as contour() returns it.
+
+        Raises LeaflightError.
+        """
+        self.check_isovalue(isovalue, volume)
+        return _core.Settle(
+            self._core_scene(),
+            self.grids[volume],
+            vertices,
+            normals,
+            triangles,
+            isovalue,
+            volume,
+            back,
+            SETTLED_ERROR / self.scene.exposure,
+            seed,
+        )
+
+    def radiance(self, points, volume=0, back=False):
+        """Baked radiance of a volume's leaves, float32 (n, 3), at world points (n, 3).
+
+        It is zero where no leaf passes. back: of the inner sides. Raises LeaflightError.
+        """
+        self._check_volume(volume)
+        if self._is_dark(volume, back):
+            return np.zeros((len(points), 3), dtype=np.float32)
+        return self.grids[volume].lookup(self.volumes[volume].field(), points, back)
+
+    def _is_dark(self, volume, back):
+        """Whether the bake left the inner side out because no light can reach it.
+
+        Raises SettingError where it was not baked.
+        """
+        if not back or self.grids[volume].has_back:
+            return False
+        if not json.loads(self.metadata["both_sides"]):
+            raise SettingError(
+                "The inner side was not baked: bake again with both sides.", "both-sides"
+            )
+        return True
+
+    def radiance_error(self, points, volume=0):
+        """The standard error of radiance(), of its mean over the channels: float32 (n,)."""
+        self._check_volume(volume)
+        return self.grids[volume].lookup_error(self.volumes[volume].field(), points)
+
+    def reference(
+        self, points, isovalue, spp=1024, seed=0, threads=0, progress=None, volume=0, back=False
+    ):
+        """Path-traced radiance at points (n, 3) of an isosurface, on its outer or inner side.
+
+        Returns (radiance, standard_error), float32 (n, 3) each. Raises LeaflightError, Cancelled.
+        """
+        self.check_isovalue(isovalue, volume)
+        scene = self._core_scene()
+        progress = progress or _core.Progress()
+        return _core.reference(
+            scene, points, isovalue, spp, seed, threads, progress, volume=volume, back=back
+        )
+
+    def mesh_number(self, name):
+        """The number of the mesh of the surroundings of that name. Raises LeaflightError."""
+        names = [mesh.name for mesh in self.scene.meshes]
+        if name not in names:
+            raise LeaflightError(
+                f'There is no mesh "{name}" around the volumes: choose one of {", ".join(names)}.'
+            )
+        return names.index(name)
+
+    def mesh_radiance(self, mesh, points, isovalue, back=False):
+        """Baked radiance, float64 (n, 3), at points (n, 3) of a mesh of the surroundings.
+
+        mesh: its number; back: seen from where its normals point away. Raises LeaflightError.
+        """
+        self._check_window(isovalue)
+        if self.surroundings is None:
+            raise SettingError(
+                "The surroundings were not baked: bake again with them.", "surroundings"
+            )
+        vertices, triangles = self.surroundings.mesh(mesh)
+        radiance = self.surroundings.radiance(mesh, isovalue, back)
+        return interpolated(vertices, triangles, radiance, points)
+
+    def mesh_reference(
+        self,
+        mesh,
+        facets,
+        coordinates,
+        isovalue,
+        spp=1024,
+        seed=0,
+        threads=0,
+        progress=None,
+        back=False,
+    ):
+        """Path-traced radiance at points of a mesh (see on_mesh.py), as reference()."""
+        self._check_window(isovalue)
+        scene = self._core_scene()
+        progress = progress or _core.Progress()
+        return _core.reference_surroundings(
+            scene, mesh, facets, coordinates, isovalue, spp, seed, threads, progress, back
+        )
+
+    def check_isovalue(self, isovalue, volume=0):
+        """Raises LeaflightError unless the baked window and the volume's data hold the isovalue."""
+        self._check_volume(volume)
+        self._check_window(isovalue)
+        low, high = self.volumes[volume].field().range
+        own = self.isovalue_of(volume, isovalue)
+        if not low < own <= high:
+            low, high = self.volumes[volume].data_range()
+            raise LeaflightError(
+                f"Isovalue {own:g} lies outside the data, whose values are {low:g}..{high:g}: "
+                "no isosurface exists there, choose one inside."
+            )
+
+    def _core_scene(self):
+        fields = [volume.field() for volume in self.volumes]
+        return core_scene(self.scene, fields, self.isovalues)
+
+    def _check_window(self, isovalue):
+        lo, hi = self.isovalues
+        if not lo <= isovalue <= hi:
+            raise SettingError(
+                f"Isovalue {isovalue:g} lies outside the baked window {lo:g}..{hi:g}: choose one "
+                "inside or bake again with a wider window.",
+                "isovalues",
+            )
+
+    def _check_volume(self, volume):
+        if not 0 <= volume < len(self.volumes):
+            raise SettingError(
+                f"There is no volume {volume}: the bake holds {len(self.volumes)}, "
+                "numbered from 0.",
+                "volume",
+            )

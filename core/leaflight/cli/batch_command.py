@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command batch: many bakes, each as a whole by one worker, resumed where they stopped.
+
+Workers run `bake_line` of this module; the machines of a scheduler see the same files.
+"""
+
+import json
+import os
+import shlex
+import time
+from concurrent.futures import CancelledError
+from pathlib import Path
+
+from .._core import Cancelled, LeaflightError, Progress
+from ..bake.bake import bake, stamp_of
+from ..bake.load_bake import load_bake
+from ..bake.stamps import METADATA
+from ..io.output import check_writable
+from .bake_command import bake_settings, checkpoint_of, path_anywhere
+from .lighting import to_light
+from .progress import run_with_progress
+
+POLL_SECONDS = 0.2
+# A worker that dies bakes nothing; others go on with its bake so many times.
+RETRIES = 3
+# Of bakes alike; `rounds` and what follows from them tell how far each came.
+_ASKED = tuple(key for key in METADATA if key not in ("volumes", "rounds", "blocks", "continued"))
+
+
+def run_batch(options):
+    bakes = _read_list(options.list)
+
+    def work(progress):
+        # Not everywhere is Dask installed, and it takes a second to load.
+        from ..cluster.workers import Workers
+
+        progress.begin("Starting workers")
+        count = None if options.scheduler else options.workers or 1
+        with Workers(count, options.scheduler) as workers:
+            return _bake_all(bakes, workers, progress)
+
+    goes_on = "cancelled; the same command goes on where it stopped."
+    done = run_with_progress(work, "batch", writes=True, cancelled=goes_on)
+    refused = [one for one in done if "error" in one]
+    baked = [one for one in done if one.get("seconds") is not None]
+    result = {"bakes": done, "baked": len(baked), "refused": len(refused)}
+    if refused:
+        raise LeaflightError(
+            f"{options.list}: {len(refused)} of {len(done)} bakes failed, the first of them on "
+            f"line {refused[0]['line']}: {refused[0]['error']}"
+        )
+    return result, [
+        *(f"{one['out']}: {one['seconds']:.1f} s" for one in baked),
+        f"{len(baked)} baked, {len(done) - len(baked)} were there already",
+    ]
+
+
+def bake_line(options, threads):
+    """One bake of the list, in a worker: {"out", "seconds"}, None where it is there already."""
+    global _under_way
+    _under_way = progress = Progress()
+    start = time.perf_counter()
+    volumes, scene = to_light(options, ".vdb")
+    settings = {**bake_settings(options), "threads": threads}
+    asked = stamp_of(volumes, scene, **settings)
+    if _is_baked(options.out, asked):
+        return {"out": options.out, "seconds": None}
+    checkpoint = checkpoint_of(options, resumed=True)
+    try:
+        checkpoint.arguments(asked)
+    except LeaflightError:
+        checkpoint = checkpoint_of(options, resumed=False)
+    baked = bake(volumes, scene, progress=progress, checkpoint=checkpoint, **settings)
+    baked.save(options.out, progress)
+    checkpoint.remove()
+    return {"out": options.out, "seconds": time.perf_counter() - start}
+
+
+_under_way = None
+
+
+def cancel_bake():
+    """Ends the bake of this worker; its checkpoint stays."""
+    if _under_way is not None:
+        _under_way.cancel()
+
+
+def _bake_all(bakes, workers, progress):
+    progress.begin("Bakes")
+    progress.expect(len(bakes))
+    futures = {
+        workers.client.submit(
+            bake_line, options, workers.threads, pure=False, retries=RETRIES
+        ): number
+        for number, options in bakes
+    }
+    done = []
+    try:
+        while futures:
+            progress.check()
+            for future in [future for future in futures if future.done()]:
+                done.append({"line": futures.pop(future), **_outcome(future)})
+                progress.advance(1)
+            time.sleep(POLL_SECONDS)
+    except Cancelled:
+        workers.client.cancel(list(futures), force=True)
+        workers.client.run(cancel_bake, on_error="ignore")
+        raise
+    return sorted(done, key=lambda one: one["line"])
+
+
+def _outcome(future):
+    try:
+        return future.result()
+    except (LeaflightError, MemoryError) as error:
+        return {"error": str(error) or "there is not enough memory."}
+    except (Cancelled, CancelledError):
+        return {"error": "its worker was cancelled; run the command again."}
+    except Exception as error:  # Dask's own: the worker died, again and again
+        return {"error": f"its worker died ({type(error).__name__}); run the command again."}
+
+
+def _is_baked(path, asked):
+    """Whether a file is a whole bake of this metadata before its rounds."""
+    try:
+        found = load_bake(path).metadata
+    except LeaflightError:
+        return False
+    return _volumes(found) == _volumes(asked) and all(found[key] == asked[key] for key in _ASKED)
+
+
+def _volumes(metadata):
+    """What tells volumes apart, wherever they came from."""
+    records = json.loads(metadata["volumes"])
+    return [[one[key] for key in ("values_sha256", "index_to_world")] for one in records]
+
+
+def _read_list(path):
+    """The options of the bakes of a file, with the numbers of their lines."""
+    # The parser knows nothing of the package, and this package nothing of its own commands' words.
+    from leaflight_command.parser import make_parser
+    from leaflight_command.shared_options import UsageError
+
+    try:
+        text = Path(path).read_text()
+    except (OSError, UnicodeDecodeError) as error:
+        raise LeaflightError(f"{path}: cannot read it: {error}.") from None
+    bakes, parser = [], make_parser()
+    for number, line in enumerate(text.splitlines(), 1):
+        try:
+            words = shlex.split(line, comments=True)
+            options = parser.parse_args(["bake", *words]) if words else None
+        except (ValueError, UsageError) as error:
+            raise LeaflightError(f"{path}, line {number}: {error}") from None
+        if options is None:
+            continue
+        if not options.out or options.kept or options.workers or options.scheduler:
+            raise LeaflightError(
+                f"{path}, line {number}: give VOLUME and --out, and none of --continue, --workers "
+                "and --scheduler."
+            )
+        bakes.append((number, _anywhere(options)))
+    if not bakes:
+        raise LeaflightError(
+            f"{path}: it lists no bakes: give the arguments of one `leaflight bake` a line."
+        )
+    outs = [options.out for _, options in bakes]
+    for number, options in bakes:
+        check_writable(options.out, ".vdb")
+        if outs.count(options.out) > 1:
+            raise LeaflightError(
+                f"{path}, line {number}: another line writes {options.out}, too; name another file."
+            )
+    return bakes
+
+
+def _anywhere(options):
+    """With paths that mean the same in any folder."""
+    options.volumes = [path_anywhere(volume) for volume in options.volumes]
+    for name in ("scene", "out"):
+        value = getattr(options, name)
+        setattr(options, name, value and os.path.abspath(value))
+    return options

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What runs in the processes of workers: blocks of light of the bake that they were asked for last.
+
+A worker keeps what one bake needs, and no more: its memory is that of one bake, however many there
+are.
+"""
+
+import threading
+from dataclasses import dataclass
+
+import leaflight._core as _core
+
+from .._core import LeaflightError, Progress
+from ..scene.scene import SceneDescription, core_scene
+from ..version import __version__
+from ..volume.volume import Volume
+
+
+@dataclass(frozen=True, eq=False)
+class Recipe:
+    """What a worker needs of a bake: key tells bakes apart; arrays: of each volume, its values, or
+    the file (.npy) on this machine that holds them; settings: of the core, by their names; the
+    others as in Bake.
+    """
+
+    key: str
+    arrays: list
+    matrices: list
+    scene: SceneDescription
+    isovalues: tuple
+    settings: dict
+    version: str = __version__
+
+    def scene_of_core(self):
+        volumes = [
+            Volume(load(array), matrix, f"volume {k}")
+            for k, (array, matrix) in enumerate(zip(self.arrays, self.matrices))
+        ]
+        return core_scene(self.scene, [volume.field() for volume in volumes], self.isovalues)
+
+
+@dataclass(frozen=True, eq=False)
+class LookedUp:
+    """What lines of indirect light look up; name tells one from those before."""
+
+    name: str
+    state: bytes
+
+
+def load(array):
+    """The values of a volume; those of a file are shared by all processes that read it."""
+    import numpy as np
+
+    return np.load(array, mmap_mode="r") if isinstance(array, str) else array
+
+
+class _Sweeper:
+    """Of one bake."""
+
+    def __init__(self, recipe):
+        if recipe.version != __version__:
+            raise LeaflightError(
+                f"A worker has Leaflight {__version__}, and this is {recipe.version}: install the "
+                "same on all machines."
+            )
+        self.key, self.progress = recipe.key, Progress()
+        settings = _core.BakeSettings()
+        for name, value in recipe.settings.items():
+            setattr(settings, name, value)
+        self._known = None
+        self._core = _core.BlockSweeper(recipe.scene_of_core(), settings, self.progress)
+
+    def look_up(self, looked_up):
+        if looked_up.name != self._known:
+            self._core.look_up(looked_up.state)
+            self._known = looked_up.name
+
+    def sweep(self, light, number):
+        return self._core.sweep(light, number)
+
+
+_lock = threading.Lock()
+_sweeper = None
+
+
+def sweep(recipe, looked_up, light, number):
+    """One block of light of a bake: bytes for _core.bake()'s workers.
+
+    looked_up: LookedUp, None for direct light. Raises LeaflightError, Cancelled after cancel().
+    """
+    global _sweeper
+    # What one block needs is shared by all, and each uses all threads that it may.
+    with _lock:
+        if _sweeper is None or _sweeper.key != recipe.key:
+            _sweeper = None
+            _sweeper = _Sweeper(recipe)
+        if looked_up is not None:
+            _sweeper.look_up(looked_up)
+        return _sweeper.sweep(light, number)
+
+
+def cancel(key):
+    """Ends what this worker does for a bake, from another thread."""
+    sweeper = _sweeper
+    if sweeper is not None and sweeper.key == key:
+        sweeper.progress.cancel()
+
+
+def forget(key):
+    """Frees what this worker keeps of a bake."""
+    global _sweeper
+    with _lock:
+        if _sweeper is not None and _sweeper.key == key:
+            _sweeper = None

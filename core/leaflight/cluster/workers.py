@@ -1,0 +1,196 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Workers of a Dask cluster that sweep blocks of light for a bake, with the bits of one machine."""
+
+import os
+import tempfile
+import uuid
+from pathlib import Path
+
+import numpy as np
+
+from .._core import Cancelled, LeaflightError
+from . import sweeper
+from .sweeper import LookedUp, Recipe
+
+# How often a bake that waits for a block looks whether it was cancelled.
+POLL_SECONDS = 0.1
+# A block that is lost with its worker is swept again by others so many times.
+RETRIES = 3
+# What Dask raises where scheduler or workers have gone.
+_GONE = (OSError, RuntimeError, ValueError, TimeoutError)
+# Of the core's settings, what a block depends on; threads are the worker's own.
+SETTINGS = ("resolution", "samples", "photons", "seed", "exposure", "both_sides", "surroundings")
+
+
+class Workers:
+    """Processes that sweep blocks for bakes: bake(volume, workers=Workers(4)).
+
+    count: of processes on this machine, which share its processors; or scheduler: the address of a
+    Dask scheduler, such as "tcp://10.0.0.1:8786", whose workers have the same Leaflight. Use as a
+    context manager, or call close(). swept: how many blocks they have brought; lost: how many the
+    bakes had to sweep themselves. Raises LeaflightError where there is no Dask or no worker.
+    """
+
+    def __init__(self, count=None, scheduler=None, patience_seconds=30):
+        if (count is None) == (scheduler is None):
+            raise LeaflightError("Give either a number of workers or the address of a scheduler.")
+        try:
+            import cryptography  # noqa: F401 - for connections that nobody else can use
+            import dask
+            from distributed import Client, LocalCluster
+        except ImportError:
+            raise LeaflightError(
+                "Workers need Dask, which is not installed: pip install 'leaflight[cluster]', or "
+                "apt-get install "
+                "python3-distributed python3-cryptography."
+            ) from None
+        self.swept = self.lost = 0
+        self._cluster = None
+        self._folder = tempfile.TemporaryDirectory(prefix="leaflight-")
+        # Who looks at Dask's own page asks for it.
+        dask.config.set({"distributed.worker.daemon": True})
+        if scheduler is None:
+            if count < 1:
+                raise LeaflightError(f"There must be one worker at least, not {count}.")
+            self.threads = max(1, (os.cpu_count() or 1) // count)
+            self._cluster = LocalCluster(
+                n_workers=count,
+                threads_per_worker=1,
+                processes=True,
+                # Swept blocks are as large as they are; the limit would kill, not save.
+                memory_limit=0,
+                dashboard_address="127.0.0.1:0",
+                local_directory=self._folder.name,
+                # Whoever reaches a scheduler runs what they like: other users here shall not.
+                security=True,
+            )
+        else:
+            self.threads = 0
+        try:
+            self.client = Client(self._cluster or scheduler, timeout=patience_seconds)
+            self.client.wait_for_workers(1, timeout=patience_seconds)
+        except (OSError, ValueError) as error:
+            self.close()
+            raise LeaflightError(
+                f"{scheduler}: no Dask scheduler with workers answers there: {error}."
+            ) from None
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def close(self):
+        """Ends the workers of this machine; those of a scheduler stay."""
+        for part in (getattr(self, "client", None), self._cluster):
+            if part is not None:
+                part.close()
+        self._folder.cleanup()
+
+    def processes(self):
+        """How many there are now."""
+        return len(self.client.scheduler_info()["workers"])
+
+    def sweeping(self, volumes, scene, isovalues, settings, progress):
+        """The Sweeping of a bake: what lit() gives to the core."""
+        return Sweeping(self, volumes, scene, isovalues, settings, progress)
+
+    def shared(self, values):
+        """What Recipe.arrays holds of a volume's values."""
+        if self._cluster is None:
+            return np.ascontiguousarray(values)
+        path = Path(self._folder.name) / f"{uuid.uuid4().hex}.npy"
+        np.save(path, np.ascontiguousarray(values))
+        return str(path)
+
+
+class Sweeping:
+    """The blocks of one bake at the workers, as _core.bake() asks for them; a context manager."""
+
+    def __init__(self, workers, volumes, scene, isovalues, settings, progress):
+        given = {name: getattr(settings, name) for name in SETTINGS}
+        self._workers, self._client, self._progress = workers, workers.client, progress
+        self._recipe = Recipe(
+            key=uuid.uuid4().hex,
+            arrays=[workers.shared(volume.values) for volume in volumes],
+            matrices=[np.asarray(volume.index_to_world) for volume in volumes],
+            scene=scene,
+            isovalues=tuple(isovalues),
+            settings={**given, "threads": settings.threads or workers.threads},
+        )
+        self._sent = None  # the recipe, at the workers
+        self._futures = {}
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        """Whatever is still under way ends."""
+        futures, self._futures = self._futures, {}
+        try:
+            if self._is_connected():
+                if futures:
+                    self._client.cancel(list(futures.values()), force=True)
+                    self._client.run(sweeper.cancel, self._recipe.key, on_error="ignore")
+                self._client.run(sweeper.forget, self._recipe.key, on_error="ignore")
+        except _GONE:
+            pass  # Who is not there has nothing to end.
+        for array in self._recipe.arrays:
+            if isinstance(array, str):
+                Path(array).unlink(missing_ok=True)
+
+    def begin(self, light, first, count, state):
+        """Has blocks swept; state: what their lines look up, b"" for nothing."""
+        if not self._is_connected():
+            return
+        try:
+            if self._sent is None or self._sent.status != "finished":
+                self._sent = self._client.scatter(self._recipe, broadcast=True, hash=False)
+            looked_up = None
+            if state:
+                looked_up = LookedUp(uuid.uuid4().hex, state)
+                looked_up = self._client.scatter(looked_up, broadcast=True, hash=False)
+            for number in range(first, first + count):
+                self._futures[light, number] = self._client.submit(
+                    sweeper.sweep,
+                    self._sent,
+                    looked_up,
+                    light,
+                    number,
+                    pure=False,
+                    retries=RETRIES,
+                )
+        except _GONE:
+            # Nobody is there any more; the bake goes on by itself.
+            self._sent = None
+
+    def _is_connected(self):
+        return self._client.status == "running"
+
+    def take(self, light, number):
+        """A block, or b"" where no worker has it, since they are gone or keep dying.
+
+        Raises LeaflightError for workers of another Leaflight, Cancelled.
+        """
+        from distributed import TimeoutError as NotYet
+
+        future = self._futures.pop((light, number), None)
+        while future is not None:
+            if self._progress.cancelled:
+                self._futures[light, number] = future
+                self._progress.check()
+            try:
+                block = future.result(timeout=POLL_SECONDS)
+                self._workers.swept += 1
+                return block
+            except NotYet:
+                continue
+            except (Cancelled, LeaflightError):
+                raise
+            except Exception:
+                # However it was lost, the block is the same when it is swept here.
+                self._sent = None
+                break
+        self._workers.lost += 1
+        return b""

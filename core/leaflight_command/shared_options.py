@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Options that several commands have, and the parser that they are of.
+
+Imports nothing of the package, as parser.py.
+"""
+
+import argparse
+
+from .numbers import integer, number
+
+# What the package knows by these names.
+ENDIANS = ("little", "big")
+ESTIMATORS = ("gather", "volumetric", "path", "thesis")
+TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")
+
+
+class UsageError(Exception):
+    """Of options that cannot be parsed: one sentence."""
+
+
+class Parser(argparse.ArgumentParser):
+    """Raises UsageError where argparse would print its usage and exit."""
+
+    def __init__(self, **options):
+        # Abbreviations would change meaning whenever an option is added.
+        super().__init__(allow_abbrev=False, **options)
+
+    def error(self, message):
+        raise UsageError(f"{message}; see '{self.prog} --help'.")
+
+
+def layout_options():
+    """How the values of a volume lie in its file."""
+    parser = Parser(add_help=False)
+    parser.add_argument(
+        "--dims",
+        type=integer,
+        nargs="+",
+        metavar="N",
+        help=".raw: nx ny nz; generated volumes: nodes a side; points: nodes of the longest side",
+    )
+    parser.add_argument("--type", choices=TYPES, help=".raw: type of the values")
+    parser.add_argument("--endian", choices=ENDIANS, help=".raw: byte order (little)")
+    parser.add_argument(
+        "--spacing",
+        type=number,
+        nargs="+",
+        metavar="S",
+        help=".raw, TIFF, HDF5, NumPy: voxel size, one or X Y Z (1)",
+    )
+    parser.add_argument(
+        "--grid", metavar="NAME", help=".vdb: name of the grid (the first scalar one)"
+    )
+    parser.add_argument("--frame", type=integer, metavar="K", help="4D data: frame to read, from 0")
+    parser.add_argument(
+        "--channel", type=integer, metavar="K", help="several values a voxel: which to read, from 0"
+    )
+    parser.add_argument(
+        "--level", type=integer, metavar="K", help="OME-Zarr: resolution, 0 the finest"
+    )
+    parser.add_argument(
+        "--dataset", metavar="NAME", help="several volumes in one file or folder: which to read"
+    )
+    parser.add_argument(
+        "--downsample",
+        type=integer,
+        choices=(1, 2, 4, 8),
+        metavar="N",
+        help="keep the mean of N voxels along each axis: 2, 4 or 8 (1)",
+    )
+    return parser
+
+
+def threads_options():
+    parser = Parser(add_help=False)
+    parser.add_argument(
+        "--seed", type=integer, default=0, metavar="N", help="same seed, same result (0)"
+    )
+    parser.add_argument(
+        "--threads", type=integer, default=0, metavar="N", help="threads (0: every core)"
+    )
+    return parser
+
+
+def lit_options(volume):
+    """Volumes in space that are to be lit."""
+    parser = Parser(add_help=False)
+    parser.add_argument(
+        "volumes", metavar="VOLUME", nargs="*", help=volume + " (those of the scene file)"
+    )
+    parser.add_argument(
+        "--capped", action="store_true", help="close isosurfaces at the border of the volume"
+    )
+    return parser
+
+
+def scene_options():
+    """In which light, and within which isovalues."""
+    parser = Parser(add_help=False)
+    parser.add_argument("--scene", metavar="FILE", help="scene file (a box around the data)")
+    parser.add_argument(
+        "--isovalues",
+        type=number,
+        nargs=2,
+        metavar=("LO", "HI"),
+        help="window to bake (from the data); of several volumes within 0..1",
+    )
+    return parser
+
+
+def resolution_options(parser):
+    parser.add_argument(
+        "--resolution", type=integer, metavar="N", help="texels on the longest axis (one a voxel)"
+    )
+
+
+def work_options(parser):
+    """How much is done, where the amount is fixed."""
+    parser.add_argument("--samples", type=integer, metavar="N", help="rays a texel (32)")
+    parser.add_argument("--photons", type=integer, metavar="N", help="photons (2000000)")
+    parser.add_argument("--estimator", choices=ESTIMATORS, help="(gather)")
+
+
+def thesis_options(parser):
+    """The thesis's own ways."""
+    thesis = parser.add_argument_group("of --estimator thesis")
+    thesis.add_argument("--k", type=integer, metavar="N", help="photons of an estimate (200)")
+    thesis.add_argument(
+        "--photon-radius",
+        type=number,
+        metavar="R",
+        help="how far an estimate reaches, in longest sides of the volume (without limit)",
+    )
+    thesis.add_argument(
+        "--g", type=number, metavar="G", help="weight of isovalues against distances (10)"
+    )
+    thesis.add_argument(
+        "--region", metavar="NAME", help="sphere, clipped_sphere (default), box, cylinder, graph"
+    )
+
+    scattered = parser.add_argument_group("samples strewn over the domain, not in each texel")
+    scattered.add_argument(
+        "--strategy",
+        metavar="NAME",
+        help="uniform, stratified, importance, level_set, letters, slabs, regular",
+    )
+    scattered.add_argument(
+        "--count", type=integer, metavar="N", help="how many, of --samples rays each"
+    )
+    scattered.add_argument(
+        "--isovalue-count", type=integer, metavar="N", help="level_set: isovalues (9)"
+    )
+    scattered.add_argument("--filter", metavar="NAME", help="shepard (default), tent, box")
+    scattered.add_argument(
+        "--filter-radius", type=integer, metavar="D", help="texels that a sample reaches (3)"
+    )
+
+
+def leaf_options():
+    """One isosurface of a bake."""
+    parser = Parser(add_help=False)
+    parser.add_argument("bake", metavar="BAKE", help="a .vdb written by bake")
+    parser.add_argument(
+        "--isovalue",
+        type=number,
+        required=True,
+        metavar="C",
+        help="in data units; of several volumes 0..1, from the lowest to the highest of each",
+    )
+    side_options(parser)
+    return parser
+
+
+def side_options(parser):
+    """Which of the isosurfaces of that isovalue, and seen from where."""
+    parser.add_argument(
+        "--volume",
+        type=integer,
+        default=0,
+        metavar="K",
+        help="which of several volumes, from 0 (0)",
+    )
+    parser.add_argument("--back", action="store_true", help="the inner side")

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The part of scripts/pictures_stills that runs within Blender."""
+
+import argparse
+import math
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+from PIL import Image
+
+BRAINS = Path("/usr/share/mricron/templates")
+ERROR = 2.0
+# Of a still, and of a frame of the sweep.
+STILL_SIZE, STILL_SAMPLES = (1920, 1080), 192
+SWEEP_SIZE, SWEEP_SAMPLES = (400, 400), 24
+SWEEP_FRAMES, SWEEP_MILLISECONDS = 48, 90
+
+
+@dataclass(frozen=True)
+class Still:
+    """window, isovalue: in data units; color: the albedo; turn: degrees around the vertical; zoom:
+    how much narrower the camera's angle is than the stage's.
+    """
+
+    path: Path
+    preset: str
+    window: tuple
+    isovalue: float
+    color: tuple
+    turn: float = 0.0
+    zoom: float = 1.0
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    for name in ("addon", "work", "out"):
+        parser.add_argument(f"--{name}", type=Path, required=True)
+    parser.add_argument("--data")
+    arguments = parser.parse_args(sys.argv[sys.argv.index("--") + 1 :])
+    bpy.ops.preferences.addon_install(filepath=str(arguments.addon.resolve()))
+    bpy.ops.preferences.addon_enable(module="leaflight_addon")
+    stills = {
+        "brain": Still(
+            BRAINS / "ch2bet.nii.gz", "OPEN_FLOOR", (40, 120), 74.5, (0.85, 0.55, 0.5), -35, 1.7
+        )
+    }
+    if arguments.data:
+        data = Path(arguments.data)
+        stills["vessels"] = Still(
+            data / "aneurism.nrrd", "LIGHT_TENT", (40, 120), 60.5, (0.7, 0.16, 0.12), 0, 1.3
+        )
+        stills["bones"] = Still(
+            data / "amos_0336.mhd", "OPEN_FLOOR", (120, 320), 180.5, (0.83, 0.77, 0.64), 25, 1.1
+        )
+    for name, still in stills.items():
+        if still.path.exists():
+            picture = arguments.out / f"{name}.png"
+            render_still(still, arguments.work, picture)
+            print(picture, flush=True)
+    picture = arguments.out / "sweep.webp"
+    render_sweep(BRAINS / "ch2.nii.gz", arguments.work, picture)
+    print(picture, flush=True)
+
+
+def render_still(still, folder, picture):
+    from leaflight import blender
+
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
+    volume = blender.import_volume(still.path)
+    stop = volume.leaflight.leaf_stops.add()
+    stop.isovalue, stop.color = still.isovalue, still.color
+    volume.matrix_world = turned(volume, still.turn)
+    blender.stage(volume, preset=still.preset)
+    bpy.context.scene.camera.data.angle /= still.zoom
+    # Cycles itself lights the floor, with less grain than a bake of some minutes.
+    settings = {"light_surroundings": False, "error": ERROR, "bake_folder": str(folder)}
+    blender.bake(volume, isovalues=still.window, **settings)
+    blender.show(volume, still.isovalue, settle=True)
+    render(STILL_SIZE, STILL_SAMPLES, picture)
+
+
+def turned(volume, degrees):
+    import mathutils
+
+    turn = mathutils.Matrix.Rotation(math.radians(degrees), 4, "Z")
+    return turn @ volume.matrix_world
+
+
+def render_sweep(path, folder, picture):
+    from leaflight import blender
+
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
+    head = blender.import_volume(path)
+    blender.stage(head)
+    settings = {"light_surroundings": True, "error": ERROR, "bake_folder": str(folder)}
+    blender.bake(head, isovalues=(15, 115), **settings)
+    frames = []
+    for frame in range(SWEEP_FRAMES):
+        blender.show(head, 18.0 + 92.0 * frame / (SWEEP_FRAMES - 1))
+        still = folder / f"frame_{frame:03}.png"
+        render(SWEEP_SIZE, SWEEP_SAMPLES, still)
+        frames.append(Image.open(still).convert("RGB"))
+    there_and_back = frames + frames[-2:0:-1]
+    there_and_back[0].save(
+        picture,
+        save_all=True,
+        append_images=there_and_back[1:],
+        duration=SWEEP_MILLISECONDS,
+        loop=0,
+        quality=70,
+        method=6,
+    )
+
+
+def render(size, samples, picture):
+    scene = bpy.context.scene
+    scene.render.engine = "CYCLES"
+    scene.cycles.samples, scene.cycles.use_denoising = samples, False
+    scene.render.resolution_x, scene.render.resolution_y = size
+    scene.render.resolution_percentage = 100
+    scene.render.filepath = str(picture.resolve())
+    bpy.ops.render.render(write_still=True)
+
+
+main()

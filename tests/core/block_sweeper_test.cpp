@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Bakes in rounds whose blocks are swept elsewhere.
+#include "leaflight/bake/block_sweeper.h"
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "leaflight/math/error.h"
+#include "whole_rounds.h"
+
+namespace leaflight {
+namespace {
+
+using test::expect_same_light;
+using test::in_rounds;
+using test::kept_of;
+using test::of_all_light;
+using test::small_scene;
+using test::stopped_after;
+
+// Two sweepers, of which one loses now and then what it has swept.
+class TwoSweepers {
+ public:
+  TwoSweepers(const Scene<3>& scene, BakeSettings<3> settings) {
+    for (const int threads : {1, 3}) {
+      settings.threads = threads;
+      sweepers_.push_back(std::make_unique<BlockSweeper>(scene, settings, progress_));
+    }
+    calls_.begin = [this](SweptLight, int first, int count,
+                          const std::function<void(std::ostream&)>& looked_up) {
+      EXPECT_GT(count, 0);
+      first_ = first;
+      end_ = first + count;
+      if (!looked_up) return;
+      std::ostringstream state;
+      looked_up(state);
+      for (auto& sweeper : sweepers_) {
+        std::istringstream stream(state.str());
+        sweeper->look_up(stream);
+      }
+    };
+    calls_.take = [this](SweptLight light, int number) {
+      EXPECT_TRUE(first_ <= number && number < end_);
+      ++asked_;
+      return asked_ % 4 == 0 ? std::string() : sweepers_[number % 2]->sweep(light, number);
+    };
+  }
+  const BlockWorkers& calls() const { return calls_; }
+  int asked() const { return asked_; }
+
+ private:
+  Progress progress_;
+  std::vector<std::unique_ptr<BlockSweeper>> sweepers_;
+  BlockWorkers calls_;
+  int first_ = 0, end_ = 0, asked_ = 0;
+};
+
+TEST(BlockSweeper, AreTheSameWhoeverSweepsTheirBlocks) {
+  const Scene<3> scene = test::cornell(test::torus(17), {0.6, 0.95});
+  BakeSettings<3> settings = of_all_light(17);
+  settings.error /= 4;
+  Progress progress;
+  TwoSweepers others(scene, settings);
+  std::vector<Baked<3>> bakes{bake(scene, settings, progress)};
+  bakes.push_back(bake<3>(scene, settings, progress, {{}, nullptr, nullptr, &others.calls()}));
+  expect_same_light(bakes);
+  EXPECT_EQ(bakes[0].statistics.rays, bakes[1].statistics.rays);
+  EXPECT_GT(others.asked(), 4);
+  // One that goes on with another: its blocks have other numbers.
+  const KeptLight<3> kept = kept_of(stopped_after(1, scene, settings));
+  TwoSweepers again(scene, settings);
+  bakes = {bake<3>(scene, settings, progress, {{}, &kept})};
+  bakes.push_back(bake<3>(scene, settings, progress, {{}, &kept, nullptr, &again.calls()}));
+  expect_same_light(bakes);
+  EXPECT_GT(again.asked(), 0);
+}
+
+TEST(BlockSweeper, RefuseABlockOfAnotherBake) {
+  const Scene<3> scene = small_scene();
+  BlockWorkers strange;
+  strange.begin = [](SweptLight, int, int, const std::function<void(std::ostream&)>&) {};
+  strange.take = [](SweptLight, int) { return std::string("a block"); };
+  Progress progress;
+  EXPECT_THROW(bake<3>(scene, in_rounds(), progress, {{}, nullptr, nullptr, &strange}), Error);
+  BakeSettings<3> fixed = in_rounds();
+  fixed.samples = 4;
+  EXPECT_THROW(BlockSweeper(scene, fixed, progress), Error);
+}
+
+}  // namespace
+}  // namespace leaflight

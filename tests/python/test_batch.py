@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lists of bakes: each by one worker, resumed where they stopped."""
+
+import signal
+import subprocess
+import time
+
+import nibabel
+import numpy as np
+import pytest
+from leaflight import load_bake
+
+pytest.importorskip("distributed")
+
+
+@pytest.fixture
+def scan(tmp_path):
+    """Two frames in time, as NIfTI has them."""
+    z, y, x = np.mgrid[:12, :12, :12]
+    frames = [np.sin(0.4 * x + t) + np.cos(0.5 * y) + 0.1 * z for t in range(2)]
+    path = tmp_path / "scan.nii"
+    nibabel.save(nibabel.Nifti1Image(np.stack(frames, -1).astype(np.float32), np.eye(4)), path)
+    return path
+
+
+def listed(tmp_path, *lines):
+    path = tmp_path / "bakes.txt"
+    path.write_text("# what to bake\n\n" + "\n".join(lines) + "\n")
+    return path
+
+
+def test_frames_volumes_and_settings(cli, scan, tmp_path):
+    lines = [f"{scan} --frame {t} --error 5 --out '{tmp_path}/frame {t}.vdb'" for t in range(2)]
+    lines.append(f"bump_box --dims 10 --error 5 --out {tmp_path}/box.vdb  # generated")
+    path = listed(tmp_path, *lines)
+    done = cli("batch", path, "--workers", "2")
+    assert done.status == 0, done.err
+    assert "3 baked, 0 were there already" in done.out
+    # Each is what `bake` makes by itself.
+    alone = tmp_path / "alone.vdb"
+    assert cli("bake", scan, "--frame", 1, "--error", 5, "--out", alone).status == 0
+    other = load_bake(tmp_path / "frame 1.vdb")
+    np.testing.assert_array_equal(
+        load_bake(alone).grid.dense("radiance"), other.grid.dense("radiance")
+    )
+    # Again, nothing is left to do; what is missing, damaged or asked for differently is baked.
+    assert "0 baked, 3 were there already" in cli("batch", path).out
+    (tmp_path / "frame 0.vdb").unlink()
+    whole = (tmp_path / "box.vdb").read_bytes()
+    (tmp_path / "box.vdb").write_bytes(whole[:-100])
+    path = listed(tmp_path, lines[0], lines[1].replace("--error 5", "--error 4"), lines[2])
+    assert "3 baked" in cli("batch", path).out
+    assert (tmp_path / "box.vdb").stat().st_size > len(whole) - 100
+
+
+def test_a_batch_that_was_interrupted_goes_on(root, cli, tmp_path):
+    """The long bake goes on from its checkpoint, and the short one stays as it is."""
+    lines = [f"bump_box --dims 10 --error 5 --out {tmp_path}/short.vdb"]
+    lines.append(f"bump_box --dims 60 --error 0.4 --out {tmp_path}/long.vdb")
+    path = listed(tmp_path, *lines)
+    program = subprocess.Popen(
+        [root / "scripts" / "leaflight", "batch", path, "--workers", "2"],
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    end = time.monotonic() + 60
+    while not (tmp_path / "short.vdb").exists():
+        assert program.poll() is None and time.monotonic() < end
+        time.sleep(0.05)
+    written = (tmp_path / "short.vdb").stat().st_mtime_ns
+    program.send_signal(signal.SIGINT)
+    _, err = program.communicate(timeout=60)
+    assert program.returncode == 130 and "goes on where it stopped" in err
+    assert not (tmp_path / "long.vdb").exists()
+    path = listed(tmp_path, lines[0], lines[1].replace("0.4", "3"))
+    assert "1 baked, 1 were there already" in cli("batch", path).out
+    assert (tmp_path / "short.vdb").stat().st_mtime_ns == written
+
+
+def test_what_fails_is_told(cli, tmp_path):
+    bad = tmp_path / "bad.nii"
+    bad.write_bytes(b"no volume")
+    path = listed(
+        tmp_path,
+        f"{bad} --out {tmp_path}/bad.vdb",
+        f"bump_box --dims 10 --error 5 --out {tmp_path}/box.vdb",
+    )
+    done = cli("batch", path)
+    assert done.status == 2 and "1 of 2 bakes failed" in done.err and "line 3" in done.err
+    assert (tmp_path / "box.vdb").exists()
+
+
+@pytest.mark.parametrize(
+    "line, sentence",
+    [
+        ("bump_box", "line 3: one of the arguments"),
+        ("bump_box --out a.vdb --workers 3", "line 3: give VOLUME and --out"),
+        ("bump_box --out 'a.vdb", "line 3: No closing quotation"),
+        ("bump_box --out a.vdb\nhydrogen --out a.vdb", "another line writes"),
+        ("", "lists no bakes"),
+    ],
+)
+def test_lists_that_make_no_sense(cli, tmp_path, monkeypatch, line, sentence):
+    monkeypatch.chdir(tmp_path)
+    done = cli("batch", listed(tmp_path, line))
+    assert done.status == 2 and sentence in done.err and len(done.err.splitlines()) == 1
+    assert cli("batch", tmp_path / "none.txt").status == 2

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bakes whose light is swept by several processes: the same bits, whoever sweeps and dies."""
+
+import os
+import signal
+import threading
+
+import leaflight
+import numpy as np
+import pytest
+from leaflight import Cancelled, LeaflightError, Progress, load_bake
+from leaflight.bake.bake import worker_memory
+
+pytest.importorskip("distributed")
+
+from distributed import LocalCluster  # noqa: E402
+from leaflight.cluster import sweeper  # noqa: E402
+from leaflight.cluster.workers import Workers  # noqa: E402
+
+SETTINGS = {"error": 3.0, "resolution": 24, "both_sides": True, "surroundings": True}
+
+
+@pytest.fixture(scope="module")
+def volume():
+    return leaflight.bump_box(20)
+
+
+@pytest.fixture(scope="module")
+def alone(volume):
+    return leaflight.bake(volume, **SETTINGS)
+
+
+@pytest.fixture
+def workers():
+    with Workers(2) as started:
+        yield started
+
+
+def check_same(bake, other):
+    assert bake.id == other.id
+    for name in ("radiance", "radiance_indirect", "radiance_error", "radiance_back"):
+        ours, theirs = (one.grid.dense(name) for one in (bake, other))
+        np.testing.assert_array_equal(ours, theirs, err_msg=name)
+    for mesh in range(bake.surroundings.count):
+        for back in (False, True):
+            ours, theirs = (one.surroundings.radiance(mesh, 47.0, back) for one in (bake, other))
+            np.testing.assert_array_equal(ours, theirs)
+
+
+@pytest.mark.parametrize("count", [1, 4])
+def test_any_number_of_workers(volume, alone, count):
+    with Workers(count) as workers:
+        assert workers.processes() == count
+        check_same(leaflight.bake(volume, workers=workers, **SETTINGS), alone)
+        assert workers.swept >= 4 and workers.lost == 0
+
+
+def test_workers_that_die(volume, alone, workers):
+    """One is killed in each round, and others, started for it, know nothing of the bake."""
+    killed = []
+
+    def kill(_bake):
+        killed.append(next(iter(workers.client.run(os.getpid).values())))
+        os.kill(killed[-1], signal.SIGKILL)
+
+    check_same(leaflight.bake(volume, workers=workers, on_round=kill, **SETTINGS), alone)
+    assert killed and workers.swept > 0
+
+
+def test_nobody_is_left(volume, alone):
+    """The bake goes on by itself."""
+    workers = Workers(2)
+
+    def close(_bake):
+        workers.close()
+
+    check_same(leaflight.bake(volume, workers=workers, on_round=close, **SETTINGS), alone)
+    assert workers.swept > 0 and workers.lost > 0
+
+
+def test_going_on_with_a_bake(volume, workers):
+    progress = Progress()
+    part = leaflight.bake(
+        volume, progress=progress, on_round=lambda _: progress.stop(), **{**SETTINGS, "error": 1.0}
+    )
+    alone = leaflight.resume(part, error=1.5)
+    check_same(leaflight.resume(part, error=1.5, workers=workers), alone)
+    assert workers.swept > 0
+
+
+def test_cancel_goes_through(workers):
+    """What workers do for a bake ends with it, and they are free for the next."""
+    progress = Progress()
+    bake = threading.Thread(
+        target=lambda: pytest.raises(
+            Cancelled,
+            leaflight.bake,
+            leaflight.bump_box(100),
+            error=0.01,
+            workers=workers,
+            progress=progress,
+        )
+    )
+    bake.start()
+    while not any(workers.client.processing().values()):
+        assert bake.is_alive()
+    progress.cancel()
+    bake.join(20)
+    assert not bake.is_alive()
+    assert workers.client.submit(abs, -1).result(timeout=20) == 1
+    assert not any(workers.client.run(lambda: sweeper._sweeper is not None).values())
+
+
+def test_workers_of_another_leaflight(volume, workers, monkeypatch):
+    monkeypatch.setattr(sweeper.Recipe, "__init__", _of_another(sweeper.Recipe.__init__))
+    with pytest.raises(LeaflightError, match="install the same"):
+        leaflight.bake(volume, workers=workers, **SETTINGS)
+
+
+def _of_another(init):
+    return lambda recipe, **parts: init(recipe, **parts, version="0.0.1")
+
+
+def test_what_cannot_be_shared(volume, workers):
+    with pytest.raises(LeaflightError, match="fixed amount of work"):
+        leaflight.bake(volume, workers=workers, samples=4)
+    with pytest.raises(LeaflightError, match="one volume"):
+        leaflight.bake(leaflight.lapr(12), workers=workers)
+    with pytest.raises(LeaflightError, match="one worker at least"):
+        Workers(0)
+    with pytest.raises(LeaflightError, match="either"):
+        Workers()
+    with pytest.raises(LeaflightError, match="tcp://127.0.0.1:9"):
+        Workers(scheduler="tcp://127.0.0.1:9", patience_seconds=1)
+
+
+def test_the_command_line(cli, tmp_path):
+    """Its own workers, and those of a scheduler that somebody has started."""
+    arguments = ["bake", "bump_box", "--dims", "12", "--error", "4", "--out"]
+    outs = [tmp_path / f"{name}.vdb" for name in ("alone", "two", "scheduler")]
+    with LocalCluster(2, dashboard_address="127.0.0.1:0", memory_limit=0) as cluster:
+        address = cluster.scheduler_address
+        for out, who in zip(outs, ([], ["--workers", "2"], ["--scheduler", address])):
+            done = cli(*arguments, out, *who)
+            assert done.status == 0, done.err
+            assert not list(tmp_path.glob("*.checkpoint"))
+        assert len(cluster.workers) == 2, "they are not ours to end"
+    bakes = [load_bake(out) for out in outs]
+    for bake in bakes[1:]:
+        assert bake.id == bakes[0].id
+        ours, theirs = (one.grid.dense("radiance") for one in (bake, bakes[0]))
+        np.testing.assert_array_equal(ours, theirs)
+
+
+def test_memory_is_told_beforehand(cli, workers):
+    """What a worker holds is near to what it was said to hold."""
+    volume = leaflight.bump_box(100)
+    told = worker_memory(volume)
+    (before, *_) = (low for low in workers.client.run(resident).values())
+    leaflight.bake(volume, error=4.0, workers=workers)
+    held = max(workers.client.run(resident).values()) - before
+    assert 0.5 * told < held < 1.5 * told
+    done = cli("bake", "bump_box", "--dims", "20", "--error", "5", "--workers", "2", "--estimate")
+    assert done.status == 0 and "each worker would hold about" in done.out
+
+
+def resident():
+    """Bytes that this process has held at most; ru_maxrss knows of who started it, too."""
+    lines = open("/proc/self/status").read().splitlines()
+    return 1024 * next(int(line.split()[1]) for line in lines if line.startswith("VmHWM"))
