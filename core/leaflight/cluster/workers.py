@@ -4,6 +4,7 @@
 import os
 import tempfile
 import uuid
+from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
 
 import numpy as np
@@ -121,6 +122,7 @@ class Sweeping:
         )
         self._sent = None  # the recipe, at the workers
         self._futures = {}
+        self._fetching = ThreadPoolExecutor(1, "leaflight blocks")
 
     def __enter__(self):
         return self
@@ -136,6 +138,7 @@ class Sweeping:
                 self._client.run(sweeper.forget, self._recipe.key, on_error="ignore")
         except _GONE:
             pass  # Who is not there has nothing to end.
+        self._fetching.shutdown(wait=False)
         for array in self._recipe.arrays:
             if isinstance(array, str):
                 Path(array).unlink(missing_ok=True)
@@ -173,24 +176,22 @@ class Sweeping:
 
         Raises LeaflightError for workers of another Leaflight, Cancelled.
         """
-        from distributed import TimeoutError as NotYet
-
         future = self._futures.pop((light, number), None)
-        while future is not None:
-            if self._progress.cancelled:
-                self._futures[light, number] = future
-                self._progress.check()
+        if future is not None:
+            # In a thread: a transfer that is given up to look at the progress begins anew.
+            fetched = self._fetching.submit(future.result)
+            while not wait([fetched], timeout=POLL_SECONDS).done:
+                if self._progress.cancelled:
+                    self._futures[light, number] = future
+                    self._progress.check()
             try:
-                block = future.result(timeout=POLL_SECONDS)
+                block = fetched.result()
                 self._workers.swept += 1
                 return block
-            except NotYet:
-                continue
             except (Cancelled, LeaflightError):
                 raise
             except Exception:
                 # However it was lost, the block is the same when it is swept here.
                 self._sent = None
-                break
         self._workers.lost += 1
         return b""

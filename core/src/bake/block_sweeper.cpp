@@ -29,8 +29,10 @@ struct BlockSweeper::Parts {
         volume{tracer, 0, empty},
         arena(of.threads > 0 ? of.threads : tbb::task_arena::automatic) {
     arena.execute([&] {
+      SweptTexels<3> texels = rounds_texels(volume, settings);
+      texels.photon_count = 0;
       bake = std::make_unique<SweptBake<3>>(volume, lights, settings, plan, progress, rays,
-                                            rounds_texels(volume, settings));
+                                            std::move(texels));
     });
   }
 };

@@ -38,7 +38,7 @@ SweptBake<D>::SweptBake(const SweptVolume<D>& volume, const LightSampler<D>& lig
   indirect_ = std::make_unique<IndirectLight<D>>(volume, std::move(texels.soft), texels.spacing,
                                                  plan.back, settings.seed,
                                                  kept ? bounces + kept->indirect_blocks() : 0);
-  trace_photons(texels.photons, texels.photon_count);
+  if (texels.photon_count > 0) trace_photons(texels.photons, texels.photon_count);
   if (!kept) return;
   for (int side = 0; side < (plan.back ? 2 : 1); ++side) {
     kept_soft_[side] = kept->soft(volume.volume(), volume.tracer.scene().window, side != 0,
@@ -106,7 +106,18 @@ void SweptBake<D>::keep_looked_up(Keeper& keeper) {
   int first_block = direct_.first_block();
   keeper(first_block);
   keep_soft(keeper);
-  if (keeper.restores()) direct_.learn_leaf_light(first_block, progress_);
+  bool walls = photons_.surroundings != nullptr;
+  keeper(walls);
+  if (keeper.restores()) {
+    direct_.learn_leaf_light(first_block, progress_);
+    if (walls && !photons_.surroundings) {
+      photons_.surroundings = std::make_unique<SurfaceCache<D>>(volume_.tracer, false, 1.0, 1);
+    }
+  }
+  if (walls) {
+    std::vector<Rgb>& radiance = photons_.surroundings->finished();
+    keeper(radiance, radiance.size());
+  }
 }
 
 template <int D>

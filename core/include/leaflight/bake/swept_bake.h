@@ -16,11 +16,11 @@ namespace leaflight {
 // Where a bake by sweeps knows light.
 template <int D>
 struct SweptTexels {
-  SweptLattice<D> direct;   // the texels of the result
-  SweptLattice<D> soft;     // those of soft light
-  int spacing = 1;          // of the lines for soft light, in its texels
-  TexelLattice<D> photons;  // what photons fall into
-  std::uint64_t photon_count = 0;
+  SweptLattice<D> direct;          // the texels of the result
+  SweptLattice<D> soft;            // those of soft light
+  int spacing = 1;                 // of the lines for soft light, in its texels
+  TexelLattice<D> photons;         // what photons fall into
+  std::uint64_t photon_count = 0;  // 0: their light comes by keep_looked_up()
 };
 
 // One volume's bake by sweeps, from nothing, or from what others have kept, to any number of

@@ -19,6 +19,10 @@ class SurfaceCache {
   // Photons that did not come straight from a light: direct light is sampled by finish().
   void deposit(const PhotonHit<D>& photon);
 
+  // The finished radiance, to or from another cache of the same scene; of no other use is a cache
+  // then than to answer rays.
+  std::vector<Rgb>& finished() { return radiance_; }
+
   std::size_t entries() const { return radiance_.size(); }
   // Turns the photons of one entry into radiance and adds direct light by `samples` shadow rays.
   void finish(std::size_t entry, const LightSampler<D>& lights, int samples, std::uint64_t seed,
