@@ -78,18 +78,36 @@ ITEMS = [
 ]
 
 
-def fitted(preset, volumes):
+def fitted(preset, volumes, isovalues):
     """The SceneDescription of a preset, fitted around volumes in world coordinates.
 
-    It is as large as fit_scene() makes it, and moved so that its floor lies just below the volumes:
-    flat ones do not float. Raises LeaflightError.
+    It is as large as fit_scene() makes it, and moved so that its floor lies just below the lowest
+    place where a volume has its isovalue or more: what is flat, or has margins, does not float.
+    isovalues: of each volume, the lowest that is baked. Raises LeaflightError.
     """
     description = packaged_scene(PRESETS[preset].file)
     low, high = bounds(volumes)
     scale = 0.5 * float((high - low).max())
     floor = min(float(mesh.vertices[:, 2].min()) for mesh in description.meshes)
     lowest = 0.5 * (low + high)[2] + floor * scale
-    return moved(leaflight.fit_scene(description, volumes), (low[2] - _GAP * scale) - lowest)
+    foot = min(_foot(volume, isovalue) for volume, isovalue in zip(volumes, isovalues))
+    return moved(leaflight.fit_scene(description, volumes), (foot - _GAP * scale) - lowest)
+
+
+def _foot(volume, isovalue):
+    """The z of the lowest corner of the box of the voxels of an isovalue or more."""
+    inside = np.asarray(volume.values) >= isovalue
+    if not inside.any():
+        return float(bounds([volume])[0][2])
+    ends = []
+    for axis in (2, 1, 0):  # x first
+        others = tuple(other for other in range(3) if other != axis)
+        found = np.flatnonzero(inside.any(axis=others))
+        # The isosurface lies up to a voxel further out.
+        ends.append((max(found[0] - 1, 0), min(found[-1] + 1, inside.shape[axis] - 1)))
+    corners = np.stack(np.meshgrid(*ends, indexing="ij"), axis=-1).reshape(-1, 3)
+    matrix = np.asarray(volume.index_to_world)
+    return float((corners @ matrix[2, :3] + matrix[2, 3]).min())
 
 
 def bounds(volumes):

@@ -73,7 +73,8 @@ class LEAFLIGHT_OT_stage(bpy.types.Operator):
             volumes = scene_export.volume_objects(context, leaf)
             shapes = [world_volume(obj) for obj in volumes]
             own = self._own_collection()
-            description = None if own else presets.fitted(self.preset, shapes)
+            lowest = [obj.leaflight.low for obj in volumes]
+            description = None if own else presets.fitted(self.preset, shapes, lowest)
         except leaflight.LeaflightError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

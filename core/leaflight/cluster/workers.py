@@ -37,7 +37,6 @@ class Workers:
             raise LeaflightError("Give either a number of workers or the address of a scheduler.")
         try:
             import cryptography  # noqa: F401 - for connections that nobody else can use
-            import dask
             from distributed import Client, LocalCluster
         except ImportError:
             raise LeaflightError(
@@ -48,8 +47,6 @@ class Workers:
         self.swept = self.lost = 0
         self._cluster = None
         self._folder = tempfile.TemporaryDirectory(prefix="leaflight-")
-        # Who looks at Dask's own page asks for it.
-        dask.config.set({"distributed.worker.daemon": True})
         if scheduler is None:
             if count < 1:
                 raise LeaflightError(f"There must be one worker at least, not {count}.")

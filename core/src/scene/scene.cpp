@@ -255,7 +255,7 @@ void validate(const Scene<D>& scene) {
   if (!has_light(scene)) {
     throw Error(
         "The scene has no light, so every isosurface would be black; add an area light, or give "
-        "the world a colour.");
+        "the world a color.");
   }
 }
 

@@ -47,6 +47,17 @@ def check_every_bake_is_a_file_of_its_own_that_tells_its_id(saved):
     assert len(bake_files.bakes_in(second.parent)) == 2
 
 
+def check_a_bake_is_a_volume_of_blender(saved):
+    """What tells at the file's end that it is whole is in nobody's way."""
+    path = bake_files.locate(saved)
+    assert leaflight._core.has_seal(path)
+    bpy.ops.object.volume_import(filepath=str(path))
+    volume = bpy.context.object.data
+    assert volume.grids.load() and not volume.grids.error_message
+    grids = {grid.name: grid for grid in volume.grids}
+    assert grids["radiance"].data_type == "VECTOR_FLOAT" and grids["radiance"].channels == 3
+
+
 def check_undo_after_a_second_bake_shows_the_first(saved):
     name = saved.name
     bpy.ops.ed.undo_push(message="first")

@@ -10,7 +10,7 @@ import pytest
 from bpy_extras.object_utils import world_to_camera_view
 from leaflight_addon.stage import aside, presets, scene_export, stage, world
 from leaflight_addon.store import cache
-from tools import add_light, close, error_of, one_coloured_world
+from tools import add_light, close, error_of, mesh_arrays, one_coloured_world, to_world
 
 BUILT = [name for name in presets.PRESETS if name != presets.MY_SCENE]
 
@@ -46,9 +46,29 @@ def head(tmp_path):
     return bpy.context.object
 
 
+def check_what_has_margins_stands_on_the_floor(tmp_path):
+    """A ball within a volume that is empty around it, as brains without skulls are."""
+    x, y, z = np.mgrid[:40, :40, :40]
+    ball = np.clip(100.0 - 10.0 * np.sqrt((x - 20) ** 2 + (y - 20) ** 2 + (z - 22) ** 2), 0, 100)
+    path = tmp_path / "ball.nii"
+    nibabel.save(nibabel.Nifti1Image(ball.astype(np.float32), np.eye(4)), path)
+    bpy.ops.leaflight.import_volume(filepath=str(path))
+    obj = bpy.context.object
+    obj.leaflight.isovalue = obj.leaflight.low = 20.0
+    _stage("CORNELL")
+    lowest = to_world(obj, mesh_arrays(obj)[0])[:, 2].min()
+    size = np.ptp(_corners(obj)[:, 2])
+    floor = min(
+        to_world(one, mesh_arrays(one)[0])[:, 2].min()
+        for one in bpy.context.scene.objects
+        if one.type == "MESH" and stage.is_staged(one)
+    )
+    assert 0 < lowest - floor < 0.06 * size
+
+
 @pytest.mark.parametrize("preset", BUILT)
 def check_a_stage_comes_back_as_it_was_described(bumps, preset):
-    wanted = presets.fitted(preset, [cache.world_volume(bumps)])
+    wanted = presets.fitted(preset, [cache.world_volume(bumps)], [bumps.leaflight.low])
     _stage(preset)
     found, _, warnings = scene_export.export_scene(bpy.context, bumps)
     assert warnings == []

@@ -42,7 +42,7 @@ def check_scalar(path, dtype):
     """Raises LeaflightError unless a value is one real number."""
     dtype = np.dtype(dtype)
     if dtype.kind not in "biuf":
-        kind = "complex" if dtype.kind == "c" else "colour or structured"
+        kind = "complex" if dtype.kind == "c" else "color or structured"
         raise LeaflightError(
             f"{path}: the values are {kind} ({str(dtype)[:60]}), but a volume needs one real "
             "number a voxel; convert the file first."

@@ -58,7 +58,7 @@ def open_volume(path, dataset=None):
         raise LeaflightError(f"{path}: this DICOM file holds no pixels; choose another.")
     if any(header.get("SamplesPerPixel", 1) != 1 for header in series[name]):
         raise LeaflightError(
-            f"{path}: its pixels are colours, but a volume needs one real number a voxel; choose "
+            f"{path}: its pixels are colors, but a volume needs one real number a voxel; choose "
             "another series."
         )
     slices = [one for header in series[name] for one in _slices(header)]

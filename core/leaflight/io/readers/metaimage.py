@@ -41,7 +41,7 @@ def open_volume(path):
     check_shape(path, shape)
     if int(header.get("ElementNumberOfChannels", 1)) != 1:
         raise LeaflightError(
-            f"{path}: it has several values a voxel, as colours have, but a volume needs one real "
+            f"{path}: it has several values a voxel, as colors have, but a volume needs one real "
             "number; convert the file first."
         )
     if header["ElementType"] not in _TYPES:

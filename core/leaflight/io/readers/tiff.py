@@ -185,7 +185,7 @@ class _Complaints(logging.Handler):
 def _check_pages(path, file, series):
     if "S" in series.axes and series.shape[series.axes.index("S")] > 1:
         raise LeaflightError(
-            f"{path}: the pages are colour images, but a volume needs one number a voxel; "
+            f"{path}: the pages are color images, but a volume needs one number a voxel; "
             "convert them to grey values first."
         )
     check_scalar(path, series.dtype)
