@@ -135,12 +135,30 @@ def make_parser():
     batch.add_argument(
         "list", metavar="LIST.txt", help="a file with the arguments of one bake on each line"
     )
-    batch.add_argument(
-        "--workers", type=integer, metavar="N", help="so many at a time on this machine (1)"
+    render = subparsers.add_parser(
+        "render", help="the frames of a .blend by workers, resumed where they stopped"
     )
-    batch.add_argument(
-        "--scheduler", metavar="ADDRESS", help="by the workers of this Dask scheduler"
+    render.add_argument("blend", metavar="X.blend", help="what moves is keyframed in it")
+    render.add_argument(
+        "--out", required=True, metavar="OUT", help="a folder for the frames (.png), or an .mp4"
     )
+    render.add_argument(
+        "--frames",
+        type=integer,
+        nargs=2,
+        metavar=("FIRST", "LAST"),
+        help="(those of the .blend)",
+    )
+    render.add_argument(
+        "--blender", default="blender", metavar="PROGRAM", help="Blender's program (blender)"
+    )
+    for one in (batch, render):
+        one.add_argument(
+            "--workers", type=integer, metavar="N", help="so many at a time on this machine (1)"
+        )
+        one.add_argument(
+            "--scheduler", metavar="ADDRESS", help="by the workers of this Dask scheduler"
+        )
 
     surface = subparsers.add_parser(
         "surface", parents=[leaf, threads], help="one lit isosurface as a mesh"

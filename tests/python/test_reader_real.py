@@ -75,3 +75,19 @@ def test_a_real_enhanced_dicom(of_pydicom):
     volume = read_volume(of_pydicom("emri_small.dcm"))
     assert volume.values.shape == (10, 64, 64)
     np.testing.assert_allclose(np.linalg.norm(volume.index_to_world[:3, 0]), 0.3125)
+
+
+def test_a_real_hdf5(tmp_path):
+    """A scan as MINC 2 has it, which is HDF5, against nibabel, which scales each of its planes."""
+    import nibabel
+
+    file = Path(nibabel.__file__).parent / "tests" / "data" / "small.mnc"
+    if not file.exists():
+        pytest.skip("nibabel's small.mnc is not here")
+    pytest.importorskip("h5py")
+    path = tmp_path / "small.h5"
+    path.write_bytes(file.read_bytes())
+    ours, theirs = read_volume(path).values, nibabel.load(file).get_fdata()
+    assert ours.shape == theirs.shape == (18, 28, 29)
+    for plane, other in zip(ours, theirs):
+        assert np.corrcoef(plane.ravel(), other.ravel())[0, 1] > 0.99999

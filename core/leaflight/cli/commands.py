@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line: info, bake, batch, surface, still, export, compare, flatland, report and bench.
+"""The command line: info, bake, batch, surface, still, export, render, compare, flatland, report
+and bench.
 
 Results go to stdout, with --json as one JSON object on the last line; progress goes to stderr.
 Exit status: 0; 1 when a report found an error that is not what it must be; 2 after an error, told
@@ -32,6 +33,7 @@ from .batch_command import run_batch
 from .export_command import run_export
 from .lighting import open_with, to_light, work_options
 from .progress import run_with_progress
+from .render_command import run_render
 from .still_command import run_still
 from .telling import json_line, tell, tell_error
 
@@ -288,6 +290,7 @@ COMMANDS = {
     "still": run_still,
     "export": run_export,
     "photons": _photons,
+    "render": run_render,
     "compare": _compare,
     "flatland": _flatland,
     "report": _report,

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Workers of a Dask cluster that sweep blocks of light for a bake, with the bits of one machine."""
 
+import asyncio
 import os
 import tempfile
 import uuid
@@ -18,7 +19,7 @@ POLL_SECONDS = 0.1
 # A block that is lost with its worker is swept again by others so many times.
 RETRIES = 3
 # What Dask raises where scheduler or workers have gone.
-_GONE = (OSError, RuntimeError, ValueError, TimeoutError)
+_GONE = (OSError, RuntimeError, ValueError, asyncio.TimeoutError)
 # Of the core's settings, what a block depends on; threads are the worker's own.
 SETTINGS = ("resolution", "samples", "photons", "seed", "exposure", "both_sides", "surroundings")
 
@@ -35,21 +36,20 @@ class Workers:
     def __init__(self, count=None, scheduler=None, patience_seconds=30):
         if (count is None) == (scheduler is None):
             raise LeaflightError("Give either a number of workers or the address of a scheduler.")
+        if scheduler is None and count < 1:
+            raise LeaflightError(f"There must be one worker at least, not {count}.")
         try:
             import cryptography  # noqa: F401 - for connections that nobody else can use
             from distributed import Client, LocalCluster
         except ImportError:
             raise LeaflightError(
                 "Workers need Dask, which is not installed: pip install 'leaflight[cluster]', or "
-                "apt-get install "
-                "python3-distributed python3-cryptography."
+                "apt-get install python3-distributed python3-cryptography."
             ) from None
         self.swept = self.lost = 0
         self._cluster = None
         self._folder = tempfile.TemporaryDirectory(prefix="leaflight-")
         if scheduler is None:
-            if count < 1:
-                raise LeaflightError(f"There must be one worker at least, not {count}.")
             self.threads = max(1, (os.cpu_count() or 1) // count)
             self._cluster = LocalCluster(
                 n_workers=count,
@@ -67,7 +67,7 @@ class Workers:
         try:
             self.client = Client(self._cluster or scheduler, timeout=patience_seconds)
             self.client.wait_for_workers(1, timeout=patience_seconds)
-        except (OSError, ValueError) as error:
+        except _GONE as error:
             self.close()
             raise LeaflightError(
                 f"{scheduler}: no Dask scheduler with workers answers there: {error}."
@@ -99,7 +99,13 @@ class Workers:
         if self._cluster is None:
             return np.ascontiguousarray(values)
         path = Path(self._folder.name) / f"{uuid.uuid4().hex}.npy"
-        np.save(path, np.ascontiguousarray(values))
+        try:
+            np.save(path, np.ascontiguousarray(values))
+        except OSError as error:
+            raise LeaflightError(
+                f"{path}: the workers' copy of the volume cannot be written: {error.strerror}; "
+                "make room there, or bake without workers."
+            ) from None
         return str(path)
 
 

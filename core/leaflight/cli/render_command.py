@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command render: the frames of a .blend by workers, and a video of them.
+
+What moves is keyframed in the .blend: isovalue, camera, anything. The machines of a scheduler see
+the same files and have a Blender with the add-on.
+"""
+
+import os
+import time
+import uuid
+from pathlib import Path
+
+from .._core import Cancelled, LeaflightError
+from ..cluster import frames
+from ..io.output import check_writable, replaced
+from .progress import run_with_progress
+
+# Starting Blender and opening the file takes as long as some small frames.
+FRAMES_A_TASK = 4
+POLL_SECONDS = 0.2
+RETRIES = 3
+VIDEO = ".mp4"
+
+
+def run_render(options):
+    blend, out = Path(options.blend).absolute(), Path(options.out).absolute()
+    if not blend.is_file():
+        raise LeaflightError(f"{blend}: there is no such file; give a saved .blend.")
+    is_video = out.suffix.lower() == VIDEO
+    if is_video:
+        check_writable(out, VIDEO)
+    folder = out.with_name(f"{out.stem}_frames") if is_video else out
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise LeaflightError(f"{folder}: cannot make this folder: {error.strerror}.") from None
+
+    def work(progress):
+        # Not everywhere is Dask installed, and it takes a second to load.
+        from ..cluster.workers import Workers
+
+        progress.begin("Opening the .blend")
+        first, last, fps, *size = frames.ask(options.blender, blend)
+        first, last = options.frames or (first, last)
+        if first > last:
+            raise LeaflightError(f"Frames {first} to {last} are none: give the first one first.")
+        paths = {number: folder / f"{number:04}.png" for number in range(first, last + 1)}
+        left = [number for number, path in paths.items() if not _is_rendered(path, blend)]
+        progress.begin("Starting workers")
+        progress.expect(len(paths))
+        progress.advance(len(paths) - len(left))
+        count = None if options.scheduler else options.workers or 1
+        if left:
+            with Workers(count, options.scheduler) as workers:
+                _render_all(workers, options.blender, blend, paths, left, progress)
+        for part in folder.glob(".frame_*.png"):
+            part.unlink(missing_ok=True)  # of a Blender that was killed
+        if is_video:
+            progress.begin("Video")
+            with replaced(out) as temporary:
+                frames.assemble(options.blender, list(paths.values()), temporary, fps, size)
+        return {"out": str(out), "frames": len(paths), "rendered": len(left)}
+
+    goes_on = "cancelled; the same command goes on where it stopped."
+    result = run_with_progress(work, "render", writes=True, cancelled=goes_on)
+    there = result["frames"] - result["rendered"]
+    return result, [
+        f"{out}: {result['frames']} frames, of which {there} were there already"
+        + (f"; they are in {folder}" if is_video else "")
+    ]
+
+
+def _is_rendered(path, blend):
+    """Whether a frame is there that the .blend has not changed since."""
+    try:
+        return path.stat().st_mtime > blend.stat().st_mtime
+    except OSError:
+        return False
+
+
+def _render_all(workers, blender, blend, paths, left, progress):
+    progress.begin("Frames")
+    key = uuid.uuid4().hex
+    tasks = [left[i : i + FRAMES_A_TASK] for i in range(0, len(left), FRAMES_A_TASK)]
+    futures = {
+        workers.client.submit(
+            frames.render,
+            key,
+            blender,
+            os.fspath(blend),
+            [(number, os.fspath(paths[number])) for number in task],
+            pure=False,
+            retries=RETRIES,
+        ): len(task)
+        for task in tasks
+    }
+    try:
+        while futures:
+            progress.check()
+            for future in [future for future in futures if future.done()]:
+                count = futures.pop(future)
+                _raise_what_failed(future)
+                progress.advance(count)
+            time.sleep(POLL_SECONDS)
+    finally:
+        if futures:
+            workers.client.cancel(list(futures), force=True)
+            workers.client.run(frames.cancel, key, on_error="ignore")
+
+
+def _raise_what_failed(future):
+    try:
+        future.result()
+    except (LeaflightError, Cancelled):
+        raise
+    except Exception as error:  # Dask's own: the worker died, again and again
+        raise LeaflightError(
+            f"A worker died ({type(error).__name__}); the same command goes on where it stopped."
+        ) from None

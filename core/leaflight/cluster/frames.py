@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Frames of a .blend, rendered by workers in Blenders without a window, and a video of them.
+
+Runs in the workers' processes. A frame is there as a whole or not at all.
+"""
+
+import json
+import subprocess
+import threading
+from pathlib import Path
+
+from .._core import Cancelled, LeaflightError
+
+# Of what Blender said before it failed, characters.
+_LAST_WORDS = 300
+
+_RENDER = """
+import bpy, json, os, sys
+work = json.loads(sys.argv[-1])
+scene = bpy.context.scene
+image = scene.render.image_settings
+if hasattr(image, "media_type"):  # from 5.0 on
+    image.media_type = "IMAGE"
+image.file_format = "PNG"
+scene.render.use_file_extension = False
+for number, path in work:
+    part = os.path.join(os.path.dirname(path), f".frame_{os.getpid()}.png")
+    scene.frame_set(number)
+    scene.render.filepath = part
+    bpy.ops.render.render(write_still=True)
+    os.replace(part, path)
+"""
+
+_ASSEMBLE = """
+import bpy, json, os, sys
+frames, out, fps, size = json.loads(sys.argv[-1])
+scene = bpy.context.scene
+scene.render.resolution_x, scene.render.resolution_y = size
+scene.render.resolution_percentage = 100
+scene.render.fps = fps
+scene.view_settings.view_transform = "Standard"
+editor = scene.sequence_editor_create()
+strips = getattr(editor, "strips", None) or editor.sequences
+strip = strips.new_image("frames", frames[0], 1, 1)
+for path in frames[1:]:
+    strip.elements.append(os.path.basename(path))
+strip.frame_final_duration = len(frames)
+scene.frame_start, scene.frame_end = 1, len(frames)
+image = scene.render.image_settings
+if hasattr(image, "media_type"):
+    image.media_type = "VIDEO"
+image.file_format = "FFMPEG"
+scene.render.ffmpeg.format = "MPEG4"
+scene.render.ffmpeg.codec = "H264"
+scene.render.ffmpeg.constant_rate_factor = "HIGH"
+scene.render.use_file_extension = False
+scene.render.filepath = out
+bpy.ops.render.render(animation=True)
+"""
+
+_ASK = """
+import bpy, sys
+scene = bpy.context.scene
+render, share = scene.render, scene.render.resolution_percentage / 100
+size = [int(render.resolution_x * share), int(render.resolution_y * share)]
+print("FRAMES", [scene.frame_start, scene.frame_end, render.fps, *size])
+"""
+
+
+def ask(blender, blend):
+    """(first frame, last, frames a second, width, height) of a .blend. Raises LeaflightError."""
+    said = _run([blender, "--background", blend, "--python-expr", _ASK])
+    line = next((line for line in said.splitlines() if line.startswith("FRAMES ")), None)
+    if line is None:
+        raise LeaflightError(f"{blend}: Blender cannot open it.")
+    return tuple(json.loads(line.partition(" ")[2]))
+
+
+def render(key, blender, blend, work):
+    """Renders frames: work holds (number, path of the .png) of each.
+
+    key: what cancel() is given. Raises LeaflightError, Cancelled.
+    """
+    _run([blender, "--background", blend, "--python-expr", _RENDER, "--", json.dumps(work)], key)
+    missing = [path for _, path in work if not Path(path).exists()]
+    if missing:
+        raise LeaflightError(f"{missing[0]}: Blender has not rendered it.")
+
+
+def assemble(blender, frames, out, fps, size):
+    """Makes an .mp4 of pictures, all in one folder. Raises LeaflightError."""
+    work = json.dumps([[str(path) for path in frames], str(out), fps, size])
+    options = ["--background", "--factory-startup", "--python-expr", _ASSEMBLE, "--", work]
+    _run([blender, *options])
+    if not Path(out).exists():
+        raise LeaflightError(f"{out}: this Blender writes no video; the frames are there.")
+
+
+_lock = threading.Lock()
+_running = {}  # Blenders, by key
+_cancelled = set()
+
+
+def cancel(key):
+    """Ends the Blender that this process has started under a key, and starts no other."""
+    with _lock:
+        _cancelled.add(key)
+        if key in _running:
+            _running[key].kill()
+
+
+def _run(command, key=None):
+    """What Blender says. Raises LeaflightError where it fails, Cancelled after cancel()."""
+    command = [
+        *map(str, command[:1]),
+        "-noaudio",
+        "--python-exit-code",
+        "1",
+        *map(str, command[1:]),
+    ]
+    with _lock:
+        if key in _cancelled:
+            raise Cancelled("cancelled")
+        try:
+            process = subprocess.Popen(
+                command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+            )
+        except OSError as error:
+            raise LeaflightError(
+                f"{command[0]}: it cannot be started: {error.strerror}; name Blender's program "
+                "(--blender)."
+            ) from None
+        _running[key] = process
+    said, _ = process.communicate()
+    with _lock:
+        _running.pop(key, None)
+        if key in _cancelled:
+            raise Cancelled("cancelled")
+    if process.returncode:
+        raise LeaflightError(f"Blender failed: {' '.join(said[-_LAST_WORDS:].split())}")
+    return said
