@@ -15,6 +15,7 @@ PACKAGE = (
     "scene",
     "io",
     "bake",
+    "cluster",
     "still",
     "export",
     "flatland",

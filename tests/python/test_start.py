@@ -9,7 +9,7 @@ import leaflight
 import pytest
 from leaflight.io.readers import raw
 from leaflight.io.sources import GENERATED
-from leaflight_command import parser
+from leaflight_command import parser, shared_options
 
 # User and system time of a call of main() beside that of an interpreter that does nothing.
 MEASURE = """
@@ -53,7 +53,7 @@ def test_commands_load_what_they_need():
 
 
 def test_the_parser_knows_what_the_package_knows():
-    assert parser.TYPES == raw.TYPES and parser.ENDIANS == tuple(raw.ENDIANS)
+    assert shared_options.TYPES == raw.TYPES and shared_options.ENDIANS == tuple(raw.ENDIANS)
     assert parser.GENERATED == GENERATED
 
 
