@@ -38,6 +38,7 @@ def main():
     for name in ("addon", "work", "out"):
         parser.add_argument(f"--{name}", type=Path, required=True)
     parser.add_argument("--data")
+    parser.add_argument("--only")
     arguments = parser.parse_args(sys.argv[sys.argv.index("--") + 1 :])
     bpy.ops.preferences.addon_install(filepath=str(arguments.addon.resolve()))
     bpy.ops.preferences.addon_enable(module="leaflight_addon")
@@ -55,13 +56,14 @@ def main():
             data / "amos_0336.mhd", "OPEN_FLOOR", (120, 320), 180.5, (0.83, 0.77, 0.64), 25, 1.1
         )
     for name, still in stills.items():
-        if still.path.exists():
+        if still.path.exists() and arguments.only in (name, ""):
             picture = arguments.out / f"{name}.png"
             render_still(still, arguments.work, picture)
             print(picture, flush=True)
-    picture = arguments.out / "sweep.webp"
-    render_sweep(BRAINS / "ch2.nii.gz", arguments.work, picture)
-    print(picture, flush=True)
+    if arguments.only in ("sweep", ""):
+        picture = arguments.out / "sweep.webp"
+        render_sweep(BRAINS / "ch2.nii.gz", arguments.work, picture)
+        print(picture, flush=True)
 
 
 def render_still(still, folder, picture):

@@ -24,6 +24,7 @@ template <int D>
 void DirectLight<D>::add_blocks(int count, Progress& progress, std::atomic<std::uint64_t>& lines,
                                 const std::function<void()>& after_block,
                                 const BlockWorkers* workers) {
+  for (TexelMoments& side : moments_) side.open();
   const int own = blocks_ == 0 ? 1 : 0;  // it tells leaf_light_ its sources
   if (workers && count > own) {
     workers->begin(SweptLight::direct, first_block_ + blocks_ + own, count - own, {});
@@ -46,14 +47,16 @@ void DirectLight<D>::add_blocks(int count, Progress& progress, std::atomic<std::
     ++blocks_;
     if (after_block) after_block();
   }
+  for (TexelMoments& side : moments_) side.release();
 }
 
 template <int D>
 std::string DirectLight<D>::sweep_for_others(int number, Progress& progress) {
   std::atomic<std::uint64_t> lines{0};
+  for (TexelMoments& side : moments_) side.open();
   sweep(number, gradients(), progress, lines, moments_, nullptr);
   std::string bytes = block_bytes(moments_, lines);
-  for (TexelMoments& side : moments_) side.forget_block();
+  for (TexelMoments& side : moments_) side.release();
   return bytes;
 }
 
@@ -68,8 +71,9 @@ template <int D>
 void DirectLight<D>::learn_leaf_light(int block, Progress& progress) {
   if (leaf_light_.sources() > 0) return;
   std::atomic<std::uint64_t> lines{0};
+  for (TexelMoments& side : moments_) side.open();
   sweep(block, gradients(), progress, lines, moments_, &leaf_light_);
-  for (TexelMoments& side : moments_) side.forget_block();
+  for (TexelMoments& side : moments_) side.release();
 }
 
 template <int D>

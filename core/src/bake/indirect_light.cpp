@@ -50,6 +50,7 @@ void IndirectLight<D>::add_block(const GatheredRadiance<D>& from, Progress& prog
 template <int D>
 void IndirectLight<D>::add_block_of_others(const std::string& bytes, Progress& progress,
                                            std::atomic<std::uint64_t>& lines) {
+  for (TexelMoments& side : moments_) side.open();
   lines += take_block(bytes, moments_);
   progress.advance(cost());
   close_block(progress);
@@ -61,13 +62,19 @@ std::string IndirectLight<D>::sweep_for_others(int number, const GatheredRadianc
   std::atomic<std::uint64_t> lines{0};
   sweep(number, from, progress, lines, directions_per_block);
   std::string bytes = block_bytes(moments_, lines);
-  for (TexelMoments& side : moments_) side.forget_block();
+  release();
   return bytes;
+}
+
+template <int D>
+void IndirectLight<D>::release() {
+  for (TexelMoments& side : moments_) side.release();
 }
 
 template <int D>
 void IndirectLight<D>::sweep(int number, const GatheredRadiance<D>& from, Progress& progress,
                              std::atomic<std::uint64_t>& lines, int directions) {
+  for (TexelMoments& side : moments_) side.open();
   Random random = random_for(seed_, Purpose::gather_sweep, number);
   const std::uint64_t direction_key = random.bits(), offset_key = random.bits();
   for (int i = 0; i < directions; ++i) {

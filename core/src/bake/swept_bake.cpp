@@ -80,6 +80,7 @@ void SweptBake<D>::add(int direct_blocks, int indirect_blocks,
     }
     if (after_block) after_block();
   }
+  indirect_->release();
   // What only lines look up takes as much memory as the result does.
   inner_direct_ = {};
   soft_ = {};

@@ -30,6 +30,8 @@ class IndirectLight {
   int next_block() const { return drawn_; }
   // A block of this number for another that has asked for it.
   std::string sweep_for_others(int number, const GatheredRadiance<D>& from, Progress& progress);
+  // Frees what only blocks need, until the next.
+  void release();
   // Its state between two blocks.
   void keep(Keeper& keeper);
   int blocks() const { return blocks_; }

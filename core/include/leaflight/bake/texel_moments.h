@@ -26,28 +26,31 @@ struct TexelSum {
 // the differences between them tell the variance (replicated quasi-Monte Carlo, Owen 1997).
 class TexelMoments {
  public:
-  explicit TexelMoments(std::size_t texels = 0) : sums(texels), blocks_(texels) {}
+  explicit TexelMoments(std::size_t texels = 0) : blocks_(texels) {}
 
-  std::vector<TexelSum> sums;  // of the block that is open
+  std::vector<TexelSum> sums;  // of the block that is swept, from open() to release()
 
-  bool empty() const { return sums.empty(); }
+  bool empty() const { return blocks_.empty(); }
+  // Blocks can be swept from now on.
+  void open() { sums.resize(blocks_.size()); }
+  // None are for a while, and the memory of their sums is free. A block that is not closed is
+  // forgotten.
+  void release() { sums = {}; }
   void close_block(Progress& progress) {
     parallel_range(sums.size(), 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) blocks_[i].close(sums[i]);
     });
   }
-  // The open block's samples.
-  void forget_block() { std::fill(sums.begin(), sums.end(), TexelSum{}); }
   // Between blocks.
   void keep(Keeper& keeper) {
-    const std::size_t texels = sums.size();
+    const std::size_t texels = blocks_.size();
     keeper(blocks_, texels);
     if (blocks_.size() != texels) {
       throw Error("The checkpoint is of another bake; bake the volume anew.");
     }
   }
   std::vector<Average> averages() const {
-    std::vector<Average> result(sums.size());
+    std::vector<Average> result(blocks_.size());
     for (std::size_t i = 0; i < result.size(); ++i) result[i] = blocks_[i].average();
     return result;
   }
