@@ -13,7 +13,7 @@ from PIL import Image
 BRAINS = Path("/usr/share/mricron/templates")
 ERROR = 2.0
 # Of a still, and of a frame of the sweep.
-STILL_SIZE, STILL_SAMPLES = (1920, 1080), 192
+STILL_SIZE = (1920, 1080)
 SWEEP_SIZE, SWEEP_SAMPLES = (400, 400), 24
 SWEEP_FRAMES, SWEEP_MILLISECONDS = 48, 90
 
@@ -21,7 +21,8 @@ SWEEP_FRAMES, SWEEP_MILLISECONDS = 48, 90
 @dataclass(frozen=True)
 class Still:
     """window, isovalue: in data units; color: the albedo; turn: degrees around the vertical; zoom:
-    how much narrower the camera's angle is than the stage's.
+    how much narrower the camera's angle is than the stage's; samples: of Cycles, which light from
+    all around needs few of.
     """
 
     path: Path
@@ -31,6 +32,7 @@ class Still:
     color: tuple
     turn: float = 0.0
     zoom: float = 1.0
+    samples: int = 192
 
 
 def main():
@@ -50,7 +52,7 @@ def main():
     if arguments.data:
         data = Path(arguments.data)
         stills["vessels"] = Still(
-            data / "aneurism.nrrd", "LIGHT_TENT", (40, 120), 60.5, (0.7, 0.16, 0.12), 0, 1.3
+            data / "aneurism.nrrd", "LIGHT_TENT", (40, 120), 60.5, (0.7, 0.16, 0.12), 0, 1.3, 48
         )
         stills["bones"] = Still(
             data / "amos_0336.mhd", "OPEN_FLOOR", (120, 320), 180.5, (0.83, 0.77, 0.64), 25, 1.1
@@ -80,7 +82,7 @@ def render_still(still, folder, picture):
     settings = {"light_surroundings": False, "error": ERROR, "bake_folder": str(folder)}
     blender.bake(volume, isovalues=still.window, **settings)
     blender.show(volume, still.isovalue, settle=True)
-    render(STILL_SIZE, STILL_SAMPLES, picture)
+    render(STILL_SIZE, still.samples, picture)
 
 
 def turned(volume, degrees):
