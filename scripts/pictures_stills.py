@@ -52,7 +52,7 @@ def main():
     if arguments.data:
         data = Path(arguments.data)
         stills["vessels"] = Still(
-            data / "aneurism.nrrd", "LIGHT_TENT", (40, 120), 60.5, (0.7, 0.16, 0.12), 0, 1.3, 48
+            data / "aneurism.nrrd", "LIGHT_TENT", (40, 120), 60.5, (0.7, 0.16, 0.12), 0, 1.3, 160
         )
         stills["bones"] = Still(
             data / "amos_0336.mhd", "OPEN_FLOOR", (120, 320), 180.5, (0.83, 0.77, 0.64), 25, 1.1
