@@ -175,5 +175,5 @@ def test_damaged(folder, values):
     with pytest.raises(LeaflightError, match="damaged|truncated|claims"):
         read_volume(folder)
     write_slice(folder / "d", values[2], 104, SamplesPerPixel=3)
-    with pytest.raises(LeaflightError, match="colours"):
+    with pytest.raises(LeaflightError, match="colors"):
         read_volume(folder / "d")

@@ -127,8 +127,8 @@ def _run(command, key=None):
             )
         except OSError as error:
             raise LeaflightError(
-                f"{command[0]}: it cannot be started: {error.strerror}; name Blender's program "
-                "(--blender)."
+                f"{command[0]}: it cannot be started: {error.strerror}; give the path of Blender's "
+                "program."
             ) from None
         _running[key] = process
     said, _ = process.communicate()
