@@ -15,14 +15,12 @@ from .._core import Cancelled, LeaflightError, Progress
 from ..bake.bake import bake, stamp_of
 from ..bake.load_bake import load_bake
 from ..bake.stamps import METADATA
+from ..cluster.tasks import at_workers
 from ..io.output import check_writable
 from .bake_command import bake_settings, checkpoint_of, path_anywhere
 from .lighting import to_light
 from .progress import run_with_progress
 
-POLL_SECONDS = 0.2
-# A worker that dies bakes nothing; others go on with its bake so many times.
-RETRIES = 3
 # Of bakes alike; `rounds` and what follows from them tell how far each came.
 _ASKED = tuple(key for key in METADATA if key not in ("volumes", "rounds", "blocks", "continued"))
 
@@ -88,24 +86,12 @@ def cancel_bake():
 def _bake_all(bakes, workers, progress):
     progress.begin("Bakes")
     progress.expect(len(bakes))
-    futures = {
-        workers.client.submit(
-            bake_line, options, workers.threads, pure=False, retries=RETRIES
-        ): number
-        for number, options in bakes
-    }
+    tasks = [(number, bake_line, (options, workers.threads)) for number, options in bakes]
     done = []
-    try:
-        while futures:
-            progress.check()
-            for future in [future for future in futures if future.done()]:
-                done.append({"line": futures.pop(future), **_outcome(future)})
-                progress.advance(1)
-            time.sleep(POLL_SECONDS)
-    except Cancelled:
-        workers.client.cancel(list(futures), force=True)
-        workers.client.run(cancel_bake, on_error="ignore")
-        raise
+    with at_workers(workers, tasks, progress, cancel_bake) as finished:
+        for number, future in finished:
+            done.append({"line": number, **_outcome(future)})
+            progress.advance(1)
     return sorted(done, key=lambda one: one["line"])
 
 

@@ -6,19 +6,17 @@ the same files and have a Blender with the add-on.
 """
 
 import os
-import time
 import uuid
 from pathlib import Path
 
 from .._core import Cancelled, LeaflightError
 from ..cluster import frames
+from ..cluster.tasks import at_workers
 from ..io.output import check_writable, replaced
 from .progress import run_with_progress
 
 # Starting Blender and opening the file takes as long as some small frames.
 FRAMES_A_TASK = 4
-POLL_SECONDS = 0.2
-RETRIES = 3
 VIDEO = ".mp4"
 
 
@@ -81,31 +79,15 @@ def _is_rendered(path, blend):
 def _render_all(workers, blender, blend, paths, left, progress):
     progress.begin("Frames")
     key = uuid.uuid4().hex
-    tasks = [left[i : i + FRAMES_A_TASK] for i in range(0, len(left), FRAMES_A_TASK)]
-    futures = {
-        workers.client.submit(
-            frames.render,
-            key,
-            blender,
-            os.fspath(blend),
-            [(number, os.fspath(paths[number])) for number in task],
-            pure=False,
-            retries=RETRIES,
-        ): len(task)
-        for task in tasks
-    }
-    try:
-        while futures:
-            progress.check()
-            for future in [future for future in futures if future.done()]:
-                count = futures.pop(future)
-                _raise_what_failed(future)
-                progress.advance(count)
-            time.sleep(POLL_SECONDS)
-    finally:
-        if futures:
-            workers.client.cancel(list(futures), force=True)
-            workers.client.run(frames.cancel, key, on_error="ignore")
+    parts = [left[i : i + FRAMES_A_TASK] for i in range(0, len(left), FRAMES_A_TASK)]
+    tasks = []
+    for part in parts:
+        work = [(number, os.fspath(paths[number])) for number in part]
+        tasks.append((len(part), frames.render, (key, blender, os.fspath(blend), work)))
+    with at_workers(workers, tasks, progress, frames.cancel, key) as finished:
+        for count, future in finished:
+            _raise_what_failed(future)
+            progress.advance(count)
 
 
 def _raise_what_failed(future):

@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tasks at the workers of a cluster, until all are done or somebody cancels."""
+
+import contextlib
+import time
+
+POLL_SECONDS = 0.2
+# A task whose worker dies is given to others so many times.
+RETRIES = 3
+
+
+@contextlib.contextmanager
+def at_workers(workers, tasks, progress, stop, *of_stop):
+    """Gives tasks to Workers: an iterator over (name, future), in the order in which they are done.
+
+    tasks: (name, function, arguments) of each. Whatever ends the block before all are done ends the
+    others, by stop(*of_stop) in each worker. The iterator raises Cancelled.
+    """
+    left = {
+        workers.client.submit(function, *arguments, pure=False, retries=RETRIES): name
+        for name, function, arguments in tasks
+    }
+
+    def finished():
+        while left:
+            progress.check()
+            for future in [future for future in left if future.done()]:
+                yield left.pop(future), future
+            time.sleep(POLL_SECONDS)
+
+    try:
+        yield finished()
+    finally:
+        if left:
+            workers.client.cancel(list(left), force=True)
+            workers.client.run(stop, *of_stop, on_error="ignore")
