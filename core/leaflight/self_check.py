@@ -6,14 +6,24 @@ nonsense that looks like a result. Each refusal is an ImportError of one sentenc
 this module is the check.
 """
 
+import os
 import sys
 from importlib import import_module
 
+try:
+    import resource
+except ImportError:
+    resource = None  # Windows has no such limits.
+
 OLDEST_NUMPY = (1, 24)
+# Bytes of address space that the libraries and their threads take, each thread its stack. With
+# less, they fail as they please: one says that it is version 0.0, another ends the process.
+LEAST_MEMORY, MEMORY_OF_A_THREAD = 1 << 30, 16 << 20
 
 
 def check():
     """Raises ImportError where Leaflight cannot work rightly."""
+    check_memory(*memory_limit())
     numpy = _numpy()
     core = _core()
     check_libraries(core.libraries())
@@ -26,6 +36,28 @@ def check():
             f"Leaflight's compiled module fails its own test ({error}) with NumPy "
             f"{numpy.__version__}; install a Leaflight that was built for it."
         ) from None
+
+
+def memory_limit():
+    """(bytes of address space that this process may take, None for all; threads that it may run)"""
+    if resource is None:
+        return None, os.cpu_count()
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    threads = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return None if limit == resource.RLIM_INFINITY else limit, threads
+
+
+def check_memory(limit, threads):
+    least = LEAST_MEMORY + (threads or 1) * MEMORY_OF_A_THREAD
+    if limit is not None and limit < least:
+        raise ImportError(
+            f"Leaflight needs {_mebibytes(least)} of memory to start, but a limit leaves this "
+            f"process {_mebibytes(limit)}; raise it (ulimit -v)."
+        )
+
+
+def _mebibytes(count):
+    return f"{count >> 20} MiB"
 
 
 def _numpy():

@@ -33,6 +33,17 @@ def refusal(check, *arguments):
     return sentence
 
 
+@pytest.mark.parametrize("limit, threads", [(500 << 20, 2), ((2 << 30) - 1, 64)])
+def test_too_little_memory(limit, threads):
+    sentence = refusal(self_check.check_memory, limit, threads)
+    assert f"leaves this process {limit >> 20} MiB" in sentence
+
+
+@pytest.mark.parametrize("limit, threads", [(None, 64), (2 << 30, 64), (2 << 30, None)])
+def test_enough_memory(limit, threads):
+    self_check.check_memory(limit, threads)
+
+
 def test_it_takes_milliseconds():
     start = time.perf_counter()
     for _ in range(10):
