@@ -48,28 +48,49 @@ void expect_values(int nodes, int voxels_per_texel, int spacing) {
   }
 }
 
-// Also at the border, and beside masked voxels, where there may be none.
-TEST(VoxelGradients, AreThoseOfShading) {
+// Of all crossings, also at the border, and beside masked voxels.
+template <class Check>
+void for_each_crossing(const Field<3>& field, int voxels_per_texel, Check check) {
+  const double below = field.min - 1;
+  const EmptySpace<3> empty(field, below);
+  const TexelLattice<3> lattice =
+      make_lattice<3>(field, coarser_resolution<3>(field.dims, voxels_per_texel), below, field.max);
+  for (const Vec3& direction : {Vec3(0.2, 0.1, 1), Vec3(1, -0.3, 0.2), Vec3(-0.1, 1, 0.4)}) {
+    const LineSet<3> set = parallel_lines<3>(lattice, direction, 1, {0.3, 0.6});
+    const Planes<3> planes(field, lattice, set.axis);
+    LineBundle<3> bundle(field, empty, lattice, set, planes);
+    for (std::size_t row = 0; row < set.tracks[1].size(); ++row) {
+      for (std::size_t i = 0; i < set.tracks[0].size(); i += LineBundle<3>::width) {
+        bundle.follow({static_cast<int>(i), static_cast<int>(row)});
+        for (int lane = 0; lane < bundle.lanes(); ++lane) {
+          for (int k = bundle.first(lane); k <= bundle.last(lane); ++k) check(bundle, lane, k);
+        }
+      }
+    }
+  }
+}
+
+TEST(LineBundle, GradientsAreThoseOfShading) {
   const Field<3> whole = test::noise<3>(9, 5, 0.5);
   std::vector<float> values = test::values_of(whole);
   values[whole.offset({3, 4, 8})] = std::nanf("");
-  Affine<3> skewed = whole.index_to_world;
-  skewed.column[1] += Vec3(0.01, 0, 0.02);
-  for (const Field<3>& field :
-       {whole, test::field_from<3>(values, whole.dims, whole.index_to_world)}) {
-    const VoxelGradients<3> gradients = voxel_gradients(field, skewed);
-    std::size_t found = 0;
-    for (std::size_t v = 0; v < field.voxels(); ++v) {
-      const CellPoint<3> at = locate(field, to_vector<3>(index_of<3>(v, field.dims)));
-      const Vec<3, float> expected(skewed.pull_back_gradient(shading_gradient(field, at)));
-      if (std::isnan(expected.length())) {
-        ASSERT_TRUE(std::isnan(gradients[v].length()));
-      } else {
-        ASSERT_EQ(gradients[v], expected);
+  const Field<3> masked = test::field_from<3>(values, whole.dims, whole.index_to_world);
+  for (const Field<3>& field : {whole, masked}) {
+    for (const int voxels_per_texel : {1, 2}) {
+      const double scale = static_cast<double>(field.dims[0] - 1) /
+                           (coarser_resolution<3>(field.dims, voxels_per_texel)[0] - 1);
+      std::size_t found = 0;
+      for_each_crossing(field, voxels_per_texel, [&](const auto& bundle, int lane, int plane) {
+        if (std::isnan(bundle.value(plane, lane))) return;
+        const Vec3 position = bundle.position(lane, bundle.z(plane)) * scale;
+        const Vec3 expected = shading_gradient(field, locate(field, position));
+        if (std::isnan(expected.length())) return;
         ++found;
-      }
+        const Vec3 difference = Vec3(bundle.gradient(plane, lane)) - expected;
+        ASSERT_LT(difference.length(), 1e-5 * (field.max - field.min));
+      });
+      EXPECT_GT(found, 100u);
     }
-    EXPECT_GT(found, field.voxels() / 2);
   }
 }
 

@@ -69,11 +69,10 @@ std::uint64_t sweeper_memory(const Scene<3>& scene, const BakeSettings<3>& setti
       std::visit([](const auto* values) { return sizeof(*values); }, field.values);
   const std::uint64_t direct = texels.direct.lattice.active.size();
   const std::uint64_t soft = texels.soft.lattice.active.size();
-  // The values, their gradients, what the first lamps told, soft light as it comes and as it is
+  // The values, what the first lamps told, soft light as it comes and as it is
   // looked up, and a block as it is and as it goes.
-  return voxels * (bytes_a_voxel + sizeof(Vec<3, float>)) +
-         texels.direct.lattice.texels() * LeafLight<3>::bytes_a_texel + swept(texels.direct) +
-         swept(texels.soft) + 3 * soft * (2 * sides - 1) * sizeof(Rgb) +
+  return voxels * bytes_a_voxel + texels.direct.lattice.texels() * LeafLight<3>::bytes_a_texel +
+         swept(texels.direct) + swept(texels.soft) + 3 * soft * (2 * sides - 1) * sizeof(Rgb) +
          2 * std::max(direct, soft) * sides * sizeof(TexelSum);
 }
 

@@ -29,16 +29,12 @@ void DirectLight<D>::add_blocks(int count, Progress& progress, std::atomic<std::
   if (workers && count > own) {
     workers->begin(SweptLight::direct, first_block_ + blocks_ + own, count - own, {});
   }
-  // They are larger than anything else of a large volume, and nothing else needs them: made anew
-  // for each round.
-  VoxelGradients<D> made;
   for (int i = 0; i < count; ++i) {
     const int number = first_block_ + blocks_;
     const std::string bytes =
         workers && i >= own ? workers->take(SweptLight::direct, number) : std::string();
     if (bytes.empty()) {
-      if (made.empty()) made = gradients();
-      sweep(number, made, progress, lines, moments_, i < own ? &leaf_light_ : nullptr);
+      sweep(number, progress, lines, moments_, i < own ? &leaf_light_ : nullptr);
     } else {
       lines += take_block(bytes, moments_);
       progress.advance(cost());
@@ -54,7 +50,7 @@ template <int D>
 std::string DirectLight<D>::sweep_for_others(int number, Progress& progress) {
   std::atomic<std::uint64_t> lines{0};
   for (TexelMoments& side : moments_) side.open();
-  sweep(number, gradients(), progress, lines, moments_, nullptr);
+  sweep(number, progress, lines, moments_, nullptr);
   std::string bytes = block_bytes(moments_, lines);
   for (TexelMoments& side : moments_) side.release();
   return bytes;
@@ -72,28 +68,21 @@ void DirectLight<D>::learn_leaf_light(int block, Progress& progress) {
   if (leaf_light_.sources() > 0) return;
   std::atomic<std::uint64_t> lines{0};
   for (TexelMoments& side : moments_) side.open();
-  sweep(block, gradients(), progress, lines, moments_, &leaf_light_);
+  sweep(block, progress, lines, moments_, &leaf_light_);
   for (TexelMoments& side : moments_) side.release();
 }
 
 template <int D>
-VoxelGradients<D> DirectLight<D>::gradients() const {
-  return voxel_gradients(volume_.volume().field,
-                         inverse(volume_.tracer.index_to_frame(volume_.number)));
-}
-
-template <int D>
-void DirectLight<D>::sweep(int block, const VoxelGradients<D>& gradients, Progress& progress,
-                           std::atomic<std::uint64_t>& lines, SideMoments& moments,
-                           LeafLight<D>* leaf_light) {
+void DirectLight<D>::sweep(int block, Progress& progress, std::atomic<std::uint64_t>& lines,
+                           SideMoments& moments, LeafLight<D>* leaf_light) {
   Random random = random_for(seed_, Purpose::direct_sweep, block);
   const std::uint64_t choice_key = random.bits(), source_key = random.bits(),
                       offset_key = random.bits();
   for (int i = 0; i < sources_per_block && lights_.can_light(); ++i) {
     const double choice = lights_.has_choice() ? sobol_point(i, choice_key)[0] : 0;
     const LightSource<D> source = lights_.source(choice, sobol_point(i, source_key));
-    sweep_direct(volume_, gradients, texels_, source, sobol_point(i, offset_key), progress, lines,
-                 moments, leaf_light);
+    sweep_direct(volume_, texels_, source, sobol_point(i, offset_key), progress, lines, moments,
+                 leaf_light);
     progress.advance(cost() / sources_per_block);
   }
 }

@@ -27,10 +27,9 @@ struct Stretch {
 }  // namespace
 
 template <int D>
-void sweep_direct(const SweptVolume<D>& volume, const VoxelGradients<D>& gradients,
-                  const SweptLattice<D>& texels, const LightSource<D>& source,
-                  const std::array<double, 2>& offset, Progress& progress,
-                  std::atomic<std::uint64_t>& lines, SideMoments& moments,
+void sweep_direct(const SweptVolume<D>& volume, const SweptLattice<D>& texels,
+                  const LightSource<D>& source, const std::array<double, 2>& offset,
+                  Progress& progress, std::atomic<std::uint64_t>& lines, SideMoments& moments,
                   LeafLight<D>* leaf_light) {
   const TexelLattice<D>& lattice = texels.lattice;
   const SceneTracer<D>& tracer = volume.tracer;
@@ -38,6 +37,7 @@ void sweep_direct(const SweptVolume<D>& volume, const VoxelGradients<D>& gradien
   const Volume<D>& of = volume.volume();
   const IsovalueWindow window = volume.window();
   const Affine<D> to_frame = texels_to_frame(volume, lattice), to_texels = inverse(to_frame);
+  const Affine<D> frame_to_index = inverse(tracer.index_to_frame(volume.number));
   const bool inner = !moments[1].empty();
   const ColorRamp& albedo = of.albedo;
   const bool one_albedo = albedo.stops.size() == 1;
@@ -113,7 +113,8 @@ void sweep_direct(const SweptVolume<D>& volume, const VoxelGradients<D>& gradien
         }
         const std::int32_t slot = texels.slots[texel];
         if (slot == TexelLattice<D>::inactive) continue;
-        const Vec<D, float> gradient = line.gradient(gradients, plane, lane);
+        const Vec<D, float> gradient(
+            frame_to_index.pull_back_gradient(Vec<D>(line.gradient(plane, lane))));
         const float steep = gradient.length();
         if (!(steep > 0)) continue;
         const float along = way_.dot(gradient);
@@ -144,7 +145,6 @@ void sweep_direct(const SweptVolume<D>& volume, const VoxelGradients<D>& gradien
           const std::int32_t slot = texel < 0 ? TexelLattice<D>::inactive : texels.slots[texel];
           if (slot == TexelLattice<D>::inactive) continue;
           __builtin_prefetch(&moments[0].sums[slot], 1);
-          bundle.prefetch(gradients, k, lane);
           any = true;
         }
       }
@@ -157,15 +157,13 @@ void sweep_direct(const SweptVolume<D>& volume, const VoxelGradients<D>& gradien
           for (int lane = 0; lane < bundle.lanes(); ++lane) add_line(bundle, lane);
         });
   }
-  if (leaf_light) leaf_light->finish(gradients, progress);
+  if (leaf_light) leaf_light->finish(progress);
 }
 
-template void sweep_direct<2>(const SweptVolume<2>&, const VoxelGradients<2>&,
-                              const SweptLattice<2>&, const LightSource<2>&,
+template void sweep_direct<2>(const SweptVolume<2>&, const SweptLattice<2>&, const LightSource<2>&,
                               const std::array<double, 2>&, Progress&, std::atomic<std::uint64_t>&,
                               SideMoments&, LeafLight<2>*);
-template void sweep_direct<3>(const SweptVolume<3>&, const VoxelGradients<3>&,
-                              const SweptLattice<3>&, const LightSource<3>&,
+template void sweep_direct<3>(const SweptVolume<3>&, const SweptLattice<3>&, const LightSource<3>&,
                               const std::array<double, 2>&, Progress&, std::atomic<std::uint64_t>&,
                               SideMoments&, LeafLight<3>*);
 

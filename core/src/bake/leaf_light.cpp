@@ -18,11 +18,12 @@ void LeafLight<D>::add(const LightSource<D>& source) {
 }
 
 template <int D>
-void LeafLight<D>::finish(const VoxelGradients<D>& gradients, Progress& progress) {
+void LeafLight<D>::finish(Progress& progress) {
   const LightSource<D>& source = sources_.back();
   const TexelLattice<D>& lattice = texels_->lattice;
   const Field<D>& field = volume_.volume().field;
   const Affine<D> to_frame = texels_to_frame(volume_, lattice), to_texels = inverse(to_frame);
+  const Affine<D> frame_to_index = inverse(volume_.tracer.index_to_frame(volume_.number));
   std::vector<std::uint32_t> packed(lattice.texels(), 0);
   parallel_range(lattice.active.size(), 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) {
@@ -33,7 +34,7 @@ void LeafLight<D>::finish(const VoxelGradients<D>& gradients, Progress& progress
         voxel[a] = std::min(static_cast<int>(position[a] * lattice.voxels_per_texel[a] + 0.5),
                             field.dims[a] - 1);
       }
-      const Vec<D> gradient(gradients[field.offset(voxel)]);
+      const Vec<D> gradient = frame_to_index.pull_back_gradient(voxel_gradient(field, voxel));
       const double steep = gradient.length();
       if (!(steep > 0)) continue;
       const Vec<D> normal = gradient / -steep;

@@ -41,9 +41,8 @@ class DirectLight {
   const LeafLight<D>& leaf_light() const { return leaf_light_; }
 
  private:
-  void sweep(int block, const VoxelGradients<D>& gradients, Progress& progress,
-             std::atomic<std::uint64_t>& lines, SideMoments& moments, LeafLight<D>* leaf_light);
-  VoxelGradients<D> gradients() const;
+  void sweep(int block, Progress& progress, std::atomic<std::uint64_t>& lines, SideMoments& moments,
+             LeafLight<D>* leaf_light);
 
   SweptVolume<D> volume_;
   const LightSampler<D>& lights_;

@@ -12,10 +12,9 @@ namespace leaflight {
 // inner side, if it is smaller. A line so costs as much as one shadow ray and serves every texel
 // that it crosses. `leaf_light`, if given, takes the source.
 template <int D>
-void sweep_direct(const SweptVolume<D>& volume, const VoxelGradients<D>& gradients,
-                  const SweptLattice<D>& texels, const LightSource<D>& source,
-                  const std::array<double, 2>& offset, Progress& progress,
-                  std::atomic<std::uint64_t>& lines, SideMoments& moments,
+void sweep_direct(const SweptVolume<D>& volume, const SweptLattice<D>& texels,
+                  const LightSource<D>& source, const std::array<double, 2>& offset,
+                  Progress& progress, std::atomic<std::uint64_t>& lines, SideMoments& moments,
                   LeafLight<D>* leaf_light);
 
 }  // namespace leaflight

@@ -28,7 +28,7 @@ class LeafLight {
   // Adds a source: set_greatest() for the texels that lines come to, then finish().
   void add(const LightSource<D>& source);
   void set_greatest(std::int64_t texel, double greatest) { greatest_[texel] = code(greatest); }
-  void finish(const VoxelGradients<D>& gradients, Progress& progress);
+  void finish(Progress& progress);
 
   void prefetch(std::size_t source, std::size_t texel) const {
     if (source < reflected_.size()) __builtin_prefetch(&reflected_[source][texel]);

@@ -10,13 +10,6 @@
 
 namespace leaflight {
 
-// Gradients of a field at its voxels by central differences, in the frame: what surfaces are shaded
-// by, single precision.
-template <int D>
-using VoxelGradients = std::vector<Vec<D, float>>;
-template <int D>
-VoxelGradients<D> voxel_gradients(const Field<D>& field, const Affine<D>& frame_to_index);
-
 // Planes across one axis of a lattice at which lines are looked at: those of the texels' centres
 // and, where a texel is wider than a voxel, more between them.
 template <int D>
@@ -24,7 +17,8 @@ struct Planes {
   struct Plane {
     double z;            // in texels
     int texel;           // of the centre plane, or -1
-    std::size_t voxels;  // the number of the first voxel of the plane below it, or in it
+    int voxel;           // the plane of voxels below it, or in it
+    std::size_t voxels;  // the number of that plane's first voxel
     double between;      // how far it lies on the way to the next plane of voxels, in [0,1)
   };
   std::vector<Plane> planes;
@@ -77,13 +71,10 @@ class LineBundle {
   std::int64_t texel(int plane, int lane) const;
   // How much the value grows on the way to where z is 1 more, by central differences.
   float slope(int plane, int lane) const;
-  // Where the line crosses a plane, interpolated as the values are.
-  Vec<D, float> gradient(const VoxelGradients<D>& gradients, int plane, int lane) const;
-  void prefetch(const VoxelGradients<D>& gradients, int plane, int lane) const {
-    const auto* g = gradients.data() + rows_[plane].first_voxel + rows_[plane].voxel[lane];
-    __builtin_prefetch(g);
-    __builtin_prefetch(g + stride_[axes_[across - 1]]);
-  }
+  // The gradient, in index coordinates, by which leaves are shaded where the line crosses a plane:
+  // central differences at the voxels, interpolated as the values are. Made of the values each
+  // time, since those of all voxels would take 12 bytes of each.
+  Vec<D, float> gradient(int plane, int lane) const;
 
  private:
   static constexpr int across = D - 1;
@@ -100,6 +91,7 @@ class LineBundle {
     std::array<std::int32_t, width> voxel;  // from the row's first voxel on
     std::array<std::int32_t, width + 1> texel;
     std::size_t first_voxel;
+    std::int32_t row_cell;
     float row_local;
     std::int32_t row_texel;
     bool row_taken;  // the lines of the row before come to the same texels
@@ -110,6 +102,8 @@ class LineBundle {
   // Takes the values of the rows.
   template <class Value>
   void read(const Value* values);
+  template <class Value>
+  Vec<D, float> gradient(const Value* values, int plane, int lane) const;
   // Whether the plane is in empty space at all lanes.
   bool in_empty_space(int plane, int row_cell) const;
 
@@ -196,18 +190,18 @@ void LineBundle<D>::follow(const Tracks& tracks) {
     const auto& plane = planes_.planes[k];
     Row& at = rows_[k];
     at.first_voxel = plane.voxels;
-    int row_cell = 0;
+    at.row_cell = 0;
     if constexpr (D == 3) {
       const double y = row_track_.at(plane.z), voxels = y * lattice_.voxels_per_texel[axes_[1]];
       const int cell = std::clamp(static_cast<int>(voxels), 0, field_.dims[axes_[1]] - 2);
-      row_cell = cell;
+      at.row_cell = cell;
       at.row_local = static_cast<float>(std::clamp(voxels - cell, 0.0, 1.0));
       at.first_voxel += cell * stride_[axes_[1]];
       at.row_texel = static_cast<int>(y + 0.5);
       at.row_taken =
           row_before.contains(k) && static_cast<int>(before.at(plane.z) + 0.5) == at.row_texel;
     }
-    at.is_empty = in_empty_space(k, row_cell);
+    at.is_empty = in_empty_space(k, at.row_cell);
     if (at.is_empty) continue;
     std::array<double, width + 1> x;
     for (int i = 0; i <= width; ++i) x[i] = track_[i].origin + track_[i].slope * plane.z;
@@ -312,22 +306,52 @@ float LineBundle<D>::slope(int plane, int lane) const {
 }
 
 template <int D>
-Vec<D, float> LineBundle<D>::gradient(const VoxelGradients<D>& gradients, int plane,
-                                      int lane) const {
+Vec<D, float> LineBundle<D>::gradient(int plane, int lane) const {
+  return std::visit([&](const auto* values) { return gradient(values, plane, lane); },
+                    field_.values);
+}
+
+template <int D>
+template <class Value>
+Vec<D, float> LineBundle<D>::gradient(const Value* values, int plane, int lane) const {
   const Row& at = rows_[plane];
+  const auto between = static_cast<float>(planes_.planes[plane].between);
   const std::size_t dx = stride_[axes_[0]];
-  const auto in_plane = [&](const Vec<D, float>* g) {
-    const Vec<D, float> bottom = g[0] + (g[dx] - g[0]) * at.local[lane];
+  Index<D> cell;
+  cell[set_.axis] = planes_.planes[plane].voxel;
+  cell[axes_[0]] = at.voxel[lane] / static_cast<std::int32_t>(dx);
+  if constexpr (D == 3) cell[axes_[1]] = at.row_cell;
+  bool has_neighbours = !field_.masked;
+  for (int a = 0; a < D; ++a) {
+    const int last = cell[a] + (a != set_.axis || between != 0);
+    has_neighbours = has_neighbours && cell[a] > 0 && last < field_.dims[a] - 1;
+  }
+  const auto at_voxel = [&](const Value* h, const Index<D>& voxel) {
+    if (!has_neighbours) return Vec<D, float>(voxel_gradient(field_, voxel));
+    Vec<D, float> g;
+    for (int a = 0; a < D; ++a) {
+      const auto step = static_cast<std::ptrdiff_t>(stride_[a]);
+      g[a] = 0.5f * (static_cast<float>(h[step]) - static_cast<float>(h[-step]));
+    }
+    return g;
+  };
+  const auto in_row = [&](const Value* h, Index<D> voxel) {
+    const Vec<D, float> low = at_voxel(h, voxel);
+    ++voxel[axes_[0]];
+    return low + (at_voxel(h + dx, voxel) - low) * at.local[lane];
+  };
+  const auto in_plane = [&](const Value* h, Index<D> voxel) {
+    const Vec<D, float> bottom = in_row(h, voxel);
     if constexpr (D == 2) return bottom;
-    const Vec<D, float>* t = g + stride_[axes_[across - 1]];
-    const Vec<D, float> top = t[0] + (t[dx] - t[0]) * at.local[lane];
+    ++voxel[axes_[across - 1]];
+    const Vec<D, float> top = in_row(h + stride_[axes_[across - 1]], voxel);
     return bottom + (top - bottom) * at.row_local;
   };
-  const Vec<D, float>* g = gradients.data() + at.first_voxel + at.voxel[lane];
-  const Vec<D, float> below = in_plane(g);
-  const auto between = static_cast<float>(planes_.planes[plane].between);
+  const Value* h = values + at.first_voxel + at.voxel[lane];
+  const Vec<D, float> below = in_plane(h, cell);
   if (between == 0) return below;
-  return below + (in_plane(g + stride_[set_.axis]) - below) * between;
+  ++cell[set_.axis];
+  return below + (in_plane(h + stride_[set_.axis], cell) - below) * between;
 }
 
 }  // namespace leaflight
