@@ -13,7 +13,7 @@ from PIL import Image
 BRAINS = Path("/usr/share/mricron/templates")
 ERROR = 2.0
 # Of a still, and of a frame of the sweep.
-STILL_SIZE = (1920, 1080)
+STILL_SIZE, STILL_QUALITY = (1920, 1080), 92
 SWEEP_SIZE, SWEEP_SAMPLES = (400, 400), 24
 SWEEP_FRAMES, SWEEP_MILLISECONDS = 48, 90
 
@@ -59,7 +59,7 @@ def main():
         )
     for name, still in stills.items():
         if still.path.exists() and arguments.only in (name, ""):
-            picture = arguments.out / f"{name}.png"
+            picture = arguments.out / f"{name}.webp"
             render_still(still, arguments.work, picture)
             print(picture, flush=True)
     if arguments.only in ("sweep", ""):
@@ -82,7 +82,9 @@ def render_still(still, folder, picture):
     settings = {"light_surroundings": False, "error": ERROR, "bake_folder": str(folder)}
     blender.bake(volume, isovalues=still.window, **settings)
     blender.show(volume, still.isovalue, settle=True)
-    render(STILL_SIZE, still.samples, picture)
+    rendered = folder / f"{picture.stem}.png"
+    render(STILL_SIZE, still.samples, rendered)
+    Image.open(rendered).convert("RGB").save(picture, quality=STILL_QUALITY, method=6)
 
 
 def turned(volume, degrees):
