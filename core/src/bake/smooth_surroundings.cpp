@@ -9,7 +9,6 @@
 namespace leaflight {
 namespace {
 
-constexpr int passes = 3;
 // In standard deviations of a difference: of vertices so far apart the one counts 1/e for the
 // other.
 constexpr float tolerance = 2;
@@ -90,7 +89,8 @@ struct Layer {
 }  // namespace
 
 template <int D>
-std::vector<Vec<3, float>> smooth(const FineMesh<D>& mesh, Halves halves, Progress& progress) {
+std::vector<Vec<3, float>> smooth(const FineMesh<D>& mesh, Halves halves, int passes,
+                                  Progress& progress) {
   const Neighbours neighbours(mesh);
   const std::size_t n = mesh.vertices.size(), nodes = halves[0].size() / n;
   std::vector<Vec<3, float>> smoothed(halves[0].size());
@@ -110,7 +110,7 @@ std::vector<Vec<3, float>> smooth(const FineMesh<D>& mesh, Halves halves, Progre
   return smoothed;
 }
 
-template std::vector<Vec<3, float>> smooth(const FineMesh<2>&, Halves, Progress&);
-template std::vector<Vec<3, float>> smooth(const FineMesh<3>&, Halves, Progress&);
+template std::vector<Vec<3, float>> smooth(const FineMesh<2>&, Halves, int, Progress&);
+template std::vector<Vec<3, float>> smooth(const FineMesh<3>&, Halves, int, Progress&);
 
 }  // namespace leaflight
