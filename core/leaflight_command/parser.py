@@ -18,6 +18,7 @@ from .shared_options import (
     thesis_options,
     threads_options,
     work_options,
+    workers_options,
 )
 
 # What the package knows by these names.
@@ -99,14 +100,7 @@ def make_parser():
         bake.add_argument(option, action="store_true", help=text)
     resolution_options(bake)
     workers = bake.add_argument_group("several processes or machines, by Dask; the same bake")
-    workers.add_argument(
-        "--workers", type=integer, metavar="N", help="sweep light in so many processes here"
-    )
-    workers.add_argument(
-        "--scheduler",
-        metavar="ADDRESS",
-        help="or by the workers of this Dask scheduler, such as tcp://10.0.0.1:8786",
-    )
+    workers_options(workers, "sweep light in so many processes here")
     research = bake.add_argument_group(
         "settings of research: a fixed amount of work in place of --error and --time"
     )
@@ -153,12 +147,7 @@ def make_parser():
         "--blender", default="blender", metavar="PROGRAM", help="Blender's program (blender)"
     )
     for one in (batch, render):
-        one.add_argument(
-            "--workers", type=integer, metavar="N", help="so many at a time on this machine (1)"
-        )
-        one.add_argument(
-            "--scheduler", metavar="ADDRESS", help="by the workers of this Dask scheduler"
-        )
+        workers_options(one, "so many at a time on this machine (1)")
 
     surface = subparsers.add_parser(
         "surface", parents=[leaf, threads], help="one lit isosurface as a mesh"

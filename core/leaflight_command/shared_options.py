@@ -108,6 +108,17 @@ def scene_options():
     return parser
 
 
+def workers_options(parser, here):
+    """Who works beside this process; here: the help of --workers."""
+    either = parser.add_mutually_exclusive_group()
+    either.add_argument("--workers", type=integer, metavar="N", help=here)
+    either.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="or by the workers of this Dask scheduler, such as tcp://10.0.0.1:8786",
+    )
+
+
 def resolution_options(parser):
     parser.add_argument(
         "--resolution", type=integer, metavar="N", help="texels on the longest axis (one a voxel)"

@@ -106,3 +106,21 @@ def test_lists_that_make_no_sense(cli, tmp_path, monkeypatch, line, sentence):
     done = cli("batch", listed(tmp_path, line))
     assert done.status == 2 and sentence in done.err and len(done.err.splitlines()) == 1
     assert cli("batch", tmp_path / "none.txt").status == 2
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("batch", "bakes.txt"),
+        ("render", "x.blend", "--out", "frames"),
+        ("bake", "bump_box", "--out", "x.vdb"),
+    ],
+)
+def test_workers_are_of_one_kind(cli, command):
+    done = cli(*command, "--workers", "2", "--scheduler", "tcp://127.0.0.1:1")
+    assert done.status == 2 and "not allowed with argument --workers" in done.err
+
+
+def test_no_workers_are_none(cli, tmp_path):
+    done = cli("batch", listed(tmp_path, f"bump_box --out {tmp_path}/x.vdb"), "--workers", "0")
+    assert done.status == 2 and "one worker at least, not 0" in done.err

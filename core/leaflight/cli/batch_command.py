@@ -33,7 +33,7 @@ def run_batch(options):
         from ..cluster.workers import Workers
 
         progress.begin("Starting workers")
-        count = None if options.scheduler else options.workers or 1
+        count = 1 if options.workers is options.scheduler is None else options.workers
         with Workers(count, options.scheduler) as workers:
             return _bake_all(bakes, workers, progress)
 

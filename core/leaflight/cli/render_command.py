@@ -47,7 +47,7 @@ def run_render(options):
         progress.begin("Starting workers")
         progress.expect(len(paths))
         progress.advance(len(paths) - len(left))
-        count = None if options.scheduler else options.workers or 1
+        count = 1 if options.workers is options.scheduler is None else options.workers
         if left:
             with Workers(count, options.scheduler) as workers:
                 _render_all(workers, options.blender, blend, paths, left, progress)
