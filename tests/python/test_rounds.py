@@ -136,7 +136,21 @@ def test_what_cannot_be_baked_in_rounds_has_an_estimated_error_too(lapr_scene):
     assert "100 % was asked for" in outcome(baked)
     # The same that went for less.
     metadata = {**baked.metadata, "error": "0.001"}
-    assert "was not reached by all the work" in outcome(replace(baked, metadata=metadata))
+    assert "was not reached by so much work" in outcome(replace(baked, metadata=metadata))
+
+
+def test_what_to_do_where_the_error_was_not_reached(box):
+    """As rounds ended by themselves, by what is most of the error."""
+    baked = box(error=20.0)
+    metadata = {**baked.metadata, "error": "1.0"}
+    for noise, sentence in ((1.2, "detail finer than the texels"), (4.0, "does: continue it")):
+        statistics = {
+            **baked.statistics,
+            "estimated_error_percent": 5.0,
+            "estimated_noise_percent": noise,
+        }
+        told = outcome(replace(baked, metadata=metadata, statistics=statistics))
+        assert sentence in told and "\n" not in told
 
 
 @pytest.mark.parametrize("name", sorted(FIXED_WORK))

@@ -18,8 +18,17 @@ def outcome(bake, why="it was stopped or its time was over"):
         return f"{text}; {asked:g} % was asked for"
     if statistics["stopped"]:
         return f"{text}; the {asked:g} % asked for was not reached: {why}"
+    if not bake.metadata["blocks"]:
+        return f"{text}; the {asked:g} % asked for was not reached by so much work"
+    # As variances: the rest is what the texels' width leaves out, which no more rounds bring.
+    if 2 * statistics["estimated_noise_percent"] ** 2 < reached**2:
+        return (
+            f"{text}, most of it detail finer than the texels, which isosurfaces show once they "
+            f"have settled; {asked:g} % was asked for"
+        )
     return (
-        f"{text}; the {asked:g} % asked for was not reached by all the work that such a bake does"
+        f"{text}; the {asked:g} % asked for was not reached by all the work that such a bake does: "
+        "continue it"
     )
 
 
