@@ -326,6 +326,8 @@ def test_bad_command_lines(cli, tmp_path):
         ),
         (("bake", "--data", tmp_path / "none"), "there is no such folder"),
         (("bake", "--only", "moon"), "bump box, 100^3, nucleon"),
+        (("bake", "--only", "nucleon", "--out", "x.md"), "(--only, --out)"),
+        (("scrub", "--only", "nucleon"), "no meaning for bench scrub"),
         (("scale", "--data", tmp_path), "leave it out (--data)"),
         (("bake", "--out", tmp_path / "x.txt"), "must end in .md"),
         (("walk",), "invalid choice"),

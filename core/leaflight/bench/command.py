@@ -17,16 +17,29 @@ from .scale import QUICK_SCALE, ScaleEffort, measure_scale
 from .scrub import QUICK_SCRUB, ScrubEffort, measure_scrub
 
 
+# Options that not every benchmark has a use for.
+_OF = {"only": ("bake",), "data": ("bake", "rays", "scrub")}
+
+
 def run_bench(options, run):
     """What the options ask for, as the result and the sentences about it.
 
     run: called as run(work, label), which returns work(progress). Raises LeaflightError, Cancelled.
     """
+    for name, benchmarks in _OF.items():
+        if getattr(options, name) is not None and options.what not in benchmarks:
+            raise SettingError(f"This has no meaning for bench {options.what}; leave it out.", name)
     if options.out is not None:
         if options.quick:
             raise SettingError(
                 "What is measured quickly is not worth writing down; leave out one of the two.",
                 "quick",
+                "out",
+            )
+        if options.only is not None:
+            raise SettingError(
+                "The table of some bakes would replace that of all; leave out one of the two.",
+                "only",
                 "out",
             )
         check_page(options.out, options.what)
@@ -75,9 +88,6 @@ def _bake_sentence(row):
 
 
 def _scale(options, run):
-    for name in ("data", "only"):
-        if getattr(options, name) is not None:
-            raise SettingError("This has no meaning for bench scale; leave it out.", name)
     effort = QUICK_SCALE if options.quick else ScaleEffort()
     origin = {"machine": machine(), "commit": commit()}
     result = measure_scale(effort, run, seed=options.seed, threads=options.threads)
@@ -94,8 +104,6 @@ def _scale(options, run):
 
 
 def _rays(options, run):
-    if options.only is not None:
-        raise SettingError("This has no meaning for bench rays; leave it out.", "only")
     effort = QUICK_RAYS if options.quick else RayEffort()
     origin = {"machine": machine(), "commit": commit()}
     rows, absent = measure_rays(effort, run, folder=options.data)
@@ -112,8 +120,6 @@ def _rays(options, run):
 
 
 def _scrub(options, run):
-    if options.only is not None:
-        raise SettingError("This has no meaning for bench scrub; leave it out.", "only")
     effort = QUICK_SCRUB if options.quick else ScrubEffort()
     origin = {"machine": machine(), "commit": commit()}
     work = {"seed": options.seed, "threads": options.threads}
