@@ -142,3 +142,23 @@ def test_changed_and_cut_bytes(tmp_path, capfd, name):
             assert path.name in str(error) and "\n" not in str(error) and len(str(error)) < 500
     assert refused > 10
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("back_to", [0, 2])
+def test_tiff_pages_that_lead_back_to_themselves(tmp_path, back_to):
+    """Found by fuzzing: whoever takes the next page until there is none never ends."""
+    path = tmp_path / "x.tif"
+    with tifffile.TiffWriter(path) as file:
+        for k, plane in enumerate(VALUES):
+            # Pages that differ are not taken for one volume.
+            file.write(plane[: k + 1], photometric="minisblack", metadata=None)
+    with tifffile.TiffFile(path) as file:
+        first, last = file.pages[back_to].offset, file.pages[-1]
+        # Behind a page's number of tags and the tags stands where the next page is.
+        end = last.offset + 2 + 12 * len(last.tags)
+    data = bytearray(path.read_bytes())
+    assert data[end : end + 4] == bytes(4)
+    data[end : end + 4] = first.to_bytes(4, "little")
+    path.write_bytes(data)
+    with pytest.raises(LeaflightError, match="x.tif: this is not a readable TIFF file"):
+        read_volume(path)

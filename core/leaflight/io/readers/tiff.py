@@ -145,7 +145,9 @@ def opened(path, source=None):
     propagate, log.propagate = log.propagate, False
     try:
         with tifffile.TiffFile(source or path) as file:
-            if not file.pages or not file.series:
+            # Counting the pages finds a chain of them that leads back to itself; whoever takes
+            # one after the other never comes to its end.
+            if len(file.pages) == 0 or not file.series:
                 raise damage
             yield file
             if complaints.damage:
