@@ -6,7 +6,7 @@ import json
 import leaflight._core as _core
 
 from .._core import LeaflightError
-from ..io.apart import check_bake
+from ..io.apart import Apart
 from ..io.scene_file import scene_from_json
 from ..scene.scene import core_scene
 from ..volume.volume import Volume
@@ -19,7 +19,8 @@ def load_bake(path):
     identifier = read_bake_id(path)
     if not _core.has_seal(path):
         # Of an earlier Leaflight, cut, or saved by another program: nothing tells that it is whole.
-        check_bake(path)
+        with Apart(path, "OpenVDB file", __name__, "can_be_read") as process:
+            process.answer()
     try:
         fields, grids, surroundings, metadata = _core.read_bake(path)
         statistics = json.loads(metadata["statistics"])
@@ -46,3 +47,9 @@ def load_bake(path):
     if bake.id != identifier:
         raise LeaflightError(f"{path}: its metadata were changed; bake the volume again.")
     return bake
+
+
+def can_be_read(path):
+    """Within a process of its own: raises LeaflightError, or ends it, unless it is a bake."""
+    _core.read_bake(path)
+    return None, ()

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""OpenVDB files from elsewhere, read by a process of their own.
+"""Files that a library which trusts them reads: by a process of their own.
 
-OpenVDB trusts what it reads: a damaged file can end the process that opens it, or keep it busy for
-hours. This one has limits of time and memory, and what it does, Blender survives.
+A damaged file can end the process that opens it with OpenVDB or HDF5, or keep it busy for hours.
+This one has limits of time and memory, and what it does, Blender survives.
 """
 
 import json
@@ -11,10 +11,8 @@ import os
 import subprocess
 import sys
 import threading
+from importlib import import_module
 from pathlib import Path
-
-import leaflight._core as _core
-import numpy as np
 
 from .._core import LeaflightError
 
@@ -23,35 +21,24 @@ LEAST_SECONDS = 60
 BYTES_PER_SECOND = 1e6
 # A processor is not always there for us alone.
 WAIT = 5
-_MOST_VOXELS = 2**31 - 1
+# Bytes of an answer, and of what is filled between looks at the progress.
+_MOST_ANSWER, _PIECE = 1 << 24, 1 << 22
 _CHILD = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
 _CHILD += "from leaflight.io.apart import child; child()"
 
 
-def read_vdb_volume(path, grid):
-    """(values float32 [z, y, x], index_to_world, name) of a scalar grid. Raises LeaflightError."""
-    with _Process(path, "volume", grid) as process:
-        answer = process.answer()
-        shape = tuple(answer["shape"])
-        if len(shape) != 3 or not 0 < math.prod(shape) <= _MOST_VOXELS:
-            raise process.died()
-        values = np.empty(shape, np.float32)
-        process.fill(values)
-    return values, np.array(answer["index_to_world"]), answer["name"]
+class Apart:
+    """A process that calls function(path, *options) of a module of this package; a context manager.
 
+    kind: of file, for people. The function returns (answer, pieces): what JSON can hold, and the
+    arrays, C-contiguous, whose bytes fill() gets. options: what JSON can hold.
+    """
 
-def check_bake(path):
-    """Raises LeaflightError where reading the file as a bake fails, in whatever way."""
-    with _Process(path, "bake") as process:
-        process.answer()
-
-
-class _Process:
-    def __init__(self, path, *job):
-        self.path = path
+    def __init__(self, path, kind, module, function, *options):
+        self.path, self.kind = path, kind
         size = Path(path).stat().st_size
         self.seconds = math.ceil(LEAST_SECONDS + size / BYTES_PER_SECOND)
-        job = json.dumps([str(path), self.seconds, *job])
+        job = json.dumps([str(path), self.seconds, module, function, *options])
         hidden = getattr(subprocess, "CREATE_NO_WINDOW", 0)
         try:
             self._process = subprocess.Popen(
@@ -79,26 +66,36 @@ class _Process:
         self._process.wait()
 
     def answer(self):
-        """What the process says; its refusals are raised."""
+        """What the function answers.
+
+        Raises LeaflightError as it does, and ValueError where it raises anything else.
+        """
         try:
-            answer = json.loads(self._process.stdout.readline(1 << 20))
+            answer = json.loads(self._process.stdout.readline(_MOST_ANSWER))
         except ValueError:
             raise self.died() from None
-        if "error" in answer:
-            raise LeaflightError(answer["error"])
-        return answer
+        if "refusal" in answer:
+            raise LeaflightError(answer["refusal"])
+        if "failure" in answer:
+            raise ValueError(answer["failure"])
+        return answer["answer"]
 
-    def fill(self, values):
+    def fill(self, values, progress=None):
+        """Fills an array with the pieces, in their order, and tells a Progress of the bytes."""
         left = memoryview(values).cast("B")
         while left:
-            count = self._process.stdout.readinto(left)
+            if progress is not None:
+                progress.check()
+            count = self._process.stdout.readinto(left[:_PIECE])
             if not count:
                 raise self.died()
+            if progress is not None:
+                progress.advance(count)
             left = left[count:]
 
     def died(self):
         return LeaflightError(
-            f"{self.path}: this OpenVDB file is damaged, or needs too much memory or more than "
+            f"{self.path}: this {self.kind} is damaged, or needs too much memory or more than "
             f"{self.seconds} s: the process that read it did not live to its end; fetch the file "
             "again."
         )
@@ -115,25 +112,22 @@ def _python():
 
 
 def child():
-    """Does one job and answers with a line of JSON, behind it the voxels."""
-    path, seconds, kind, *options = json.loads(sys.argv[2])
+    """Calls the function and answers with a line of JSON, behind it the pieces."""
+    path, seconds, module, function, *options = json.loads(sys.argv[2])
     _limit(seconds)
-    path, out = Path(path), sys.stdout.buffer
+    out, pieces = sys.stdout.buffer, ()
     try:
-        if kind == "bake":
-            _core.read_bake(path)
-            answer, values = {}, b""
-        else:
-            values, index_to_world, name = _core.read_vdb_volume(path, *options)
-            answer = {
-                "shape": values.shape,
-                "index_to_world": index_to_world.tolist(),
-                "name": name,
-            }
+        called = getattr(import_module(module), function)
+        answer, pieces = called(Path(path), *options)
+        answer = {"answer": answer}
     except LeaflightError as error:
-        answer, values = {"error": str(error)}, b""
+        answer = {"refusal": str(error)}
+    except Exception as error:
+        # On damaged files libraries fail with whatever comes first.
+        answer = {"failure": type(error).__name__}
     out.write(json.dumps(answer).encode() + b"\n")
-    out.write(values)
+    for piece in pieces:
+        out.write(piece)
     out.flush()
     # What libraries do at the end of a process does not matter any more.
     os._exit(0)

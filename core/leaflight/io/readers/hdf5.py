@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""HDF5 through h5py: the only array of three or four dimensions, or the one that is chosen."""
+"""HDF5 through h5py: the only array of three or four dimensions, or the one that is chosen.
+
+In a process of its own: on damaged files HDF5 ends the one that it is in.
+"""
 
 import h5py
 import numpy as np
 
 from ...volume.volume import Volume
+from ..apart import Apart
 from .checks import choose_named, index_to_world, undecided
 from .stored import StoredVolume, lengths
-from .watched import watched
+from .watched import STAGE
 
 # How ilastik and Fiji write the size of a voxel, z first, in micrometers.
 _ELEMENT_SIZE = "element_size_um"
@@ -15,35 +19,26 @@ _ELEMENT_SIZE = "element_size_um"
 
 def open_volume(path, dataset=None, spacing=None):
     """Arrays are [z, y, x] or [frame, z, y, x]; axes of length 1 do not count."""
-    with h5py.File(path, "r") as file:
-        found = {}
-
-        def look(name, item):
-            if isinstance(item, h5py.Dataset) and _is_volume(item):
-                found[name] = item.shape, item.dtype, _voxel_size(item)
-
-        file.visititems(look)
+    with _apart(path, "list_arrays") as process:
+        found = process.answer()
     names = tuple(sorted(found))
     name = choose_named(path, names, None if dataset is None else dataset.strip("/"))
     if name is None:
         return StoredVolume(None, np.dtype(np.float32), undecided(path, names), datasets=names)
     shape, dtype, size = found[name]
-    shape = tuple(n for n in shape if n > 1)
+    shape, dtype = tuple(n for n in shape if n > 1), np.dtype(dtype)
     matrix = index_to_world(path, spacing if spacing is not None else size or 1.0)
 
     def load(frame, _channel, progress):
-        with h5py.File(path, "r") as file:
-            data = file[name]
-            index = [slice(None) if n > 1 else 0 for n in data.shape]
-            places = [i for i, n in enumerate(data.shape) if n > 1]
-            if len(shape) == 4:
-                index[places.pop(0)] = frame
-            values = np.empty(shape[-3:], dtype)
-            step = data.chunks[places[0]] if data.chunks else 1
-            for k in watched(progress, range(0, len(values), step)):
-                index[places[0]] = slice(k, k + step)
-                values[k : k + step] = data[tuple(index)]
-            return Volume(values, matrix, path.stem)
+        values = np.empty(shape[-3:], dtype)
+        progress.begin(STAGE)
+        if progress.fraction < 1:
+            progress.expect(values.nbytes)
+        with _apart(path, "read_array", name, frame if len(shape) == 4 else None) as process:
+            if process.answer() != [list(values.shape), dtype.str]:
+                raise process.died()
+            process.fill(values, progress)
+        return Volume(values, matrix, path.stem)
 
     return StoredVolume(
         dims=shape[-3:][::-1],
@@ -54,6 +49,42 @@ def open_volume(path, dataset=None, spacing=None):
         frames=shape[0] if len(shape) == 4 else 1,
         datasets=names,
     )
+
+
+def _apart(path, function, *options):
+    return Apart(path, "HDF5 file", __name__, function, *options)
+
+
+def list_arrays(path):
+    """Within the process: {name: (shape, type, size of a voxel or None)} of what may be volumes."""
+    found = {}
+
+    def look(name, item):
+        if isinstance(item, h5py.Dataset) and _is_volume(item):
+            found[name] = item.shape, item.dtype.str, _voxel_size(item)
+
+    with h5py.File(path, "r") as file:
+        file.visititems(look)
+    return found, ()
+
+
+def read_array(path, name, frame):
+    """Within the process: one volume, in slabs; frame: of four dimensions, else None."""
+    file = h5py.File(path, "r")
+    data = file[name]
+    index = [slice(None) if n > 1 else 0 for n in data.shape]
+    places = [i for i, n in enumerate(data.shape) if n > 1]
+    if frame is not None:
+        index[places.pop(0)] = frame
+    shape = [data.shape[place] for place in places]
+
+    def slabs():
+        step = data.chunks[places[0]] if data.chunks else 1
+        for k in range(0, shape[0], step):
+            index[places[0]] = slice(k, k + step)
+            yield np.ascontiguousarray(data[tuple(index)])
+
+    return [shape, data.dtype.str], slabs()
 
 
 def _is_volume(data):

@@ -1,18 +1,36 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scalar grids of OpenVDB files, made dense by the core, in a process of its own."""
 
+import math
+
+import leaflight._core as _core
 import numpy as np
 
 from ...volume.volume import Volume
-from ..apart import read_vdb_volume
+from ..apart import Apart
 from .stored import StoredVolume
+
+_MOST_VOXELS = 2**31 - 1
 
 
 def open_volume(path, grid=""):
     """How many voxels are active only the grid itself tells."""
 
     def load(_frame, _channel, _progress):
-        values, index_to_world, name = read_vdb_volume(path, grid)
-        return Volume(values, index_to_world, name or path.stem)
+        with Apart(path, "OpenVDB file", __name__, "read_grid", grid) as process:
+            answer = process.answer()
+            shape = tuple(answer["shape"])
+            if len(shape) != 3 or not 0 < math.prod(shape) <= _MOST_VOXELS:
+                raise process.died()
+            values = np.empty(shape, np.float32)
+            process.fill(values)
+        return Volume(values, np.array(answer["index_to_world"]), answer["name"] or path.stem)
 
     return StoredVolume(None, np.dtype(np.float32), load)
+
+
+def read_grid(path, grid):
+    """Within the process: a scalar grid, [z, y, x]."""
+    values, index_to_world, name = _core.read_vdb_volume(path, grid)
+    answer = {"shape": values.shape, "index_to_world": index_to_world.tolist(), "name": name}
+    return answer, [values]
