@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Whatever bytes of a file change, its reader gives a volume or one sentence, nothing else."""
 
+import base64
 import gzip
 import io
 import zlib
@@ -162,3 +163,28 @@ def test_tiff_pages_that_lead_back_to_themselves(tmp_path, back_to):
     path.write_bytes(data)
     with pytest.raises(LeaflightError, match="x.tif: this is not a readable TIFF file"):
         read_volume(path)
+
+
+def test_hdf5_that_ends_the_process_which_opens_it(tmp_path):
+    """Found by fuzzing: libhdf5 1.10 follows an address out of the file."""
+    pytest.importorskip("h5py")
+    path = tmp_path / "x.h5"
+    path.write_bytes(zlib.decompress(base64.b85decode("".join(HOSTILE_HDF5.split()))))
+    with pytest.raises(LeaflightError, match="x.h5: this .*HDF5"):
+        read_volume(path)
+
+
+HOSTILE_HDF5 = r"""
+c-
+rgqaB<`1lHy_j0S*oZ76t(ZWbhvf<b+ZAF!=;1%?PDCp!5nRm^dR?P68?}2sNKt=Af$!337D>ss4`!VD=cWKxhsIDg
+cDBqhN>t4_C(k5FG*K!&3VRCRBA9Xz9^|LVFn**l-CmBH6>pU;&|-
+Ap$T>><p;M7MD0P&_j$+Z!sdtumWiipNSbF%*~(xW-!9-<p5`}l+?7G#FA777Pz?z5ObMWDp+AwK&<6J3LPMDpi1-
+v`}w;tf?Wdv3e2NPmK<Q1YHVP^$iReA4sIsWfE|JmdNTte*71RCAyhsyjs(g$8aJb06pVsVFbYP&C>RB!U=$2GP!Y$
+tf+76>_F(JZI)RH%F22i?JSjgpo=du`>Wl3SM-
+}~4!zbs@X0tmMPAi&~u!QYJhuZnL`yP*3^7Qgkey1Fqn^Y`3E7d|%=}GWC3BlNJrJJ_Txf{%@_E~Cs(VtIp%<)+bI{
+P~OWs9D<`4;VKnlqt%^L^Vb3rxkf&u%D9R!VSuDex=KC#|$*qu{M=W`Q@{gC8f%+_=2AeX;pnwL5xkVKv%ul_$Pk-
+1AybPrt(diy!ZCvFt#1sIzT<oSrk$@l4SRjR|?;k2#I?3zQcMe_X%ddBMeH)!t!}>Q{D@6~5V`f0X%J^S-
+T)fAkiaiZl1EOj@R2b%Al)nse^6eKt;8f860*-
+}ZZkaaCFqSPMn6@|UnWt^K~E;oZx<vvcko>pl2NAdc;j;o^^(iA5LmVk(zzjc>TPs@eQQ?0Ki3lS7)^-
+Y@Cgd^u;k+9LZ^|8)E~Lt2~9$*xs<a4Nah%lztdLl>`gt{1{|0qbu6;{
+"""
