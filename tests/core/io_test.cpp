@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -13,6 +14,7 @@
 #include "leaflight/io/seal.h"
 #include "leaflight/io/vdb.h"
 #include "leaflight/math/error.h"
+#include "leaflight/math/platform.h"
 #include "scenes.h"
 
 namespace leaflight {
@@ -240,6 +242,29 @@ TEST_F(Files, ExrComesBack) {
   EXPECT_EQ(image.pixels, pixels);
   write("j.exr", "nothing");
   EXPECT_NE(message_of([&] { read_exr(path("j.exr")); }).find("EXR"), std::string::npos);
+}
+
+TEST_F(Files, ExrOfManyRowsComesBack) {
+  std::vector<float> pixels;
+  for (int i = 0; i < 2 * 700 * 3; ++i) pixels.push_back(static_cast<float>(i % 1013));
+  write_exr(path("i.exr"), pixels.data(), 2, 700, 3);
+  EXPECT_EQ(read_exr(path("i.exr")).pixels, pixels);
+}
+
+TEST_F(Files, ExrTakesNoMemoryForRowsThatItDoesNotHave) {
+  const std::vector<float> pixels(12 * 9 * 3, 1.0f);
+  write_exr(path("i.exr"), pixels.data(), 12, 9, 3);
+  std::string bytes = content("i.exr");
+  const auto window = [](std::array<std::int32_t, 4> box) {
+    return std::string(reinterpret_cast<const char*>(box.data()), sizeof box);
+  };
+  const std::string small = window({0, 0, 11, 8}), large = window({0, 0, 11'999, 15'999});
+  for (std::size_t at; (at = bytes.find(small)) != bytes.npos;) bytes.replace(at, 16, large);
+  // Room for the places of so many rows.
+  write("j.exr", bytes + std::string(9000, '\0'));
+  const std::uint64_t before = peak_memory();
+  EXPECT_NE(message_of([&] { read_exr(path("j.exr")); }).find("EXR"), std::string::npos);
+  EXPECT_LT(peak_memory() - before, 1'000'000'000u);
 }
 
 }  // namespace

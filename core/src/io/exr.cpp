@@ -9,6 +9,7 @@
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStandardAttributes.h>
 
+#include <algorithm>
 #include <array>
 
 #include "leaflight/io/files.h"
@@ -19,6 +20,9 @@ namespace leaflight {
 namespace {
 
 constexpr std::array<const char*, 4> channel_names{"R", "G", "B", "A"};
+
+// All that any compression packs together is read at once.
+constexpr std::int64_t rows_at_once = 256;
 
 Imf::FrameBuffer frame_buffer(float* pixels, const Imath::Box2i& window, int channels) {
   const std::size_t width = window.max.x - window.min.x + 1;
@@ -101,9 +105,16 @@ Image read_exr(const std::filesystem::path& path) {
     image.width = static_cast<int>(width);
     image.height = static_cast<int>(height);
     image.channels = file.header().channels().findChannel("A") ? 4 : 3;
-    image.pixels.resize(static_cast<std::size_t>(width * height) * image.channels);
-    file.setFrameBuffer(frame_buffer(image.pixels.data(), window, image.channels));
-    file.readPixels(window.min.y, window.max.y);
+    // Memory is taken as rows come: a damaged file can claim more of them than it has.
+    const std::size_t row = static_cast<std::size_t>(width) * image.channels;
+    image.pixels.reserve(row * static_cast<std::size_t>(height));
+    for (std::int64_t begin = 0; begin < height; begin += rows_at_once) {
+      const std::int64_t end = std::min(begin + rows_at_once, height);
+      image.pixels.resize(row * static_cast<std::size_t>(end));
+      file.setFrameBuffer(frame_buffer(image.pixels.data(), window, image.channels));
+      file.readPixels(static_cast<int>(window.min.y + begin),
+                      static_cast<int>(window.min.y + end - 1));
+    }
     return image;
   });
 }

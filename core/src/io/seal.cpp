@@ -29,7 +29,7 @@ Bytes seal_of(std::uint64_t length, std::uint32_t checksum) {
 }
 
 std::uint32_t checksum(std::istream& stream, std::uint64_t length) {
-  std::vector<char> block(1 << 20);
+  std::vector<char> block(std::min<std::uint64_t>(length, 1 << 20));
   uLong sum = crc32(0, nullptr, 0);
   while (length > 0) {
     const std::uint64_t part = std::min<std::uint64_t>(length, block.size());

@@ -27,10 +27,10 @@ struct Field {
   std::shared_ptr<CellBoundsOnce<D>> cell_bounds_once;
 
   const CellBounds<D>& cell_bounds() const {
-    auto& [flag, bounds] = *cell_bounds_once;
-    tbb::collaborative_call_once(
-        flag, [this, &bounds] { bounds = bound_cells<D>(values, dims, min, max); });
-    return bounds;
+    CellBoundsOnce<D>& once = *cell_bounds_once;
+    tbb::collaborative_call_once(once.flag,
+                                 [&] { once.bounds = bound_cells<D>(values, dims, min, max); });
+    return once.bounds;
   }
   std::size_t offset(const Index<D>& voxel) const { return linear_number<D>(voxel, dims); }
   std::size_t voxels() const { return cell_count<D>(dims); }

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <string>
+
+namespace leaflight::fuzz {
+
+// What libFuzzer gives, taken piece by piece from the front, as scripts/fuzz packs its seeds; zeros
+// when it is used up.
+class Bytes {
+ public:
+  Bytes(const std::uint8_t* data, std::size_t size) : data_(data), left_(size) {}
+
+  bool empty() const { return left_ == 0; }
+  template <class Number>
+  Number take() {
+    Number number{};
+    const std::size_t size = std::min(sizeof number, left_);
+    std::memcpy(&number, data_, size);
+    data_ += size;
+    left_ -= size;
+    return number;
+  }
+  // One of so many.
+  int choice(int count) { return take<std::uint8_t>() % count; }
+
+ private:
+  const std::uint8_t* data_;
+  std::size_t left_;
+};
+
+}  // namespace leaflight::fuzz

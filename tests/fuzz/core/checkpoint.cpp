@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Files of checkpoints, and of those whose seal is right the text and the numbers of the state.
+// What a bake does with the numbers is not tried: whoever can write the seal writes them.
+#include "leaflight/bake/checkpoint.h"
+
+#include "input_file.h"
+#include "leaflight/io/checkpoint_file.h"
+#include "leaflight/io/seal.h"
+#include "leaflight/math/sample_average.h"
+#include "said.h"
+
+namespace {
+
+// As many as a small bake has.
+constexpr std::size_t most = 1000;
+
+void read(const std::filesystem::path& path) {
+  using namespace leaflight;
+  const std::string text = read_checkpoint(path);
+  fuzz::require(text.size() < std::filesystem::file_size(path), "more text than the file has");
+  read_checkpoint_state(path, [](std::istream& stream) {
+    Keeper keeper(stream);
+    int number = 0;
+    keeper(number);
+    for (int i = 0; i < 3; ++i) {
+      std::vector<Average> items;
+      keeper(items, most);
+      fuzz::require(items.size() <= most, "more items than there can be");
+    }
+  });
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace leaflight;
+  static const fuzz::InputFile file;
+  file.write(data, size);
+  const bool was_whole = check_seal(file.path()) == Seal::whole;
+  const bool found = fuzz::accepted([&] { read(file.path()); });
+  fuzz::require(was_whole || !found, "a checkpoint without its seal is accepted");
+  seal(file.path());
+  fuzz::accepted([&] { read(file.path()); });
+  return 0;
+}

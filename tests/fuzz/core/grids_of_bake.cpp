@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A bake of which OpenVDB makes no complaint: any grids, texels and metadata under the names that
+// ours have, all read, and drawn where they are a bake.
+#include <openvdb/io/Stream.h>
+#include <openvdb/openvdb.h>
+
+#include "bytes.h"
+#include "input_file.h"
+#include "leaflight/bake/lit_contour.h"
+#include "leaflight/io/vdb.h"
+#include "one_thread.h"
+#include "said.h"
+
+namespace {
+
+using namespace leaflight;
+
+constexpr std::array<const char*, 12> names{
+    "field",         "radiance",        "radiance_indirect",        "radiance_error",
+    "radiance_back", "radiance_level1", "radiance_back_indirect",   "surroundings_radiance",
+    "field_2",       "radiance_2",      "radiance_indirect_level1", "radiance_error_level1"};
+
+// Small numbers mostly, so that grids fit each other.
+int number(fuzz::Bytes& bytes) {
+  return bytes.choice(8) == 0 ? bytes.take<std::int32_t>() : bytes.choice(8);
+}
+
+void add_metadata(openvdb::GridBase& grid, fuzz::Bytes& bytes) {
+  openvdb::Vec3i dims;
+  for (int a = 0; a < 3; ++a) dims[a] = number(bytes);
+  if (bytes.choice(8) != 0) grid.insertMeta("leaflight_dims", openvdb::Vec3IMetadata(dims));
+  constexpr std::array<const char*, 4> types{"float32", "uint8", "int16", "uint16"};
+  grid.insertMeta("leaflight_type", openvdb::StringMetadata(types[bytes.choice(4)]));
+  if (bytes.choice(4) == 0) {
+    grid.insertMeta("leaflight_doublings", openvdb::Int32Metadata(number(bytes)));
+  }
+  if (bytes.choice(4) == 0) {
+    grid.insertMeta("leaflight_meshes", openvdb::Int32Metadata(number(bytes)));
+  }
+}
+
+template <class Grid, class Take>
+openvdb::GridBase::Ptr grid_of(fuzz::Bytes& bytes, const Take& take) {
+  const auto grid = Grid::create(take());
+  auto accessor = grid->getAccessor();
+  for (int count = bytes.choice(32); count > 0 && !bytes.empty(); --count) {
+    openvdb::Coord at;
+    for (int a = 0; a < 3; ++a) at[a] = number(bytes);
+    accessor.setValue(at, take());
+  }
+  if (bytes.choice(8) == 0) {
+    const openvdb::Coord low{number(bytes), number(bytes), number(bytes)};
+    grid->tree().addTile(1 + bytes.choice(3), low, take(), bytes.choice(2) != 0);
+  }
+  return grid;
+}
+
+openvdb::GridBase::Ptr next_grid(fuzz::Bytes& bytes) {
+  const char* name = names[bytes.choice(names.size())];
+  const bool numbers =
+      (std::string(name).find("field") == 0 ||
+       std::string(name).find("error") != std::string::npos) != (bytes.choice(16) == 0);
+  const auto scalar = [&] { return bytes.take<float>(); };
+  const auto color = [&] { return openvdb::Vec3f{scalar(), scalar(), scalar()}; };
+  const auto grid = numbers ? grid_of<openvdb::FloatGrid>(bytes, scalar)
+                            : grid_of<openvdb::Vec3SGrid>(bytes, color);
+  grid->setName(name);
+  add_metadata(*grid, bytes);
+  if (bytes.choice(8) == 0) {
+    openvdb::Mat4d matrix = openvdb::Mat4d::identity();
+    for (int row = 0; row < 4; ++row) {
+      for (int i = 0; i < 3; ++i) matrix(row, i) = bytes.take<float>();
+    }
+    grid->setTransform(openvdb::math::Transform::createLinearTransform(matrix));
+  }
+  return grid;
+}
+
+void write(const std::filesystem::path& path, fuzz::Bytes& bytes) {
+  openvdb::GridPtrVec grids;
+  while (!bytes.empty() && grids.size() < names.size()) grids.push_back(next_grid(bytes));
+  std::ofstream stream(path, std::ios::binary | std::ios::trunc);
+  openvdb::io::Stream(stream).write(grids);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const fuzz::OneThread one_thread;
+  static const fuzz::InputFile file;
+  openvdb::initialize();
+  fuzz::Bytes bytes(data, size);
+  try {
+    write(file.path(), bytes);
+  } catch (const openvdb::Exception&) {
+    return 0;  // a transform that OpenVDB does not write
+  }
+  fuzz::accepted([&] {
+    const StoredBake bake = read_bake(file.path());
+    for (std::size_t v = 0; v < bake.fields.size(); ++v) {
+      const DenseVolume& volume = bake.fields[v];
+      const Field<3> field =
+          make_field<3>(voxels_of(volume.values), volume.dims, volume.index_to_world, nullptr);
+      LitContourSettings settings;
+      settings.radiance = true;
+      settings.radiance_back = bake.baked.grids[v].has_back();
+      LitMesh mesh;
+      lit_contour(bake.baked.grids[v], field, (field.min + field.max) / 2, settings, mesh);
+    }
+  });
+  fuzz::accepted([&] { read_vdb_volume(file.path(), ""); });
+  return 0;
+}

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include "leaflight/math/error.h"
+
+namespace leaflight::fuzz {
+
+// As targets.py has it for the command line.
+constexpr std::size_t longest_sentence = 600;
+
+// Ends the program as libFuzzer wishes for what must not be.
+inline void require(bool holds, const std::string& what) {
+  if (holds) return;
+  std::fprintf(stderr, "%s\n", what.c_str());
+  std::abort();
+}
+
+// Calls read(): it may succeed, or refuse what it is given by an Error of one sentence; all else is
+// a failure. Returns whether it succeeded.
+template <class Read>
+bool accepted(const Read& read) {
+  try {
+    read();
+    return true;
+  } catch (const Error& error) {
+    const std::string text = error.what();
+    require(!text.empty() && text.size() < longest_sentence && text.find('\n') == text.npos &&
+                text.back() == '.',
+            "not a sentence: " + text);
+    return false;
+  }
+}
+
+}  // namespace leaflight::fuzz
