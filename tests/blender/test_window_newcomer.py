@@ -129,3 +129,8 @@ def test_a_saved_file_is_lit_when_it_is_opened(found):
 
 def test_a_copy_shows_its_own_isovalue_and_goes_alone(found):
     assert all(found["copied"].values()) and found["deleted"]
+
+
+def test_an_animation_plays_with_the_light_of_each_isovalue(found):
+    played = found["played"]
+    assert played["frames"] > 5 and played["off"] < 1e-5 and played["lit"]
