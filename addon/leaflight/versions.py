@@ -10,6 +10,7 @@ import bpy
 import leaflight
 from leaflight.measure import blender_versions
 
+fcurves = blender_versions.fcurves
 give_nodes = blender_versions.give_nodes
 node_tree = blender_versions.node_tree
 set_loop_starts = blender_versions.set_loop_starts
@@ -144,19 +145,6 @@ def mesh_storage():
     if bpy.app.version[:2] == (3, 4):
         return "STRUCTS"
     return "ATTRIBUTES" if bpy.app.version >= (4, 2, 0) else None
-
-
-def fcurves(owner):
-    """The curves that animate a data-block; from 4.4 on those of its slot in the action."""
-    data = owner.animation_data
-    if data is None or data.action is None:
-        return []
-    if not hasattr(data.action, "layers"):
-        return list(data.action.fcurves)
-    slot = data.action_slot
-    strips = [strip for layer in data.action.layers for strip in layer.strips]
-    bags = [strip.channelbag(slot) for strip in strips if slot is not None]
-    return [curve for bag in bags if bag is not None for curve in bag.fcurves]
 
 
 def is_animated(owner, path):

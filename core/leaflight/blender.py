@@ -21,6 +21,7 @@ import os
 from pathlib import Path
 
 from ._core import LeaflightError
+from .measure import blender_versions
 
 try:
     import bpy
@@ -59,15 +60,21 @@ def bake(obj, isovalues=None, **settings):
         both_sides, light_surroundings, bake_folder. They stay.
     Returns the path of the bake.
     """
-    if isovalues is not None:
-        settings = {**settings, "low": float(isovalues[0]), "high": float(isovalues[1])}
-    for name, value in settings.items():
-        if name not in obj.leaflight.bl_rna.properties:
-            raise LeaflightError(f'"{obj.name}" has no setting "{name}" of a bake; check its name.')
-        setattr(obj.leaflight, name, value)
     with _active(obj):
+        _set(obj, isovalues, settings)
         _call(bpy.ops.leaflight.bake)
     return Path(os.path.normpath(bpy.path.abspath(obj.leaflight.bake_path)))
+
+
+def bake_frames(obj, isovalues=None, **settings):
+    """Bakes every frame of a volume that changes over time, one after the other.
+
+    Where the frames are animated, each is baked in the scene as it is when it is shown. Arguments
+    are those of bake().
+    """
+    with _active(obj):
+        _set(obj, isovalues, settings)
+        _call(bpy.ops.leaflight.bake_frames)
 
 
 def show(obj, isovalue, settle=False):
@@ -126,6 +133,29 @@ def animate(obj, isovalues, first_frame=1):
     scene.frame_set(first_frame)
 
 
+def animate_frames(obj, first_frame=None):
+    """Keyframes the frames of a volume that changes over time, one for each frame of the scene.
+
+    first_frame: the scene's that shows the first of them, the scene's first if None. What range of
+    frames the scene has stays.
+    """
+    settings, scene = obj.leaflight, bpy.context.scene
+    if settings.frames < 2:
+        raise LeaflightError(f'The file of "{obj.name}" holds one frame: there is none to animate.')
+    if first_frame is None:
+        first_frame = scene.frame_start
+    for frame in range(settings.frames):
+        settings["shown_frame"] = frame
+        obj.keyframe_insert("leaflight.shown_frame", frame=first_frame + frame)
+    for curve in blender_versions.fcurves(obj):
+        if curve.data_path == "leaflight.shown_frame":
+            for point in curve.keyframe_points:
+                # A linear curve would be rounded down between them.
+                point.interpolation = "CONSTANT"
+    settings["shown_frame"] = settings.frame
+    scene.frame_set(scene.frame_current)
+
+
 def compare(obj, folder, samples=256, baked_samples=64, share=1.0):
     """Renders the present view baked, by Cycles and by local shading, and measures the difference.
 
@@ -159,6 +189,16 @@ def export(obj, path, isovalues=None, settle=False):
         chosen = {"isovalues": "LIST", "listed": values}
     with _active(obj):
         _call(bpy.ops.leaflight.export, filepath=_absolute(path), settle=settle, **chosen)
+
+
+def _set(obj, isovalues, settings):
+    """Gives an object the settings of a bake."""
+    if isovalues is not None:
+        settings = {**settings, "low": float(isovalues[0]), "high": float(isovalues[1])}
+    for name, value in settings.items():
+        if name not in obj.leaflight.bl_rna.properties:
+            raise LeaflightError(f'"{obj.name}" has no setting "{name}" of a bake; check its name.')
+        setattr(obj.leaflight, name, value)
 
 
 @contextlib.contextmanager

@@ -18,7 +18,7 @@ def test_the_window_stays_free_while_it_compares(found):
     compare = found["compare"]
     assert compare["seconds"] > 2.0 and compare["gap"] < 0.3 * compare["seconds"]
     # On a machine with other work, too.
-    assert compare["gap"] < 5.0
+    assert compare["begun"] < 5.0 and compare["gap"] < 5.0
     said = " ".join(compare["told"])
     assert "Baked" in said and "Cycles" in said and "%" in said
     assert compare["sentence"].startswith("Isovalue ")

@@ -14,6 +14,8 @@ from leaflight.volume.particles import neuron
 from PIL import Image
 
 SCRIPT = Path(__file__).resolve().parent / "window" / "newcomer.py"
+# The viewport of Blender 3.4 after the bake, a tenth as wide, of the brain.
+REFERENCE = SCRIPT.with_suffix(".png")
 BRAIN = Path("/usr/share/mricron/templates/ch2bet.nii.gz")
 
 # Of 255: white, and what nobody takes for lit.
@@ -73,6 +75,16 @@ def shown(found, pictures):
     return whole, mask
 
 
+def test_the_viewport_shows_what_it_did(shown, pictures):
+    """In every Blender: another look of light or color, of the stage or of the camera is seen."""
+    if not BRAIN.exists():
+        pytest.skip("There is no Colin27: install the Debian package mricron-data.")
+    reference = Image.open(REFERENCE).convert("RGB")
+    small = Image.open(pictures / "with.png").convert("RGB").resize(reference.size, Image.BOX)
+    off = np.abs(np.asarray(small, np.int64) - np.asarray(reference, np.int64))
+    assert off.mean() < 1.5 and off.max() < 12, (off.mean(), off.max())
+
+
 def test_nothing_is_burnt_out(shown):
     picture, mask = shown
     assert picture[mask].min(axis=1).max() < WHITE
@@ -129,3 +141,8 @@ def test_a_saved_file_is_lit_when_it_is_opened(found):
 
 def test_a_copy_shows_its_own_isovalue_and_goes_alone(found):
     assert all(found["copied"].values()) and found["deleted"]
+
+
+def test_an_animation_plays_with_the_light_of_each_isovalue(found):
+    played = found["played"]
+    assert played["frames"] > 5 and played["off"] < 1e-5 and played["lit"]

@@ -25,7 +25,7 @@ PACKAGE = (
     "cli",
 )
 ADDON = ("store", "operators", "show", "stage", "bake", "compare", "export", "importing", "ui")
-FACES = ("__init__.py", "__main__.py")
+FACES = ("__init__.py", "__main__.py", "blender.py")
 CORE = ("math", "field", "surface", "scene", "trace", "transport", "thesis", "bake", "io")
 
 # What belongs to bakes with fixed samples alone, and the check of their settings.

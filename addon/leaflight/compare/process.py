@@ -28,6 +28,23 @@ def can_start():
     return bool(bpy.app.binary_path)
 
 
+def _save_copy(blend):
+    """Saves the file that is open, without the picture of it that file browsers show.
+
+    Blender would draw that anew for it, and the window would stand still for many seconds where
+    there is no graphics card. Raises RuntimeError.
+    """
+    preferences = bpy.context.preferences
+    paths, changed = preferences.filepaths, preferences.is_dirty
+    chosen = paths.file_preview_type
+    paths.file_preview_type = "NONE"
+    try:
+        bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True, compress=False)
+    finally:
+        paths.file_preview_type = chosen
+        preferences.is_dirty = changed
+
+
 class ComparisonJob(background.Job):
     """Renders the saved copy of the file that is open, and reads the figures from the child."""
 
@@ -36,7 +53,7 @@ class ComparisonJob(background.Job):
         self._files = tempfile.TemporaryDirectory(prefix="leaflight-")
         blend = Path(self._files.name) / "comparison.blend"
         try:
-            bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True, compress=False)
+            _save_copy(blend)
         except RuntimeError as error:
             self._files.cleanup()
             raise leaflight.LeaflightError(

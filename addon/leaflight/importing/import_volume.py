@@ -16,9 +16,9 @@ from bpy.props import (
     StringProperty,
 )
 from bpy_extras.io_utils import ImportHelper
+from leaflight import blender
 from leaflight.io import readers
 
-from .. import versions
 from ..operators import background
 from ..show import isovalues, properties, surface_object
 from ..store import cache, source_files
@@ -269,7 +269,7 @@ class ImportJob(background.Job):
         settings.limit_isovalue(self._range, self._window, self._isovalue)
         surface_object.update(obj, self._isovalue)
         if self._animate and settings.frames > 1:
-            _play(obj, context.scene)
+            blender.animate_frames(obj)
 
         for other in context.selected_objects:
             other.select_set(False)
@@ -282,20 +282,6 @@ class ImportJob(background.Job):
         return f"{volume.name}: {nx} x {ny} x {nz} voxels, values {low:g} to {high:g}" + (
             f", read at 1/{step} of its resolution" if step > 1 else ""
         )
-
-
-def _play(obj, scene):
-    """Keyframes each frame of the file to one of the scene. Linear curves would round it down."""
-    settings = obj.leaflight
-    for frame in range(settings.frames):
-        settings["shown_frame"] = frame
-        obj.keyframe_insert(isovalues.FRAME_PATH, frame=scene.frame_start + frame)
-    for curve in versions.fcurves(obj):
-        if curve.data_path == isovalues.FRAME_PATH:
-            for point in curve.keyframe_points:
-                point.interpolation = "CONSTANT"
-    settings["shown_frame"] = settings.frame
-    scene.frame_set(scene.frame_current)
 
 
 def _draw_menu(menu, _context):

@@ -19,6 +19,14 @@ def has_volume(operator, context):
     return in_object_mode(operator, context)
 
 
+class VolumeOperator:
+    """An operator on the volume that is active."""
+
+    @classmethod
+    def poll(cls, context):
+        return has_volume(cls, context)
+
+
 def has_flatland(operator, context):
     obj = context.object
     if obj is None or not obj.leaflight_flat.is_flatland:

@@ -5,6 +5,8 @@ Each is a child of the volume's object, with the same coordinates, and shares it
 Those cannot be selected: the volume's panel has them.
 """
 
+import uuid
+
 import bpy
 import leaflight
 
@@ -14,6 +16,9 @@ from . import display
 MOST = 3
 
 _KIND = "isosurface"
+
+# Of a volume that has some: tells it from its duplicates (duplicates.py).
+_MARK = "leaflight_isosurfaces"
 
 
 def is_isosurface(obj):
@@ -41,19 +46,41 @@ def add(volume, isovalue, opacity):
         raise leaflight.LeaflightError(
             f'"{volume.name}" shows {MOST} isosurfaces already: remove one first.'
         )
-    obj = bpy.data.objects.new(f"{volume.name} Isosurface", bpy.data.meshes.new(volume.name))
+    obj = bpy.data.objects.new(name_for(volume), bpy.data.meshes.new(volume.name))
     display.mark(obj, _KIND)
     obj.parent = volume
     obj.hide_select = True
-    for collection in volume.users_collection:
-        collection.objects.link(obj)
+    link_beside(obj, volume)
     obj.leaflight["isovalue"] = float(isovalue)
     obj.leaflight_look.opacity = opacity
+    if mark_of(volume) is None:
+        mark_anew(volume)
     return obj
 
 
+def name_for(volume):
+    return f"{volume.name} Isosurface"
+
+
+def link_beside(obj, volume):
+    """Puts an isosurface into the collections of its volume."""
+    for collection in volume.users_collection:
+        collection.objects.link(obj)
+
+
 def remove(obj):
-    mesh = obj.data
+    mesh, volume = obj.data, obj.parent
     bpy.data.objects.remove(obj)
     if not mesh.users:
         bpy.data.meshes.remove(mesh)
+    if volume is not None and not added_to(volume):
+        volume.pop(_MARK, None)
+
+
+def mark_of(volume):
+    """What a volume shares with its duplicates alone, None where no isosurface was added."""
+    return volume.get(_MARK)
+
+
+def mark_anew(volume):
+    volume[_MARK] = uuid.uuid4().hex

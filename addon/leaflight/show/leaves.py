@@ -38,8 +38,7 @@ def import_leaves(settings, look):
         settings.leaf_albedo = look.albedo
     else:
         for isovalue, color in look.albedo:
-            stop = settings.leaf_stops.add()
-            stop.isovalue, stop.color = isovalue, color
+            add_stop(settings, isovalue, color)
     emission = colours(look.emission)[0]
     strength = float(emission.max())
     settings.leaf_emission_strength = strength
@@ -47,20 +46,31 @@ def import_leaves(settings, look):
         settings.leaf_emission = emission / strength
 
 
+def add_stop(settings, isovalue, color):
+    """Adds a stop to the color ramp, and chooses it."""
+    stop = settings.leaf_stops.add()
+    stop.isovalue, stop.color = isovalue, color
+    settings.leaf_stop = len(settings.leaf_stops) - 1
+
+
+def _stops(obj):
+    """(isovalue, color) of each stop, in ascending isovalue; none where one color is for all."""
+    return sorted((stop.isovalue, tuple(stop.color)) for stop in obj.leaflight.leaf_stops)
+
+
 def albedo_ramp(obj):
     """The albedo as one colour, or as stops (isovalue, colour) in ascending isovalue.
 
     Raises LeaflightError when two stops have the same isovalue.
     """
-    settings = obj.leaflight
-    stops = sorted((stop.isovalue, tuple(stop.color)) for stop in settings.leaf_stops)
+    stops = _stops(obj)
     for (below, _), (above, _) in zip(stops, stops[1:]):
         if not below < above:
             raise LeaflightError(
                 f'The color ramp of "{obj.name}" has two stops at isovalue {above:g}: move or '
                 "remove one."
             )
-    return stops or tuple(settings.leaf_albedo)
+    return stops or tuple(obj.leaflight.leaf_albedo)
 
 
 def colours(ramp):
@@ -70,8 +80,7 @@ def colours(ramp):
 
 def albedo_at(obj, isovalue):
     """The albedo (r, g, b) of one isosurface."""
-    stops = sorted((stop.isovalue, tuple(stop.color)) for stop in obj.leaflight.leaf_stops)
-    return color_at(stops or tuple(obj.leaflight.leaf_albedo), isovalue)
+    return color_at(_stops(obj) or tuple(obj.leaflight.leaf_albedo), isovalue)
 
 
 def color_at(ramp, isovalue):

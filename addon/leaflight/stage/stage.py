@@ -20,7 +20,7 @@ from . import aside, camera, facing, presets, scene_export, scene_objects, viewp
 _STAGED = "leaflight_stage"
 
 
-class LEAFLIGHT_OT_stage(bpy.types.Operator):
+class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.stage"
     bl_label = "Stage"
     bl_description = (
@@ -42,10 +42,6 @@ class LEAFLIGHT_OT_stage(bpy.types.Operator):
         "with the stage. Nothing is deleted, and Bring Back shows them again",
         default=True,
     )
-
-    @classmethod
-    def poll(cls, context):
-        return checks.has_volume(cls, context)
 
     def invoke(self, context, _event):
         remembered = context.scene.leaflight_stage

@@ -17,7 +17,7 @@ from ..translations import iface_
 _OPACITY = 0.3
 
 
-class LEAFLIGHT_OT_add_isosurface(bpy.types.Operator):
+class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.add_isosurface"
     bl_label = "Add Isosurface"
     bl_description = (
@@ -38,7 +38,7 @@ class LEAFLIGHT_OT_add_isosurface(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        if not checks.has_volume(cls, context):
+        if not super().poll(context):
             return False
         if context.object.library is not None:
             cls.poll_message_set("Make a library override of the linked volume first")
@@ -82,7 +82,7 @@ class LEAFLIGHT_OT_remove_isosurface(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class LEAFLIGHT_OT_add_clip_box(bpy.types.Operator):
+class LEAFLIGHT_OT_add_clip_box(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.add_clip_box"
     bl_label = "Add Clip Box"
     bl_description = (
@@ -90,10 +90,6 @@ class LEAFLIGHT_OT_add_clip_box(bpy.types.Operator):
         "begins at the eighth of the volume that is nearest to the camera"
     )
     bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        return checks.has_volume(cls, context)
 
     def execute(self, context):
         volume = context.object

@@ -12,6 +12,7 @@ from ..operators import background
 from ..show import (
     added,
     display,
+    duplicates,
     graph_object,
     isovalues,
     preview,
@@ -55,7 +56,10 @@ def _after_change(scene, depsgraph):
     moved = list(_moved)
     _moved.clear()
     changes = [(update.id.original, update) for update in depsgraph.updates]
-    if any(_is_isosurface(changed) for changed, _ in changes) or isovalues.any_is_behind(depsgraph):
+    shown_anew = any(_is_isosurface(changed) for changed, _ in changes)
+    if shown_anew:
+        duplicates.complete()
+    if shown_anew or isovalues.any_is_behind(depsgraph):
         moved += _follow(scene, depsgraph, settling.follows(depsgraph))
     for obj in isovalues.known():
         if obj.library is None and not surface_material.shows_its_view(obj):
@@ -103,6 +107,7 @@ def _after_undo(scene, _depsgraph):
     """Undo may bring back an isovalue without its surface, made after the step was stored."""
     staleness.forget()
     surface_object.forget()
+    duplicates.complete()
     depsgraph = bpy.context.evaluated_depsgraph_get()
     _follow(scene, depsgraph, settling.follows(depsgraph))
 

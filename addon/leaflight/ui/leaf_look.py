@@ -46,7 +46,7 @@ PRESETS = {
 _PLAIN = {"leaf_scattering": "DIFFUSE", "leaf_emission_strength": 0.0}
 
 
-class LEAFLIGHT_OT_leaf_preset(bpy.types.Operator):
+class LEAFLIGHT_OT_leaf_preset(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.leaf_preset"
     bl_label = "Leaf Preset"
     bl_description = "Give the isosurfaces a look that is ready made"
@@ -56,10 +56,6 @@ class LEAFLIGHT_OT_leaf_preset(bpy.types.Operator):
         name="Preset", items=[(key, name, text) for key, (name, text, _, _) in PRESETS.items()]
     )
 
-    @classmethod
-    def poll(cls, context):
-        return checks.has_volume(cls, context)
-
     def execute(self, context):
         settings = context.object.leaflight
         _, _, values, stops = PRESETS[self.preset]
@@ -67,12 +63,12 @@ class LEAFLIGHT_OT_leaf_preset(bpy.types.Operator):
         for name, value in {**_PLAIN, **values}.items():
             setattr(settings, name, value)
         for part, color in stops:
-            _add_stop(settings, isovalues.isovalue_at(settings, part), color)
+            leaves.add_stop(settings, isovalues.isovalue_at(settings, part), color)
         surface_object.shade_all(context.object)
         return {"FINISHED"}
 
 
-class LEAFLIGHT_OT_add_stop(bpy.types.Operator):
+class LEAFLIGHT_OT_add_stop(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.add_stop"
     bl_label = "Add Color Stop"
     bl_description = (
@@ -81,22 +77,18 @@ class LEAFLIGHT_OT_add_stop(bpy.types.Operator):
     )
     bl_options = {"REGISTER", "UNDO"}
 
-    @classmethod
-    def poll(cls, context):
-        return checks.has_volume(cls, context)
-
     def execute(self, context):
         settings = context.object.leaflight
         isovalue = settings.isovalue
         if any(stop.isovalue == isovalue for stop in settings.leaf_stops):
             self.report({"ERROR"}, f"There is a stop at isovalue {isovalue:g}: move the isovalue.")
             return {"CANCELLED"}
-        _add_stop(settings, isovalue, leaves.albedo_at(context.object, isovalue))
+        leaves.add_stop(settings, isovalue, leaves.albedo_at(context.object, isovalue))
         surface_object.shade_all(context.object)
         return {"FINISHED"}
 
 
-class LEAFLIGHT_OT_remove_stop(bpy.types.Operator):
+class LEAFLIGHT_OT_remove_stop(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.remove_stop"
     bl_label = "Remove Color Stop"
     bl_description = (
@@ -106,7 +98,7 @@ class LEAFLIGHT_OT_remove_stop(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        if not checks.has_volume(cls, context):
+        if not super().poll(context):
             return False
         if not context.object.leaflight.leaf_stops:
             cls.poll_message_set("There is no stop to remove")
@@ -119,13 +111,6 @@ class LEAFLIGHT_OT_remove_stop(bpy.types.Operator):
         settings.leaf_stop = max(0, min(settings.leaf_stop, len(settings.leaf_stops) - 1))
         surface_object.shade_all(context.object)
         return {"FINISHED"}
-
-
-def _add_stop(settings, isovalue, color):
-    stop = settings.leaf_stops.add()
-    stop.isovalue = isovalue
-    stop.color = color
-    settings.leaf_stop = len(settings.leaf_stops) - 1
 
 
 _CLASSES = (LEAFLIGHT_OT_leaf_preset, LEAFLIGHT_OT_add_stop, LEAFLIGHT_OT_remove_stop)

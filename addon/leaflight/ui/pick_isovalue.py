@@ -21,7 +21,7 @@ WINDOW = (1.0, 1.0, 1.0, 0.07)
 _drawn = {}
 
 
-class LEAFLIGHT_OT_pick_isovalue(bpy.types.Operator):
+class LEAFLIGHT_OT_pick_isovalue(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.pick_isovalue"
     bl_label = "Pick in Histogram"
     bl_description = (
@@ -29,10 +29,6 @@ class LEAFLIGHT_OT_pick_isovalue(bpy.types.Operator):
         "it keeps the isovalue, Esc brings back the one before"
     )
     bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        return checks.has_volume(cls, context)
 
     def invoke(self, context, _event):
         if context.area is None or context.area.type != "VIEW_3D":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What differs between the versions of Blender wherever a scene is built or read.
+"""What differs between the versions of Blender wherever a scene is built, read or animated.
 
 It serves the add-on and cycles_scene.py, which runs in a Blender without either of our packages: so
 it imports neither these nor Blender itself.
@@ -66,6 +66,19 @@ def _always_has_nodes(owner):
     """Materials and worlds from 5.0 on, lights from 5.2 on; 6.0 drops the property."""
     switch = owner.bl_rna.properties.get("use_nodes")
     return switch is None or getattr(switch, "is_deprecated", False)
+
+
+def fcurves(owner):
+    """The curves that animate a data-block; from 4.4 on those of its slot in the action."""
+    data = owner.animation_data
+    if data is None or data.action is None:
+        return []
+    if not hasattr(data.action, "layers"):
+        return list(data.action.fcurves)
+    slot = data.action_slot
+    strips = [strip for layer in data.action.layers for strip in layer.strips]
+    bags = [strip.channelbag(slot) for strip in strips if slot is not None]
+    return [curve for bag in bags if bag is not None for curve in bag.fcurves]
 
 
 def set_normals(mesh, normals):

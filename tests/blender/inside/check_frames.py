@@ -6,6 +6,7 @@ import nibabel
 import numpy as np
 import pytest
 from blends import open_blend, open_saved
+from leaflight import blender
 from leaflight_addon.bake import unused_bakes
 from leaflight_addon.show import surface_material
 from leaflight_addon.store import bake_files, cache, frame_bakes
@@ -51,6 +52,18 @@ def check_frames_play_from_the_scenes_first_on(played, values):
         assert_shows(played, played.leaflight.isovalue)
 
 
+def check_a_script_plays_them_from_a_frame_of_its_choice(values, tmp_path):
+    obj = blender.import_volume(tmp_path / "series.nii", frame=0)
+    scene = bpy.context.scene
+    before = scene.frame_start, scene.frame_end, scene.frame_current
+    blender.animate_frames(obj, first_frame=7)
+    assert before == (scene.frame_start, scene.frame_end, scene.frame_current)
+    for scene_frame, number in ((1, 0), (7, 0), (8, 1), (9, 2), (20, 2)):
+        scene.frame_set(scene_frame)
+        assert obj.leaflight.frame == number
+        close(cache.volume_of(obj).values, values[number].T, 0)
+
+
 def check_a_frame_is_lit_by_its_own_bake_and_by_no_other(played):
     show_frame(1)
     bpy.ops.leaflight.bake()
@@ -69,8 +82,8 @@ def check_a_frame_is_lit_by_its_own_bake_and_by_no_other(played):
 
 def check_all_frames_are_baked_kept_and_found_again(played, tmp_path):
     played.leaflight.bake_folder = ""
-    bpy.ops.leaflight.bake_frames()
-    assert bpy.context.scene.frame_current == 1
+    blender.bake_frames(played, samples=2)
+    assert played.leaflight.samples == 2 and bpy.context.scene.frame_current == 1
     assert len(frame_bakes.bakes_of(played.leaflight)) == FRAMES
     # From the folder of the session to beside the .blend.
     open_saved(tmp_path / "here" / "scene.blend")

@@ -72,6 +72,9 @@ def check_errors_are_sentences(volume, tmp_path):
         (lambda: blender.bake(None), "no Leaflight volume"),
         (lambda: blender.compare(volume, tmp_path), "Bake the flattened illumination first"),
         (lambda: blender.animate(volume, []), "no isovalue"),
+        (lambda: blender.animate_frames(volume), "holds one frame"),
+        (lambda: blender.bake_frames(volume), "holds one frame"),
+        (lambda: blender.bake_frames(None), "no Leaflight volume"),
     ):
         with pytest.raises(leaflight.LeaflightError, match=words):
             call()
@@ -81,6 +84,6 @@ def check_every_function_is_documented():
     public = [f for name, f in vars(blender).items() if inspect.isfunction(f) and name[0] != "_"]
     assert {f.__name__ for f in public} == {
         *("import_volume", "stage", "bake", "show", "animate", "compare", "export"),
-        *("add_isosurface", "clip"),
+        *("add_isosurface", "clip", "animate_frames", "bake_frames"),
     }
     assert all(f.__doc__ for f in public)

@@ -83,6 +83,71 @@ def check_they_follow_their_volume(boxed, tmp_path):
     assert name not in bpy.data.objects and obj.name in bpy.data.objects
 
 
+def _duplicate(volume):
+    bpy.ops.object.select_all(action="DESELECT")
+    volume.select_set(True)
+    bpy.context.view_layer.objects.active = volume
+    bpy.ops.object.duplicate()
+    bpy.context.view_layer.update()
+    return bpy.context.object
+
+
+def check_a_duplicate_has_isosurfaces_of_its_own(baked):
+    obj = blender.add_isosurface(baked, 40.0, opacity=0.5, color=(0.2, 0.4, 0.6))
+    blender.animate(obj, [40.0, 42.0])
+    blender.add_isosurface(baked, 50.0)
+    copy = _duplicate(baked)
+    copy.location.x += 0.5
+    bpy.context.view_layer.update()
+    own, other = added.added_to(copy)
+    assert {own, other}.isdisjoint(added.added_to(baked)) and len(added.added_to(baked)) == 2
+    assert own.matrix_world == copy.matrix_world and own.users_scene == copy.users_scene
+    assert own.leaflight_look.opacity == 0.5 and tuple(own.leaflight_look.color) == tuple(
+        obj.leaflight_look.color
+    )
+    assert_lit_by_the_bake(own, 40.0)
+    assert_lit_by_the_bake(other, 50.0)
+    # Each goes on alone.
+    other.leaflight.isovalue = 55.0
+    own.leaflight_look.opacity = 0.9
+    own.animation_data_clear()
+    own.leaflight.isovalue = 61.0
+    bpy.context.scene.frame_set(2)
+    assert_lit_by_the_bake(own, 61.0)
+    assert_lit_by_the_bake(obj, 42.0)
+    assert_lit_by_the_bake(added.added_to(baked)[1], 50.0)
+    opacities = [o.data.materials[0].node_tree.nodes["opacity"] for o in (obj, own)]
+    assert [round(node.outputs[0].default_value, 4) for node in opacities] == [0.5, 0.9]
+    # What is taken from it stays away; what is deleted goes alone.
+    for isosurface in (own, other):
+        bpy.ops.leaflight.remove_isosurface(name=isosurface.name)
+    bpy.context.view_layer.update()
+    copy.leaflight.isovalue = 58.0
+    bpy.context.view_layer.update()
+    assert not added.added_to(copy) and len(added.added_to(baked)) == 2
+    again = _duplicate(baked)
+    bpy.data.objects.remove(baked)
+    bpy.context.view_layer.update()
+    assert len(added.added_to(again)) == 2 == sum(map(added.is_added, bpy.data.objects))
+
+
+def check_a_duplicate_of_a_duplicate_and_of_a_scene(baked):
+    blender.add_isosurface(baked, 40.0)
+    second = _duplicate(baked)
+    (own,) = added.added_to(second)
+    own.leaflight.isovalue = 45.0
+    (shown,) = added.added_to(_duplicate(second))
+    assert_lit_by_the_bake(shown, 45.0)
+    bpy.ops.scene.new(type="FULL_COPY")
+    first = next(o for o in bpy.context.scene.objects if o.leaflight.is_volume)
+    added.added_to(first)[0].leaflight.isovalue = 48.0
+    (shown,) = added.added_to(_duplicate(first))
+    assert_lit_by_the_bake(shown, 48.0)
+    volumes = [o for o in bpy.data.objects if o.leaflight.is_volume]
+    assert [len(added.added_to(volume)) for volume in volumes] == [1] * 7
+    assert len({added.mark_of(volume) for volume in volumes}) == 7
+
+
 def check_there_are_three_at_most(baked):
     isovalue = baked.leaflight.isovalue = 60.0
     bpy.ops.leaflight.add_isosurface()

@@ -15,6 +15,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 from bpy_extras.object_utils import world_to_camera_view
+from leaflight import blender
 from leaflight_addon.bake import stopped
 from leaflight_addon.operators import background
 from leaflight_addon.show import settling, surface_object
@@ -46,6 +47,7 @@ def drive():
     yield from undo_and_redo()
     yield from save_and_load()
     yield from copy_and_delete()
+    yield from play()
 
 
 # ---- The four clicks ----
@@ -258,6 +260,34 @@ def copy_and_delete():
     found["deleted"] = [o.name for o in bpy.context.scene.objects if o.leaflight.is_volume] == [
         name
     ]
+    settling.forget()
+
+
+def play():
+    """A sweep through the window of the bake, as it goes on by itself."""
+    obj, scene = volume(), bpy.context.scene
+    isovalues = np.linspace(obj.leaflight.bake_low, obj.leaflight.bake_high, 24)
+    blender.animate(obj, isovalues)
+    yield from wait(1.0)
+    with bpy.context.temp_override(window=the_window(), area=view_area()):
+        bpy.ops.screen.animation_play()
+    frames, off = set(), []
+
+    def has_played():
+        frames.add(scene.frame_current)
+        expected = isovalues[scene.frame_current - 1]
+        off.append(abs(surface_object.shown_isovalue(obj) - expected))
+        return len(frames) > 5
+
+    yield from until(has_played)
+    with bpy.context.temp_override(window=the_window(), area=view_area()):
+        bpy.ops.screen.animation_cancel(restore_frame=False)
+    yield from until(lambda: not surface_object.is_coarse(obj.data))
+    found["played"] = {
+        "frames": len(frames),
+        "off": float(max(off)) / float(isovalues[-1] - isovalues[0]),
+        "lit": "radiance" in obj.data.attributes,
+    }
     settling.forget()
 
 

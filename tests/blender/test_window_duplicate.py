@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A real window: Shift+D of a volume beside which another isosurface is shown.
+
+Runs where there is a Blender with a window and xvfb-run, which gives it a screen.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+SCRIPT = Path(__file__).resolve().parent / "window" / "duplicate.py"
+
+
+@pytest.fixture(scope="module")
+def found(blender, tmp_path_factory):
+    path = tmp_path_factory.mktemp("volume") / "ball.npy"
+    z, y, x = np.mgrid[-1:1:40j, -1:1:40j, -1:1:40j]
+    np.save(path, (100 - 50 * np.sqrt(x**2 + y**2 + z**2)).astype(np.float32))
+    return blender.in_window(SCRIPT, path, timeout=300)
+
+
+def test_the_duplicate_has_an_isosurface_of_its_own(found):
+    assert found["moved"] and found["duplicated"] == [[[70.0, 0.5]], [[70.0, 0.5]]]
+    assert sorted(found["edited"]) == [[[70.0, 0.5]], [[80.0, 0.5]]]
+
+
+def test_undo_and_redo_bring_it_along(found):
+    assert found["undone"] == found["redone"] == found["duplicated"]
+    assert found["undone twice"] == [[[70.0, 0.5]]]

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""blender --enable-event-simulate --python duplicate.py -- VOLUME.npy: duplicates a volume, beside
+which another isosurface is shown, by Shift+D, and undoes and redoes that.
+
+Prints a line WINDOW and a JSON object of what there is after each of these.
+"""
+
+import os
+import sys
+import time
+
+import bpy
+from leaflight import blender
+from leaflight_addon.show import added, surface_object
+
+sys.path.insert(0, os.path.dirname(__file__))
+import stepwise  # noqa: E402
+
+PATIENCE = 60.0
+
+found = {}
+
+
+def main():
+    bpy.context.preferences.view.show_splash = False
+    for obj in list(bpy.data.objects):
+        bpy.data.objects.remove(obj)
+    stepwise.run(steps(), found)
+
+
+def steps():
+    # In a window, so that there is a step to go back to.
+    with viewport():
+        bpy.ops.leaflight.import_volume(filepath=sys.argv[-1])
+        obj = bpy.context.object
+        obj.leaflight.linked = False
+        blender.add_isosurface(obj, 70.0, opacity=0.5)
+        bpy.ops.ed.undo_push(message="Isosurfaces")
+    yield 1.0
+    event("D", "PRESS", shift=True)
+    event("D", "RELEASE", shift=True)
+    yield from until(lambda: len(volumes()) == 2)
+    for step in range(1, 8):
+        event("MOUSEMOVE", "NOTHING", to_the_right=20 * step)
+        yield 0.1
+    event("LEFTMOUSE", "PRESS", to_the_right=140)
+    event("LEFTMOUSE", "RELEASE", to_the_right=140)
+    yield 1.0
+    copy = bpy.context.view_layer.objects.active
+    found["moved"] = copy.location.length > 0.1
+    found["duplicated"] = state()
+    # By hand, as the slider of the panel does.
+    (own,) = added.added_to(copy)
+    own.leaflight.isovalue = 80.0
+    with viewport():
+        bpy.ops.ed.undo_push(message="Isovalue")
+    yield 0.5
+    found["edited"] = state()
+    for name, shift in (("undone", False), ("undone twice", False), ("redone", True)):
+        event("Z", "PRESS", ctrl=True, shift=shift)
+        event("Z", "RELEASE", ctrl=True, shift=shift)
+        yield 1.0
+        found[name] = state()
+
+
+def state():
+    """By volume: what its added isosurfaces show, and how translucent they are."""
+    return [
+        [
+            [round(surface_object.shown_isovalue(obj), 3), round(obj.leaflight_look.opacity, 3)]
+            for obj in added.added_to(volume)
+        ]
+        for volume in volumes()
+    ]
+
+
+def volumes():
+    found = (obj for obj in bpy.context.scene.objects if obj.leaflight.is_volume)
+    return sorted(found, key=lambda obj: obj.name)
+
+
+def window():
+    return bpy.context.window_manager.windows[0]
+
+
+def view_area():
+    return next(area for area in window().screen.areas if area.type == "VIEW_3D")
+
+
+def viewport():
+    region = next(region for region in view_area().regions if region.type == "WINDOW")
+    return bpy.context.temp_override(window=window(), area=view_area(), region=region)
+
+
+def event(kind, value, to_the_right=0, **modifiers):
+    area = view_area()
+    x, y = area.x + area.width // 2 + to_the_right, area.y + area.height // 2
+    window().event_simulate(type=kind, value=value, x=x, y=y, **modifiers)
+
+
+def until(happened):
+    end = time.perf_counter() + PATIENCE
+    while not happened():
+        if time.perf_counter() > end:
+            raise RuntimeError("Shift+D has made no duplicate.")
+        yield 0.1
+
+
+main()
