@@ -22,7 +22,8 @@ void add_finer_levels(FixedBake<D>& bake, int volume, const IndirectEstimator<D>
       direct[side] = direct_pass(bake, sampled);
       indirect[side] = indirect_pass(bake, sampled, estimator);
     }
-    grid.finer.push_back(finer_level(grid, std::move(texels), make_grid<D>(direct, indirect)));
+    grid.finer.push_back(
+        finer_level(grid, std::move(texels), make_grid<D>(std::move(direct), std::move(indirect))));
   }
 }
 

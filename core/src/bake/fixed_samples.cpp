@@ -127,8 +127,8 @@ Baked<D> bake_with_fixed_samples(const Scene<D>& scene, const BakeSettings<D>& s
   const std::unique_ptr<IndirectEstimator<D>> estimator = make_estimator(bake);
   Baked<D> baked;
   for (std::size_t v = 0; v < direct.size(); ++v) {
-    baked.grids.push_back(make_grid<D>(direct[v], light_indirectly(bake, v, estimator.get())));
-    direct[v] = {};
+    baked.grids.push_back(
+        make_grid<D>(std::move(direct[v]), light_indirectly(bake, v, estimator.get())));
   }
   if (settings.refine > 0) {
     progress.begin("Finer texels");

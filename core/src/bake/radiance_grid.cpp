@@ -26,24 +26,42 @@ int RadianceGrid<D>::level_at(const Vec<D>& index_position) const {
   return found;
 }
 
+namespace {
+
+using Colours = std::vector<Vec<3, float>>;
+
+Colours sums(const std::vector<Average>& direct, const std::vector<Average>& indirect) {
+  Colours sums;
+  sums.reserve(direct.size());
+  for (std::size_t s = 0; s < direct.size(); ++s) {
+    sums.emplace_back(direct[s].mean + indirect[s].mean);
+  }
+  return sums;
+}
+
+Colours means(const std::vector<Average>& averages) {
+  Colours means;
+  means.reserve(averages.size());
+  for (const Average& average : averages) means.emplace_back(average.mean);
+  return means;
+}
+
+}  // namespace
+
 template <int D>
-RadianceGrid<D> make_grid(const SideAverages& direct, const SideAverages& indirect) {
+RadianceGrid<D> make_grid(SideAverages direct, SideAverages indirect) {
   RadianceGrid<D> grid;
-  grid.radiance.reserve(direct[0].size());
-  grid.radiance_indirect.reserve(direct[0].size());
+  grid.radiance = sums(direct[0], indirect[0]);
+  grid.radiance_back = sums(direct[1], indirect[1]);
   grid.radiance_error.reserve(direct[0].size());
-  grid.radiance_back.reserve(direct[1].size());
-  grid.radiance_back_indirect.reserve(direct[1].size());
   for (std::size_t s = 0; s < direct[0].size(); ++s) {
-    const Average &straight = direct[0][s], &rest = indirect[0][s];
-    grid.radiance.emplace_back(straight.mean + rest.mean);
-    grid.radiance_indirect.emplace_back(rest.mean);
-    grid.radiance_error.push_back(std::sqrt(straight.variance + rest.variance));
+    grid.radiance_error.push_back(std::sqrt(direct[0][s].variance + indirect[0][s].variance));
   }
-  for (std::size_t s = 0; s < direct[1].size(); ++s) {
-    grid.radiance_back.emplace_back(direct[1][s].mean + indirect[1][s].mean);
-    grid.radiance_back_indirect.emplace_back(indirect[1][s].mean);
-  }
+  // Averages take more memory than all else that large bakes hold at this time.
+  direct = {};
+  grid.radiance_indirect = means(indirect[0]);
+  indirect[0] = {};
+  grid.radiance_back_indirect = means(indirect[1]);
   return grid;
 }
 
@@ -136,8 +154,8 @@ float lookup_error(const TexelLattice<D>& lattice, const std::vector<float>& err
 
 template struct RadianceGrid<2>;
 template struct RadianceGrid<3>;
-template RadianceGrid<2> make_grid<2>(const SideAverages&, const SideAverages&);
-template RadianceGrid<3> make_grid<3>(const SideAverages&, const SideAverages&);
+template RadianceGrid<2> make_grid<2>(SideAverages, SideAverages);
+template RadianceGrid<3> make_grid<3>(SideAverages, SideAverages);
 template Vec<3, float> lookup<2>(const TexelLattice<2>&, const std::vector<Vec<3, float>>&,
                                  const Vec<2>&);
 template Vec<3, float> lookup<3>(const TexelLattice<3>&, const std::vector<Vec<3, float>>&,

@@ -135,14 +135,16 @@ RadianceGrid<D> SweptBake<D>::grid() {
   const int sides = plan_.back ? 2 : 1;
   for (int side = 0; side < sides; ++side) {
     direct[side] = direct_.averages(side != 0);
-    indirect[side].resize(direct[side].size());
-    if (indirect_) {
+    pool_variances(texels_.lattice, direct[side], progress_);
+    if (!indirect_) {
+      indirect[side].resize(direct[side].size());
+    } else {
       const TexelLattice<D>& soft = indirect_->texels().lattice;
       std::vector<Average> averages = indirect_->averages(side != 0);
       pool_variances(soft, averages, progress_);
       indirect[side] = interpolated(soft, averages, texels_.lattice, progress_);
     }
-    finish(direct[side], indirect[side]);
+    finish(indirect[side]);
     if (kept_) {
       kept_->add_to(direct[side], direct_.blocks(), indirect[side],
                     indirect_ ? indirect_->blocks() : 0, side != 0);
@@ -151,7 +153,7 @@ RadianceGrid<D> SweptBake<D>::grid() {
   progress_.check();
   measure_errors(direct[0], indirect[0]);
   progress_.check();
-  RadianceGrid<D> result = make_grid<D>(direct, indirect);
+  RadianceGrid<D> result = make_grid<D>(std::move(direct), std::move(indirect));
   result.lattice = texels_.lattice;
   return result;
 }
@@ -257,11 +259,10 @@ GatheredRadiance<D> SweptBake<D>::gathered() const {
 
 // From white leaves to those of the scene.
 template <int D>
-void SweptBake<D>::finish(std::vector<Average>& direct, std::vector<Average>& indirect) {
-  pool_variances(texels_.lattice, direct, progress_);
+void SweptBake<D>::finish(std::vector<Average>& indirect) const {
   const Volume<D>& of = volume_.volume();
   const IsovalueWindow& window = volume_.tracer.scene().window;
-  for (std::size_t s = 0; s < direct.size(); ++s) {
+  for (std::size_t s = 0; s < indirect.size(); ++s) {
     const Vec<D> centre = texels_.lattice.centre(texels_.lattice.active[s]);
     const Rgb albedo = albedo_near(of, centre);
     indirect[s].mean *= albedo;

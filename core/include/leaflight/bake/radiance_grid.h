@@ -46,7 +46,7 @@ using SideAverages = std::array<std::vector<Average>, 2>;
 
 // The coarsest level without its lattice, from averages of the active texels.
 template <int D>
-RadianceGrid<D> make_grid(const SideAverages& direct, const SideAverages& indirect);
+RadianceGrid<D> make_grid(SideAverages direct, SideAverages indirect);
 
 // Linear along each axis, over the active texels only; zero where there is none.
 template <int D>

@@ -69,7 +69,7 @@ class SweptBake {
   void learn_soft();
   void learn_inner_direct();
   GatheredRadiance<D> gathered() const;
-  void finish(std::vector<Average>& direct, std::vector<Average>& indirect);
+  void finish(std::vector<Average>& indirect) const;
   double texture_error(const std::vector<Average>& direct, const std::vector<Average>& indirect,
                        std::size_t slot) const;
   void measure_errors(const std::vector<Average>& direct, const std::vector<Average>& indirect);
