@@ -24,7 +24,7 @@ def test_damaged(tmp_path, target):
     package = Path(leaflight.__file__).parents[1]
     count = 6 if target.slow else 150
     done = subprocess.run(
-        [sys.executable, FUZZ / "worker.py", target.name, tmp_path, "1", "60", str(count)],
+        [sys.executable, FUZZ / "worker.py", target.name, tmp_path, "1", "600", str(count)],
         env={**os.environ, "PYTHONPATH": f"{package}:{FUZZ}"},
         capture_output=True,
         text=True,
