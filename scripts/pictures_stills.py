@@ -21,8 +21,8 @@ SWEEP_FRAMES, SWEEP_MILLISECONDS = 48, 90
 @dataclass(frozen=True)
 class Still:
     """window, isovalue: in data units; color: the albedo; turn: degrees around the vertical; zoom:
-    how much narrower the camera's angle is than the stage's; samples: of Cycles, which light from
-    all around needs few of.
+    how much narrower the camera's angle is than the stage's; lights_stage: whether the bake lights
+    the stage, too, or Cycles does, by so many samples.
     """
 
     path: Path
@@ -32,6 +32,7 @@ class Still:
     color: tuple
     turn: float = 0.0
     zoom: float = 1.0
+    lights_stage: bool = False
     samples: int = 192
 
 
@@ -52,7 +53,15 @@ def main():
     if arguments.data:
         data = Path(arguments.data)
         stills["vessels"] = Still(
-            data / "aneurism.nrrd", "LIGHT_TENT", (40, 120), 60.5, (0.7, 0.16, 0.12), 0, 1.3, 160
+            data / "aneurism.nrrd",
+            "LIGHT_TENT",
+            (40, 120),
+            60.5,
+            (0.7, 0.16, 0.12),
+            0,
+            1.3,
+            True,
+            32,
         )
         stills["bones"] = Still(
             data / "amos_0336.mhd", "OPEN_FLOOR", (120, 320), 180.5, (0.83, 0.77, 0.64), 25, 1.1
@@ -78,8 +87,8 @@ def render_still(still, folder, picture):
     volume.matrix_world = turned(volume, still.turn)
     blender.stage(volume, preset=still.preset)
     bpy.context.scene.camera.data.angle /= still.zoom
-    # Cycles itself lights the floor, with less grain than a bake of some minutes.
-    settings = {"light_surroundings": False, "error": ERROR, "bake_folder": str(folder)}
+    settings = {"error": ERROR, "bake_folder": str(folder)}
+    settings["light_surroundings"] = still.lights_stage
     blender.bake(volume, isovalues=still.window, **settings)
     blender.show(volume, still.isovalue, settle=True)
     rendered = folder / f"{picture.stem}.png"
