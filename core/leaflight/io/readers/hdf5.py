@@ -11,7 +11,7 @@ from ...volume.volume import Volume
 from ..apart import Apart
 from .checks import choose_named, index_to_world, undecided
 from .stored import StoredVolume, lengths
-from .watched import STAGE
+from .watched import STAGE, begin
 
 # How ilastik and Fiji write the size of a voxel, z first, in micrometers.
 _ELEMENT_SIZE = "element_size_um"
@@ -31,9 +31,7 @@ def open_volume(path, dataset=None, spacing=None):
 
     def load(frame, _channel, progress):
         values = np.empty(shape[-3:], dtype)
-        progress.begin(STAGE)
-        if progress.fraction < 1:
-            progress.expect(values.nbytes)
+        begin(progress, STAGE, values.nbytes)
         with _apart(path, "read_array", name, frame if len(shape) == 4 else None) as process:
             if process.answer() != [list(values.shape), dtype.str]:
                 raise process.died()

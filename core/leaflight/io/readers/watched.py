@@ -13,7 +13,7 @@ STAGE = "Reading"
 def watched(progress, things, stage=STAGE):
     """Yields the things, and tells after each that it was worked on. Raises Cancelled."""
     things = list(things)
-    _begin(progress, stage, len(things))
+    begin(progress, stage, len(things))
     for thing in things:
         progress.check()
         yield thing
@@ -23,13 +23,14 @@ def watched(progress, things, stage=STAGE):
 @contextmanager
 def open_watched(path, progress, unpacked=True):
     """A binary file; what it holds where its name ends with .gz, unless `unpacked` is False."""
-    _begin(progress, STAGE, path.stat().st_size)
+    begin(progress, STAGE, path.stat().st_size)
     with io.BufferedReader(_Watched(path, progress), _MOST) as file:
         packed = unpacked and path.suffix.lower() == ".gz"
         yield gzip.GzipFile(fileobj=file) if packed else file
 
 
-def _begin(progress, stage, total):
+def begin(progress, stage, total):
+    """Tells a stage and how much there is to do in it, which progress.advance() counts down."""
     progress.begin(stage)
     # Reading is nearly all there is to do.
     if progress.fraction < 1:
