@@ -12,6 +12,7 @@ import signal
 import subprocess
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 # These files run within Blender, started by test_addon.py.
@@ -172,6 +173,15 @@ def blender(request, tmp_path_factory):
     blender.install(package)
     blender.about["package"] = package.name
     return blender
+
+
+@pytest.fixture(scope="session")
+def ball(tmp_path_factory):
+    """A file of values that fall from 100 in the middle to 13.4 in the corners."""
+    path = tmp_path_factory.mktemp("volume") / "ball.npy"
+    z, y, x = np.mgrid[-1:1:40j, -1:1:40j, -1:1:40j]
+    np.save(path, (100 - 50 * np.sqrt(x**2 + y**2 + z**2)).astype(np.float32))
+    return path
 
 
 @pytest.fixture(scope="session")

@@ -6,18 +6,14 @@ Runs where there is a Blender with a window and xvfb-run, which gives it a scree
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 SCRIPT = Path(__file__).resolve().parent / "window" / "pick_isovalue.py"
 
 
 @pytest.fixture(scope="module")
-def picked(blender, tmp_path_factory):
-    path = tmp_path_factory.mktemp("volume") / "ball.npy"
-    z, y, x = np.mgrid[-1:1:40j, -1:1:40j, -1:1:40j]
-    np.save(path, (100 - 50 * np.sqrt(x**2 + y**2 + z**2)).astype(np.float32))
-    return blender.in_window(SCRIPT, path, timeout=300)
+def picked(blender, ball):
+    return blender.in_window(SCRIPT, ball, timeout=300)
 
 
 def test_a_drag_moves_the_isovalue_and_enter_keeps_it(picked):
