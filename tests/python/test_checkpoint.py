@@ -139,3 +139,19 @@ def test_killed_and_resumed_by_the_command_line(tmp_path, cli):
     assert_same(load_bake(out), load_bake(other))
     outcome = cli("bake", "--resume", out)
     assert outcome.status == 2 and "is complete" in outcome.err
+
+
+def test_a_bake_that_failed_tells_that_it_can_go_on(tmp_path, cli, monkeypatch):
+    out = tmp_path / "x.vdb"
+    monkeypatch.setattr(sys.modules["leaflight.bake.checkpoint"], "SECONDS", 0.0)
+
+    def full(*_):
+        raise LeaflightError("There is no space left on the disk; make some.")
+
+    with monkeypatch.context() as without_space:
+        without_space.setattr(leaflight.Bake, "save", full)
+        outcome = cli("bake", "bump_box", "--dims", "6", "--error", "5", "--out", out)
+    assert outcome.status == 2
+    assert f"make some; after that, leaflight bake --resume {out} goes on.\n" in outcome.err
+    assert cli("bake", "--resume", out).status == 0
+    assert load_bake(out) and os.listdir(tmp_path) == ["x.vdb"]

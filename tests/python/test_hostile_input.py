@@ -277,4 +277,6 @@ def test_little_memory(root, tmp_path, limit):
         assert told[0].endswith("raise it (ulimit -v).")
     else:
         assert "There is not enough memory" in told[0]
-    assert os.listdir(tmp_path) == []
+    # A slow machine may have come to a checkpoint, and then says what it is good for.
+    resumable = "--resume" in told[0]
+    assert os.listdir(tmp_path) == (["x.vdb.checkpoint"] if resumable else [])

@@ -146,12 +146,27 @@ def path_anywhere(volume):
 
 
 def _worked(work, options):
+    before = _checkpoint_time(options)
+    goes_on = f"leaflight bake --resume {options.out} goes on."
     try:
         return run_with_progress(work, "bake", writes=True)
     except Cancelled:
-        if checkpoint_for(options.out).exists():
-            raise Cancelled(f"cancelled; leaflight bake --resume {options.out} goes on.") from None
+        if _checkpoint_time(options) is not None:
+            raise Cancelled(f"cancelled; {goes_on}") from None
         raise
+    except LeaflightError as error:
+        # One of before this bake may be of another one.
+        if _checkpoint_time(options) != before:
+            raise LeaflightError(f"{str(error).rstrip('.')}; after that, {goes_on}") from None
+        raise
+
+
+def _checkpoint_time(options):
+    """When a checkpoint of the output was written, None where there is none."""
+    try:
+        return os.stat(checkpoint_for(options.out)).st_mtime_ns
+    except (OSError, ValueError):
+        return None
 
 
 def _given(options, own):
