@@ -48,7 +48,18 @@ def main():
     stills = {
         "brain": Still(
             BRAINS / "ch2bet.nii.gz", "OPEN_FLOOR", (40, 120), 74.5, (0.85, 0.55, 0.5), -35, 1.7
-        )
+        ),
+        "skull": Still(
+            arguments.work / "skull.nii",
+            "OPEN_FLOOR",
+            (150, 450),
+            250.5,
+            (0.83, 0.77, 0.64),
+            25,
+            1.1,
+            True,
+            32,
+        ),
     }
     if arguments.data:
         data = Path(arguments.data)
@@ -62,9 +73,6 @@ def main():
             1.3,
             True,
             32,
-        )
-        stills["bones"] = Still(
-            data / "amos_0336.mhd", "OPEN_FLOOR", (120, 320), 180.5, (0.83, 0.77, 0.64), 25, 1.1
         )
     for name, still in stills.items():
         if still.path.exists() and arguments.only in (name, ""):

@@ -4,12 +4,14 @@
 import gzip
 import json
 import re
+import struct
 import sys
 
 import nibabel
 import numpy as np
 import pytest
 import tifffile
+from PIL import Image
 
 RNG = np.random.default_rng(1)
 NOISE = RNG.integers(0, 255, (24, 20, 16)).astype(np.uint8)
@@ -190,6 +192,20 @@ def truncated_imagej(path):
 def truncated_deflate(path):
     tifffile.imwrite(path, NOISE, compression="zlib", photometric="minisblack")
     cut(path, 0.6)
+
+
+@case(".tif", "needs the Python package imagecodecs, .* 'pip install imagecodecs'.$")
+def compressed_as_microscopes_do(path):
+    pages = [Image.fromarray(page) for page in NOISE.astype(np.uint8)]
+    pages[0].save(path, save_all=True, append_images=pages[1:], compression="tiff_lzw")
+
+
+@case(".tif", "truncated|damaged")
+def sizes_as_bytes(path):
+    """Old versions of tifffile multiply these, to six gigabytes."""
+    tag = struct.Struct("<HHLL").pack
+    tags = tag(256, 1, 4, 8) + tag(257, 4, 1, 0x5E01DA00) + tag(258, 3, 1, 8)
+    path.write_bytes(b"II*\0\x08\0\0\0" + struct.pack("<H", 3) + tags + bytes(4))
 
 
 @case(".tif", "colour")

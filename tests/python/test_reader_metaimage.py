@@ -96,8 +96,18 @@ def test_damaged(tmp_path, values):
     (tmp_path / "x.raw").write_bytes(values.tobytes()[:-1])
     with pytest.raises(LeaflightError, match="claims 6 x 5 x 4 values"):
         read_volume(path)
+    (tmp_path / "scan").mkdir()
+    header = write(tmp_path / "scan" / "z.mhd", values, data="link.raw")
+    (tmp_path / "scan" / "link.raw").unlink(missing_ok=True)
+    (tmp_path / "scan" / "link.raw").symlink_to("../x.raw")
+    with pytest.raises(LeaflightError, match="outside its own folder"):
+        read_volume(header)
+    digits = path.read_bytes().replace(b"DimSize = 6", b"DimSize = " + b"1" * 400)
+    (tmp_path / "y.mhd").write_bytes(digits)
+    with pytest.raises(LeaflightError, match="claims 10.399 x 5 x 4 values"):
+        read_volume(tmp_path / "y.mhd")
     (tmp_path / "x.raw").unlink()
-    with pytest.raises(LeaflightError, match="'x.raw' is not beside it"):
+    with pytest.raises(LeaflightError, match="no data file 'x.raw' beside it"):
         read_volume(path)
     write(path, values, "MET_SHORT", "x.zraw", lambda data: zlib.compress(data)[:-9])
     with pytest.raises(LeaflightError, match="x.mhd: .*ends before"):

@@ -96,17 +96,17 @@ def _in_words_of_blender():
     except readers.MissingPackage as missing:
         raise LeaflightError(
             f"{missing.path}: reading this {missing.kind} needs the Python package "
-            f"{missing.package}, which Blender's Python lacks: run {_install(missing.package)} in "
-            "a terminal, and start Blender again."
+            f"{missing.package}, which Blender's Python lacks: run {_install(missing)} in a "
+            "terminal, and start Blender again."
         ) from None
 
 
-def _install(package):
+def _install(missing):
     # Debian's Blender uses the system's Python.
-    if sys.prefix == "/usr":
-        return f"'sudo apt install python3-{package}'"
+    if sys.prefix == "/usr" and missing.of_debian:
+        return f"'sudo apt install {missing.of_debian}'"
     # Without what they depend on: another NumPy would take the place of Blender's own.
-    wanted = _WITH_ITS_NEEDS.get(package, package)
+    wanted = _WITH_ITS_NEEDS.get(missing.package, missing.package)
     target = bpy.utils.user_resource("SCRIPTS", path="modules")
     return f'\'"{sys.executable}" -m pip install --no-deps --target "{target}" {wanted}\''
 

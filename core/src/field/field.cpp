@@ -110,6 +110,19 @@ Vec<D> shading_gradient(const Field<D>& field, const Value* values, const CellPo
   return gradient;
 }
 
+// Differences of values are computed in single precision.
+void check_range(float min, float max) {
+  constexpr double least = 1e-34, most = 1e38;
+  const double range = static_cast<double>(max) - min;
+  if (range >= least && range <= most) return;
+  std::ostringstream text;
+  text << "The values of the volume reach from " << min << " to " << max
+       << ", too little or too much for single precision; give them in units in which they differ "
+          "by "
+       << least << " to " << most << ".";
+  throw Error(text.str());
+}
+
 }  // namespace
 
 template <int D>
@@ -143,6 +156,7 @@ Field<D> make_field(const Voxels& values, const Index<D>& dims, const Affine<D>&
             "values have in common.";
     throw Error(text.str());
   }
+  check_range(s.min, s.max);
   field.min = s.min;
   field.max = s.max;
   field.masked = s.masked;

@@ -69,11 +69,12 @@ class LineBundle {
   // The number of the texel whose part of a plane the line crosses, or -1: it may lie between the
   // texels' planes, in empty space, or a line of a lower number may come to the same texel.
   std::int64_t texel(int plane, int lane) const;
-  // How much the value grows on the way to where z is 1 more, by central differences.
+  // How much the value grows on the way to where z is 1 more, by central differences; in units of
+  // about the field's range, so that its square is a float, whatever the units of the data.
   float slope(int plane, int lane) const;
-  // The gradient, in index coordinates, by which leaves are shaded where the line crosses a plane:
-  // central differences at the voxels, interpolated as the values are. Made of the values each
-  // time, since those of all voxels would take 12 bytes of each.
+  // The gradient, in index coordinates and the same units, by which leaves are shaded where the
+  // line crosses a plane: central differences at the voxels, interpolated as the values are. Made
+  // of the values each time, since those of all voxels would take 12 bytes of each.
   Vec<D, float> gradient(int plane, int lane) const;
 
  private:
@@ -112,6 +113,7 @@ class LineBundle {
   const TexelLattice<D>& lattice_;
   const LineSet<D>& set_;
   const Planes<D>& planes_;
+  float per_range_;  // a power of two, which rounds nothing
   double planes_per_texel_;
   std::array<int, static_cast<std::size_t>(across)> axes_;
   std::array<std::size_t, static_cast<std::size_t>(D)> stride_;
@@ -133,6 +135,7 @@ LineBundle<D>::LineBundle(const Field<D>& field, const EmptySpace<D>& empty,
       lattice_(lattice),
       set_(set),
       planes_(planes),
+      per_range_(std::ldexp(1.0f, -std::ilogb(field.max - field.min))),
       rows_(planes.planes.size()) {
   planes_per_texel_ = 1 / (planes.planes[1].z - planes.planes[0].z);
   std::size_t stride = 1;
@@ -302,13 +305,15 @@ float LineBundle<D>::slope(int plane, int lane) const {
   // Next to masked voxels one side alone is known.
   if (std::isnan(low)) low = h, --planes;
   if (std::isnan(high)) high = h, --planes;
-  return planes > 0 ? (high - low) * static_cast<float>(planes_per_texel_ / planes) : 0;
+  if (planes <= 0) return 0;
+  return (high - low) * per_range_ * static_cast<float>(planes_per_texel_ / planes);
 }
 
 template <int D>
 Vec<D, float> LineBundle<D>::gradient(int plane, int lane) const {
   return std::visit([&](const auto* values) { return gradient(values, plane, lane); },
-                    field_.values);
+                    field_.values) *
+         per_range_;
 }
 
 template <int D>

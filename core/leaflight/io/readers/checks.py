@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Checks that the readers share, all made before memory is allocated for the values."""
 
-from math import prod
+import re
+from math import log10, prod
 
 import numpy as np
 
@@ -17,8 +18,8 @@ def check_size(path, shape, itemsize, stored, most=1):
     claimed = prod(int(n) for n in shape) * int(itemsize)
     if claimed > int(stored) * most:
         raise LeaflightError(
-            f"{path}: the header claims {text(shape)} values ({claimed} bytes), but the file "
-            f"holds only {stored} bytes of data: it is truncated or damaged, fetch it again."
+            f"{path}: the header claims {text(shape)} values ({text([claimed])} bytes), but the "
+            f"file holds only {stored} bytes of data: it is truncated or damaged, fetch it again."
         )
 
 
@@ -123,4 +124,28 @@ def check_matrix(path, matrix):
 
 
 def text(shape):
-    return " x ".join(str(int(n)) for n in shape)
+    """Whole numbers that a file claims, which may have thousands of digits."""
+    numbers = [int(n) for n in shape]
+    return " x ".join(str(n) if abs(n) < 10**18 else f"10^{int(log10(abs(n)))}" for n in numbers)
+
+
+def data_file(path, name):
+    """The file with the values that the header in `path` names. Raises LeaflightError."""
+    if name.upper().startswith("LIST") or "%" in name:
+        raise LeaflightError(
+            f"{path}: its values lie in several files, which is not supported; join them into one."
+        )
+    # A header from elsewhere must not make us open files outside its own folder, neither by its
+    # name nor by a link.
+    folder = path.parent.resolve()
+    data = (path.parent / name).resolve()
+    if re.match(r"[A-Za-z]:", name) or folder not in data.parents:
+        raise LeaflightError(
+            f"{path}: it refers to the data file {name[:100]!r} outside its own folder; move that "
+            "beside the header."
+        )
+    if not data.is_file():
+        raise LeaflightError(
+            f"{path}: there is no data file {name[:100]!r} beside it; put it there."
+        )
+    return data

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tables of scattered points, x, y, z and a value in each line, interpolated into a volume."""
 
-import io
+import csv
 import re
 
 import numpy as np
@@ -16,7 +16,8 @@ COLUMNS = ("x", "y", "z", "value")
 def open_volume(path, dims=None):
     """The columns x, y, z and value of a first line that names them, else the first four.
 
-    Between numbers stand commas, semicolons or spaces. dims: nodes, see interpolated().
+    Where none is named value it is the first other one of numbers. Between numbers stand commas,
+    semicolons, tabs or spaces. dims: nodes, see interpolated().
     """
 
     def load(_frame, _channel, _progress):
@@ -28,25 +29,53 @@ def open_volume(path, dims=None):
 
 def _table(path):
     """Rows of x, y, z and value."""
-    text = path.read_text(encoding="utf-8-sig", errors="replace")
-    first, _, rest = text.lstrip().partition("\n")
-    names = [name.strip(" \t\"'").lower() for name in re.split(r"[,;\t ]+", first.lstrip("# "))]
-    has_names = any(re.fullmatch(r"[a-z_]\w*", name) for name in names if name != "nan")
+    lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines()
+    rows = [_row(line) for line in lines if line.strip() and not line.lstrip().startswith("#")]
+    # The names may stand in a remark.
+    names = [name.lower() for name in _row(lines[0].lstrip("# \t"))] if lines else []
     columns = range(4)
-    if has_names:
-        if not set(names) >= {"x", "y", "z"} or len(names) < 4:
+    if any(re.match(r"[a-z_]", name) and name not in ("nan", "inf") for name in names):
+        rows = rows if lines[0].lstrip().startswith("#") else rows[1:]
+        columns = _columns(path, names, rows)
+    table = []
+    for row in rows:
+        try:
+            table.append([float(row[column]) for column in columns])
+            if len(row) != len(rows[0]):
+                raise ValueError
+        except (IndexError, ValueError):
             raise LeaflightError(
-                f"{path}: its first line must name the columns {', '.join(COLUMNS)}, or there must "
-                "be no names."
-            )
-        others = [name for name in names if name not in "xyz"]
-        value = "value" if "value" in others else others[0]
-        columns = [names.index(name) for name in ("x", "y", "z", value)]
-    lines = (rest if has_names else text).translate(str.maketrans(";,\t", "   "))
-    try:
-        return np.loadtxt(io.StringIO(lines), np.float64, ndmin=2, usecols=list(columns))
-    except ValueError as error:
+                f"{path}: each line must hold the numbers {', '.join(COLUMNS)}, and as many fields "
+                f"as the first; the line of {', '.join(row)[:60]!r} does not."
+            ) from None
+    return np.array(table, np.float64).reshape(-1, 4)
+
+
+def _columns(path, names, rows):
+    """Where x, y, z and the value stand."""
+    others = [name for name in names if name not in ("x", "y", "z", "")]
+    numbers = [name for name in others if rows and _is_number(rows[0], names.index(name))]
+    if not {"x", "y", "z"} <= set(names) or not (numbers or others):
         raise LeaflightError(
-            f"{path}: each line must hold the numbers {', '.join(COLUMNS)}, separated by commas "
-            f"({' '.join(str(error).split())[:100]})."
-        ) from None
+            f"{path}: its first line must name the columns {', '.join(COLUMNS)}, or there must be "
+            "no names."
+        )
+    value = "value" if "value" in others else (numbers or others)[0]
+    return [names.index(name) for name in ("x", "y", "z", value)]
+
+
+def _is_number(row, column):
+    try:
+        float(row[column])
+    except (IndexError, ValueError):
+        return False
+    return True
+
+
+def _row(line):
+    """The fields of a line, between semicolons, tabs or commas, or else between spaces."""
+    separator = next((one for one in ";\t," if one in line), None)
+    if separator is None:
+        return line.replace('"', "").split()
+    fields = next(csv.reader([line], delimiter=separator, skipinitialspace=True))
+    return [field.strip() for field in fields]

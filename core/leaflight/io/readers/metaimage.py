@@ -10,7 +10,15 @@ import numpy as np
 
 from ..._core import LeaflightError
 from ...volume.volume import Volume
-from .checks import DEFLATE_MOST, check_matrix, check_scalar, check_shape, check_size, truncated
+from .checks import (
+    DEFLATE_MOST,
+    check_matrix,
+    check_scalar,
+    check_shape,
+    check_size,
+    data_file,
+    truncated,
+)
 from .stored import StoredVolume, lengths
 from .watched import open_watched
 
@@ -100,21 +108,8 @@ def _data_file(path, header, end):
     name, skip = header["ElementDataFile"], int(header.get("HeaderSize", 0))
     if name.upper() == "LOCAL":
         return path, end
-    if name.upper().startswith("LIST") or "%" in name:
-        raise LeaflightError(
-            f"{path}: its values lie in several files, which is not supported; save it as one."
-        )
-    # A header from elsewhere must not make us open files outside its own folder.
-    if name != name.replace("\\", "/").rpartition("/")[2]:
-        raise LeaflightError(
-            f"{path}: it refers to the data file {name!r} outside its own folder; move that beside "
-            "the header."
-        )
-    data = path.parent / name
-    if not data.is_file():
-        raise LeaflightError(f"{path}: its data file {name!r} is not beside it; put it there.")
     # -1 says that the values are the end of the file.
-    return data, max(skip, 0)
+    return data_file(path, name), max(skip, 0)
 
 
 def _inflated(path, offset, size, shape, progress):

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..._core import LeaflightError
 from ...volume.volume import Volume
-from .checks import DEFLATE_MOST, check_matrix, check_shape, check_size, text, truncated
+from .checks import DEFLATE_MOST, check_matrix, check_shape, check_size, data_file, text, truncated
 from .stored import StoredVolume, lengths, unit_of
 from .watched import open_watched
 
@@ -170,24 +170,7 @@ def _data_file(path, fields, end):
     name = fields.get("data file")
     if name is None:
         return path, end
-    if name.upper().startswith("LIST") or "%" in name:
-        raise LeaflightError(
-            f"{path}: its values lie in several files, which is not supported; join them into one."
-        )
-    # A header from elsewhere must not make us open files outside its own folder, neither by its
-    # name nor by a link.
-    folder = path.parent.resolve()
-    data = (path.parent / name).resolve()
-    if re.match(r"[A-Za-z]:", name) or folder not in data.parents:
-        raise LeaflightError(
-            f"{path}: it refers to the data file {name[:100]!r} outside its own folder; move that "
-            "beside the header."
-        )
-    if not data.is_file():
-        raise LeaflightError(
-            f"{path}: there is no data file {name[:100]!r} beside it; put it there."
-        )
-    return data, 0
+    return data_file(path, name), 0
 
 
 def _byte_skip(path, fields):

@@ -25,17 +25,23 @@ OPTIONS = (
     *("frame", "channel", "level", "dataset", "downsample"),
 )
 
+_NOT_IN_DEBIAN = {"imagecodecs"}
+
 
 class MissingPackage(LeaflightError):
-    """A Python package that a format needs is not installed; package: its name."""
+    """A Python package that a format needs is not installed.
+
+    package: its name; of_debian: that of Debian's package, or None.
+    """
 
     def __init__(self, path, kind, package):
+        of_debian = None if package in _NOT_IN_DEBIAN else f"python3-{package}"
+        debian = f", or on Debian 'apt install {of_debian}'" if of_debian else ""
         super().__init__(
             f"{path}: reading this {kind} needs the Python package {package}, which is not "
-            f"installed; run 'pip install {package}', or on Debian 'apt install "
-            f"python3-{package}'."
+            f"installed; run 'pip install {package}'{debian}."
         )
-        self.path, self.kind, self.package = path, kind, package
+        self.path, self.kind, self.package, self.of_debian = path, kind, package, of_debian
 
 
 def read_volume(

@@ -27,6 +27,9 @@ MICROMETRES = {
     "m": 1e6,
     "Å": 1e-4,
 }
+if int(tifffile.__version__.partition(".")[0]) < 2025:
+    # Older ones multiply sizes that a damaged file gives as bytes: these become gigabytes.
+    tifffile.tifffile.product = lambda sizes: prod(int(size) for size in sizes)
 
 
 def open_volume(path, spacing=None):
@@ -162,10 +165,8 @@ def opened(path, source=None):
         # On damaged files tifffile fails with whatever comes first, from KeyError to a failed
         # assertion and the XML parser's own error.
         if "requires the 'imagecodecs'" in str(error):
-            raise LeaflightError(
-                f"{path}: its compression is not supported; "
-                "save the stack uncompressed or deflated."
-            ) from None
+            # LZW, JPEG and others that microscopes write.
+            raise ModuleNotFoundError(name="imagecodecs") from None
         raise damage from None
     finally:
         log.propagate = propagate

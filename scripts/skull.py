@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Writes the CT skull of Debian's invesalius-examples as NIfTI: skull.py Cranium.inv3 OUT.nii.
+
+The head rest of the scanner is left out.
+"""
+
+import plistlib
+import sys
+import tarfile
+
+import nibabel
+import numpy as np
+from scipy import ndimage
+
+# In Hounsfield units.
+BONE, AIR = 150, -1024
+# Around the bones, in voxels.
+KEPT = 6
+
+
+def main(project, out):
+    with tarfile.open(project) as archive:
+        files = {member.name.split("/")[-1]: member for member in archive.getmembers()}
+        described = plistlib.load(archive.extractfile(files["main.plist"]))
+        matrix = described["matrix"]
+        data = archive.extractfile(files[matrix["filename"]]).read()
+    values = np.frombuffer(data, matrix["dtype"]).reshape(matrix["shape"]).copy()
+    labels, _ = ndimage.label(values > BONE)
+    sizes = np.bincount(labels.ravel())
+    head = ndimage.binary_dilation(labels == 1 + np.argmax(sizes[1:]), iterations=KEPT)
+    values[~head & (values > BONE)] = AIR
+    # Its axes are the patient's left, back to front, and up.
+    image = nibabel.Nifti1Image(values.T, np.diag([*described["spacing"], 1.0]))
+    image.header.set_xyzt_units("mm")
+    nibabel.save(image, out)
+
+
+main(*sys.argv[1:])

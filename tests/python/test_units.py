@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Data come in any units, such as particles per cubic metre: the light is the same."""
+
+import leaflight
+import numpy as np
+import pytest
+from leaflight import LeaflightError, Volume
+
+WORK = {
+    "rounds": {"error": 6.0, "both_sides": True, "surroundings": True},
+    "fixed": {"samples": 4, "photons": 3000},
+    "thesis": {"samples": 4, "photons": 3000, "estimator": "thesis"},
+}
+
+
+def lit(volume, unit, work):
+    scaled = Volume(volume.values * np.float32(unit), volume.index_to_world, volume.name)
+    bake = leaflight.bake(scaled, isovalues=(30.0 * unit, 90.0 * unit), **WORK[work])
+    return bake, bake.surface(47.0 * unit)
+
+
+@pytest.mark.parametrize("work", WORK)
+def test_powers_of_two_change_no_bit(work):
+    box = leaflight.bump_box(14)
+    bake, surface = lit(box, 1.0, work)
+    assert surface.radiance.mean() > 0.1
+    for exponent in (-110, 50, 115):
+        other, same = lit(box, 2.0**exponent, work)
+        assert np.array_equal(same.vertices, surface.vertices), exponent
+        assert np.array_equal(same.radiance, surface.radiance), exponent
+        for name in ("estimated_rms_percent", "rounds", "texels", "rays"):
+            assert other.statistics.get(name) == bake.statistics.get(name), (exponent, name)
+
+
+def test_beyond_single_precision_is_refused():
+    box = leaflight.bump_box(6)
+    for unit in (1e-40, 1e36):
+        with pytest.raises(LeaflightError, match="in units in which they differ by"):
+            lit(box, unit, "fixed")
