@@ -181,6 +181,9 @@ class GatherEstimator final : public IndirectEstimator<D> {
   // many bounces at most; most rays of a scan meet nothing near (docs/experiments.md).
   static constexpr double near = 8;
   static constexpr int most_near_bounces = 4;
+  // The same of surroundings seen from surroundings, in widths of their patches: in a corner half
+  // of all rays would meet one and the same patch, and show its noise.
+  static constexpr double near_patches = 3;
 
   Rgb gathered(const SurfacePoint<D>& point, const std::array<double, 2>& u, Random& random,
                std::uint64_t& rays, int near_bounces) const {
@@ -188,20 +191,27 @@ class GatherEstimator final : public IndirectEstimator<D> {
     if (!leaves_surface(point, direction)) return Rgb(0);
     ++rays;
     const Hit<D> hit = tracer_.intersect(point, direction);
-    if (near_bounces == most_near_bounces || !is_near(hit, direction)) {
+    if (near_bounces == most_near_bounces || !is_near(point, hit, direction)) {
       return point.albedo * incident(hit, direction, point.c, random, rays);
     }
     const SurfacePoint<D> met = tracer_.surface_point(hit, direction, point.c);
     const double choice = random.uniform();
     const std::array<double, 2> on_light = random.pair(), next = random.pair();
-    return point.albedo * (met.emission + lights_.direct_radiance(met, choice, on_light, rays) +
-                           caustic_radiance<D>(leaves_, nullptr, met) +
+    // What surroundings emit is direct light.
+    const Rgb emission = hit.kind == HitKind::leaf ? met.emission : Rgb(0);
+    return point.albedo * (emission + lights_.direct_radiance(met, choice, on_light, rays) +
+                           caustic_radiance<D>(leaves_, &surroundings_, met) +
                            gathered(met, next, random, rays, near_bounces + 1));
   }
 
-  bool is_near(const Hit<D>& hit, const Vec<D>& direction) const {
-    return hit.kind == HitKind::leaf && scattering_of(hit) == Scattering::diffuse &&
-           frame_to_texels_[hit.volume].vector(direction * hit.leaf.t).length2() < near * near;
+  bool is_near(const SurfacePoint<D>& from, const Hit<D>& hit, const Vec<D>& direction) const {
+    if (hit.kind == HitKind::none || scattering_of(hit) != Scattering::diffuse) return false;
+    if (hit.kind == HitKind::surroundings) {
+      return from.kind() == HitKind::surroundings &&
+             hit.surroundings.t < near_patches * surroundings_.patch_width(hit.surroundings) &&
+             !surroundings_.holds_caustics();
+    }
+    return frame_to_texels_[hit.volume].vector(direction * hit.leaf.t).length2() < near * near;
   }
 
   // Reflected radiance of one side of a volume's texels, with the albedo of the leaf through each.

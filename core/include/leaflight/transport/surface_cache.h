@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cmath>
+
 #include "leaflight/scene/leaf_nodes.h"
 #include "leaflight/transport/flux_accumulator.h"
 #include "leaflight/transport/photon_tracer.h"
@@ -31,6 +33,13 @@ class SurfaceCache {
   // Of the side that a ray of the given direction meets. `u` uniform in [0,1) chooses between two
   // nodes, so that the mean is linear in c at the cost of one lookup.
   Rgb radiance(const SurroundingsHit& hit, const Vec<D>& direction, double c, double u) const;
+  // Of the patch that a ray meets: the side of a square of its size.
+  double patch_width(const SurroundingsHit& hit) const {
+    const double area = facets_[first_facet_[hit.mesh] + hit.facet].patch_area;
+    return D == 3 ? std::sqrt(area) : area;
+  }
+  // Light of mirrors and glass, which no path from here finds.
+  bool holds_caustics() const { return holds_caustics_; }
   // Irradiance from photons at a point of the surroundings, linear in c.
   Rgb soft_irradiance(const SurfacePoint<D>& point) const { return between_nodes(soft_, point); }
   Rgb caustic_irradiance(const SurfacePoint<D>& point) const {
@@ -60,6 +69,7 @@ class SurfaceCache {
   LeafNodes nodes_;
   std::vector<Rgb> radiance_;  // patch, side, node
   FluxAccumulator soft_, caustic_;
+  bool holds_caustics_;
 };
 
 }  // namespace leaflight
