@@ -101,3 +101,14 @@ def test_comments_of_an_exr_are_read_from_its_header(tmp_path):
     path.write_bytes(b"This is not an image. " * 20)
     with pytest.raises(LeaflightError, match="not a readable EXR"):
         _core.read_exr_comments(str(path))
+
+
+def test_an_attribute_of_an_exr_claims_no_more_than_the_file_has(tmp_path):
+    """OpenEXR would take these two gigabytes before it looks."""
+    path = tmp_path / "x.exr"
+    _core.write_exr(str(path), np.zeros((8, 8, 3), np.float32), "of one thing")
+    whole = path.read_bytes()
+    place = whole.index(b"comments\0string\0") + len(b"comments\0string\0")
+    path.write_bytes(whole[:place] + (2_000_000_000).to_bytes(4, "little") + whole[place + 4 :])
+    with pytest.raises(LeaflightError, match="its header ends early"):
+        _core.read_exr(str(path))

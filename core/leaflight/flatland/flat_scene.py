@@ -78,7 +78,7 @@ def _wall(item):
     segments = item.faces("segments", (2,), len(vertices))
     return Wall(
         item.name,
-        vertices.astype(np.float32),
+        vertices,
         np.array(segments, dtype=np.uint32),
         item.color("albedo", largest=1.0),
     )

@@ -131,12 +131,14 @@ class JsonObject:
         return tuple(array.tolist())
 
     def points(self, key, least, axes="xyz"):
-        """At least so many points, float64 (n, axes)."""
+        """At least so many points, float32 (n, axes)."""
         array = self.array(key)
         if array.ndim != 2 or array.shape[1] != len(axes) or len(array) < least:
             point = ", ".join(axes)
             raise self.error(f'"{key}" must be a list of at least {least} points [{point}]')
-        return array
+        # Those beyond become infinite, which meshes refuse by themselves.
+        with np.errstate(over="ignore"):
+            return array.astype(np.float32)
 
     def faces(self, key, lengths, count):
         """A list of lists, as long as one of lengths, of indices in 0..count - 1; not empty."""

@@ -162,7 +162,7 @@ def _mesh(item, folder):
     textured = "texture" in item
     return Mesh(
         item.name,
-        vertices.astype(np.float32),
+        vertices,
         np.array(_triangles(faces), dtype=np.uint32),
         item.color("albedo", largest=1.0),
         item.choice("scattering", SCATTERING, SCATTERING[0]),

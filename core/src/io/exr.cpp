@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <fstream>
 
 #include "leaflight/io/files.h"
 #include "leaflight/io/replaced_files.h"
@@ -21,8 +22,9 @@ namespace {
 
 constexpr std::array<const char*, 4> channel_names{"R", "G", "B", "A"};
 
-// All that any compression packs together is read at once.
-constexpr std::int64_t rows_at_once = 256;
+// All that any compression packs together is read at once, but of rows so long that this would be
+// much memory, for which a damaged file may have no pixels.
+constexpr std::int64_t most_rows_at_once = 256, most_values_at_once = 1 << 25;
 
 Imf::FrameBuffer frame_buffer(float* pixels, const Imath::Box2i& window, int channels) {
   const std::size_t width = window.max.x - window.min.x + 1;
@@ -75,10 +77,39 @@ void write_exr(const std::filesystem::path& path, const float* pixels, int width
 
 namespace {
 
+// OpenEXR takes the memory that an attribute claims before it sees how long the file is.
+void check_header(const std::filesystem::path& path) {
+  constexpr std::uint32_t several_parts = 0x1000;
+  const auto end = static_cast<std::int64_t>(std::filesystem::file_size(path));
+  std::ifstream file(path, std::ios::binary);
+  std::uint32_t magic = 0, version = 0;
+  const auto read = [&](auto& number) {
+    file.read(reinterpret_cast<char*>(&number), sizeof number);
+  };
+  read(magic), read(version);
+  for (bool more = true; more && file;) {
+    more = false;
+    std::string name, type;
+    while (std::getline(file, name, '\0') && !name.empty()) {
+      std::getline(file, type, '\0');
+      std::int32_t size = 0;
+      read(size);
+      if (!file || size < 0 || size > end - file.tellg()) {
+        throw Error("'" + text_of(path) +
+                    "' is not a readable EXR image (its header ends early); " +
+                    "check that it is complete.");
+      }
+      file.seekg(size, std::ios::cur);
+      more = (version & several_parts) != 0;
+    }
+  }
+}
+
 // Calls read(file) and turns what OpenEXR throws into one sentence.
 template <class Read>
 auto read_file(const std::filesystem::path& path, const Read& read) {
   require_file(path);
+  check_header(path);
   try {
     Imf::InputFile file(path.string().c_str());
     return read(file);
@@ -108,6 +139,8 @@ Image read_exr(const std::filesystem::path& path) {
     // Memory is taken as rows come: a damaged file can claim more of them than it has.
     const std::size_t row = static_cast<std::size_t>(width) * image.channels;
     image.pixels.reserve(row * static_cast<std::size_t>(height));
+    const std::int64_t rows_at_once = std::clamp(
+        most_values_at_once / static_cast<std::int64_t>(row), std::int64_t{1}, most_rows_at_once);
     for (std::int64_t begin = 0; begin < height; begin += rows_at_once) {
       const std::int64_t end = std::min(begin + rows_at_once, height);
       image.pixels.resize(row * static_cast<std::size_t>(end));
