@@ -176,6 +176,14 @@ def test_a_file_whose_id_is_not_that_of_its_contents_is_refused(box_file, box_ba
         load_bake(path)
 
 
+def test_metadata_that_are_no_text_are_refused(box_file, tmp_path):
+    path = tmp_path / "damaged.vdb"
+    data = box_file.read_bytes()
+    path.write_bytes(data[:-24].replace(b"texels", b"te\xffels"))
+    with pytest.raises(LeaflightError, match="damaged.vdb: this bake is damaged"):
+        load_bake(path)
+
+
 def test_a_bake_without_id_is_told_from_other_files(box_bake, tmp_path):
     """As Leaflight wrote them before bakes had one."""
     path = tmp_path / "old.vdb"

@@ -20,7 +20,10 @@ def load_bake(path):
     if not _core.has_seal(path):
         # Of an earlier Leaflight, cut, or saved by another program: nothing tells that it is whole.
         with Apart(path, "OpenVDB file", __name__, "can_be_read") as process:
-            process.answer()
+            try:
+                process.answer()
+            except ValueError:
+                raise LeaflightError(f"{path}: this bake is damaged; fetch it again.") from None
     try:
         fields, grids, surroundings, metadata = _core.read_bake(path)
         statistics = json.loads(metadata["statistics"])
