@@ -44,7 +44,6 @@ def drive():
     yield 5.0
     picture("staged")
     yield 0.5
-    bpy.context.object.leaflight.quality = "DRAFT"
     call(bpy.ops.leaflight.bake)
     while background.running() is not None:
         yield 0.5

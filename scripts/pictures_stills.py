@@ -11,7 +11,7 @@ import bpy
 from PIL import Image
 
 BRAINS = Path("/usr/share/mricron/templates")
-ERROR = 2.0
+ERROR = 1.5
 # Of a still, and of a frame of the sweep.
 STILL_SIZE, STILL_QUALITY = (1920, 1080), 92
 SWEEP_SIZE, SWEEP_SAMPLES = (400, 400), 24
@@ -56,7 +56,7 @@ def main():
             250.5,
             (0.83, 0.77, 0.64),
             25,
-            1.1,
+            1.8,
             True,
             32,
         ),

@@ -65,7 +65,8 @@ void shoot(const Field<D>& field, double isovalue, Bytes& bytes) {
   const auto hit = intersect(field, ray);
   require(hit.has_value() == occluded(field, ray), "a ray that hits is not blocked");
   if (!hit) return;
-  require(hit->t > 0 && std::isfinite(hit->t), "a hit at no distance");
+  // 0 from within what rounding leaves of the leaf, of values up to 1e38.
+  require(hit->t >= 0 && std::isfinite(hit->t), "a hit at no distance");
   for (int a = 0; a < D; ++a) {
     const double x = hit->point.local[a];
     require(hit->point.cell[a] >= 0 && hit->point.cell[a] <= field.dims[a] - 2 && x >= 0 && x <= 1,
