@@ -200,6 +200,11 @@ def compressed_as_microscopes_do(path):
     pages[0].save(path, save_all=True, append_images=pages[1:], compression="tiff_lzw")
 
 
+@case(".cube", "not a readable Gaussian cube")
+def billions_of_atoms(path):
+    path.write_text("a\nb\n-3000000000 0 0 0\n3 1 0 0\n3 0 1 0\n3 0 0 1\n1 2 3\n")
+
+
 @case(".tif", "truncated|damaged")
 def sizes_as_bytes(path):
     """Old versions of tifffile multiply these, to six gigabytes."""

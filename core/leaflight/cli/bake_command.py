@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command bake: volumes lit anew, a bake that is continued, and what a bake would cost."""
 
-import contextlib
 import os
 from argparse import Namespace
 from dataclasses import asdict
@@ -17,6 +16,7 @@ from ..io.output import check_writable
 from ..io.sources import is_generated
 from .lighting import given_options, to_light, work_options
 from .progress import run_with_progress
+from .workers import workers_of
 
 # The options that a continued bake has of its own; all others it has from the bake before.
 _OF_CONTINUED = {"command", "json", "kept", "out", "error", "time", "surroundings"}
@@ -42,7 +42,7 @@ def run_bake(options):
 
     def work(progress):
         checkpoint = checkpoint_of(options, resumed=getattr(options, "resumed", False))
-        with _workers(options, progress) as workers:
+        with workers_of(options, progress) as workers:
             baked = bake(
                 volumes,
                 scene,
@@ -79,7 +79,7 @@ def _continued(options):
 
     def work(progress):
         checkpoint = checkpoint_of(options, resumed=getattr(options, "resumed", False))
-        with _workers(options, progress) as workers:
+        with workers_of(options, progress) as workers:
             baked = resume(
                 kept,
                 error=options.error,
@@ -115,20 +115,6 @@ def _interrupted(options):
     own = {name: getattr(options, name) for name in ("json", *_WHO_WORKS)}
     recipe.update(out=options.resume, **own)
     return Namespace(**{**vars(options), **recipe, "resume": None, "resumed": True})
-
-
-@contextlib.contextmanager
-def _workers(options, progress):
-    """The workers that were asked for, or None."""
-    if options.workers is None and options.scheduler is None:
-        yield None
-        return
-    # Not everywhere is Dask installed, and it takes a second to load.
-    from ..cluster.workers import Workers
-
-    progress.begin("Starting workers")
-    with Workers(options.workers, options.scheduler) as workers:
-        yield workers
 
 
 def checkpoint_of(options, resumed):

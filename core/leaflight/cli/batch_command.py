@@ -20,6 +20,7 @@ from ..io.output import check_writable
 from .bake_command import bake_settings, checkpoint_of, path_anywhere
 from .lighting import to_light
 from .progress import run_with_progress
+from .workers import workers_of
 
 # Of bakes alike; `rounds` and what follows from them tell how far each came.
 _ASKED = tuple(key for key in METADATA if key not in ("volumes", "rounds", "blocks", "continued"))
@@ -29,12 +30,7 @@ def run_batch(options):
     bakes = _read_list(options.list)
 
     def work(progress):
-        # Not everywhere is Dask installed, and it takes a second to load.
-        from ..cluster.workers import Workers
-
-        progress.begin("Starting workers")
-        count = 1 if options.workers is options.scheduler is None else options.workers
-        with Workers(count, options.scheduler) as workers:
+        with workers_of(options, progress, least=1) as workers:
             return _bake_all(bakes, workers, progress)
 
     goes_on = "cancelled; the same command goes on where it stopped."

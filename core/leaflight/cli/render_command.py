@@ -14,6 +14,7 @@ from ..cluster import frames
 from ..cluster.tasks import at_workers
 from ..io.output import check_writable, replaced
 from .progress import run_with_progress
+from .workers import workers_of
 
 # Starting Blender and opening the file takes as long as some small frames.
 FRAMES_A_TASK = 4
@@ -34,9 +35,6 @@ def run_render(options):
         raise LeaflightError(f"{folder}: cannot make this folder: {error.strerror}.") from None
 
     def work(progress):
-        # Not everywhere is Dask installed, and it takes a second to load.
-        from ..cluster.workers import Workers
-
         progress.begin("Opening the .blend")
         first, last, fps, *size = frames.ask(options.blender, blend)
         first, last = options.frames or (first, last)
@@ -44,12 +42,10 @@ def run_render(options):
             raise LeaflightError(f"Frames {first} to {last} are none: give the first one first.")
         paths = {number: folder / f"{number:04}.png" for number in range(first, last + 1)}
         left = [number for number, path in paths.items() if not _is_rendered(path, blend)]
-        progress.begin("Starting workers")
         progress.expect(len(paths))
         progress.advance(len(paths) - len(left))
-        count = 1 if options.workers is options.scheduler is None else options.workers
         if left:
-            with Workers(count, options.scheduler) as workers:
+            with workers_of(options, progress, least=1) as workers:
                 _render_all(workers, options.blender, blend, paths, left, progress)
         for part in folder.glob(".frame_*.png"):
             part.unlink(missing_ok=True)  # of a Blender that was killed

@@ -57,8 +57,10 @@ def read_texture(path):
 
 def luminance(pixels):
     """Grey of RGB by the weights of Rec. 709, float32 [row, column]; grey stays what it is."""
-    grey = pixels if pixels.ndim == 2 else pixels @ np.array([0.2126, 0.7152, 0.0722])
-    return grey.astype(np.float32)
+    # What is beyond single precision becomes infinite, which volumes refuse by themselves.
+    with np.errstate(over="ignore", invalid="ignore"):
+        grey = pixels if pixels.ndim == 2 else pixels @ np.array([0.2126, 0.7152, 0.0722])
+        return grey.astype(np.float32)
 
 
 def display_colours(radiance, exposure):

@@ -39,8 +39,7 @@ def open_volume(path):
 
     def load(_frame, channel, _progress):
         with _opened(path) as file:
-            for _ in range(6 + abs(int(atoms))):
-                file.readline()
+            _skip(file, 6 + abs(int(atoms)))
             if atoms < 0:
                 _orbitals(file, lines[2], int(atoms), at_list=True)
             values = np.array(file.read().replace("D", "E").split(), np.float32)
@@ -62,8 +61,7 @@ def _orbitals(file, line, atoms, at_list=False):
     if atoms >= 0:
         fields = line.split()
         return int(fields[4]) if len(fields) > 4 else 1
-    for _ in range(0 if at_list else -atoms):
-        file.readline()
+    _skip(file, 0 if at_list else -atoms)
     numbers = _numbers(file.readline())
     count = int(numbers[0])
     # The list goes on over as many lines as it needs.
@@ -73,6 +71,13 @@ def _orbitals(file, line, atoms, at_list=False):
             raise ValueError("the list of orbitals")
         numbers += more
     return count
+
+
+def _skip(file, count):
+    """So many lines, of which a damaged file may claim billions."""
+    for _ in range(count):
+        if not file.readline():
+            raise EOFError
 
 
 def _numbers(line):
