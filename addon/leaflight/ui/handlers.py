@@ -61,6 +61,9 @@ def _after_change(scene, depsgraph):
         duplicates.complete()
     if shown_anew or isovalues.any_is_behind(depsgraph):
         moved += _follow(scene, depsgraph, settling.follows(depsgraph))
+    if moved:
+        # Blender draws anew where the isovalue was moved; it stands in two places.
+        background.redraw_panels()
     for obj in isovalues.known():
         if obj.library is None and not surface_material.shows_its_view(obj):
             surface_object.shade(obj)
