@@ -41,7 +41,7 @@ def drive():
     picture("imported")
     yield 0.5
     call(bpy.ops.leaflight.stage)
-    yield 5.0
+    yield 30.0  # shaders are compiled
     picture("staged")
     yield 0.5
     call(bpy.ops.leaflight.bake)

@@ -11,7 +11,6 @@ import nibabel
 import numpy as np
 import pytest
 import tifffile
-from PIL import Image
 
 RNG = np.random.default_rng(1)
 NOISE = RNG.integers(0, 255, (24, 20, 16)).astype(np.uint8)
@@ -192,12 +191,6 @@ def truncated_imagej(path):
 def truncated_deflate(path):
     tifffile.imwrite(path, NOISE, compression="zlib", photometric="minisblack")
     cut(path, 0.6)
-
-
-@case(".tif", "needs the Python package imagecodecs, .* 'pip install imagecodecs'.$")
-def compressed_as_microscopes_do(path):
-    pages = [Image.fromarray(page) for page in NOISE.astype(np.uint8)]
-    pages[0].save(path, save_all=True, append_images=pages[1:], compression="tiff_lzw")
 
 
 @case(".cube", "not a readable Gaussian cube")

@@ -2,12 +2,14 @@
 """Every format gives back the values, the shape and the place that were written."""
 
 import gzip
+from importlib.util import find_spec
 
 import nibabel
 import numpy as np
 import pytest
 import tifffile
-from leaflight import read_volume
+from leaflight import LeaflightError, read_volume
+from PIL import Image
 
 AFFINE = np.array([[-2.0, 0, 0, 90], [0, 2.5, 0, -126], [0, 0.5, 3.0, -72], [0, 0, 0, 1]])
 
@@ -71,6 +73,18 @@ def test_tiff_stack(tmp_path, values, options):
     np.testing.assert_array_equal(volume.values, values)
     np.testing.assert_array_equal(diagonal(volume), [1, 1, 1])
     np.testing.assert_array_equal(diagonal(read_volume(path, spacing=(1, 2, 3))), [1, 2, 3])
+
+
+def test_tiff_as_microscopes_compress_it(tmp_path, values):
+    """By LZW, which tifffile leaves to imagecodecs."""
+    path = tmp_path / "stack.tif"
+    pages = [Image.fromarray(page) for page in values.astype(np.uint8)]
+    pages[0].save(path, save_all=True, append_images=pages[1:], compression="tiff_lzw")
+    if find_spec("imagecodecs"):
+        np.testing.assert_array_equal(read_volume(path).values, values)
+    else:
+        with pytest.raises(LeaflightError, match="'pip install imagecodecs'.$"):
+            read_volume(path)
 
 
 def test_tiff_voxel_size_of_imagej(tmp_path, values):

@@ -61,7 +61,7 @@ def _after_change(scene, depsgraph):
         duplicates.complete()
     if shown_anew or isovalues.any_is_behind(depsgraph):
         moved += _follow(scene, depsgraph, settling.follows(depsgraph))
-    if moved:
+    if shown_anew or moved:
         # Blender draws anew where the isovalue was moved; it stands in two places.
         background.redraw_panels()
     for obj in isovalues.known():
