@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """OME-Zarr folders through zarr, of which one resolution is read; and plain Zarr arrays.
 
-https://ngff.openmicroscopy.org/0.4
+https://ngff.openmicroscopy.org/0.4, and 0.5 by zarr 3
 """
 
 import numpy as np
@@ -17,6 +17,7 @@ from .watched import watched
 
 def open_volume(path, level=0):
     """level: which resolution, 0 the finest."""
+    _check_version(path)
     node = zarr.open(str(path), mode="r")
     if hasattr(node, "shape"):
         arrays, axes, matrices, unit = [node], _plain_axes(path, node.shape), [np.eye(4)], ""
@@ -60,6 +61,16 @@ def open_volume(path, level=0):
         if len(arrays) > 1
         else (),
     )
+
+
+def _check_version(path):
+    """Raises LeaflightError where the folder is newer than the package that is to read it."""
+    if (path / "zarr.json").is_file() and int(zarr.__version__.partition(".")[0]) < 3:
+        raise LeaflightError(
+            f"{path}: it is of Zarr 3, as OME-Zarr from 0.5 on, and the package zarr "
+            f"{zarr.__version__} that is installed reads Zarr 2 alone: install zarr 3, or save the "
+            "image as OME-Zarr 0.4."
+        )
 
 
 def _multiscale(path, group):
