@@ -75,7 +75,7 @@ def test_csv_of_a_catalogue(tmp_path, points):
     path = tmp_path / "x.csv"
     lines = ['"","z","name","x","y","mag","note"']
     for i, (x, y, z) in enumerate(points):
-        lines.append(f'"{i}",{z!r},"a, b",{x!r}, {y!r},{x + y!r},')
+        lines.append(f'"{i}",{z:.17g},"a, b",{x:.17g}, {y:.17g},{x + y:.17g},')
     lines.insert(5, "# measured again")
     path.write_text("\n".join(lines) + "\n\n")
     expected = interpolated(points, points[:, 0] + points[:, 1], "x")
