@@ -77,7 +77,7 @@ def test_csv_of_a_catalogue(tmp_path, points):
     for i, (x, y, z) in enumerate(points):
         lines.append(f'"{i}",{z:.17g},"a, b",{x:.17g}, {y:.17g},{x + y:.17g},')
     lines.insert(5, "# measured again")
-    path.write_text("\n".join(lines) + "\n\n")
+    path.write_text("\n" + "\n".join(lines) + "\n\n")
     expected = interpolated(points, points[:, 0] + points[:, 1], "x")
     np.testing.assert_allclose(read_volume(path).values, expected.values, atol=1e-6)
 

@@ -61,11 +61,7 @@ struct Patches<3> {
 template <int D>
 SurfaceCache<D>::SurfaceCache(const SceneTracer<D>& tracer, bool caustics, double photon_flux,
                               std::uint64_t photons)
-    : tracer_(tracer),
-      nodes_(tracer.scene()),
-      soft_(0, 1, 1),
-      caustic_(0, 1, 1),
-      holds_caustics_(caustics) {
+    : tracer_(tracer), nodes_(tracer.scene()), soft_(0, 1, 1), caustic_(0, 1, 1) {
   double total_area = 0;
   for (std::size_t m = 0; m < tracer.meshes().size(); ++m) {
     const Mesh<D>& mesh = tracer.meshes()[m];

@@ -39,7 +39,7 @@ class SurfaceCache {
     return D == 3 ? std::sqrt(area) : area;
   }
   // Light of mirrors and glass, which no path from here finds.
-  bool holds_caustics() const { return holds_caustics_; }
+  bool holds_caustics() const { return !caustic_.empty(); }
   // Irradiance from photons at a point of the surroundings, linear in c.
   Rgb soft_irradiance(const SurfacePoint<D>& point) const { return between_nodes(soft_, point); }
   Rgb caustic_irradiance(const SurfacePoint<D>& point) const {
@@ -69,7 +69,6 @@ class SurfaceCache {
   LeafNodes nodes_;
   std::vector<Rgb> radiance_;  // patch, side, node
   FluxAccumulator soft_, caustic_;
-  bool holds_caustics_;
 };
 
 }  // namespace leaflight

@@ -29,8 +29,9 @@ def open_volume(path, dims=None):
 
 def _table(path):
     """Rows of x, y, z and value."""
-    lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines()
-    rows = [_row(line) for line in lines if line.strip() and not line.lstrip().startswith("#")]
+    text = path.read_text(encoding="utf-8-sig", errors="replace")
+    lines = [line for line in text.splitlines() if line.strip()]
+    rows = [_row(line) for line in lines if not line.lstrip().startswith("#")]
     # The names may stand in a remark.
     names = [name.lower() for name in _row(lines[0].lstrip("# \t"))] if lines else []
     columns = range(4)
