@@ -26,6 +26,7 @@ from .measure.compare import compare
 from .scene.scene import fit_scene
 from .still.still import still
 from .version import __version__
+from .volume.memory import limit_memory
 from .volume.particles import lapr, neuron, nucleons
 from .volume.volume import Volume, bump_box, default_isovalue, default_window
 
@@ -53,6 +54,7 @@ __all__ = [
     "fit_scene",
     "flatland",
     "lapr",
+    "limit_memory",
     "load_bake",
     "load_scene",
     "neuron",

@@ -3,6 +3,7 @@
 
 import argparse
 import math
+import re
 
 
 def integer(text):
@@ -14,6 +15,19 @@ def integer(text):
     if not -(2**31) <= value < 2**31:
         raise argparse.ArgumentTypeError(f"{text[:40]} is beyond 2^31")
     return value
+
+
+def memory(text):
+    """A number of bytes, such as 4GiB, 800MiB or 16G."""
+    units = {"M": 1 << 20, "G": 1 << 30, "T": 1 << 40, "MB": 10**6, "GB": 10**9, "TB": 10**12}
+    found = re.fullmatch(r"([0-9.]+)\s*([MGT]B?|[MGT]iB)", text.strip())
+    try:
+        value = float(found[1]) * units[found[2].removesuffix("iB")]
+    except (TypeError, ValueError):
+        value = math.nan
+    if not 0 < value < 2**60:
+        raise argparse.ArgumentTypeError(f"{text[:40]!r} is no memory, such as 4GiB or 800MiB")
+    return int(value)
 
 
 def number(text):

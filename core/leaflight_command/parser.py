@@ -12,6 +12,7 @@ from .shared_options import (
     layout_options,
     leaf_options,
     lit_options,
+    memory_options,
     resolution_options,
     scene_options,
     side_options,
@@ -99,6 +100,7 @@ def make_parser():
     ):
         bake.add_argument(option, action="store_true", help=text)
     resolution_options(bake)
+    memory_options(bake)
     workers = bake.add_argument_group("several processes or machines, by Dask; the same bake")
     workers_options(workers, "sweep light in so many processes here")
     research = bake.add_argument_group(

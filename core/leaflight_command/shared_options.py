@@ -6,7 +6,7 @@ Imports nothing of the package, as parser.py.
 
 import argparse
 
-from .numbers import integer, number
+from .numbers import integer, memory, number
 
 # What the package knows by these names.
 ENDIANS = ("little", "big")
@@ -116,6 +116,16 @@ def workers_options(parser, here):
         "--scheduler",
         metavar="ADDRESS",
         help="or by the workers of this Dask scheduler, such as tcp://10.0.0.1:8786",
+    )
+
+
+def memory_options(parser):
+    parser.add_argument(
+        "--memory",
+        type=memory,
+        metavar="SIZE",
+        help="hold no more than this in memory, such as 4GiB: larger volumes lie in a file beside "
+        "the output, and texels become coarser where their light has no room",
     )
 
 

@@ -17,5 +17,6 @@ void bind_io(pybind11::module_& module);
 void bind_settle(pybind11::module_& module);
 void bind_self_check(pybind11::module_& module);
 void bind_workers(pybind11::module_& module);
+void bind_memory(pybind11::module_& module);
 
 }  // namespace leaflight::python

@@ -50,6 +50,7 @@ PYBIND11_MODULE(_core, module) {
            "A bake in rounds ends after the round under way, with what it has.")
       .def_property_readonly("stopped", &Progress::stopped);
 
+  python::bind_memory(module);
   python::bind_field(module);
   python::bind_scene(module);
   python::bind_radiance_grid(module);

@@ -79,5 +79,31 @@ TEST(RankedSet, KnowsWhatItHoldsAndItsPlace) {
   }
 }
 
+TEST(LargeArray, LiesInAFileBeyondTheLimit) {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path();
+  const LargeMemory before = large_memory();
+  constexpr std::size_t count = 3 << 20;
+  {
+    limit_large_memory(before.in_memory + count, folder);
+    LargeArray<std::uint8_t> first(count, 1), second(count, 2), small(100, 3);
+    second.resize(2 * count, 4);
+    EXPECT_EQ(large_memory().in_memory, before.in_memory + count);
+    EXPECT_EQ(large_memory().in_files, before.in_files + 2 * count);
+    EXPECT_EQ(second.front() + second.back() + first.back() + small.back(), 10);
+    const LargeArray<std::uint8_t> moved = std::move(second);
+    EXPECT_EQ(moved.size(), 2 * count);
+  }
+  limit_large_memory(0, folder);
+  EXPECT_EQ(large_memory().in_memory, before.in_memory);
+  EXPECT_EQ(large_memory().in_files, before.in_files);
+}
+
+TEST(LargeArray, RefusesAFolderThatIsNotThere) {
+  limit_large_memory(1, "/no/such/folder");
+  EXPECT_THROW(LargeArray<float>(1 << 20), Error);
+  limit_large_memory(0, "/no/such/folder");
+  EXPECT_EQ(LargeArray<float>(1 << 20).size(), 1u << 20);
+}
+
 }  // namespace
 }  // namespace leaflight

@@ -15,11 +15,11 @@
 namespace leaflight {
 namespace {
 
-template <class T>
-bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+template <class Array>
+bool same_bits(const Array& a, const Array& b) {
   return a.size() == b.size() &&
          std::memcmp(static_cast<const void*>(a.data()), static_cast<const void*>(b.data()),
-                     a.size() * sizeof(T)) == 0;
+                     a.size() * sizeof(a[0])) == 0;
 }
 
 // A noisy ball whose values reach from one end of an integer type to the other, held by this type

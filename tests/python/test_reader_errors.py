@@ -321,4 +321,6 @@ def test_what_cannot_fit_is_refused_before_it_is_allocated(tmp_path, cli):
     dims = ("--dims", 2**14, 2**14, 2**14, "--type", "uint8")
     outcome = cli("info", path, *dims)
     assert outcome.status == 2 and "need 4398.0 GB of memory" in outcome.err
-    assert outcome.err.endswith("downsample it (--downsample).\n")
+    assert outcome.err.endswith(
+        "downsample it, or limit the memory, so that they lie on the disk (--downsample).\n"
+    )

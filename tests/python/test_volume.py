@@ -155,3 +155,32 @@ def test_too_large_values_cannot_be_capped():
     values = np.random.default_rng(11).random((3, 3, 3)) * 9e37 - 3.3e38
     with pytest.raises(LeaflightError, match="test: .* too large to be capped"):
         volume(values).capped()
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.int16, np.uint16, np.float32])
+def test_distribution_is_that_of_the_sorted_values(kind):
+    rng = np.random.default_rng(5)
+    values = (1000 * rng.standard_normal((7, 8, 9))).astype(kind)
+    values[2:4] = values[0, 0, 0]
+    if kind is np.float32:
+        values[1], values[5, :3] = np.nan, -0.0
+    test = volume(values)
+    known = np.sort(values[np.isfinite(values)]) if kind is np.float32 else np.sort(values.ravel())
+    found = test.distribution
+    assert found.count == known.size
+    assert np.array_equal(found.at(range(known.size)), known)
+    low, common = known[0], values[0, 0, 0]
+    left = known[(known != low) & (known != common)]
+    assert np.array_equal(found.at(range(left.size), [low, common]), left)
+    assert found.voxels_of(common) == np.count_nonzero(known == common)
+    counts, edges = found.histogram(50)
+    wanted, wanted_edges = np.histogram(known.astype(np.float32), 50)
+    assert np.array_equal(counts, wanted) and np.array_equal(edges, wanted_edges)
+    assert found.are_whole() == (kind is not np.float32)
+
+
+def test_whole_numbers_but_for_the_background():
+    values = np.arange(64, dtype=np.float32).reshape(4, 4, 4)
+    values[0] = -0.5
+    found = volume(values).distribution
+    assert not found.are_whole() and found.are_whole(without=[-0.5])

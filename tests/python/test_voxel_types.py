@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from leaflight import Volume, default_isovalue, default_window, read_volume
 from leaflight.bake.stamps import sha256, values_sha256
-from leaflight.volume.volume import VOXEL_TYPES, as_voxels
+from leaflight.volume.voxels import VOXEL_TYPES, as_voxels
 
 INTEGERS = VOXEL_TYPES[:3]
 

@@ -91,7 +91,6 @@ class BakeJob(background.Job):
         start = time.perf_counter()
 
         def keep(bake):
-            _check_memory(bake)
             self.round = bake
             self.seconds = self._seconds_before + time.perf_counter() - start
 
@@ -196,17 +195,6 @@ class LEAFLIGHT_OT_bake(background.BackgroundOperator, bpy.types.Operator):
 
     def start(self, context):
         return BakeJob(context, context.object)
-
-
-def _check_memory(bake):
-    """Raises LeaflightError when a bake takes more memory than the user's preferences allow."""
-    limit, peak = preferences.memory_limit(), bake.statistics["peak_memory_bytes"]
-    if limit is not None and peak > limit:
-        raise LeaflightError(
-            f"The bake takes {peak / 2**30:.1f} GB, more than the {limit / 2**30:.1f} GB that the "
-            "preferences of Leaflight allow: turn on Own Resolution with fewer texels, narrow the "
-            "window of isovalues, or raise the limit."
-        )
 
 
 def _check_own(obj):

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import bpy
 from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
+from leaflight import limit_memory
 
 # The name under which Blender has the add-on.
 PACKAGE = __package__.rpartition(".")[0]
@@ -38,15 +39,18 @@ class LeaflightPreferences(bpy.types.AddonPreferences):
     )
     limit_memory: BoolProperty(
         name="Limit Memory",
-        description="Stop a bake that takes more memory than this machine can spare",
+        description="Let volumes and bakes leave memory to others: larger volumes lie in a file, and "
+        "texels become as coarse as their light has room",
+        update=lambda self, _context: _limit_memory(self),
     )
     memory: FloatProperty(
         name="Memory",
-        description="Gigabytes that Blender may take while it bakes",
+        description="Gigabytes that volumes and bakes may take from now on",
         default=8.0,
         min=0.5,
         soft_max=512.0,
         precision=1,
+        update=lambda self, _context: _limit_memory(self),
     )
 
     def draw(self, _context):
@@ -77,20 +81,21 @@ def threads():
     return chosen.threads if chosen is not None and chosen.limit_threads else 0
 
 
-def memory_limit():
-    """Bytes that Blender may take while it bakes, or None."""
-    chosen = _chosen()
-    return int(chosen.memory * 2**30) if chosen is not None and chosen.limit_memory else None
-
-
 def _chosen():
     """The preferences, None where the add-on runs without any."""
     addon = bpy.context.preferences.addons.get(PACKAGE)
     return addon.preferences if addon is not None else None
 
 
+def _limit_memory(chosen):
+    limit_memory(int(chosen.memory * 2**30) if chosen.limit_memory else None, cache_folder())
+
+
 def register():
     bpy.utils.register_class(LeaflightPreferences)
+    chosen = _chosen()
+    if chosen is not None:
+        _limit_memory(chosen)
 
 
 def unregister():

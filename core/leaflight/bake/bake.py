@@ -14,6 +14,7 @@ from ..scene.scene import core_scene, fit_scene, match_leaves
 from ..volume.setting_error import SettingError
 from .baked import Bake
 from .color_error import estimated_rms_percent
+from .fit_memory import coarser_texels, fit_memory
 from .settings import FIXED_WORK, PhotonMap, fixed_settings, fixed_work, leaf_window, round_settings
 from .stamps import stamp, stamp_after
 
@@ -118,7 +119,9 @@ def bake(
         "surroundings": surroundings,
     }
     asked = _asked(volumes, scene, isovalues, error, time, given, common)
-    return lit(*asked, None, on_round, progress, checkpoint, workers)
+    baked = lit(*asked, None, on_round, progress, checkpoint, workers)
+    baked.statistics["skipped_passes"] += coarser_texels(resolution, asked[3])
+    return baked
 
 
 def stamp_of(volumes, scene=None, **settings):
@@ -156,6 +159,8 @@ def _asked(volumes, scene, isovalues, error, time, given, common):
     dims = volumes[0].field().dims
     if fixed is None:
         settings = round_settings(_core.BakeSettings, dims, error=error, time=time, **common)
+        if len(volumes) == 1:
+            fit_memory(volumes[0], description, window, settings)
     else:
         settings = fixed_settings(_core.BakeSettings, dims, **fixed, **common)
     metadata = stamp(volumes, description, window, settings, fixed)

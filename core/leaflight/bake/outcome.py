@@ -1,15 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How far a bake in rounds came, in sentences for the command line and the panel."""
 
+from .fit_memory import FINER_TEXELS
+
 
 def outcome(bake, why="it was stopped or its time was over"):
     """A sentence about the estimated error of a Bake against the error asked for.
 
     why: it was stopped, if it was. An empty text where the amount of work was fixed.
     """
-    statistics = bake.statistics
     if not bake.metadata["error"]:
         return ""
+    text = _reached(bake, why)
+    reasons = [reason for name, reason in bake.statistics["skipped_passes"] if name == FINER_TEXELS]
+    return "; ".join([text, *reasons])
+
+
+def _reached(bake, why):
+    statistics = bake.statistics
     asked = float(bake.metadata["error"])
     reached = statistics["estimated_error_percent"]
     rounds = f"{statistics['rounds']} round{'s' if statistics['rounds'] > 1 else ''}"

@@ -9,6 +9,7 @@ from .._core import Cancelled, LeaflightError
 from ..bake.bake import bake, worker_memory
 from ..bake.checkpoint import Checkpoint, checkpoint_for, read_recipe
 from ..bake.estimate import estimate
+from ..bake.fit_memory import FINER_TEXELS
 from ..bake.load_bake import load_bake
 from ..bake.outcome import outcome
 from ..bake.resume import resume
@@ -26,7 +27,7 @@ _WHO_WORKS = {"threads", "workers", "scheduler"}
 _RECIPE = {
     *("volumes", "scene", "kept", "capped", "isovalues", "both_sides", "surroundings", "seed"),
     *("error", "time", "resolution", "dims", "type", "endian", "spacing", "grid", "frame"),
-    *("channel", "level", "dataset", "downsample"),
+    *("channel", "level", "dataset", "downsample", "memory"),
 }
 
 
@@ -193,7 +194,12 @@ def _told(baked, options):
         f"noise about {result['estimated_rms_percent']:.2f} %",
         *([end] if end else []),
         *_leaf_map(baked),
-        *(f"skipped: {name} ({reason})" for name, reason in result["skipped_passes"]),
+        # What memory had no room for stands in the outcome.
+        *(
+            f"skipped: {name} ({reason})"
+            for name, reason in result["skipped_passes"]
+            if name != FINER_TEXELS
+        ),
     ]
 
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the commands that light volumes make of their options."""
 
+import os
 from dataclasses import replace
 
 from .._core import LeaflightError
@@ -9,6 +10,7 @@ from ..io.output import check_writable
 from ..io.readers.reading import OPTIONS
 from ..io.scene_file import cornell_box, load_scene
 from ..io.sources import open_volume
+from ..volume.memory import limit_memory
 
 
 def to_light(options, suffix):
@@ -23,6 +25,9 @@ def to_light(options, suffix):
         )
     if options.out is not None:
         check_writable(options.out, suffix, *sources)
+    # Of each bake of a batch anew.
+    folder = None if options.out is None else os.path.dirname(os.path.abspath(options.out))
+    limit_memory(getattr(options, "memory", None), folder)
     volumes = [open_with(source, options, reading) for source, reading in readings]
     if options.capped:
         scene = replace(scene, leaves=[replace(leaves, capped=True) for leaves in scene.leaves])

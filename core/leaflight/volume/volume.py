@@ -8,14 +8,14 @@ import leaflight._core as _core
 import numpy as np
 
 from .._core import LeaflightError
+from .distribution import Distribution
 from .setting_error import SettingError
+from .voxels import VOXEL_TYPES, as_voxels, new_voxels
 
 # Above this share of the voxels, a value at an end of the range is padding around the object.
 BACKGROUND_SHARE = 0.1
 # How far below the data the layer around a capped volume is, in ranges of the data.
 CAP_DEPTH = 2.0
-# What the core reads voxels in, from the narrowest on: files of other types are converted.
-VOXEL_TYPES = (np.uint8, np.int16, np.uint16, np.float32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +82,11 @@ class Volume:
             for kept in VOXEL_TYPES
             if np.can_cast(values.dtype, kept) and (kept is np.float32 or layer >= _least(kept))
         )
-        values = np.pad(values.astype(kept, copy=False), 1, constant_values=layer)
+        padded = new_voxels([n + 2 for n in values.shape], kept)
+        padded[0] = padded[-1] = layer
+        for plane, inside in zip(padded[1:-1], values):
+            plane[...] = np.pad(inside.astype(kept, copy=False), 1, constant_values=layer)
+        values = padded
         index_to_world = np.array(self.index_to_world, dtype=np.float64)
         index_to_world[:-1, -1] -= index_to_world[:-1, :-1].sum(axis=1)
         return replace(self, values=values, index_to_world=index_to_world)
@@ -115,7 +119,7 @@ class Volume:
     def _within_layer(self):
         """The values within the layer of capped() and their range; None without such a layer."""
         inside = self.values[(slice(1, -1),) * self.values.ndim]
-        if not self._closed or not np.isfinite(inside).any():
+        if not self._closed or not any(np.isfinite(plane).any() for plane in inside):
             return None
         low, high = float(np.nanmin(inside)), float(np.nanmax(inside))
         # Background of the data is never a whole range below them.
@@ -124,17 +128,9 @@ class Volume:
         return inside, (low, high)
 
     @cached_property
-    def _counted(self):
-        """(values float32, numbers of voxels that have them) of data(); None unless integers."""
-        values = as_voxels(self.data())
-        if values.dtype == np.float32:
-            return None
-        least = _least(values.dtype)
-        voxels = np.zeros(np.iinfo(values.dtype).max - least + 1, np.int64)
-        for plane in values:
-            voxels += np.bincount(plane.ravel().astype(np.int64) - least, minlength=voxels.size)
-        present = np.flatnonzero(voxels)
-        return (present + least).astype(np.float32), voxels[present]
+    def distribution(self):
+        """The Distribution of data()."""
+        return Distribution(self.data(), self.data_range())
 
     def data(self):
         """The values without the layer that capped() added, if there is one; not a copy."""
@@ -143,23 +139,6 @@ class Volume:
     def data_range(self):
         """(lowest, highest) of data(), in data units."""
         return self._within_layer[1] if self._within_layer else self.field().range
-
-
-def as_voxels(values):
-    """The array in the narrowest of VOXEL_TYPES that holds all that its own type can, else float32.
-
-    C-contiguous; a copy only where it must be.
-    """
-    kept = held_type(values.dtype)
-    # float64 values beyond the range of float32 become infinite, which Field refuses by itself.
-    with np.errstate(over="ignore"):
-        return np.ascontiguousarray(values, dtype=kept)
-
-
-def held_type(dtype):
-    """The one of VOXEL_TYPES, a dtype, that values of this type are held in."""
-    kept = next((kept for kept in VOXEL_TYPES if np.can_cast(dtype, kept)), np.float32)
-    return np.dtype(kept)
 
 
 def bump_box(n=100):
@@ -190,8 +169,7 @@ def default_window(volume):
 
 def default_isovalue(volume):
     """The isovalue that best parts the object from its background (Otsu 1979), in the window."""
-    values, voxels = _distribution(volume)
-    counts, edges = np.histogram(values, bins=256, weights=voxels)
+    counts, edges = volume.distribution.histogram(256)
     middles = 0.5 * (edges[1:] + edges[:-1])
     below, below_sum = np.cumsum(counts)[:-1], np.cumsum(counts * middles)
     above = counts.sum() - below
@@ -199,7 +177,7 @@ def default_isovalue(volume):
     distance = below_sum[:-1] / below - (below_sum[-1] - below_sum[:-1]) / above
     best = np.argmax(below * above.astype(np.float64) * distance**2)
     isovalue = edges[best + 1]
-    if _is_integer(values, volume.data_range()):
+    if _is_integer(volume):
         isovalue = np.floor(isovalue) + 0.5
     lo, hi = default_window(volume)
     return float(isovalue) if lo < isovalue < hi else 0.5 * (lo + hi)
@@ -211,40 +189,24 @@ def _quantiles(volume, shares):
     An integer isovalue of integer data passes through grid nodes and shows the quantisation.
     """
     low, high = volume.data_range()
-    values, voxels = _distribution(volume)
+    count, background = volume.distribution.count, []
     for end in (low, high):
-        inside = values != end
-        if np.average(inside, weights=voxels) < 1.0 - BACKGROUND_SHARE:
-            values, voxels = values[inside], None if voxels is None else voxels[inside]
-        if values.size == 0:
+        of_end = volume.distribution.voxels_of(end)
+        if (count - of_end) / count < 1.0 - BACKGROUND_SHARE:
+            background.append(end)
+            count -= of_end
+        if count == 0:
             return [0.5 * (low + high)] * len(shares)
-    count = values.size if voxels is None else voxels.sum()
-    ranks = [int(share * (count - 1)) for share in shares]
-    if voxels is None:
-        quantiles = np.partition(values, ranks)[ranks]
-    else:
-        quantiles = values[np.searchsorted(np.cumsum(voxels), ranks, side="right")]
-    quantiles = quantiles.astype(np.float64)
-    if _is_integer(values, (low, high)):
+    quantiles = volume.distribution.at([int(share * (count - 1)) for share in shares], background)
+    if _is_integer(volume, background):
         quantiles = np.floor(quantiles) + 0.5
     return list(np.clip(quantiles, low, high))
-
-
-def _distribution(volume):
-    """(values float32, numbers of voxels that have them) of data() without those that are NaN.
-
-    The numbers are None where the voxels are float32: each is listed with a value of its own.
-    """
-    if volume._counted is not None:
-        return volume._counted
-    values = volume.data().astype(np.float32, copy=False)
-    return (values[np.isfinite(values)] if volume.field().masked else values.ravel()), None
 
 
 def _least(integer_type):
     return int(np.iinfo(integer_type).min)
 
 
-def _is_integer(values, data_range):
-    low, high = data_range
-    return high - low >= 4 and np.array_equal(values, np.rint(values))
+def _is_integer(volume, without=()):
+    low, high = volume.data_range()
+    return high - low >= 4 and volume.distribution.are_whole(without)

@@ -125,7 +125,8 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
   if (!kept && count > most_without_preview) {
     ++rounds;
     if (on_round && !resumes) {
-      SweptBake<D> preview(volume, lights, settings, plan, progress, rays, preview_texels(volume));
+      SweptBake<D> preview(volume, lights, settings, plan, progress, rays,
+                           preview_texels(volume, texels.direct.lattice.resolution));
       preview.add(first_blocks, first_blocks);
       on_round(whole(preview));
       if (ended()) return last(preview, whole(preview), true);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "leaflight/bake/rounds_texels.h"
 
+#include <functional>
+
 namespace leaflight {
 namespace {
 
@@ -12,32 +14,27 @@ constexpr int most_halvings = 2;
 constexpr std::size_t most_dense_voxels = 200'000, most_soft_voxels = 20'000'000,
                       most_photon_voxels = 300'000;
 constexpr int widest_texel = 8;
+// Of soft light where a resolution is given; or as many as are given.
+constexpr std::size_t most_given_soft_texels = 500'000;
 // Those of a first picture are so many voxels wide.
 constexpr int preview_width = 4;
 // Photons tell of the light that has bounced more than once before sweeps know it, and of the soft
 // light of the surroundings.
 constexpr std::uint64_t photons = 400'000, preview_photons = 20'000;
 
+// How many texels leaves pass.
 template <int D>
-TexelLattice<D> lattice_of(const SweptVolume<D>& volume, const Index<D>& resolution) {
-  const IsovalueWindow window = volume.window();
-  return make_lattice(volume.volume().field, resolution, window.min, window.max);
-}
+using Counted = std::function<std::size_t(const Index<D>& resolution)>;
 
-// A lattice with texels of so many voxels.
+// Texels half as wide where they are few. `count`: of the resolution.
 template <int D>
-TexelLattice<D> lattice_of(const SweptVolume<D>& volume, int voxels_per_texel) {
-  return lattice_of(volume, coarser_resolution<D>(volume.volume().field.dims, voxels_per_texel));
-}
-
-// Voxels, or texels finer than these where they are few.
-template <int D>
-TexelLattice<D> finest_lattice(const SweptVolume<D>& volume, TexelLattice<D> voxels,
-                               std::size_t most) {
-  for (int i = 0; i < most_halvings && voxels.active.size() << D <= most; ++i) {
-    voxels = lattice_of(volume, finer_resolution<D>(voxels.resolution));
+Index<D> finest(Index<D> resolution, std::size_t count, std::size_t most,
+                const Counted<D>& counted) {
+  for (int i = 0; i < most_halvings && count << D <= most; ++i) {
+    resolution = finer_resolution<D>(resolution);
+    count = counted(resolution);
   }
-  return voxels;
+  return resolution;
 }
 
 // How wide texels are for leaves to pass at most so many, given the voxels that they pass.
@@ -53,38 +50,74 @@ int width_for(std::size_t voxels, std::size_t most, int dimension) {
 }  // namespace
 
 template <int D>
-SweptTexels<D> rounds_texels(const SweptVolume<D>& volume, const BakeSettings<D>& settings) {
+RoundsResolutions<D> rounds_resolutions(const Field<D>& field, const IsovalueWindow& window,
+                                        const BakeSettings<D>& settings) {
+  const Counted<D> counted = [&](const Index<D>& resolution) {
+    return active_texels(field, resolution, window.min, window.max);
+  };
   const bool given = settings.resolution != Index<D>{};
-  const IsovalueWindow window = volume.window();
+  const std::size_t voxels = counted(field.dims);
+  RoundsResolutions<D> found;
+  int width = width_for(voxels, most_soft_voxels, D);
+  found.soft = coarser_resolution<D>(field.dims, width);
+  if (given) {
+    check_resolution<D>(settings.resolution);
+    found.direct = settings.resolution;
+    // Soft light finer than what is asked for is of no use, unless it costs little.
+    const std::size_t asked = counted(found.direct);
+    if (asked >= most_given_soft_texels && counted(found.soft) > asked) found.soft = found.direct;
+    while (counted(found.soft) > std::max(most_given_soft_texels, asked)) {
+      width *= 2;
+      found.soft = coarser_resolution<D>(field.dims, width);
+    }
+  } else {
+    found.direct = finest<D>(field.dims, voxels, most_finer_texels, counted);
+    if (width == 1) found.soft = finest<D>(field.dims, voxels, most_finer_soft_texels, counted);
+  }
+  found.spacing = voxels > most_dense_voxels ? 2 : 1;
+  found.photons = coarser_resolution<D>(field.dims, width_for(voxels, most_photon_voxels, D));
+  return found;
+}
+
+template <int D>
+SweptTexels<D> rounds_texels(const SweptVolume<D>& volume, const BakeSettings<D>& settings) {
   const Field<D>& field = volume.volume().field;
-  const TexelLattice<D> voxels = given ? TexelLattice<D>{} : lattice_of(volume, 1);
-  const std::size_t count =
-      given ? active_texels(field, field.dims, window.min, window.max) : voxels.active.size();
-  const int width = width_for(count, most_soft_voxels, D);
+  const IsovalueWindow window = volume.window();
+  const RoundsResolutions<D> chosen = rounds_resolutions(field, window, settings);
+  const auto lattice = [&](const Index<D>& resolution) {
+    return make_lattice(field, resolution, window.min, window.max);
+  };
   SweptTexels<D> texels;
-  texels.direct = SweptLattice<D>(given ? lattice_of(volume, settings.resolution)
-                                        : finest_lattice(volume, voxels, most_finer_texels));
-  texels.soft =
-      SweptLattice<D>(given || width > 1 ? lattice_of(volume, width)
-                                         : finest_lattice(volume, voxels, most_finer_soft_texels));
-  texels.spacing = count > most_dense_voxels ? 2 : 1;
-  texels.photons = lattice_of(volume, width_for(count, most_photon_voxels, D));
+  texels.direct = SweptLattice<D>(lattice(chosen.direct));
+  texels.soft = SweptLattice<D>(lattice(chosen.soft));
+  texels.spacing = chosen.spacing;
+  texels.photons = lattice(chosen.photons);
   texels.photon_count = photons;
   return texels;
 }
 
 template <int D>
-SweptTexels<D> preview_texels(const SweptVolume<D>& volume) {
+SweptTexels<D> preview_texels(const SweptVolume<D>& volume, const Index<D>& resolution) {
+  const Field<D>& field = volume.volume().field;
+  const IsovalueWindow window = volume.window();
+  const Index<D> of_voxels = coarser_resolution<D>(field.dims, preview_width);
+  const Index<D> of_texels = coarser_resolution<D>(resolution, preview_width);
+  Index<D> coarser;
+  for (int a = 0; a < D; ++a) coarser[a] = std::min(of_voxels[a], of_texels[a]);
   SweptTexels<D> texels;
-  texels.photons = lattice_of(volume, preview_width);
+  texels.photons = make_lattice(field, coarser, window.min, window.max);
   texels.direct = texels.soft = SweptLattice<D>(texels.photons);
   texels.photon_count = preview_photons;
   return texels;
 }
 
+template RoundsResolutions<2> rounds_resolutions(const Field<2>&, const IsovalueWindow&,
+                                                 const BakeSettings<2>&);
+template RoundsResolutions<3> rounds_resolutions(const Field<3>&, const IsovalueWindow&,
+                                                 const BakeSettings<3>&);
 template SweptTexels<2> rounds_texels(const SweptVolume<2>&, const BakeSettings<2>&);
 template SweptTexels<3> rounds_texels(const SweptVolume<3>&, const BakeSettings<3>&);
-template SweptTexels<2> preview_texels(const SweptVolume<2>&);
-template SweptTexels<3> preview_texels(const SweptVolume<3>&);
+template SweptTexels<2> preview_texels(const SweptVolume<2>&, const Index<2>&);
+template SweptTexels<3> preview_texels(const SweptVolume<3>&, const Index<3>&);
 
 }  // namespace leaflight

@@ -88,8 +88,8 @@ Range range_of(const typename CellBounds<D>::Bricks& bricks) {
 
 // From the bricks of the next finer level.
 template <int D, class Finer>
-void fill_bricks(std::vector<typename CellBounds<D>::Bricks>& bricks, const Index<D>& dims,
-                 const std::vector<Finer>& finer, const Index<D>& finer_dims) {
+void fill_bricks(LargeArray<typename CellBounds<D>::Bricks>& bricks, const Index<D>& dims,
+                 const LargeArray<Finer>& finer, const Index<D>& finer_dims) {
   constexpr int side = CellBounds<D>::side;
   bricks.resize(cell_count<D>(dims));
   tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t b) {
@@ -112,7 +112,7 @@ void fill_bricks(std::vector<typename CellBounds<D>::Bricks>& bricks, const Inde
 
 // Planes of the bricks of a level with so many cells a side.
 template <int D>
-void fill_slabs(std::vector<typename CellBounds<D>::Slab>& slabs, const Index<D>& brick_dims,
+void fill_slabs(LargeArray<typename CellBounds<D>::Slab>& slabs, const Index<D>& brick_dims,
                 const Voxels& values, const Index<D>& dims, int side, double margin) {
   slabs.resize(cell_count<D>(brick_dims));
   tbb::parallel_for(std::size_t{0}, slabs.size(), [&](std::size_t b) {

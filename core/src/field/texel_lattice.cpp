@@ -16,36 +16,42 @@
 namespace leaflight {
 namespace {
 
-// Whether h crosses a value of [low, high] in the box of voxels [first, last).
-template <int D>
-bool reached(const Field<D>& field, const Index<D>& first, const Index<D>& last, double low,
-             double high) {
+// Whether h crosses a value of [low, high] in the box of voxels [first, last). Row by row, until it
+// does: most boxes that are asked for do so soon.
+template <int D, class Value>
+bool reached(const Field<D>& field, const Value* values, const Index<D>& first,
+             const Index<D>& last, double low, double high) {
   float min = std::numeric_limits<float>::infinity(), max = -min;
-  std::visit(
-      [&](const auto* values) {
-        for_each_index<D>(first, last, [&](const Index<D>& voxel) {
-          const float h = values[field.offset(voxel)];
-          // Comparisons with NaN are false: masked voxels are passed over.
-          if (h < min) min = h;
-          if (h > max) max = h;
-        });
-      },
-      field.values);
-  return min < max && min < high && max >= low;
+  Index<D> row = first;
+  for (;;) {
+    const Value* const begin = values + field.offset(row);
+    for (const Value* voxel = begin; voxel != begin + (last[0] - first[0]); ++voxel) {
+      const float h = *voxel;
+      // Comparisons with NaN are false: masked voxels are passed over.
+      if (h < min) min = h;
+      if (h > max) max = h;
+    }
+    if (min < max && min < high && max >= low) return true;
+    int a = 1;
+    while (a < D && ++row[a] == last[a]) row[a] = first[a], ++a;
+    if (a == D) return false;
+  }
 }
 
 // Whether it does within one texel of a texel.
 template <int D>
 bool reached(const Field<D>& field, const TexelLattice<D>& lattice, std::size_t number, double low,
              double high) {
-  const Index<D> texel = lattice.texel(static_cast<std::uint32_t>(number));
+  const Index<D> texel = lattice.texel(number);
   Index<D> first, last;
   for (int a = 0; a < D; ++a) {
     const double step = lattice.voxels_per_texel[a];
     first[a] = std::max(0, static_cast<int>(std::floor((texel[a] - 1) * step)));
     last[a] = std::min(field.dims[a], static_cast<int>(std::ceil((texel[a] + 1) * step)) + 1);
   }
-  return reached<D>(field, first, last, low, high);
+  return std::visit(
+      [&](const auto* values) { return reached<D>(field, values, first, last, low, high); },
+      field.values);
 }
 
 template <int D>
@@ -63,20 +69,26 @@ void TexelLattice<D>::activate(std::vector<std::uint32_t> numbers) {
   slot = RankedSet(texels(), active);
 }
 
+// Which knows where its texels are, but not which are active.
 template <int D>
-TexelLattice<D> inactive_lattice(const Index<D>& dims, const Index<D>& resolution) {
+TexelLattice<D> bare_lattice(const Index<D>& dims, const Index<D>& resolution) {
   TexelLattice<D> lattice;
   lattice.resolution = resolution;
   for (int a = 0; a < D; ++a) {
     lattice.voxels_per_texel[a] = static_cast<double>(dims[a] - 1) / (resolution[a] - 1);
   }
+  return lattice;
+}
+
+template <int D>
+TexelLattice<D> inactive_lattice(const Index<D>& dims, const Index<D>& resolution) {
+  TexelLattice<D> lattice = bare_lattice<D>(dims, resolution);
   lattice.slot = RankedSet(cell_count<D>(resolution), {});
   return lattice;
 }
 
 template <int D>
-TexelLattice<D> make_lattice(const Field<D>& field, const Index<D>& resolution, double low,
-                             double high, const std::vector<bool>* considered) {
+void check_resolution(const Index<D>& resolution) {
   std::uint64_t texels = 1;
   for (int a = 0; a < D; ++a) {
     if (resolution[a] < 2 || resolution[a] > 65535) {
@@ -89,6 +101,13 @@ TexelLattice<D> make_lattice(const Field<D>& field, const Index<D>& resolution, 
     throw Error("A texture of " + product<D>(resolution) +
                 " texels is too large; choose a lower resolution.");
   }
+}
+
+template <int D>
+TexelLattice<D> make_lattice(const Field<D>& field, const Index<D>& resolution, double low,
+                             double high, const std::vector<bool>* considered) {
+  check_resolution<D>(resolution);
+  const std::size_t texels = cell_count<D>(resolution);
   TexelLattice<D> lattice = inactive_lattice<D>(field.dims, resolution);
   // Pieces in the order of the texels.
   constexpr std::size_t piece = 4096;
@@ -116,9 +135,9 @@ TexelLattice<D> make_lattice(const Field<D>& field, const Index<D>& resolution, 
 template <int D>
 std::size_t active_texels(const Field<D>& field, const Index<D>& resolution, double low,
                           double high) {
-  const TexelLattice<D> lattice = inactive_lattice<D>(field.dims, resolution);
+  const TexelLattice<D> lattice = bare_lattice<D>(field.dims, resolution);
   return tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, lattice.texels(), 4096), std::size_t{0},
+      tbb::blocked_range<std::size_t>(0, cell_count<D>(resolution), 4096), std::size_t{0},
       [&](const auto& range, std::size_t count) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
           count += reached(field, lattice, i, low, high);
@@ -183,6 +202,8 @@ template struct TexelLattice<2>;
 template struct TexelLattice<3>;
 template TexelLattice<2> inactive_lattice<2>(const Index<2>&, const Index<2>&);
 template TexelLattice<3> inactive_lattice<3>(const Index<3>&, const Index<3>&);
+template void check_resolution<2>(const Index<2>&);
+template void check_resolution<3>(const Index<3>&);
 template TexelLattice<2> make_lattice<2>(const Field<2>&, const Index<2>&, double, double,
                                          const std::vector<bool>*);
 template TexelLattice<3> make_lattice<3>(const Field<3>&, const Index<3>&, double, double,

@@ -2,6 +2,7 @@
 #include "leaflight/io/vdb.h"
 
 #include <openvdb/io/Archive.h>
+#include <openvdb/io/GridDescriptor.h>
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Dense.h>
@@ -14,11 +15,13 @@
 #include <type_traits>
 #include <vector>
 
+#include "leaflight/io/field_grid.h"
 #include "leaflight/io/files.h"
 #include "leaflight/io/replaced_files.h"
 #include "leaflight/io/seal.h"
 #include "leaflight/io/vdb_header.h"
 #include "leaflight/math/error.h"
+#include "leaflight/math/platform.h"
 
 namespace leaflight {
 namespace {
@@ -101,34 +104,6 @@ openvdb::CoordBBox box_of(const Index<3>& dims) {
 constexpr std::array<const char*, 4> type_names{"float32", "uint8", "int16", "uint16"};
 constexpr char type_key[] = "leaflight_type";
 
-openvdb::FloatGrid::Ptr field_grid(const std::string& name, const Field<3>& field, int doublings) {
-  // Masked voxels are inactive: OpenVDB cannot compare NaN, so they take a value of no other voxel.
-  constexpr float lowest = std::numeric_limits<float>::lowest();
-  const float masked = field.min > lowest ? lowest : std::numeric_limits<float>::infinity();
-  auto grid = openvdb::FloatGrid::create(masked);
-  std::vector<float> unmasked;
-  Voxels voxels = field.values;
-  if (field.masked) {
-    unmasked.resize(field.voxels());
-    for (std::size_t i = 0; i < unmasked.size(); ++i) {
-      const float h = value_at(field.values, i);
-      unmasked[i] = std::isnan(h) ? masked : h;
-    }
-    voxels = unmasked.data();
-  }
-  std::visit(
-      [&](const auto* values) {
-        using Value = std::remove_const_t<std::remove_pointer_t<decltype(values)>>;
-        const DenseView<Value> dense(box_of(field.dims), const_cast<Value*>(values));
-        openvdb::tools::copyFromDense(dense, *grid, 0.0f);
-      },
-      voxels);
-  grid->insertMeta(type_key, openvdb::StringMetadata(type_names[field.values.index()]));
-  grid->setName(name);
-  place(*grid, field.index_to_world, doublings);
-  return grid;
-}
-
 template <class Grid, class Value>
 typename Grid::Ptr texel_grid(const std::string& name, const Affine<3>& texel_to_world,
                               int doublings, const TexelLattice<3>& lattice, Value value) {
@@ -184,8 +159,30 @@ Contents read_file(const std::filesystem::path& path) {
 
 // Archive writes into a stream that can be sought only for its heirs. File would do so too, but not
 // notice that the disk is full.
-struct SeekableArchive : openvdb::io::Archive {
-  using Archive::write;
+class SeekableArchive : openvdb::io::Archive {
+ public:
+  // As Archive::write(), of grids with names of their own, but that the values of field_grid() are
+  // written as those of any grid of floats.
+  void write(std::ostream& stream, const openvdb::GridPtrVec& grids,
+             const openvdb::MetaMap& metadata) const {
+    auto of_stream = std::make_shared<openvdb::io::StreamMetadata>();
+    openvdb::io::setStreamMetadataPtr(stream, of_stream, false);
+    openvdb::io::setWriteGridStatsMetadata(stream, true);
+    openvdb::io::setDataCompression(stream, compression());
+    writeHeader(stream, true);
+    metadata.writeMeta(stream);
+    const auto count = static_cast<std::int32_t>(grids.size());
+    stream.write(reinterpret_cast<const char*>(&count), sizeof count);
+    for (const auto& grid : grids) {
+      const bool floats = std::dynamic_pointer_cast<openvdb::FloatGrid>(grid) != nullptr;
+      openvdb::io::GridDescriptor descriptor(grid->getName(),
+                                             floats ? openvdb::FloatGrid::gridType() : grid->type(),
+                                             grid->saveFloatAsHalf());
+      writeGrid(descriptor, grid, stream, true);
+      // A grid may have a compression of its own.
+      openvdb::io::setDataCompression(stream, compression());
+    }
+  }
 };
 
 // Adds the texts among metadata that are ours.
@@ -233,8 +230,15 @@ Index<3> dims_from(const openvdb::GridBase& grid, const std::filesystem::path& p
       voxels *= n >= 2 && n <= 65535 ? n : 0;
     }
   }
-  if (!dims || voxels == 0 || voxels > std::numeric_limits<std::int32_t>::max()) {
+  if (!dims || voxels == 0) {
     throw Error("'" + text_of(path) + "' is not a Leaflight bake, or a damaged one; bake again.");
+  }
+  // As floats, once in the grid and once in order.
+  const std::uint64_t bytes = 2 * sizeof(float) * voxels, here = machine_memory();
+  if (voxels > std::numeric_limits<std::int32_t>::max() && here > 0 && bytes > here) {
+    throw Error("'" + text_of(path) + "': its " + std::to_string(voxels) + " voxels need " +
+                std::to_string(bytes >> 30) + " GiB of memory, but there are " +
+                std::to_string(here >> 30) + " GiB; open it on a larger machine.");
   }
   return {dims->value()[0], dims->value()[1], dims->value()[2]};
 }
@@ -313,7 +317,10 @@ void add_radiance(openvdb::GridPtrVec& grids, std::size_t volume, int level, con
 
 void add_volume(openvdb::GridPtrVec& grids, std::size_t volume, const Field<3>& field,
                 const RadianceGrid<3>& grid, int doublings) {
-  const auto values = field_grid(numbered(field_name, volume), field, doublings);
+  const auto values = field_grid(field);
+  values->setName(numbered(field_name, volume));
+  place(*values, field.index_to_world, doublings);
+  values->insertMeta(type_key, openvdb::StringMetadata(type_names[field.values.index()]));
   values->insertMeta("leaflight_dims", openvdb::Vec3IMetadata(to_vdb(field.dims)));
   grids.push_back(values);
   for (int level = 0; level < grid.levels(); ++level) {
@@ -389,7 +396,9 @@ RadianceLevel<3> read_level(const Contents& file, std::size_t volume, int level,
   const auto back = find_grid<Vec3Grid>(file, name(back_name));
   RadianceLevel<3> found;
   TexelLattice<3>& lattice = found.lattice;
-  lattice = inactive_lattice<3>(dims, dims_from(*radiance, path));
+  const Index<3> resolution = dims_from(*radiance, path);
+  check_resolution<3>(resolution);
+  lattice = inactive_lattice<3>(dims, resolution);
   const openvdb::CoordBBox box = box_of(lattice.resolution);
   std::vector<std::uint32_t> active;
   for (auto texel = radiance->cbeginValueOn(); texel; ++texel) {
@@ -501,7 +510,7 @@ void write_bake(const std::filesystem::path& path, const std::vector<const Field
   }
   if (!baked.surroundings.empty()) grids.push_back(surroundings_grid(baked.surroundings));
   const auto write = [&](std::ostream& stream) {
-    SeekableArchive().write(stream, grids, true, file_metadata);
+    SeekableArchive().write(stream, grids, file_metadata);
   };
   replace_file(path, write, progress, true);
 }

@@ -8,13 +8,31 @@
 #else
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #endif
 
+#include <algorithm>
+#include <fstream>
+#include <string>
+
+#include "leaflight/math/error.h"
+
 namespace leaflight {
+namespace {
+
+Error no_room(std::size_t bytes, const std::filesystem::path& folder, const std::string& why) {
+  return Error("'" + folder.string() + "': there is no room for a file of " +
+               std::to_string((bytes + (1 << 20) - 1) >> 20) +
+               " MiB, which a volume takes that is larger than the memory it may have (" + why +
+               "); make room there, or give more memory.");
+}
+
+}  // namespace
 
 #ifdef _WIN32
 
@@ -23,6 +41,36 @@ std::uint64_t peak_memory() {
   GetProcessMemoryInfo(GetCurrentProcess(), &counters, sizeof counters);
   return counters.PeakWorkingSetSize;
 }
+
+std::uint64_t machine_memory() {
+  MEMORYSTATUSEX status;
+  status.dwLength = sizeof status;
+  return GlobalMemoryStatusEx(&status) ? status.ullTotalPhys : 0;
+}
+
+void* map_nameless_file(std::size_t bytes, const std::filesystem::path& folder) {
+  const auto failed = [&] {
+    const int code = static_cast<int>(GetLastError());
+    return no_room(bytes, folder, std::error_code(code, std::system_category()).message());
+  };
+  wchar_t name[MAX_PATH];
+  if (!GetTempFileNameW(folder.c_str(), L"lfl", 0, name)) throw failed();
+  const HANDLE file = CreateFileW(name, GENERIC_READ | GENERIC_WRITE, 0, nullptr, CREATE_ALWAYS,
+                                  FILE_ATTRIBUTE_TEMPORARY | FILE_FLAG_DELETE_ON_CLOSE, nullptr);
+  if (file == INVALID_HANDLE_VALUE) throw failed();
+  const HANDLE mapping = CreateFileMappingW(file, nullptr, PAGE_READWRITE,
+                                            static_cast<DWORD>(std::uint64_t{bytes} >> 32),
+                                            static_cast<DWORD>(bytes), nullptr);
+  void* const memory = mapping ? MapViewOfFile(mapping, FILE_MAP_ALL_ACCESS, 0, 0, bytes) : nullptr;
+  const Error error = failed();
+  // The view holds both.
+  if (mapping) CloseHandle(mapping);
+  CloseHandle(file);
+  if (!memory) throw error;
+  return memory;
+}
+
+void unmap_nameless_file(void* memory, std::size_t) { UnmapViewOfFile(memory); }
 
 // A folder that is open without sharing cannot be opened by another. Folders of users are open in
 // other programs, too, so that waiting for one would be in vain.
@@ -62,6 +110,48 @@ std::uint64_t peak_memory() {
 #endif
   return static_cast<std::uint64_t>(usage.ru_maxrss) * unit;
 }
+
+std::uint64_t machine_memory() {
+  const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
+  if (pages <= 0 || page <= 0) return 0;
+  std::uint64_t memory = static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page);
+  // Of the control group that the process is in, versions 2 and 1; "max" is no number.
+  for (const char* path :
+       {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"}) {
+    std::uint64_t limit;
+    if (std::ifstream(path) >> limit) memory = std::min(memory, limit);
+  }
+  return memory;
+}
+
+void* map_nameless_file(std::size_t bytes, const std::filesystem::path& folder) {
+  const auto failed = [&](int code) {
+    return no_room(bytes, folder, std::generic_category().message(code));
+  };
+  std::string name = (folder / ".leaflight-memory-XXXXXX").string();
+  const int file = mkstemp(name.data());
+  if (file < 0) throw failed(errno);
+  unlink(name.c_str());
+#ifdef __APPLE__
+  int failure = ftruncate(file, static_cast<off_t>(bytes)) == 0 ? 0 : errno;
+#else
+  // What is written where the disk has no room ends the process, so that all is asked for now.
+  int failure;
+  do {
+    failure = posix_fallocate(file, 0, static_cast<off_t>(bytes));
+  } while (failure == EINTR);
+#endif
+  void* memory = MAP_FAILED;
+  if (failure == 0) {
+    memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+    if (memory == MAP_FAILED) failure = errno;
+  }
+  close(file);
+  if (failure != 0) throw failed(failure);
+  return memory;
+}
+
+void unmap_nameless_file(void* memory, std::size_t bytes) { munmap(memory, bytes); }
 
 FolderHold::FolderHold(const std::filesystem::path& folder, bool wait) {
   handle_ = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);

@@ -11,11 +11,12 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight_addon.bake import bake, estimate_bake, stopped
+from leaflight.volume.memory import memory_of_light
 from leaflight_addon.operators import background
 from leaflight_addon.show import preview, properties, surface_object
 from leaflight_addon.store import bake_files, cache
 from leaflight_addon.ui import advanced_panel, bake_panel
-from rounds import UNREACHED, assert_shows_round, begin, drawn, state, stop
+from rounds import assert_shows_round, begin, drawn, state, stop
 from tools import ADDON, assert_shows, close, error_of, mesh_arrays, to_world
 
 
@@ -271,11 +272,14 @@ def check_preferences_reach_the_bake(rounds, tmp_path):
         job = bake.BakeJob(bpy.context, rounds)
         assert job._arguments["threads"] == 1
         assert bake_files.session_folder().parent == tmp_path / "cache"
+        unlimited = memory_of_light(1)
         chosen.limit_memory, chosen.memory = True, 0.5
-        rounds.leaflight.error = UNREACHED
-        grown = np.ones(3 << 28, np.uint8)  # more than the limit
-        assert "raise the limit" in error_of(bpy.ops.leaflight.bake)
-        assert len(grown) and "raise the limit" in " ".join(drawn(bake_panel.LEAFLIGHT_PT_bake))
+        half = memory_of_light(1)
+        chosen.memory = 1.0
+        assert 0 < half < memory_of_light(1) < unlimited
+        rounds.leaflight.use_resolution, rounds.leaflight.resolution = True, 1000
+        assert "give a lower resolution" in error_of(bpy.ops.leaflight.bake)
+        assert "lower resolution" in " ".join(drawn(bake_panel.LEAFLIGHT_PT_bake))
     finally:
         chosen.limit_threads = chosen.own_cache_folder = chosen.limit_memory = False
         background.forget_failure()

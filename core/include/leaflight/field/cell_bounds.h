@@ -4,11 +4,11 @@
 #include <tbb/collaborative_call_once.h>
 
 #include <limits>
-#include <vector>
 
 #include "leaflight/field/child_set.h"
 #include "leaflight/field/voxels.h"
 #include "leaflight/math/index_range.h"
+#include "leaflight/math/large_array.h"
 
 namespace leaflight {
 
@@ -41,9 +41,9 @@ struct CellBounds {
   // level 0: bricks of cells; 1, 2: of bricks. cells and bricks are in the order of dims[level].
   static constexpr int levels = 3;
   std::array<Index<D>, levels> dims;
-  std::vector<Cells> cells;
-  std::array<std::vector<Bricks>, levels - 1> bricks;  // [level - 1]
-  std::array<std::vector<Slab>, levels> slabs;
+  LargeArray<Cells> cells;
+  std::array<LargeArray<Bricks>, levels - 1> bricks;  // [level - 1]
+  std::array<LargeArray<Slab>, levels> slabs;
 
   double min = 0, per_unit = 1;
   bool is_exact = false;  // whether h = min + steps at each voxel

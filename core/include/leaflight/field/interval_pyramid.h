@@ -6,6 +6,7 @@
 
 #include "leaflight/field/voxels.h"
 #include "leaflight/math/index_range.h"
+#include "leaflight/math/large_array.h"
 
 namespace leaflight {
 
@@ -24,7 +25,7 @@ template <int D>
 struct IntervalPyramid {
   struct Level {
     Index<D> dims;
-    std::vector<Interval> bricks;
+    LargeArray<Interval> bricks;
 
     const Interval& at(const Index<D>& brick) const {
       return bricks[linear_number<D>(brick, dims)];

@@ -25,7 +25,7 @@ struct TexelLattice {
   // Ascending texel numbers.
   void activate(std::vector<std::uint32_t> numbers);
   std::size_t linear(const Index<D>& texel) const { return linear_number<D>(texel, resolution); }
-  Index<D> texel(std::uint32_t linear) const { return index_of<D>(linear, resolution); }
+  Index<D> texel(std::size_t linear) const { return index_of<D>(linear, resolution); }
   // Index position of the field at which a texel lies.
   Vec<D> centre(std::uint32_t linear) const {
     return to_vector<D>(texel(linear)) * voxels_per_texel;
@@ -61,6 +61,10 @@ Index<D> finer_resolution(Index<D> resolution) {
 // A lattice over a field of the given dimensions of which no texel is active.
 template <int D>
 TexelLattice<D> inactive_lattice(const Index<D>& dims, const Index<D>& resolution);
+
+// Throws Error for a resolution that no lattice can have, whatever the memory.
+template <int D>
+void check_resolution(const Index<D>& resolution);
 
 // A texel is active if, somewhere within one texel of it, h takes a value of [low, high] on a
 // crossing; `considered`: and if the texel of this number is among those. Throws Error when the

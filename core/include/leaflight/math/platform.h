@@ -41,6 +41,15 @@ inline int lowest_bit(std::uint64_t word) {
 // The most memory that this process has held so far, in bytes.
 std::uint64_t peak_memory();
 
+// What this process may take of the machine's memory at most, in bytes: a container may have less
+// of it. 0: the system does not tell.
+std::uint64_t machine_memory();
+
+// Memory that lies in a file without a name in a folder, all zero. Throws Error where the disk has
+// no room for all of it.
+void* map_nameless_file(std::size_t bytes, const std::filesystem::path& folder);
+void unmap_nameless_file(void* memory, std::size_t bytes);
+
 // Holds a folder: of all who ask for it, in this process and in others, one has it, until it is
 // given back or its process ends, however that comes about.
 class FolderHold {

@@ -102,7 +102,7 @@ def undecided(path, names):
 
 def listed(names, most=8):
     more = f" and {len(names) - most} more" if len(names) > most else ""
-    return ", ".join(str(name) for name in names[:most]) + more
+    return ", ".join(str(name)[:80] for name in names[:most]) + more
 
 
 def index_to_world(path, spacing):

@@ -10,6 +10,7 @@ import pydicom
 
 from ..._core import LeaflightError
 from ...volume.volume import Volume
+from ...volume.voxels import new_voxels
 from .checks import DEFLATE_MOST, check_size, choose_named, text, undecided
 from .formats import is_dicom
 from .stored import StoredVolume, lengths
@@ -228,7 +229,7 @@ def _value_type(slices):
 
 
 def _values(slices, dtype, progress):
-    values = np.empty((len(slices), *slices[0].shape), dtype)
+    values = new_voxels((len(slices), *slices[0].shape), dtype)
     file = pixels = None
     for k, one in enumerate(watched(progress, slices)):
         if one.file != file:

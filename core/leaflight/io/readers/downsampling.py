@@ -4,7 +4,7 @@
 import numpy as np
 
 from ..._core import LeaflightError
-from ...volume.volume import held_type
+from ...volume.voxels import held_type, new_voxels
 from .checks import text
 from .watched import watched
 
@@ -23,7 +23,7 @@ def downsampled(path, values, step, progress):
             "each axis; keep more of them."
         )
     nz, ny, nx = shape
-    kept = np.empty(shape, held_type(values.dtype))
+    kept = new_voxels(shape, held_type(values.dtype))
     for k in watched(progress, range(nz), "Averaging voxels"):
         slab = np.asarray(values[k * step : (k + 1) * step, : ny * step, : nx * step])
         mean = slab.reshape(step, ny, step, nx, step).mean(axis=(0, 2, 4), dtype=np.float32)

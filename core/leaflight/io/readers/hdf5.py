@@ -8,6 +8,7 @@ import h5py
 import numpy as np
 
 from ...volume.volume import Volume
+from ...volume.voxels import new_voxels
 from ..apart import Apart
 from .checks import choose_named, index_to_world, undecided
 from .stored import StoredVolume, lengths
@@ -30,7 +31,7 @@ def open_volume(path, dataset=None, spacing=None):
     matrix = index_to_world(path, spacing if spacing is not None else size or 1.0)
 
     def load(frame, _channel, progress):
-        values = np.empty(shape[-3:], dtype)
+        values = new_voxels(shape[-3:], dtype)
         begin(progress, STAGE, values.nbytes)
         with _apart(path, "read_array", name, frame if len(shape) == 4 else None) as process:
             if process.answer() != [list(values.shape), dtype.str]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..._core import LeaflightError
 from ...volume.volume import Volume
+from ...volume.voxels import bytes_of, new_voxels
 from .checks import (
     DEFLATE_MOST,
     check_matrix,
@@ -67,9 +68,7 @@ def open_volume(path):
 
     def load(frame, _channel, progress):
         if compressed:
-            size = int(np.prod(shape, dtype=np.int64)) * dtype.itemsize
-            values = np.frombuffer(_inflated(data, offset, size, shape, progress), dtype)
-            values = values.reshape(shape[::-1])
+            values = _inflated(data, offset, shape, dtype, progress)
         else:
             values = np.memmap(data, dtype, "r", offset, shape[::-1])
         return Volume(values[frame] if len(shape) == 4 else values, matrix, path.stem)
@@ -112,19 +111,23 @@ def _data_file(path, header, end):
     return data_file(path, name), max(skip, 0)
 
 
-def _inflated(path, offset, size, shape, progress):
+def _inflated(path, offset, shape, dtype, progress):
     """zlib, or gzip where the first bytes say so; not a byte more than asked for."""
-    inflate, data = zlib.decompressobj(zlib.MAX_WBITS | 32), bytearray()
+    inflate = zlib.decompressobj(zlib.MAX_WBITS | 32)
+    values = new_voxels(shape[::-1], dtype)
+    left = bytes_of(values)
     with open_watched(path, progress, unpacked=False) as file:
         file.seek(offset)
         try:
-            while len(data) < size and (piece := file.read(_PIECE)):
-                data += inflate.decompress(piece, size - len(data))
+            while left and (piece := file.read(_PIECE)):
+                part = inflate.decompress(piece, len(left))
+                left[: len(part)] = part
+                left = left[len(part) :]
         except zlib.error:
             raise truncated(path, shape) from None
-    if len(data) != size:
+    if left:
         raise truncated(path, shape)
-    return data
+    return values
 
 
 def _matrix(path, header):

@@ -13,7 +13,7 @@ from ..._core import LeaflightError
 from ...volume.volume import Volume
 from .checks import DEFLATE_MOST, check_matrix, check_scalar, check_size
 from .stored import StoredVolume, lengths
-from .watched import open_watched
+from .watched import open_watched, read_values
 
 _HEADER = 1024
 
@@ -70,10 +70,9 @@ def _values(path, header, dtype, shape, progress):
     offset = _HEADER + int(header["nsymbt"])
     if path.suffix.lower() != ".gz":
         return np.memmap(path, dtype, "r", offset, shape)
-    size = int(np.prod(shape, dtype=np.int64)) * dtype.itemsize
     with open_watched(path, progress) as file:
         file.seek(offset)
-        return np.frombuffer(file.read(size), dtype).reshape(shape)
+        return read_values(file, shape, dtype)
 
 
 def _matrix(path, header, axes):

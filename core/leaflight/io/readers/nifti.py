@@ -3,6 +3,7 @@
 
 import zlib
 from contextlib import contextmanager
+from math import prod
 
 import nibabel
 import numpy as np
@@ -12,7 +13,7 @@ from ..._core import LeaflightError
 from ...volume.volume import Volume
 from .checks import DEFLATE_MOST, check_scalar, check_shape, check_size, truncated
 from .stored import StoredVolume, lengths, unit_of
-from .watched import open_watched
+from .watched import open_watched, read_values
 
 
 def open_volume(path):
@@ -63,9 +64,13 @@ def open_volume(path):
         index += (0,) * (len(image.shape) - len(index))
         try:
             with open_watched(path, progress) as file:
+                if not scaled:
+                    size = prod(shape[:3]) * dtype.itemsize
+                    file.seek(int(proxy.offset) + frame * size)
+                    return Volume(read_values(file, shape[2::-1], dtype), affine, name)
                 stored = ArrayProxy(file, layout, mmap=False)
                 # Without a frame to cut out, nibabel scales in float32 rather than float64.
-                if len(image.shape) == 3 and scaled:
+                if len(image.shape) == 3:
                     values = np.asarray(stored, dtype=np.float32)
                 else:
                     values = stored[index]

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..._core import LeaflightError
 from ...volume.volume import Volume
+from ...volume.voxels import bytes_of, new_voxels
 from .checks import DEFLATE_MOST, check_matrix, check_shape, check_size, data_file, text, truncated
 from .stored import StoredVolume, lengths, unit_of
 from .watched import open_watched
@@ -251,14 +252,18 @@ def _inflated(decompressor, data, offset, shape, dtype, skip, progress):
     """Not a byte more than asked for. Files may be several compressed ones behind each other."""
     size = math.prod(shape) * dtype.itemsize
     skip = max(skip, 0)
-    parts, found, inflate = [], 0, decompressor()
+    values = new_voxels(shape[::-1], dtype)
+    bytes_of_values = bytes_of(values)
+    found, inflate = 0, decompressor()
     with open_watched(data, progress, unpacked=False) as file:
         file.seek(offset)
         try:
             compressed = file.read(1 << 20)
             while compressed and found < size + skip:
                 part = inflate.decompress(compressed, size + skip - found)
-                parts.append(part)
+                kept = part[max(0, skip - found) :]
+                place = max(0, found - skip)
+                bytes_of_values[place : place + len(kept)] = kept
                 found += len(part)
                 if inflate.eof:
                     compressed = inflate.unused_data or file.read(1 << 20)
@@ -267,10 +272,9 @@ def _inflated(decompressor, data, offset, shape, dtype, skip, progress):
                     compressed = getattr(inflate, "unconsumed_tail", b"") or file.read(1 << 20)
         except (zlib.error, OSError, EOFError):
             raise truncated(data, shape) from None
-    values = b"".join(parts)[skip:]
-    if len(values) != size:
+    if found != size + skip:
         raise truncated(data, shape)
-    return _shaped(np.frombuffer(values, dtype), data, shape)
+    return values
 
 
 def _shaped(values, data, shape):

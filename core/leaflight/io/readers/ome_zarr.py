@@ -10,7 +10,8 @@ import zarr
 from ..._core import LeaflightError
 from ...volume.setting_error import SettingError
 from ...volume.volume import Volume
-from .checks import check_scalar, check_shape
+from ...volume.voxels import new_voxels
+from .checks import check_scalar, check_shape, listed
 from .stored import StoredVolume, lengths, unit_of
 from .watched import watched
 
@@ -33,15 +34,13 @@ def open_volume(path, level=0):
     check_scalar(path, array.dtype)
     sizes = dict(zip(axes, array.shape))
     if not {"x", "y", "z"} <= sizes.keys():
-        raise LeaflightError(
-            f"{path}: its axes are {', '.join(axes)}, but a volume needs x, y and z."
-        )
+        raise LeaflightError(f"{path}: its axes are {listed(axes)}, but a volume needs x, y and z.")
     order = [axis for axis in axes if axis in "zyx"]
 
     def load(frame, channel, progress):
         chosen = {"t": frame, "c": channel}
         index = [slice(None) if axis in "xyz" else chosen.get(axis, 0) for axis in axes]
-        values = np.empty([sizes[axis] for axis in "zyx"], array.dtype)
+        values = new_voxels([sizes[axis] for axis in "zyx"], array.dtype)
         step = array.chunks[axes.index("z")]
         for k in watched(progress, range(0, len(values), step)):
             index[axes.index("z")] = slice(k, k + step)

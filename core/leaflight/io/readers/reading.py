@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The one gate through which volumes come from files."""
 
-import os
 import warnings
 from contextlib import contextmanager
 from dataclasses import replace
@@ -10,9 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ..._core import Cancelled, LeaflightError, Progress
+from ..._core import Cancelled, LeaflightError, Progress, machine_memory
 from ...volume.setting_error import SettingError
-from ...volume.volume import as_voxels, held_type
+from ...volume.memory import is_limited
+from ...volume.voxels import as_voxels, held_type, new_voxels
 from .checks import choose, text
 from .downsampling import downsampled
 from .formats import format_of
@@ -171,26 +171,27 @@ def _sentences(path):
 
 def _check_memory(path, stored, step):
     """Refuses what cannot fit, before it is allocated: a header may claim anything."""
-    needed = stored.bytes(step)
-    here = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") if hasattr(os, "sysconf") else 0
-    if needed is not None and 0 < here < needed:
+    needed, here = stored.bytes(step), machine_memory()
+    # Where the memory is limited they lie in a file, for which there is room or not.
+    if needed is not None and 0 < here < needed and not is_limited():
         raise SettingError(
             f"{path}: its {text(stored.dims)} voxels need {needed / 1e9:.1f} GB of memory, but "
-            f"there are {here / 1e9:.1f} GB; downsample it.",
+            f"there are {here / 1e9:.1f} GB; downsample it, or limit the memory, so "
+            "that they lie on the disk.",
             "downsample",
         )
 
 
 def _held(values, progress):
-    """The voxels in memory of their own: a mapped file might change behind our back."""
-    if isinstance(values, np.memmap) and values.flags.c_contiguous:
-        held = np.empty(values.shape, held_type(values.dtype))
-        for k in watched(progress, range(len(values))):
-            held[k] = as_voxels(values[k])
-        return held
-    held = as_voxels(values if isinstance(values, np.ndarray) else np.asarray(values))
-    mapped = isinstance(values, np.memmap) and np.may_share_memory(held, values)
-    return held.copy() if mapped else held
+    """The voxels as a volume has them, its own: a mapped file might change behind our back."""
+    values = values if isinstance(values, np.ndarray) else np.asarray(values)
+    kept, mapped = held_type(values.dtype), isinstance(values, np.memmap)
+    if values.dtype == kept and values.flags.c_contiguous and not mapped:
+        return values
+    held = new_voxels(values.shape, kept)
+    for k in watched(progress, range(len(values))):
+        held[k] = as_voxels(values[k])
+    return held
 
 
 def _from_downsampled(step):

@@ -8,7 +8,8 @@ from typing import Callable, Optional
 import numpy as np
 
 from ..._core import Progress
-from ...volume.volume import Volume, held_type
+from ...volume.volume import Volume
+from ...volume.voxels import held_type
 
 # What files measure lengths in -> meters.
 METERS = {

@@ -11,6 +11,7 @@ import tifffile
 
 from ..._core import Cancelled, LeaflightError
 from ...volume.volume import Volume
+from ...volume.voxels import new_voxels
 from .checks import check_scalar, check_size, index_to_world, text, truncated
 from .stored import StoredVolume, lengths, unit_of
 from .watched import open_watched, watched
@@ -95,7 +96,8 @@ def _part(file, index):
     planes = np.arange(prod(shape[:-2])).reshape(shape[:-2])[index[:-2]]
     one_by_one = series.dataoffset is None and len(series.pages) == prod(shape[:-2])
     if not one_by_one or planes.size == prod(shape[:-2]) or index[-2:] != (slice(None),) * 2:
-        return series.asarray().reshape(shape)[index]
+        whole = new_voxels(series.shape, series.dtype)
+        return file.asarray(series=0, out=whole).reshape(shape)[index]
     values = file.asarray(key=planes.ravel().tolist(), series=0)
     return values.reshape(*planes.shape, *shape[-2:])
 
@@ -107,14 +109,18 @@ def _open_folder(path, spacing):
     matrix = index_to_world(path, spacing if spacing is not None else 1.0)
 
     def load(_frame, _channel, progress):
-        planes = [_slice(slice_path) for slice_path in watched(progress, slices)]
-        for image, slice_path in zip(planes, slices):
+        values = new_voxels((len(slices), *first.shape), first.dtype)
+        for k, slice_path in enumerate(watched(progress, slices)):
+            image = _slice(slice_path)
             if image.shape != first.shape:
                 raise LeaflightError(
                     f"{slice_path}: the slice is {text(image.shape)}, but every slice of the "
                     f"folder must be one plane of the same size, {text(first.shape)}."
                 )
-        return Volume(np.stack(planes), matrix, path.stem)
+            if not np.can_cast(image.dtype, values.dtype):
+                values = values.astype(np.promote_types(image.dtype, values.dtype))
+            values[k] = image
+        return Volume(values, matrix, path.stem)
 
     dims = (*first.shape[::-1], len(slices))
     return StoredVolume(dims, first.dtype, load, lengths(matrix))

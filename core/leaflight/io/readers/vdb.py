@@ -7,6 +7,7 @@ import leaflight._core as _core
 import numpy as np
 
 from ...volume.volume import Volume
+from ...volume.voxels import new_voxels
 from ..apart import Apart
 from .stored import StoredVolume
 
@@ -22,7 +23,7 @@ def open_volume(path, grid=""):
             shape = tuple(answer["shape"])
             if len(shape) != 3 or not 0 < math.prod(shape) <= _MOST_VOXELS:
                 raise process.died()
-            values = np.empty(shape, np.float32)
+            values = new_voxels(shape, np.float32)
             process.fill(values)
         return Volume(values, np.array(answer["index_to_world"]), answer["name"] or path.stem)
 

@@ -5,8 +5,11 @@ import gzip
 import io
 from contextlib import contextmanager
 
+from ...volume.voxels import bytes_of, new_voxels
+
 # Bytes that are read at once: few, since packed ones may stand for a thousand times as many.
 _MOST = 1 << 16
+_MOST_VALUES = 1 << 22
 STAGE = "Reading"
 
 
@@ -27,6 +30,18 @@ def open_watched(path, progress, unpacked=True):
     with io.BufferedReader(_Watched(path, progress), _MOST) as file:
         packed = unpacked and path.suffix.lower() == ".gz"
         yield gzip.GzipFile(fileobj=file) if packed else file
+
+
+def read_values(file, shape, dtype):
+    """The array of this shape that stands next in a binary file. Raises EOFError where it ends."""
+    values = new_voxels(shape, dtype)
+    left = bytes_of(values)
+    while left:
+        count = file.readinto(left[:_MOST_VALUES])
+        if not count:
+            raise EOFError
+        left = left[count:]
+    return values
 
 
 def begin(progress, stage, total):

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The texels of a bake in rounds, chosen so that its light fits into the memory."""
+
+from math import prod
+
+import leaflight._core as _core
+
+from ..scene.scene import core_scene
+from ..volume.memory import is_limited, memory_of_light
+from ..volume.setting_error import SettingError
+
+# What is skipped where the memory is short, as in skipped_passes.
+FINER_TEXELS = "finer texels"
+# Bytes that the light of a texel never exceeds.
+_MOST_OF_A_TEXEL = 500
+_MOST_TEXELS = 2**31
+
+
+def fit_memory(volume, description, window, settings):
+    """Sets the resolution of settings that leave it open, where its own would take too much.
+
+    settings: _core.BakeSettings. Raises SettingError where the one that was asked for does.
+    """
+    field = volume.field()
+    may_take = memory_of_light(prod(field.dims))
+    asked = settings.resolution if any(settings.resolution) else None
+    texels = prod(asked or field.dims)
+    # Texels finer than voxels are few.
+    if may_take is None or _MOST_OF_A_TEXEL * max(texels, prod(field.dims)) < may_take:
+        return
+    if asked and texels >= _MOST_TEXELS:
+        return  # The core refuses them, whatever the memory.
+    scene = core_scene(description, [field], window)
+    if not asked:
+        settings.resolution = _core.fitting_resolution(scene, settings, may_take)
+        return
+    most = may_take if is_limited() else max(may_take, _core.machine_memory())
+    # What fits no coarser texels does not fit these: so what is far too much is soon known.
+    for width in (8, 4, 2, 1):
+        settings.resolution = tuple(max(2, n // width) for n in asked)
+        takes = _core.light_memory(scene, settings)
+        if takes <= most:
+            continue
+        settings.resolution = (0, 0, 0)
+        fitting = _core.fitting_resolution(scene, settings, most)
+        raise SettingError(
+            f"The light of {_by(asked)} texels takes {'over' if width > 1 else 'about'} "
+            f"{takes / 2**20:.0f} MiB of memory, but may take {most / 2**20:.0f} MiB: give a lower "
+            f"resolution (without one it is {max(fitting) or max(field.dims)}), or more memory.",
+            "resolution",
+        )
+
+
+def coarser_texels(resolution, settings):
+    """Why texels are coarser than they would be with more memory, as in skipped_passes; or [].
+
+    resolution: what was asked for.
+    """
+    if resolution is not None or not any(settings.resolution):
+        return []
+    reason = f"the light of {_by(settings.resolution)} is what the memory has room for"
+    return [[FINER_TEXELS, reason]]
+
+
+def _by(numbers):
+    return " x ".join(map(str, numbers))

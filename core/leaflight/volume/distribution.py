@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How often the values of a volume occur: counted plane by plane, without a copy of all."""
+
+import numpy as np
+
+from .voxels import as_voxels
+
+
+class Distribution:
+    """Of the values in an array [z, y, x] that are not NaN.
+
+    data_range: its lowest and highest. count: how many there are.
+    """
+
+    def __init__(self, values, data_range):
+        # Of this type, edges of bins are the same with any NumPy.
+        self._data, self._range = values, tuple(np.float32(end) for end in data_range)
+        whole = as_voxels(values[:1]).dtype != np.float32
+        self._counted = self._count_whole() if whole else None
+        if whole:
+            self.count = int(self._counted[1].sum())
+        else:
+            self.count = sum(plane.size for plane in self._planes())
+
+    def _count_whole(self):
+        """(values float32, numbers of voxels that have them) of whole numbers."""
+        least = voxels = None
+        for plane in self._data:
+            plane = as_voxels(plane)
+            if voxels is None:
+                limits = np.iinfo(plane.dtype)
+                least, voxels = int(limits.min), np.zeros(limits.max - limits.min + 1, np.int64)
+            voxels += np.bincount(plane.ravel().astype(np.int64) - least, minlength=voxels.size)
+        present = np.flatnonzero(voxels)
+        return (present + least).astype(np.float32), voxels[present]
+
+    def _planes(self):
+        """The values float32, without those that are NaN, plane by plane."""
+        for plane in self._data:
+            plane = as_voxels(plane).ravel()
+            known = np.isfinite(plane)
+            yield plane if known.all() else plane[known]
+
+    def voxels_of(self, value):
+        """How many have this value."""
+        if self._counted is not None:
+            values, voxels = self._counted
+            return int(voxels[values == np.float32(value)].sum())
+        return sum(int(np.count_nonzero(plane == np.float32(value))) for plane in self._planes())
+
+    def histogram(self, bins):
+        """(numbers of voxels, edges) of bins of equal width over the range."""
+        if self._counted is not None:
+            values, voxels = self._counted
+            return np.histogram(values, bins, self._range, weights=voxels)
+        counts = np.zeros(bins, np.int64)
+        for plane in self._planes():
+            found, edges = np.histogram(plane, bins, self._range)
+            counts += found
+        return counts, edges
+
+    def are_whole(self, without=()):
+        """Whether all values, but those left out, are whole numbers."""
+        if self._counted is not None:
+            return True
+        left = [np.float32(value) for value in without]
+        return all(
+            np.all((plane == np.rint(plane)) | np.isin(plane, left)) for plane in self._planes()
+        )
+
+    def at(self, ranks, without=()):
+        """The values (float64) of so many ranks, from 0, in ascending order; some left out."""
+        if self._counted is not None:
+            values, voxels = self._counted
+            kept = ~np.isin(values, np.float32(without))
+            values, last = values[kept], np.cumsum(voxels[kept])
+            return values[np.searchsorted(last, ranks, side="right")].astype(np.float64)
+        left = np.float32(without)
+        # By the upper 16 bits of the values, then by the lower ones within a bin of those.
+        upper = np.zeros(1 << 16, np.int64)
+        for keys in self._keys(left):
+            upper += np.bincount(keys >> 16, minlength=upper.size)
+        last = np.cumsum(upper)
+        bins = np.searchsorted(last, ranks, side="right")
+        lower = {int(one): np.zeros(1 << 16, np.int64) for one in bins}
+        for keys in self._keys(left):
+            for one, voxels in lower.items():
+                voxels += np.bincount(keys[keys >> 16 == one] & 0xFFFF, minlength=voxels.size)
+        found = []
+        for rank, one in zip(ranks, bins):
+            within = rank - (last[one] - upper[one])
+            low = np.searchsorted(np.cumsum(lower[int(one)]), within, side="right")
+            found.append(_value(int(one) << 16 | int(low)))
+        return np.array(found, np.float64)
+
+    def _keys(self, left):
+        """Whole numbers in the order of the values."""
+        for plane in self._planes():
+            if left.size:
+                plane = plane[~np.isin(plane, left)]
+            bits = plane.view(np.uint32)
+            yield np.where(bits >> 31, ~bits, bits | np.uint32(1 << 31))
+
+
+def _value(key):
+    bits = key ^ (1 << 31) if key >> 31 else ~key & 0xFFFFFFFF
+    return np.uint32(bits).view(np.float32)

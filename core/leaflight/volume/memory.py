@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How much memory volumes and their light may take."""
+
+import os
+import tempfile
+
+import leaflight._core as _core
+
+from .._core import LeaflightError
+
+# The least that a process can be limited to; of that Python, libraries and threads take.
+LEAST_LIMIT, _PROGRAM = 192 << 20, 96 << 20
+# Of a limit: what volumes may take before they lie in a file.
+_SHARE_OF_VOLUMES = 0.25
+# Of the machine's memory: what a process may take that was not limited.
+_SHARE_OF_MACHINE = 0.75
+# What the bounds for rays take besides the values, bytes a voxel.
+_BOUNDS = 2.6
+
+_limit = None
+
+
+def limit_memory(size, folder=None):
+    """Lets this process take about `size` bytes of memory from now on; None for no limit.
+
+    Volumes then lie in files beyond a quarter of it, so that they may be larger, and a bake takes
+    the finest texels whose light has room in the rest. The files have no name and end with the
+    process. folder: where they lie, None is that of temporary files; give one on a disk.
+    Raises LeaflightError for less than LEAST_LIMIT.
+    """
+    global _limit
+    if size is not None and size < LEAST_LIMIT:
+        raise LeaflightError(
+            f"The memory may not be limited to less than {LEAST_LIMIT >> 20} MiB, which libraries "
+            "take of it: give more."
+        )
+    of_volumes = 0 if size is None else int(_SHARE_OF_VOLUMES * size)
+    _core.limit_large_memory(of_volumes, os.path.abspath(folder or tempfile.gettempdir()))
+    _limit = size
+
+
+def memory_of_light(voxels):
+    """Bytes that the light of a volume of so many voxels may take, None where nobody knows."""
+    if _limit is not None:
+        return int((1 - _SHARE_OF_VOLUMES) * _limit) - _PROGRAM
+    machine = _core.machine_memory()
+    if machine == 0:
+        return None
+    in_memory, _ = _core.large_memory()
+    left = _SHARE_OF_MACHINE * machine - in_memory - _BOUNDS * voxels - _PROGRAM
+    # What the others take is not all in use at once.
+    return int(max(left, 0.2 * machine))
+
+
+def is_limited():
+    """Whether limit_memory() is in force."""
+    return _limit is not None

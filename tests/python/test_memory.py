@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Volumes and light in a limited memory: the same bits, or a sentence before anything is done."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import leaflight
+import numpy as np
+import pytest
+from leaflight import LeaflightError, Volume, _core, bump_box
+from leaflight.bake.bake import _asked_by_name
+from leaflight.scene.scene import core_scene
+from leaflight.volume.memory import LEAST_LIMIT, limit_memory
+from leaflight.volume.voxels import new_voxels
+
+MEBIBYTE = 1 << 20
+
+# Bakes a volume and tells the most memory that was the process's own, which no file stands behind.
+_BAKE = """
+import json, sys, threading, time
+import leaflight
+
+path, out, limit, settings = json.loads(sys.argv[1])
+held, done = [0], False
+
+def watch():
+    while not done:
+        with open("/proc/self/status") as status:
+            lines = dict(line.split(":") for line in status)
+        held[0] = max(held[0], int(lines["RssAnon"].split()[0]) << 10)
+        time.sleep(0.005)
+
+thread = threading.Thread(target=watch)
+thread.start()
+try:
+    if limit:
+        leaflight.limit_memory(limit, folder=out.rpartition("/")[0])
+    begun = held[0]
+    volume = leaflight.read_volume(path)
+    bake = leaflight.bake(volume, error=50.0, **settings)
+    bake.save(out)
+    in_files = leaflight._core.large_memory()[1]
+finally:
+    done = True
+    thread.join()
+print(json.dumps({"held": held[0], "begun": begun, "in_files": in_files,
+                  "resolution": list(bake.grid.resolution)}))
+"""
+
+needs_linux = pytest.mark.skipif(
+    not Path("/proc/self/status").exists(), reason="only Linux tells what a process holds"
+)
+
+
+@pytest.fixture(autouse=True)
+def unlimited():
+    yield
+    limit_memory(None)
+
+
+def bake_apart(path, out, limit=0, **settings):
+    arguments = json.dumps([str(path), str(out), limit, settings])
+    ended = subprocess.run(
+        [sys.executable, "-c", _BAKE, arguments],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+    )
+    assert ended.returncode == 0, ended.stderr
+    return json.loads(ended.stdout)
+
+
+@needs_linux
+def test_volume_larger_than_the_limit_is_baked_with_the_same_bits(tmp_path):
+    n = 384
+    x = np.linspace(-1, 1, n, dtype=np.float32)
+    plane = np.cos(9 * x)[:, None] * np.sin(7 * x)
+    path = tmp_path / "large.npy"
+    values = np.lib.format.open_memmap(path, "w+", np.float32, (n, n, n))
+    for k in range(n):
+        values[k] = plane * np.cos(8 * x[k]) - x[k] ** 2
+    del values
+    assert path.stat().st_size > LEAST_LIMIT
+
+    limited = bake_apart(path, tmp_path / "limited.vdb", LEAST_LIMIT, resolution=32)
+    whole = bake_apart(path, tmp_path / "whole.vdb", resolution=32)
+
+    assert limited["in_files"] > n**3 * 4
+    assert limited["held"] < LEAST_LIMIT
+    assert whole["held"] > LEAST_LIMIT
+    # The files had no names.
+    assert sorted(tmp_path.iterdir()) == [path, tmp_path / "limited.vdb", tmp_path / "whole.vdb"]
+    one, other = (leaflight.load_bake(tmp_path / f"{name}.vdb") for name in ("limited", "whole"))
+    assert np.array_equal(one.volumes[0].values, np.load(path, mmap_mode="r"))
+    for name in ("radiance", "radiance_indirect", "radiance_error"):
+        assert np.array_equal(one.grid.dense(name), other.grid.dense(name), equal_nan=True)
+
+
+@needs_linux
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"resolution": 100},
+        {"resolution": 100, "both_sides": True},
+        {"resolution": 100, "surroundings": True},
+        {"resolution": 160},
+    ],
+)
+def test_memory_of_the_light_is_foreseen(tmp_path, settings):
+    path = tmp_path / "box.npy"
+    np.save(path, bump_box(100).values)
+    found = bake_apart(path, tmp_path / "box.vdb", **settings)
+
+    volume = leaflight.read_volume(path)
+    _, description, window, of_core, _ = _asked_by_name(volume, None, **settings)
+    scene = core_scene(description, [volume.field()], window)
+    foreseen = _core.light_memory(scene, of_core)
+    assert 0.6 < (found["held"] - found["begun"]) / foreseen < 1.15
+
+
+def test_default_texels_are_the_finest_that_fit():
+    volume = bump_box(120)
+    limit_memory(320 * MEBIBYTE)
+    bake = leaflight.bake(volume, time=0.1)
+    assert 40 < bake.grid.resolution[0] < 120
+    name, reason = bake.statistics["skipped_passes"][-1]
+    assert name == "finer texels" and "memory" in reason
+    # What was chosen stands in the bake, as if it had been asked for.
+    assert json.loads(bake.metadata["asked_resolution"]) == list(bake.grid.resolution)
+
+    limit_memory(None)
+    assert leaflight.bake(volume, time=0.1).grid.resolution[0] == 120
+
+
+def test_small_machine_gets_coarser_texels(monkeypatch):
+    monkeypatch.setattr(_core, "machine_memory", lambda: 500 * MEBIBYTE)
+    bake = leaflight.bake(bump_box(120), time=0.1)
+    assert 40 < bake.grid.resolution[0] < 120
+
+
+def test_light_that_does_not_fit_is_refused_before_it_is_computed():
+    limit_memory(LEAST_LIMIT)
+    with pytest.raises(
+        LeaflightError,
+        match=r"300 x 300 x 300 texels takes (about|over) .*without one it is [3-7][0-9]\)",
+    ):
+        leaflight.bake(bump_box(100), resolution=300)
+
+
+def test_limits_that_no_process_can_keep():
+    with pytest.raises(LeaflightError, match="192 MiB"):
+        limit_memory(MEBIBYTE)
+
+
+def test_arrays_beyond_the_limit_lie_in_files(tmp_path):
+    limit_memory(LEAST_LIMIT, tmp_path)
+    in_memory, in_files = _core.large_memory()
+    small = new_voxels((8, 1024, 1024), np.uint8)
+    large = new_voxels((100, 1024, 1024), np.uint8)
+    assert _core.large_memory() == (in_memory + small.nbytes, in_files + large.nbytes)
+    large[...] = 7
+    assert (large == 7).all() and list(tmp_path.iterdir()) == []
+    del small, large
+    assert _core.large_memory() == (in_memory, in_files)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such limit")
+def test_full_disk_is_a_sentence(tmp_path):
+    import resource
+
+    limit_memory(LEAST_LIMIT, tmp_path)
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (MEBIBYTE, before[1]))
+    try:
+        with pytest.raises(LeaflightError, match=f"{tmp_path.name}.*no room for a file of 100 MiB"):
+            new_voxels((100, 1024, 1024), np.uint8)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_capped_volumes_lie_in_files_too(tmp_path):
+    values = np.random.default_rng(1).random((4, 5, 6), dtype=np.float32)
+    whole = Volume(values, np.eye(4), "noise").capped()
+    padded = np.pad(values, 1, constant_values=whole.values[0, 0, 0])
+    assert np.array_equal(whole.values, padded)
