@@ -12,11 +12,14 @@ let browser, page, requests;
 
 const calls = {
   async start(...options) {
-    browser = await launch({
+    const settings = {
       executablePath: CHROMIUM,
       args: ['--no-sandbox', ...(options.length > 0 ? options : SOFTWARE)],
+      timeout: 120_000,
       protocolTimeout: 600_000,
-    });
+    };
+    // A first start was seen to hang on a busy machine.
+    browser = await launch(settings).catch(() => launch(settings));
     return browser.version();
   },
   // A page of its own, which remembers what it asked for and what it complained of.
