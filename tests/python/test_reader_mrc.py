@@ -2,6 +2,7 @@
 """Maps of electrons: MRC and CCP4, and Gaussian's cubes."""
 
 import gzip
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -64,6 +65,33 @@ def test_a_stack_of_volumes_has_frames(tmp_path, values):
     (tmp_path / "x.mrc").write_bytes(data)
     assert probe(tmp_path / "x.mrc").frames == 2
     np.testing.assert_array_equal(read_volume(tmp_path / "x.mrc", frame=1).values, values + 1)
+
+
+def test_the_stamp_of_the_other_byte_order(tmp_path, values):
+    """Such files exist: mrcfile believes the mode of the values instead."""
+    data = ccp4(values)
+    head = np.frombuffer(data[:224], "<i4").byteswap().tobytes()
+    stored = np.frombuffer(data[1104:], "<f4").byteswap().tobytes()
+    path = tmp_path / "x.ccp4"
+    path.write_bytes(head[:208] + data[208:216] + head[216:] + data[224:1104] + stored)
+    np.testing.assert_array_equal(read_volume(path).values, values)
+
+
+@pytest.mark.parametrize("length", [2**30, -80])
+def test_the_length_of_the_text_is_not_believed(tmp_path, values, length):
+    path = tmp_path / "x.ccp4"
+    peaks = []
+    for order in ("<i4", ">i4"):
+        data = bytearray(ccp4(values, at={23: length}))
+        if order == ">i4":
+            data[:208] = np.frombuffer(bytes(data[:208]), "<i4").byteswap().tobytes()
+        path.write_bytes(data)
+        tracemalloc.start()
+        with pytest.raises(LeaflightError, match="x.ccp4: the header claims .*damaged"):
+            read_volume(path)
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert max(peaks) < 2**24
 
 
 def test_damaged_maps(tmp_path, values):

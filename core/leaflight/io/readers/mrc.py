@@ -5,9 +5,11 @@ https://www.ccpem.ac.uk/mrc_format/mrc2014.php
 """
 
 import gzip
+import io
 
 import mrcfile
 import numpy as np
+from mrcfile.mrcinterpreter import MrcInterpreter
 
 from ..._core import LeaflightError
 from ...volume.volume import Volume
@@ -15,14 +17,13 @@ from .checks import DEFLATE_MOST, check_matrix, check_scalar, check_size
 from .stored import StoredVolume, lengths
 from .watched import open_watched, read_values
 
-_HEADER = 1024
+# Bytes of the header, and where the length of the text behind it stands.
+_HEADER, _LENGTH = 1024, 92
 
 
 def open_volume(path):
     """The axes of the file may run along x, y and z in any order; stacks of volumes are frames."""
-    _check_text(path)
-    with mrcfile.open(path, "r", permissive=True, header_only=True) as file:
-        header = file.header.copy()
+    header = _header(path)
     dtype = mrcfile.utils.data_dtype_from_header(header)
     check_scalar(path, dtype)
     counts = [int(header[name]) for name in ("nx", "ny", "nz")]
@@ -56,14 +57,22 @@ def open_volume(path):
     return StoredVolume(tuple(dims), dtype, load, lengths(matrix), "Å", frames)
 
 
-def _check_text(path):
-    """The text behind the header, whose length mrcfile believes before it reads it."""
+def _header(path):
+    """The fields of the header, in the byte order that mrcfile finds.
+
+    It never sees the length of the text behind them, which it would believe.
+    """
     packed = path.suffix.lower() == ".gz"
     with (gzip.open if packed else open)(path, "rb") as file:
         head = file.read(_HEADER)
-    order = "big" if head[212:213] == b"\x11" else "little"
-    length = int.from_bytes(head[92:96], order, signed=True)
-    check_size(path, (max(0, length),), 1, path.stat().st_size, DEFLATE_MOST if packed else 1)
+    without = head[:_LENGTH] + bytes(4) + head[_LENGTH + 4 :]
+    header = MrcInterpreter(io.BytesIO(without), permissive=True, header_only=True).header.copy()
+    header["nsymbt"] = np.frombuffer(head, header["nsymbt"].dtype, 1, _LENGTH)[0]
+    length = int(header["nsymbt"])
+    if length < 0:
+        raise LeaflightError(f"{path}: the header claims {length} bytes of text; it is damaged.")
+    check_size(path, (length,), 1, path.stat().st_size, DEFLATE_MOST if packed else 1)
+    return header
 
 
 def _values(path, header, dtype, shape, progress):
