@@ -60,7 +60,7 @@ py::dict photon_balance(const Scene<D>& scene, std::uint64_t count, std::uint64_
 }
 
 template <int D>
-void bind_functions(py::module_& module, const std::string& suffix) {
+void bind_photon_functions(py::module_& module, const std::string& suffix) {
   module.def(("photon_points" + suffix).c_str(), &photon_points<D>, py::arg("scene"),
              py::arg("count"), py::arg("seed") = 0, py::arg("progress") = nullptr,
              "Where `count` emitted photons met leaves: (world positions (n, D), flux-height\n"
@@ -74,8 +74,8 @@ void bind_functions(py::module_& module, const std::string& suffix) {
 }  // namespace
 
 void bind_photons(py::module_& module) {
-  bind_functions<3>(module, "");
-  bind_functions<2>(module, "2");
+  bind_photon_functions<3>(module, "");
+  bind_photon_functions<2>(module, "2");
 }
 
 }  // namespace leaflight::python

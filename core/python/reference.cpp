@@ -60,7 +60,7 @@ py::tuple reference_surroundings(const Scene<D>& scene, int mesh, const std::vec
 }
 
 template <int D>
-void bind_functions(py::module_& module, const std::string& suffix) {
+void bind_reference_functions(py::module_& module, const std::string& suffix) {
   module.def(("reference" + suffix).c_str(), &reference<D>, py::arg("scene"), py::arg("points"),
              py::arg("c"), py::arg("spp"), py::arg("seed") = 0, py::arg("threads") = 0,
              py::arg("progress") = nullptr, py::arg("volume") = 0, py::arg("back") = false,
@@ -78,8 +78,8 @@ void bind_functions(py::module_& module, const std::string& suffix) {
 }  // namespace
 
 void bind_reference(py::module_& module) {
-  bind_functions<3>(module, "");
-  bind_functions<2>(module, "2");
+  bind_reference_functions<3>(module, "");
+  bind_reference_functions<2>(module, "2");
 }
 
 }  // namespace leaflight::python

@@ -30,7 +30,6 @@ def wheel(python):
     of_system = python.parent.parent == VENV
     options = (
         f"build-dir={'build/release' if of_system else f'build/{tag}'}",
-        f"cmake.define.LEAFLIGHT_TESTS={'ON' if of_system else 'OFF'}",
         "cmake.define.CMAKE_COMPILE_WARNING_AS_ERROR=ON",
     )
     run(

@@ -5,6 +5,7 @@ It is the program called blender on the search path: Debian's, or that of a modu
 virtual environment (scripts/blender).
 """
 
+import hashlib
 import json
 import os
 import shutil
@@ -22,6 +23,9 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 RESULTS = ROOT / "build" / "compatibility"
 
+# Seconds after which a program hangs, whatever the machine.
+HANG = 1800
+
 ABOUT = """
 import bpy, json, numpy, platform, sys
 print("ABOUT", json.dumps({
@@ -33,35 +37,10 @@ print("ABOUT", json.dumps({
 """
 
 
-# What may differ between versions of Blender, in about a minute: its lights and materials, bakes,
-# scrubbing, rendering, saved files, readers; and the scenes that the package builds for Cycles.
-BRIEF = {
-    "test_in_blender[check_bake.py]",
-    "test_in_blender[check_import.py]",
-    "test_in_blender[check_leaves.py]",
-    "test_in_blender[check_lights.py]",
-    "test_in_blender[check_materials.py]",
-    "test_in_blender[check_scrub.py]",
-    "test_in_blender[check_shader.py]",
-    "test_in_blender[check_surroundings.py]",
-    "test_path_tracer_under_every_light[False]",
-}
-
-
-def pytest_addoption(parser):
-    parser.addoption(
-        "--brief", action="store_true", help="only the checks that every Blender gets in each run"
-    )
-
-
-def pytest_collection_modifyitems(config, items):
-    if config.getoption("--brief"):
-        config.hook.pytest_deselected(items=[item for item in items if item.name not in BRIEF])
-        items[:] = [item for item in items if item.name in BRIEF]
-
-
 class Blender:
     """Runs Python in background Blender processes that share one folder of the user's."""
+
+    hang = HANG
 
     def __init__(self, folder):
         self.environment = {**os.environ, "BLENDER_USER_RESOURCES": str(folder)}
@@ -69,19 +48,19 @@ class Blender:
             self.environment[f"BLENDER_USER_{name.upper()}"] = str(folder / name)
             (folder / name).mkdir()
         self._addons = []
-        output = self.run("--python-expr", ABOUT, timeout=60)
+        output = self.run("--python-expr", ABOUT)
         line = next(line for line in output.splitlines() if line.startswith("ABOUT "))
         self.about = json.loads(line.removeprefix("ABOUT "))
         self.extends = self.about["version"] >= [4, 2]
 
     def install(self, package):
-        print(self.run("--python", HERE / "install.py", "--", package, timeout=120))
+        print(self.run("--python", HERE / "install.py", "--", package))
         if self.about["module"]:
             # It starts without the preferences that have just been saved (program.py).
             self._addons = ["--addons", "bl_ext.user_default.leaflight"]
 
-    def run(self, *arguments, timeout):
-        """The output of Blender; fails the test when its script fails or takes too long."""
+    def run(self, *arguments):
+        """The output of Blender; fails the test when its script fails or hangs."""
         options = ["--background", *self._addons, "--python-exit-code", "1"]
         result = subprocess.run(
             ["blender", *options, *map(str, arguments)],
@@ -90,17 +69,17 @@ class Blender:
             stderr=subprocess.STDOUT,
             text=True,
             errors="replace",
-            timeout=timeout,
+            timeout=HANG,
         )
         if result.returncode != 0:
             pytest.fail(f"Blender exited with {result.returncode}:\n{result.stdout}", pytrace=False)
         return result.stdout
 
-    def in_window(self, script, *arguments, timeout, size=(1024, 640)):
+    def in_window(self, script, *arguments, size=(1024, 640)):
         """What a script tells that drives Blender in a window: the object of its line WINDOW.
 
         Skips the test where there is no window, or no xvfb-run to give it a screen; ends the screen
-        with the program when it takes too long. size: of the window and of the screen, in pixels.
+        with the program when it hangs. size: of the window and of the screen, in pixels.
         """
         if self.about["module"]:
             pytest.skip("This Blender is a Python module, which has no window.")
@@ -121,21 +100,24 @@ class Blender:
             start_new_session=True,
         )
         try:
-            said = process.communicate(timeout=timeout)[0]
+            said = process.communicate(timeout=HANG)[0]
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, signal.SIGKILL)
             said = process.communicate()[0]
-            pytest.fail(f"Blender's window took too long:\n{said}", pytrace=False)
+            pytest.fail(f"Blender's window hangs:\n{said}", pytrace=False)
         lines = [line for line in said.splitlines() if line.startswith("WINDOW ")]
         assert lines and process.returncode == 0, said
         return json.loads(lines[0].removeprefix("WINDOW "))
 
-    def check(self, file, results, timeout):
-        """Runs a file of checks, which writes what came of each to a file of results."""
+    def check(self, results, *arguments, **variables):
+        """Runs inside/run.py, which writes what came of each check to a file of results.
+
+        arguments: of pytest; variables: of the environment.
+        """
         environment = self.environment
-        self.environment = {**environment, "LEAFLIGHT_RESULTS": str(results)}
+        self.environment = {**environment, "LEAFLIGHT_RESULTS": str(results), **variables}
         try:
-            return self.run("--python", HERE / "inside" / "run.py", "--", file, timeout=timeout)
+            return self.run("--python", HERE / "inside" / "run.py", "--", *arguments)
         finally:
             self.environment = environment
 
@@ -172,6 +154,10 @@ def blender(request, tmp_path_factory):
         )
     blender.install(package)
     blender.about["package"] = package.name
+    known = hashlib.sha256()
+    for path in (package, *sorted((HERE / "inside").glob("*.py"))):
+        known.update(path.read_bytes())
+    blender.about["digest"] = known.hexdigest()
     return blender
 
 
@@ -186,13 +172,18 @@ def ball(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def results(blender):
-    """The folder of what came of the checks in this Blender, for scripts/compatibility."""
+    """The folder of what came of the checks in this Blender, for scripts/compatibility.
+
+    Of several runs together, as long as package and checks are the same.
+    """
     about = blender.about
     folder = RESULTS / f"{about['blender'].split()[0]}-numpy{about['numpy'].split('.')[0]}"
     folder.mkdir(parents=True, exist_ok=True)
-    for old in folder.glob("*.json"):
-        old.unlink()
     # The whole set, wherever only some of it runs.
     about["checks"] = sorted(path.stem for path in (HERE / "inside").glob("check_*.py"))
-    (folder / "about.json").write_text(json.dumps(about, indent=2) + "\n")
+    told = folder / "about.json"
+    if not told.exists() or json.loads(told.read_text()) != about:
+        for old in folder.glob("*.json"):
+            old.unlink()
+        told.write_text(json.dumps(about, indent=2) + "\n")
     return folder

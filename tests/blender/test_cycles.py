@@ -22,6 +22,8 @@ POINTS = 800
 # Of the mean radiance, beyond three standard errors.
 MEAN_TOLERANCE = 0.01
 
+pytestmark = pytest.mark.slow
+
 
 def baked(scene, sources, n, **settings):
     volumes = [open_volume(source, dims=[n]) for source in sources]

@@ -10,6 +10,8 @@ from PIL import Image
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def scans(tmp_path_factory):
@@ -29,7 +31,6 @@ def test_a_sweep_becomes_a_video(blender, scans, tmp_path):
     output = blender.run(
         *("--python", EXAMPLES / "sweep_to_video.py", "--", scans / "left.nii.gz"),
         *("--out", out, "--samples", 4, *arguments),
-        timeout=300,
     )
     assert f"Wrote {out}" in output and "Baked into" in output
     frames = tmp_path / "frames"
@@ -49,7 +50,7 @@ scene.render.image_settings.file_format = "PNG"
 scene.render.filepath = {str(frames / "f")!r}
 bpy.ops.render.render(animation=True)
 """
-    assert "DURATION 6" in blender.run("--python-expr", read, timeout=120)
+    assert "DURATION 6" in blender.run("--python-expr", read)
     pictures = [np.asarray(Image.open(path).convert("RGB"), float) for path in frames.iterdir()]
     assert len(pictures) == 6 and all(picture.shape == (64, 96, 3) for picture in pictures)
     assert all(20 < picture.mean() < 230 for picture in pictures)
@@ -67,7 +68,7 @@ def test_a_folder_of_scans_becomes_stills(blender, scans, tmp_path):
         "except SystemExit as end:\n"
         "    print('STATUS', end.code)\n"
     )
-    output = blender.run("--python-expr", script, timeout=300)
+    output = blender.run("--python-expr", script)
     assert "STATUS 1" in output and "Left out:" in output and "notes.txt" in output
     assert sorted(path.name for path in out.iterdir()) == ["left.png", "right.png"]
     for path in out.iterdir():

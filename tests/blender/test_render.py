@@ -12,6 +12,8 @@ from PIL import Image
 
 pytest.importorskip("distributed")
 
+pytestmark = pytest.mark.slow
+
 MAKE = """
 import bpy, sys
 from leaflight import blender
@@ -38,7 +40,7 @@ def animated(blender, tmp_path_factory):
     values = leaflight.bump_box(16).values.transpose()
     nibabel.save(nibabel.Nifti1Image(values, np.eye(4)), folder / "box.nii")
     blend = folder / "box.blend"
-    blender.run("--python-expr", MAKE, "--", folder / "box.nii", blend, timeout=300)
+    blender.run("--python-expr", MAKE, "--", folder / "box.nii", blend)
     return blend
 
 
@@ -49,7 +51,7 @@ def render(blender, *arguments):
         env={**blender.environment, "PYTHONPATH": package},
         capture_output=True,
         text=True,
-        timeout=600,
+        timeout=blender.hang,
     )
 
 

@@ -14,6 +14,9 @@ from leaflight.measure.volume_recipes import COLIN27
 
 SCRIPT = Path(__file__).resolve().parent / "window" / "drag_isovalue.py"
 
+# How many pictures there are in a drag is a matter of the machine, too.
+pytestmark = [pytest.mark.slow, pytest.mark.machine]
+
 
 @pytest.fixture(scope="module")
 def volume(tmp_path_factory):
@@ -29,7 +32,7 @@ def volume(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def drags(blender, volume):
-    found = blender.in_window(SCRIPT, *volume, timeout=600)
+    found = blender.in_window(SCRIPT, *volume)
     assert "baking" in found, found
     print(json.dumps(found))
     return found

@@ -8,36 +8,47 @@ import pytest
 SCRIPT = Path(__file__).resolve().parent / "window" / "compare_and_export.py"
 
 
+pytestmark = pytest.mark.slow
+
+
 @pytest.fixture(scope="module")
 def found(blender, tmp_path_factory):
-    return blender.in_window(SCRIPT, tmp_path_factory.mktemp("window"), timeout=600)
+    return blender.in_window(SCRIPT, tmp_path_factory.mktemp("window"))
 
 
+@pytest.mark.machine
 def test_the_window_stays_free_while_it_compares(found):
     """The isovalue is moved all the while; a render alone takes seconds."""
     compare = found["compare"]
     assert compare["seconds"] > 2.0 and compare["gap"] < 0.3 * compare["seconds"]
     # On a machine with other work, too.
     assert compare["begun"] < 5.0 and compare["gap"] < 5.0
+
+
+def test_it_compares_what_was_shown_when_it_began(found):
+    compare = found["compare"]
     said = " ".join(compare["told"])
     assert "Baked" in said and "Cycles" in said and "%" in said
     assert compare["sentence"].startswith("Isovalue ")
-    # Of the isovalue when it began.
     assert len(compare["files"]) == 11
     assert all(name.startswith("bumps_47_") for name in compare["files"])
 
 
 def test_escape_ends_it(found):
-    assert found["cancel"]["seconds"] < 5.0
     assert found["cancel"]["files"] == 0 and found["cancel"]["sentence"] == ""
 
 
 def test_escape_ends_an_import(found):
     cancelled = found["import"]
-    # On a machine with other work, too.
-    assert cancelled["seconds"] < 10.0
     assert cancelled["read"] < 1.0 and not cancelled["left"]
     assert "%" in cancelled["told"] and "Reading" in cancelled["told"]
+
+
+@pytest.mark.machine
+def test_escape_ends_either_soon(found):
+    assert found["cancel"]["seconds"] < 5.0
+    # On a machine with other work, too.
+    assert found["import"]["seconds"] < 10.0
 
 
 def test_the_file_browser_exports(found):

@@ -10,10 +10,12 @@ import pytest
 
 SCRIPT = Path(__file__).resolve().parent / "window" / "duplicate.py"
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def found(blender, ball):
-    return blender.in_window(SCRIPT, ball, timeout=300)
+    return blender.in_window(SCRIPT, ball)
 
 
 def test_the_duplicate_has_an_isosurface_of_its_own(found):

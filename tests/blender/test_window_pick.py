@@ -10,10 +10,12 @@ import pytest
 
 SCRIPT = Path(__file__).resolve().parent / "window" / "pick_isovalue.py"
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def picked(blender, ball):
-    return blender.in_window(SCRIPT, ball, timeout=300)
+    return blender.in_window(SCRIPT, ball)
 
 
 def test_a_drag_moves_the_isovalue_and_enter_keeps_it(picked):

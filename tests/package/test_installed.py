@@ -8,6 +8,9 @@ import pytest
 
 HERE = Path(__file__).resolve().parent
 
+# Environments of their own, with what pip fetches.
+pytestmark = pytest.mark.slow
+
 
 def test_it_bakes_what_the_build_tree_bakes(run, plain_environment, installed, root, tmp_path):
     scene = root / "scenes" / "bump_box.json"
@@ -33,12 +36,11 @@ def test_the_command(run, plain_environment, installed):
     assert shown.startswith("bump_box: 20 x 20 x 20 voxels")
 
 
-@pytest.mark.whole
 def test_the_sdist_builds(run, plain_environment, made, tmp_path):
     """In an environment of its own, with what pip fetches by itself."""
     run("/usr/bin/python3", "-m", "venv", tmp_path / "venv")
     python = tmp_path / "venv" / "bin" / "python"
-    run(python, "-m", "pip", "install", "--quiet", made["sdist"], timeout=1500)
+    run(python, "-m", "pip", "install", "--quiet", made["sdist"], timeout=None)
     program = tmp_path / "venv" / "bin" / "leaflight"
     shown = run(program, "info", "bump_box", "--dims", "20", env=plain_environment())
     assert shown.startswith("bump_box: 20 x 20 x 20 voxels")

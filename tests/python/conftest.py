@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the tests share: small volumes, one small bake, and two ways to call the command line."""
 
+import math
 import signal
 import subprocess
 import sys
@@ -10,12 +11,22 @@ from pathlib import Path
 import leaflight
 import numpy as np
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
+from leaflight.cli import progress
+from leaflight.cluster.workers import Workers
+from leaflight.io import apart
 from leaflight.volume.particles import lapr
 from leaflight_command import main
+from waiting import HANG
 
 # The same examples in every run, however slow the machine: a failure is about the change at hand.
-settings.register_profile("repeatable", derandomize=True, deadline=None, max_examples=60)
+settings.register_profile(
+    "repeatable",
+    derandomize=True,
+    deadline=None,
+    max_examples=60,
+    suppress_health_check=[HealthCheck.too_slow],
+)
 settings.load_profile("repeatable")
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -25,8 +36,10 @@ SHIPPED = sorted(
 )
 COLIN27 = Path("/usr/share/mricron/templates/ch2.nii.gz")
 
-# Small enough for every test to bake anew where it must: well below a second.
-SMALL = {"samples": 4, "photons": 20_000, "isovalues": (30.0, 70.0)}
+# Bakes of well below a second, of 20^3 nodes and fewer: in rounds, as by default, and with a fixed
+# amount of work.
+SMALL = {"error": 5.0, "isovalues": (30.0, 70.0)}
+FIXED = {"samples": 4, "photons": 20_000, "isovalues": (30.0, 70.0)}
 
 
 @dataclass
@@ -34,6 +47,17 @@ class Outcome:
     status: int
     out: str
     err: str
+
+
+@pytest.fixture(scope="session", autouse=True)
+def unhurried():
+    """However slow the machine, the package neither gives up nor shows how far it is."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(progress, "PATIENCE_SECONDS", math.inf)
+        patch.setattr(apart, "WAIT", HANG)
+        # The last is patience_seconds.
+        patch.setattr(Workers.__init__, "__defaults__", (None, None, HANG))
+        yield
 
 
 @pytest.fixture(scope="session")
@@ -50,7 +74,12 @@ def colin27():
 
 @pytest.fixture
 def small():
-    return dict(SMALL)
+    return {**SMALL, "resolution": 20}
+
+
+@pytest.fixture
+def fixed_work():
+    return dict(FIXED)
 
 
 @pytest.fixture(scope="session")
@@ -60,8 +89,8 @@ def bump_scene():
 
 @pytest.fixture(scope="session")
 def box_bake(bump_scene):
-    """The bump box with 20^3 nodes in its scene."""
-    return leaflight.bake(leaflight.bump_box(20), bump_scene, **SMALL)
+    """The bump box with 20^3 nodes and as many texels in its scene."""
+    return leaflight.bake(leaflight.bump_box(20), bump_scene, resolution=20, **SMALL)
 
 
 @pytest.fixture(scope="session")
@@ -125,7 +154,7 @@ def script():
             [program, *map(str, arguments)],
             capture_output=True,
             text=True,
-            timeout=120,
+            timeout=HANG,
             cwd=cwd,
         )
         return Outcome(done.returncode, done.stdout, done.stderr)

@@ -36,6 +36,8 @@ from leaflight.report.cycles_section import bake_rows, cycles_rows, cycles_text
 from leaflight.report.report import report_cycles
 from leaflight.volume.volume import bump_box
 
+pytestmark = pytest.mark.slow
+
 BOX = Case("box", generated(bump_box, 8), (20.0, 47.0), "bump_box.json")
 TINY = CyclesEffort((BOX, Case("tooth", tooth, (500.5,))), points=150, paths=256, noise=np.inf)
 BY_CYCLES = LeafSide.by_cycles

@@ -1,14 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lists of bakes: each by one worker, resumed where they stopped."""
 
+import os
 import signal
 import subprocess
-import time
+import sys
+from pathlib import Path
 
+import leaflight
 import nibabel
 import numpy as np
 import pytest
 from leaflight import load_bake
+from waiting import HANG, started, wait_for
 
 pytest.importorskip("distributed")
 
@@ -29,6 +33,7 @@ def listed(tmp_path, *lines):
     return path
 
 
+@pytest.mark.slow
 def test_frames_volumes_and_settings(cli, scan, tmp_path):
     lines = [f"{scan} --frame {t} --error 5 --out '{tmp_path}/frame {t}.vdb'" for t in range(2)]
     lines.append(f"bump_box --dims 10 --error 5 --out {tmp_path}/box.vdb  # generated")
@@ -53,27 +58,37 @@ def test_frames_volumes_and_settings(cli, scan, tmp_path):
     assert (tmp_path / "box.vdb").stat().st_size > len(whole) - 100
 
 
-def test_a_batch_that_was_interrupted_goes_on(root, cli, tmp_path):
-    """The long bake goes on from its checkpoint, and the short one stays as it is."""
+# The program, which waits for its workers however slow the machine.
+PROGRAM = f"""
+import sys
+from leaflight.cluster.workers import Workers
+from leaflight_command import main
+Workers.__init__.__defaults__ = (None, None, {HANG})
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+@pytest.mark.slow
+def test_a_batch_that_was_interrupted_goes_on(cli, tmp_path):
+    """What was baked stays as it is, and the rest is baked."""
     lines = [f"bump_box --dims 10 --error 5 --out {tmp_path}/short.vdb"]
-    lines.append(f"bump_box --dims 60 --error 0.4 --out {tmp_path}/long.vdb")
-    path = listed(tmp_path, *lines)
-    program = subprocess.Popen(
-        [root / "scripts" / "leaflight", "batch", path, "--workers", "2"],
+    # Of days.
+    long = f"bump_box --dims 60 --samples 1000000 --out {tmp_path}/long.vdb"
+    path = listed(tmp_path, *lines, long)
+    with started(
+        [sys.executable, "-c", PROGRAM, "batch", path, "--workers", "2"],
+        env={**os.environ, "PYTHONPATH": str(Path(leaflight.__file__).parents[1])},
         stderr=subprocess.PIPE,
         text=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-    )
-    end = time.monotonic() + 60
-    while not (tmp_path / "short.vdb").exists():
-        assert program.poll() is None and time.monotonic() < end
-        time.sleep(0.05)
-    written = (tmp_path / "short.vdb").stat().st_mtime_ns
-    program.send_signal(signal.SIGINT)
-    _, err = program.communicate(timeout=60)
+    ) as program:
+        assert wait_for((tmp_path / "short.vdb").exists, lambda: program.poll() is None)
+        written = (tmp_path / "short.vdb").stat().st_mtime_ns
+        program.send_signal(signal.SIGINT)
+        _, err = program.communicate(timeout=HANG)
     assert program.returncode == 130 and "goes on where it stopped" in err
     assert not (tmp_path / "long.vdb").exists()
-    path = listed(tmp_path, lines[0], lines[1].replace("0.4", "3"))
+    path = listed(tmp_path, *lines, f"bump_box --dims 10 --error 3 --out {tmp_path}/long.vdb")
     assert "1 baked, 1 were there already" in cli("batch", path).out
     assert (tmp_path / "short.vdb").stat().st_mtime_ns == written
 

@@ -2,10 +2,9 @@
 """A bake that was interrupted, wherever that was, ends with the bits that it would have had."""
 
 import os
-import signal
 import subprocess
 import sys
-import threading
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,6 +13,7 @@ import numpy as np
 import pytest
 from leaflight import Cancelled, Checkpoint, LeaflightError, Progress, load_bake
 from leaflight.bake.checkpoint import checkpoint_for, read_recipe
+from waiting import started, wait_for
 
 ERROR = 4.0
 LAYERS = ("radiance", "radiance_indirect", "radiance_error")
@@ -32,47 +32,50 @@ def assert_same(one, other):
         np.testing.assert_array_equal(mine, theirs)
 
 
-def interrupted(arguments, checkpoint, states):
-    """Bakes until so many states were left, or to the end; then the memory of it is gone."""
-    progress, seen = Progress(), []
+class Canceller:
+    """In place of Workers: brings no block, so that the bake sweeps all, and cancels one."""
 
-    def watch():
-        while len(seen) < states and not done.is_set():
-            try:
-                now = os.stat(checkpoint.path).st_mtime_ns
-            except OSError:
-                continue
-            if now not in seen:
-                seen.append(now)
-        progress.cancel()
+    def __init__(self, progress, blocks):
+        self.progress, self.blocks = progress, blocks
 
-    done = threading.Event()
-    watcher = threading.Thread(target=watch)
-    watcher.start()
-    try:
-        leaflight.bake(**arguments, checkpoint=checkpoint, progress=progress)
-    except Cancelled:
+    def sweeping(self, *_):
+        return nullcontext(self)
+
+    def begin(self, *_):
         pass
-    finally:
-        done.set()
-        watcher.join()
+
+    def take(self, light, number):
+        if self.blocks == 0:
+            self.progress.cancel()
+        self.blocks -= 1
+        return b""
+
+
+def interrupted(arguments, checkpoint, blocks):
+    """Bakes so many blocks that workers could bring, and a part of one; then all is forgotten."""
+    progress = Progress()
+    workers = Canceller(progress, blocks)
+    with pytest.raises(Cancelled):
+        leaflight.bake(**arguments, checkpoint=checkpoint, progress=progress, workers=workers)
 
 
 @pytest.mark.parametrize(
-    "options, counts", [({"resolution": 12}, (1, 4)), ({"both_sides": True}, (3,))], ids=str
+    "options, counts",
+    [({"resolution": 12}, ((0, 1), (2, 9))), ({"both_sides": True}, ((1, 3),))],
+    ids=str,
 )
 def test_the_same_bits(tmp_path, bump_scene, options, counts):
     arguments = {"volumes": leaflight.bump_box(10), "scene": bump_scene, "isovalues": (30.0, 70.0)}
     arguments.update(options, error=ERROR)
     whole = leaflight.bake(**arguments)
     assert whole.statistics["rounds"] > 1
-    for states in counts:
-        checkpoint = Checkpoint(tmp_path / f"{states}.checkpoint", {"of": states}, seconds=0.0)
-        interrupted(arguments, checkpoint, states)
+    for first, second in counts:
+        checkpoint = Checkpoint(tmp_path / f"{first}.checkpoint", {"of": first}, seconds=0.0)
+        interrupted(arguments, checkpoint, first)
         # Twice, and with another number of threads.
         again = replace(checkpoint, resume=True)
-        interrupted(arguments, again, states + 2)
-        assert read_recipe(again.path) == {"of": states}
+        interrupted(arguments, again, second)
+        assert read_recipe(again.path) == {"of": first}
         assert_same(leaflight.bake(**arguments, checkpoint=again, threads=1), whole)
 
 
@@ -118,19 +121,18 @@ def test_a_checkpoint_that_cannot_be_written_does_not_end_the_bake(tmp_path, bum
 
 def test_killed_and_resumed_by_the_command_line(tmp_path, cli):
     out, other = tmp_path / "x.vdb", tmp_path / "whole.vdb"
-    # A relative path, and a checkpoint after each block instead of each half minute.
-    script = "import sys; from leaflight.bake import checkpoint as c; c.SECONDS = 0.0\n"
+    # A relative path, and a checkpoint after each block instead of each half minute. It is never
+    # too late to kill it.
+    script = "import sys, threading; from leaflight.bake import checkpoint as c; c.SECONDS = 0.0\n"
+    script += "from leaflight import Bake; Bake.save = lambda *_: threading.Event().wait()\n"
     script += "from leaflight_command import main; sys.exit(main(sys.argv[1:]))"
     np.save(tmp_path / "box.npy", leaflight.bump_box(16).values)
     bake = ["bake", "box.npy", "--isovalues", "30", "70", "--error", "0.7", "--out"]
     run = [sys.executable, "-c", script, *bake, "x.vdb"]
     environment = {**os.environ, "PYTHONPATH": str(Path(leaflight.__file__).parents[1])}
-    process = subprocess.Popen(run, cwd=tmp_path, env=environment, stderr=subprocess.DEVNULL)
-    while process.poll() is None and not checkpoint_for(out).exists():
-        pass
-    process.send_signal(signal.SIGKILL)
-    process.wait()
-    assert checkpoint_for(out).exists() and not out.exists(), "it was killed too late"
+    with started(run, cwd=tmp_path, env=environment, stderr=subprocess.DEVNULL) as process:
+        assert wait_for(checkpoint_for(out).exists, lambda: process.poll() is None)
+    assert checkpoint_for(out).exists() and not out.exists()
     outcome = cli("bake", "--resume", out, "--seed", "3")
     assert outcome.status == 2 and "leave out --seed" in outcome.err
     assert cli("bake", "--resume", out).status == 0

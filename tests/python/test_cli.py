@@ -2,15 +2,17 @@
 """The command line as scripts use it: JSON on the last line, exit statuses, Ctrl-C."""
 
 import json
+import os
+import select
 import signal
 import subprocess
-import time
 
 import meshio
 import numpy as np
 import pytest
 from leaflight import _core
 from PIL import Image
+from waiting import HANG, started
 
 FLAT = ["--out", "OUT/x.exr", "--samples", "1", "--photons", "1000"]
 BAKE = ["--isovalues", "30", "70", "--samples", "4", "--photons", "20000"]
@@ -49,7 +51,7 @@ def test_pipeline(script, root, tmp_path):
 
     surface = last_json(script("surface", bake, "--isovalue", "47", "--out", mesh, "--json"))
     assert surface["triangles"] == len(meshio.read(mesh).cells_dict["triangle"])
-    assert 0 < surface["seconds"] < 5
+    assert 0 < surface["seconds"]
 
     comparison = last_json(
         script("compare", bake, "--isovalue", 47, "--points", 50, "--spp", 16, "--json")
@@ -58,6 +60,13 @@ def test_pipeline(script, root, tmp_path):
         assert comparison[key] > 0
     assert comparison["bake_seconds"] == pytest.approx(baked["seconds"])
     assert sorted(p.name for p in tmp_path.iterdir()) == ["box.ply", "box.vdb"]
+
+
+@pytest.mark.machine
+def test_a_surface_is_soon_there(script, box_file, tmp_path):
+    mesh = tmp_path / "box.ply"
+    surface = last_json(script("surface", box_file, "--isovalue", "47", "--out", mesh, "--json"))
+    assert 0 < surface["seconds"] < 5
 
 
 def test_pipeline_of_several_volumes(cli, root, tmp_path):
@@ -202,22 +211,39 @@ def test_output_never_replaces_the_input(cli, box_file):
     assert box_file.read_bytes() == before
 
 
+def said_on(terminal, until=None):
+    """What a program writes on a terminal, up to some words or to its end."""
+    said, part = b"", None
+    while part != b"" and (until is None or until not in said):
+        assert select.select([terminal], [], [], HANG)[0], "it hangs"
+        try:
+            part = os.read(terminal, 4096)
+        except OSError:
+            part = b""  # Linux's end of a terminal.
+        said += part
+    return said
+
+
 def test_ctrl_c_leaves_no_file(root, tmp_path):
     command = [root / "scripts" / "leaflight", "bake", "bump_box", "--out", tmp_path / "x.vdb"]
-    process = subprocess.Popen(
-        [*command, "--samples", "100000"],
+    terminal, of_program = os.openpty()
+    with started(
+        # Of days.
+        [*command, "--samples", "1000000"],
         stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
+        stderr=of_program,
         text=True,
         # A shell ignores SIGINT for jobs in the background, and children inherit that.
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-    )
-    time.sleep(3)
-    assert process.poll() is None
-    process.send_signal(signal.SIGINT)
-    out, err = process.communicate(timeout=20)
+    ) as process:
+        os.close(of_program)
+        assert b"bake [" in said_on(terminal, until=b"bake [")
+        process.send_signal(signal.SIGINT)
+        err = said_on(terminal)
+        out, _ = process.communicate(timeout=HANG)
+    os.close(terminal)
     assert process.returncode == 130
-    assert out == "" and "cancelled" in err and "Traceback" not in err
+    assert out == "" and b"cancelled" in err and b"Traceback" not in err
     assert list(tmp_path.iterdir()) == []
 
 
@@ -232,9 +258,9 @@ def test_bake_goes_on_until_its_error(cli, tmp_path):
     assert f"estimated error {error:.2f} %" in outcome.out
     assert f" after {rounds} round" in outcome.out
     assert "4 % was asked for" in outcome.out
-    outcome = cli(*arguments, "--error", "0.001", "--time", "0.25")
+    outcome = cli(*arguments, "--error", "0.001", "--time", "1e-9")
     assert outcome.status == 0
-    assert "the 0.001 % asked for was not reached: the 0.25 s are over" in outcome.out
+    assert "the 0.001 % asked for was not reached: the 1e-09 s are over" in outcome.out
 
 
 def test_estimate_writes_nothing(cli, tmp_path, monkeypatch):
@@ -246,7 +272,9 @@ def test_estimate_writes_nothing(cli, tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_settings_of_research_stand_under_a_heading_of_their_own(cli, capsys):
+def test_settings_of_research_stand_under_a_heading_of_their_own(cli, capsys, monkeypatch):
+    # Lines are as long as the terminal is wide.
+    monkeypatch.setenv("COLUMNS", "80")
     with pytest.raises(SystemExit):
         cli("bake", "--help")
     everyday, research = capsys.readouterr().out.split("settings of research", 1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whatever bytes of a file change, its reader gives a volume or one sentence, nothing else."""
+"""Small files of each format, which test_fuzz.py damages, and damage that fuzzing found."""
 
 import base64
 import gzip
@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 import tifffile
 from leaflight import LeaflightError, read_volume
-from leaflight.io.readers import probe
 
 VALUES = np.random.default_rng(8).integers(0, 255, (6, 7, 8)).astype(np.uint8)
 
@@ -113,36 +112,18 @@ FORMATS = {
     "plain.tif": tiff(),
     "deflated.tif": tiff(compression="zlib"),
     "imagej.tif": tiff(imagej=True, metadata={"axes": "ZYX"}),
-    "x.ome.tif": tiff(ome=True, metadata={"axes": "ZYX", "PhysicalSizeX": 2.0}),
+    # Without an identifier tifffile draws one.
+    "x.ome.tif": tiff(
+        ome=True, metadata={"axes": "ZYX", "PhysicalSizeX": 2.0, "UUID": "urn:uuid:0"}
+    ),
 }
 
 
 @pytest.mark.parametrize("name", FORMATS)
-def test_changed_and_cut_bytes(tmp_path, capfd, name):
+def test_the_files_that_are_damaged_are_whole(tmp_path, name):
     path = tmp_path / name
-    good = FORMATS[name](path)
-    path.write_bytes(good)
+    path.write_bytes(FORMATS[name](path))
     np.testing.assert_array_equal(read_volume(path).values, VALUES)
-    rng = np.random.default_rng(9)
-    refused = 0
-    for attempt in range(150):
-        bad = bytearray(good)
-        for place in rng.integers(0, len(bad), rng.integers(1, 5)):
-            bad[place] = rng.choice([0, 1, 127, 128, 255])
-        # Most damage is done to headers, and these come first.
-        for place in rng.integers(0, min(len(bad), 400), 2):
-            bad[place] = rng.choice([0, 1, 127, 128, 255])
-        if attempt % 10 == 0:
-            bad = bad[: rng.integers(0, len(bad))]
-        path.write_bytes(bad)
-        try:
-            probe(path)
-            read_volume(path)
-        except LeaflightError as error:
-            refused += 1
-            assert path.name in str(error) and "\n" not in str(error) and len(str(error)) < 500
-    assert refused > 10
-    assert capfd.readouterr() == ("", "")
 
 
 @pytest.mark.parametrize("back_to", [0, 2])

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import leaflight
 import pytest
+from waiting import HANG
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -21,7 +22,7 @@ def sphinx(source, site):
         env={**os.environ, "PYTHONPATH": str(ROOT / "build/release/python")},
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=HANG,
     )
 
 
@@ -33,10 +34,11 @@ def build_tree():
         pytest.skip("python3-sphinx and python3-myst-parser are not installed")
 
 
+@pytest.mark.slow
 def test_the_site_is_built_without_a_warning(build_tree, tmp_path):
     site = tmp_path / "site"
     done = subprocess.run(
-        [ROOT / "scripts" / "docs", site], capture_output=True, text=True, timeout=300
+        [ROOT / "scripts" / "docs", site], capture_output=True, text=True, timeout=HANG
     )
     assert done.returncode == 0 and not done.stderr, done.stderr
     pages = {path.stem for path in (ROOT / "docs").glob("*.md")}
@@ -48,6 +50,7 @@ def test_the_site_is_built_without_a_warning(build_tree, tmp_path):
     assert "percent, of what compare() calls rms_percent" in api
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "link, words",
     [("[x](nowhere.md)", "nowhere.md"), ("[x](guide.md#no-such-heading)", "no-such-heading")],

@@ -21,6 +21,7 @@ def volumes(bump_scene):
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name, estimator",
     [

@@ -9,25 +9,45 @@ from pathlib import Path
 
 import leaflight
 import pytest
+from waiting import HANG
 
 FUZZ = Path(__file__).resolve().parents[1] / "fuzz"
 sys.path.append(str(FUZZ))
 
 from targets import TARGETS, missing_library  # noqa: E402
 
+ALL = pytest.mark.parametrize("target", TARGETS, ids=lambda target: target.name)
+UNLIMITED = """
+import math, sys
+import worker
+from leaflight.cli import progress
+worker.MOST_SECONDS, worker.MOST_MEMORY, progress.PATIENCE_SECONDS = 0, math.inf, math.inf
+worker.main(*sys.argv[1:])
+"""
 
-@pytest.mark.parametrize("target", TARGETS, ids=lambda target: target.name)
+
+@ALL
 def test_damaged(tmp_path, target):
+    try_files(tmp_path, target, 6 if target.slow else 60, "-c", UNLIMITED)
+
+
+@pytest.mark.machine
+@ALL
+def test_damaged_takes_little_time_and_memory(tmp_path, target):
+    try_files(tmp_path, target, 6 if target.slow else 150, FUZZ / "worker.py")
+
+
+def try_files(folder, target, count, *worker):
     why = missing_library(target)
     if why:
         pytest.skip(why)
     package = Path(leaflight.__file__).parents[1]
-    count = 6 if target.slow else 150
     done = subprocess.run(
-        [sys.executable, FUZZ / "worker.py", target.name, tmp_path, "1", "600", str(count)],
+        [sys.executable, *worker, target.name, folder, "1", "inf", str(count)],
         env={**os.environ, "PYTHONPATH": f"{package}:{FUZZ}"},
         capture_output=True,
         text=True,
+        timeout=HANG,
     )
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout.splitlines()[-1])

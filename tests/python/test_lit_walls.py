@@ -3,9 +3,11 @@
 
 import leaflight
 import numpy as np
+import pytest
 from leaflight.io.scene_file import packaged_scene
 
 
+@pytest.mark.slow
 def test_corners_are_smooth():
     """Half of the rays from there meet a wall next to them, and must not all show its one patch."""
     box = leaflight.bump_box(24)

@@ -7,6 +7,7 @@ import sys
 
 import numpy as np
 import pytest
+from waiting import HANG
 
 ESTIMATORS = ("gather", "volumetric", "path", "thesis")
 EPSILON = np.finfo(np.float32).eps
@@ -41,7 +42,7 @@ def bakes(root, preset, folder):
     subprocess.run(
         [sys.executable, "-c", BAKES, root / "scenes" / "bump_box.json", path, *ESTIMATORS],
         check=True,
-        timeout=300,
+        timeout=HANG,
         env=os.environ | {"PYTHONPATH": str(package)},
     )
     return np.load(path)

@@ -17,7 +17,8 @@ def write_slice(path, pixels, place, series=SERIES, **tags):
     """A CT slice at the place z along the patient; its values are 2 pixels - 1000."""
     meta = FileMetaDataset()
     meta.MediaStorageSOPClassUID = CTImageStorage
-    meta.MediaStorageSOPInstanceUID = generate_uid()
+    # The same bytes in every run.
+    meta.MediaStorageSOPInstanceUID = generate_uid(entropy_srcs=[path.name])
     meta.TransferSyntaxUID = ExplicitVRLittleEndian
     data = FileDataset(str(path), {}, file_meta=meta, preamble=b"\0" * 128)
     data.is_little_endian, data.is_implicit_VR = True, False

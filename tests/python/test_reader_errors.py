@@ -11,6 +11,7 @@ import nibabel
 import numpy as np
 import pytest
 import tifffile
+from leaflight.io.readers import reading
 
 RNG = np.random.default_rng(1)
 NOISE = RNG.integers(0, 255, (24, 20, 16)).astype(np.uint8)
@@ -313,7 +314,9 @@ def test_options_of_the_command_line_reach_the_reader(tmp_path, cli):
     assert "(--channel)." in cli("info", path, "--dataset", "h", "--channel", "1").err
 
 
-def test_what_cannot_fit_is_refused_before_it_is_allocated(tmp_path, cli):
+def test_what_cannot_fit_is_refused_before_it_is_allocated(tmp_path, cli, monkeypatch):
+    # However much there is.
+    monkeypatch.setattr(reading, "machine_memory", lambda: 2**34)
     path = tmp_path / "x.raw"
     with open(path, "wb") as file:
         # A file of holes.

@@ -14,6 +14,8 @@ from leaflight.report.pictures import side_by_side, slice_picture, surface_pictu
 from leaflight.report.report import COLUMNS, report_tables
 from PIL import Image
 
+pytestmark = pytest.mark.slow
+
 TINY = Effort(
     photons=20_000,
     flat_texels=40,

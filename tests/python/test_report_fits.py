@@ -43,6 +43,7 @@ def test_floor_without_noise():
     assert samples_for(1.49, fit) == np.inf and samples_for(0.1, fit) == np.inf
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_truth_as_often_as_they_say():
     """Errors off by 5 % at random: 95 % of the intervals hold slope, floor and noise."""
     rng = np.random.default_rng(0)

@@ -29,6 +29,8 @@ from leaflight.report.report import QUICK_REPORT, ReportEffort, report
 from leaflight.report.sections import analysed, slope_rows
 from PIL import Image
 
+pytestmark = pytest.mark.slow
+
 TINY_CURVES = CurveEffort(
     texels=16,
     rays=(1, 2, 4, 8),
@@ -297,6 +299,7 @@ def test_without_matplotlib(tmp_path, monkeypatch):
         report(tmp_path, TINY, quietly)
 
 
+@pytest.mark.machine
 @pytest.mark.skipif(
     not os.access("/proc/self/clear_refs", os.W_OK), reason="peaks last as long as the process"
 )

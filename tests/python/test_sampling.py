@@ -14,9 +14,9 @@ STRATEGIES = ("uniform", "stratified", "importance", "level_set", "letters", "sl
 
 
 @pytest.fixture
-def bake_box(bump_scene, small):
+def bake_box(bump_scene, fixed_work):
     def bake(**arguments):
-        return leaflight.bake(leaflight.bump_box(16), bump_scene, **{**small, **arguments})
+        return leaflight.bake(leaflight.bump_box(16), bump_scene, **{**fixed_work, **arguments})
 
     return bake
 
@@ -54,6 +54,7 @@ def test_photon_map_settings_matter(bake_box):
         assert not any(np.array_equal(result, other) for other in results[:i])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("strategy", STRATEGIES)
 def test_scattered_samples(bake_box, bake_flat, strategy):
     for bake in (bake_box, bake_flat):

@@ -21,6 +21,7 @@ def _between_vertices(bake, surface, isovalue, volume=0, back=False, step=1):
     return surface.radiance[triangles].mean(axis=1), truth
 
 
+@pytest.mark.slow
 def test_a_settled_surface_is_the_baked_one_in_better_light(box_bake):
     baked = box_bake.surface(47.0)
     settled = box_bake.surface(47.0, settle=True)
@@ -39,6 +40,7 @@ def test_a_settled_surface_is_the_baked_one_in_better_light(box_bake):
     assert abs(error(settled)[1] - 1) < 0.03
 
 
+@pytest.mark.slow
 def test_settling_does_not_depend_on_threads(box_bake):
     one = box_bake.surface(47.0, settle=True, threads=1)
     two = box_bake.surface(47.0, settle=True, threads=2)
@@ -63,8 +65,10 @@ def test_rounds_improve_what_there_is(box_bake):
     assert settling.rays == rays[-1]
 
 
+@pytest.mark.slow
 def test_seconds_end_it_early(box_bake):
-    early = box_bake.surface(47.0, settle=1e-6)
+    # Over before the first round is.
+    early = box_bake.surface(47.0, settle=1e-9)
     whole = box_bake.surface(47.0, settle=True)
     assert early.radiance.shape == whole.radiance.shape
     assert not np.array_equal(early.radiance, whole.radiance)
@@ -79,6 +83,7 @@ def test_a_cancelled_surface(box_bake):
         box_bake.surface(47.0, settle=True, progress=progress)
 
 
+@pytest.mark.slow
 def test_the_inner_side_settles_without_having_been_baked(root):
     scene = leaflight.load_scene(root / "scenes" / "both_sides.json")
     bake = leaflight.bake(
@@ -92,6 +97,7 @@ def test_the_inner_side_settles_without_having_been_baked(root):
     assert abs(shown.mean() / truth.mean() - 1) < 0.05
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("volume", [0, 1])
 @pytest.mark.parametrize("back", [False, True])
 def test_several_volumes_settle_each_by_itself(lapr_bake, volume, back):
@@ -101,6 +107,7 @@ def test_several_volumes_settle_each_by_itself(lapr_bake, volume, back):
     assert abs(shown.mean() / truth.mean() - 1) < (0.15 if back else 0.05)
 
 
+@pytest.mark.slow
 def test_compare_measures_what_is_shown(box_bake):
     baked = leaflight.compare(box_bake, 47.0, points=1500, spp=128)
     settled = leaflight.compare(box_bake, 47.0, points=1500, spp=128, settle=True)
@@ -117,6 +124,7 @@ def _last_json(outcome):
     return json.loads(outcome.out.splitlines()[-1])
 
 
+@pytest.mark.slow
 def test_command_line(box_file, cli, tmp_path):
     arguments = [box_file, "--isovalue", 47, "--out", tmp_path / "x.ply", "--json"]
     baked = _last_json(cli("surface", *arguments))

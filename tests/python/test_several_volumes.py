@@ -45,6 +45,7 @@ def test_volumes_shade_each_other(lapr_scene):
     assert both.radiance(below).mean() < 0.9 * single.radiance(below).mean()
 
 
+@pytest.mark.slow
 def test_near_leaves_do_not_look_each_other_up():
     """Between the balls of glowing nucleons, texels hold the light of leaves that face away.
 

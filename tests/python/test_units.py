@@ -19,6 +19,7 @@ def lit(volume, unit, work):
     return bake, bake.surface(47.0 * unit)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("work", WORK)
 def test_powers_of_two_change_no_bit(work):
     box = leaflight.bump_box(14)

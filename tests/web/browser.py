@@ -4,7 +4,10 @@
 import base64
 import io
 import json
+import os
+import shutil
 import subprocess
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +15,14 @@ from PIL import Image
 
 ROOT = Path(__file__).resolve().parents[2]
 SESSION = ROOT / "web" / "tests" / "session.mjs"
+# That of scripts/setup, in build/venv, where the system has none.
+PATHS = f"{os.environ['PATH']}:{ROOT / 'build' / 'venv' / 'bin'}"
+
+# Seconds after which a call hangs, whatever the machine.
+HANG = 1800
+
+# Of a page that was asked for it: it has drawn what changed before.
+FRAMES = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
 
 class Browser:
@@ -22,14 +33,22 @@ class Browser:
 
     def __init__(self, *options):
         self._session = subprocess.Popen(
-            ["node", SESSION], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+            [shutil.which("node", path=PATHS), SESSION],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
         )
         self.version = self.start(*options)
 
     def __getattr__(self, call):
         def ask(*given):
             print(json.dumps({"call": call, "with": given}), file=self._session.stdin, flush=True)
-            answer = json.loads(self._session.stdout.readline() or '{"error": "the session ended"}')
+            watch = threading.Timer(HANG, self._session.terminate)
+            watch.daemon = True
+            watch.start()
+            line = self._session.stdout.readline()
+            watch.cancel()
+            answer = json.loads(line or '{"error": "the session ended"}')
             assert "error" not in answer, f"{call}: {answer['error']}"
             return answer["result"]
 
@@ -49,11 +68,8 @@ class Browser:
     def hide_panel(self, is_hidden):
         """And waits until the view has taken its new size."""
         hidden = str(is_hidden).lower()
-        self.evaluate(
-            f"document.querySelector('#panel').hidden = {hidden};"
-            "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
-        )
+        self.evaluate(f"document.querySelector('#panel').hidden = {hidden}; {FRAMES}")
 
     def end(self):
         self.close()
-        self._session.wait(60)
+        self._session.wait(HANG)

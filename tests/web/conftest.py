@@ -8,7 +8,7 @@ from pathlib import Path
 import leaflight
 import numpy as np
 import pytest
-from browser import SESSION, Browser
+from browser import PATHS, SESSION, Browser
 from leaflight.volume.particles import lapr
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -18,10 +18,10 @@ WORK = {"samples": 4, "photons": 20_000}
 
 @pytest.fixture(scope="session")
 def browser():
-    if not Path("/usr/bin/chromium").exists() or not shutil.which("node"):
-        pytest.skip("chromium and nodejs are not installed; run scripts/setup")
+    if not Path("/usr/bin/chromium").exists() or not shutil.which("node", path=PATHS):
+        pytest.skip("Chromium or Node is not installed; run scripts/setup --tests")
     if not (SESSION.parents[1] / "node_modules" / "puppeteer-core").is_dir():
-        pytest.skip("the packages of web/ are not installed; run scripts/setup")
+        pytest.skip("the packages of web/ are not installed; run scripts/setup --tests")
     browser = Browser()
     yield browser
     browser.end()

@@ -8,7 +8,7 @@ import threading
 import leaflight
 import numpy as np
 import pytest
-from browser import Browser
+from browser import FRAMES, Browser
 
 SIZE = {"width": 320, "height": 200}
 ISOVALUE = "leaflight.view.look.isovalue"
@@ -33,10 +33,10 @@ def difference_percent(picture, still, exposure):
 
 
 def check_like_still(browser, bake, **options):
-    isovalue = browser.evaluate(ISOVALUE)
-    size = (SIZE["width"], SIZE["height"])
+    isovalue, picture = browser.evaluate(ISOVALUE), browser.picture()
+    size = picture.shape[1::-1]
     still = leaflight.still(bake, isovalue, size=size, samples=1, **options)
-    off, alone = difference_percent(browser.picture(), still, bake.scene.exposure)
+    off, alone = difference_percent(picture, still, bake.scene.exposure)
     assert off <= 1.0 and alone <= 0.1, f"isovalue {isovalue}: {off:.3f} %, alone {alone:.3f} %"
 
 
@@ -44,6 +44,7 @@ def is_local(url):
     return url.startswith(("data:", "blob:"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["box", "brain", "oblong", "two"])
 def test_pictures_are_those_of_the_core(browser, bakes, pages, name):
     bake, url = bakes(name), pages(name).as_uri()
@@ -60,6 +61,7 @@ def test_pictures_are_those_of_the_core(browser, bakes, pages, name):
     assert [request for request in browser.requests() if not is_local(request)] == [url]
 
 
+@pytest.mark.slow
 def test_a_pixel_costs_few_fetches(browser, pages):
     browser.open(pages("brain").as_uri(), {"width": 320, "height": 180})
     for keys in KEYS:
@@ -71,8 +73,10 @@ def test_a_pixel_costs_few_fetches(browser, pages):
         assert 5 < counted["ofPicture"] <= 150 and counted["ofBox"] >= counted["ofPicture"]
 
 
-def test_the_interface(browser, bakes, pages):
+def test_the_page(browser, bakes, pages):
+    """It shows the light of the bake, and its controls work."""
     browser.open(pages("box").as_uri(), {"width": 800, "height": 300})
+    check_like_still(browser, bakes("box"))
     lo, hi = bakes("box").isovalues
     position = "leaflight.view.camera.position.toArray()"
 
@@ -114,18 +118,23 @@ def test_the_interface(browser, bakes, pages):
     gray = (colors[..., 3] == 255) & (np.ptp(colors[..., :3].astype(int), axis=-1) <= 1)
     assert gray.mean() > 0.002
     # It plays, and stops.
-    browser.press([" "], "#view")
     start = browser.evaluate(ISOVALUE)
-    browser.evaluate("new Promise(done => setTimeout(done, 500))")
+    browser.press([" "], "#view")
+    browser.evaluate(
+        f"new Promise(done => {{ const look = () => {ISOVALUE} === {start}"
+        " ? requestAnimationFrame(look) : done(); look(); })"
+    )
     browser.press([" "])
     browser.atRest()
     stopped = browser.evaluate(ISOVALUE)
+    browser.evaluate(FRAMES)
     assert stopped != start and browser.evaluate(ISOVALUE) == stopped
     # It takes the size of its window.
     browser.resize(200, 300)
     assert browser.picture().shape == (300, 200, 4)
 
 
+@pytest.mark.slow
 def test_a_screen_reader_finds_the_controls(browser, pages):
     browser.open(pages("box").as_uri(), {**SIZE, "scheme": "light"})
 
@@ -145,6 +154,7 @@ def test_a_screen_reader_finds_the_controls(browser, pages):
     )
 
 
+@pytest.mark.slow
 def test_a_phone_turns_it_by_touch(browser, bakes, pages):
     browser.open(pages("oblong").as_uri(), {"width": 360, "height": 640, "touch": True})
     before = browser.evaluate("leaflight.view.camera.position.toArray()")
@@ -163,6 +173,7 @@ def test_a_phone_turns_it_by_touch(browser, bakes, pages):
     assert browser.evaluate(ISOVALUE) == pytest.approx(lo + 0.25 * (hi - lo), abs=0.01 * (hi - lo))
 
 
+@pytest.mark.slow
 def test_damaged_files_show_a_sentence(browser, pages, tmp_path):
     text = pages("oblong").read_text()
     body = text.index('id="leaflight-body"')
@@ -181,6 +192,7 @@ def test_damaged_files_show_a_sentence(browser, pages, tmp_path):
         assert "damaged or not whole" in said
 
 
+@pytest.mark.slow
 def test_a_volume_that_no_card_takes_shows_a_sentence(browser, pages, tmp_path):
     text = pages("oblong").read_text()
     large = tmp_path / "large.html"
@@ -190,6 +202,7 @@ def test_a_volume_that_no_card_takes_shows_a_sentence(browser, pages, tmp_path):
     assert "90000 points along one axis" in said and "export it coarser" in said
 
 
+@pytest.mark.slow
 def test_a_folder_on_a_server(browser, bakes, tmp_path):
     path = leaflight.export_page(bakes("oblong"), tmp_path / "oblong.html", embed=True)
     assert path == tmp_path / "oblong" / "index.html"
@@ -208,6 +221,7 @@ def test_a_folder_on_a_server(browser, bakes, tmp_path):
         server.shutdown()
 
 
+@pytest.mark.slow
 def test_a_browser_without_webgl_shows_a_sentence(pages):
     browser = Browser("--disable-3d-apis")
     try:

@@ -15,17 +15,18 @@ const calls = {
     const settings = {
       executablePath: CHROMIUM,
       args: ['--no-sandbox', ...(options.length > 0 ? options : SOFTWARE)],
-      timeout: 120_000,
-      protocolTimeout: 600_000,
+      // No limit of puppeteer's: browser.py ends what hangs.
+      timeout: 0,
+      protocolTimeout: 0,
     };
-    // A first start was seen to hang on a busy machine.
-    browser = await launch(settings).catch(() => launch(settings));
+    browser = await launch(settings);
     return browser.version();
   },
   // A page of its own, which remembers what it asked for and what it complained of.
   async open(url, { width, height, touch = false, scheme = 'dark' }) {
     if (page) await page.close();
     page = await browser.newPage();
+    page.setDefaultTimeout(0);
     requests = [];
     page.on('request', (request) => requests.push(request.url()));
     page.on('pageerror', (error) => requests.push(`error: ${error.message}`));
@@ -34,12 +35,15 @@ const calls = {
     });
     await page.setViewport({ width, height, hasTouch: touch, isMobile: touch });
     await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: scheme }]);
-    await page.goto(url, { timeout: 600_000 });
-    await page.waitForSelector('[data-state=rest], [role=alert]', { timeout: 600_000 });
+    await page.goto(url);
+    await page.waitForSelector('[data-state=rest], [role=alert]');
   },
   requests: () => requests,
-  resize: (width, height) => page.setViewport({ width, height }),
-  atRest: () => page.waitForSelector('[data-state=rest]', { timeout: 600_000 }),
+  async resize(width, height) {
+    await page.setViewport({ width, height });
+    await page.waitForFunction(`innerWidth === ${width} && innerHeight === ${height}`);
+  },
+  atRest: () => page.waitForSelector('[data-state=rest]'),
   evaluate: (script) => page.evaluate(script),
   async press(keys, focus) {
     if (focus) await page.focus(focus);

@@ -14,9 +14,8 @@ from leaflight import _core
 from leaflight.measure import blender_versions
 from leaflight_addon import versions
 from leaflight_addon.compare import figures, process
-from leaflight_addon.operators import background
 from PIL import Image
-from tools import close, error_of
+from tools import close, error_of, start, wait_while
 
 
 def _render_settings():
@@ -106,15 +105,19 @@ def check_in_a_blender_of_its_own(baked, small_frame, tmp_path):
     """What the window does: the job runs in a thread, and this Blender stays as it is."""
     if not process.can_start():
         pytest.skip("Blender as a Python module has no program to start")
-    before, told = _render_settings(), set()
+    before, told = _render_settings(), []
+
+    class Told(process.ComparisonJob):
+        """Whatever it tells, however briefly."""
+
+        _status = property(lambda self: told[-1], lambda self, text: told.append(text))
+
     folder = tmp_path / "images"
     folder.mkdir()
-    job = process.ComparisonJob(baked, folder, 16, 4, 0.5)
-    work = background.BackgroundWork(job.run, job.status)
-    while work.is_alive():
-        told.add(work.status())
-        work.wait(0.02)
+    job = Told(baked, folder, 16, 4, 0.5)
+    work = start(job)
     work.result()
+    assert work.status() == told[-1]
     begins = f"Isovalue {baked.leaflight.isovalue:g}: RMS"
     assert job.apply().startswith(begins) and baked.leaflight.comparison.startswith(begins)
     assert _render_settings() == before
@@ -126,22 +129,31 @@ def check_in_a_blender_of_its_own(baked, small_frame, tmp_path):
     assert {"Blender starts", "Cycles"} <= names
 
 
-def check_it_is_cancelled_at_once(baked, small_frame, tmp_path):
+def _cancel(leaf, folder):
+    """Cancels a comparison of hours while it renders; the job, and the seconds until it ended."""
     if not process.can_start():
         pytest.skip("Blender as a Python module has no program to start")
     bpy.context.scene.render.resolution_x = bpy.context.scene.render.resolution_y = 2000
-    job = process.ComparisonJob(baked, tmp_path, 4096, 4096, 1.0)
-    work = background.BackgroundWork(job.run, job.status)
-    end = time.monotonic() + 60
-    while "%" not in work.status() and time.monotonic() < end:
-        work.wait(0.05)
-    assert "Baked" in work.status() and work.is_alive()
-    start = time.monotonic()
+    job = process.ComparisonJob(leaf, folder, 4096, 4096, 1.0)
+    work = start(job)
+    wait_while(work, lambda: "%" not in work.status())
+    assert "Baked" in work.status()
+    cancelled = time.monotonic()
     work.cancel()
     with pytest.raises(leaflight.Cancelled):
         work.result()
-    assert time.monotonic() - start < 2.0
+    return job, time.monotonic() - cancelled
+
+
+def check_it_is_cancelled(baked, small_frame, tmp_path):
+    job, _ = _cancel(baked, tmp_path)
     assert not list(tmp_path.glob("*.png")) and not Path(job._files.name).exists()
+
+
+@pytest.mark.machine
+def check_it_is_cancelled_at_once(baked, small_frame, tmp_path):
+    _, seconds = _cancel(baked, tmp_path)
+    assert seconds < 2.0
 
 
 def check_the_interval_of_the_mean_holds():

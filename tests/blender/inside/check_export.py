@@ -16,9 +16,8 @@ from leaflight.export.export import SUFFIXES
 from leaflight.still.camera import camera_around_bake
 from leaflight_addon.compare.figures import rms_percent
 from leaflight_addon.export import export_bake
-from leaflight_addon.operators import background
 from leaflight_addon.store import cache
-from tools import close, error_of, mesh_arrays, render_exr, to_world
+from tools import close, error_of, mesh_arrays, render_exr, start, to_world
 
 # Of square pictures, in pixels.
 SIDE = 256
@@ -178,12 +177,21 @@ def check_the_name_follows_the_format():
     assert {item[0] for item in export_bake._FORMATS} <= set(SUFFIXES)
 
 
-def check_it_is_cancelled(baked, tmp_path):
+def check_it_is_cancelled(baked, tmp_path, monkeypatch):
+    """In the midst of the third of 200 isosurfaces."""
+    surface, made = leaflight.Bake.surface, []
+
+    def cancels(bake, isovalue, *options):
+        made.append(isovalue)
+        if len(made) == 3:
+            progress = options[-1]
+            progress.cancel()
+        return surface(bake, isovalue, *options)
+
+    monkeypatch.setattr(leaflight.Bake, "surface", cancels)
     values = np.linspace(31.0, 69.0, 200)
     job = export_bake.ExportJob(baked, tmp_path / "box.glb", values, True)
-    work = background.BackgroundWork(job.run, job.status)
-    work.wait(0.5)
-    work.cancel()
-    with pytest.raises(export_bake.leaflight.Cancelled):
-        work.result()
+    with pytest.raises(leaflight.Cancelled):
+        start(job).result()
+    assert len(made) == 3
     assert "cancelled" in job.ended() and list(tmp_path.glob("box.*")) == []

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from blends import save
 from leaflight import blender
-from tools import close, render_exr
+from tools import HANG, close, render_exr
 
 # What the other Blender does: it must not know Leaflight.
 RENDER = """
@@ -42,7 +42,7 @@ def render_elsewhere(blend, path):
         stderr=subprocess.STDOUT,
         text=True,
         errors="replace",
-        timeout=300,
+        timeout=HANG,
     )
     assert done.returncode == 0 and "RENDERED" in done.stdout, done.stdout
     return leaflight._core.read_exr(str(path))

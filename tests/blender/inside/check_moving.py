@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """While the isovalue moves a surface is coarse; at rest, in renders and in scripts it is whole."""
 
-import time
-
 import bpy
 import numpy as np
 import pytest
@@ -12,12 +10,14 @@ from leaflight_addon.store import cache
 from leaflight_addon.ui import bake_panel
 from rounds import drawn
 from tools import (
+    Clock,
     assert_shows,
     edit_as_the_slider_does,
     expected_surface,
     look_down,
     render_exr,
     rest,
+    tick,
     vertices_of,
 )
 
@@ -49,9 +49,9 @@ def check_it_is_coarse_while_it_moves_and_whole_at_rest(baked, interactive, larg
         assert 50 < len(mesh.polygons) < 0.4 * len(expected_surface(baked, isovalue)[1])
         assert _field_misses(baked, isovalue) < 0.5
         assert surface_object.shown_isovalue(baked) == isovalue
-    start = time.monotonic()
+    moved = settling.time.now
     rest(baked)
-    assert time.monotonic() - start > settling.WHOLE_PAUSE
+    assert settling.time.now - moved > settling.WHOLE_PAUSE
     assert_shows(baked, 40.0)
 
 
@@ -83,9 +83,10 @@ def check_finer_texels_wait_for_rest(boxed, interactive):
 
 def check_a_move_ends_the_making_of_the_whole(baked, interactive, large):
     edit_as_the_slider_does(baked, 50.0)
-    settling._tick()
-    time.sleep(settling.WHOLE_PAUSE)
-    settling._tick()
+    tick()
+    assert settling._jobs[baked.name]._work is None
+    settling.time.now += settling.WHOLE_PAUSE
+    tick()
     assert settling._jobs[baked.name]._work is not None
     edit_as_the_slider_does(baked, 60.0)
     assert settling._jobs[baked.name]._work is None
@@ -211,8 +212,9 @@ def check_panels_tell_of_a_change_when_the_scene_rests(baked, exports, monkeypat
     class Bpy:
         app, context = App, bpy.context
 
+    clock = Clock()
     monkeypatch.setattr(staleness, "bpy", Bpy)
-    monkeypatch.setattr(staleness, "PAUSE", 0.05)
+    monkeypatch.setattr(staleness, "time", clock)
     assert staleness.change_since_bake(bpy.context, baked) == ""
     exports.clear()
     bpy.data.objects["floor"].location.z -= 0.1
@@ -220,11 +222,9 @@ def check_panels_tell_of_a_change_when_the_scene_rests(baked, exports, monkeypat
     for _ in range(3):
         drawn(bake_panel.LEAFLIGHT_PT_bake)
     assert not exports
-    wait = staleness._look()
-    while wait is not None:
-        time.sleep(wait)
-        wait = staleness._look()
-    assert len(exports) == 1
+    assert staleness._look() == staleness.PAUSE and not exports
+    clock.now += staleness.PAUSE
+    assert staleness._look() is None and len(exports) == 1
     assert any("The scene has changed" in text for text in drawn(bake_panel.LEAFLIGHT_PT_bake))
     bpy.app.timers.unregister(staleness._look)
 

@@ -4,6 +4,7 @@
 import time
 
 import bpy
+import leaflight
 import numpy as np
 import pytest
 from leaflight_addon.show import settling, surface_object
@@ -15,6 +16,7 @@ from tools import (
     look_down,
     render_exr,
     rest,
+    tick,
     to_world,
     vertices_of,
 )
@@ -78,19 +80,41 @@ def check_a_surface_at_rest_settles_in_the_background(resting, interactive):
     assert not settling._jobs
 
 
-def check_a_move_ends_the_work_at_once(resting, interactive):
-    settling.watch([resting])
-    while settling._jobs[resting.name_full]._work is None:
-        settling._tick()
-    work = settling._jobs[resting.name_full]._work
-    resting.leaflight.isovalue += 7.0
-    start = time.monotonic()
-    settling.watch([resting])
-    work.wait(5.0)
-    assert not work.is_alive() and time.monotonic() - start < 0.5
+def _settle_and_move(obj):
+    """The work on a surface that has come to rest, after the next move."""
+    settling.watch([obj])
+    while settling._jobs[obj.name_full]._work is None:
+        tick()
+    work = settling._jobs[obj.name_full]._work
+    obj.leaflight.isovalue += 7.0
+    settling.watch([obj])
+    return work
+
+
+def check_a_move_ends_the_work(resting, interactive, monkeypatch):
+    refine = settling._Job._refine
+
+    def after_the_move(job, surface, progress):
+        while not progress.cancelled:
+            time.sleep(0.005)
+        refine(job, surface, progress)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(settling._Job, "_refine", after_the_move)
+        work = _settle_and_move(resting)
+        with pytest.raises(leaflight.Cancelled):
+            work.result()
     assert_shows(resting, resting.leaflight.isovalue)
     rest(resting)
     assert surface_object.settled_state(resting.data) == (True, True)
+
+
+@pytest.mark.machine
+def check_a_move_ends_the_work_at_once(resting, interactive):
+    work = _settle_and_move(resting)
+    moved = time.monotonic()
+    work.wait(5.0)
+    assert not work.is_alive() and time.monotonic() - moved < 0.5
 
 
 def check_the_setting_off_brings_the_bake_back(resting, interactive):

@@ -234,36 +234,3 @@ def check_my_scene_is_left_as_it_is(bumps):
     own.objects.link(camera)
     _stage("MY_SCENE", collection="Own")
     assert scene.camera == camera and not _staged()
-
-
-def check_what_was_lit_by_the_last_bake_goes_with_its_stage(bumps):
-    _stage("CORNELL")
-    assert bumps.leaflight.light_surroundings
-    bpy.ops.leaflight.bake()
-    assert any(obj.name == "floor Lit" for obj in bpy.context.scene.objects)
-    _stage("LIGHT_TENT")
-    assert not any(obj.name.endswith(" Lit") for obj in bpy.context.scene.objects)
-    bpy.ops.leaflight.bake()
-    assert bumps.leaflight.bake_surroundings and bpy.data.objects["floor"].hide_render
-
-
-@pytest.mark.parametrize("preset", BUILT)
-def check_nothing_is_burnt_out(bumps, preset, tmp_path):
-    """Through the camera, as F12 shows it: no white, and neither all dark."""
-    _stage(preset)
-    scene = bpy.context.scene
-    bpy.ops.leaflight.bake()
-    from tools import EEVEE
-
-    scene.render.engine = EEVEE
-    scene.render.resolution_x, scene.render.resolution_y = 160, 90
-    scene.render.resolution_percentage = 100
-    scene.render.filepath = str(tmp_path / "still.png")
-    bpy.ops.render.render(write_still=True)
-    image = bpy.data.images.load(scene.render.filepath)
-    pixels = np.empty(160 * 90 * 4, np.float32)
-    image.pixels.foreach_get(pixels)
-    pixels = pixels.reshape(90, 160, 4)[..., :3]
-    assert pixels.min(axis=2).max() < 0.97
-    middle = pixels[25:65, 60:100].mean()
-    assert 0.15 < middle < 0.85

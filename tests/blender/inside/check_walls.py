@@ -13,6 +13,8 @@ from tools import close, colours_of, render_exr
 @pytest.fixture
 def lit(boxed):
     boxed.leaflight.light_surroundings = True
+    # Whatever the light is, it is to be shown.
+    boxed.leaflight.samples = 1
     bpy.ops.leaflight.bake()
     return boxed
 

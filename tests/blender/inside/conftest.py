@@ -12,6 +12,7 @@ from boxes import build_cornell_box
 from leaflight_addon.show import settling
 from leaflight_addon.store import bake_files
 from rounds import UNREACHED
+from tools import Clock, end_all
 
 N = 24
 
@@ -19,6 +20,8 @@ N = 24
 @pytest.fixture(autouse=True)
 def empty_scene():
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
+    yield
+    end_all()
 
 
 @pytest.fixture
@@ -97,7 +100,10 @@ def endless(rounds):
 
 @pytest.fixture
 def interactive(monkeypatch):
-    """Checks run without a window, where nothing settles until a render asks for it."""
+    """Checks run without a window, where nothing settles until a render asks for it.
+
+    Seconds pass by tick() and rest() alone.
+    """
 
     class App:
         background = False
@@ -107,7 +113,7 @@ def interactive(monkeypatch):
         app, data = App, bpy.data
 
     monkeypatch.setattr(settling, "bpy", Bpy)
-    monkeypatch.setattr(settling, "PAUSE", 0.05)
+    monkeypatch.setattr(settling, "time", Clock())
     yield
     settling.forget()
     if bpy.app.timers.is_registered(settling._tick):

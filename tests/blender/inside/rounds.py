@@ -1,18 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the checks of bakes in rounds share."""
 
+import math
 import os
 import time
+from dataclasses import replace
 from types import SimpleNamespace
 
 import bpy
 import leaflight
 import pytest
 from leaflight_addon.bake import bake
-from leaflight_addon.operators import background
-from tools import close, mesh_arrays, to_world
+from tools import close, mesh_arrays, start, to_world, wait_while
 
-# Takes more rounds than any of these checks waits for.
+# Takes all the rounds that a bake may have, five, which is more than any of these checks lets be.
 UNREACHED = 0.01
 
 
@@ -35,14 +36,36 @@ def state():
 
 
 def begin(obj, rounds=1, kind=bake.BakeJob):
-    """A bake in progress with so many rounds done, as a BakeJob and its BackgroundWork."""
-    job = kind(bpy.context, obj)
-    work = background.BackgroundWork(job.run)
-    until = time.monotonic() + 60
-    while job.round is None or job.round.statistics["rounds"] < rounds:
-        assert work.is_alive() and time.monotonic() < until
-        time.sleep(0.02)
+    """A bake in progress with so many rounds done, as a BakeJob and its BackgroundWork.
+
+    The next round waits until job.most allows it, or until the bake is cancelled.
+    """
+
+    class Held(kind):
+        most = rounds
+
+        def __init__(self, context, obj):
+            super().__init__(context, obj)
+            # No file while it waits.
+            self.checkpoint = replace(self.checkpoint, seconds=math.inf)
+
+        def _light(self, on_round, progress):
+            def hold(baked):
+                while baked.statistics["rounds"] > self.most and not progress.cancelled:
+                    time.sleep(0.005)
+                if not progress.cancelled:
+                    on_round(baked)
+
+            return super()._light(on_round=hold, progress=progress)
+
+    job = Held(bpy.context, obj)
+    work = start(job)
+    wait_while(work, lambda: rounds_of(job) < rounds)
     return job, work
+
+
+def rounds_of(job):
+    return 0 if job.round is None else job.round.statistics["rounds"]
 
 
 def stop(job, work):

@@ -11,9 +11,13 @@ import numpy as np
 import pytest
 from leaflight.scene.scene import Leaves, core_scene
 from leaflight_addon import versions
+from leaflight_addon.operators import background
 from leaflight_addon.show import settling, surface_object
 from leaflight_addon.store import cache
 
+
+# Seconds after which another program hangs, whatever the machine.
+HANG = 1800
 
 # The name under which Blender has the add-on.
 ADDON = sys.modules["leaflight_addon"].__name__
@@ -96,15 +100,60 @@ def edit_as_the_slider_does(obj, isovalue):
     bpy.context.view_layer.update()
 
 
-def rest(obj, seconds=60):
-    """Runs the timer of the background work as Blender's event loop would, until it ends."""
-    end = time.monotonic() + seconds
+class Clock:
+    """In place of the module time: its seconds pass only where a check adds to them."""
+
+    def __init__(self):
+        self.now = 0.0
+
+    def monotonic(self):
+        return self.now
+
+    perf_counter = monotonic
+
+
+def tick():
+    """Calls the timer of the background work as Blender's event loop would, by settling's Clock."""
+    settling.time.now += settling.POLL
+    return settling._tick()
+
+
+def rest(obj):
+    """Calls it until the work ends; the settled state of an object after each call but the last."""
     seen = []
-    while settling._tick() is not None:
+    while tick() is not None:
         seen.append(surface_object.settled_state(obj.data))
-        assert time.monotonic() < end
-        time.sleep(0.02)
+        # For the thread of the work.
+        time.sleep(0.005)
     return seen
+
+
+# What start() has started in this check.
+_started = []
+
+
+def start(job):
+    """A Job at work in a thread, which ends with the check, also where that fails."""
+    work = background.BackgroundWork(job.run, job.status)
+    _started.append(work)
+    return work
+
+
+def end_all():
+    """Cancels what was started, and waits for its end."""
+    for work in _started:
+        work.cancel()
+        work.wait(None)
+    _started.clear()
+
+
+def wait_while(work, condition):
+    """Waits for as long as a condition holds; fails when the work ends before."""
+    while condition():
+        work.wait(0.01)
+        if not work.is_alive() and condition():
+            work.result()
+            pytest.fail("The work has ended before what the check waits for.")
 
 
 def error_of(operator, **arguments):

@@ -16,20 +16,24 @@ import leaflight
 import nibabel
 import numpy as np
 from leaflight import blender
+from leaflight.io.readers import watched
+from leaflight_addon.compare import process
 from leaflight_addon.operators import background
 
 sys.path.insert(0, os.path.dirname(__file__))
 import stepwise  # noqa: E402
 
-PATIENCE = 200.0
 FOLDER = Path(sys.argv[-1])
 
 found = {}
-# When the viewport was drawn.
-drawn = []
+# When the viewport was drawn; what the comparison has said, however briefly.
+drawn, told = [], []
 
 
 def main():
+    process.ComparisonJob._status = property(
+        lambda self: told[-1], lambda self, text: told.append(text)
+    )
     bpy.types.SpaceView3D.draw_handler_add(
         lambda: drawn.append(time.perf_counter()), (), "WINDOW", "POST_PIXEL"
     )
@@ -71,15 +75,12 @@ def compare(window, obj):
     yield from viewport_rests()
     press(window, "RET")
     asked = time.perf_counter()
-    yield from until(lambda: background.running() is not None, "the comparison has not begun")
-    start, last, gaps, told = time.perf_counter(), None, [], set()
+    yield from stepwise.until(lambda: background.running() is not None)
+    start, last, gaps = time.perf_counter(), None, []
     while background.running() is not None:
-        if time.perf_counter() > start + PATIENCE:
-            raise RuntimeError("The comparison takes too long.")
         now = time.perf_counter()
         gaps += [] if last is None else [now - last]
         last = now
-        told.add(background.running().status() if background.running() else "")
         # As a hand that goes on with its work.
         blender.show(obj, 45.0 + len(gaps) % 5)
         yield 0.05
@@ -88,7 +89,7 @@ def compare(window, obj):
         "begun": start - asked,
         "gap": max(gaps),
         "seconds": time.perf_counter() - start,
-        "told": sorted(told),
+        "told": list(told),
         "sentence": obj.leaflight.comparison,
         "files": sorted(path.name for path in images.iterdir()),
     }
@@ -101,10 +102,10 @@ def cancel(window, obj):
         bpy.ops.leaflight.render_comparison(
             "INVOKE_DEFAULT", asked=True, samples=4096, baked_samples=4096, folder=str(images)
         )
-    yield from until(lambda: "Baked" in background.running().status(), "no render has begun")
+    yield from stepwise.until(lambda: "Baked" in background.running().status())
     start = time.perf_counter()
     press(window, "ESC")
-    yield from until(lambda: background.running() is None, "Esc has not ended it")
+    yield from stepwise.until(lambda: background.running() is None)
     found["cancel"] = {
         "seconds": time.perf_counter() - start,
         "sentence": obj.leaflight.comparison,
@@ -117,12 +118,20 @@ def export(window):
     with viewport(window):
         bpy.ops.leaflight.export("INVOKE_DEFAULT", filepath=str(path))
     yield from choose_file()
-    yield from until(path.exists, "nothing was exported")
+    yield from stepwise.until(path.exists)
     found["export"] = {"bytes": path.stat().st_size}
 
 
 def cancel_import(window):
-    """Of half a gigabyte of zeros, which take no room on the disk and time to unpack."""
+    """Of half a gigabyte of zeros, which take no room on the disk; read in part before Esc."""
+    readinto = watched._Watched.readinto
+
+    def wait_for_esc(file, buffer):
+        while file._progress.fraction > 0.05 and not file._progress.cancelled:
+            time.sleep(0.01)
+        return readinto(file, buffer)
+
+    watched._Watched.readinto = wait_for_esc
     path = FOLDER / "large.nii.gz"
     header = nibabel.Nifti1Header()
     header.set_data_shape((800, 800, 800))
@@ -137,15 +146,15 @@ def cancel_import(window):
     with viewport(window):
         bpy.ops.leaflight.import_volume("INVOKE_DEFAULT", filepath=str(path))
     yield from choose_file()
-    yield from until(lambda: background.running() is not None, "the import has not begun")
+    yield from stepwise.until(lambda: background.running() is not None)
     work = background.running()
-    yield from until(lambda: work.progress.fraction > 0.05, "nothing was read")
-    start, told = time.perf_counter(), work.status()
+    yield from stepwise.until(lambda: work.progress.fraction > 0.05)
+    start, status = time.perf_counter(), work.status()
     press(window, "ESC")
-    yield from until(lambda: background.running() is None, "Esc has not ended it")
+    yield from stepwise.until(lambda: background.running() is None)
     found["import"] = {
         "seconds": time.perf_counter() - start,
-        "told": told,
+        "told": status,
         "read": work.progress.fraction,
         "left": (len(bpy.data.objects), len(bpy.data.meshes)) != before,
     }
@@ -153,9 +162,16 @@ def cancel_import(window):
 
 def choose_file():
     """Presses the button of the file browser."""
-    yield 2.0
-    window = bpy.context.window_manager.windows[0]
-    area = next(area for area in window.screen.areas if area.type == "FILE_BROWSER")
+
+    def browser():
+        """Once it knows for what it was opened."""
+        for area in bpy.context.window_manager.windows[0].screen.areas:
+            if area.type == "FILE_BROWSER" and area.spaces.active.active_operator is not None:
+                return area
+
+    yield from stepwise.until(browser)
+    yield from stepwise.wait(2.0)
+    window, area = bpy.context.window_manager.windows[0], browser()
     with bpy.context.temp_override(window=window, area=area):
         bpy.ops.file.execute()
 
@@ -171,17 +187,7 @@ def viewport_rests():
     """Waits until the viewport is drawn: its shaders take seconds, whatever else is at work."""
     drawn.clear()
     view_area(bpy.context.window_manager.windows[0]).tag_redraw()
-    yield from until(
-        lambda: drawn and time.perf_counter() > drawn[-1] + 2.0, "the viewport does not rest"
-    )
-
-
-def until(happened, otherwise):
-    end = time.perf_counter() + PATIENCE
-    while not happened():
-        if time.perf_counter() > end:
-            raise RuntimeError(f"In the window {otherwise}.")
-        yield 0.05
+    yield from stepwise.until(lambda: drawn and time.perf_counter() > drawn[-1] + 2.0)
 
 
 def viewport(window):

@@ -22,7 +22,6 @@ import stepwise  # noqa: E402
 # Steps of the mouse in a drag, of so many pixels, that many times a second; and how often a drag
 # goes to and fro.
 STEPS, PIXELS, PER_SECOND, TURNS = 16, 4, 30, 1
-PATIENCE = 120.0
 
 found = {}
 pictures = []
@@ -93,7 +92,7 @@ def import_volume(path, low, high):
 
 def drive():
     window = bpy.context.window_manager.windows[0]
-    yield from wait(1.0)
+    yield from stepwise.wait(1.0)
     yield from choose_last_tab(window)
     place = yield from find_slider(window)
     settings = bpy.context.object.leaflight
@@ -114,12 +113,6 @@ def drive():
     yield from rest("baking")
 
 
-def wait(seconds):
-    end = time.perf_counter() + seconds
-    while time.perf_counter() < end:
-        yield 0.02
-
-
 def choose_last_tab(window):
     """Clicks down the tabs of the sidebar; Blender's own is above ours."""
     region = sidebar()
@@ -136,7 +129,7 @@ def find_slider(window):
     for y in range(region.y + region.height - 30, region.y + region.height - 160, -8):
         before = obj.leaflight.isovalue
         yield from gesture(window, [(x, y), *((x + 3 * k, y) for k in range(1, 6))])
-        yield from wait(0.3)
+        yield from stepwise.wait(0.3)
         if obj.leaflight.isovalue != before:
             return x, y
     raise RuntimeError("There is no slider of the isovalue in the sidebar.")
@@ -184,21 +177,18 @@ def rest(name=None):
     start = time.perf_counter()
     yield 0.05
     while surface_object.is_coarse(bpy.context.object.data):
-        if time.perf_counter() > start + PATIENCE:
-            raise RuntimeError("The surface has not become whole.")
         yield 0.02
     if name is not None:
         found[name]["whole_after"] = time.perf_counter() - start
         found[name]["whole_triangles"] = len(bpy.context.object.data.polygons)
         print(name, found[name], flush=True)
-    yield from wait(0.5)
+    yield from stepwise.wait(0.5)
 
 
 def bake_alone():
     """A while of the bake, with rounds that are shown, and nobody at the mouse."""
-    end = time.perf_counter() + PATIENCE
     while not bpy.context.object.data.get("leaflight_shown", "").count(" round "):
-        if background.running() is None or time.perf_counter() > end:
+        if background.running() is None:
             raise RuntimeError("The bake has shown no round.")
         yield 0.05
     pictures.clear()

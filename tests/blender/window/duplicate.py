@@ -7,7 +7,6 @@ Prints a line WINDOW and a JSON object of what there is after each of these.
 
 import os
 import sys
-import time
 
 import bpy
 from leaflight import blender
@@ -16,7 +15,6 @@ from leaflight_addon.show import added, surface_object
 sys.path.insert(0, os.path.dirname(__file__))
 import stepwise  # noqa: E402
 
-PATIENCE = 60.0
 
 found = {}
 
@@ -36,16 +34,16 @@ def steps():
         obj.leaflight.linked = False
         blender.add_isosurface(obj, 70.0, opacity=0.5)
         bpy.ops.ed.undo_push(message="Isosurfaces")
-    yield 1.0
+    yield from stepwise.wait(1.0)
     event("D", "PRESS", shift=True)
     event("D", "RELEASE", shift=True)
-    yield from until(lambda: len(volumes()) == 2)
+    yield from stepwise.until(lambda: len(volumes()) == 2)
     for step in range(1, 8):
         event("MOUSEMOVE", "NOTHING", to_the_right=20 * step)
         yield 0.1
     event("LEFTMOUSE", "PRESS", to_the_right=140)
     event("LEFTMOUSE", "RELEASE", to_the_right=140)
-    yield 1.0
+    yield from stepwise.wait(1.0)
     copy = bpy.context.view_layer.objects.active
     found["moved"] = copy.location.length > 0.1
     found["duplicated"] = state()
@@ -54,12 +52,14 @@ def steps():
     own.leaflight.isovalue = 80.0
     with viewport():
         bpy.ops.ed.undo_push(message="Isovalue")
-    yield 0.5
+    yield from stepwise.wait(0.5)
     found["edited"] = state()
     for name, shift in (("undone", False), ("undone twice", False), ("redone", True)):
+        before = state()
         event("Z", "PRESS", ctrl=True, shift=shift)
         event("Z", "RELEASE", ctrl=True, shift=shift)
-        yield 1.0
+        yield from stepwise.until(lambda: state() != before)
+        yield from stepwise.wait(1.0)
         found[name] = state()
 
 
@@ -96,14 +96,6 @@ def event(kind, value, to_the_right=0, **modifiers):
     area = view_area()
     x, y = area.x + area.width // 2 + to_the_right, area.y + area.height // 2
     window().event_simulate(type=kind, value=value, x=x, y=y, **modifiers)
-
-
-def until(happened):
-    end = time.perf_counter() + PATIENCE
-    while not happened():
-        if time.perf_counter() > end:
-            raise RuntimeError("Shift+D has made no duplicate.")
-        yield 0.1
 
 
 main()

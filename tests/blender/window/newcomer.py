@@ -9,14 +9,13 @@ after each step. A file's choice in the file browser is given by its path.
 import os
 import sys
 import time
-import traceback
 from pathlib import Path
 
 import bpy
 import numpy as np
 from bpy_extras.object_utils import world_to_camera_view
 from leaflight import blender
-from leaflight_addon.bake import stopped
+from leaflight_addon.bake import bake, stopped
 from leaflight_addon.operators import background
 from leaflight_addon.show import settling, surface_object
 
@@ -24,7 +23,6 @@ sys.path.insert(0, os.path.dirname(__file__))
 import stepwise  # noqa: E402
 
 VOLUME, FOLDER = sys.argv[-2], Path(sys.argv[-1])
-PATIENCE = 500.0
 # Pixels between the upper border of the window and the entry Import in the menu File.
 IMPORT = 295 if bpy.app.version < (5, 0, 0) else 311
 
@@ -40,7 +38,7 @@ def main():
 
 
 def drive():
-    yield from wait(1.0)
+    yield from stepwise.wait(1.0)
     yield from import_by_menu()
     yield from stage_and_bake()
     yield from stop_and_keep()
@@ -61,7 +59,7 @@ def import_by_menu():
     for row in (*range(9, 40), *range(9)):
         # File, then down to Import, whose submenu opens under the mouse, and one of its entries.
         yield from click((46, top - 13))
-        yield from wait(0.4)
+        yield from stepwise.wait(0.4)
         if not (yield from hover_import()):
             raise RuntimeError("The menu File has no Import.")
         # To the right first, since the way across other entries would open theirs.
@@ -69,13 +67,13 @@ def import_by_menu():
         for place in ((x + 200, y), (x + 200, y - 21 * row)):
             yield from move(place)
         yield from click(None)
-        yield from wait(0.8)
+        yield from stepwise.wait(0.8)
         operator = chosen_operator()
         if operator is not None and operator.bl_idname == "LEAFLIGHT_OT_import_volume":
             break
         yield from key("ESC")
         yield from key("ESC")
-        yield from wait(0.3)
+        yield from stepwise.wait(0.3)
     else:
         raise RuntimeError("The menu Import has no volume for Leaflight.")
     # Searching for the entry does not count, finding it does.
@@ -86,8 +84,8 @@ def import_by_menu():
     parameters.filename = os.path.basename(VOLUME)
     with bpy.context.temp_override(window=the_window(), area=area):
         bpy.ops.file.execute()
-    yield from until(lambda: volume() is not None)
-    yield from wait(1.0)
+    yield from stepwise.until(lambda: volume() is not None)
+    yield from stepwise.wait(1.0)
 
 
 def hover_import():
@@ -95,7 +93,7 @@ def hover_import():
     place = found.get("import", (80, the_window().height - IMPORT))
     found["import"] = place
     yield from move(place)
-    yield from wait(0.5)
+    yield from stepwise.wait(0.5)
     return True
 
 
@@ -108,8 +106,8 @@ def chosen_operator():
 
 def stage_and_bake():
     yield from click(header_button(275))
-    yield from until(lambda: "floor" in bpy.data.objects)
-    yield from wait(2.0)
+    yield from stepwise.until(lambda: "floor" in bpy.data.objects)
+    yield from stepwise.wait(2.0)
     found["staged"] = {
         "hidden": sorted(o.name for o in bpy.data.objects if o.hide_render),
         "camera": bpy.context.scene.camera.name,
@@ -119,27 +117,42 @@ def stage_and_bake():
     # For the time of the test: no newcomer's settings.
     volume().leaflight.quality = "DRAFT"
     volume().leaflight.resolution = 48
-    start = time.perf_counter()
+    rounds = note_rounds()
     yield from click(header_button(386))
-    yield from until(lambda: background.running() is not None, 20)
-    rounds = set()
-
-    def is_done():
-        rounds.add(surface_object.label_of(volume().data))
-        return background.running() is None
-
-    yield from until(is_done)
+    yield from stepwise.until(lambda: background.running() is not None)
+    yield from stepwise.until(lambda: background.running() is None)
     print("baked", flush=True)
     found["bake"] = {
-        "seconds": time.perf_counter() - start,
         "rounds": len(rounds),
         "lit": "radiance" in volume().data.attributes,
         "clicks": found["clicks"],
         "failure": background.failure(),
     }
-    yield from until(lambda: surface_object.settled_state(volume().data)[1])
-    yield from wait(1.0)
+    yield from stepwise.until(lambda: surface_object.settled_state(volume().data)[1])
+    yield from stepwise.wait(1.0)
     yield from take_pictures()
+
+
+def note_rounds():
+    """The set of rounds that the next bake shows, which waits with each until it was shown."""
+    shown, light, show = set(), bake.BakeJob._light, bake.BakeJob.show
+
+    def until_shown(job, on_round, progress):
+        def hold(baked):
+            on_round(baked)
+            while job._shown is not baked and not progress.cancelled:
+                time.sleep(0.01)
+
+        bake.BakeJob._light = light
+        return light(job, on_round=hold, progress=progress)
+
+    def note(job):
+        show(job)
+        label = surface_object.label_of(volume().data) or ""
+        shown.update({label} if " round " in label else ())
+
+    bake.BakeJob._light, bake.BakeJob.show = until_shown, note
+    return shown
 
 
 def take_pictures():
@@ -147,13 +160,13 @@ def take_pictures():
     space = view_area().spaces.active
     with bpy.context.temp_override(window=the_window()):
         bpy.ops.screen.screenshot(filepath=str(FOLDER / "screen.png"))
-    yield from wait(0.5)
+    yield from stepwise.wait(0.5)
     space.overlay.show_overlays = False
     scene = bpy.context.scene
     scene.render.resolution_percentage = 50
     for name, hidden in (("with.png", False), ("without.png", True)):
         volume().hide_set(hidden)
-        yield from wait(1.0)
+        yield from stepwise.wait(1.0)
         picture(FOLDER / name)
     volume().hide_set(False)
     space.overlay.show_overlays = True
@@ -190,11 +203,11 @@ def stop_and_keep():
     volume().leaflight.error = 0.01
     volume().leaflight.use_resolution = False
     yield from click(header_button(386))
-    yield from until(lambda: background.running() is not None, 20)
-    yield from until(lambda: " round " in (surface_object.label_of(volume().data) or ""))
+    yield from stepwise.until(lambda: background.running() is not None)
+    yield from stepwise.until(lambda: " round " in (surface_object.label_of(volume().data) or ""))
     yield from key("ESC")
     start = time.perf_counter()
-    yield from until(lambda: background.running() is None)
+    yield from stepwise.until(lambda: background.running() is None)
     found["stopped"] = {
         "seconds": time.perf_counter() - start,
         "offered": stopped.offered() is not None,
@@ -202,18 +215,18 @@ def stop_and_keep():
     }
     # Keep Bake stands where Bake stood.
     yield from click(header_button(386))
-    yield from until(lambda: volume().leaflight.bake_id != first)
-    yield from until(lambda: background.running() is None)
+    yield from stepwise.until(lambda: volume().leaflight.bake_id != first)
+    yield from stepwise.until(lambda: background.running() is None)
     found["first"], found["second"] = first, volume().leaflight.bake_id
 
 
 def undo_and_redo():
-    yield from wait(1.0)
+    yield from stepwise.wait(1.0)
     yield from key("Z", ctrl=True)
-    yield from wait(2.0)
+    yield from stepwise.wait(2.0)
     found["undone"] = volume().leaflight.bake_id
     yield from key("Z", ctrl=True, shift=True)
-    yield from wait(2.0)
+    yield from stepwise.wait(2.0)
     found["redone"] = volume().leaflight.bake_id
 
 
@@ -221,9 +234,9 @@ def save_and_load():
     path = FOLDER / "saved" / "head.blend"
     path.parent.mkdir()
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
-    yield from wait(0.5)
+    yield from stepwise.wait(0.5)
     bpy.ops.wm.open_mainfile(filepath=str(path))
-    yield from wait(3.0)
+    yield from stepwise.wait(3.0)
     obj = volume()
     radiance = np.empty(4 * len(obj.data.vertices), np.float32)
     obj.data.attributes["radiance"].data.foreach_get("color", radiance)
@@ -244,11 +257,11 @@ def copy_and_delete():
         first.select_set(True)
         bpy.context.view_layer.objects.active = first
         bpy.ops.object.duplicate()
-    yield from wait(0.5)
+    yield from stepwise.wait(0.5)
     copy = bpy.context.view_layer.objects.active
     copy.leaflight.linked = False
     copy.leaflight.isovalue = other
-    yield from wait(1.0)
+    yield from stepwise.wait(1.0)
     found["copied"] = {
         "names": copy.name != name,
         "original": surface_object.shown_isovalue(bpy.data.objects[name]) == isovalue,
@@ -256,7 +269,7 @@ def copy_and_delete():
     }
     with bpy.context.temp_override(window=the_window(), area=view_area()):
         bpy.ops.object.delete()
-    yield from wait(0.5)
+    yield from stepwise.wait(0.5)
     found["deleted"] = [o.name for o in bpy.context.scene.objects if o.leaflight.is_volume] == [
         name
     ]
@@ -268,7 +281,7 @@ def play():
     obj, scene = volume(), bpy.context.scene
     isovalues = np.linspace(obj.leaflight.bake_low, obj.leaflight.bake_high, 24)
     blender.animate(obj, isovalues)
-    yield from wait(1.0)
+    yield from stepwise.wait(1.0)
     with bpy.context.temp_override(window=the_window(), area=view_area()):
         bpy.ops.screen.animation_play()
     frames, off = set(), []
@@ -279,10 +292,10 @@ def play():
         off.append(abs(surface_object.shown_isovalue(obj) - expected))
         return len(frames) > 5
 
-    yield from until(has_played)
+    yield from stepwise.until(has_played)
     with bpy.context.temp_override(window=the_window(), area=view_area()):
         bpy.ops.screen.animation_cancel(restore_frame=False)
-    yield from until(lambda: not surface_object.is_coarse(obj.data))
+    yield from stepwise.until(lambda: not surface_object.is_coarse(obj.data))
     found["played"] = {
         "frames": len(frames),
         "off": float(max(off)) / float(isovalues[-1] - isovalues[0]),
@@ -310,20 +323,6 @@ def header_button(x):
 
 def volume():
     return next((obj for obj in bpy.context.scene.objects if obj.leaflight.is_volume), None)
-
-
-def wait(seconds):
-    end = time.perf_counter() + seconds
-    while time.perf_counter() < end:
-        yield 0.05
-
-
-def until(is_so, patience=PATIENCE):
-    end = time.perf_counter() + patience
-    while not is_so():
-        if time.perf_counter() > end:
-            raise RuntimeError("It has not come: " + traceback.format_stack()[-2])
-        yield 0.1
 
 
 _mouse = [0, 0]

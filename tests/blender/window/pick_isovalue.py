@@ -60,25 +60,25 @@ def steps():
     volume().hide_set(False)
     found["imported"] = volume().leaflight.isovalue
     pick()
-    yield 1.0
+    yield from stepwise.wait(1.0)
     found["drawn"] = yield from orange_pixels()
     for kept, last in (("kept", 0.6), ("taken back", 0.3)):
         event("MOUSEMOVE", "NOTHING", 0.5)
-        yield 0.2
+        yield from stepwise.wait(0.2)
         event("LEFTMOUSE", "PRESS", 0.5)
-        yield 0.3
+        yield from stepwise.wait(0.3)
         event("MOUSEMOVE", "NOTHING", last)
-        yield 0.5
+        yield from stepwise.wait(0.5)
         event("LEFTMOUSE", "RELEASE", last)
-        yield 0.3
+        yield from stepwise.wait(0.3)
         found[f"dragged, {kept}"] = volume().leaflight.isovalue
         press("RET" if kept == "kept" else "ESC")
-        yield 0.5
+        yield from stepwise.wait(0.5)
         found[kept] = volume().leaflight.isovalue
         found[f"left over, {kept}"] = len(pick_isovalue._drawn)
         if kept == "kept":
             pick()
-            yield 0.5
+            yield from stepwise.wait(0.5)
     found["gone"] = yield from orange_pixels()
 
 

@@ -3,6 +3,7 @@
 
 import json
 import os
+import time
 import traceback
 
 import bpy
@@ -34,6 +35,20 @@ def _leave(found, status):
     print("WINDOW", json.dumps(found), flush=True)
     background.cancel_running()
     os._exit(status)
+
+
+def until(is_so):
+    """Yields until something is so; what never comes is ended from outside, as all that hangs."""
+    while not is_so():
+        yield 0.05
+
+
+def wait(seconds):
+    """Yields for at least so long, in which Blender comes to its own work several times."""
+    end, steps = time.perf_counter() + seconds, 0
+    while time.perf_counter() < end or steps < 10:
+        steps += 1
+        yield seconds / 10
 
 
 def pixels_of(area, found):

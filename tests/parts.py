@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The parts of scripts/test: those of the short suite, those that --all adds, and the others."""
+
+from dataclasses import dataclass
+
+# Markers of pytest and labels of ctest (tests/README.md).
+SHORT = "-m 'not slow and not machine'"
+LONG = "-m 'slow or machine'"
+CODE = "core addon tests scripts examples docs"
+PYTEST = "/usr/bin/python3 -m pytest"
+# Most of the Python tests keep one processor busy; the tests of a file share their bakes.
+PARALLEL = "--numprocesses 2 --dist loadfile"
+BUILD_CORE = "cmake --preset tests && cmake --build --preset tests"
+
+
+@dataclass(frozen=True)
+class Part:
+    """One line of the table at the end.
+
+    command: of bash, in the root of the checkout. {select} in it stands for the arguments that the
+    user gives behind the part's name, or for `select`.
+    """
+
+    name: str
+    command: str
+    select: str = ""
+
+
+def in_blender(version):
+    """The tests that every Blender gets, in one of PyPI's."""
+    path = f"program=$(scripts/blender {version}) && PATH=$program:$PATH"
+    return Part(f"blender-{version}", f"{path} {PYTEST} tests/blender {{select}}", SHORT)
+
+
+SHORT_PARTS = (
+    Part(
+        "lint",
+        "find core tests -name '*.h' -o -name '*.cpp' | xargs clang-format --dry-run --Werror"
+        f" && black --check --quiet --diff {CODE} && flake8 {CODE}"
+        " && npm --prefix web run --silent check",
+    ),
+    Part("core", f"{BUILD_CORE} && ctest --preset short {{select}}", "-LE 'slow|machine'"),
+    Part("python", f"{PYTEST} tests/python {PARALLEL} {{select}}", SHORT),
+    Part("web", f"{PYTEST} tests/web {{select}}", SHORT),
+    Part("blender", f"{PYTEST} tests/blender {{select}}", SHORT),
+)
+
+LONG_PARTS = (
+    Part("core-long", f"{BUILD_CORE} && ctest --preset long {{select}}", "-L 'slow|machine'"),
+    Part(
+        "core-sanitized",
+        "cmake --preset debug && cmake --build --preset debug && ctest --preset debug {select}",
+    ),
+    Part(
+        "double",
+        "cmake --preset double && cmake --build --preset double"
+        f" && {PYTEST} tests/python/test_precision.py {{select}}",
+    ),
+    Part(
+        "python-long",
+        f"{PYTEST} tests/python {PARALLEL} --ignore tests/python/test_precision.py {{select}}",
+        LONG,
+    ),
+    Part("web-long", f"{PYTEST} tests/web {{select}}", LONG),
+    Part("blender-long", f"{PYTEST} tests/blender {{select}}", LONG),
+    in_blender("4.2"),
+    in_blender("4.5"),
+    in_blender("5.0"),
+    Part("package", f"{PYTEST} tests/package {{select}}"),
+    # As a user installs it, beside the newest NumPy.
+    Part("wheel", f"tests/wheel {PARALLEL} {{select}}", SHORT),
+    Part("fuzz", "scripts/fuzz --minutes 1 --jobs 2 --seed 1 --no-atheris --no-core {select}"),
+    Part("faults", "scripts/faults --seed 1 {select}", "--tries 20"),
+    Part("races", "scripts/races {select}"),
+    Part("mutations", "scripts/mutations {select}"),
+    Part("cycles", "scripts/leaflight report --cycles --quick --out build/test/cycles {select}"),
+    Part("tables", "scripts/leaflight report --tables --quick --out build/test/tables {select}"),
+)
+
+# Before a release; 5.2 compiles Python 3.13 (scripts/python3.13), 5.2-window fetches a Debian sid.
+RELEASE_PARTS = (in_blender("4.2-numpy2"), in_blender("5.2"), in_blender("5.2-window"))
+
+PARTS = {part.name: part for part in (*SHORT_PARTS, *LONG_PARTS, *RELEASE_PARTS)}

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How tests wait: for what happens, however long that takes here."""
+
+import subprocess
+import time
+from contextlib import contextmanager
+
+# Seconds after which a program hangs, whatever the machine.
+HANG = 1800
+
+
+def wait_for(happened, can_happen):
+    """Waits until happened() or until not can_happen(); returns whether it has happened."""
+    while not happened():
+        if not can_happen():
+            return happened()
+        time.sleep(0.01)
+    return True
+
+
+@contextmanager
+def started(*command, **options):
+    """The process of a program that may never end by itself: it ends with the context."""
+    with subprocess.Popen(*command, **options) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
