@@ -8,8 +8,10 @@ symbols that the copies and the module define get names of their own, too. (RTLD
 bind malloc away from Blender's allocator, while libc's own calls stay with it.)
 """
 
+import os
 import subprocess
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from .tools import PackageError, run
@@ -39,8 +41,9 @@ def make_private(folder):
     with tempfile.NamedTemporaryFile("w", suffix=".txt") as names:
         names.writelines(f"{name} {name}{SUFFIX}\n" for name in sorted(renamed))
         names.flush()
-        for path in files:
-            run("patchelf", "--rename-dynamic-symbols", names.name, path)
+        command = ("patchelf", "--rename-dynamic-symbols", names.name)
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            list(pool.map(lambda path: run(*command, path), files))
     (tbb,) = folder.glob("leaflight.libs/libtbb-*")
     _without_allocator(tbb)
 
