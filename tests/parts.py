@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 # Markers of pytest and labels of ctest (tests/README.md).
 SHORT = "-m 'not slow and not machine'"
-LONG = "-m 'slow or machine'"
+SLOW = "-m 'slow and not machine'"
 CODE = "core addon tests scripts examples docs"
 PYTEST = "/usr/bin/python3 -m pytest"
 # Most of the Python tests keep one processor busy; the tests of a file share their bakes.
@@ -39,14 +39,17 @@ SHORT_PARTS = (
         f" && black --check --quiet --diff {CODE} && flake8 {CODE}"
         " && npm --prefix web run --silent check",
     ),
-    Part("core", f"{BUILD_CORE} && ctest --preset short {{select}}", "-LE 'slow|machine'"),
+    Part("core", f"{BUILD_CORE} && ctest --preset short {{select}}"),
     Part("python", f"{PYTEST} tests/python {PARALLEL} {{select}}", SHORT),
     Part("web", f"{PYTEST} tests/web {{select}}", SHORT),
     Part("blender", f"{PYTEST} tests/blender {{select}}", SHORT),
 )
 
 LONG_PARTS = (
-    Part("core-long", f"{BUILD_CORE} && ctest --preset long {{select}}", "-L 'slow|machine'"),
+    Part(
+        "core-slow",
+        f"{BUILD_CORE} && cmake --build --preset bench && ctest --preset slow {{select}}",
+    ),
     Part(
         "core-sanitized",
         "cmake --preset debug && cmake --build --preset debug && ctest --preset debug {select}",
@@ -57,12 +60,19 @@ LONG_PARTS = (
         f" && {PYTEST} tests/python/test_precision.py {{select}}",
     ),
     Part(
-        "python-long",
+        "python-slow",
         f"{PYTEST} tests/python {PARALLEL} --ignore tests/python/test_precision.py {{select}}",
-        LONG,
+        SLOW,
     ),
-    Part("web-long", f"{PYTEST} tests/web {{select}}", LONG),
-    Part("blender-long", f"{PYTEST} tests/blender {{select}}", LONG),
+    Part("web-slow", f"{PYTEST} tests/web {{select}}", SLOW),
+    Part("blender-slow", f"{PYTEST} tests/blender {{select}}", SLOW),
+    # Nothing else may run beside these.
+    Part(
+        "machine",
+        f"{BUILD_CORE} && ctest --preset machine && {PYTEST} tests/python {{select}}"
+        f" && {PYTEST} tests/blender {{select}}",
+        "-m machine",
+    ),
     in_blender("4.2"),
     in_blender("4.5"),
     in_blender("5.0"),
