@@ -61,7 +61,8 @@ LONG_PARTS = (
     ),
     Part(
         "python-slow",
-        f"{PYTEST} tests/python {PARALLEL} --ignore tests/python/test_precision.py {{select}}",
+        f"{BUILD_CORE} && cmake --build --preset bench && {PYTEST} tests/python {PARALLEL}"
+        " --ignore tests/python/test_precision.py {select}",
         SLOW,
     ),
     Part("web-slow", f"{PYTEST} tests/web {{select}}", SLOW),

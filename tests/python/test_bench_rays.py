@@ -25,6 +25,7 @@ def quietly(work, label):
     return work(Progress())
 
 
+@pytest.mark.slow
 @needs_program
 def test_quick_rays(cli, tmp_path):
     outcome = cli("bench", "rays", "--quick", "--json")
@@ -47,6 +48,7 @@ def test_quick_rays(cli, tmp_path):
     assert page.read_text().count("| bump box, 16^3 at ") == 3
 
 
+@pytest.mark.slow
 @needs_program
 def test_an_isovalue_without_a_surface_has_no_row():
     case = RayCase("bump box", QUICK_RAYS.cases[0].volumes, (47.0, 1e6))
@@ -55,6 +57,7 @@ def test_an_isovalue_without_a_surface_has_no_row():
     assert [row["isovalue"] for row in rows] == [47.0] and absent == ["none"]
 
 
+@pytest.mark.slow
 @needs_program
 def test_it_can_be_cancelled():
     progress = Progress()

@@ -37,6 +37,22 @@ def test_damaged_takes_little_time_and_memory(tmp_path, target):
     try_files(tmp_path, target, 6 if target.slow else 150, FUZZ / "worker.py")
 
 
+INPUTS = sorted((FUZZ / "inputs").iterdir())
+
+
+@pytest.mark.parametrize("path", INPUTS, ids=lambda path: path.stem)
+def test_files_that_broke_the_program(script, tmp_path, path):
+    """Found by fuzzing: crashes, 6 GB for 82 KB, data read from outside the header's folder."""
+    out = tmp_path / "x.vdb"
+    volume = ["bump_box", "--dims", 8, "--scene", path] if path.suffix == ".json" else [path]
+    outcome = script("bake", *volume, "--samples", 1, "--photons", 1000, "--out", out)
+    if path.stem == "save_fails_10um_in_metres":
+        # A good file, whose bake could not be written.
+        assert outcome.status == 0 and out.exists()
+    else:
+        assert outcome.status == 2 and outcome.err.count("\n") == 1 and not out.exists()
+
+
 def try_files(folder, target, count, *worker):
     why = missing_library(target)
     if why:
