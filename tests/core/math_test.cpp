@@ -5,6 +5,7 @@
 #include <set>
 
 #include "fields.h"
+#include "leaflight/math/error.h"
 #include "leaflight/math/low_discrepancy.h"
 #include "leaflight/math/ranked_set.h"
 #include "leaflight/math/sampling.h"
