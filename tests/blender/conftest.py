@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from waiting import HANG
 
 # These files run within Blender, started by test_addon.py.
 collect_ignore = ["inside"]
@@ -22,9 +23,6 @@ collect_ignore = ["inside"]
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 RESULTS = ROOT / "build" / "compatibility"
-
-# Seconds after which a program hangs, whatever the machine.
-HANG = 1800
 
 ABOUT = """
 import bpy, json, numpy, platform, sys

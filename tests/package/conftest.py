@@ -6,11 +6,9 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from waiting import HANG
 
 ROOT = Path(__file__).resolve().parents[2]
-
-# Seconds after which a program hangs, whatever the machine.
-HANG = 1800
 
 
 def call(*command, timeout=HANG, **options):

@@ -138,6 +138,7 @@ def test_metadata_tell_the_ways_apart(box, fixed_work):
     assert all(rounds.metadata[name] == "" for name in research)
     assert fixed.metadata["error"] == fixed.metadata["rounds"] == "" == outcome(fixed)
     assert fixed.metadata["photons"] == str(fixed_work["photons"])
+    assert fixed.metadata["estimator"] == "gather"
     assert fixed.statistics["estimated_error_percent"] is None
 
 

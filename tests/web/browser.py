@@ -12,14 +12,12 @@ from pathlib import Path
 
 import numpy as np
 from PIL import Image
+from waiting import HANG
 
 ROOT = Path(__file__).resolve().parents[2]
 SESSION = ROOT / "web" / "tests" / "session.mjs"
 # That of scripts/setup, in build/venv, where the system has none.
 PATHS = f"{os.environ['PATH']}:{ROOT / 'build' / 'venv' / 'bin'}"
-
-# Seconds after which a call hangs, whatever the machine.
-HANG = 1800
 
 # Of a page that was asked for it: it has drawn what changed before.
 FRAMES = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
