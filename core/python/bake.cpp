@@ -34,8 +34,7 @@ py::dict statistics(const Baked<D>& baked) {
   result["estimated_error_percent"] = baked.statistics.error_percent;
   result["worst_isovalue"] = baked.statistics.worst.c;
   result["worst_error_percent"] = baked.statistics.worst.percent;
-  result["direct_blocks"] = baked.statistics.direct_blocks;
-  result["indirect_blocks"] = baked.statistics.indirect_blocks;
+  result["blocks"] = baked.statistics.blocks;
   result["stopped"] = baked.statistics.stopped;
   return result;
 }
@@ -205,7 +204,7 @@ void bind_baking(py::module_& module, const std::string& suffix) {
       ("bake" + suffix).c_str(),
       [](const Scene<D>& scene, const BakeSettings<D>& settings, Progress& progress,
          const py::object& on_round,
-         std::optional<std::tuple<std::shared_ptr<RadianceGrid<D>>, int, int, int>> kept,
+         std::optional<std::tuple<std::shared_ptr<RadianceGrid<D>>, int, int>> kept,
          const std::optional<std::tuple<fs::path, std::string, double>>& checkpoint,
          const std::optional<fs::path>& resumed, const py::object& workers) {
         BakeHooks<D> hooks;
@@ -220,8 +219,8 @@ void bind_baking(py::module_& module, const std::string& suffix) {
           const py::gil_scoped_release unlocked;
           std::optional<KeptLight<D>> light;
           if (kept) {
-            const auto& [grid, rounds, direct, indirect] = *kept;
-            light.emplace(*grid, rounds, direct, indirect);
+            const auto& [grid, rounds, blocks] = *kept;
+            light.emplace(*grid, rounds, blocks);
           }
           if (light) hooks.kept = &*light;
           BlockWorkers block_workers;
@@ -258,15 +257,14 @@ void bind_baking(py::module_& module, const std::string& suffix) {
       py::arg("kept") = py::none(), py::arg("checkpoint") = py::none(),
       py::arg("resumed") = py::none(), py::arg("workers") = py::none(),
       "Lights all leaves of the scene's window. `on_round` is given what is baked after each\n"
-      "round but the last, from the thread that bakes. `kept`: (grid, rounds, blocks of direct\n"
-      "light, of indirect light) of a bake to go on with. `checkpoint`: (file, text, seconds): the "
-      "bake leaves\n"
+      "round but the last, from the thread that bakes. `kept`: (grid, rounds, blocks) of a\n"
+      "bake to go on with. `checkpoint`: (file, text, seconds): the bake leaves\n"
       "its state there, with the text, so many seconds apart. `resumed`: such a file, of a bake "
       "of\n"
       "the same scene and settings, to go on from. `workers`: an object that has blocks of light\n"
-      "swept by BlockSweepers: begin(light, first, count, state) announces the blocks [first,\n"
-      "first + count) of \"direct\" or \"indirect\" light, and what their lines look up, bytes;\n"
-      "take(light, number) returns one of them, or b\"\", and the bake sweeps it itself. Raises\n"
+      "swept by BlockSweepers: begin(first, count, state) announces the blocks [first,\n"
+      "first + count), and what their lines look up, bytes;\n"
+      "take(number) returns one of them, or b\"\", and the bake sweeps it itself. Raises\n"
       "LeaflightError, or Cancelled.");
 }
 

@@ -2,6 +2,7 @@
 #include "leaflight/bake/radiance_grid.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include "arrays.h"
 #include "bindings.h"
@@ -76,9 +77,7 @@ py::array_t<float> lookup_of(const RadianceGrid<D>& grid, const Field<D>& field,
       Vec<D> point;
       for (int a = 0; a < D; ++a) point[a] = coordinates[D * i + a];
       check_point(point);
-      const Vec<D> position = field.world_to_index.point(point);
-      const RadianceLevel<D>& from = grid.at(position);
-      radiance[i] = lookup(from.lattice, side_of(from, back), position);
+      radiance[i] = radiance_at(grid, field, field.world_to_index.point(point), back);
     });
   }
   return adopt<float>(std::move(radiance), {n, 3});
@@ -152,6 +151,24 @@ void bind_grid(py::module_& module, const std::string& suffix) {
       .def_property_readonly("levels", &Grid::levels,
                              "1, and one for each time that texels were halved somewhere.")
       .def_property_readonly(
+          "has_direct", [](const Grid& g) { return g.direct != nullptr; },
+          "Whether lookups compute direct light where they are, beside indirect light of texels.")
+      .def(
+          "light_directly",
+          [](Grid& g, const Scene<D>& scene, int volume, Progress& progress, int threads) {
+            const py::gil_scoped_release unlocked;
+            tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+            arena.execute([&] {
+              const SceneTracer<D> tracer(scene);
+              const SplitLight<D> split = split_light(tracer);
+              g.direct = std::make_shared<const DirectLight<D>>(tracer, volume, split.points,
+                                                                g.has_back(), progress);
+            });
+          },
+          py::arg("scene"), py::arg("volume"), py::arg("progress"), py::arg("threads") = 0,
+          "Gives a grid that was read from a file the direct light of its scene; a bake in rounds\n"
+          "has it. Raises Cancelled.")
+      .def_property_readonly(
           "has_back", [](const Grid& g) { return g.has_back(); },
           "Whether the inner side was baked.")
       .def("dense", &dense<D>, py::arg("name"), py::arg("level") = 0,
@@ -162,7 +179,7 @@ void bind_grid(py::module_& module, const std::string& suffix) {
            "above are half as wide, serve some cells alone and have 2 n - 1 where n were.")
       .def("mask", &mask<D>, py::arg("level") = 0, "uint8 [z, y, x], 1 at active texels.")
       .def("lookup", &lookup_at<D>, py::arg("field"), py::arg("points"), py::arg("back") = false,
-           "Linear radiance (n, 3) at world points (n, D), over active texels only.")
+           "Radiance (n, 3) of the leaves through world points (n, D).")
       .def("lookup_error", &lookup_error_at<D>, py::arg("field"), py::arg("points"),
            "Standard error (n,) of the outer side's radiance at world points (n, D), of the mean\n"
            "over the channels: that of independent texels.");

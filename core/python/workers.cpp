@@ -9,33 +9,18 @@
 namespace py = pybind11;
 
 namespace leaflight::python {
-namespace {
-
-const char* name_of(SweptLight light) {
-  return light == SweptLight::direct ? "direct" : "indirect";
-}
-
-SweptLight light_of(const std::string& name) {
-  for (const SweptLight light : {SweptLight::direct, SweptLight::indirect}) {
-    if (name == name_of(light)) return light;
-  }
-  throw Error("There is no light \"" + name + "\"; sweep \"direct\" or \"indirect\".");
-}
-
-}  // namespace
-
 BlockWorkers workers_of(const py::object& workers) {
   BlockWorkers calls;
-  calls.begin = [&workers](SweptLight light, int first, int count,
+  calls.begin = [&workers](int first, int count,
                            const std::function<void(std::ostream&)>& looked_up) {
     std::ostringstream stream;
-    if (looked_up) looked_up(stream);
+    looked_up(stream);
     const py::gil_scoped_acquire locked;
-    workers.attr("begin")(name_of(light), first, count, py::bytes(stream.str()));
+    workers.attr("begin")(first, count, py::bytes(stream.str()));
   };
-  calls.take = [&workers](SweptLight light, int number) {
+  calls.take = [&workers](int number) {
     const py::gil_scoped_acquire locked;
-    return workers.attr("take")(name_of(light), number).cast<std::string>();
+    return workers.attr("take")(number).cast<std::string>();
   };
   return calls;
 }
@@ -44,10 +29,11 @@ void bind_workers(py::module_& module) {
   using Released = py::call_guard<py::gil_scoped_release>;
   module.def("sweeper_memory", &sweeper_memory, py::arg("scene"), py::arg("settings"), Released(),
              "About how many bytes a BlockSweeper holds at most, the volume's values included.");
-  py::class_<BlockSweeper>(module, "BlockSweeper",
-                           "Sweeps single blocks of light for a bake in rounds of the same scene "
-                           "and settings that runs\n"
-                           "elsewhere: what bake()'s `workers` give it.")
+  py::class_<BlockSweeper>(
+      module, "BlockSweeper",
+      "Sweeps single blocks of indirect light for a bake in rounds of the same scene "
+      "and settings that runs\n"
+      "elsewhere: what bake()'s `workers` give it.")
       .def(py::init<const Scene<3>&, const BakeSettings<3>&, Progress&>(), py::arg("scene"),
            py::arg("settings"), py::arg("progress"), py::keep_alive<1, 2>(), py::keep_alive<1, 4>(),
            Released(),
@@ -61,20 +47,18 @@ void bind_workers(py::module_& module) {
             sweeper.look_up(stream);
           },
           py::arg("state"), Released(),
-          "Takes the bytes that workers.begin() was given; indirect light needs them.")
+          "Takes the bytes that workers.begin() was given; blocks need them.")
       .def(
           "sweep",
-          [](BlockSweeper& sweeper, const std::string& light, int number) {
+          [](BlockSweeper& sweeper, int number) {
             std::string block;
             {
               const py::gil_scoped_release unlocked;
-              block = sweeper.sweep(light_of(light), number);
+              block = sweeper.sweep(number);
             }
             return py::bytes(block);
           },
-          py::arg("light"), py::arg("number"),
-          "The block of this number, of \"direct\" or \"indirect\" light: bytes for "
-          "workers.take().");
+          py::arg("number"), "The block of this number: bytes for workers.take().");
 }
 
 }  // namespace leaflight::python

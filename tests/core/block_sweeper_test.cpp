@@ -27,12 +27,11 @@ class TwoSweepers {
       settings.threads = threads;
       sweepers_.push_back(std::make_unique<BlockSweeper>(scene, settings, progress_));
     }
-    calls_.begin = [this](SweptLight, int first, int count,
+    calls_.begin = [this](int first, int count,
                           const std::function<void(std::ostream&)>& looked_up) {
       EXPECT_GT(count, 0);
       first_ = first;
       end_ = first + count;
-      if (!looked_up) return;
       std::ostringstream state;
       looked_up(state);
       for (auto& sweeper : sweepers_) {
@@ -40,10 +39,10 @@ class TwoSweepers {
         sweeper->look_up(stream);
       }
     };
-    calls_.take = [this](SweptLight light, int number) {
+    calls_.take = [this](int number) {
       EXPECT_TRUE(first_ <= number && number < end_);
       ++asked_;
-      return asked_ % 4 == 0 ? std::string() : sweepers_[number % 2]->sweep(light, number);
+      return asked_ % 4 == 0 ? std::string() : sweepers_[number % 2]->sweep(number);
     };
   }
   const BlockWorkers& calls() const { return calls_; }
@@ -79,8 +78,8 @@ TEST(BlockSweeper, AreTheSameWhoeverSweepsTheirBlocks) {
 TEST(BlockSweeper, RefuseABlockOfAnotherBake) {
   const Scene<3> scene = small_scene();
   BlockWorkers strange;
-  strange.begin = [](SweptLight, int, int, const std::function<void(std::ostream&)>&) {};
-  strange.take = [](SweptLight, int) { return std::string("a block"); };
+  strange.begin = [](int, int, const std::function<void(std::ostream&)>&) {};
+  strange.take = [](int) { return std::string("a block"); };
   Progress progress;
   EXPECT_THROW(bake<3>(scene, in_rounds(), progress, {{}, nullptr, nullptr, &strange}), Error);
   BakeSettings<3> fixed = in_rounds();

@@ -25,8 +25,8 @@ const Field<D>& field_of(const Scene<D>& scene) {
 // Radiance of the first volume's outer side at a point of the world.
 template <int D>
 Vec<3, float> lookup_world(const Scene<D>& scene, const Baked<D>& baked, const Vec<D>& point) {
-  return lookup(baked.grids[0].lattice, baked.grids[0].radiance,
-                field_of(scene).world_to_index.point(point));
+  const Field<D>& field = field_of(scene);
+  return radiance_at(baked.grids[0], field, field.world_to_index.point(point), false);
 }
 
 inline ReferenceSettings reference_settings(double c, int samples, std::uint64_t seed) {

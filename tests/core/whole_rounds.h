@@ -59,7 +59,7 @@ inline Scene<3> small_scene() { return cornell(ball<3>(17), {0.6, 0.9}); }
 // What a bake that goes on is given of one that was stopped.
 inline KeptLight<3> kept_of(const Baked<3>& baked) {
   const BakeStatistics& s = baked.statistics;
-  return KeptLight<3>(baked.grids[0], s.rounds, s.direct_blocks, s.indirect_blocks);
+  return KeptLight<3>(baked.grids[0], s.rounds, s.blocks);
 }
 
 inline Baked<3> stopped_after(int rounds, const Scene<3>& scene, const BakeSettings<3>& settings,

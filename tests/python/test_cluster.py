@@ -93,17 +93,17 @@ def test_going_on_with_a_bake(volume, workers):
     part = leaflight.bake(
         volume, progress=progress, on_round=lambda _: progress.stop(), **{**SETTINGS, "error": 1.0}
     )
-    alone = leaflight.resume(part, error=1.5)
-    check_same(leaflight.resume(part, error=1.5, workers=workers), alone)
+    alone = leaflight.resume(part, error=0.8)
+    check_same(leaflight.resume(part, error=0.8, workers=workers), alone)
     assert workers.swept > 0
 
 
 def never_done():
     """Has this worker sweep each block again and again."""
 
-    def sweep(self, light, number):
+    def sweep(self, number):
         while True:
-            self._core.sweep(light, number)
+            self._core.sweep(number)
 
     sweeper._Sweeper.sweep = sweep
 

@@ -46,12 +46,12 @@ def stopped_after(rounds, box, **settings):
 
 def test_each_round_leaves_a_better_bake(box, tmp_path):
     seen = []
-    last = box(error=2.25, on_round=seen.append)
+    last = box(error=1.4, on_round=seen.append)
     assert [one.statistics["rounds"] for one in seen] == list(range(1, len(seen) + 1))
     assert last.statistics["rounds"] == len(seen) + 1 > 2
     assert not last.statistics["stopped"]
     errors = [one.statistics["estimated_error_percent"] for one in [*seen, last]]
-    assert errors == sorted(errors, reverse=True) and errors[-1] <= 2.25 < errors[0]
+    assert errors == sorted(errors, reverse=True) and errors[-1] <= 1.4 < errors[0]
     seconds = [one.statistics["seconds"] for one in [*seen, last]]
     assert seconds == sorted(seconds) and seconds[0] > 0
     assert len({one.id for one in [*seen, last]}) == len(seen) + 1

@@ -2,7 +2,6 @@
 """Baking: the light of all isosurfaces of volumes at once."""
 
 import contextlib
-import json
 from dataclasses import replace
 
 import leaflight._core as _core
@@ -195,7 +194,7 @@ def lit(
 
     def whole(baked):
         statistics = dict(baked.statistics)
-        blocks = [statistics.pop(f"{light}_blocks") for light in ("direct", "indirect")]
+        blocks = statistics.pop("blocks")
         if not in_rounds:
             statistics.update(rounds=0, stopped=False)
             for name in ("estimated_error_percent", "worst_error_percent", "worst_isovalue"):
@@ -213,7 +212,7 @@ def lit(
 
     light = None
     if kept is not None:
-        light = (kept.grid, int(kept.metadata["rounds"]), *json.loads(kept.metadata["blocks"]))
+        light = (kept.grid, int(kept.metadata["rounds"]), int(kept.metadata["blocks"]))
     core = core_scene(description, [volume.field() for volume in volumes], window)
     look = None if on_round is None else lambda baked: on_round(whole(baked))
     progress = progress or _core.Progress()

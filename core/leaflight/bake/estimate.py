@@ -104,17 +104,19 @@ def extrapolated(rounds, last, error, time=None):
     slope = 0.5 * (INDEPENDENT + _slope(alike))
     limit = float("inf") if time is None else time
     noise = float(last["estimated_noise_percent"])
-    # What texels miss does not fall.
-    texture = np.sqrt(max(0.0, reached**2 - noise**2))
-    target = _core.noise_to_reach(error, texture)
+    missed, noisy = _texture(alike, reached, noise)
     left = MOST_ROUNDS - len(alike)
-    # Rounding is no round.
-    while noise > (1 + 1e-9) * target and seconds < limit and left > 0:
+    while seconds < limit and left > 0:
+        target = _core.noise_to_reach(error, np.hypot(missed, noisy * noise))
+        # Rounding is no round.
+        if noise <= (1 + 1e-9) * target:
+            break
         growth = min((noise / target) ** (-1.0 / slope), 2.0)
         seconds += (growth - 1.0) * work * pace
         noise *= growth**slope
         work, count, left = growth * work, count + 1, left - 1
-    return Estimate(seconds + closing, memory, float(np.hypot(texture, noise)), count, *pilot)
+    error = float(np.sqrt(missed**2 + (1 + noisy**2) * noise**2))
+    return Estimate(seconds + closing, memory, error, count, *pilot)
 
 
 def _alike(rounds):
@@ -132,6 +134,26 @@ def _work(rounds):
         return last["rays"], last["seconds"] / max(last["rays"], 1)
     step = max(last["rays"] - rounds[-2]["rays"], 1)
     return 2 * step, (last["seconds"] - rounds[-2]["seconds"]) / step
+
+
+def _texture(rounds, reached, noise):
+    """(what texels miss, percent; what noise adds to its estimate, a factor of the noise).
+
+    A bake judges what texels miss by their neighbours, whose noise falls from round to round.
+    """
+    texture = max(0.0, reached**2 - noise**2)
+    if len(rounds) < 2:
+        return np.sqrt(texture), 0.0
+    errors, noises = (
+        [one[f"estimated_{kind}_percent"] ** 2 for one in rounds[-2:]]
+        for kind in ("error", "noise")
+    )
+    fallen = noises[0] - noises[1]
+    if not fallen > 0:
+        return np.sqrt(texture), 0.0
+    noisy = max(0.0, (errors[0] - errors[1]) / fallen - 1)
+    noisy = min(noisy, texture / max(noise**2, 1e-12))
+    return np.sqrt(texture - noisy * noise**2), np.sqrt(noisy)
 
 
 def _slope(rounds):

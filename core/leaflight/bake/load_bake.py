@@ -32,7 +32,7 @@ def load_bake(path):
         names = [str(record["name"]) for record in json.loads(metadata["volumes"])]
         if not len(names) == len(fields) == len(grids) == len(scene.leaves):
             raise ValueError("the number of volumes differs")
-        if not {"rounds", "blocks"} <= metadata.keys():
+        if not {"rounds", "blocks", "direct_light"} <= metadata.keys():
             raise LeaflightError(f"{path}: {EARLIER}.")
         # OpenVDB adds text of its own.
         metadata = {key: metadata[key] for key in METADATA}
@@ -43,9 +43,12 @@ def load_bake(path):
     volumes = [Volume(*field, name, str(path)) for field, name in zip(fields, names)]
     for volume in volumes:
         volume.field()
+    core = core_scene(scene, [volume.field() for volume in volumes], (lo, hi))
     if surroundings is not None:
-        core = core_scene(scene, [volume.field() for volume in volumes], (lo, hi))
         _core.attach_surroundings(surroundings, core)
+    if metadata["direct_light"] == "computed":
+        for number, grid in enumerate(grids):
+            grid.light_directly(core, number, _core.Progress())
     bake = Bake(volumes, scene, (lo, hi), grids, surroundings, statistics, metadata)
     if bake.id != identifier:
         raise LeaflightError(f"{path}: its metadata were changed; bake the volume again.")

@@ -27,9 +27,10 @@ RESEARCH = (
 )
 # What a bake depends on, as text; "name" would rename the grid that OpenVDB attaches it to.
 # "volumes" is a list of {"name", "source", "values_sha256", "index_to_world", "resolution",
-# "capped"}. Of bakes in rounds, empty where the amount of work was fixed: "error" in percent;
-# "asked_resolution", zeros for none; "rounds"; "blocks", the numbers of them that the averages of
-# direct and of indirect light hold; "continued", the id of the bake that this one went on with.
+# "capped"}. "direct_light": "computed" where lookups compute it, "stored" where texels hold it. Of
+# bakes in rounds, empty where the amount of work was fixed: "error" in percent; "asked_resolution",
+# zeros for none; "rounds"; "blocks", of indirect light, how many its averages hold; "continued",
+# the id of the bake that this one went on with.
 METADATA = (
     "leaflight_version",
     "volumes",
@@ -38,6 +39,7 @@ METADATA = (
     "isovalues",
     "error",
     "asked_resolution",
+    "direct_light",
     "rounds",
     "blocks",
     "continued",
@@ -74,6 +76,7 @@ def stamp(volumes, description, window, settings, fixed):
         "isovalues": json.dumps(window),
         "error": json.dumps(settings.error) if fixed is None else "",
         "asked_resolution": json.dumps(settings.resolution) if fixed is None else "",
+        "direct_light": "",
         "rounds": "",
         "blocks": "",
         "continued": "",
@@ -94,9 +97,10 @@ def stamp_after(metadata, grids, rounds, blocks, continued=""):
         for volume, grid in zip(json.loads(metadata["volumes"]), grids)
     ]
     changed = {"volumes": json.dumps(volumes)}
+    changed["direct_light"] = "computed" if grids[0].has_direct else "stored"
     if metadata["error"]:
         changed["rounds"] = str(rounds)
-        changed["blocks"] = json.dumps(blocks) if any(blocks) else ""
+        changed["blocks"] = str(blocks) if blocks else ""
         changed["continued"] = continued
     return {**metadata, **changed}
 

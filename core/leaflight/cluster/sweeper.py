@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What runs in the processes of workers: blocks of light of the bake that they were asked for last.
+"""What runs in the processes of workers: blocks of the bake that they were asked for last.
 
 A worker keeps what one bake needs, and no more: its memory is that of one bake, however many there
 are.
@@ -41,7 +41,7 @@ class Recipe:
 
 @dataclass(frozen=True, eq=False)
 class LookedUp:
-    """What lines of indirect light look up; name tells one from those before."""
+    """What lines look up; name tells one from those before."""
 
     name: str
     state: bytes
@@ -75,18 +75,18 @@ class _Sweeper:
             self._core.look_up(looked_up.state)
             self._known = looked_up.name
 
-    def sweep(self, light, number):
-        return self._core.sweep(light, number)
+    def sweep(self, number):
+        return self._core.sweep(number)
 
 
 _lock = threading.Lock()
 _sweeper = None
 
 
-def sweep(recipe, looked_up, light, number):
-    """One block of light of a bake: bytes for _core.bake()'s workers.
+def sweep(recipe, looked_up, number):
+    """One block of indirect light of a bake: bytes for _core.bake()'s workers.
 
-    looked_up: LookedUp, None for direct light. Raises LeaflightError, Cancelled after cancel().
+    looked_up: LookedUp. Raises LeaflightError, Cancelled after cancel().
     """
     global _sweeper
     # What one block needs is shared by all, and each uses all threads that it may.
@@ -94,9 +94,8 @@ def sweep(recipe, looked_up, light, number):
         if _sweeper is None or _sweeper.key != recipe.key:
             _sweeper = None
             _sweeper = _Sweeper(recipe)
-        if looked_up is not None:
-            _sweeper.look_up(looked_up)
-        return _sweeper.sweep(light, number)
+        _sweeper.look_up(looked_up)
+        return _sweeper.sweep(number)
 
 
 def cancel(key):

@@ -146,26 +146,18 @@ class Sweeping:
             if isinstance(array, str):
                 Path(array).unlink(missing_ok=True)
 
-    def begin(self, light, first, count, state):
-        """Has blocks swept; state: what their lines look up, b"" for nothing."""
+    def begin(self, first, count, state):
+        """Has blocks swept; state: what their lines look up."""
         if not self._is_connected():
             return
         try:
             if self._sent is None or self._sent.status != "finished":
                 self._sent = self._client.scatter(self._recipe, broadcast=True, hash=False)
-            looked_up = None
-            if state:
-                looked_up = LookedUp(uuid.uuid4().hex, state)
-                looked_up = self._client.scatter(looked_up, broadcast=True, hash=False)
+            looked_up = LookedUp(uuid.uuid4().hex, state)
+            looked_up = self._client.scatter(looked_up, broadcast=True, hash=False)
             for number in range(first, first + count):
-                self._futures[light, number] = self._client.submit(
-                    sweeper.sweep,
-                    self._sent,
-                    looked_up,
-                    light,
-                    number,
-                    pure=False,
-                    retries=RETRIES,
+                self._futures[number] = self._client.submit(
+                    sweeper.sweep, self._sent, looked_up, number, pure=False, retries=RETRIES
                 )
         except _GONE:
             # Nobody is there any more; the bake goes on by itself.
@@ -174,18 +166,18 @@ class Sweeping:
     def _is_connected(self):
         return self._client.status == "running"
 
-    def take(self, light, number):
+    def take(self, number):
         """A block, or b"" where no worker has it, since they are gone or keep dying.
 
         Raises LeaflightError for workers of another Leaflight, Cancelled.
         """
-        future = self._futures.pop((light, number), None)
+        future = self._futures.pop(number, None)
         if future is not None:
             # In a thread: a transfer that is given up to look at the progress begins anew.
             fetched = self._fetching.submit(future.result)
             while not wait([fetched], timeout=POLL_SECONDS).done:
                 if self._progress.cancelled:
-                    self._futures[light, number] = future
+                    self._futures[number] = future
                     self._progress.check()
             try:
                 block = fetched.result()

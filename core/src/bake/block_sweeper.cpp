@@ -14,6 +14,7 @@ struct BlockSweeper::Parts {
   Plan plan;
   SceneTracer<3> tracer;
   LightSampler<3> lights;
+  SplitLight<3> split;
   EmptySpace<3> empty;
   SweptVolume<3> volume;
   std::atomic<std::uint64_t> rays{0};
@@ -25,14 +26,17 @@ struct BlockSweeper::Parts {
         plan(make_plan(scene, of)),
         tracer(scene),
         lights(tracer),
+        split(split_light(tracer)),
         empty(scene.volumes[0].field, scene.volumes[0].isovalues(scene.window).min),
         volume{tracer, 0, empty},
         arena(of.threads > 0 ? of.threads : tbb::task_arena::automatic) {
     arena.execute([&] {
       SweptTexels<3> texels = rounds_texels(volume, settings);
       texels.photon_count = 0;
-      bake = std::make_unique<SweptBake<3>>(volume, lights, settings, plan, progress, rays,
-                                            std::move(texels));
+      auto direct =
+          std::make_shared<const DirectLight<3>>(tracer, 0, split.points, plan.back, progress);
+      bake = std::make_unique<SweptBake<3>>(volume, lights, split, std::move(direct), settings,
+                                            plan, progress, rays, std::move(texels));
     });
   }
 };
@@ -57,23 +61,26 @@ std::uint64_t sweeper_memory(const Scene<3>& scene, const BakeSettings<3>& setti
   const SweptVolume<3> volume{tracer, 0, empty};
   const SweptTexels<3> texels = rounds_texels(volume, settings);
   const std::uint64_t sides = make_plan(scene, settings).back ? 2 : 1;
-  const auto swept = [&](const SweptLattice<3>& of) {
-    const std::uint64_t active = of.lattice.active.size();
-    return of.slots.size() * sizeof(of.slots[0]) + active * sizeof(of.lattice.active[0]) +
-           active * sides * TexelMoments::bytes_a_texel;
+  const auto known = [&](const SweptLattice<3>& of) {
+    return of.slots.size() * sizeof(of.slots[0]) +
+           of.lattice.active.size() * sizeof(of.lattice.active[0]);
   };
   const Field<3>& field = volume.volume().field;
   std::uint64_t voxels = 1;
   for (const int nodes : field.dims) voxels *= static_cast<std::uint64_t>(nodes);
   const std::uint64_t bytes_a_voxel =
       std::visit([](const auto* values) { return sizeof(*values); }, field.values);
-  const std::uint64_t direct = texels.direct.lattice.active.size();
   const std::uint64_t soft = texels.soft.lattice.active.size();
-  // The values, what the first lamps told, soft light as it comes and as it is
-  // looked up, and a block as it is and as it goes.
-  return voxels * bytes_a_voxel + texels.direct.lattice.texels() * LeafLight<3>::bytes_a_texel +
-         swept(texels.direct) + swept(texels.soft) + 3 * soft * (2 * sides - 1) * sizeof(Rgb) +
-         2 * std::max(direct, soft) * sides * sizeof(TexelSum);
+  // The values, the maps of direct light and what lines look up of them, soft light as it comes and
+  // as it is looked up, and a block as it is and as it goes.
+  const std::uint64_t maps =
+      sides * active_texels(field, field.dims, volume.window().min, volume.window().max) *
+      split_light(tracer).points.size();
+  return voxels * bytes_a_voxel +
+         std::min<std::uint64_t>(maps, sides * DirectLight<3>::most_bytes) +
+         texels.soft.lattice.texels() * LeafLight<3>::bytes_a_texel + known(texels.shown) +
+         known(texels.soft) + soft * sides * TexelMoments::bytes_a_texel +
+         3 * soft * (2 * sides - 1) * sizeof(Rgb) + 2 * soft * sides * sizeof(TexelSum);
 }
 
 void BlockSweeper::look_up(std::istream& stream) {
@@ -83,8 +90,8 @@ void BlockSweeper::look_up(std::istream& stream) {
   });
 }
 
-std::string BlockSweeper::sweep(SweptLight light, int number) {
-  return parts_->arena.execute([&] { return parts_->bake->sweep_for_others(light, number); });
+std::string BlockSweeper::sweep(int number) {
+  return parts_->arena.execute([&] { return parts_->bake->sweep_for_others(number); });
 }
 
 }  // namespace leaflight

@@ -1,100 +1,200 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "leaflight/bake/direct_light.h"
 
-#include "leaflight/math/low_discrepancy.h"
+#include <atomic>
+#include <cmath>
+#include <cstring>
+
+#include "leaflight/math/parallel.h"
+#include "leaflight/math/sampling.h"
 
 namespace leaflight {
+namespace {
+
+// Points whose maps are swept at once.
+constexpr std::size_t points_at_once = 16;
 
 template <int D>
-DirectLight<D>::DirectLight(const SweptVolume<D>& volume, const LightSampler<D>& lights,
-                            const SweptLattice<D>& texels, bool inner, std::uint64_t seed,
-                            int first_block)
-    : volume_(volume),
-      lights_(lights),
-      texels_(texels),
-      seed_(seed),
-      leaf_light_(volume, texels),
-      first_block_(first_block) {
-  const std::size_t n = texels.lattice.active.size();
-  moments_[0] = TexelMoments(n);
-  if (inner) moments_[1] = TexelMoments(n);
+TexelLattice<D> lattice_for(const Field<D>& field, const IsovalueWindow& window,
+                            std::size_t points) {
+  Index<D> resolution = field.dims;
+  for (int width = 2;; width *= 2) {
+    TexelLattice<D> lattice = make_lattice(field, resolution, window.min, window.max);
+    const std::size_t bytes = lattice.active.size() * points;
+    if (width > 2 || bytes <= DirectLight<D>::most_bytes) return lattice;
+    resolution = coarser_resolution<D>(field.dims, width);
+  }
 }
 
+// The gradient of the surface itself jumps at the faces of cells, on which meshes have their
+// vertices. This near to one, in voxels, it goes over to that of shading, which there is the mean
+// of both cells' across the face.
+constexpr double near_face = 0.05;
+
 template <int D>
-void DirectLight<D>::add_blocks(int count, Progress& progress, std::atomic<std::uint64_t>& lines,
-                                const std::function<void()>& after_block,
-                                const BlockWorkers* workers) {
-  for (TexelMoments& side : moments_) side.open();
-  const int own = blocks_ == 0 ? 1 : 0;  // it tells leaf_light_ its sources
-  if (workers && count > own) {
-    workers->begin(SweptLight::direct, first_block_ + blocks_ + own, count - own, {});
+Vec<D> surface_gradient(const CellCorners<D>& corners, const Vec<D>& local, const Vec<D>& shading) {
+  Vec<D> gradient = geometric_gradient(corners, local);
+  for (int a = 0; a < D; ++a) {
+    const double own = std::min(1.0, std::min(local[a], 1 - local[a]) / near_face);
+    gradient[a] = shading[a] + (gradient[a] - shading[a]) * own;
   }
-  for (int i = 0; i < count; ++i) {
-    const int number = first_block_ + blocks_;
-    const std::string bytes =
-        workers && i >= own ? workers->take(SweptLight::direct, number) : std::string();
-    if (bytes.empty()) {
-      sweep(number, progress, lines, moments_, i < own ? &leaf_light_ : nullptr);
-    } else {
-      lines += take_block(bytes, moments_);
-      progress.advance(cost());
+  return gradient;
+}
+
+}  // namespace
+
+template <int D>
+DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
+                            const std::vector<LightPoint<D>>& points, bool inner,
+                            Progress& progress)
+    : window_(tracer.scene().volumes[volume].isovalues(tracer.scene().window)),
+      albedo_(tracer.scene().volumes[volume].albedo),
+      offset_(tracer.scene().volumes[volume].offset),
+      scale_(tracer.scene().volumes[volume].scale),
+      to_frame_(tracer.index_to_frame(volume)),
+      to_index_(inverse(to_frame_)),
+      points_(points),
+      lattice_(lattice_for(tracer.scene().volumes[volume].field, window_, points.size())) {
+  fill_blocks();
+  std::atomic<bool> any_dark{false};
+  const std::size_t count = points_.size(), texels = lattice_.active.size();
+  for (int side = 0; side < (inner ? 2 : 1); ++side) {
+    maps_[side].resize(texels * count + block);  // whole blocks are read
+    const VisibilityCode code{window_, side != 0};
+    const VisibilitySweep<D> sweep(tracer, volume, lattice_, code);
+    for (std::size_t first = 0; first < count; first += points_at_once) {
+      const std::size_t some = std::min(points_at_once, count - first);
+      std::vector<std::vector<std::uint8_t>> found(some);
+      parallel_range(some, 1, static_cast<double>(lattice_.texels()), progress,
+                     [&](std::size_t begin, std::size_t end) {
+                       for (std::size_t i = begin; i < end; ++i) {
+                         sweep.run(points_[first + i].source, found[i], progress);
+                       }
+                     });
+      parallel_range(texels, 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t s = begin; s < end; ++s) {
+          std::uint8_t* to = &maps_[side][s * count + first];
+          for (std::size_t i = 0; i < some; ++i) {
+            to[i] = found[i][lattice_.active[s]];
+            if (to[i] == VisibilityCode::dark) any_dark = true;
+          }
+        }
+      });
     }
-    for (TexelMoments& side : moments_) side.close_block(progress);
-    ++blocks_;
-    if (after_block) after_block();
   }
-  for (TexelMoments& side : moments_) side.release();
+  has_dark_ = any_dark;
 }
 
 template <int D>
-std::string DirectLight<D>::sweep_for_others(int number, Progress& progress) {
-  std::atomic<std::uint64_t> lines{0};
-  for (TexelMoments& side : moments_) side.open();
-  sweep(number, progress, lines, moments_, nullptr);
-  std::string bytes = block_bytes(moments_, lines);
-  for (TexelMoments& side : moments_) side.release();
-  return bytes;
+float DirectLight<D>::greatest(std::size_t point, const TexelWeights<D>& near, bool inner) const {
+  float sum = 0;
+  for (int i = 0; i < (1 << D); ++i) {
+    if (!(near.weight[i] > 0)) continue;
+    sum += near.weight[i] * maps_[inner][near.slot[i] * points_.size() + point];
+  }
+  return sum;
 }
 
 template <int D>
-void DirectLight<D>::keep(Keeper& keeper, Progress& progress) {
-  keeper(blocks_);
-  for (TexelMoments& side : moments_) side.keep(keeper);
-  if (keeper.restores() && blocks_ > 0) learn_leaf_light(first_block_, progress);
-}
-
-template <int D>
-void DirectLight<D>::learn_leaf_light(int block, Progress& progress) {
-  if (leaf_light_.sources() > 0) return;
-  std::atomic<std::uint64_t> lines{0};
-  for (TexelMoments& side : moments_) side.open();
-  sweep(block, progress, lines, moments_, &leaf_light_);
-  for (TexelMoments& side : moments_) side.release();
-}
-
-template <int D>
-void DirectLight<D>::sweep(int block, Progress& progress, std::atomic<std::uint64_t>& lines,
-                           SideMoments& moments, LeafLight<D>* leaf_light) {
-  Random random = random_for(seed_, Purpose::direct_sweep, block);
-  const std::uint64_t choice_key = random.bits(), source_key = random.bits(),
-                      offset_key = random.bits();
-  for (int i = 0; i < sources_per_block && lights_.can_light(); ++i) {
-    const double choice = lights_.has_choice() ? sobol_point(i, choice_key)[0] : 0;
-    const LightSource<D> source = lights_.source(choice, sobol_point(i, source_key));
-    sweep_direct(volume_, texels_, source, sobol_point(i, offset_key), progress, lines, moments,
-                 leaf_light);
-    progress.advance(cost() / sources_per_block);
+void DirectLight<D>::fill_blocks() {
+  blocks_.resize((points_.size() + block - 1) / block);
+  for (Block& of : blocks_) {
+    for (Row& row : of.at) row.fill(1);
+  }
+  for (std::size_t n = 0; n < points_.size(); ++n) {
+    const LightSource<D>& source = points_[n].source;
+    Block& of = blocks_[n / block];
+    const std::size_t k = n % block;
+    of.near[k] = source.infinite ? 0 : 1;
+    const bool even = source.infinite || source.sphere;
+    (even ? of.even : source.both_sides ? of.both : of.front)[k] = 1;
+    for (int a = 0; a < D; ++a) {
+      of.at[a][k] = static_cast<float>(source.infinite ? -source.direction[a] : source.position[a]);
+      if (!even) of.normal[a][k] = static_cast<float>(source.normal[a]);
+    }
+    for (int i = 0; i < 3; ++i) of.amount[i][k] = static_cast<float>(source.amount[i]);
+    if (source.cone) of.cones.push_back(static_cast<int>(k));
   }
 }
 
 template <int D>
-double DirectLight<D>::cost() const {
-  return static_cast<double>(texels_.lattice.texels()) * sources_per_block;
-}
-
-template <int D>
-std::vector<Average> DirectLight<D>::averages(bool inner) const {
-  return moments_[inner].averages();
+Rgb DirectLight<D>::radiance(const Field<D>& field, const Vec<D>& index_position,
+                             bool inner) const {
+  const CellPoint<D> at = locate(field, index_position);
+  const CellCorners<D> corners = load_corners(field, at.cell);
+  const double h = interpolate(corners, at.local);
+  if (std::isnan(h)) return Rgb(0);
+  // Towards higher values, the inner side.
+  const Vec<D> shading = shading_gradient(field, at);
+  const Vec<D> gradient = to_index_.pull_back_gradient(shading);
+  const double length = gradient.length();
+  if (!(length > 0)) return Rgb(0);
+  const double outward = (inner ? 1 : -1) / length;
+  const Vec<D, float> normal(gradient * outward);
+  const Vec<D, float> geometric(
+      to_index_.pull_back_gradient(surface_gradient(corners, at.local, shading)) * outward);
+  const Vec<D> place = to_frame_.point(index_position);
+  const Vec<D, float> x(place);
+  const TexelWeights<D> near = linear_weights(lattice_, index_position);
+  const float own = VisibilityCode{window_, inner}(h);
+  std::array<float, 3> irradiance{};
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    const Block& of = blocks_[b];
+    Row greatest{}, dark{};
+    for (int i = 0; i < (1 << D); ++i) {
+      const float w = near.weight[i];
+      if (!(w > 0)) continue;
+      const std::uint8_t* codes = &maps_[inner][near.slot[i] * points_.size() + b * block];
+      if (!has_dark_) {
+        for (int k = 0; k < block; ++k) greatest[k] += w * static_cast<float>(codes[k]);
+        continue;
+      }
+      for (int k = 0; k < block; ++k) {
+        // A mesh's shadow ends half way between the texels on either side of its edge.
+        const float is_dark = codes[k] == VisibilityCode::dark ? w : 0.0f;
+        dark[k] += is_dark;
+        greatest[k] += (w - is_dark) * static_cast<float>(codes[k]);
+      }
+    }
+    Row distance2{}, cosine{}, facing{}, leaving{}, share;
+    for (int a = 0; a < D; ++a) {
+      const float from = x[a], own_normal = normal[a], own_geometric = geometric[a];
+      for (int k = 0; k < block; ++k) {
+        const float way = from * of.near[k] - of.at[a][k];
+        distance2[k] += way * way;
+        cosine[k] -= way * own_normal;
+        facing[k] -= way * own_geometric;
+        leaving[k] += way * of.normal[a][k];
+      }
+    }
+    for (int k = 0; k < block; ++k) {
+      const float per_distance = 1 / std::sqrt(distance2[k]);
+      const float from_light = leaving[k] * per_distance;
+      const float front = from_light > 0 ? from_light : 0.0f;
+      const float strength = of.even[k] + of.front[k] * front + of.both[k] * std::abs(from_light);
+      const float spreads = D == 3 ? per_distance * per_distance : per_distance;
+      const float light = strength * spreads * cosine[k] * per_distance;
+      const float shown = greatest[k] < own * (1 - dark[k]) ? light : 0.0f;
+      const float unhidden = dark[k] < 0.5f ? shown : 0.0f;
+      const float faced = facing[k] > 0 ? unhidden : 0.0f;
+      share[k] = cosine[k] > 0 ? faced : 0.0f;
+    }
+    for (const int k : of.cones) {
+      if (!(share[k] > 0)) continue;
+      LightSource<D> cone = points_[b * block + k].source;
+      const Vec<D> way = place - cone.position;
+      const double distance = way.length();
+      const double with = cone.strength(way / distance, distance);
+      cone.cone.reset();
+      const double without = cone.strength(way / distance, distance);
+      share[k] *= static_cast<float>(without > 0 ? with / without : 0);
+    }
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < block; ++k) irradiance[i] += share[k] * of.amount[i][k];
+    }
+  }
+  const Rgb sum(irradiance[0], irradiance[1], irradiance[2]);
+  return sum * albedo_.at((h - offset_) / scale_) / static_cast<Real>(projected_hemisphere<D>);
 }
 
 template class DirectLight<2>;

@@ -56,7 +56,7 @@ struct Gathering {
   const bool one_albedo = of.albedo.stops.size() == 1;
   const Affine<D> to_frame = texels_to_frame(volume, texels.lattice);
   const bool meshes = !tracer.meshes().empty();
-  const bool within = meshes && meshes_near<D>(volume, nullptr);
+  const bool within = meshes && meshes_near<D>(tracer, volume.number, nullptr);
   // From texels to those of other lattices.
   const Vec<D> to_source = texels.lattice.voxels_per_texel / from.texels.lattice.voxels_per_texel;
   const Vec<D> to_direct = texels.lattice.voxels_per_texel / from.direct.lattice().voxels_per_texel;
@@ -118,6 +118,7 @@ void Gathering<D>::walk(const LineBundle<D>& line, int lane, int step, const Vec
   const int begin = step > 0 ? line.first(lane) : line.last(lane);
   const int end = step > 0 ? line.last(lane) : line.first(lane);
   const Vec<D> back = way * -step;
+  const Rgb sky = from.sky ? from.sky->radiance(back) : Rgb(0);
   const auto per_length = static_cast<float>(step / length);
   const double half = 0.5 / (line.direction(lane) * to_source).length();
   std::optional<SurroundingsHit> wall;
@@ -168,6 +169,9 @@ void Gathering<D>::walk(const LineBundle<D>& line, int lane, int step, const Vec
         } else if (wall) {
           const double u = static_cast<double>(Random::mix(key + slot) >> 11) * 0x1p-53;
           radiance = from.surroundings->radiance(*wall, back, of.leaf_coordinate(h), u);
+          if (from.mesh_is_wide[wall->mesh]) radiance += tracer.meshes()[wall->mesh].emission;
+        } else {
+          radiance = sky;
         }
         moments[!outer].sums[slot].add(Imath::V3f(radiance), std::abs(climb));
       }

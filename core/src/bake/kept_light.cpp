@@ -30,42 +30,24 @@ float kept_share(const Average& found, int blocks, int kept) {
 }
 
 template <int D>
-KeptLight<D>::KeptLight(RadianceGrid<D> grid, int rounds, int direct_blocks, int indirect_blocks)
-    : grid_(std::move(grid)),
-      rounds_(rounds),
-      direct_blocks_(direct_blocks),
-      indirect_blocks_(indirect_blocks) {
-  to_half(grid_.radiance);
+KeptLight<D>::KeptLight(RadianceGrid<D> grid, int rounds, int blocks)
+    : grid_(std::move(grid)), rounds_(rounds), blocks_(blocks) {
   to_half(grid_.radiance_indirect);
-  to_half(grid_.radiance_back);
   to_half(grid_.radiance_back_indirect);
   for (float& error : grid_.radiance_error) error = in_half(error);
 }
 
 template <int D>
-void KeptLight<D>::add_to(std::vector<Average>& direct, int direct_blocks,
-                          std::vector<Average>& indirect, int indirect_blocks, bool inner) const {
-  const float w = share_of(direct_blocks_, direct_blocks);
-  const float v = share_of(indirect_blocks_, indirect_blocks);
-  for (std::size_t s = 0; s < direct.size(); ++s) {
-    Average &own = direct[s], &soft = indirect[s];
-    own.mean = own.mean * (1 - w) + this->direct(s, inner) * w;
-    soft.mean = soft.mean * (1 - v) + this->indirect(s, inner) * v;
-    // What as many blocks as were kept would err by, as far as new ones tell.
-    const float own_kept = own.variance * direct_blocks / std::max(1, direct_blocks_);
-    const float soft_kept = soft.variance * indirect_blocks / std::max(1, indirect_blocks_);
-    const float both = own_kept + soft_kept, share = both > 0 ? own_kept / both : 1;
-    const float kept = inner ? both : grid_.radiance_error[s] * grid_.radiance_error[s];
-    own.variance = own.variance * (1 - w) * (1 - w) + kept * share * w * w;
-    soft.variance = soft.variance * (1 - v) * (1 - v) + kept * (1 - share) * v * v;
-  }
-}
-
-template <int D>
-void KeptLight<D>::add_to_direct(std::vector<Average>& direct, int blocks, bool inner) const {
-  for (std::size_t s = 0; s < direct.size(); ++s) {
-    const float w = kept_share(direct[s], blocks, direct_blocks_);
-    direct[s].mean = direct[s].mean * (1 - w) + this->direct(s, inner) * w;
+void KeptLight<D>::add_to(std::vector<Average>& indirect, int blocks, bool inner) const {
+  const float w = share_of(blocks_, blocks);
+  for (std::size_t s = 0; s < indirect.size(); ++s) {
+    Average& soft = indirect[s];
+    soft.mean = soft.mean * (1 - w) + this->indirect(s, inner) * w;
+    // A file keeps no error of the inner side: it is what as many blocks as were kept would err by,
+    // as far as new ones tell.
+    const float kept = inner ? soft.variance * blocks / std::max(1, blocks_)
+                             : grid_.radiance_error[s] * grid_.radiance_error[s];
+    soft.variance = soft.variance * (1 - w) * (1 - w) + kept * w * w;
   }
 }
 
@@ -88,11 +70,6 @@ std::vector<Rgb> KeptLight<D>::soft(const Volume<D>& volume, const IsovalueWindo
     result.push_back(average.mean);
   }
   return result;
-}
-
-template <int D>
-Rgb KeptLight<D>::direct(std::size_t slot, bool inner) const {
-  return Rgb(inner ? grid_.radiance_back[slot] : grid_.radiance[slot]) - indirect(slot, inner);
 }
 
 template <int D>

@@ -3,62 +3,86 @@
 
 #include <cmath>
 
+#include "leaflight/math/discrete_distribution.h"
 #include "leaflight/math/sampling.h"
 
 namespace leaflight {
+namespace {
 
+// Numbers of points that stand for all, with the share of all light that each stands for divided by
+// its own: all of them if they are few, or some by the light that they bring to the middle.
 template <int D>
-LeafLight<D>::LeafLight(const SweptVolume<D>& volume, const SweptLattice<D>& texels)
-    : volume_(volume), texels_(&texels), window_(volume.window()) {}
-
-template <int D>
-void LeafLight<D>::add(const LightSource<D>& source) {
-  sources_.push_back(source);
-  greatest_.assign(lattice().texels(), 0);
+std::vector<std::pair<std::size_t, double>> stand_ins(const DirectLight<D>& direct, int most) {
+  std::vector<std::pair<std::size_t, double>> chosen;
+  const std::size_t count = direct.points();
+  if (count == 0) return chosen;
+  std::vector<double> light(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const LightSource<D>& source = direct.point(i).source;
+    const double distance = source.infinite ? 1 : source.position.length();
+    const Vec<D> way =
+        source.infinite || !(distance > 0) ? source.direction : -source.position / distance;
+    // What shines elsewhere may be seen, too.
+    light[i] = average(source.amount) * (source.strength(way, std::max(distance, 0.1)) + 0.05);
+  }
+  const DiscreteDistribution by_light(std::move(light));
+  const int wanted = static_cast<int>(std::min<std::size_t>(count, most));
+  for (int k = 0; k < wanted; ++k) {
+    if (wanted == static_cast<int>(count)) {
+      chosen.emplace_back(k, count);
+    } else {
+      const auto picked = by_light.pick((k + 0.5) / wanted);
+      chosen.emplace_back(picked.index, 1 / picked.probability);
+    }
+  }
+  return chosen;
 }
 
+}  // namespace
+
 template <int D>
-void LeafLight<D>::finish(Progress& progress) {
-  const LightSource<D>& source = sources_.back();
-  const TexelLattice<D>& lattice = texels_->lattice;
-  const Field<D>& field = volume_.volume().field;
-  const Affine<D> to_frame = texels_to_frame(volume_, lattice), to_texels = inverse(to_frame);
-  const Affine<D> frame_to_index = inverse(volume_.tracer.index_to_frame(volume_.number));
-  std::vector<std::uint32_t> packed(lattice.texels(), 0);
+LeafLight<D>::LeafLight(const SweptVolume<D>& volume, const SweptLattice<D>& texels,
+                        const DirectLight<D>& direct, Progress& progress)
+    : texels_(&texels), code_{volume.window(), false} {
+  const TexelLattice<D>& lattice = texels.lattice;
+  const Field<D>& field = volume.volume().field;
+  const Affine<D>& to_frame = volume.tracer.index_to_frame(volume.number);
+  const Affine<D> to_index = inverse(to_frame);
+  const auto chosen = stand_ins(direct, most_sources);
+  for (const auto& [number, times] : chosen) {
+    amounts_.push_back(direct.point(number).source.amount * static_cast<Real>(times));
+    reflected_.emplace_back(lattice.texels(), 0u);
+  }
   parallel_range(lattice.active.size(), 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) {
-      const std::uint32_t number = lattice.active[s];
-      const Vec<D> position = to_vector<D>(lattice.texel(number));
-      Index<D> voxel;
-      for (int a = 0; a < D; ++a) {
-        voxel[a] = std::min(static_cast<int>(position[a] * lattice.voxels_per_texel[a] + 0.5),
-                            field.dims[a] - 1);
-      }
-      const Vec<D> gradient = frame_to_index.pull_back_gradient(voxel_gradient(field, voxel));
+      const std::uint32_t texel = lattice.active[s];
+      const Vec<D> position = lattice.centre(texel);
+      const Vec<D> gradient =
+          to_index.pull_back_gradient(shading_gradient(field, locate(field, position)));
       const double steep = gradient.length();
       if (!(steep > 0)) continue;
-      const Vec<D> normal = gradient / -steep;
-      Vec<D> way = source.direction;
-      double distance = 1;
-      if (!source.infinite) {
-        way = to_frame.point(position) - source.position;
-        distance = way.length();
-        way /= distance;
+      const Vec<D> normal = gradient / -steep, place = to_frame.point(position);
+      const TexelWeights<D> near = linear_weights(direct.lattice(), position);
+      for (std::size_t k = 0; k < chosen.size(); ++k) {
+        const LightSource<D>& source = direct.point(chosen[k].first).source;
+        Vec<D> way = source.direction;
+        double distance = 1;
+        if (!source.infinite) {
+          way = place - source.position;
+          distance = way.length();
+          way /= distance;
+        }
+        const double cosine = -way.dot(normal);
+        if (!(cosine > 0)) continue;
+        const auto share =
+            static_cast<float>(source.strength(way, distance) * cosine / projected_hemisphere<D>);
+        const float greatest = direct.greatest(chosen[k].first, near, false);
+        std::uint32_t& packed = reflected_[k][texel];
+        std::memcpy(&packed, &share, sizeof share);
+        packed = (packed & ~0xffu) | static_cast<std::uint32_t>(greatest + 0.5f);
       }
-      const double cosine = -way.dot(normal);
-      if (!(cosine > 0)) continue;
-      const auto share =
-          static_cast<float>(source.strength(way, distance) * cosine / projected_hemisphere<D>);
-      // Shadows are looked up a texel away from the surface.
-      Vec<D> out = to_texels.vector(normal);
-      double most = 0;
-      for (int a = 0; a < D; ++a) most = std::max(most, std::abs(out[a]));
-      const std::uint8_t shadow = greatest_[nearest_texel(lattice, position + out / most)];
-      std::memcpy(&packed[number], &share, sizeof share);
-      packed[number] = (packed[number] & ~0xffu) | shadow;
     }
   });
-  reflected_.push_back(std::move(packed));
 }
 
 template class LeafLight<2>;

@@ -42,7 +42,7 @@ class LightMemory {
     BakeSettings<3> settings = settings_;
     settings.resolution = resolution;
     const RoundsResolutions<3> chosen = rounds_resolutions(field_, window_, settings);
-    const double direct = texels(chosen.direct);
+    const double direct = texels(chosen.shown);
     const double lit = direct * a_texel_.direct + texels(chosen.soft) * a_texel_.soft +
                        texels(chosen.photons) * photon_texel;
     const double saved = direct * saved_texel + saved_voxel * static_cast<double>(field_.voxels());

@@ -18,34 +18,32 @@ constexpr double narrow = 0.75;
 // What the grid says at the vertices, written into the lists that are wished.
 class Lookup {
  public:
-  Lookup(const RadianceGrid<3>& grid, const LitContourSettings& settings, std::size_t vertices,
-         LitMesh& mesh)
-      : grid_(grid), settings_(settings), mesh_(mesh) {
+  Lookup(const RadianceGrid<3>& grid, const Field<3>& field, const LitContourSettings& settings,
+         std::size_t vertices, LitMesh& mesh)
+      : grid_(grid), field_(field), settings_(settings), mesh_(mesh) {
     mesh.radiance.resize(settings.radiance ? vertices : 0);
     mesh.radiance_back.resize(settings.radiance_back ? vertices : 0);
   }
   bool wished() const { return settings_.radiance || settings_.radiance_back; }
   // Where there is but one level.
   void at(std::size_t first, const std::vector<Vec3>& positions) const {
-    if (settings_.radiance) {
-      lookup(grid_.lattice, grid_.radiance, positions, &mesh_.radiance[first]);
-    }
+    if (settings_.radiance) radiance_at(grid_, field_, positions, false, &mesh_.radiance[first]);
     if (settings_.radiance_back) {
-      lookup(grid_.lattice, grid_.radiance_back, positions, &mesh_.radiance_back[first]);
+      radiance_at(grid_, field_, positions, true, &mesh_.radiance_back[first]);
     }
   }
   void at(std::size_t vertex, const Vec3& index_position) const {
-    const RadianceLevel<3>& level = grid_.at(index_position);
     if (settings_.radiance) {
-      mesh_.radiance[vertex] = lookup(level.lattice, level.radiance, index_position);
+      mesh_.radiance[vertex] = radiance_at(grid_, field_, index_position, false);
     }
     if (settings_.radiance_back) {
-      mesh_.radiance_back[vertex] = lookup(level.lattice, level.radiance_back, index_position);
+      mesh_.radiance_back[vertex] = radiance_at(grid_, field_, index_position, true);
     }
   }
 
  private:
   const RadianceGrid<3>& grid_;
+  const Field<3>& field_;
   const LitContourSettings& settings_;
   LitMesh& mesh_;
 };
@@ -75,7 +73,7 @@ void lit_contour(const RadianceGrid<3>& grid, const Field<3>& field, double isov
   const bool as_it_is = grid.levels() == 1 && grid.lattice.voxels_per_texel[0] >= narrow &&
                         cubes.vertices() >= settings.least_vertices && !field.masked;
   if (as_it_is) {
-    const Lookup look_up(grid, settings, cubes.vertices(), mesh);
+    const Lookup look_up(grid, field, settings, cubes.vertices(), mesh);
     MarchingCubes::Visit visit;
     if (look_up.wished()) {
       visit = [&](std::size_t first, const std::vector<Vec3>& positions) {
@@ -88,7 +86,7 @@ void lit_contour(const RadianceGrid<3>& grid, const Field<3>& field, double isov
   cubes.fill(mesh, settings.normals);
   if (field.masked) drop_unused_vertices(mesh);
   split_as_texels(grid, field, isovalue, settings.least_vertices, mesh);
-  const Lookup look_up(grid, settings, mesh.vertices.size(), mesh);
+  const Lookup look_up(grid, field, settings, mesh.vertices.size(), mesh);
   if (!look_up.wished()) return;
   tbb::parallel_for(std::size_t{0}, mesh.vertices.size(), [&](std::size_t v) {
     look_up.at(v, field.world_to_index.point(Vec3(mesh.vertices[v])));

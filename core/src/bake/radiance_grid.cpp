@@ -124,18 +124,45 @@ Vec<3, float> lookup(const TexelLattice<D>& lattice, const std::vector<Vec<3, fl
   return texels.mean(values);
 }
 
+namespace {
+
+// The texels that are looked up.
 template <int D>
-void lookup(const TexelLattice<D>& lattice, const std::vector<Vec<3, float>>& values,
-            const std::vector<Vec<D>>& index_positions, Vec<3, float>* found) {
+const Colours& texels_of(const RadianceLevel<D>& level, bool exact, bool back) {
+  if (exact) return back ? level.radiance_back_indirect : level.radiance_indirect;
+  return back ? level.radiance_back : level.radiance;
+}
+
+}  // namespace
+
+template <int D>
+Vec<3, float> radiance_at(const RadianceGrid<D>& grid, const Field<D>& field,
+                          const Vec<D>& index_position, bool back) {
+  const RadianceLevel<D>& level = grid.at(index_position);
+  const bool exact = grid.direct != nullptr;
+  Vec<3, float> radiance = lookup(level.lattice, texels_of(level, exact, back), index_position);
+  if (exact) radiance += Vec<3, float>(grid.direct->radiance(field, index_position, back));
+  return radiance;
+}
+
+template <int D>
+void radiance_at(const RadianceGrid<D>& grid, const Field<D>& field,
+                 const std::vector<Vec<D>>& index_positions, bool back, Vec<3, float>* found) {
   constexpr std::size_t ahead = 16;
+  const Colours& values = texels_of(grid, grid.direct != nullptr, back);
   std::array<UsedTexels<D>, ahead> texels;
   for (std::size_t first = 0; first < index_positions.size(); first += ahead) {
     const std::size_t count = std::min(ahead, index_positions.size() - first);
     for (std::size_t n = 0; n < count; ++n) {
-      texels[n].find(lattice, index_positions[first + n]);
+      texels[n].find(grid.lattice, index_positions[first + n]);
       texels[n].fetch(values);
     }
-    for (std::size_t n = 0; n < count; ++n) found[first + n] = texels[n].mean(values);
+    for (std::size_t n = 0; n < count; ++n) {
+      found[first + n] = texels[n].mean(values);
+      if (!grid.direct) continue;
+      const Vec<D>& position = index_positions[first + n];
+      found[first + n] += Vec<3, float>(grid.direct->radiance(field, position, back));
+    }
   }
 }
 
@@ -160,10 +187,12 @@ template Vec<3, float> lookup<2>(const TexelLattice<2>&, const std::vector<Vec<3
                                  const Vec<2>&);
 template Vec<3, float> lookup<3>(const TexelLattice<3>&, const std::vector<Vec<3, float>>&,
                                  const Vec<3>&);
-template void lookup<2>(const TexelLattice<2>&, const std::vector<Vec<3, float>>&,
-                        const std::vector<Vec<2>>&, Vec<3, float>*);
-template void lookup<3>(const TexelLattice<3>&, const std::vector<Vec<3, float>>&,
-                        const std::vector<Vec<3>>&, Vec<3, float>*);
+template Vec<3, float> radiance_at<2>(const RadianceGrid<2>&, const Field<2>&, const Vec<2>&, bool);
+template Vec<3, float> radiance_at<3>(const RadianceGrid<3>&, const Field<3>&, const Vec<3>&, bool);
+template void radiance_at<2>(const RadianceGrid<2>&, const Field<2>&, const std::vector<Vec<2>>&,
+                             bool, Vec<3, float>*);
+template void radiance_at<3>(const RadianceGrid<3>&, const Field<3>&, const std::vector<Vec<3>>&,
+                             bool, Vec<3, float>*);
 template float lookup_error<2>(const TexelLattice<2>&, const std::vector<float>&, const Vec<2>&);
 template float lookup_error<3>(const TexelLattice<3>&, const std::vector<float>&, const Vec<3>&);
 

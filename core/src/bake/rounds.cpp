@@ -20,34 +20,18 @@ constexpr int first_blocks = 2, least_blocks = 4, most_blocks = 32;
 // these shares; and of what texels miss, where that alone is more, as sweeps do not mend it.
 constexpr double least_noise = 0.25, most_noise = 0.8, out_of_reach_noise = 0.5;
 
-// Blocks of direct and of indirect light.
-struct Blocks {
-  int direct, indirect;
-
-  bool enough() const {
-    return direct >= least_blocks && (indirect == 0 || indirect >= least_blocks);
-  }
-};
-
-// The blocks after the next round: those for which the work is least that leaves the noise
-// `target`, a variance, by what was found so far; at most twice as many as now.
+// The blocks after the next round: as many as leave the noise `target`, a variance, by what was
+// found so far; at most twice as many as now.
 template <int D>
-Blocks next_blocks(const SweptBake<D>& bake, double target) {
-  const int direct = bake.direct_blocks(), indirect = bake.indirect_blocks();
-  const LeafError error = bake.errors().all();
-  // Variance times work of one block.
-  const double own = error.direct * direct * bake.direct_cost();
-  const double soft = error.indirect * indirect * bake.indirect_cost();
-  const double both = (std::sqrt(own) + std::sqrt(soft)) / target;
-  const auto next = [&](int now, double product, double cost) {
-    const int least = std::max(now, std::min(least_blocks, 2 * now));
-    const int most = std::max(least, std::min(2 * now, most_blocks));
-    const double wanted = cost > 0 ? std::sqrt(product) / cost * both : 0;
-    // A round that adds little costs as much to look at as one that adds more.
-    const double grown = wanted > now ? std::max(std::ceil(wanted), std::ceil(1.25 * now)) : now;
-    return static_cast<int>(std::clamp<double>(grown, least, most));
-  };
-  return {next(direct, own, bake.direct_cost()), next(indirect, soft, bake.indirect_cost())};
+int next_blocks(const SweptBake<D>& bake, double target) {
+  const int now = bake.blocks();
+  if (now == 0) return 0;
+  const double wanted = bake.errors().all().noise * now / target;
+  const int least = std::max(now, std::min(least_blocks, 2 * now));
+  const int most = std::max(least, std::min(2 * now, most_blocks));
+  // A round that adds little costs as much to look at as one that adds more.
+  const double grown = wanted > now ? std::max(std::ceil(wanted), std::ceil(1.25 * now)) : now;
+  return static_cast<int>(std::clamp<double>(grown, least, most));
 }
 
 }  // namespace
@@ -75,26 +59,33 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
   const SceneTracer<D> tracer(scene);
   check_placement(tracer);
   const LightSampler<D> lights(tracer);
+  const SplitLight<D> split = split_light(tracer);
   const EmptySpace<D> empty(scene.volumes[0].field, scene.volumes[0].isovalues(scene.window).min);
   const SweptVolume<D> volume{tracer, 0, empty};
   progress.check();
   SweptTexels<D> texels = rounds_texels(volume, settings);
   progress.check();
-  const std::size_t count = texels.direct.lattice.active.size();
+  const std::size_t count = texels.shown.lattice.active.size();
   if (count == 0) {
     throw Error(
         "No isosurface of the isovalue window passes through the volume; widen the window.");
   }
-  if (kept && kept->lattice().resolution != texels.direct.lattice.resolution) kept = nullptr;
+  if (kept && kept->lattice().resolution != texels.shown.lattice.resolution) kept = nullptr;
   if (kept &&
-      (kept->lattice().active != texels.direct.lattice.active || kept->has_back() != plan.back)) {
+      (kept->lattice().active != texels.shown.lattice.active || kept->has_back() != plan.back)) {
     throw Error(
         "The bake to continue is of another volume, window or other sides; bake the volume anew.");
   }
   // Until sweeps know what they cost.
-  progress.expect(least_blocks * static_cast<double>(texels.direct.lattice.texels()) *
-                  (DirectLight<D>::sources_per_block +
-                   IndirectLight<D>::directions_per_block / std::pow(texels.spacing, D - 1)));
+  const double sides = plan.back ? 2 : 1;
+  double work = sides * static_cast<double>(texels.shown.lattice.texels() * split.points.size());
+  progress.expect(work + least_blocks * static_cast<double>(texels.shown.lattice.texels()) *
+                             IndirectLight<D>::directions_per_block /
+                             std::pow(texels.spacing, D - 1));
+  progress.begin("Direct light");
+  const auto direct =
+      std::make_shared<const DirectLight<D>>(tracer, 0, split.points, plan.back, progress);
+  work = sides * static_cast<double>(direct->lattice().texels() * split.points.size());
   std::atomic<std::uint64_t> rays{0};
   int rounds = kept ? kept->rounds() : 0;
   const auto whole = [&](SweptBake<D>& bake) {
@@ -102,10 +93,9 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
     baked.grids.push_back(bake.grid());
     baked.statistics.rays = rays;
     baked.statistics.rounds = rounds;
-    baked.statistics.direct_blocks = bake.direct_blocks();
-    baked.statistics.indirect_blocks = bake.indirect_blocks();
+    baked.statistics.blocks = bake.blocks();
     const LeafError error = bake.errors().all();
-    baked.statistics.noise_percent = 100 * std::sqrt(error.noise());
+    baked.statistics.noise_percent = 100 * std::sqrt(error.noise);
     baked.statistics.error_percent = error.percent();
     baked.statistics.worst = bake.errors().worst();
     return baked;
@@ -125,17 +115,17 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
   if (!kept && count > most_without_preview) {
     ++rounds;
     if (on_round && !resumes) {
-      SweptBake<D> preview(volume, lights, settings, plan, progress, rays,
-                           preview_texels(volume, texels.direct.lattice.resolution));
-      preview.add(first_blocks, first_blocks);
+      SweptBake<D> preview(volume, lights, split, direct, settings, plan, progress, rays,
+                           preview_texels(volume, texels.shown.lattice.resolution));
+      preview.add(first_blocks);
       on_round(whole(preview));
       if (ended()) return last(preview, whole(preview), true);
     }
   }
-  SweptBake<D> bake(volume, lights, settings, plan, progress, rays, std::move(texels), kept,
-                    hooks.workers);
-  const Blocks before{bake.direct_blocks(), bake.indirect_blocks()};
-  Blocks blocks{before.direct + first_blocks, plan.indirect ? before.indirect + first_blocks : 0};
+  SweptBake<D> bake(volume, lights, split, direct, settings, plan, progress, rays,
+                    std::move(texels), kept, hooks.workers);
+  const int before = bake.blocks();
+  int blocks = plan.indirect ? before + first_blocks : 0;
   const auto keep = [&](Keeper keeper) {
     // Numbers are kept as this build has them in memory.
     int layout = sizeof(Real) * 256 + D;
@@ -145,8 +135,7 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
     std::uint64_t traced = rays;
     keeper(traced);
     keeper(rounds);
-    keeper(blocks.direct);
-    keeper(blocks.indirect);
+    keeper(blocks);
     bake.keep(keeper);
     rays = traced;
   };
@@ -162,20 +151,17 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
   };
   const std::function<void()> between = after_block;
   for (;;) {
-    progress.expect(bake.direct_cost() * (std::max(blocks.direct, least_blocks) - before.direct) +
-                    bake.indirect_cost() *
-                        (std::max(blocks.indirect + 1, least_blocks) - before.indirect));
-    bake.add(blocks.direct - bake.direct_blocks(), blocks.indirect - bake.indirect_blocks(),
-             between);
+    progress.expect(work + bake.cost() * (std::max(blocks + 1, least_blocks) - before));
+    bake.add(blocks - bake.blocks(), between);
     ++rounds;
     Baked<D> baked = whole(bake);
     const LeafError error = bake.errors().all();
     const double noise = noise_to_reach(settings.error, 100 * std::sqrt(error.texture));
     const double target = std::pow(noise / 100, 2);
-    const Blocks next = next_blocks(bake, target);
-    const bool reached = blocks.enough() && error.noise() <= target;
-    const bool more = next.direct > blocks.direct || next.indirect > blocks.indirect;
-    if (reached || !more) return last(bake, std::move(baked), false);
+    const int next = next_blocks(bake, target);
+    const bool enough = blocks == 0 || blocks >= least_blocks;
+    const bool reached = enough && error.noise <= target;
+    if (reached || next <= blocks) return last(bake, std::move(baked), false);
     if (ended()) return last(bake, std::move(baked), true);
     if (on_round) on_round(std::move(baked));
     // What was shown is what is left.

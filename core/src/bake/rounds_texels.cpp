@@ -62,16 +62,16 @@ RoundsResolutions<D> rounds_resolutions(const Field<D>& field, const IsovalueWin
   found.soft = coarser_resolution<D>(field.dims, width);
   if (given) {
     check_resolution<D>(settings.resolution);
-    found.direct = settings.resolution;
+    found.shown = settings.resolution;
     // Soft light finer than what is asked for is of no use, unless it costs little.
-    const std::size_t asked = counted(found.direct);
-    if (asked >= most_given_soft_texels && counted(found.soft) > asked) found.soft = found.direct;
+    const std::size_t asked = counted(found.shown);
+    if (asked >= most_given_soft_texels && counted(found.soft) > asked) found.soft = found.shown;
     while (counted(found.soft) > std::max(most_given_soft_texels, asked)) {
       width *= 2;
       found.soft = coarser_resolution<D>(field.dims, width);
     }
   } else {
-    found.direct = finest<D>(field.dims, voxels, most_finer_texels, counted);
+    found.shown = finest<D>(field.dims, voxels, most_finer_texels, counted);
     if (width == 1) found.soft = finest<D>(field.dims, voxels, most_finer_soft_texels, counted);
   }
   found.spacing = voxels > most_dense_voxels ? 2 : 1;
@@ -88,7 +88,7 @@ SweptTexels<D> rounds_texels(const SweptVolume<D>& volume, const BakeSettings<D>
     return make_lattice(field, resolution, window.min, window.max);
   };
   SweptTexels<D> texels;
-  texels.direct = SweptLattice<D>(lattice(chosen.direct));
+  texels.shown = SweptLattice<D>(lattice(chosen.shown));
   texels.soft = SweptLattice<D>(lattice(chosen.soft));
   texels.spacing = chosen.spacing;
   texels.photons = lattice(chosen.photons);
@@ -106,7 +106,7 @@ SweptTexels<D> preview_texels(const SweptVolume<D>& volume, const Index<D>& reso
   for (int a = 0; a < D; ++a) coarser[a] = std::min(of_voxels[a], of_texels[a]);
   SweptTexels<D> texels;
   texels.photons = make_lattice(field, coarser, window.min, window.max);
-  texels.direct = texels.soft = SweptLattice<D>(texels.photons);
+  texels.shown = texels.soft = SweptLattice<D>(texels.photons);
   texels.photon_count = preview_photons;
   return texels;
 }

@@ -13,31 +13,35 @@ namespace {
 
 constexpr int wall_samples = 2, surroundings_samples = 16;
 // How often the soft light that lines meet is gathered anew before it counts, each time along so
-// many directions: photons are too few to tell it by themselves.
+// many directions. It begins as none: what photons tell of it is too coarse, and what leaks through
+// a wall stays in a closed cavity for many bounces.
 constexpr int bounces = 3, bounce_directions = 16;
 
 }  // namespace
 
 template <int D>
 SweptBake<D>::SweptBake(const SweptVolume<D>& volume, const LightSampler<D>& lights,
+                        const SplitLight<D>& split, std::shared_ptr<const DirectLight<D>> direct,
                         const BakeSettings<D>& settings, const Plan& plan, Progress& progress,
                         std::atomic<std::uint64_t>& rays, SweptTexels<D> texels,
                         const KeptLight<D>* kept, const BlockWorkers* workers)
     : volume_(volume),
       lights_(lights),
+      split_(split),
+      direct_(std::move(direct)),
       settings_(settings),
       plan_(plan),
       progress_(progress),
       rays_(rays),
       kept_(kept),
       workers_(workers),
-      texels_(std::move(texels.direct)),
-      direct_(volume, lights, texels_, plan.back, settings.seed, kept ? kept->direct_blocks() : 0),
+      texels_(std::move(texels.shown)),
       errors_(volume.tracer.scene().window) {
+  if (split.wide) sky_.emplace(*split.wide);
   if (!plan.indirect) return;
-  indirect_ = std::make_unique<IndirectLight<D>>(volume, std::move(texels.soft), texels.spacing,
-                                                 plan.back, settings.seed,
-                                                 kept ? bounces + kept->indirect_blocks() : 0);
+  indirect_ =
+      std::make_unique<IndirectLight<D>>(volume, std::move(texels.soft), texels.spacing, plan.back,
+                                         settings.seed, kept ? bounces + kept->blocks() : 0);
   if (texels.photon_count > 0) trace_photons(texels.photons, texels.photon_count);
   if (!kept) return;
   for (int side = 0; side < (plan.back ? 2 : 1); ++side) {
@@ -47,10 +51,7 @@ SweptBake<D>::SweptBake(const SweptVolume<D>& volume, const LightSampler<D>& lig
 }
 
 template <int D>
-void SweptBake<D>::add(int direct_blocks, int indirect_blocks,
-                       const std::function<void()>& after_block) {
-  progress_.begin("Direct light");
-  direct_.add_blocks(direct_blocks, progress_, rays_, after_block, workers_);
+void SweptBake<D>::add(int blocks, const std::function<void()>& after_block) {
   if (!indirect_) return;
   progress_.begin("Indirect light");
   // It is what it was where an interrupted add() goes on.
@@ -58,21 +59,20 @@ void SweptBake<D>::add(int direct_blocks, int indirect_blocks,
     learn_inner_direct();
     learn_soft();
   }
+  learn_leaf_light();
   for (; !kept_ && bounces_ < bounces; ++bounces_) {
     indirect_->add_block(gathered(), progress_, rays_, bounce_directions);
     learn_soft();
     indirect_->clear();
   }
-  if (workers_ && indirect_blocks > 0) {
-    workers_->begin(SweptLight::indirect, indirect_->next_block(), indirect_blocks,
-                    [this](std::ostream& stream) {
-                      Keeper keeper(stream);
-                      keep_looked_up(keeper);
-                    });
+  if (workers_ && blocks > 0) {
+    workers_->begin(indirect_->next_block(), blocks, [this](std::ostream& stream) {
+      Keeper keeper(stream);
+      keep_looked_up(keeper);
+    });
   }
-  for (int i = 0; i < indirect_blocks; ++i) {
-    const std::string bytes =
-        workers_ ? workers_->take(SweptLight::indirect, indirect_->next_block()) : std::string();
+  for (int i = 0; i < blocks; ++i) {
+    const std::string bytes = workers_ ? workers_->take(indirect_->next_block()) : std::string();
     if (bytes.empty()) {
       indirect_->add_block(gathered(), progress_, rays_);
     } else {
@@ -84,11 +84,11 @@ void SweptBake<D>::add(int direct_blocks, int indirect_blocks,
   // What only lines look up takes as much memory as the result does.
   inner_direct_ = {};
   soft_ = {};
+  leaf_light_ = {};
 }
 
 template <int D>
 void SweptBake<D>::keep(Keeper& keeper) {
-  direct_.keep(keeper, progress_);
   if (!indirect_) return;
   indirect_->keep(keeper);
   keeper(bounces_);
@@ -104,13 +104,11 @@ void SweptBake<D>::keep_soft(Keeper& keeper) {
 
 template <int D>
 void SweptBake<D>::keep_looked_up(Keeper& keeper) {
-  int first_block = direct_.first_block();
-  keeper(first_block);
   keep_soft(keeper);
   bool walls = photons_.surroundings != nullptr;
   keeper(walls);
   if (keeper.restores()) {
-    direct_.learn_leaf_light(first_block, progress_);
+    learn_leaf_light();
     if (walls && !photons_.surroundings) {
       photons_.surroundings = std::make_unique<SurfaceCache<D>>(volume_.tracer, false, 1.0, 1);
     }
@@ -122,9 +120,10 @@ void SweptBake<D>::keep_looked_up(Keeper& keeper) {
 }
 
 template <int D>
-std::string SweptBake<D>::sweep_for_others(SweptLight light, int number) {
-  if (light == SweptLight::direct) return direct_.sweep_for_others(number, progress_);
-  if (soft_[0].empty()) throw Error("A block of indirect light needs what its lines look up.");
+std::string SweptBake<D>::sweep_for_others(int number) {
+  if (!indirect_ || soft_[0].empty()) {
+    throw Error("A block of indirect light needs what its lines look up.");
+  }
   return indirect_->sweep_for_others(number, gathered(), progress_);
 }
 
@@ -134,8 +133,7 @@ RadianceGrid<D> SweptBake<D>::grid() {
   SideAverages direct, indirect;
   const int sides = plan_.back ? 2 : 1;
   for (int side = 0; side < sides; ++side) {
-    direct[side] = direct_.averages(side != 0);
-    pool_variances(texels_.lattice, direct[side], progress_);
+    direct[side] = direct_averages(side != 0);
     if (!indirect_) {
       indirect[side].resize(direct[side].size());
     } else {
@@ -145,16 +143,14 @@ RadianceGrid<D> SweptBake<D>::grid() {
       indirect[side] = interpolated(soft, averages, texels_.lattice, progress_);
     }
     finish(indirect[side]);
-    if (kept_) {
-      kept_->add_to(direct[side], direct_.blocks(), indirect[side],
-                    indirect_ ? indirect_->blocks() : 0, side != 0);
-    }
+    if (kept_) kept_->add_to(indirect[side], indirect_ ? indirect_->blocks() : 0, side != 0);
   }
   progress_.check();
   measure_errors(direct[0], indirect[0]);
   progress_.check();
   RadianceGrid<D> result = make_grid<D>(std::move(direct), std::move(indirect));
   result.lattice = texels_.lattice;
+  result.direct = direct_;
   return result;
 }
 
@@ -172,9 +168,7 @@ SurroundingsRadiance<D> SweptBake<D>::surroundings() {
       std::vector<Rgb>& all = leaves[0].radiance[side];
       all.assign(lattice.active.size(), Rgb(0));
       if (side == 0 || plan_.back) {
-        const auto direct =
-            interpolated(texels_.lattice, direct_means(side != 0), lattice, progress_);
-        for (std::size_t s = 0; s < all.size(); ++s) all[s] = direct[s].mean;
+        all = direct_at(lattice, side != 0);
       }
       for (std::size_t s = 0; s < soft_[side].size(); ++s) {
         all[s] += soft_[side][s] * albedo_near(volume_.volume(), lattice.centre(lattice.active[s]));
@@ -213,18 +207,41 @@ std::vector<Rgb> SweptBake<D>::soft_of_photons(bool inner) const {
 }
 
 template <int D>
-std::vector<Average> SweptBake<D>::direct_means(bool inner) const {
-  std::vector<Average> averages = direct_.averages(inner);
-  if (kept_) kept_->add_to_direct(averages, direct_.blocks(), inner);
+std::vector<Rgb> SweptBake<D>::direct_at(const TexelLattice<D>& lattice, bool inner) const {
+  std::vector<Rgb> found(lattice.active.size());
+  const Field<D>& field = volume_.volume().field;
+  parallel_range(found.size(), 1024, 0, progress_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s) {
+      found[s] = direct_->radiance(field, lattice.centre(lattice.active[s]), inner);
+    }
+  });
+  return found;
+}
+
+// Without an error.
+template <int D>
+std::vector<Average> SweptBake<D>::direct_averages(bool inner) {
+  std::vector<Rgb>& known = direct_texels_[inner];
+  if (known.empty()) known = direct_at(texels_.lattice, inner);
+  std::vector<Average> averages(known.size());
+  for (std::size_t s = 0; s < known.size(); ++s) averages[s].mean = known[s];
   return averages;
 }
 
-// Photons tell of what no sweep knows better.
+template <int D>
+void SweptBake<D>::learn_leaf_light() {
+  if (leaf_light_.sources() == 0) {
+    leaf_light_ = LeafLight<D>(volume_, indirect_->texels(), *direct_, progress_);
+  }
+}
+
+// Photons tell of the inner side where it is not swept.
 template <int D>
 void SweptBake<D>::learn_soft() {
   for (int side = 0; side < 2; ++side) {
     const bool swept = side == 0 || plan_.back;
     if (!swept || (!kept_ && indirect_->blocks() == 0)) {
+      if (swept) soft_[side].assign(indirect_->texels().lattice.active.size(), Rgb(0));
       if (soft_[side].empty()) soft_[side] = soft_of_photons(side != 0);
       continue;
     }
@@ -233,7 +250,7 @@ void SweptBake<D>::learn_soft() {
     for (std::size_t s = 0; s < averages.size(); ++s) {
       soft_[side][s] = averages[s].mean;
       if (!kept_) continue;
-      const float w = kept_share(averages[s], indirect_->blocks(), kept_->indirect_blocks());
+      const float w = kept_share(averages[s], indirect_->blocks(), kept_->blocks());
       soft_[side][s] = soft_[side][s] * (1 - w) + kept_soft_[side][s] * w;
     }
   }
@@ -242,19 +259,13 @@ void SweptBake<D>::learn_soft() {
 template <int D>
 void SweptBake<D>::learn_inner_direct() {
   if (!plan_.back) return;
-  const std::vector<Average> averages =
-      interpolated(texels_.lattice, direct_means(true), indirect_->texels().lattice, progress_);
-  inner_direct_.clear();
-  for (const Average& average : averages) inner_direct_.push_back(average.mean);
+  inner_direct_ = direct_at(indirect_->texels().lattice, true);
 }
 
 template <int D>
 GatheredRadiance<D> SweptBake<D>::gathered() const {
-  return {indirect_->texels(),
-          {&soft_[0], &soft_[1]},
-          &inner_direct_,
-          direct_.leaf_light(),
-          photons_.surroundings.get()};
+  return {indirect_->texels(),         {&soft_[0], &soft_[1]}, &inner_direct_,         leaf_light_,
+          photons_.surroundings.get(), split_.mesh_is_wide,    sky_ ? &*sky_ : nullptr};
 }
 
 // From white leaves to those of the scene.
@@ -272,8 +283,8 @@ void SweptBake<D>::finish(std::vector<Average>& indirect) const {
   }
 }
 
-// Squared, of a texel's colour: what texels miss of the light between them, from how far a texel is
-// from the mean of its neighbours, of soft light those that are a texel of its own away. Where
+// Squared, of a texel's colour: what texels miss of indirect light between them, from how far one
+// is from the mean of its neighbours, those that are a texel of its own away. Where
 // light bends evenly, interpolation errs by a quarter of that distance at most; where it jumps, by
 // half of it. A third agrees with compare() on a bump box of 40^3 at one, half and a quarter voxel
 // a texel. Neighbours' noise is in it: without it a bump box of 1.5 % would say 1.1.
@@ -296,7 +307,7 @@ double SweptBake<D>::texture_error(const std::vector<Average>& direct,
   };
   double sum = 0;
   for (int a = 0; a < D; ++a) {
-    Rgb all = off(direct, a, 1);
+    Rgb all(0);
     if (indirect_) {
       const double width = indirect_->texels().lattice.voxels_per_texel[a];
       const double reach = std::round(width / lattice.voxels_per_texel[a]);
@@ -339,11 +350,10 @@ void SweptBake<D>::measure_errors(const std::vector<Average>& direct,
       if (!(w > 0)) continue;
       const Average &d = direct[near.slot[i]], &m = indirect[near.slot[i]];
       colour += w * average(d.mean + m.mean);
-      error.direct += exposure2 * w * w * d.variance;
-      error.indirect += exposure2 * w * w * m.variance;
+      error.noise += exposure2 * w * w * m.variance;
     }
     // What is beyond white does not count.
-    if (colour * settings_.exposure > 1) error.direct = error.indirect = 0;
+    if (colour * settings_.exposure > 1) error.noise = 0;
     errors_.add(of.leaf_coordinate(h), shading_gradient(of.field, at).length(), error);
   }
 }

@@ -4,11 +4,11 @@
 namespace leaflight {
 
 template <int D>
-bool meshes_near(const SweptVolume<D>& volume, const Vec<D>* point) {
-  Box<D> box = world_box(volume.tracer.scene().volumes[volume.number].field);
-  box = {volume.tracer.frame().point(box.low), volume.tracer.frame().point(box.high)};
+bool meshes_near(const SceneTracer<D>& tracer, int volume, const Vec<D>* point) {
+  Box<D> box = world_box(tracer.scene().volumes[volume].field);
+  box = {tracer.frame().point(box.low), tracer.frame().point(box.high)};
   if (point) box.extend(*point);
-  for (const Mesh<D>& mesh : volume.tracer.meshes()) {
+  for (const Mesh<D>& mesh : tracer.meshes()) {
     for (const auto& facet : mesh.facets) {
       Box<D> own;
       for (const std::uint32_t v : facet) own.extend(Vec<D>(mesh.vertices[v]));
@@ -18,7 +18,7 @@ bool meshes_near(const SweptVolume<D>& volume, const Vec<D>* point) {
   return false;
 }
 
-template bool meshes_near<2>(const SweptVolume<2>&, const Vec<2>*);
-template bool meshes_near<3>(const SweptVolume<3>&, const Vec<3>*);
+template bool meshes_near<2>(const SceneTracer<2>&, int, const Vec<2>*);
+template bool meshes_near<3>(const SceneTracer<3>&, int, const Vec<3>*);
 
 }  // namespace leaflight

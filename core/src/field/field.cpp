@@ -105,6 +105,8 @@ Vec<D> shading_gradient(const Field<D>& field, const Value* values, const CellPo
       weight *= bit ? point.local[a] : 1 - point.local[a];
       voxel[a] = point.cell[a] + bit;
     }
+    // On an edge of the grid, where meshes have their vertices, two of eight count.
+    if (weight == 0) continue;
     gradient += voxel_gradient(field, values, voxel) * weight;
   }
   return gradient;

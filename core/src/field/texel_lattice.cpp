@@ -173,6 +173,8 @@ TexelWeights<D> linear_weights(const TexelLattice<D>& lattice, const Vec<D>& ind
       texel[a] = base[a] + bit;
       weight[corner] *= bit ? local[a] : 1 - local[a];
     }
+    result.slot[corner] = TexelLattice<D>::inactive;
+    if (weight[corner] == 0) continue;
     result.slot[corner] = lattice.slot[lattice.linear(texel)];
     if (result.slot[corner] == TexelLattice<D>::inactive) weight[corner] = 0;
     sum += weight[corner];

@@ -438,7 +438,7 @@ RadianceLevel<3> read_level(const Contents& file, std::size_t volume, int level,
 
 RadianceGrid<3> read_radiance(const Contents& file, std::size_t volume, const Index<3>& dims,
                               const std::filesystem::path& path) {
-  RadianceGrid<3> grid{read_level(file, volume, 0, dims, path), {}};
+  RadianceGrid<3> grid{read_level(file, volume, 0, dims, path), {}, nullptr};
   while (find_grid<Vec3Grid>(file, numbered(radiance_name, volume, grid.levels()))) {
     RadianceLevel<3> finer = read_level(file, volume, grid.levels(), dims, path);
     const RadianceLevel<3>& coarse = grid.finest();

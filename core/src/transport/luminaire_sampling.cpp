@@ -87,14 +87,15 @@ Rgb along(const AreaLight<D>& light, const Vec<D>& origin, const Vec<D>& directi
 // What the cone leaves of the intensity in a unit direction away from the light; smooth at the edge
 // as in Blender.
 template <int D>
-double cone_factor(const PointLight<D>& light, const Vec<D>& direction) {
-  if (!light.cone) return 1;
-  const double cosine = direction.dot(light.cone->axis);
-  const double inside = cosine - light.cone->cosine;
+double cone_factor(const std::optional<typename PointLight<D>::Cone>& cone,
+                   const Vec<D>& direction) {
+  if (!cone) return 1;
+  const double cosine = direction.dot(cone->axis);
+  const double inside = cosine - cone->cosine;
   if (!(inside > 0)) return 0;
-  const double edge = (1 - light.cone->cosine) * light.cone->blend;
+  const double edge = (1 - cone->cosine) * cone->blend;
   const double t = inside < edge ? inside / edge : 1;
-  const double falloff = light.cone->cosine_falloff ? std::max(0.0, cosine) : 1;
+  const double falloff = cone->cosine_falloff ? std::max(0.0, cosine) : 1;
   return falloff * t * t * (3 - 2 * t);
 }
 
@@ -126,8 +127,8 @@ LightSample<D> sample(const PointLight<D>& light, const Vec<D>& from,
     s.direction = axis;
     s.end = light.position;
     s.end_normal = -axis;
-    s.radiance =
-        light.intensity * static_cast<Real>(cone_factor<D>(light, -axis) / spread<D>(distance));
+    s.radiance = light.intensity *
+                 static_cast<Real>(cone_factor<D>(light.cone, -axis) / spread<D>(distance));
     return s;
   }
   const double sine = light.radius / distance, cap = one_minus_cosine(sine);
@@ -139,7 +140,7 @@ LightSample<D> sample(const PointLight<D>& light, const Vec<D>& from,
   s.end = from + s.direction * (middle - half);
   s.end_normal = (s.end - light.position).normalized();
   const double radiance =
-      cone_factor<D>(light, -s.direction) / (unit_disc<D> * spread<D>(light.radius));
+      cone_factor<D>(light.cone, -s.direction) / (unit_disc<D> * spread<D>(light.radius));
   s.radiance = light.intensity * static_cast<Real>(radiance * cone_measure<D>(cap));
   return s;
 }
@@ -156,7 +157,7 @@ EmittedPhoton<D> emit(const PointLight<D>& light, const BoundingSphere<D>&,
   // A point of the sphere as it is seen from afar in this direction.
   const Vec<D> beside = sample_facing_disc<D>(direction, u_position);
   const double forward = std::sqrt(std::max(0.0, 1 - beside.length2()));
-  const double factor = cone_factor<D>(light, direction) * emitted_angle(light);
+  const double factor = cone_factor<D>(light.cone, direction) * emitted_angle(light);
   return {light.position + (beside + direction * forward) * light.radius, direction,
           light.intensity * static_cast<Real>(factor)};
 }
@@ -166,7 +167,7 @@ LightSource<D> source(const PointLight<D>& light, const std::array<double, 2>& u
   LightSource<D> s;
   s.position = light.position;
   s.amount = light.intensity;
-  s.cone = light.cone ? &light : nullptr;
+  s.cone = light.cone;
   if (light.radius == 0) return s;
   Vec<D> axis(0.0);
   axis[0] = 1;
@@ -187,7 +188,7 @@ Rgb along(const PointLight<D>& light, const Vec<D>& origin, const Vec<D>& direct
   if (!(inside2 > 0)) return Rgb(0);
   const double t = middle - std::sqrt(inside2);
   if (!(t > 0 && t < t_max)) return Rgb(0);
-  return light.intensity * static_cast<Real>(cone_factor<D>(light, -direction) /
+  return light.intensity * static_cast<Real>(cone_factor<D>(light.cone, -direction) /
                                              (unit_disc<D> * spread<D>(light.radius)));
 }
 
@@ -286,7 +287,7 @@ double LightSource<D>::strength(const Vec<D>& way, double distance) const {
     const double cosine = way.dot(normal);
     factor *= both_sides ? std::abs(cosine) : std::max(0.0, cosine);
   }
-  if (cone) factor *= cone_factor(*cone, way);
+  if (cone) factor *= cone_factor<D>(cone, way);
   return factor;
 }
 

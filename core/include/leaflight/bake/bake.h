@@ -20,8 +20,8 @@ struct BakeStatistics {
   std::uint64_t peak_memory_bytes = 0;
   std::vector<SkippedPass> skipped;
   int rounds = 1;
-  // Of light by lines, in the averages of a bake in rounds; 0 of one with fixed samples.
-  int direct_blocks = 0, indirect_blocks = 0;
+  // Of indirect light, in the averages of a bake in rounds; 0 of one with fixed samples.
+  int blocks = 0;
   double noise_percent = 0, error_percent = 0;
   WorstLeaf worst;       // of the isosurfaces, where there are rounds
   bool stopped = false;  // by time or by the caller, before the error was reached

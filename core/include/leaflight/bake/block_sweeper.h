@@ -8,8 +8,8 @@
 
 namespace leaflight {
 
-// Sweeps single blocks of light for a bake in rounds of the same scene and settings that runs
-// elsewhere, with the bits that they have there.
+// Sweeps single blocks of indirect light for a bake in rounds of the same scene and settings that
+// runs elsewhere, with the bits that they have there.
 class BlockSweeper {
  public:
   // Scene and progress are referred to; progress.cancel() ends whatever is done with Cancelled.
@@ -17,10 +17,10 @@ class BlockSweeper {
   BlockSweeper(const Scene<3>& scene, const BakeSettings<3>& settings, Progress& progress);
   ~BlockSweeper();
 
-  // Takes what BlockWorkers::begin() has written; blocks of indirect light need it.
+  // Takes what BlockWorkers::begin() has written; blocks need it.
   void look_up(std::istream& stream);
   // A block, as block_bytes().
-  std::string sweep(SweptLight light, int number);
+  std::string sweep(int number);
 
  private:
   struct Parts;

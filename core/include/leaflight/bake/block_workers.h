@@ -10,20 +10,15 @@
 
 namespace leaflight {
 
-// The two lights that a bake in rounds sweeps, block by block.
-enum class SweptLight { direct, indirect };
-
-// Whoever sweeps blocks for a bake, in other processes or on other machines (block_sweeper.h).
-// Blocks have numbers, from which all that is random in them follows, so that it makes no
-// difference who sweeps them.
+// Whoever sweeps blocks of indirect light for a bake, in other processes or on other machines
+// (block_sweeper.h). Blocks have numbers, from which all that is random in them follows, so that it
+// makes no difference who sweeps them.
 struct BlockWorkers {
-  // Blocks [first, first + count) will be asked for. `looked_up` writes what their lines look up;
-  // null where these look up nothing.
-  std::function<void(SweptLight light, int first, int count,
-                     const std::function<void(std::ostream&)>& looked_up)>
+  // Blocks [first, first + count) will be asked for. `looked_up` writes what their lines look up.
+  std::function<void(int first, int count, const std::function<void(std::ostream&)>& looked_up)>
       begin;
   // What a sweeper returned for one of them; empty: nobody has it, and the bake sweeps it itself.
-  std::function<std::string(SweptLight light, int number)> take;
+  std::function<std::string(int number)> take;
 };
 
 // The sums of the open block of all texels, and how many lines they took, as bytes.

@@ -1,56 +1,64 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <functional>
-
-#include "leaflight/bake/block_workers.h"
-#include "leaflight/bake/direct_sweep.h"
-#include "leaflight/transport/light_sampler.h"
+#include "leaflight/bake/visibility_sweep.h"
+#include "leaflight/transport/light_points.h"
 
 namespace leaflight {
 
-// Direct light of the leaves of one volume at the texels of a lattice, by sweeps from points of the
-// luminaires, in blocks.
+// Direct light of a scene's light points at any point of any leaf of a volume, computed where it is
+// shown: the cosine and the distance are those of the point itself. For each texel and light point
+// it keeps the greatest value of the field on the way, which tells whether the leaf of any isovalue
+// throws a shadow there (for inner sides the least value). Nothing of it is averaged or random.
 template <int D>
 class DirectLight {
  public:
-  static constexpr int sources_per_block = 8;
+  // Of the maps of one side, beyond which their texels are twice as wide.
+  static constexpr std::size_t most_bytes = std::size_t{512} << 20;
 
-  // `first_block`: how many blocks of the seed others have drawn.
-  DirectLight(const SweptVolume<D>& volume, const LightSampler<D>& lights,
-              const SweptLattice<D>& texels, bool inner, std::uint64_t seed, int first_block = 0);
+  // Of a volume by its number; `inner`: of the inner sides, too. The result is the same for any
+  // number of threads. Throws Cancelled.
+  DirectLight(const SceneTracer<D>& tracer, int volume, const std::vector<LightPoint<D>>& points,
+              bool inner, Progress& progress);
 
-  // after_block, if given, is called after each of them. The first block is swept here, and others
-  // by the workers, if there are any.
-  void add_blocks(int count, Progress& progress, std::atomic<std::uint64_t>& lines,
-                  const std::function<void()>& after_block = {},
-                  const BlockWorkers* workers = nullptr);
-  // A block of this number for another that has asked for it, as block_bytes().
-  std::string sweep_for_others(int number, Progress& progress);
-  // Its state between two blocks. What the first sources told is not in it, but learnt anew.
-  void keep(Keeper& keeper, Progress& progress);
-  // What the sources of a block, the same one always, tell leaf_light().
-  void learn_leaf_light(int block, Progress& progress);
-  int first_block() const { return first_block_; }
-  int blocks() const { return blocks_; }
-  // What a block costs, in points of lines.
-  double cost() const;
+  // Texels of the maps, as wide as voxels, or twice as wide where there would be many.
+  const TexelLattice<D>& lattice() const { return lattice_; }
+  std::size_t points() const { return points_.size(); }
+  const LightPoint<D>& point(std::size_t number) const { return points_[number]; }
+  bool has_inner() const { return !maps_[1].empty(); }
+  std::size_t bytes() const { return maps_[0].size() + maps_[1].size(); }
 
-  std::vector<Average> averages(bool inner) const;
-  // Of the sources of the first block.
-  const LeafLight<D>& leaf_light() const { return leaf_light_; }
+  // Radiance [W/(m^2 sr)] that the leaf through an index position of the field, which must be that
+  // of the volume, reflects on one of its sides; zero where no leaf passes.
+  Rgb radiance(const Field<D>& field, const Vec<D>& index_position, bool inner) const;
+  // The greatest code on the way to a point from where a position has these weights in lattice().
+  float greatest(std::size_t point, const TexelWeights<D>& near, bool inner) const;
 
  private:
-  void sweep(int block, Progress& progress, std::atomic<std::uint64_t>& lines, SideMoments& moments,
-             LeafLight<D>* leaf_light);
+  // Points are taken so many at a time, by instructions that do the same for several.
+  static constexpr int block = 16;
+  using Row = std::array<float, static_cast<std::size_t>(block)>;
+  // A block of points as numbers, filled up with dark ones. From a position x of the frame the way
+  // from a point is x * near - at; its strength is the sum of `even`, of `front` times the cosine
+  // to `normal` where that is positive, and of `both` times its absolute value.
+  struct Block {
+    std::array<Row, D> at{}, normal{};
+    Row near{}, even{}, front{}, both{};
+    std::array<Row, 3> amount{};
+    std::vector<int> cones;  // points with one
+  };
+  void fill_blocks();
 
-  SweptVolume<D> volume_;
-  const LightSampler<D>& lights_;
-  const SweptLattice<D>& texels_;
-  std::uint64_t seed_;
-  SideMoments moments_;
-  LeafLight<D> leaf_light_;
-  int first_block_, blocks_ = 0;
+  IsovalueWindow window_;  // of the field's values
+  ColorRamp albedo_;
+  double offset_, scale_;  // isovalue = offset + scale c
+  Affine<D> to_frame_, to_index_;
+  std::vector<LightPoint<D>> points_;
+  std::vector<Block> blocks_;
+  TexelLattice<D> lattice_;
+  // By side; [slot * points + point].
+  std::array<std::vector<std::uint8_t>, 2> maps_;
+  bool has_dark_ = false;  // a mesh throws shadows into the volume
 };
 
 }  // namespace leaflight

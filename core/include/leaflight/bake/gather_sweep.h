@@ -3,6 +3,7 @@
 
 #include "leaflight/bake/leaf_light.h"
 #include "leaflight/bake/swept_volume.h"
+#include "leaflight/transport/environment_sampler.h"
 #include "leaflight/transport/surface_cache.h"
 
 namespace leaflight {
@@ -16,6 +17,9 @@ struct GatheredRadiance {
   const std::vector<Rgb>* inner_direct;  // radiance of the inner sides by direct light; empty: none
   const LeafLight<D>& direct;            // of the outer sides
   const SurfaceCache<D>* surroundings;   // null where there are none
+  // Light that has no points: whether each mesh emits such, and the environment's; null: none.
+  const std::vector<char>& mesh_is_wide;
+  const EnvironmentSampler<D>* sky;
 };
 
 // Adds to the texels that they cross what white leaves reflect of the light that comes along

@@ -9,13 +9,12 @@
 
 namespace leaflight {
 
-// Mean squares, over points of leaves, of what colours err by: by noise of direct and of indirect
-// light, and by what the texels miss.
+// Mean squares, over points of leaves, of what colours err by: by the noise of indirect light, and
+// by what its texels miss.
 struct LeafError {
-  double direct = 0, indirect = 0, texture = 0;
+  double noise = 0, texture = 0;
 
-  double noise() const { return direct + indirect; }
-  double percent() const { return 100 * std::sqrt(noise() + texture); }
+  double percent() const { return 100 * std::sqrt(noise + texture); }
 };
 
 // The error of the isosurfaces about a leaf coordinate.
@@ -32,8 +31,7 @@ class LeafErrors {
     const double part = (c - window_.min) / window_.height() * static_cast<double>(parts);
     for (Sum* sum : {&all_, &parts_[std::clamp(static_cast<int>(part), 0, parts - 1)]}) {
       sum->area += area;
-      sum->error.direct += area * error.direct;
-      sum->error.indirect += area * error.indirect;
+      sum->error.noise += area * error.noise;
       sum->error.texture += area * error.texture;
     }
   }
@@ -60,7 +58,7 @@ class LeafErrors {
 
     LeafError mean() const {
       if (!(area > 0)) return {};
-      return {error.direct / area, error.indirect / area, error.texture / area};
+      return {error.noise / area, error.texture / area};
     }
   };
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
 #include <vector>
 
+#include "leaflight/bake/direct_light.h"
 #include "leaflight/field/texel_lattice.h"
 #include "leaflight/math/sample_average.h"
 
@@ -14,7 +16,7 @@ struct RadianceLevel {
   TexelLattice<D> lattice;
   // The outer side.
   std::vector<Vec<3, float>> radiance;
-  std::vector<Vec<3, float>> radiance_indirect;  // all of it but the lights' direct light
+  std::vector<Vec<3, float>> radiance_indirect;  // all of it but direct light
   std::vector<float> radiance_error;             // standard error of the mean over the channels
   // The inner side; empty where it was not baked.
   std::vector<Vec<3, float>> radiance_back, radiance_back_indirect;
@@ -27,6 +29,9 @@ struct RadianceLevel {
 template <int D>
 struct RadianceGrid : RadianceLevel<D> {
   std::vector<RadianceLevel<D>> finer;
+  // Exact direct light, which with radiance_indirect is all light; null: texels hold all that is
+  // known. What it does not hold is in radiance_indirect.
+  std::shared_ptr<const DirectLight<D>> direct;
 
   int levels() const { return 1 + static_cast<int>(finer.size()); }
   const RadianceLevel<D>& level(int number) const {
@@ -48,16 +53,23 @@ using SideAverages = std::array<std::vector<Average>, 2>;
 template <int D>
 RadianceGrid<D> make_grid(SideAverages direct, SideAverages indirect);
 
-// Linear along each axis, over the active texels only; zero where there is none.
+// Radiance of the leaf through an index position of the field that was lit, on one of its sides,
+// which the grid must hold.
+template <int D>
+Vec<3, float> radiance_at(const RadianceGrid<D>& grid, const Field<D>& field,
+                          const Vec<D>& index_position, bool back);
+
+// The same of an array of texels alone: linear along each axis, over the active ones only; zero
+// where there is none.
 template <int D>
 Vec<3, float> lookup(const TexelLattice<D>& lattice, const std::vector<Vec<3, float>>& values,
                      const Vec<D>& index_position);
 
-// The same at many positions, into as many places from `found` on. What is read lies far apart: it
-// is fetched ahead.
+// At many positions, of a grid of one level, into as many places from `found` on. What is read lies
+// far apart: it is fetched ahead.
 template <int D>
-void lookup(const TexelLattice<D>& lattice, const std::vector<Vec<3, float>>& values,
-            const std::vector<Vec<D>>& index_positions, Vec<3, float>* found);
+void radiance_at(const RadianceGrid<D>& grid, const Field<D>& field,
+                 const std::vector<Vec<D>>& index_positions, bool back, Vec<3, float>* found);
 
 // The standard error of such a radiance, from those of the texels, which are independent.
 template <int D>

@@ -10,7 +10,7 @@ namespace leaflight {
 // volume needs and its size allows.
 template <int D>
 struct RoundsResolutions {
-  Index<D> direct, soft, photons;  // as in SweptTexels
+  Index<D> shown, soft, photons;  // as in SweptTexels
   int spacing;
 };
 template <int D>

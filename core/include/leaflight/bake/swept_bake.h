@@ -7,6 +7,7 @@
 #include "leaflight/bake/indirect_light.h"
 #include "leaflight/bake/kept_light.h"
 #include "leaflight/bake/leaf_error.h"
+#include "leaflight/bake/leaf_light.h"
 #include "leaflight/bake/photon_caches.h"
 #include "leaflight/bake/radiance_grid.h"
 #include "leaflight/bake/surroundings_radiance.h"
@@ -16,43 +17,40 @@ namespace leaflight {
 // Where a bake by sweeps knows light.
 template <int D>
 struct SweptTexels {
-  SweptLattice<D> direct;          // the texels of the result
+  SweptLattice<D> shown;           // the texels of the result
   SweptLattice<D> soft;            // those of soft light
   int spacing = 1;                 // of the lines for soft light, in its texels
   TexelLattice<D> photons;         // what photons fall into
   std::uint64_t photon_count = 0;  // 0: their light comes by keep_looked_up()
 };
 
-// One volume's bake by sweeps, from nothing, or from what others have kept, to any number of
-// blocks: the passes and what they know of each other's light. What is asked for at any time is a
-// whole bake.
+// One volume's bake by sweeps, from nothing, or from what others have kept, to any number of blocks
+// of indirect light, beside direct light, which is exact. What is asked for at any time is a whole
+// bake.
 template <int D>
 class SweptBake {
  public:
-  // `kept`: of the same texels and settings; null: nothing. `workers`: who sweeps blocks; null:
-  // nobody else.
-  SweptBake(const SweptVolume<D>& volume, const LightSampler<D>& lights,
-            const BakeSettings<D>& settings, const Plan& plan, Progress& progress,
-            std::atomic<std::uint64_t>& rays, SweptTexels<D> texels,
-            const KeptLight<D>* kept = nullptr, const BlockWorkers* workers = nullptr);
+  // `direct`: of the points of `split`. `kept`: of the same texels and settings; null: nothing.
+  // `workers`: who sweeps blocks; null: nobody else.
+  SweptBake(const SweptVolume<D>& volume, const LightSampler<D>& lights, const SplitLight<D>& split,
+            std::shared_ptr<const DirectLight<D>> direct, const BakeSettings<D>& settings,
+            const Plan& plan, Progress& progress, std::atomic<std::uint64_t>& rays,
+            SweptTexels<D> texels, const KeptLight<D>* kept = nullptr,
+            const BlockWorkers* workers = nullptr);
 
-  // Sweeps more blocks of either light; after_block, if given, is called between them.
-  void add(int direct_blocks, int indirect_blocks, const std::function<void()>& after_block = {});
+  // Sweeps more blocks; after_block, if given, is called between them.
+  void add(int blocks, const std::function<void()>& after_block = {});
   // Its state, as it is whenever after_block is called. An add() that was interrupted goes on with
   // one of the blocks that are missing then.
   void keep(Keeper& keeper);
   // What lines of indirect light look up, from a bake to the one of a sweeper (block_sweeper.h).
   void keep_looked_up(Keeper& keeper);
   // A block for another bake that has asked for it, as block_bytes().
-  std::string sweep_for_others(SweptLight light, int number);
+  std::string sweep_for_others(int number);
   // With those that were kept.
-  int direct_blocks() const { return direct_.blocks() + (kept_ ? kept_->direct_blocks() : 0); }
-  int indirect_blocks() const {
-    return indirect_ ? indirect_->blocks() + (kept_ ? kept_->indirect_blocks() : 0) : 0;
-  }
+  int blocks() const { return indirect_ ? indirect_->blocks() + (kept_ ? kept_->blocks() : 0) : 0; }
   // Of a block, in points of lines.
-  double direct_cost() const { return direct_.cost(); }
-  double indirect_cost() const { return indirect_ ? indirect_->cost() : 0; }
+  double cost() const { return indirect_ ? indirect_->cost() : 0; }
 
   RadianceGrid<D> grid();
   // Of what grid() found: noise by the standard errors of the texels, what they miss estimated from
@@ -64,10 +62,12 @@ class SweptBake {
  private:
   void trace_photons(const TexelLattice<D>& texels, std::uint64_t count);
   void keep_soft(Keeper& keeper);
-  std::vector<Average> direct_means(bool inner) const;
+  std::vector<Rgb> direct_at(const TexelLattice<D>& lattice, bool inner) const;
+  std::vector<Average> direct_averages(bool inner);
   std::vector<Rgb> soft_of_photons(bool inner) const;
   void learn_soft();
   void learn_inner_direct();
+  void learn_leaf_light();
   GatheredRadiance<D> gathered() const;
   void finish(std::vector<Average>& indirect) const;
   double texture_error(const std::vector<Average>& direct, const std::vector<Average>& indirect,
@@ -76,6 +76,9 @@ class SweptBake {
 
   SweptVolume<D> volume_;
   const LightSampler<D>& lights_;
+  const SplitLight<D>& split_;
+  std::shared_ptr<const DirectLight<D>> direct_;
+  std::optional<EnvironmentSampler<D>> sky_;  // that has no points
   const BakeSettings<D>& settings_;
   const Plan& plan_;
   Progress& progress_;
@@ -83,9 +86,10 @@ class SweptBake {
   const KeptLight<D>* kept_;     // may be null
   const BlockWorkers* workers_;  // may be null
   SweptLattice<D> texels_;
-  DirectLight<D> direct_;
-  std::unique_ptr<IndirectLight<D>> indirect_;  // null: nothing reflects
-  std::vector<TexelLattice<D>> lattices_;       // of the photons
+  std::array<std::vector<Rgb>, 2> direct_texels_;  // direct light there, once it is asked for
+  LeafLight<D> leaf_light_;                        // while lines look it up
+  std::unique_ptr<IndirectLight<D>> indirect_;     // null: nothing reflects
+  std::vector<TexelLattice<D>> lattices_;          // of the photons
   PhotonCaches<D> photons_;
   // Of white leaves' sides, at the texels of soft light, while lines look it up.
   std::array<std::vector<Rgb>, 2> soft_;

@@ -52,9 +52,10 @@ Affine<D> texels_to_frame(const SweptVolume<D>& volume, const TexelLattice<D>& l
   return m;
 }
 
-// Whether a facet of the surroundings may lie in the box about the field and, if given, a point.
+// Whether a facet of the surroundings may lie in the box about a volume and, if given, a point of
+// the frame.
 template <int D>
-bool meshes_near(const SweptVolume<D>& volume, const Vec<D>* point);
+bool meshes_near(const SceneTracer<D>& tracer, int volume, const Vec<D>* point);
 
 // Calls body(local, bundle, number) for bundles of all lines of a set, in parallel, with what
 // local() made for some of them and a number of its own for each bundle, `width` apart. Lines that

@@ -43,8 +43,7 @@ enum class Purpose : std::uint64_t {
   surroundings,
   sample_position,
   scattered,
-  direct_sweep,
-  gather_sweep,
+  gather_sweep = 10,  // no number is used again
   noise,
   settle
 };

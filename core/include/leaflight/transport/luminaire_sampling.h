@@ -28,12 +28,12 @@ struct EmittedPhoton {
 template <int D>
 struct LightSource {
   bool infinite = false;
-  bool both_sides = false;              // the luminaire shines on both sides of its normal
-  Vec<D> position{0.0};                 // finite only
-  Vec<D> direction{0.0};                // infinite only: unit, in which the light travels
-  Vec<D> normal{0.0};                   // finite only
-  const PointLight<D>* cone = nullptr;  // which limits the light; null: none
-  bool sphere = true;                   // without a normal
+  bool both_sides = false;  // the luminaire shines on both sides of its normal
+  Vec<D> position{0.0};     // finite only
+  Vec<D> direction{0.0};    // infinite only: unit, in which the light travels
+  Vec<D> normal{0.0};       // finite only
+  std::optional<typename PointLight<D>::Cone> cone;  // which limits the light
+  bool sphere = true;                                // without a normal
   Rgb amount{0};  // irradiance of a surface that faces the source, at distance 1 unless infinite
 
   // The irradiance of a surface that faces the source, reached by it in a unit direction, as a

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/transport/light_points.h"
+
+#include <cmath>
+
+#include "leaflight/math/low_discrepancy.h"
+#include "leaflight/math/sampling.h"
+
+namespace leaflight {
+namespace {
+
+constexpr int fewest_points = 16, most_points = 64;
+// Of a luminaire that is as wide as it is far away.
+constexpr double points_at_unit_size = 48;
+// Emissive meshes that are wider, against their distance, are left to the rays that meet them.
+constexpr double widest_mesh = 1;
+// Pixels of an environment are bright beyond so many times the mean; where all that is bright
+// brings less than this share of its light, none of it gets points.
+constexpr double bright = 8, least_bright_share = 0.05;
+constexpr int bright_points = 64;
+
+// The middles of equal cells of the unit square, about `wanted` of them, `aspect` times as many
+// columns as rows; a shear lets no two points share a coordinate, so that the edge of a shadow
+// crosses them one by one whatever its direction.
+template <int D>
+std::vector<std::array<double, 2>> spread_points(int wanted, double aspect) {
+  const int columns =
+      D == 2 ? wanted
+             : std::clamp(static_cast<int>(std::lround(std::sqrt(wanted * aspect))), 1, wanted);
+  const int rows = (wanted + columns - 1) / columns, count = columns * rows;
+  std::vector<std::array<double, 2>> points;
+  for (int j = 0; j < rows; ++j) {
+    for (int i = 0; i < columns; ++i) {
+      const double across = j - 0.5 * (rows - 1), along = i - 0.5 * (columns - 1);
+      points.push_back({(i + 0.5) / columns + across / count, (j + 0.5) / rows - along / count});
+    }
+  }
+  return points;
+}
+
+int points_for(double size) {
+  if (!(size > 0)) return 1;
+  return std::clamp(static_cast<int>(std::ceil(size * points_at_unit_size)), fewest_points,
+                    most_points);
+}
+
+template <int D>
+double aspect_of(const Light<D>& light) {
+  if constexpr (D == 3) {
+    if (const auto* area = std::get_if<AreaLight<D>>(&light)) {
+      return area->edges[0].length() / area->edges[1].length();
+    }
+  }
+  return 1;
+}
+
+// How wide a luminaire is, against its distance from the middle of the volumes.
+template <int D>
+struct Size {
+  double operator()(const AreaLight<D>& light) const {
+    const double width = D == 3 ? std::sqrt(light.area()) : light.area();
+    return width / std::max(light.point({0.5, 0.5}).length(), 1e-6);
+  }
+  double operator()(const PointLight<D>& light) const {
+    return 2 * light.radius / std::max(light.position.length(), 1e-6);
+  }
+  double operator()(const SunLight<D>& light) const { return light.angle; }
+};
+
+template <int D>
+Rgb brightness(const Light<D>& light) {
+  if (const auto* area = std::get_if<AreaLight<D>>(&light)) return area->radiance;
+  if (const auto* point = std::get_if<PointLight<D>>(&light)) return point->intensity;
+  return std::get<SunLight<D>>(light).irradiance;
+}
+
+// Points of a sphere lie on the disc that it is seen as from the middle of the volumes: those of
+// its surface would face away by half.
+template <int D>
+LightSource<D> source_at(const Light<D>& light, const std::array<double, 2>& u) {
+  const auto* sphere = std::get_if<PointLight<D>>(&light);
+  if (!sphere || !(sphere->position.length() > sphere->radius)) return source_of(light, u);
+  LightSource<D> source;
+  source.position = sphere->position;
+  source.position += sample_facing_disc<D>(sphere->position.normalized(), u) * sphere->radius;
+  source.amount = sphere->intensity;
+  source.cone = sphere->cone;
+  return source;
+}
+
+template <int D>
+void add_lights(const SceneTracer<D>& tracer, std::vector<LightPoint<D>>& points) {
+  for (std::size_t l = 0; l < tracer.lights().size(); ++l) {
+    const Light<D>& light = tracer.lights()[l];
+    if (!(largest(brightness(light)) > 0)) continue;
+    const auto places =
+        spread_points<D>(points_for(std::visit(Size<D>{}, light)), aspect_of<D>(light));
+    for (const auto& place : places) {
+      LightPoint<D> point{source_at(light, place), static_cast<int>(l)};
+      point.source.amount /= static_cast<Real>(places.size());
+      points.push_back(std::move(point));
+    }
+  }
+}
+
+template <int D>
+void add_mesh(const Mesh<D>& mesh, SplitLight<D>& split) {
+  const MeshEmitter<D> emitter(mesh);
+  Box<D> box;
+  for (const auto& vertex : mesh.vertices) box.extend(Vec<D>(vertex));
+  const double distance = ((box.low + box.high) * 0.5).length();
+  const double width = D == 3 ? std::sqrt(emitter.area()) : emitter.area();
+  if (!(width < widest_mesh * distance)) {
+    split.mesh_is_wide.back() = true;
+    return;
+  }
+  const int count = points_for(width / distance);
+  for (int i = 0; i < count; ++i) {
+    // One number chooses the face, and the place in it, too, since faces may be few or many.
+    const auto u = sobol_point(i, 0);
+    LightPoint<D> point{emitter.source((i + 0.5) / count, u)};
+    point.source.amount /= static_cast<Real>(count);
+    split.points.push_back(std::move(point));
+  }
+}
+
+// The light of an image up to a brightness, or what is beyond it.
+std::shared_ptr<const Texture> part_of(const Texture& image, double limit, bool beyond) {
+  auto part = std::make_shared<Texture>(image);
+  for (auto& pixel : part->pixels) {
+    const double most = std::max({pixel.x, pixel.y, pixel.z});
+    const double below = most > limit ? limit / most : 1;
+    pixel *= static_cast<float>(beyond ? 1 - below : below);
+  }
+  return part;
+}
+
+template <int D>
+void add_environment(const SceneTracer<D>& tracer, const Environment<D>& environment,
+                     SplitLight<D>& split) {
+  split.wide = environment;
+  if (!environment.image) return;
+  const Texture& image = *environment.image;
+  double sum = 0, weights = 0;
+  for (int j = 0; j < image.height; ++j) {
+    const double weight = std::cos(((j + 0.5) / image.height - 0.5) * pi);
+    for (int i = 0; i < image.width; ++i) {
+      const auto& p = image.pixels[static_cast<std::size_t>(j) * image.width + i];
+      sum += weight * std::max({p.x, p.y, p.z});
+      weights += weight;
+    }
+  }
+  const double limit = bright * sum / weights;
+  Environment<D> beyond = environment;
+  beyond.image = part_of(image, limit, true);
+  const EnvironmentSampler<D> all(environment), sharp(beyond);
+  if (sharp.power(tracer.bounds()) < least_bright_share * all.power(tracer.bounds())) return;
+  split.wide->image = part_of(image, limit, false);
+  for (int i = 0; i < bright_points; ++i) {
+    LightPoint<D> point{sharp.source(sobol_point(i, 0))};
+    point.source.amount /= static_cast<Real>(bright_points);
+    split.points.push_back(std::move(point));
+  }
+}
+
+}  // namespace
+
+template <int D>
+SplitLight<D> split_light(const SceneTracer<D>& tracer) {
+  SplitLight<D> split;
+  add_lights(tracer, split.points);
+  for (const Mesh<D>& mesh : tracer.meshes()) {
+    split.mesh_is_wide.push_back(false);
+    if (largest(mesh.emission) > 0) add_mesh(mesh, split);
+  }
+  const std::optional<Environment<D>>& environment = tracer.scene().environment;
+  if (environment && largest(environment->radiance) > 0) {
+    add_environment(tracer, *environment, split);
+  }
+  return split;
+}
+
+template SplitLight<2> split_light(const SceneTracer<2>&);
+template SplitLight<3> split_light(const SceneTracer<3>&);
+
+}  // namespace leaflight
