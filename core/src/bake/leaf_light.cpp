@@ -79,7 +79,7 @@ LeafLight<D>::LeafLight(const SweptVolume<D>& volume, const SweptLattice<D>& tex
         const float greatest = direct.greatest(chosen[k].first, near, false);
         std::uint32_t& packed = reflected_[k][texel];
         std::memcpy(&packed, &share, sizeof share);
-        packed = (packed & ~0xffu) | static_cast<std::uint32_t>(greatest + 0.5f);
+        packed = (packed & ~0xffu) | static_cast<std::uint32_t>(greatest);
       }
     }
   });

@@ -323,7 +323,8 @@ class AxisSweep {
         const int u = column.place.below, next = std::min(u + 1, u_lines() - 1);
         const float code = row_[u] + (row_[next] - row_[u]) * column.place.part;
         node[across_[0]] = column.node;
-        found[nodes_.linear(node)] = static_cast<std::uint8_t>(code + 0.5f);
+        // Rounded down: a leaf in a flat part of the field does not hide itself.
+        found[nodes_.linear(node)] = static_cast<std::uint8_t>(code);
         if (!meshes_) continue;
         // Beyond a mesh if most of the lines beside the node, by their weights, are.
         const auto ended = [&](std::size_t line) { return walls_[line] < t ? 1.0f : 0.0f; };
