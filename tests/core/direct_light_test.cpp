@@ -167,7 +167,7 @@ TEST(DirectLightOfLeaves, IsTheSameForAnyIsovalueUnits) {
 
 TEST(DirectLightOfLeaves, PassesOverMaskedVoxels) {
   std::vector<float> values = test::values_of(bumps<3>(33));
-  for (std::size_t i = 0; i < values.size(); i += 1) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
     if (i % 33 > 28) values[i] = std::numeric_limits<float>::quiet_NaN();
   }
   const Field<3> field =

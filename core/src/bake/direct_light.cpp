@@ -3,7 +3,6 @@
 
 #include <atomic>
 #include <cmath>
-#include <cstring>
 
 #include "leaflight/math/parallel.h"
 #include "leaflight/math/sampling.h"
@@ -17,13 +16,9 @@ constexpr std::size_t points_at_once = 16;
 template <int D>
 TexelLattice<D> lattice_for(const Field<D>& field, const IsovalueWindow& window,
                             std::size_t points) {
-  Index<D> resolution = field.dims;
-  for (int width = 2;; width *= 2) {
-    TexelLattice<D> lattice = make_lattice(field, resolution, window.min, window.max);
-    const std::size_t bytes = lattice.active.size() * points;
-    if (width > 2 || bytes <= DirectLight<D>::most_bytes) return lattice;
-    resolution = coarser_resolution<D>(field.dims, width);
-  }
+  TexelLattice<D> lattice = make_lattice(field, field.dims, window.min, window.max);
+  if (lattice.active.size() * points <= DirectLight<D>::most_bytes) return lattice;
+  return make_lattice(field, coarser_resolution<D>(field.dims, 2), window.min, window.max);
 }
 
 // The gradient of the surface itself jumps at the faces of cells, on which meshes have their
@@ -58,17 +53,17 @@ DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
   fill_blocks();
   std::atomic<bool> any_dark{false};
   const std::size_t count = points_.size(), texels = lattice_.active.size();
+  const VisibilitySweep<D> sweep(tracer, volume, lattice_);
   for (int side = 0; side < (inner ? 2 : 1); ++side) {
     maps_[side].resize(texels * count + block);  // whole blocks are read
     const VisibilityCode code{window_, side != 0};
-    const VisibilitySweep<D> sweep(tracer, volume, lattice_, code);
     for (std::size_t first = 0; first < count; first += points_at_once) {
       const std::size_t some = std::min(points_at_once, count - first);
       std::vector<std::vector<std::uint8_t>> found(some);
       parallel_range(some, 1, static_cast<double>(lattice_.texels()), progress,
                      [&](std::size_t begin, std::size_t end) {
                        for (std::size_t i = begin; i < end; ++i) {
-                         sweep.run(points_[first + i].source, found[i], progress);
+                         sweep.run(points_[first + i].source, code, found[i], progress);
                        }
                      });
       parallel_range(texels, 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
@@ -181,13 +176,8 @@ Rgb DirectLight<D>::radiance(const Field<D>& field, const Vec<D>& index_position
     }
     for (const int k : of.cones) {
       if (!(share[k] > 0)) continue;
-      LightSource<D> cone = points_[b * block + k].source;
-      const Vec<D> way = place - cone.position;
-      const double distance = way.length();
-      const double with = cone.strength(way / distance, distance);
-      cone.cone.reset();
-      const double without = cone.strength(way / distance, distance);
-      share[k] *= static_cast<float>(without > 0 ? with / without : 0);
+      const LightSource<D>& source = points_[b * block + k].source;
+      share[k] *= static_cast<float>(source.cone_share((place - source.position).normalized()));
     }
     for (int i = 0; i < 3; ++i) {
       for (int k = 0; k < block; ++k) irradiance[i] += share[k] * of.amount[i][k];

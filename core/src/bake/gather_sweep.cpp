@@ -59,10 +59,6 @@ struct Gathering {
   const bool within = meshes && meshes_near<D>(tracer, volume.number, nullptr);
   // From texels to those of other lattices.
   const Vec<D> to_source = texels.lattice.voxels_per_texel / from.texels.lattice.voxels_per_texel;
-  const Vec<D> to_direct = texels.lattice.voxels_per_texel / from.direct.lattice().voxels_per_texel;
-
-  // Whether texels of direct light are the same.
-  const bool direct_alike = texels.lattice.resolution == from.direct.lattice().resolution;
 
   void add(const LineBundle<D>& lines, GatherLines<D>& own) const;
   void find_slots(const LineBundle<D>& lines, GatherLines<D>& own) const;
@@ -90,7 +86,7 @@ void Gathering<D>::find_slots(const LineBundle<D>& lines, GatherLines<D>& own) c
       if (slot == TexelLattice<D>::inactive) continue;
       __builtin_prefetch(&moments[0].sums[slot], 1);
       if (!soft.empty()) __builtin_prefetch(&soft[slot]);
-      if (direct_alike) from.direct.prefetch(own.source, texel);
+      from.direct.prefetch(own.source, texel);
     }
   }
 }
@@ -217,8 +213,8 @@ Rgb Gathering<D>::leaf_radiance(const LineBundle<D>& line, int lane, int step, d
     radiance = (*from.soft[above])[met];
   }
   if (!above && from.direct.sources() > 0) {
-    const Vec<D> there = line.position(lane, z) * to_direct;
-    radiance += from.direct.reflected(own.source, nearest_texel(from.direct.lattice(), there), h);
+    const std::size_t there = nearest_texel(texels.lattice, line.position(lane, z));
+    radiance += from.direct.reflected(own.source, there, h);
   }
   const double c = one_albedo ? 0 : of.leaf_coordinate(h);
   radiance *= of.albedo.at(c);

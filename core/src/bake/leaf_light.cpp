@@ -43,7 +43,7 @@ std::vector<std::pair<std::size_t, double>> stand_ins(const DirectLight<D>& dire
 template <int D>
 LeafLight<D>::LeafLight(const SweptVolume<D>& volume, const SweptLattice<D>& texels,
                         const DirectLight<D>& direct, Progress& progress)
-    : texels_(&texels), code_{volume.window(), false} {
+    : code_{volume.window(), false} {
   const TexelLattice<D>& lattice = texels.lattice;
   const Field<D>& field = volume.volume().field;
   const Affine<D>& to_frame = volume.tracer.index_to_frame(volume.number);

@@ -117,7 +117,7 @@ class AxisSweep {
     const auto count = static_cast<int>(order_.size());
     int q = 0;
     while (q < count && !reached(q)) ++q;
-    first_ = q;
+    const int first = q;  // that the light reaches
     if (q == count) return;
     for (int b = 0; b < D - 1; ++b) {
       Fan& fan = fans_[b];
@@ -128,10 +128,11 @@ class AxisSweep {
       fan.cover(t_[q], t_.back());
       if (fan.count == 0) return;
     }
-    resize_lines();
+    greatest_.assign(static_cast<std::size_t>(u_lines()) * v_lines(), 0.0f);
+    if (meshes_) find_walls();
     for (; q < count && !progress.cancelled(); ++q) {
       take_plane(q);
-      if (q - delay_ >= first_) pass(q - delay_);
+      if (q - delay_ >= first) pass(q - delay_);
       if (planes_.planes[order_[q]].texel >= 0) tell(q, found);
       for (int b = 0; b < D - 1; ++b) {
         if (!source_.infinite && fans_[b].spacing(t_[q]) > widest_between(b)) halve(b, t_[q]);
@@ -146,11 +147,6 @@ class AxisSweep {
   }
   int u_lines() const { return fans_[0].count; }
   int v_lines() const { return D == 3 ? fans_[D - 2].count : 1; }
-
-  void resize_lines() {
-    greatest_.assign(static_cast<std::size_t>(u_lines()) * v_lines(), 0.0f);
-    if (meshes_) find_walls();
-  }
 
   // Twice as many lines across an axis: every second one is one of those before.
   void halve(int b, double t) {
@@ -256,7 +252,7 @@ class AxisSweep {
     const double t = t_[q];
     const CodePlane& plane = ring_[q % ring_.size()];
     const Fan& fan = fans_[0];
-    const double spacing = fan.spacing(t), margin = spacing;
+    const double margin = fan.spacing(t);
     // Lines a little beside the box take what is at its border, for their neighbours' sake.
     int begin = 0, end = u_lines();
     while (begin < end && fan.at(begin, t) < -margin) ++begin;
@@ -357,7 +353,6 @@ class AxisSweep {
   std::vector<int> order_;  // of the planes, as the light passes them
   std::vector<double> t_;   // voxels from the light to them, along the axis
   double from_ = 0;         // where the light is, or where parallel lines begin
-  int first_ = 0;           // plane that the light reaches
   int delay_ = 1;           // planes from one of nodes to the next
   std::vector<CodePlane> ring_;
   std::vector<float> greatest_;  // of the lines
@@ -389,31 +384,33 @@ VoxelBuffer turned_values(const Field<D>& field) {
 
 template <int D>
 VisibilitySweep<D>::VisibilitySweep(const SceneTracer<D>& tracer, int volume,
-                                    const TexelLattice<D>& nodes, const VisibilityCode& code)
+                                    const TexelLattice<D>& nodes)
     : tracer_(tracer),
       volume_(volume),
       nodes_(nodes),
-      code_(code),
       turned_(turned_values(tracer.scene().volumes[volume].field)) {}
 
 template <int D>
-void VisibilitySweep<D>::run(const LightSource<D>& source, std::vector<std::uint8_t>& found,
-                             Progress& progress) const {
+void VisibilitySweep<D>::run(const LightSource<D>& source, const VisibilityCode& code,
+                             std::vector<std::uint8_t>& found, Progress& progress) const {
   found.assign(nodes_.texels(), 0);
   const bool meshes =
       source.infinite ? !tracer_.meshes().empty() : meshes_near(tracer_, volume_, &source.position);
-  const Vec<D> way = inverse(tracer_.index_to_frame(volume_)).vector(source.direction);
-  for (int axis = 0; axis < D; ++axis) {
-    for (const int sense : {1, -1}) {
-      if (source.infinite) {
-        int along = 0;
-        for (int a = 1; a < D; ++a) {
-          if (std::abs(way[a]) > std::abs(way[along])) along = a;
-        }
-        if (axis != along || sense * way[axis] < 0) continue;
-      }
-      AxisSweep<D>(tracer_, volume_, voxels_of(turned_), source, nodes_, code_, meshes, axis, sense)
-          .run(found, progress);
+  const auto run_along = [&](int axis, int sense) {
+    AxisSweep<D>(tracer_, volume_, voxels_of(turned_), source, nodes_, code, meshes, axis, sense)
+        .run(found, progress);
+  };
+  if (source.infinite) {
+    const Vec<D> way = inverse(tracer_.index_to_frame(volume_)).vector(source.direction);
+    int along = 0;
+    for (int a = 1; a < D; ++a) {
+      if (std::abs(way[a]) > std::abs(way[along])) along = a;
+    }
+    run_along(along, way[along] < 0 ? -1 : 1);
+  } else {
+    for (int axis = 0; axis < D; ++axis) {
+      run_along(axis, 1);
+      run_along(axis, -1);
     }
   }
   progress.check();

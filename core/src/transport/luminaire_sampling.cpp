@@ -287,8 +287,12 @@ double LightSource<D>::strength(const Vec<D>& way, double distance) const {
     const double cosine = way.dot(normal);
     factor *= both_sides ? std::abs(cosine) : std::max(0.0, cosine);
   }
-  if (cone) factor *= cone_factor<D>(cone, way);
-  return factor;
+  return factor * cone_share(way);
+}
+
+template <int D>
+double LightSource<D>::cone_share(const Vec<D>& way) const {
+  return cone_factor<D>(cone, way);
 }
 
 template <int D>

@@ -25,8 +25,6 @@ class DirectLight {
   const TexelLattice<D>& lattice() const { return lattice_; }
   std::size_t points() const { return points_.size(); }
   const LightPoint<D>& point(std::size_t number) const { return points_[number]; }
-  bool has_inner() const { return !maps_[1].empty(); }
-  std::size_t bytes() const { return maps_[0].size() + maps_[1].size(); }
 
   // Radiance [W/(m^2 sr)] that the leaf through an index position of the field, which must be that
   // of the volume, reflects on one of its sides; zero where no leaf passes.

@@ -15,7 +15,7 @@ struct GatheredRadiance {
   // Soft light that white leaves reflect, of the texels' outer and inner sides; empty: none.
   std::array<const std::vector<Rgb>*, 2> soft;
   const std::vector<Rgb>* inner_direct;  // radiance of the inner sides by direct light; empty: none
-  const LeafLight<D>& direct;            // of the outer sides
+  const LeafLight<D>& direct;            // of the outer sides, at the texels that gather
   const SurfaceCache<D>* surroundings;   // null where there are none
   // Light that has no points: whether each mesh emits such, and the environment's; null: none.
   const std::vector<char>& mesh_is_wide;

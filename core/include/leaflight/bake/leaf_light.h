@@ -23,7 +23,6 @@ class LeafLight {
   LeafLight(const SweptVolume<D>& volume, const SweptLattice<D>& texels,
             const DirectLight<D>& direct, Progress& progress);
 
-  const TexelLattice<D>& lattice() const { return texels_->lattice; }
   std::size_t sources() const { return amounts_.size(); }
 
   void prefetch(std::size_t source, std::size_t texel) const {
@@ -41,7 +40,6 @@ class LeafLight {
   }
 
  private:
-  const SweptLattice<D>* texels_ = nullptr;
   VisibilityCode code_;
   std::vector<Rgb> amounts_;  // of the sources
   // Of each source and texel, without its shadow, as a share of the source's amount: a float, whose

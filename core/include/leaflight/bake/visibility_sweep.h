@@ -35,18 +35,16 @@ template <int D>
 class VisibilitySweep {
  public:
   // All that is given must outlive it.
-  VisibilitySweep(const SceneTracer<D>& tracer, int volume, const TexelLattice<D>& nodes,
-                  const VisibilityCode& code);
+  VisibilitySweep(const SceneTracer<D>& tracer, int volume, const TexelLattice<D>& nodes);
 
   // From a point of light, into as many codes as there are nodes.
-  void run(const LightSource<D>& source, std::vector<std::uint8_t>& found,
-           Progress& progress) const;
+  void run(const LightSource<D>& source, const VisibilityCode& code,
+           std::vector<std::uint8_t>& found, Progress& progress) const;
 
  private:
   const SceneTracer<D>& tracer_;
   int volume_;
   const TexelLattice<D>& nodes_;
-  const VisibilityCode& code_;
   VoxelBuffer turned_;  // the field's values, axis 0 slowest, so that its planes lie together
 };
 

@@ -36,6 +36,8 @@ struct LightSource {
   bool sphere = true;                                // without a normal
   Rgb amount{0};  // irradiance of a surface that faces the source, at distance 1 unless infinite
 
+  // What the cone leaves of the light in a unit direction; 1 without one.
+  double cone_share(const Vec<D>& way) const;
   // The irradiance of a surface that faces the source, reached by it in a unit direction, as a
   // share of the amount.
   double strength(const Vec<D>& way, double distance) const;
