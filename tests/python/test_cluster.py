@@ -19,12 +19,12 @@ from leaflight.cluster import sweeper  # noqa: E402
 from leaflight.cluster.workers import Workers  # noqa: E402
 from waiting import HANG, wait_for  # noqa: E402
 
-SETTINGS = {"error": 3.0, "resolution": 24, "both_sides": True, "surroundings": True}
+SETTINGS = {"error": 1.0, "isovalues": (30.0, 70.0), "both_sides": True, "surroundings": True}
 
 
 @pytest.fixture(scope="module")
 def volume():
-    return leaflight.bump_box(20)
+    return leaflight.bump_box(10)
 
 
 @pytest.fixture(scope="module")

@@ -137,15 +137,11 @@ def test_memory_of_the_light_is_foreseen(tmp_path, settings):
     assert 0.6 < (found["held"] - found["begun"]) / foreseen < 1.15
 
 
-# Seconds that are over before the first round is.
-AT_ONCE = 1e-9
-
-
 @pytest.mark.slow
 def test_default_texels_are_the_finest_that_fit(monkeypatch):
     volume = bump_box(120)
     limit_memory(320 * MEBIBYTE)
-    bake = leaflight.bake(volume, time=AT_ONCE)
+    bake = leaflight.bake(volume, error=50)
     assert 40 < bake.grid.resolution[0] < 120
     name, reason = bake.statistics["skipped_passes"][-1]
     assert name == "finer texels" and "memory" in reason
@@ -154,12 +150,12 @@ def test_default_texels_are_the_finest_that_fit(monkeypatch):
 
     limit_memory(None)
     monkeypatch.setattr(_core, "machine_memory", lambda: 16 << 30)
-    assert leaflight.bake(volume, time=AT_ONCE).grid.resolution[0] == 120
+    assert leaflight.bake(volume, error=50).grid.resolution[0] == 120
 
 
 def test_small_machine_gets_coarser_texels(monkeypatch):
     monkeypatch.setattr(_core, "machine_memory", lambda: 500 * MEBIBYTE)
-    bake = leaflight.bake(bump_box(120), time=AT_ONCE)
+    bake = leaflight.bake(bump_box(120), error=50)
     assert 40 < bake.grid.resolution[0] < 120
 
 

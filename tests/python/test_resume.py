@@ -26,10 +26,10 @@ def stopping(rounds):
 
 @pytest.fixture
 def box(bump_scene):
-    """bake(**settings) of the bump box with 12^3 nodes."""
+    """bake(**settings) of the bump box with 10^3 nodes."""
 
     def bake(**settings):
-        volume = leaflight.bump_box(12)
+        volume = leaflight.bump_box(10)
         return leaflight.bake(volume, bump_scene, isovalues=(30.0, 70.0), **settings)
 
     return bake
@@ -71,9 +71,9 @@ def test_a_stopped_bake_goes_on_to_its_error(box, kept):
 def test_a_finished_bake_goes_on_to_a_smaller_error(box):
     rough = box(error=8.0)
     assert not rough.statistics["stopped"]
-    fine = resume(rough, error=1.2)
-    assert fine.metadata["error"] == "1.2"
-    assert fine.statistics["estimated_error_percent"] <= 1.2
+    fine = resume(rough, error=0.92)
+    assert fine.metadata["error"] == "0.92"
+    assert fine.statistics["estimated_error_percent"] <= 0.92
     points = fine.surface(47.0).vertices
     assert fine.radiance_error(points).mean() < 0.7 * rough.radiance_error(points).mean()
 
@@ -116,7 +116,7 @@ def test_rounds_are_shown_and_stopped_as_those_of_a_bake(kept):
 
 @pytest.mark.slow
 def test_surroundings_are_lit_anew(box):
-    kept = box(error=1.5, surroundings=True, **stopping(1))
+    kept = box(error=1.0, surroundings=True, **stopping(1))
     more = resume(kept)
     before, after = (b.surroundings.radiance(0, 50.0) for b in (kept, more))
     assert before.shape == after.shape and not np.array_equal(before, after)

@@ -23,10 +23,10 @@ UNREACHED = 1e-3
 
 @pytest.fixture
 def box(bump_scene):
-    """bake(**settings) of the bump box with 12^3 nodes."""
+    """bake(**settings) of the bump box with 10^3 nodes."""
 
     def bake(**settings):
-        volume = leaflight.bump_box(12)
+        volume = leaflight.bump_box(10)
         return leaflight.bake(volume, bump_scene, isovalues=WINDOW, **settings)
 
     return bake
@@ -46,12 +46,12 @@ def stopped_after(rounds, box, **settings):
 
 def test_each_round_leaves_a_better_bake(box, tmp_path):
     seen = []
-    last = box(error=1.4, on_round=seen.append)
+    last = box(error=0.9, on_round=seen.append)
     assert [one.statistics["rounds"] for one in seen] == list(range(1, len(seen) + 1))
     assert last.statistics["rounds"] == len(seen) + 1 > 2
     assert not last.statistics["stopped"]
     errors = [one.statistics["estimated_error_percent"] for one in [*seen, last]]
-    assert errors == sorted(errors, reverse=True) and errors[-1] <= 1.4 < errors[0]
+    assert errors == sorted(errors, reverse=True) and errors[-1] <= 0.9 < errors[0]
     seconds = [one.statistics["seconds"] for one in [*seen, last]]
     assert seconds == sorted(seconds) and seconds[0] > 0
     assert len({one.id for one in [*seen, last]}) == len(seen) + 1
@@ -77,7 +77,7 @@ def test_a_smaller_error_is_nearer_to_the_truth(box):
     errors = [np.abs(one.radiance(points) - truth).mean() for one in (rough, fine)]
     assert errors[1] < 0.7 * errors[0]
     noise = [one.radiance_error(points).mean() for one in (rough, fine)]
-    assert noise[1] < 0.5 * noise[0]
+    assert noise[1] < 0.65 * noise[0]
 
 
 @pytest.mark.parametrize("rounds", [1, 2])
@@ -107,7 +107,7 @@ def test_the_time_ends_a_bake(box):
     baked = box(error=UNREACHED, time=1e-9)
     assert baked.statistics["stopped"] and baked.statistics["rounds"] == 1
     assert baked.surface(47.0).radiance.mean() > 0.01
-    unlimited, limited = box(error=4.0), box(error=4.0, time=HANG)
+    unlimited, limited = box(error=1.0), box(error=1.0, time=HANG)
     assert not limited.statistics["stopped"]
     assert limited.statistics["rounds"] == unlimited.statistics["rounds"] > 1
 
@@ -132,7 +132,7 @@ def test_what_goes_wrong_in_on_round_ends_the_bake(box):
 
 def test_metadata_tell_the_ways_apart(box, fixed_work):
     rounds = box(error=20.0)
-    fixed = leaflight.bake(leaflight.bump_box(12), **fixed_work)
+    fixed = leaflight.bake(leaflight.bump_box(10), **fixed_work)
     research = (*(set(FIXED_WORK) - {"only_at"}), "only_at_sha256")
     assert rounds.metadata["error"] == "20.0" and int(rounds.metadata["rounds"]) > 0
     assert all(rounds.metadata[name] == "" for name in research)

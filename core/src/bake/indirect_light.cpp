@@ -86,7 +86,7 @@ void IndirectLight<D>::sweep(int number, const GatheredRadiance<D>& from, Progre
 
 template <int D>
 void IndirectLight<D>::close_block(Progress& progress) {
-  for (TexelMoments& side : moments_) side.close_block(progress);
+  for (TexelMoments& side : moments_) side.close_block(blocks_, progress);
   ++blocks_;
   ++drawn_;
 }
@@ -109,6 +109,11 @@ double IndirectLight<D>::cost() const {
 template <int D>
 std::vector<Average> IndirectLight<D>::averages(bool inner) const {
   return moments_[inner].averages();
+}
+
+template <int D>
+std::vector<HalfDifference> IndirectLight<D>::halves(bool inner) const {
+  return moments_[inner].halves();
 }
 
 template <int D>

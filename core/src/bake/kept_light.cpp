@@ -19,15 +19,7 @@ void to_half(std::vector<Vec<3, float>>& values) {
   }
 }
 
-float share_of(int kept, int added) {
-  return kept > 0 ? static_cast<float>(kept) / static_cast<float>(kept + added) : 0;
-}
-
 }  // namespace
-
-float kept_share(const Average& found, int blocks, int kept) {
-  return found.samples > 0 ? share_of(kept, blocks) : 1;
-}
 
 template <int D>
 KeptLight<D>::KeptLight(RadianceGrid<D> grid, int rounds, int blocks)
@@ -38,16 +30,19 @@ KeptLight<D>::KeptLight(RadianceGrid<D> grid, int rounds, int blocks)
 }
 
 template <int D>
-void KeptLight<D>::add_to(std::vector<Average>& indirect, int blocks, bool inner) const {
-  const float w = share_of(blocks_, blocks);
+float KeptLight<D>::share(int blocks) const {
+  return blocks_ > 0 ? static_cast<float>(blocks_) / static_cast<float>(blocks_ + blocks) : 0;
+}
+
+template <int D>
+void KeptLight<D>::add_variance(std::vector<Average>& indirect, int blocks, bool inner) const {
+  const float w = share(blocks), left = 1 - w;
   for (std::size_t s = 0; s < indirect.size(); ++s) {
-    Average& soft = indirect[s];
-    soft.mean = soft.mean * (1 - w) + this->indirect(s, inner) * w;
     // A file keeps no error of the inner side: it is what as many blocks as were kept would err by,
     // as far as new ones tell.
-    const float kept = inner ? soft.variance * blocks / std::max(1, blocks_)
+    const float kept = inner ? indirect[s].variance / (left * left) * blocks / std::max(1, blocks_)
                              : grid_.radiance_error[s] * grid_.radiance_error[s];
-    soft.variance = soft.variance * (1 - w) * (1 - w) + kept * w * w;
+    indirect[s].variance += kept * w * w;
   }
 }
 

@@ -13,9 +13,11 @@ namespace {
 
 // Bakes of fewer texels do without a first picture.
 constexpr std::size_t most_without_preview = 200'000;
-// Blocks of sweeps of the first round; at least so many in the end, since their differences tell
-// the error; and at most.
-constexpr int first_blocks = 2, least_blocks = 4, most_blocks = 32;
+// Blocks of a first picture, of the first round, since their differences tell the error, and of all
+// rounds at most.
+constexpr int preview_blocks = 2, first_blocks = 4, most_blocks = 32;
+// A round that is out of time ends after so many.
+constexpr int least_blocks = 2;
 // What noise may be of the error that is asked for: what the texels' width leaves of it, within
 // these shares; and of what texels miss, where that alone is more, as sweeps do not mend it.
 constexpr double least_noise = 0.25, most_noise = 0.8, out_of_reach_noise = 0.5;
@@ -27,11 +29,10 @@ int next_blocks(const SweptBake<D>& bake, double target) {
   const int now = bake.blocks();
   if (now == 0) return 0;
   const double wanted = bake.errors().all().noise * now / target;
-  const int least = std::max(now, std::min(least_blocks, 2 * now));
-  const int most = std::max(least, std::min(2 * now, most_blocks));
+  const int most = std::max(now, std::min(2 * now, most_blocks));
   // A round that adds little costs as much to look at as one that adds more.
   const double grown = wanted > now ? std::max(std::ceil(wanted), std::ceil(1.25 * now)) : now;
-  return static_cast<int>(std::clamp<double>(grown, least, most));
+  return static_cast<int>(std::clamp<double>(grown, now, most));
 }
 
 }  // namespace
@@ -79,7 +80,7 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
   // Until sweeps know what they cost.
   const double sides = plan.back ? 2 : 1;
   double work = sides * static_cast<double>(texels.shown.lattice.texels() * split.points.size());
-  progress.expect(work + least_blocks * static_cast<double>(texels.shown.lattice.texels()) *
+  progress.expect(work + first_blocks * static_cast<double>(texels.shown.lattice.texels()) *
                              IndirectLight<D>::directions_per_block /
                              std::pow(texels.spacing, D - 1));
   progress.begin("Direct light");
@@ -88,9 +89,15 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
   work = sides * static_cast<double>(direct->lattice().texels() * split.points.size());
   std::atomic<std::uint64_t> rays{0};
   int rounds = kept ? kept->rounds() : 0;
+  const auto seconds_since = [](std::chrono::steady_clock::time_point then) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
+  };
+  double seconds_a_texel = 0;  // that whole() takes
   const auto whole = [&](SweptBake<D>& bake) {
+    const auto begin = std::chrono::steady_clock::now();
     Baked<D> baked;
     baked.grids.push_back(bake.grid());
+    seconds_a_texel = seconds_since(begin) / static_cast<double>(baked.grids[0].texels());
     baked.statistics.rays = rays;
     baked.statistics.rounds = rounds;
     baked.statistics.blocks = bake.blocks();
@@ -100,9 +107,9 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
     baked.statistics.worst = bake.errors().worst();
     return baked;
   };
-  const auto ended = [&] {
-    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    return progress.stopped() || (settings.seconds > 0 && seconds.count() > settings.seconds);
+  const auto over = [&](double to_come) {
+    return progress.stopped() ||
+           (settings.seconds > 0 && seconds_since(start) + to_come > settings.seconds);
   };
   // A bake's last round, which has the surroundings, too.
   const auto last = [&](SweptBake<D>& bake, Baked<D> baked, bool stopped) {
@@ -112,14 +119,17 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
     return baked;
   };
   const bool resumes = checkpoints && checkpoints->from;
+  std::unique_ptr<SweptBake<D>> preview;
   if (!kept && count > most_without_preview) {
     ++rounds;
-    if (on_round && !resumes) {
-      SweptBake<D> preview(volume, lights, split, direct, settings, plan, progress, rays,
-                           preview_texels(volume, texels.shown.lattice.resolution));
-      preview.add(first_blocks);
-      on_round(whole(preview));
-      if (ended()) return last(preview, whole(preview), true);
+    if ((on_round || settings.seconds > 0) && !resumes) {
+      preview = std::make_unique<SweptBake<D>>(
+          volume, lights, split, direct, settings, plan, progress, rays,
+          preview_texels(volume, texels.shown.lattice.resolution));
+      preview->add(preview_blocks);
+      Baked<D> first = whole(*preview);
+      if (on_round) on_round(std::move(first));
+      if (over(0)) return last(*preview, whole(*preview), true);
     }
   }
   SweptBake<D> bake(volume, lights, split, direct, settings, plan, progress, rays,
@@ -140,32 +150,40 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
     rays = traced;
   };
   if (resumes) keep(Keeper(*checkpoints->from));
-  const auto after_block = [&, last = start, before_last = start]() mutable {
-    const auto now = std::chrono::steady_clock::now();
+  auto saved = start, block_began = start;
+  const std::function<bool()> go_on = [&] {
+    const double block_seconds = seconds_since(block_began);
+    block_began = std::chrono::steady_clock::now();
     // The next block takes about as long as the one before.
-    const std::chrono::duration<double> then = now + (now - before_last) - last;
-    before_last = now;
-    if (!checkpoints || !checkpoints->save || then.count() < checkpoints->seconds) return;
-    checkpoints->save([&](std::ostream& stream) { keep(Keeper(stream)); });
-    last = std::chrono::steady_clock::now();
+    if (checkpoints && checkpoints->save &&
+        seconds_since(saved) + block_seconds >= checkpoints->seconds) {
+      checkpoints->save([&](std::ostream& stream) { keep(Keeper(stream)); });
+      saved = std::chrono::steady_clock::now();
+    }
+    const int done = bake.blocks() - before;
+    const bool can_end = done >= least_blocks || (done == 0 && preview);
+    return !can_end || !over(seconds_a_texel * static_cast<double>(count));
   };
-  const std::function<void()> between = after_block;
   for (;;) {
-    progress.expect(work + bake.cost() * (std::max(blocks + 1, least_blocks) - before));
-    bake.add(blocks - bake.blocks(), between);
+    // The bounces before count, too, and the radiance of the texels afterwards.
+    progress.expect(work + bake.cost() * (blocks - before + 1));
+    bake.add(blocks - bake.blocks(), go_on);
+    const bool cut = bake.blocks() < blocks;
+    if (cut && bake.blocks() == before) return last(*preview, whole(*preview), true);
+    preview.reset();
     ++rounds;
     Baked<D> baked = whole(bake);
     const LeafError error = bake.errors().all();
-    const double noise = noise_to_reach(settings.error, 100 * std::sqrt(error.texture));
+    const double noise =
+        noise_to_reach(settings.error, 100 * std::sqrt(std::max(0.0, error.texture)));
     const double target = std::pow(noise / 100, 2);
+    if (error.noise <= target) return last(bake, std::move(baked), false);
+    if (cut || over(0)) return last(bake, std::move(baked), true);
     const int next = next_blocks(bake, target);
-    const bool enough = blocks == 0 || blocks >= least_blocks;
-    const bool reached = enough && error.noise <= target;
-    if (reached || next <= blocks) return last(bake, std::move(baked), false);
-    if (ended()) return last(bake, std::move(baked), true);
+    if (next <= blocks) return last(bake, std::move(baked), false);
     if (on_round) on_round(std::move(baked));
     // What was shown is what is left.
-    if (ended()) return last(bake, whole(bake), true);
+    if (over(0)) return last(bake, whole(bake), true);
     blocks = next;
   }
 }

@@ -15,7 +15,30 @@ constexpr int wall_samples = 2, surroundings_samples = 16;
 // How often the soft light that lines meet is gathered anew before it counts, each time along so
 // many directions. It begins as none: what photons tell of it is too coarse, and what leaks through
 // a wall stays in a closed cavity for many bounces.
-constexpr int bounces = 3, bounce_directions = 16;
+constexpr int bounces = 2, bounce_directions = 16;
+// The light of a bounce over that of the one before, at most: of what reflects all, it may be more
+// by chance.
+constexpr Real most_bounced = Real(0.8);
+
+Rgb mean_of(const std::vector<Rgb>& light) {
+  Imath::V3d sum(0);
+  for (const Rgb& one : light) sum += Imath::V3d(one);
+  return light.empty() ? Rgb(0) : Rgb(sum / static_cast<double>(light.size()));
+}
+
+// Adds the bounces that are yet to come, as if each were to the one before as the last was: the sum
+// of a geometric series. `before`: the mean light without the last bounce.
+void add_later_bounces(std::vector<Rgb>& light, const Rgb& before) {
+  const Rgb mean = mean_of(light);
+  Rgb scale(1);
+  for (int i = 0; i < 3; ++i) {
+    const Real last = std::max(Real(0), mean[i] - before[i]);
+    if (!(before[i] > 0 && last > 0)) continue;
+    const Real ratio = std::min(last / before[i], most_bounced);
+    scale[i] += last / mean[i] * ratio / (1 - ratio);
+  }
+  for (Rgb& one : light) one *= scale;
+}
 
 }  // namespace
 
@@ -51,7 +74,7 @@ SweptBake<D>::SweptBake(const SweptVolume<D>& volume, const LightSampler<D>& lig
 }
 
 template <int D>
-void SweptBake<D>::add(int blocks, const std::function<void()>& after_block) {
+void SweptBake<D>::add(int blocks, const std::function<bool()>& go_on) {
   if (!indirect_) return;
   progress_.begin("Indirect light");
   // It is what it was where an interrupted add() goes on.
@@ -60,25 +83,34 @@ void SweptBake<D>::add(int blocks, const std::function<void()>& after_block) {
     learn_soft();
   }
   learn_leaf_light();
-  for (; !kept_ && bounces_ < bounces; ++bounces_) {
+  const auto ended = [&] { return go_on && !go_on(); };
+  bool stopped = false;
+  while (!kept_ && bounces_ < bounces && !stopped) {
+    const std::array<Rgb, 2> before{mean_of(soft_[0]), mean_of(soft_[1])};
     indirect_->add_block(gathered(), progress_, rays_, bounce_directions);
     learn_soft();
     indirect_->clear();
+    if (++bounces_ == bounces) {
+      for (int side = 0; side < (plan_.back ? 2 : 1); ++side) {
+        add_later_bounces(soft_[side], before[side]);
+      }
+    }
+    stopped = ended();
   }
-  if (workers_ && blocks > 0) {
+  if (workers_ && blocks > 0 && !stopped) {
     workers_->begin(indirect_->next_block(), blocks, [this](std::ostream& stream) {
       Keeper keeper(stream);
       keep_looked_up(keeper);
     });
   }
-  for (int i = 0; i < blocks; ++i) {
+  for (int i = 0; i < blocks && !stopped; ++i) {
     const std::string bytes = workers_ ? workers_->take(indirect_->next_block()) : std::string();
     if (bytes.empty()) {
       indirect_->add_block(gathered(), progress_, rays_);
     } else {
       indirect_->add_block_of_others(bytes, progress_, rays_);
     }
-    if (after_block) after_block();
+    stopped = ended();
   }
   indirect_->release();
   // What only lines look up takes as much memory as the result does.
@@ -131,19 +163,20 @@ template <int D>
 RadianceGrid<D> SweptBake<D>::grid() {
   progress_.begin("Radiance of the texels");
   SideAverages direct, indirect;
-  const int sides = plan_.back ? 2 : 1;
-  for (int side = 0; side < sides; ++side) {
-    direct[side] = direct_averages(side != 0);
-    if (!indirect_) {
-      indirect[side].resize(direct[side].size());
+  const std::size_t sides = plan_.back ? 2 : 1;
+  std::array<NoisyLight, 2> light = filtered_light();
+  for (std::size_t side = 0; side < sides; ++side) {
+    const bool inner = side != 0;
+    direct[side] = direct_averages(inner);
+    if (indirect_) {
+      indirect[side] = interpolated(indirect_->texels().lattice, light[side].averages,
+                                    texels_.lattice, progress_);
     } else {
-      const TexelLattice<D>& soft = indirect_->texels().lattice;
-      std::vector<Average> averages = indirect_->averages(side != 0);
-      pool_variances(soft, averages, progress_);
-      indirect[side] = interpolated(soft, averages, texels_.lattice, progress_);
+      indirect[side].resize(direct[side].size());
     }
+    light[side] = {};
     finish(indirect[side]);
-    if (kept_) kept_->add_to(indirect[side], indirect_ ? indirect_->blocks() : 0, side != 0);
+    if (kept_ && indirect_) kept_->add_variance(indirect[side], indirect_->blocks(), inner);
   }
   progress_.check();
   measure_errors(direct[0], indirect[0]);
@@ -152,6 +185,39 @@ RadianceGrid<D> SweptBake<D>::grid() {
   result.lattice = texels_.lattice;
   result.direct = direct_;
   return result;
+}
+
+// Before the filter, which then takes noise of new blocks from all that is known.
+template <int D>
+void SweptBake<D>::blend_with_kept(NoisyLight& light, const std::vector<Rgb>& kept) const {
+  const float w = kept_->share(indirect_->blocks()), left = 1 - w;
+  for (std::size_t s = 0; s < kept.size(); ++s) {
+    Average& average = light.averages[s];
+    average.mean = average.mean * left + kept[s] * w;
+    average.variance *= left * left;
+    light.halves[s].first_less_second *= left;
+  }
+}
+
+// Of white leaves, by side.
+template <int D>
+std::array<NoisyLight, 2> SweptBake<D>::filtered_light() {
+  std::array<NoisyLight, 2> light;
+  if (!indirect_) return light;
+  const SweptLattice<D>& texels = indirect_->texels();
+  for (std::size_t side = 0; side < (plan_.back ? 2 : 1); ++side) {
+    light[side] = {indirect_->averages(side != 0), indirect_->halves(side != 0)};
+    pool_variances(texels.lattice, light[side].averages, progress_);
+  }
+  measure_texture(light[0]);
+  if (kept_) {
+    for (std::size_t side = 0; side < (plan_.back ? 2 : 1); ++side) {
+      blend_with_kept(light[side], kept_soft_[side]);
+    }
+  }
+  if (surfaces_.empty()) surfaces_ = texel_surfaces(volume_, texels.lattice, progress_);
+  filter_along_isosurfaces(texels, surfaces_, light, progress_);
+  return light;
 }
 
 template <int D>
@@ -250,7 +316,8 @@ void SweptBake<D>::learn_soft() {
     for (std::size_t s = 0; s < averages.size(); ++s) {
       soft_[side][s] = averages[s].mean;
       if (!kept_) continue;
-      const float w = kept_share(averages[s], indirect_->blocks(), kept_->blocks());
+      // Kept light alone counts where new blocks found no sample.
+      const float w = averages[s].samples > 0 ? kept_->share(indirect_->blocks()) : 1;
       soft_[side][s] = soft_[side][s] * (1 - w) + kept_soft_[side][s] * w;
     }
   }
@@ -283,43 +350,35 @@ void SweptBake<D>::finish(std::vector<Average>& indirect) const {
   }
 }
 
-// Squared, of a texel's colour: what texels miss of indirect light between them, from how far one
-// is from the mean of its neighbours, those that are a texel of its own away. Where
-// light bends evenly, interpolation errs by a quarter of that distance at most; where it jumps, by
-// half of it. A third agrees with compare() on a bump box of 40^3 at one, half and a quarter voxel
-// a texel. Neighbours' noise is in it: without it a bump box of 1.5 % would say 1.1.
+// From how far a texel is from the mean of its neighbours before and after along each axis, as two
+// halves of the blocks tell it, whose product has no noise on average. Where light bends evenly,
+// interpolation errs by a quarter of that distance at most; where it jumps, by half of it.
 template <int D>
-double SweptBake<D>::texture_error(const std::vector<Average>& direct,
-                                   const std::vector<Average>& indirect, std::size_t slot) const {
-  constexpr double share = 1.0 / 3;
-  const TexelLattice<D>& lattice = texels_.lattice;
-  const Index<D> texel = lattice.texel(lattice.active[slot]);
-  // From the mean of the neighbours so many texels before and after; zero beside inactive ones.
-  const auto off = [&](const std::vector<Average>& light, int axis, int reach) {
-    Index<D> before = texel, after = texel;
-    before[axis] -= reach;
-    after[axis] += reach;
-    if (before[axis] < 0 || after[axis] >= lattice.resolution[axis]) return Rgb(0);
-    const std::int32_t b = texels_.slots[lattice.linear(before)];
-    const std::int32_t a = texels_.slots[lattice.linear(after)];
-    if (b == TexelLattice<D>::inactive || a == TexelLattice<D>::inactive) return Rgb(0);
-    return light[slot].mean - (light[b].mean + light[a].mean) * Real(0.5);
-  };
-  double sum = 0;
-  for (int a = 0; a < D; ++a) {
-    Rgb all(0);
-    if (indirect_) {
-      const double width = indirect_->texels().lattice.voxels_per_texel[a];
-      const double reach = std::round(width / lattice.voxels_per_texel[a]);
-      all += off(indirect, a, std::max(1, static_cast<int>(reach)));
+void SweptBake<D>::measure_texture(const NoisyLight& light) {
+  constexpr float share = 0.5f;
+  const SweptLattice<D>& texels = indirect_->texels();
+  const TexelLattice<D>& lattice = texels.lattice;
+  texture_.resize(lattice.active.size());
+  parallel_range(texture_.size(), 2048, 0, progress_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s) {
+      const Index<D> texel = lattice.texel(lattice.active[s]);
+      const float p = light.halves[s].first_share;
+      float sum = 0;
+      for (int a = 0; a < D; ++a) {
+        Index<D> before = texel, after = texel;
+        if (--before[a] < 0 || ++after[a] >= lattice.resolution[a]) continue;
+        const std::int32_t b = texels.slots[lattice.linear(before)];
+        const std::int32_t c = texels.slots[lattice.linear(after)];
+        if (b == TexelLattice<D>::inactive || c == TexelLattice<D>::inactive) continue;
+        const Imath::V3f off(light.averages[s].mean -
+                             (light.averages[b].mean + light.averages[c].mean) * Real(0.5));
+        const auto half = [&](std::int32_t i) { return light.halves[i].first_less_second; };
+        const Imath::V3f apart = half(static_cast<std::int32_t>(s)) - (half(b) + half(c)) * 0.5f;
+        sum += off.length2() + (1 - 2 * p) * off.dot(apart) - p * (1 - p) * apart.length2();
+      }
+      texture_[s] = share * share * sum / 3;
     }
-    // What is beyond white does not count.
-    for (int i = 0; i < 3; ++i) {
-      const double colour = settings_.exposure * (direct[slot].mean[i] + indirect[slot].mean[i]);
-      if (colour < 1) sum += settings_.exposure * settings_.exposure * all[i] * all[i] / 3;
-    }
-  }
-  return share * share * sum;
+  });
 }
 
 // At points of the leaves, as many for an area of leaves wherever it is.
@@ -342,18 +401,24 @@ void SweptBake<D>::measure_errors(const std::vector<Average>& direct,
     const double h = interpolate(load_corners(of.field, at.cell), at.local);
     if (!volume_.window().contains(h)) continue;
     LeafError error;
-    error.texture = texture_error(direct, indirect, s);
+    if (indirect_) {
+      const SweptLattice<D>& soft = indirect_->texels();
+      const std::int32_t near = soft.slot_near(position / soft.lattice.voxels_per_texel);
+      const double albedo = average(albedo_near(of, position));
+      if (near >= 0) error.texture = exposure2 * albedo * albedo * texture_[near];
+    }
     const TexelWeights<D> near = linear_weights(lattice, position);
-    double colour = 0;
+    double colour = 0, deviation = 0;
     for (int i = 0; i < (1 << D); ++i) {
       const double w = near.weight[i];
       if (!(w > 0)) continue;
       const Average &d = direct[near.slot[i]], &m = indirect[near.slot[i]];
       colour += w * average(d.mean + m.mean);
-      error.noise += exposure2 * w * w * m.variance;
+      deviation += w * std::sqrt(m.variance);
     }
+    error.noise = exposure2 * deviation * deviation;
     // What is beyond white does not count.
-    if (colour * settings_.exposure > 1) error.noise = 0;
+    if (colour * settings_.exposure > 1) error = {};
     errors_.add(of.leaf_coordinate(h), shading_gradient(of.field, at).length(), error);
   }
 }

@@ -41,6 +41,7 @@ class IndirectLight {
   void clear();
 
   std::vector<Average> averages(bool inner) const;
+  std::vector<HalfDifference> halves(bool inner) const;
 
  private:
   void sweep(int number, const GatheredRadiance<D>& from, Progress& progress,

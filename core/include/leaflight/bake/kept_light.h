@@ -21,9 +21,10 @@ class KeptLight {
   int rounds() const { return rounds_; }
   int blocks() const { return blocks_; }
 
-  // Averages so many new blocks with those kept, of one side, at all texels; those without a sample
-  // have been given their neighbours' light (pooled_variance.h).
-  void add_to(std::vector<Average>& indirect, int blocks, bool inner) const;
+  // What it weighs beside so many new blocks.
+  float share(int blocks) const;
+  // Adds its own to the variances of so many new blocks of one side, which weigh what is left.
+  void add_variance(std::vector<Average>& indirect, int blocks, bool inner) const;
 
   // Soft light that white leaves reflect, of one side, at the texels of another lattice.
   std::vector<Rgb> soft(const Volume<D>& volume, const IsovalueWindow& window, bool inner,
@@ -35,10 +36,6 @@ class KeptLight {
   RadianceGrid<D> grid_;
   int rounds_, blocks_;
 };
-
-// What kept blocks weigh beside new ones in a texel; kept ones alone count where new ones found no
-// sample.
-float kept_share(const Average& found, int blocks, int kept);
 
 // The radiance that the leaf through an index position emits, within a window of the leaf
 // coordinate.

@@ -14,7 +14,7 @@ namespace leaflight {
 struct LeafError {
   double noise = 0, texture = 0;
 
-  double percent() const { return 100 * std::sqrt(noise + texture); }
+  double percent() const { return 100 * std::sqrt(noise + std::max(0.0, texture)); }
 };
 
 // The error of the isosurfaces about a leaf coordinate.

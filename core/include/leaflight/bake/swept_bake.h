@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "leaflight/bake/direct_light.h"
+#include "leaflight/bake/filtered_light.h"
 #include "leaflight/bake/indirect_light.h"
 #include "leaflight/bake/kept_light.h"
 #include "leaflight/bake/leaf_error.h"
@@ -38,10 +39,11 @@ class SweptBake {
             SweptTexels<D> texels, const KeptLight<D>* kept = nullptr,
             const BlockWorkers* workers = nullptr);
 
-  // Sweeps more blocks; after_block, if given, is called between them.
-  void add(int blocks, const std::function<void()>& after_block = {});
-  // Its state, as it is whenever after_block is called. An add() that was interrupted goes on with
-  // one of the blocks that are missing then.
+  // Sweeps more blocks, at most so many: go_on(), if given, is called after each of them, and after
+  // each bounce before them.
+  void add(int blocks, const std::function<bool()>& go_on = {});
+  // Its state, as it is whenever go_on() is called. An add() that was interrupted goes on with one
+  // of the blocks that are missing then.
   void keep(Keeper& keeper);
   // What lines of indirect light look up, from a bake to the one of a sweeper (block_sweeper.h).
   void keep_looked_up(Keeper& keeper);
@@ -70,8 +72,9 @@ class SweptBake {
   void learn_leaf_light();
   GatheredRadiance<D> gathered() const;
   void finish(std::vector<Average>& indirect) const;
-  double texture_error(const std::vector<Average>& direct, const std::vector<Average>& indirect,
-                       std::size_t slot) const;
+  std::array<NoisyLight, 2> filtered_light();
+  void blend_with_kept(NoisyLight& light, const std::vector<Rgb>& kept) const;
+  void measure_texture(const NoisyLight& light);
   void measure_errors(const std::vector<Average>& direct, const std::vector<Average>& indirect);
 
   SweptVolume<D> volume_;
@@ -87,9 +90,12 @@ class SweptBake {
   const BlockWorkers* workers_;  // may be null
   SweptLattice<D> texels_;
   std::array<std::vector<Rgb>, 2> direct_texels_;  // direct light there, once it is asked for
-  LeafLight<D> leaf_light_;                        // while lines look it up
-  std::unique_ptr<IndirectLight<D>> indirect_;     // null: nothing reflects
-  std::vector<TexelLattice<D>> lattices_;          // of the photons
+  std::vector<TexelSurface<D>> surfaces_;          // at the texels of indirect light
+  // What these miss of the light of white leaves between them: a mean square over its colours.
+  std::vector<float> texture_;
+  LeafLight<D> leaf_light_;                     // while lines look it up
+  std::unique_ptr<IndirectLight<D>> indirect_;  // null: nothing reflects
+  std::vector<TexelLattice<D>> lattices_;       // of the photons
   PhotonCaches<D> photons_;
   // Of white leaves' sides, at the texels of soft light, while lines look it up.
   std::array<std::vector<Rgb>, 2> soft_;

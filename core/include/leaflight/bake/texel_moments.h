@@ -18,7 +18,18 @@ struct TexelSum {
     radiance += sample * w;
     weight += w;
   }
+  void add(const TexelSum& other) {
+    radiance += other.radiance;
+    weight += other.weight;
+  }
   float mean() const { return (radiance.x + radiance.y + radiance.z) / 3; }
+};
+
+// How two halves of a texel's samples differ, which are independent of each other: the difference
+// of their means, and the first one's share of the weight.
+struct HalfDifference {
+  Imath::V3f first_less_second{0};
+  float first_share = 0.5f;
 };
 
 // The samples of all texels of a lattice, on one side. They come in blocks, each of which is a net
@@ -36,9 +47,10 @@ class TexelMoments {
   // None are for a while, and the memory of their sums is free. A block that is not closed is
   // forgotten.
   void release() { sums = {}; }
-  void close_block(Progress& progress) {
+  // `number`: of the block, from 0; even and odd ones are the halves.
+  void close_block(int number, Progress& progress) {
     parallel_range(sums.size(), 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) blocks_[i].close(sums[i]);
+      for (std::size_t i = begin; i < end; ++i) blocks_[i].close(sums[i], number % 2);
     });
   }
   // Between blocks.
@@ -54,29 +66,40 @@ class TexelMoments {
     for (std::size_t i = 0; i < result.size(); ++i) result[i] = blocks_[i].average();
     return result;
   }
+  std::vector<HalfDifference> halves() const {
+    std::vector<HalfDifference> result(blocks_.size());
+    for (std::size_t i = 0; i < result.size(); ++i) result[i] = blocks_[i].difference();
+    return result;
+  }
 
  private:
   // Those that are closed.
   struct Blocks {
-    TexelSum all;
+    std::array<TexelSum, 2> halves;
     float weight2 = 0, mixed = 0, sum2 = 0;
 
-    void close(TexelSum& block) {
+    void close(TexelSum& block, int half) {
       const float mean = block.mean(), w = block.weight;
-      all.radiance += block.radiance;
-      all.weight += w;
+      halves[half].add(block);
       weight2 += w * w;
       mixed += w * mean;
       sum2 += mean * mean;
       block = {};
     }
     Average average() const {
+      TexelSum all = halves[0];
+      all.add(halves[1]);
       if (!(all.weight > 0 && weight2 > 0)) return {};
       const float m = all.mean() / all.weight, all2 = all.weight * all.weight;
       // The residuals about the ratio of sums (Cochran 1977, 6.4), see Moments.
       const float residuals = sum2 - 2 * m * mixed + m * m * weight2, left = 1 - weight2 / all2;
       const float variance = left > 1e-3f ? std::max(0.0f, residuals) / (all2 * left) : 0;
       return {Rgb(all.radiance / all.weight), variance, all2 / weight2};
+    }
+    HalfDifference difference() const {
+      const TexelSum &a = halves[0], &b = halves[1];
+      if (!(a.weight > 0 && b.weight > 0)) return {};
+      return {a.radiance / a.weight - b.radiance / b.weight, a.weight / (a.weight + b.weight)};
     }
   };
   std::vector<Blocks> blocks_;
