@@ -151,23 +151,36 @@ void bind_grid(py::module_& module, const std::string& suffix) {
       .def_property_readonly("levels", &Grid::levels,
                              "1, and one for each time that texels were halved somewhere.")
       .def_property_readonly(
-          "has_direct", [](const Grid& g) { return g.direct != nullptr; },
-          "Whether lookups compute direct light where they are, beside indirect light of texels.")
+          "map_resolution",
+          [](const Grid& g) -> std::optional<Index<D>> {
+            if (!g.direct) return std::nullopt;
+            return g.direct->lattice().resolution;
+          },
+          "Of the maps from which lookups compute direct light where they are, beside indirect\n"
+          "light of texels; None: texels hold all light.")
       .def(
           "light_directly",
-          [](Grid& g, const Scene<D>& scene, int volume, Progress& progress, int threads) {
+          [](Grid& g, const Scene<D>& scene, int volume, const Index<D>& resolution,
+             Progress& progress, int threads) {
             const py::gil_scoped_release unlocked;
+            for (int a = 0; a < D; ++a) {
+              if (resolution[a] >= 2 && resolution[a] <= scene.volumes.at(volume).field.dims[a]) {
+                continue;
+              }
+              throw Error("The maps of direct light are of another volume; bake it again.");
+            }
             tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
             arena.execute([&] {
               const SceneTracer<D> tracer(scene);
               const SplitLight<D> split = split_light(tracer);
               g.direct = std::make_shared<const DirectLight<D>>(tracer, volume, split.points,
-                                                                g.has_back(), progress);
+                                                                resolution, g.has_back(), progress);
             });
           },
-          py::arg("scene"), py::arg("volume"), py::arg("progress"), py::arg("threads") = 0,
-          "Gives a grid that was read from a file the direct light of its scene; a bake in rounds\n"
-          "has it. Raises Cancelled.")
+          py::arg("scene"), py::arg("volume"), py::arg("resolution"), py::arg("progress"),
+          py::arg("threads") = 0,
+          "Gives a grid that was read from a file the direct light of its scene, from maps of a\n"
+          "resolution; a bake in rounds has it. Raises Cancelled.")
       .def_property_readonly(
           "has_back", [](const Grid& g) { return g.has_back(); },
           "Whether the inner side was baked.")

@@ -54,7 +54,7 @@ template <int D>
 test::Agreement against_rays(const Scene<D>& scene, bool inner) {
   const SceneTracer<D> tracer(scene);
   const SplitLight<D> split = split_light(tracer);
-  const DirectLight<D> direct(tracer, 0, split.points, inner, ignored);
+  const DirectLight<D> direct(tracer, 0, split.points, scene.volumes[0].field.dims, inner, ignored);
   const Field<D>& field = scene.volumes[0].field;
   Random random(7, 1, D);
   double difference = 0, square = 0, found_sum = 0, true_sum = 0;
@@ -178,7 +178,8 @@ TEST(DirectLightOfLeaves, PassesOverMaskedVoxels) {
 TEST(DirectLightOfLeaves, IsNothingWithoutLights) {
   const Scene<3> scene = test::scene_of(bumps<3>(17), Rgb(0.5f), {0.2, 0.9});
   const SceneTracer<3> tracer(scene);
-  const DirectLight<3> direct(tracer, 0, split_light(tracer).points, true, ignored);
+  const DirectLight<3> direct(tracer, 0, split_light(tracer).points, scene.volumes[0].field.dims,
+                              true, ignored);
   EXPECT_EQ(direct.points(), 0u);
   EXPECT_EQ(direct.radiance(scene.volumes[0].field, {8, 8, 8}, true), Rgb(0));
 }

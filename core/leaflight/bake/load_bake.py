@@ -32,7 +32,7 @@ def load_bake(path):
         names = [str(record["name"]) for record in json.loads(metadata["volumes"])]
         if not len(names) == len(fields) == len(grids) == len(scene.leaves):
             raise ValueError("the number of volumes differs")
-        if not {"rounds", "blocks", "direct_light"} <= metadata.keys():
+        if not {"rounds", "blocks", "map_resolution"} <= metadata.keys():
             raise LeaflightError(f"{path}: {EARLIER}.")
         # OpenVDB adds text of its own.
         metadata = {key: metadata[key] for key in METADATA}
@@ -46,12 +46,13 @@ def load_bake(path):
     core = core_scene(scene, [volume.field() for volume in volumes], (lo, hi))
     if surroundings is not None:
         _core.attach_surroundings(surroundings, core)
-    if metadata["direct_light"] == "computed":
-        for number, grid in enumerate(grids):
-            grid.light_directly(core, number, _core.Progress())
     bake = Bake(volumes, scene, (lo, hi), grids, surroundings, statistics, metadata)
     if bake.id != identifier:
         raise LeaflightError(f"{path}: its metadata were changed; bake the volume again.")
+    if metadata["map_resolution"]:
+        resolution = json.loads(metadata["map_resolution"])
+        for number, grid in enumerate(grids):
+            grid.light_directly(core, number, resolution, _core.Progress())
     return bake
 
 

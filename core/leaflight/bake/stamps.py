@@ -27,8 +27,8 @@ RESEARCH = (
 )
 # What a bake depends on, as text; "name" would rename the grid that OpenVDB attaches it to.
 # "volumes" is a list of {"name", "source", "values_sha256", "index_to_world", "resolution",
-# "capped"}. "direct_light": "computed" where lookups compute it, "stored" where texels hold it. Of
-# bakes in rounds, empty where the amount of work was fixed: "error" in percent; "asked_resolution",
+# "capped"}. "map_resolution": of the maps that lookups compute direct light from, empty where texels
+# hold it. Of bakes in rounds, empty where the amount of work was fixed: "error" in percent; "asked_resolution",
 # zeros for none; "rounds"; "blocks", of indirect light, how many its averages hold; "continued",
 # the id of the bake that this one went on with.
 METADATA = (
@@ -39,7 +39,7 @@ METADATA = (
     "isovalues",
     "error",
     "asked_resolution",
-    "direct_light",
+    "map_resolution",
     "rounds",
     "blocks",
     "continued",
@@ -76,7 +76,7 @@ def stamp(volumes, description, window, settings, fixed):
         "isovalues": json.dumps(window),
         "error": json.dumps(settings.error) if fixed is None else "",
         "asked_resolution": json.dumps(settings.resolution) if fixed is None else "",
-        "direct_light": "",
+        "map_resolution": "",
         "rounds": "",
         "blocks": "",
         "continued": "",
@@ -97,7 +97,8 @@ def stamp_after(metadata, grids, rounds, blocks, continued=""):
         for volume, grid in zip(json.loads(metadata["volumes"]), grids)
     ]
     changed = {"volumes": json.dumps(volumes)}
-    changed["direct_light"] = "computed" if grids[0].has_direct else "stored"
+    maps = grids[0].map_resolution
+    changed["map_resolution"] = json.dumps(maps) if maps else ""
     if metadata["error"]:
         changed["rounds"] = str(rounds)
         changed["blocks"] = str(blocks) if blocks else ""

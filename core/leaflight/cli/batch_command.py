@@ -23,7 +23,7 @@ from .progress import run_with_progress
 from .workers import workers_of
 
 # Of bakes alike; `rounds` and what follows from them tell how far each came.
-_KNOWN_AFTERWARDS = ("volumes", "direct_light", "rounds", "blocks", "continued")
+_KNOWN_AFTERWARDS = ("volumes", "map_resolution", "rounds", "blocks", "continued")
 _ASKED = tuple(key for key in METADATA if key not in _KNOWN_AFTERWARDS)
 
 

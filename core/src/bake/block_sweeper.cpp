@@ -33,8 +33,11 @@ struct BlockSweeper::Parts {
     arena.execute([&] {
       SweptTexels<3> texels = rounds_texels(volume, settings);
       texels.photon_count = 0;
-      auto direct =
-          std::make_shared<const DirectLight<3>>(tracer, 0, split.points, plan.back, progress);
+      auto direct = std::make_shared<const DirectLight<3>>(
+          tracer, 0, split.points,
+          map_resolution(volume.volume().field, volume.window(), texels.shown.lattice.resolution,
+                         split.points.size()),
+          plan.back, progress);
       bake = std::make_unique<SweptBake<3>>(volume, lights, split, std::move(direct), settings,
                                             plan, progress, rays, std::move(texels));
     });
@@ -74,10 +77,9 @@ std::uint64_t sweeper_memory(const Scene<3>& scene, const BakeSettings<3>& setti
   // The values, the maps of direct light and what lines look up of them, soft light as it comes and
   // as it is looked up, and a block as it is and as it goes.
   const std::uint64_t maps =
-      sides * active_texels(field, field.dims, volume.window().min, volume.window().max) *
-      split_light(tracer).points.size();
-  return voxels * bytes_a_voxel +
-         std::min<std::uint64_t>(maps, sides * DirectLight<3>::most_bytes) +
+      sides * map_bytes(field, volume.window(), texels.shown.lattice.resolution,
+                        split_light(tracer).points.size());
+  return voxels * bytes_a_voxel + maps +
          texels.soft.lattice.texels() * LeafLight<3>::bytes_a_texel + known(texels.shown) +
          known(texels.soft) + soft * sides * TexelMoments::bytes_a_texel +
          3 * soft * (2 * sides - 1) * sizeof(Rgb) + 2 * soft * sides * sizeof(TexelSum);

@@ -11,15 +11,9 @@ namespace leaflight {
 namespace {
 
 // Points whose maps are swept at once.
-constexpr std::size_t points_at_once = 16;
-
-template <int D>
-TexelLattice<D> lattice_for(const Field<D>& field, const IsovalueWindow& window,
-                            std::size_t points) {
-  TexelLattice<D> lattice = make_lattice(field, field.dims, window.min, window.max);
-  if (lattice.active.size() * points <= DirectLight<D>::most_bytes) return lattice;
-  return make_lattice(field, coarser_resolution<D>(field.dims, 2), window.min, window.max);
-}
+constexpr std::size_t points_at_once = 8;
+// Of the maps of one side.
+constexpr std::size_t most_bytes = std::size_t{512} << 20;
 
 // The gradient of the surface itself jumps at the faces of cells, on which meshes have their
 // vertices. This near to one, in voxels, it goes over to that of shading, which there is the mean
@@ -39,9 +33,18 @@ Vec<D> surface_gradient(const CellCorners<D>& corners, const Vec<D>& local, cons
 }  // namespace
 
 template <int D>
+Index<D> map_resolution(const Field<D>& field, const IsovalueWindow& window, const Index<D>& texels,
+                        std::size_t points) {
+  Index<D> found;
+  for (int a = 0; a < D; ++a) found[a] = std::min(field.dims[a], texels[a]);
+  if (active_texels(field, found, window.min, window.max) * points <= most_bytes) return found;
+  return coarser_resolution<D>(found, 2);
+}
+
+template <int D>
 DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
-                            const std::vector<LightPoint<D>>& points, bool inner,
-                            Progress& progress)
+                            const std::vector<LightPoint<D>>& points, const Index<D>& resolution,
+                            bool inner, Progress& progress)
     : window_(tracer.scene().volumes[volume].isovalues(tracer.scene().window)),
       albedo_(tracer.scene().volumes[volume].albedo),
       offset_(tracer.scene().volumes[volume].offset),
@@ -49,13 +52,14 @@ DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
       to_frame_(tracer.index_to_frame(volume)),
       to_index_(inverse(to_frame_)),
       points_(points),
-      lattice_(lattice_for(tracer.scene().volumes[volume].field, window_, points.size())) {
+      lattice_(make_lattice(tracer.scene().volumes[volume].field, resolution, window_.min,
+                            window_.max)) {
   fill_blocks();
   std::atomic<bool> any_dark{false};
-  const std::size_t count = points_.size(), texels = lattice_.active.size();
+  const std::size_t count = points_.size(), active = lattice_.active.size();
   const VisibilitySweep<D> sweep(tracer, volume, lattice_);
   for (int side = 0; side < (inner ? 2 : 1); ++side) {
-    maps_[side].resize(texels * count + block);  // whole blocks are read
+    maps_[side].resize(active * count + block);  // whole blocks are read
     const VisibilityCode code{window_, side != 0};
     for (std::size_t first = 0; first < count; first += points_at_once) {
       const std::size_t some = std::min(points_at_once, count - first);
@@ -66,7 +70,7 @@ DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
                          sweep.run(points_[first + i].source, code, found[i], progress);
                        }
                      });
-      parallel_range(texels, 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
+      parallel_range(active, 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t s = begin; s < end; ++s) {
           std::uint8_t* to = &maps_[side][s * count + first];
           for (std::size_t i = 0; i < some; ++i) {
@@ -187,6 +191,10 @@ Rgb DirectLight<D>::radiance(const Field<D>& field, const Vec<D>& index_position
   return sum * albedo_.at((h - offset_) / scale_) / static_cast<Real>(projected_hemisphere<D>);
 }
 
+template Index<2> map_resolution<2>(const Field<2>&, const IsovalueWindow&, const Index<2>&,
+                                    std::size_t);
+template Index<3> map_resolution<3>(const Field<3>&, const IsovalueWindow&, const Index<3>&,
+                                    std::size_t);
 template class DirectLight<2>;
 template class DirectLight<3>;
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "leaflight/bake/direct_light.h"
 #include "leaflight/bake/plan.h"
 #include "leaflight/bake/rounds_texels.h"
 #include "leaflight/math/error.h"
@@ -30,6 +31,8 @@ class LightMemory {
         window_(scene.volumes[0].isovalues(scene.window)),
         settings_(settings) {
     const Plan plan = make_plan(scene, settings);
+    points_ = split_light(SceneTracer<3>(scene)).points.size();
+    sides_ = plan.back ? 2 : 1;
     a_texel_ = plan.back ? both_sides : outer_side;
     if (plan.surroundings) {
       a_texel_.direct += surroundings.direct;
@@ -45,8 +48,10 @@ class LightMemory {
     const double direct = texels(chosen.shown);
     const double lit = direct * a_texel_.direct + texels(chosen.soft) * a_texel_.soft +
                        texels(chosen.photons) * photon_texel;
+    const double maps =
+        sides_ * static_cast<double>(map_bytes(field_, window_, chosen.shown, points_));
     const double saved = direct * saved_texel + saved_voxel * static_cast<double>(field_.voxels());
-    return static_cast<std::uint64_t>(fixed + std::max(lit, saved));
+    return static_cast<std::uint64_t>(fixed + maps + std::max(lit, saved));
   }
 
   // So many times as wide as voxels.
@@ -67,6 +72,8 @@ class LightMemory {
   IsovalueWindow window_;
   const BakeSettings<3>& settings_;
   TexelBytes a_texel_;
+  std::size_t points_;
+  double sides_;
 };
 
 }  // namespace

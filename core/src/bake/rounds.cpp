@@ -84,8 +84,11 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
                              IndirectLight<D>::directions_per_block /
                              std::pow(texels.spacing, D - 1));
   progress.begin("Direct light");
-  const auto direct =
-      std::make_shared<const DirectLight<D>>(tracer, 0, split.points, plan.back, progress);
+  const auto direct = std::make_shared<const DirectLight<D>>(
+      tracer, 0, split.points,
+      map_resolution(volume.volume().field, volume.window(), texels.shown.lattice.resolution,
+                     split.points.size()),
+      plan.back, progress);
   work = sides * static_cast<double>(direct->lattice().texels() * split.points.size());
   std::atomic<std::uint64_t> rays{0};
   int rounds = kept ? kept->rounds() : 0;

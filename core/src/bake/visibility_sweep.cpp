@@ -362,22 +362,18 @@ class AxisSweep {
   std::vector<float> row_;
 };
 
-template <int D>
-VoxelBuffer turned_values(const Field<D>& field) {
+template <int D, class Value>
+LargeArray<Value> turned(const Field<D>& field, const Value* values) {
   const auto width = static_cast<std::size_t>(field.dims[0]), planes = field.voxels() / width;
-  return std::visit(
-      [&](const auto* values) -> VoxelBuffer {
-        std::vector<std::decay_t<decltype(*values)>> turned(field.voxels());
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, planes, 64), [&](const auto& rows) {
-          for (std::size_t x = 0; x < width; ++x) {
-            for (std::size_t row = rows.begin(); row < rows.end(); ++row) {
-              turned[x * planes + row] = values[row * width + x];
-            }
-          }
-        });
-        return turned;
-      },
-      field.values);
+  LargeArray<Value> turned(field.voxels());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, planes, 64), [&](const auto& rows) {
+    for (std::size_t x = 0; x < width; ++x) {
+      for (std::size_t row = rows.begin(); row < rows.end(); ++row) {
+        turned[x * planes + row] = values[row * width + x];
+      }
+    }
+  });
+  return turned;
 }
 
 }  // namespace
@@ -385,10 +381,10 @@ VoxelBuffer turned_values(const Field<D>& field) {
 template <int D>
 VisibilitySweep<D>::VisibilitySweep(const SceneTracer<D>& tracer, int volume,
                                     const TexelLattice<D>& nodes)
-    : tracer_(tracer),
-      volume_(volume),
-      nodes_(nodes),
-      turned_(turned_values(tracer.scene().volumes[volume].field)) {}
+    : tracer_(tracer), volume_(volume), nodes_(nodes) {
+  const Field<D>& field = tracer.scene().volumes[volume].field;
+  std::visit([&](const auto* values) { turned_ = turned(field, values); }, field.values);
+}
 
 template <int D>
 void VisibilitySweep<D>::run(const LightSource<D>& source, const VisibilityCode& code,
@@ -396,8 +392,10 @@ void VisibilitySweep<D>::run(const LightSource<D>& source, const VisibilityCode&
   found.assign(nodes_.texels(), 0);
   const bool meshes =
       source.infinite ? !tracer_.meshes().empty() : meshes_near(tracer_, volume_, &source.position);
+  const Voxels turned =
+      std::visit([](const auto& values) -> Voxels { return values.data(); }, turned_);
   const auto run_along = [&](int axis, int sense) {
-    AxisSweep<D>(tracer_, volume_, voxels_of(turned_), source, nodes_, code, meshes, axis, sense)
+    AxisSweep<D>(tracer_, volume_, turned, source, nodes_, code, meshes, axis, sense)
         .run(found, progress);
   };
   if (source.infinite) {

@@ -13,15 +13,12 @@ namespace leaflight {
 template <int D>
 class DirectLight {
  public:
-  // Of the maps of one side, beyond which their texels are twice as wide.
-  static constexpr std::size_t most_bytes = std::size_t{512} << 20;
-
-  // Of a volume by its number; `inner`: of the inner sides, too. The result is the same for any
-  // number of threads. Throws Cancelled.
+  // Of a volume by its number; `resolution`: of the maps; `inner`: of the inner sides, too. The
+  // result is the same for any number of threads. Throws Cancelled.
   DirectLight(const SceneTracer<D>& tracer, int volume, const std::vector<LightPoint<D>>& points,
-              bool inner, Progress& progress);
+              const Index<D>& resolution, bool inner, Progress& progress);
 
-  // Texels of the maps, as wide as voxels, or twice as wide where there would be many.
+  // Texels of the maps.
   const TexelLattice<D>& lattice() const { return lattice_; }
   std::size_t points() const { return points_.size(); }
   const LightPoint<D>& point(std::size_t number) const { return points_[number]; }
@@ -58,5 +55,20 @@ class DirectLight {
   std::array<std::vector<std::uint8_t>, 2> maps_;
   bool has_dark_ = false;  // a mesh throws shadows into the volume
 };
+
+// The resolution of the maps of so many light points for a bake of so many texels along each axis:
+// that of the field or of the bake, whichever is coarser, or half of it where maps would take
+// more memory than 512 MB. `window`: of the field's values.
+template <int D>
+Index<D> map_resolution(const Field<D>& field, const IsovalueWindow& window, const Index<D>& texels,
+                        std::size_t points);
+
+// What the maps of one side take.
+template <int D>
+std::size_t map_bytes(const Field<D>& field, const IsovalueWindow& window, const Index<D>& texels,
+                      std::size_t points) {
+  const Index<D> resolution = map_resolution(field, window, texels, points);
+  return active_texels(field, resolution, window.min, window.max) * points;
+}
 
 }  // namespace leaflight

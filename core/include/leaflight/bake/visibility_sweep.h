@@ -2,6 +2,7 @@
 #pragma once
 
 #include "leaflight/field/texel_lattice.h"
+#include "leaflight/math/large_array.h"
 #include "leaflight/math/progress.h"
 #include "leaflight/trace/scene_tracer.h"
 #include "leaflight/transport/luminaire_sampling.h"
@@ -45,7 +46,10 @@ class VisibilitySweep {
   const SceneTracer<D>& tracer_;
   int volume_;
   const TexelLattice<D>& nodes_;
-  VoxelBuffer turned_;  // the field's values, axis 0 slowest, so that its planes lie together
+  // The field's values, axis 0 slowest, so that its planes lie together.
+  std::variant<LargeArray<float>, LargeArray<std::uint8_t>, LargeArray<std::int16_t>,
+               LargeArray<std::uint16_t>>
+      turned_;
 };
 
 }  // namespace leaflight
