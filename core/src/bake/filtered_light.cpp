@@ -97,13 +97,17 @@ void find_offsets(const Neighbours<D>& neighbours, const std::vector<TexelSurfac
                   bool across, const std::array<NoisyLight, 2>& sides, std::size_t slot,
                   SideOffsets& offsets) {
   std::array<Offset, 2> sums;
-  float weights = 1;
+  std::array<float, 2> weights{};
+  for (std::size_t side = 0; side < 2; ++side) {
+    if (!sides[side].halves.empty()) weights[side] = sides[side].halves[slot].weight;
+  }
   neighbours.of(slot, [&](std::size_t s, float weight) {
-    const float w = weight * likeness(surfaces[slot], surfaces[s], across);
-    weights += w;
+    const float alike = weight * likeness(surfaces[slot], surfaces[s], across);
     for (std::size_t side = 0; side < 2; ++side) {
       const NoisyLight& light = sides[side];
       if (light.averages.empty()) continue;
+      const float w = alike * light.halves[s].weight;
+      weights[side] += w;
       sums[side].light += Imath::V3f(light.averages[s].mean - light.averages[slot].mean) * w;
       sums[side].halves +=
           (light.halves[s].first_less_second - light.halves[slot].first_less_second) * w;
@@ -111,7 +115,8 @@ void find_offsets(const Neighbours<D>& neighbours, const std::vector<TexelSurfac
   });
   for (std::size_t side = 0; side < 2; ++side) {
     if (sides[side].averages.empty()) continue;
-    offsets[side][slot] = {sums[side].light / weights, sums[side].halves / weights};
+    const float weight = weights[side] > 0 ? weights[side] : 1;
+    offsets[side][slot] = {sums[side].light / weight, sums[side].halves / weight};
   }
 }
 
@@ -186,8 +191,18 @@ std::vector<TexelSurface<D>> texel_surfaces(const SweptVolume<D>& volume,
   std::vector<TexelSurface<D>> surfaces(lattice.active.size());
   parallel_range(surfaces.size(), grain, 0, progress, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) {
-      const CellPoint<D> at = locate(field, lattice.centre(lattice.active[s]));
-      const Vec<D> per_voxel = shading_gradient(field, at);
+      // About the centre, where a texel is wider than a voxel: isosurfaces may pass it elsewhere.
+      const Vec<D> centre = lattice.centre(lattice.active[s]);
+      Vec<D> per_voxel(0.0);
+      for (int i = 0; i < 1 << D; ++i) {
+        Vec<D> position = centre;
+        for (int a = 0; a < D; ++a) {
+          const double width = std::max(0.0, lattice.voxels_per_texel[a] - 1);
+          position[a] += (i >> a & 1 ? 0.25 : -0.25) * width;
+        }
+        per_voxel += shading_gradient(field, locate(field, position)) / (1 << D);
+      }
+      const CellPoint<D> at = locate(field, centre);
       const Vec<D> gradient = to_index.pull_back_gradient(per_voxel);
       const double length = gradient.length();
       const double h = interpolate(load_corners(field, at.cell), at.local);

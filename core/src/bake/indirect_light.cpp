@@ -33,8 +33,9 @@ IndirectLight<D>::IndirectLight(const SweptVolume<D>& volume, SweptLattice<D> te
 }
 
 template <int D>
-void IndirectLight<D>::clear() {
+void IndirectLight<D>::clear(bool again) {
   blocks_ = 0;
+  if (again) --drawn_;
   for (int side = 0; side < sides_; ++side) {
     moments_[side] = TexelMoments(texels_.lattice.active.size());
   }

@@ -169,7 +169,7 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
   };
   for (;;) {
     // The bounces before count, too, and the radiance of the texels afterwards.
-    progress.expect(work + bake.cost() * (blocks - before + 1));
+    progress.expect(work + bake.cost() * (blocks - before + 2));
     bake.add(blocks - bake.blocks(), go_on);
     const bool cut = bake.blocks() < blocks;
     if (cut && bake.blocks() == before) return last(*preview, whole(*preview), true);

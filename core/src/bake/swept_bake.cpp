@@ -15,7 +15,7 @@ constexpr int wall_samples = 2, surroundings_samples = 16;
 // How often the soft light that lines meet is gathered anew before it counts, each time along so
 // many directions. It begins as none: what photons tell of it is too coarse, and what leaks through
 // a wall stays in a closed cavity for many bounces.
-constexpr int bounces = 2, bounce_directions = 16;
+constexpr int bounces = 3, bounce_directions = 16;
 // The light of a bounce over that of the one before, at most: of what reflects all, it may be more
 // by chance.
 constexpr Real most_bounced = Real(0.8);
@@ -26,15 +26,18 @@ Rgb mean_of(const std::vector<Rgb>& light) {
   return light.empty() ? Rgb(0) : Rgb(sum / static_cast<double>(light.size()));
 }
 
-// Adds the bounces that are yet to come, as if each were to the one before as the last was: the sum
-// of a geometric series. `before`: the mean light without the last bounce.
+// Adds the bounces that are yet to come, as if all were a geometric series. `before`: the mean
+// light of all bounces but the last.
 void add_later_bounces(std::vector<Rgb>& light, const Rgb& before) {
   const Rgb mean = mean_of(light);
   Rgb scale(1);
   for (int i = 0; i < 3; ++i) {
     const Real last = std::max(Real(0), mean[i] - before[i]);
     if (!(before[i] > 0 && last > 0)) continue;
-    const Real ratio = std::min(last / before[i], most_bounced);
+    // Of 1 + r and r^2.
+    static_assert(bounces == 3);
+    const Real q = last / before[i];
+    const Real ratio = std::min((q + std::sqrt(q * q + 4 * q)) / 2, most_bounced);
     scale[i] += last / mean[i] * ratio / (1 - ratio);
   }
   for (Rgb& one : light) one *= scale;
@@ -64,7 +67,7 @@ SweptBake<D>::SweptBake(const SweptVolume<D>& volume, const LightSampler<D>& lig
   if (!plan.indirect) return;
   indirect_ =
       std::make_unique<IndirectLight<D>>(volume, std::move(texels.soft), texels.spacing, plan.back,
-                                         settings.seed, kept ? bounces + kept->blocks() : 0);
+                                         settings.seed, kept ? 1 + kept->blocks() : 0);
   if (texels.photon_count > 0) trace_photons(texels.photons, texels.photon_count);
   if (!kept) return;
   for (int side = 0; side < (plan.back ? 2 : 1); ++side) {
@@ -89,8 +92,10 @@ void SweptBake<D>::add(int blocks, const std::function<bool()>& go_on) {
     const std::array<Rgb, 2> before{mean_of(soft_[0]), mean_of(soft_[1])};
     indirect_->add_block(gathered(), progress_, rays_, bounce_directions);
     learn_soft();
-    indirect_->clear();
-    if (++bounces_ == bounces) {
+    const bool was_last = ++bounces_ == bounces;
+    // All bounces are along the same directions, so that they compare.
+    indirect_->clear(!was_last);
+    if (was_last) {
       for (int side = 0; side < (plan_.back ? 2 : 1); ++side) {
         add_later_bounces(soft_[side], before[side]);
       }
@@ -372,8 +377,11 @@ void SweptBake<D>::measure_texture(const NoisyLight& light) {
         if (b == TexelLattice<D>::inactive || c == TexelLattice<D>::inactive) continue;
         const Imath::V3f off(light.averages[s].mean -
                              (light.averages[b].mean + light.averages[c].mean) * Real(0.5));
-        const auto half = [&](std::int32_t i) { return light.halves[i].first_less_second; };
-        const Imath::V3f apart = half(static_cast<std::int32_t>(s)) - (half(b) + half(c)) * 0.5f;
+        const HalfDifference &own = light.halves[s], &low = light.halves[b],
+                             &high = light.halves[c];
+        if (!(own.is_known && low.is_known && high.is_known)) continue;
+        const Imath::V3f apart =
+            own.first_less_second - (low.first_less_second + high.first_less_second) * 0.5f;
         sum += off.length2() + (1 - 2 * p) * off.dot(apart) - p * (1 - p) * apart.length2();
       }
       texture_[s] = share * share * sum / 3;

@@ -122,7 +122,8 @@ def check_a_web_page_and_stills_of_the_same_view(baked, tmp_path):
 
 def in_a_browser(page):
     """What a page shows at first: uint8 [row, column, RGBA]."""
-    sys.path.append(str(Path(__file__).resolve().parents[2] / "web"))
+    tests = Path(__file__).resolve().parents[2]
+    sys.path += [str(tests / "web"), str(tests / "python")]
     missing = [name for name in ("node", "chromium") if shutil.which(name) is None]
     if missing or importlib.util.find_spec("PIL") is None:
         pytest.skip("the page is not looked at: chromium, nodejs or Pillow is missing here")

@@ -37,8 +37,8 @@ class IndirectLight {
   int blocks() const { return blocks_; }
   // What a block costs, in points of lines.
   double cost() const;
-  // Begins anew, with other directions.
-  void clear();
+  // Begins anew, with other directions, or again with those of the last block.
+  void clear(bool again = false);
 
   std::vector<Average> averages(bool inner) const;
   std::vector<HalfDifference> halves(bool inner) const;

@@ -26,10 +26,11 @@ struct TexelSum {
 };
 
 // How two halves of a texel's samples differ, which are independent of each other: the difference
-// of their means, and the first one's share of the weight.
+// of their means, the first one's share of the weight, and the weight of both.
 struct HalfDifference {
   Imath::V3f first_less_second{0};
-  float first_share = 0.5f;
+  float first_share = 0.5f, weight = 0;
+  bool is_known = false;  // both have samples
 };
 
 // The samples of all texels of a lattice, on one side. They come in blocks, each of which is a net
@@ -98,8 +99,13 @@ class TexelMoments {
     }
     HalfDifference difference() const {
       const TexelSum &a = halves[0], &b = halves[1];
-      if (!(a.weight > 0 && b.weight > 0)) return {};
-      return {a.radiance / a.weight - b.radiance / b.weight, a.weight / (a.weight + b.weight)};
+      const float weight = a.weight + b.weight;
+      if (a.weight > 0 && b.weight > 0) {
+        return {a.radiance / a.weight - b.radiance / b.weight, a.weight / weight, weight, true};
+      }
+      // What one half alone has found may be all noise.
+      if (!(weight > 0)) return {};
+      return {(a.radiance - b.radiance) / (0.5f * weight), 0.5f, weight};
     }
   };
   std::vector<Blocks> blocks_;
