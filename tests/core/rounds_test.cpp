@@ -108,18 +108,26 @@ TEST(Rounds, ContinuedErrAsIfTheyHadNeverBeenStopped) {
     BakeSettings<3> settings = in_rounds(0.05);
     settings.both_sides = true;
     settings.resolution = Index<3>{texels, texels, texels};
-    const Baked<3> uninterrupted = stopped_after(2, scene, settings);
-    const KeptLight<3> kept = kept_of(stopped_after(1, scene, settings));
-    const Baked<3> continued = stopped_after(1, scene, settings, &kept);
     settings.seed = 9;
     const Baked<3> truth = stopped_after(5, scene, settings);
-    const Difference now(continued.grids[0], truth.grids[0]);
-    const Difference then(uninterrupted.grids[0], truth.grids[0]);
-    EXPECT_LT(now.of_texels, 1.1 * then.of_texels) << name;
-    EXPECT_NEAR(now.of_means, then.of_means, 0.01) << name;
-    EXPECT_NEAR(continued.statistics.noise_percent / uninterrupted.statistics.noise_percent, 1,
-                0.25)
-        << name;
+    // One alone may be nearer by chance.
+    constexpr int seeds = 4;
+    double now = 0, then = 0, means = 0, noise = 0;
+    for (int seed = 0; seed < seeds; ++seed) {
+      settings.seed = seed;
+      const Baked<3> uninterrupted = stopped_after(2, scene, settings);
+      const KeptLight<3> kept = kept_of(stopped_after(1, scene, settings));
+      const Baked<3> continued = stopped_after(1, scene, settings, &kept);
+      const Difference one(continued.grids[0], truth.grids[0]);
+      const Difference other(uninterrupted.grids[0], truth.grids[0]);
+      now += one.of_texels / seeds;
+      then += other.of_texels / seeds;
+      means += (one.of_means - other.of_means) / seeds;
+      noise += continued.statistics.noise_percent / uninterrupted.statistics.noise_percent / seeds;
+    }
+    EXPECT_LT(now, 1.1 * then) << name;
+    EXPECT_NEAR(means, 0, 0.01) << name;
+    EXPECT_NEAR(noise, 1, 0.25) << name;
   }
 }
 
