@@ -177,8 +177,7 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
     ++rounds;
     Baked<D> baked = whole(bake);
     const LeafError error = bake.errors().all();
-    const double noise =
-        noise_to_reach(settings.error, 100 * std::sqrt(std::max(0.0, error.texture)));
+    const double noise = noise_to_reach(settings.error, 100 * std::sqrt(error.texture));
     const double target = std::pow(noise / 100, 2);
     if (error.noise <= target) return last(bake, std::move(baked), false);
     if (cut || over(0)) return last(bake, std::move(baked), true);

@@ -213,12 +213,8 @@ std::array<NoisyLight, 2> SweptBake<D>::filtered_light() {
   for (std::size_t side = 0; side < (plan_.back ? 2 : 1); ++side) {
     light[side] = {indirect_->averages(side != 0), indirect_->halves(side != 0)};
     pool_variances(texels.lattice, light[side].averages, progress_);
-  }
-  measure_texture(light[0]);
-  if (kept_) {
-    for (std::size_t side = 0; side < (plan_.back ? 2 : 1); ++side) {
-      blend_with_kept(light[side], kept_soft_[side]);
-    }
+    if (side == 0) measure_texture(light[side]);
+    if (kept_) blend_with_kept(light[side], kept_soft_[side]);
   }
   if (surfaces_.empty()) surfaces_ = texel_surfaces(volume_, texels.lattice, progress_);
   filter_along_isosurfaces(texels, surfaces_, light, progress_);

@@ -14,7 +14,7 @@ namespace leaflight {
 struct LeafError {
   double noise = 0, texture = 0;
 
-  double percent() const { return 100 * std::sqrt(noise + std::max(0.0, texture)); }
+  double percent() const { return 100 * std::sqrt(noise + texture); }
 };
 
 // The error of the isosurfaces about a leaf coordinate.
@@ -58,7 +58,8 @@ class LeafErrors {
 
     LeafError mean() const {
       if (!(area > 0)) return {};
-      return {error.noise / area, error.texture / area};
+      // Products of independent halves may be negative, even on average.
+      return {error.noise / area, std::max(0.0, error.texture / area)};
     }
   };
 
