@@ -131,13 +131,13 @@ void bind_surroundings(py::module_& module, const std::string& suffix) {
             for (int i = 0; i < LeafNodes::count; ++i) nodes.push_back(s.nodes.node(i));
             return nodes;
           },
-          "The leaf coordinates, ascending, between which the radiance is linear.")
+          "The leaf coordinates, ascending, between which indirect light is linear.")
       .def(
           "mesh",
           [](const Surroundings& s, std::size_t i) {
-            std::vector<Vec<D, float>> vertices = s.meshes.at(i).vertices;
+            std::vector<Vec<D, float>> vertices = s.meshes.at(i).fine.vertices;
             std::vector<std::array<std::int32_t, static_cast<std::size_t>(D)>> facets;
-            for (const auto& facet : s.meshes.at(i).facets) {
+            for (const auto& facet : s.meshes.at(i).fine.facets) {
               auto& numbers = facets.emplace_back();
               std::copy(facet.begin(), facet.end(), numbers.begin());
             }
@@ -152,7 +152,7 @@ void bind_surroundings(py::module_& module, const std::string& suffix) {
           [](const Surroundings& s, std::size_t i) {
             std::vector<std::int32_t> facets;
             std::vector<std::array<double, 2>> coordinates;
-            for (const FacetPoint& p : s.meshes.at(i).places) {
+            for (const FacetPoint& p : s.meshes.at(i).fine.places) {
               facets.push_back(p.facet);
               coordinates.push_back({p.u, p.v});
             }
@@ -173,7 +173,7 @@ void bind_surroundings(py::module_& module, const std::string& suffix) {
           },
           py::arg("mesh"), py::arg("c"), py::arg("back") = false,
           "float32 (n, 3) at the vertices of a fine mesh, seen from its normals' side or from\n"
-          "behind; linear in the leaf coordinate.");
+          "behind.");
 }
 
 // Grids and surroundings become objects of their own, which live as long as Python needs them.

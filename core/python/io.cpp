@@ -84,11 +84,13 @@ void bind_io(py::module_& module) {
              "The metadata of the file itself, by key: nothing else of it is read.");
   module.def(
       "attach_surroundings",
-      [](SurroundingsRadiance<3>& surroundings, const Scene<3>& scene) {
-        attach(surroundings, scene);
+      [](SurroundingsRadiance<3>& surroundings, const Scene<3>& scene, Progress& progress) {
+        const py::gil_scoped_release unlocked;
+        attach(surroundings, scene, progress);
       },
-      py::arg("surroundings"), py::arg("scene"),
-      "Gives a radiance that was read from a file the meshes of its scene. Raises LeaflightError.");
+      py::arg("surroundings"), py::arg("scene"), py::arg("progress"),
+      "Gives a radiance that was read from a file the meshes of its scene and its direct light.\n"
+      "Raises LeaflightError, Cancelled.");
   module.def(
       "read_vdb_volume",
       [](const fs::path& path, const std::string& grid) {

@@ -145,8 +145,8 @@ WallRadiance wall_radiance(const Scene<3>& scene, const Baked<3>& baked, double 
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     std::vector<FacetPoint> points;
     std::vector<std::size_t> vertices;
-    for (std::size_t v = 0; v < walls.meshes[m].places.size(); v += 29) {
-      points.push_back(walls.meshes[m].places[v]);
+    for (std::size_t v = 0; v < walls.meshes[m].fine.places.size(); v += 29) {
+      points.push_back(walls.meshes[m].fine.places[v]);
       vertices.push_back(v);
     }
     const auto reference =

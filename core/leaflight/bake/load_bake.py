@@ -45,7 +45,7 @@ def load_bake(path):
         volume.field()
     core = core_scene(scene, [volume.field() for volume in volumes], (lo, hi))
     if surroundings is not None:
-        _core.attach_surroundings(surroundings, core)
+        _core.attach_surroundings(surroundings, core, _core.Progress())
     bake = Bake(volumes, scene, (lo, hi), grids, surroundings, statistics, metadata)
     if bake.id != identifier:
         raise LeaflightError(f"{path}: its metadata were changed; bake the volume again.")

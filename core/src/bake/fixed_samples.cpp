@@ -12,7 +12,7 @@ namespace {
 constexpr int wall_samples = 8;
 
 template <int D>
-double expected_rays(const FixedBake<D>& bake, const std::vector<FineMesh<D>>& walls) {
+double expected_rays(const FixedBake<D>& bake, const std::vector<RefinedMesh<D>>& walls) {
   const BakeSettings<D>& settings = bake.settings;
   double points = 0;
   for (std::size_t v = 0; v < bake.lattices.size(); ++v) {
@@ -22,8 +22,8 @@ double expected_rays(const FixedBake<D>& bake, const std::vector<FineMesh<D>>& w
   }
   // About as many finer texels are sampled as there are others.
   points *= 1 + settings.refine;
-  for (const FineMesh<D>& mesh : walls) {
-    points += 1.0 * surroundings_share * LeafNodes::count * mesh.vertices.size();
+  for (const RefinedMesh<D>& mesh : walls) {
+    points += 1.0 * surroundings_share * LeafNodes::count * mesh.coarse.vertices.size();
   }
   const double photons = (bake.plan.photons ? settings.photons : 0) +
                          (bake.plan.caustics ? settings.caustic_photons : 0);
@@ -115,7 +115,7 @@ Baked<D> bake_with_fixed_samples(const Scene<D>& scene, const BakeSettings<D>& s
                     progress,
                     texels_to_bake(scene, settings, plan),
                     strewn_samples(scene, settings)};
-  std::vector<FineMesh<D>> walls;
+  std::vector<RefinedMesh<D>> walls;
   if (plan.surroundings) walls = refine(scene.meshes);
   progress.expect(expected_rays(bake, walls));
   const bool into_leaves = plan.photons && traits_of(settings.estimator).caches;

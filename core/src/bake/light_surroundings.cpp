@@ -12,17 +12,11 @@ namespace {
 constexpr std::size_t vertices_per_piece = 64;
 // A side of the surroundings is tried at every so many vertices before it is lit.
 constexpr std::size_t probe_stride = 16;
-// Of smooth(): indirect light with few of them has streaks that the eye sees on walls, though they
+// Of smooth(): with few of them indirect light has streaks that the eye sees on walls, though they
 // hardly count into the error.
-constexpr int direct_passes = 3, indirect_passes = 9;
+constexpr int smoothing_passes = 9;
 
 using Radiance = std::vector<Vec<3, float>>;
-
-// Of vertices and nodes. Direct light has the edges of shadows and little noise, indirect light has
-// no edges and much noise: each is smoothed for itself.
-struct Light {
-  Halves direct, indirect;
-};
 
 bool dark(const Halves& halves) {
   const auto all_dark = [](const Radiance& radiance) {
@@ -49,44 +43,37 @@ class SurroundingsLighter {
   // One side of a mesh, for all nodes of c.
   Radiance side(int mesh, bool back) const {
     // A side that is dark at some of its points for all c is taken to be dark.
-    const Light probes = vertices(mesh, back, probe_stride);
-    if (dark(probes.direct) && dark(probes.indirect)) return {};
-    Light light = vertices(mesh, back, 1);
-    const FineMesh<D>& fine = work_.meshes[mesh];
-    Radiance radiance = smooth(fine, std::move(light.direct), direct_passes, progress_);
-    const Radiance indirect = smooth(fine, std::move(light.indirect), indirect_passes, progress_);
-    for (std::size_t e = 0; e < radiance.size(); ++e) radiance[e] += indirect[e];
-    return radiance;
+    if (dark(vertices(mesh, back, probe_stride))) return {};
+    return smooth(work_.meshes[mesh].coarse, vertices(mesh, back, 1), smoothing_passes, progress_);
   }
 
  private:
-  Light vertices(int mesh, bool back, std::size_t stride) const {
-    const std::vector<FacetPoint>& places = work_.meshes[mesh].places;
+  Halves vertices(int mesh, bool back, std::size_t stride) const {
+    const std::vector<FacetPoint>& places = work_.meshes[mesh].coarse.places;
     const std::size_t n = (places.size() + stride - 1) / stride, count = n * LeafNodes::count;
-    const Halves none{Radiance(count), Radiance(count)};
-    Light light{none, none};
-    parallel_range(
-        count, vertices_per_piece, work_.samples * work_.rays_per_sample, progress_,
-        [&](std::size_t begin, std::size_t end) {
-          std::uint64_t rays = 0;
-          for (std::size_t e = begin; e < end && !progress_.cancelled(); ++e) {
-            const std::size_t vertex = e % n * stride;
-            const FacetPoint& p = places[vertex];
-            const SurfacePoint<D> point = tracer_.facet_point(p.mesh, p.facet, p.u, p.v, !back,
-                                                              nodes_.node(static_cast<int>(e / n)));
-            // All nodes of a vertex share their random numbers: what noise is left
-            // stands still while the isovalue moves.
-            const SampleKeys keys = sample_keys(work_.seed, Purpose::surroundings, 2 * mesh + back,
-                                                static_cast<std::uint32_t>(vertex));
-            for (const int half : {0, 1}) {
-              light.direct[half][e] =
-                  mean(half, [&](int i) { return sampler_.direct(point, keys, i, rays); });
-              light.indirect[half][e] = mean(
-                  half, [&](int i) { return sampler_.indirect(point, estimator_, keys, i, rays); });
-            }
-          }
-          rays_ += rays;
-        });
+    Halves light{Radiance(count), Radiance(count)};
+    parallel_range(count, vertices_per_piece, work_.samples * work_.rays_per_sample, progress_,
+                   [&](std::size_t begin, std::size_t end) {
+                     std::uint64_t rays = 0;
+                     for (std::size_t e = begin; e < end && !progress_.cancelled(); ++e) {
+                       const std::size_t vertex = e % n * stride;
+                       const FacetPoint& p = places[vertex];
+                       const SurfacePoint<D> point = tracer_.facet_point(
+                           p.mesh, p.facet, p.u, p.v, !back, nodes_.node(static_cast<int>(e / n)));
+                       // All nodes of a vertex share their random numbers: what noise is left
+                       // stands still while the isovalue moves.
+                       const SampleKeys keys =
+                           sample_keys(work_.seed, Purpose::surroundings, 2 * mesh + back,
+                                       static_cast<std::uint32_t>(vertex));
+                       for (const int half : {0, 1}) {
+                         light[half][e] = mean(half, [&](int i) {
+                           return sampler_.direct(point, keys, i, rays) +
+                                  sampler_.indirect(point, estimator_, keys, i, rays);
+                         });
+                       }
+                     }
+                     rays_ += rays;
+                   });
     return light;
   }
 
@@ -116,8 +103,12 @@ SurroundingsRadiance<D> light_surroundings(const SceneTracer<D>& tracer,
                                            const IndirectEstimator<D>* estimator,
                                            SurroundingsWork<D> work, Progress& progress,
                                            std::atomic<std::uint64_t>& rays) {
-  const SurroundingsLighter<D> lighter(tracer, sampler, estimator, work, progress, rays);
+  const SplitLight<D> split = split_light(tracer);
+  const LightSampler<D> wide(tracer, split);
+  const PointSampler<D> but_points{wide, sampler.leaves, sampler.surroundings, sampler.caustics};
+  const SurroundingsLighter<D> lighter(tracer, but_points, estimator, work, progress, rays);
   SurroundingsRadiance<D> result;
+  result.direct = std::make_shared<const MeshDirectLight<D>>(tracer, work.meshes, progress);
   result.nodes = LeafNodes(tracer.scene());
   result.radiance.resize(work.meshes.size());
   for (std::size_t m = 0; m < result.radiance.size(); ++m) {

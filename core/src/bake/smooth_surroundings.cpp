@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "leaflight/bake/smooth_surroundings.h"
 
-#include <algorithm>
 #include <cmath>
 
+#include "leaflight/bake/mesh_neighbours.h"
 #include "leaflight/math/parallel.h"
 
 namespace leaflight {
@@ -13,39 +13,6 @@ namespace {
 // other.
 constexpr float tolerance = 2;
 
-// The vertices that share a facet with each, itself the first of them.
-class Neighbours {
- public:
-  template <int D>
-  explicit Neighbours(const FineMesh<D>& mesh) : begins_(mesh.vertices.size() + 1, 0) {
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
-    for (const auto& facet : mesh.facets) {
-      for (const std::uint32_t a : facet) {
-        for (const std::uint32_t b : facet) {
-          if (a != b) pairs.emplace_back(a, b);
-        }
-      }
-    }
-    std::sort(pairs.begin(), pairs.end());
-    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-    std::size_t pair = 0;
-    for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
-      vertices_.push_back(v);
-      for (; pair < pairs.size() && pairs[pair].first == v; ++pair) {
-        vertices_.push_back(pairs[pair].second);
-      }
-      begins_[v + 1] = vertices_.size();
-    }
-  }
-
-  const std::uint32_t* begin(std::size_t v) const { return vertices_.data() + begins_[v]; }
-  const std::uint32_t* end(std::size_t v) const { return vertices_.data() + begins_[v + 1]; }
-
- private:
-  std::vector<std::size_t> begins_;
-  std::vector<std::uint32_t> vertices_;
-};
-
 float distance2(const Vec<3, float>& a, const Vec<3, float>& b) { return (a - b).length2() / 3; }
 
 // One node's vertices, of both halves.
@@ -54,7 +21,7 @@ struct Layer {
   std::vector<float> variance;  // of one half's mean
 
   // As far as the halves lie apart, about each vertex: two values alone would not tell.
-  void learn_variance(const Neighbours& neighbours) {
+  void learn_variance(const MeshNeighbours& neighbours) {
     variance.resize(means[0].size());
     for (std::size_t v = 0; v < variance.size(); ++v) {
       float sum = 0;
@@ -65,7 +32,7 @@ struct Layer {
     }
   }
 
-  void pass(const Neighbours& neighbours) {
+  void pass(const MeshNeighbours& neighbours) {
     learn_variance(neighbours);
     const std::array<std::vector<Vec<3, float>>, 2> before = means;
     for (int half = 0; half < 2; ++half) {
@@ -91,7 +58,7 @@ struct Layer {
 template <int D>
 std::vector<Vec<3, float>> smooth(const FineMesh<D>& mesh, Halves halves, int passes,
                                   Progress& progress) {
-  const Neighbours neighbours(mesh);
+  const MeshNeighbours neighbours(mesh.vertices.size(), mesh.facets);
   const std::size_t n = mesh.vertices.size(), nodes = halves[0].size() / n;
   std::vector<Vec<3, float>> smoothed(halves[0].size());
   parallel_range(nodes, 1, 0, progress, [&](std::size_t begin, std::size_t end) {

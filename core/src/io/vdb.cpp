@@ -30,7 +30,9 @@ constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 constexpr char field_name[] = "field", radiance_name[] = "radiance",
                indirect_name[] = "radiance_indirect", error_name[] = "radiance_error",
                back_name[] = "radiance_back", back_indirect_name[] = "radiance_back_indirect",
-               surroundings_name[] = "surroundings_radiance";
+               surroundings_name[] = "surroundings_indirect",
+               // Of bakes before this version, with direct light.
+    old_surroundings_name[] = "surroundings_radiance";
 // Keeps our keys apart from OpenVDB's own, such as "name".
 const std::string metadata_prefix = "leaflight_";
 
@@ -457,6 +459,10 @@ RadianceGrid<3> read_radiance(const Contents& file, std::size_t volume, const In
 void read_surroundings(const Contents& file, const std::filesystem::path& path,
                        SurroundingsRadiance<3>& surroundings) {
   const auto grid = find_grid<Vec3Grid>(file, surroundings_name);
+  if (!grid && find_grid<Vec3Grid>(file, old_surroundings_name)) {
+    throw Error("'" + text_of(path) +
+                "' is a bake of an earlier Leaflight; bake the volume again.");
+  }
   if (!grid) return;
   const auto meshes = grid->getMetadata<openvdb::Int32Metadata>("leaflight_meshes");
   const openvdb::CoordBBox box = grid->evalActiveVoxelBoundingBox();

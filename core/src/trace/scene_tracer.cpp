@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "leaflight/math/sampling.h"
+#include "leaflight/trace/greatest_value.h"
 
 namespace leaflight {
 namespace {
@@ -248,6 +249,33 @@ bool SceneTracer<D>::occluded(const SurfacePoint<D>& from, const Vec<D>& light_p
 template <int D>
 bool SceneTracer<D>::occluded(const SurfacePoint<D>& from, const Vec<D>& direction) const {
   return blocked(from, ray_origin(from), direction, std::numeric_limits<double>::infinity());
+}
+
+template <int D>
+double SceneTracer<D>::greatest(const Vec<D>& origin, const Vec<D>& way, double t_max) const {
+  if (surroundings_.occluded(origin, way, t_max)) return std::numeric_limits<double>::infinity();
+  double c = scene_.window.min;
+  for (std::size_t v = 0; v < fields_.size(); ++v) {
+    const Volume<D>& volume = scene_.volumes[v];
+    const Affine<D>& to_index = fields_[v].frame_to_index;
+    c = std::max(
+        c, volume.leaf_coordinate(greatest_value(volume.field, to_index.point(origin),
+                                                 to_index.vector(way), t_max, volume.isovalue(c))));
+  }
+  return c;
+}
+
+template <int D>
+double SceneTracer<D>::greatest_between(const SurfacePoint<D>& from, const Vec<D>& light_point,
+                                        const Vec<D>& light_normal) const {
+  const Vec<D> origin = ray_origin(from);
+  return greatest(origin, leave_plane<D>(light_point, light_normal) - origin, 1);
+}
+
+template <int D>
+double SceneTracer<D>::greatest_between(const SurfacePoint<D>& from,
+                                        const Vec<D>& direction) const {
+  return greatest(ray_origin(from), direction, std::numeric_limits<double>::infinity());
 }
 
 template Vec<2> leave_plane<2>(const Vec<2>&, const Vec<2>&);

@@ -19,11 +19,20 @@ constexpr double widest_mesh = 1;
 constexpr double bright = 8, least_bright_share = 0.05;
 constexpr int bright_points = 64;
 
-// The middles of equal cells of the unit square, about `wanted` of them, `aspect` times as many
-// columns as rows; a shear lets no two points share a coordinate, so that the edge of a shadow
+// Where the points of a set lie within their cells; those of set 0 in the middle.
+std::array<double, 2> place_in_cell(int set) {
+  const auto along = [](int n) { return (n % light_point_sets + 0.5) / light_point_sets; };
+  constexpr int middle = light_point_sets / 2;
+  return {along(set + middle), along(3 * set + middle)};
+}
+
+// One point in each of equal cells of the unit square, about `wanted` of them, `aspect` times as
+// many columns as rows; a shear lets no two points share a coordinate, so that the edge of a shadow
 // crosses them one by one whatever its direction.
 template <int D>
-std::vector<std::array<double, 2>> spread_points(int wanted, double aspect) {
+std::vector<std::array<double, 2>> spread_points(int wanted, double aspect, int set) {
+  const auto within = [](double x) { return x - std::floor(x); };
+  const auto [column, row] = place_in_cell(set);
   const int columns =
       D == 2 ? wanted
              : std::clamp(static_cast<int>(std::lround(std::sqrt(wanted * aspect))), 1, wanted);
@@ -32,7 +41,8 @@ std::vector<std::array<double, 2>> spread_points(int wanted, double aspect) {
   for (int j = 0; j < rows; ++j) {
     for (int i = 0; i < columns; ++i) {
       const double across = j - 0.5 * (rows - 1), along = i - 0.5 * (columns - 1);
-      points.push_back({(i + 0.5) / columns + across / count, (j + 0.5) / rows - along / count});
+      points.push_back({within((i + column) / columns + across / count),
+                        within((j + row) / rows - along / count)});
     }
   }
   return points;
@@ -89,12 +99,12 @@ LightSource<D> source_at(const Light<D>& light, const std::array<double, 2>& u) 
 }
 
 template <int D>
-void add_lights(const SceneTracer<D>& tracer, std::vector<LightPoint<D>>& points) {
+void add_lights(const SceneTracer<D>& tracer, int set, std::vector<LightPoint<D>>& points) {
   for (std::size_t l = 0; l < tracer.lights().size(); ++l) {
     const Light<D>& light = tracer.lights()[l];
     if (!(largest(brightness(light)) > 0)) continue;
     const auto places =
-        spread_points<D>(points_for(std::visit(Size<D>{}, light)), aspect_of<D>(light));
+        spread_points<D>(points_for(std::visit(Size<D>{}, light)), aspect_of<D>(light), set);
     for (const auto& place : places) {
       LightPoint<D> point{source_at(light, place), static_cast<int>(l)};
       point.source.amount /= static_cast<Real>(places.size());
@@ -104,7 +114,7 @@ void add_lights(const SceneTracer<D>& tracer, std::vector<LightPoint<D>>& points
 }
 
 template <int D>
-void add_mesh(const Mesh<D>& mesh, SplitLight<D>& split) {
+void add_mesh(const Mesh<D>& mesh, int set, SplitLight<D>& split) {
   const MeshEmitter<D> emitter(mesh);
   Box<D> box;
   for (const auto& vertex : mesh.vertices) box.extend(Vec<D>(vertex));
@@ -117,8 +127,8 @@ void add_mesh(const Mesh<D>& mesh, SplitLight<D>& split) {
   const int count = points_for(width / distance);
   for (int i = 0; i < count; ++i) {
     // One number chooses the face, and the place in it, too, since faces may be few or many.
-    const auto u = sobol_point(i, 0);
-    LightPoint<D> point{emitter.source((i + 0.5) / count, u)};
+    const auto u = sobol_point(i + set * count, 0);
+    LightPoint<D> point{emitter.source((i + place_in_cell(set)[0]) / count, u)};
     point.source.amount /= static_cast<Real>(count);
     split.points.push_back(std::move(point));
   }
@@ -136,7 +146,7 @@ std::shared_ptr<const Texture> part_of(const Texture& image, double limit, bool 
 }
 
 template <int D>
-void add_environment(const SceneTracer<D>& tracer, const Environment<D>& environment,
+void add_environment(const SceneTracer<D>& tracer, const Environment<D>& environment, int set,
                      SplitLight<D>& split) {
   split.wide = environment;
   if (!environment.image) return;
@@ -157,7 +167,7 @@ void add_environment(const SceneTracer<D>& tracer, const Environment<D>& environ
   if (sharp.power(tracer.bounds()) < least_bright_share * all.power(tracer.bounds())) return;
   split.wide->image = part_of(image, limit, false);
   for (int i = 0; i < bright_points; ++i) {
-    LightPoint<D> point{sharp.source(sobol_point(i, 0))};
+    LightPoint<D> point{sharp.source(sobol_point(i + set * bright_points, 0))};
     point.source.amount /= static_cast<Real>(bright_points);
     split.points.push_back(std::move(point));
   }
@@ -166,21 +176,21 @@ void add_environment(const SceneTracer<D>& tracer, const Environment<D>& environ
 }  // namespace
 
 template <int D>
-SplitLight<D> split_light(const SceneTracer<D>& tracer) {
+SplitLight<D> split_light(const SceneTracer<D>& tracer, int set) {
   SplitLight<D> split;
-  add_lights(tracer, split.points);
+  add_lights(tracer, set, split.points);
   for (const Mesh<D>& mesh : tracer.meshes()) {
     split.mesh_is_wide.push_back(false);
-    if (largest(mesh.emission) > 0) add_mesh(mesh, split);
+    if (largest(mesh.emission) > 0) add_mesh(mesh, set, split);
   }
   const std::optional<Environment<D>>& environment = tracer.scene().environment;
   if (environment && largest(environment->radiance) > 0) {
-    add_environment(tracer, *environment, split);
+    add_environment(tracer, *environment, set, split);
   }
   return split;
 }
 
-template SplitLight<2> split_light(const SceneTracer<2>&);
-template SplitLight<3> split_light(const SceneTracer<3>&);
+template SplitLight<2> split_light(const SceneTracer<2>&, int);
+template SplitLight<3> split_light(const SceneTracer<3>&, int);
 
 }  // namespace leaflight

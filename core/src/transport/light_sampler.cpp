@@ -26,14 +26,27 @@ struct NearIrradiance {
 }  // namespace
 
 template <int D>
-LightSampler<D>::LightSampler(const SceneTracer<D>& tracer) : tracer_(tracer) {
+LightSampler<D>::LightSampler(const SceneTracer<D>& tracer)
+    : LightSampler(tracer, tracer.scene().environment, nullptr) {}
+
+template <int D>
+LightSampler<D>::LightSampler(const SceneTracer<D>& tracer, const SplitLight<D>& split)
+    : LightSampler(tracer, split.wide, &split) {}
+
+template <int D>
+LightSampler<D>::LightSampler(const SceneTracer<D>& tracer,
+                              const std::optional<Environment<D>>& environment,
+                              const SplitLight<D>* split)
+    : tracer_(tracer) {
   const Scene<D>& scene = tracer.scene();
-  for (const Mesh<D>& mesh : tracer.meshes()) {
-    if (largest(mesh.emission) > 0) meshes_.emplace_back(mesh);
+  std::vector<char> is_sampled;  // of the meshes that emit
+  for (std::size_t m = 0; m < tracer.meshes().size(); ++m) {
+    const Mesh<D>& mesh = tracer.meshes()[m];
+    if (!(largest(mesh.emission) > 0)) continue;
+    meshes_.emplace_back(mesh);
+    is_sampled.push_back(!split || split->mesh_is_wide[m]);
   }
-  if (scene.environment && largest(scene.environment->radiance) > 0) {
-    environment_.emplace(*scene.environment);
-  }
+  if (environment && largest(environment->radiance) > 0) environment_.emplace(*environment);
   for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
     LeafEmitter<D> leaf(tracer, static_cast<int>(v));
     if (leaf.power_height() > 0) leaves_.push_back(std::move(leaf));
@@ -41,11 +54,12 @@ LightSampler<D>::LightSampler(const SceneTracer<D>& tracer) : tracer_(tracer) {
   std::vector<double> power, near;
   for (const Light<D>& light : tracer.lights()) {
     power.push_back(power_of(light, tracer.bounds()));
-    near.push_back(std::visit(NearIrradiance<D>{}, light));
+    near.push_back(split ? 0 : std::visit(NearIrradiance<D>{}, light));
   }
-  for (const MeshEmitter<D>& mesh : meshes_) {
+  for (std::size_t m = 0; m < meshes_.size(); ++m) {
+    const MeshEmitter<D>& mesh = meshes_[m];
     power.push_back(mesh.power());
-    near.push_back(average(mesh.radiance()) * mesh.area() / (1 + mesh.area()));
+    near.push_back(is_sampled[m] ? average(mesh.radiance()) * mesh.area() / (1 + mesh.area()) : 0);
   }
   if (environment_) {
     power.push_back(environment_->power(tracer.bounds()));
@@ -59,7 +73,7 @@ LightSampler<D>::LightSampler(const SceneTracer<D>& tracer) : tracer_(tracer) {
   for (const double n : near) sum += n, shining += n > 0;
   for (double& n : near) n = n > 0 ? 0.9 * n / sum + 0.1 / shining : 0;
   by_power_ = DiscreteDistribution(std::move(power));
-  by_irradiance_ = DiscreteDistribution(std::move(near));
+  if (shining > 0) by_irradiance_ = DiscreteDistribution(std::move(near));
 }
 
 template <int D>

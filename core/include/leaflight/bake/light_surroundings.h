@@ -15,14 +15,15 @@ inline constexpr int surroundings_share = 2;
 
 template <int D>
 struct SurroundingsWork {
-  std::vector<FineMesh<D>> meshes;
+  std::vector<RefinedMesh<D>> meshes;
   int samples;             // per vertex and node
   double rays_per_sample;  // expected
   std::uint64_t seed;
 };
 
-// The radiance of both sides of the diffuse surroundings at every node of c. The estimator may be
-// null where there is no soft light. Adds the rays traced to `rays`.
+// The radiance of both sides of the diffuse surroundings: the direct light of points for all c, all
+// else at every node of c. The estimator may be null where there is no soft light. Adds the rays
+// traced to `rays`.
 template <int D>
 SurroundingsRadiance<D> light_surroundings(const SceneTracer<D>& tracer,
                                            const PointSampler<D>& sampler,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "leaflight/bake/surroundings_radiance.h"
+#include "leaflight/bake/refined_mesh.h"
 #include "leaflight/math/progress.h"
 
 namespace leaflight {

@@ -104,6 +104,12 @@ class SceneTracer {
                 const Vec<D>& light_normal) const;
   bool occluded(const SurfacePoint<D>& from, const Vec<D>& direction) const;
 
+  // The greatest leaf coordinate on such a way: leaves of greater ones do not block it. At least
+  // the window's least one; infinite where the surroundings block the way.
+  double greatest_between(const SurfacePoint<D>& from, const Vec<D>& light_point,
+                          const Vec<D>& light_normal) const;
+  double greatest_between(const SurfacePoint<D>& from, const Vec<D>& direction) const;
+
  private:
   struct FieldFrame {
     Affine<D> index_to_frame, frame_to_index;
@@ -113,6 +119,7 @@ class SceneTracer {
   Hit<D> nearest(const SurfacePoint<D>& from, const Vec<D>& origin, const Vec<D>& direction) const;
   bool blocked(const SurfacePoint<D>& from, const Vec<D>& origin, const Vec<D>& way,
                double t_max) const;
+  double greatest(const Vec<D>& origin, const Vec<D>& way, double t_max) const;
 
   const Scene<D>& scene_;
   Frame<D> frame_;

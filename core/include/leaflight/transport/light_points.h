@@ -24,10 +24,13 @@ struct SplitLight {
   std::optional<Environment<D>> wide;  // null: nothing comes from it
 };
 
-// The points depend on where the lights are, and on nothing random; on how bright the lights are
-// only where a light is black. Lights and emissive meshes get 16 to 64 points, by their size as
-// seen from the middle of the volumes; those without extent get one.
+// Sets of points, all in other places, which together stand for the light more finely.
+inline constexpr int light_point_sets = 7;
+
+// One of the sets. The points depend on where the lights are, and on nothing random; on how bright
+// the lights are only where a light is black. Lights and emissive meshes get 16 to 64 points, by
+// their size as seen from the middle of the volumes; those without extent get one.
 template <int D>
-SplitLight<D> split_light(const SceneTracer<D>& tracer);
+SplitLight<D> split_light(const SceneTracer<D>& tracer, int set = 0);
 
 }  // namespace leaflight

@@ -6,7 +6,7 @@
 #include "leaflight/math/random.h"
 #include "leaflight/transport/environment_sampler.h"
 #include "leaflight/transport/leaf_emitter.h"
-#include "leaflight/transport/mesh_emitter.h"
+#include "leaflight/transport/light_points.h"
 
 namespace leaflight {
 
@@ -32,6 +32,8 @@ template <int D>
 class LightSampler {
  public:
   explicit LightSampler(const SceneTracer<D>& tracer);
+  // Direct light is that of no points alone.
+  LightSampler(const SceneTracer<D>& tracer, const SplitLight<D>& split);
 
   // One-sample estimate of the radiance that a surface point reflects of direct light; `choice` and
   // `u` uniform in [0,1). Adds the number of rays traced to `rays`.
@@ -62,6 +64,8 @@ class LightSampler {
   double largest_flux_height() const;
 
  private:
+  LightSampler(const SceneTracer<D>& tracer, const std::optional<Environment<D>>& environment,
+               const SplitLight<D>* split);
   // Numbers: lights first, then meshes, the environment, leaves.
   std::size_t first_mesh() const { return tracer_.lights().size(); }
   std::size_t environment_number() const { return first_mesh() + meshes_.size(); }

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/bake/mesh_direct_light.h"
+
+#include <cmath>
+#include <limits>
+
+#include "leaflight/math/parallel.h"
+#include "leaflight/math/sampling.h"
+
+namespace leaflight {
+namespace {
+
+constexpr std::size_t vertices_per_piece = 256;
+
+// The sets of a vertex and its neighbours, whose numbers along a facet differ by (1, 0), (0, 1) or
+// (1, -1), all differ.
+int set_of(const std::array<int, 2>& numbers) {
+  static_assert(light_point_sets == 7);
+  return (numbers[0] + 3 * numbers[1]) % light_point_sets;
+}
+
+// The way from a point, seen from the front of its facet, to a source.
+template <int D>
+struct WayTo {
+  Vec<D> direction{0.0};  // unit
+  double share = 0;       // of the source's amount
+
+  WayTo(const LightSource<D>& source, const SurfacePoint<D>& from) {
+    const Vec<D> whole = source.infinite ? -source.direction : source.position - from.position;
+    const double distance = whole.length();
+    if (!(distance > 0)) return;
+    direction = whole / distance;
+    share = direction.dot(from.geometric_normal) * source.strength(-direction, distance);
+  }
+};
+
+template <int D>
+double greatest_on(const WayTo<D>& way, const LightSource<D>& source, SurfacePoint<D> from,
+                   const SceneTracer<D>& tracer) {
+  if (way.share < 0) from.geometric_normal = -from.geometric_normal;
+  if (source.infinite) return tracer.greatest_between(from, way.direction);
+  const bool faces_away = source.normal.dot(way.direction) > 0;
+  return tracer.greatest_between(from, source.position,
+                                 faces_away ? -source.normal : source.normal);
+}
+
+}  // namespace
+
+template <int D>
+MeshDirectLight<D>::MeshDirectLight(const SceneTracer<D>& tracer,
+                                    const std::vector<RefinedMesh<D>>& meshes, Progress& progress)
+    : meshes_(meshes.size()) {
+  for (int set = 0; set < light_point_sets; ++set) {
+    sets_.push_back(split_light(tracer, set).points);
+  }
+  for (std::size_t m = 0; m < meshes.size(); ++m) {
+    if (tracer.meshes()[m].scattering != Scattering::diffuse) continue;
+    meshes_[m] = ways_of(tracer, meshes[m].fine, progress);
+  }
+}
+
+template <int D>
+typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTracer<D>& tracer,
+                                                                  const FineMesh<D>& mesh,
+                                                                  Progress& progress) const {
+  const std::size_t vertices = mesh.vertices.size(), points = sets_[0].size();
+  MeshWays of{MeshNeighbours(vertices, mesh.facets), {}, {}, {}};
+  of.sets.resize(vertices);
+  of.ways.resize(vertices * points);
+  for (auto& side : of.unshadowed) side.assign(vertices, Vec<3, float>(0));
+  parallel_range(
+      vertices, vertices_per_piece, static_cast<double>(points), progress,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end && !progress.cancelled(); ++v) {
+          const FacetPoint& p = mesh.places[v];
+          const SurfacePoint<D> from = tracer.facet_point(p.mesh, p.facet, p.u, p.v, true, 0);
+          of.sets[v] = static_cast<std::uint8_t>(set_of(mesh.numbers[v]));
+          for (std::size_t set = 0; set < sets_.size(); ++set) {
+            for (std::size_t i = 0; i < points; ++i) {
+              const LightSource<D>& source = sets_[set][i].source;
+              const WayTo<D> way(source, from);
+              of.unshadowed[way.share < 0][v] +=
+                  Vec<3, float>(source.amount) * static_cast<float>(std::abs(way.share));
+              if (set != of.sets[v]) continue;
+              const double greatest = way.share == 0 ? 0 : greatest_on(way, source, from, tracer);
+              of.ways[v * points + i] = {static_cast<float>(greatest),
+                                         static_cast<float>(way.share)};
+            }
+          }
+          const Vec<3, float> brdf(from.albedo / static_cast<Real>(projected_hemisphere<D>));
+          for (auto& side : of.unshadowed) {
+            side[v] *= brdf / static_cast<float>(light_point_sets);
+          }
+        }
+      });
+  return of;
+}
+
+template <int D>
+std::vector<Vec<3, float>> MeshDirectLight<D>::radiance(int mesh, double c, bool back) const {
+  const MeshWays& of = meshes_[mesh];
+  const std::size_t vertices = of.sets.size(), points = sets_[0].size();
+  const auto own = static_cast<float>(c);
+  const float side = back ? -1 : 1;
+  std::vector<Vec<3, float>> reaching(vertices);  // the share of the light that does
+  for (std::size_t v = 0; v < vertices; ++v) {
+    Vec<3, float> all(0), lit(0);
+    for (std::size_t i = 0; i < points; ++i) {
+      const Way& way = of.ways[v * points + i];
+      const Vec<3, float> light =
+          Vec<3, float>(sets_[of.sets[v]][i].source.amount) * std::max(0.0f, side * way.share);
+      all += light;
+      if (way.greatest < own) lit += light;
+    }
+    for (int k = 0; k < 3; ++k) reaching[v][k] = all[k] > 0 ? lit[k] / all[k] : 0;
+  }
+  std::vector<Vec<3, float>> radiance(vertices);
+  for (std::size_t v = 0; v < vertices; ++v) {
+    const std::uint32_t *begin = of.neighbours.begin(v), *end = of.neighbours.end(v);
+    Vec<3, float> sum(0);
+    for (const std::uint32_t* u = begin; u != end; ++u) sum += reaching[*u];
+    radiance[v] = of.unshadowed[back][v] * sum / static_cast<float>(end - begin);
+  }
+  return radiance;
+}
+
+template class MeshDirectLight<2>;
+template class MeshDirectLight<3>;
+
+}  // namespace leaflight

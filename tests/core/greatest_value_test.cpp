@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/trace/greatest_value.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "fields.h"
+#include "leaflight/trace/leaf_ray.h"
+
+namespace leaflight {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+template <int D>
+struct Way {
+  Vec<D> from, direction;
+  double t_max;
+};
+
+// From around a field, or within it, to anywhere; some are parallel to an axis or end soon.
+template <int D>
+Way<D> random_way(const Field<D>& field, Random& random) {
+  Way<D> way;
+  for (int a = 0; a < D; ++a) {
+    way.from[a] = (2 * random.uniform() - 0.5) * field.dims[a];
+    way.direction[a] = random.uniform() < 0.1 ? 0 : random.uniform() - 0.5;
+  }
+  // Towards some point within it.
+  if (random.uniform() < 0.7) {
+    for (int a = 0; a < D; ++a) {
+      way.direction[a] = (random.uniform() * (field.dims[a] - 1) - way.from[a]) / field.dims[a];
+    }
+  }
+  if (way.direction.length() < 0.1) way.direction[0] = 1;
+  way.t_max = random.uniform() < 0.5 ? infinity : 2.0 * field.dims[0] * random.uniform();
+  return way;
+}
+
+// The greatest of samples along a way.
+template <int D>
+double marched(const Field<D>& field, const Way<D>& way, double least) {
+  const double end = std::min(way.t_max, 40.0 * field.dims[0]), steps = 100000;
+  for (int i = 0; i <= steps; ++i) {
+    const Vec<D> p = way.from + way.direction * (end * i / steps);
+    if (!inside(field, p)) continue;
+    const CellPoint<D> at = locate(field, p);
+    least = std::max(least, interpolate(load_corners(field, at.cell), at.local));
+  }
+  return least;
+}
+
+template <int D>
+void expect_samples_beneath(const Field<D>& field, int ways) {
+  Random random(5);
+  double missed = 0;
+  int greater = 0;
+  for (int i = 0; i < ways; ++i) {
+    const Way<D> way = random_way<D>(field, random);
+    const double least = field.min + 0.2 * (field.max - field.min);
+    const double found = greatest_value(field, way.from, way.direction, way.t_max, least);
+    const double sampled = marched(field, way, least);
+    EXPECT_GE(found, sampled - 1e-9) << i;
+    missed = std::max(missed, found - sampled);
+    greater += found > least;
+  }
+  EXPECT_LT(missed, 2e-3 * (field.max - field.min));
+  EXPECT_GT(greater, ways / 3);
+}
+
+TEST(GreatestValue, IsThatOfFineSamples) {
+  expect_samples_beneath(test::ball<2>(70), 100);
+  expect_samples_beneath(test::ball<3>(70), 100);
+  expect_samples_beneath(test::noise<3>(7, 3, 0), 100);
+  expect_samples_beneath(test::noise<3>(20, 4, 0), 100);
+}
+
+// Rays find the isosurfaces up to it, and those only: from outside, where nothing is higher.
+TEST(GreatestValue, TellsWhichIsosurfacesBlockTheWay) {
+  const Field<3> field = test::sampled<3>(40, [](const Vec3& x) {
+    const double edge = std::min({x.x, x.y, x.z, 1 - x.x, 1 - x.y, 1 - x.z});
+    return std::min(1.0, 20 * edge) * (2 + std::sin(17 * x.x) * std::cos(13 * x.y + 11 * x.z));
+  });
+  Random random(6);
+  int greater = 0;
+  for (int i = 0; i < 2000; ++i) {
+    Way<3> way = random_way<3>(field, random);
+    if (inside(field, way.from)) continue;
+    const double least = 0.05;
+    const double found = greatest_value(field, way.from, way.direction, infinity, least);
+    greater += found > least;
+    for (const double c : {found - 1e-6, found + 1e-6}) {
+      LeafRay<3> ray;
+      ray.position = way.from;
+      ray.direction = way.direction;
+      ray.isovalue = c;
+      if (c > least) {
+        EXPECT_EQ(occluded(field, ray), c < found) << i;
+      }
+    }
+  }
+  EXPECT_GT(greater, 1000);
+}
+
+TEST(GreatestValue, LeavesOutCellsWithoutData) {
+  std::vector<float> values(10 * 10 * 10, 1.0f);
+  const auto at = [&](int x) -> float& { return values[x + 10 * (5 + 10 * 5)]; };
+  at(2) = 3.0f;
+  at(6) = 9.0f;
+  at(7) = std::numeric_limits<float>::quiet_NaN();
+  const Field<3> field =
+      test::field_from<3>(std::move(values), {10, 10, 10}, test::unit_cube<3>(10));
+  const Vec3 from(-1, 5, 5), along(1, 0, 0);
+  EXPECT_EQ(greatest_value(field, from, along, infinity, 0), 9);  // in the cell before
+  EXPECT_EQ(greatest_value(field, from, along, 5, 0), 3);
+  EXPECT_EQ(greatest_value(field, Vec3(6.5, 5, 5), along, 1.4, 0), 0);
+  EXPECT_EQ(greatest_value(field, Vec3(5, 5, -3), Vec3(0, 0, 1), 1, 0.5), 0.5);
+}
+
+}  // namespace
+}  // namespace leaflight

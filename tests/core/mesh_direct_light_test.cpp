@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/bake/mesh_direct_light.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "agreement.h"
+#include "exact.h"
+#include "leaflight/math/low_discrepancy.h"
+#include "leaflight/transport/light_sampler.h"
+#include "scenes.h"
+
+namespace leaflight {
+namespace {
+
+Progress ignored;
+
+// A floor or, in the plane, a segment beneath the unit cube, seen from both sides.
+template <int D>
+Mesh<D> floor_beneath() {
+  if constexpr (D == 3) {
+    return test::wall("floor", {-0.5, -0.5, -0.2}, {2, 0, 0}, {0, 2, 0}, Rgb(0.8f, 0.5f, 0.3f));
+  } else {
+    Mesh<2> mesh;
+    mesh.vertices = {{-0.5f, -0.2f}, {1.5f, -0.2f}};
+    mesh.facets = {{0, 1}};
+    mesh.albedo = Rgb(0.8f, 0.5f, 0.3f);
+    return mesh;
+  }
+}
+
+template <int D>
+Scene<D> over_floor(const Light<D>& light) {
+  Scene<D> scene = test::scene_of(test::ball<D>(41), Rgb(0.7f), {0.6, 0.9});
+  scene.meshes.push_back(floor_beneath<D>());
+  scene.lights.push_back(light);
+  return scene;
+}
+
+// At vertices of a mesh beside some leaves, against shadow rays to points all over the lights.
+template <int D>
+test::Agreement against_rays(const Scene<D>& scene, int mesh = 0) {
+  const SceneTracer<D> tracer(scene);
+  const std::vector<RefinedMesh<D>> meshes = refine(scene.meshes);
+  const MeshDirectLight<D> direct(tracer, meshes, ignored);
+  const LightSampler<D> lights(tracer);
+  const FineMesh<D>& fine = meshes[mesh].fine;
+  const int rays = test::fewer(512);
+  const std::size_t step = 1 + fine.vertices.size() / 300;
+  double difference = 0, square = 0, found_sum = 0, true_sum = 0;
+  for (const double c : {0.63, 0.74, 0.85}) {
+    for (const bool back : {false, true}) {
+      const auto found = direct.radiance(mesh, c, back);
+      for (std::size_t v = 0; v < found.size(); v += step) {
+        const FacetPoint& p = fine.places[v];
+        const SurfacePoint<D> at = tracer.facet_point(p.mesh, p.facet, p.u, p.v, !back, c);
+        Imath::V3d truth(0);
+        std::uint64_t traced = 0;
+        for (int i = 0; i < rays; ++i) {
+          const double choice = sobol_point(i, 99)[0];
+          truth += Imath::V3d(lights.direct_radiance(at, choice, sobol_point(i, v), traced)) / rays;
+        }
+        difference += (Imath::V3d(found[v]) - truth).length2();
+        square += truth.length2();
+        found_sum += found[v].x + found[v].y + found[v].z;
+        true_sum += truth.x + truth.y + truth.z;
+      }
+    }
+  }
+  return {found_sum / true_sum, std::sqrt(difference / square)};
+}
+
+template <int D>
+void expect_agreement(const char* name, const Scene<D>& scene, double most = 0.03) {
+  const test::Agreement found = against_rays(scene);
+  EXPECT_NEAR(found.mean_ratio, 1, 0.01) << name << " in " << D << " dimensions";
+  EXPECT_LT(found.relative_rms, most) << name << " in " << D << " dimensions";
+}
+
+template <int D>
+Vec<D> place(double across, double up) {
+  Vec<D> p(across);
+  p[D - 1] = up;
+  return p;
+}
+
+template <int D>
+void expect_shadows_of_all_lights() {
+  AreaLight<D> lamp{"lamp", place<D>(0.2, 1.5), {}, Rgb(1, 2, 3)};
+  if constexpr (D == 3) {
+    lamp.edges = {Vec3(0, 0.6, 0), Vec3(0.6, 0, 0)};
+  } else {
+    lamp.corner.x = 0.8;
+    lamp.edges = {Vec<2>(-0.6, 0)};
+  }
+  expect_agreement<D>("lamp", over_floor<D>(lamp));
+  expect_agreement<D>("small sphere",
+                      over_floor<D>(PointLight<D>{"bulb", place<D>(0.1, 1.4), 0.05, Rgb(1), {}}));
+  expect_agreement<D>(
+      "sun", over_floor<D>(SunLight<D>{"sun", place<D>(0.2, -1).normalized(), Rgb(1), 0.2}));
+  PointLight<D> below{"spot", place<D>(0.4, -1), 0, Rgb(1), {}};
+  below.cone = {place<D>(0, 1), 0.8, 0.2, false};
+  expect_agreement<D>("spot from below", over_floor<D>(below));
+}
+
+TEST(MeshDirectLight, IsThatOfShadowRaysInThePlane) { expect_shadows_of_all_lights<2>(); }
+TEST(MeshDirectLight, IsThatOfShadowRays) { expect_shadows_of_all_lights<3>(); }
+
+TEST(MeshDirectLight, KnowsShadowsOfMeshesAndLightOfMeshes) {
+  Scene<3> scene = over_floor<3>(SunLight<3>{"sun", Vec3(0.3, 0.1, -1).normalized(), Rgb(1), 0.1});
+  scene.meshes.push_back(test::wall("shade", {-0.4, 0, 0.1}, {0, 0.7, 0}, {0.6, 0, 0}, Rgb(0.5f)));
+  expect_agreement<3>("shade", scene, 0.06);
+  scene.lights.clear();
+  scene.meshes.push_back(test::wall("glow", {0.9, 0.9, 0.5}, {0, 0.3, 0}, {0.3, 0, 0}, Rgb(0.5f)));
+  scene.meshes.back().emission = Rgb(2.0f);
+  expect_agreement<3>("glow", scene, 0.06);
+}
+
+// Of two volumes either blocks the way, each by its own isovalue of the leaf coordinate.
+TEST(MeshDirectLight, KnowsShadowsOfAllVolumes) {
+  Scene<3> scene = over_floor<3>(
+      AreaLight<3>{"lamp", {0.2, 0.2, 1.8}, {Vec3(0, 0.3, 0), Vec3(0.3, 0, 0)}, Rgb(1)});
+  Volume<3> other = scene.volumes[0];
+  other.field = test::sampled<3>(
+      41, [](const Vec3& x) { return 300 - 200 * (x - Vec3(0.8, 0.7, 0.4)).length(); });
+  other.offset = 100;
+  other.scale = 200;
+  scene.volumes.push_back(other);
+  expect_agreement<3>("two volumes", scene);
+}
+
+TEST(MeshDirectLight, LiesBetweenTheVerticesOfIndirectLight) {
+  Scene<3> scene = test::cornell(test::ball<3>(9), {0.6, 0.9});
+  for (const RefinedMesh<3>& mesh : refine(scene.meshes)) {
+    EXPECT_EQ(mesh.fine.facets.size(), 4 * mesh.coarse.facets.size());
+    ASSERT_EQ(mesh.between.size(), mesh.fine.vertices.size());
+    for (std::size_t v = 0; v < mesh.between.size(); ++v) {
+      const auto [a, b] = mesh.between[v];
+      const Vec<3, float> middle = (mesh.coarse.vertices[a] + mesh.coarse.vertices[b]) * 0.5f;
+      EXPECT_LT((middle - mesh.fine.vertices[v]).length(), 1e-6f);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace leaflight
