@@ -5,86 +5,54 @@
 
 #include <cmath>
 
-#include "leaflight/bake/indirect_light.h"
-#include "leaflight/transport/indirect_estimator.h"
-
 namespace leaflight {
-namespace {
-
-float in_half(float x) { return static_cast<float>(half(x)); }
-
-void to_half(std::vector<Vec<3, float>>& values) {
-  for (auto& value : values) {
-    for (int i = 0; i < 3; ++i) value[i] = in_half(value[i]);
-  }
-}
-
-}  // namespace
 
 template <int D>
-KeptLight<D>::KeptLight(RadianceGrid<D> grid, int rounds, int blocks)
-    : grid_(std::move(grid)), rounds_(rounds), blocks_(blocks) {
-  to_half(grid_.radiance_indirect);
-  to_half(grid_.radiance_back_indirect);
-  for (float& error : grid_.radiance_error) error = in_half(error);
-}
-
-template <int D>
-float KeptLight<D>::share(int blocks) const {
-  return blocks_ > 0 ? static_cast<float>(blocks_) / static_cast<float>(blocks_ + blocks) : 0;
-}
-
-template <int D>
-void KeptLight<D>::add_variance(std::vector<Average>& indirect, int blocks, bool inner) const {
-  const float w = share(blocks), left = 1 - w;
-  for (std::size_t s = 0; s < indirect.size(); ++s) {
-    // A file keeps no error of the inner side: it is what as many blocks as were kept would err by,
-    // as far as new ones tell.
-    const float kept = inner ? indirect[s].variance / (left * left) * blocks / std::max(1, blocks_)
-                             : grid_.radiance_error[s] * grid_.radiance_error[s];
-    indirect[s].variance += kept * w * w;
-  }
-}
-
-template <int D>
-std::vector<Rgb> KeptLight<D>::soft(const Volume<D>& volume, const IsovalueWindow& window,
-                                    bool inner, const TexelLattice<D>& to,
-                                    Progress& progress) const {
-  const TexelLattice<D>& lattice = grid_.lattice;
-  std::vector<Average> white(lattice.active.size());
-  for (std::size_t s = 0; s < white.size(); ++s) {
-    const Vec<D> centre = lattice.centre(lattice.active[s]);
-    const Rgb albedo = albedo_near(volume, centre);
-    const Rgb reflected = indirect(s, inner) - emission_near(volume, window, centre);
-    for (int i = 0; i < 3; ++i) {
-      white[s].mean[i] = albedo[i] > 0 ? std::max(Real(0), reflected[i] / albedo[i]) : 0;
+KeptLight<D>::KeptLight(const RadianceGrid<D>& grid, int rounds, int blocks)
+    : resolution_(grid.lattice.resolution),
+      active_(grid.lattice.active),
+      light_(grid.unfiltered),
+      rounds_(rounds),
+      blocks_(blocks) {
+  for (auto& side : light_.sides) {
+    for (auto& light : side) {
+      for (int i = 0; i < 3; ++i) light[i] = static_cast<float>(half(light[i]));
     }
   }
-  std::vector<Rgb> result;
-  for (const Average& average : interpolated(lattice, white, to, progress)) {
-    result.push_back(average.mean);
+}
+
+template <int D>
+bool KeptLight<D>::fits(const TexelLattice<D>& shown, const TexelLattice<D>& soft,
+                        bool back) const {
+  return active_ == shown.active && light_.resolution == soft.resolution &&
+         light_.texels == soft.active && light_.sides[1].empty() != back;
+}
+
+template <int D>
+float KeptLight<D>::share(std::size_t slot, const Average& now, int blocks, bool inner) const {
+  if (std::isnan(light_.sides[inner][slot].x)) return 0;
+  if (!(now.samples > 0)) return 1;
+  return static_cast<float>(blocks_) / static_cast<float>(blocks_ + blocks);
+}
+
+template <int D>
+void KeptLight<D>::blend(NoisyLight& light, int blocks, bool inner) const {
+  for (std::size_t s = 0; s < light.averages.size(); ++s) {
+    Average& now = light.averages[s];
+    const float w = share(s, now, blocks, inner);
+    if (w == 0) continue;
+    const Imath::V3f kept(light_.sides[inner][s]), apart = kept - Imath::V3f(now.mean);
+    now.mean += Rgb(apart * w);
+    if (w == 1) continue;
+    now.variance *= 1 - w;
+    now.samples /= 1 - w;
+    if (light.halves.empty()) continue;
+    HalfDifference& halves = light.halves[s];
+    halves = {apart, w, halves.weight / (1 - w), true};
   }
-  return result;
-}
-
-template <int D>
-Rgb KeptLight<D>::indirect(std::size_t slot, bool inner) const {
-  return Rgb(inner ? grid_.radiance_back_indirect[slot] : grid_.radiance_indirect[slot]);
-}
-
-template <int D>
-Rgb emission_near(const Volume<D>& volume, const IsovalueWindow& window,
-                  const Vec<D>& index_position) {
-  if (!(volume.emission.largest() > 0)) return Rgb(0);
-  const CellPoint<D> at = locate(volume.field, index_position);
-  const double h = interpolate(load_corners(volume.field, at.cell), at.local);
-  const double c = std::isnan(h) ? window.min : volume.leaf_coordinate(h);
-  return volume.emission.at(std::clamp(c, window.min, window.max));
 }
 
 template class KeptLight<2>;
 template class KeptLight<3>;
-template Rgb emission_near<2>(const Volume<2>&, const IsovalueWindow&, const Vec<2>&);
-template Rgb emission_near<3>(const Volume<3>&, const IsovalueWindow&, const Vec<3>&);
 
 }  // namespace leaflight

@@ -71,9 +71,8 @@ Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, 
     throw Error(
         "No isosurface of the isovalue window passes through the volume; widen the window.");
   }
-  if (kept && kept->lattice().resolution != texels.shown.lattice.resolution) kept = nullptr;
-  if (kept &&
-      (kept->lattice().active != texels.shown.lattice.active || kept->has_back() != plan.back)) {
+  if (kept && kept->resolution() != texels.shown.lattice.resolution) kept = nullptr;
+  if (kept && plan.indirect && !kept->fits(texels.shown.lattice, texels.soft.lattice, plan.back)) {
     throw Error(
         "The bake to continue is of another volume, window or other sides; bake the volume anew.");
   }

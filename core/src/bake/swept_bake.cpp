@@ -2,6 +2,7 @@
 #include "leaflight/bake/swept_bake.h"
 
 #include <cmath>
+#include <limits>
 
 #include "leaflight/bake/light_surroundings.h"
 #include "leaflight/bake/pooled_variance.h"
@@ -19,6 +20,16 @@ constexpr int bounces = 3, bounce_directions = 16;
 // The light of a bounce over that of the one before, at most: of what reflects all, it may be more
 // by chance.
 constexpr Real most_bounced = Real(0.8);
+
+template <int D>
+Rgb emission_near(const Volume<D>& volume, const IsovalueWindow& window,
+                  const Vec<D>& index_position) {
+  if (!(volume.emission.largest() > 0)) return Rgb(0);
+  const CellPoint<D> at = locate(volume.field, index_position);
+  const double h = interpolate(load_corners(volume.field, at.cell), at.local);
+  const double c = std::isnan(h) ? window.min : volume.leaf_coordinate(h);
+  return volume.emission.at(std::clamp(c, window.min, window.max));
+}
 
 Rgb mean_of(const std::vector<Rgb>& light) {
   Imath::V3d sum(0);
@@ -69,11 +80,6 @@ SweptBake<D>::SweptBake(const SweptVolume<D>& volume, const LightSampler<D>& lig
       std::make_unique<IndirectLight<D>>(volume, std::move(texels.soft), texels.spacing, plan.back,
                                          settings.seed, kept ? 1 + kept->blocks() : 0);
   if (texels.photon_count > 0) trace_photons(texels.photons, texels.photon_count);
-  if (!kept) return;
-  for (int side = 0; side < (plan.back ? 2 : 1); ++side) {
-    kept_soft_[side] = kept->soft(volume.volume(), volume.tracer.scene().window, side != 0,
-                                  indirect_->texels().lattice, progress);
-  }
 }
 
 template <int D>
@@ -168,8 +174,9 @@ template <int D>
 RadianceGrid<D> SweptBake<D>::grid() {
   progress_.begin("Radiance of the texels");
   SideAverages direct, indirect;
+  UnfilteredLight<D> unfiltered;
   const std::size_t sides = plan_.back ? 2 : 1;
-  std::array<NoisyLight, 2> light = filtered_light();
+  std::array<NoisyLight, 2> light = filtered_light(unfiltered);
   for (std::size_t side = 0; side < sides; ++side) {
     const bool inner = side != 0;
     direct[side] = direct_averages(inner);
@@ -181,7 +188,6 @@ RadianceGrid<D> SweptBake<D>::grid() {
     }
     light[side] = {};
     finish(indirect[side]);
-    if (kept_ && indirect_) kept_->add_variance(indirect[side], indirect_->blocks(), inner);
   }
   progress_.check();
   measure_errors(direct[0], indirect[0]);
@@ -189,32 +195,27 @@ RadianceGrid<D> SweptBake<D>::grid() {
   RadianceGrid<D> result = make_grid<D>(std::move(direct), std::move(indirect));
   result.lattice = texels_.lattice;
   result.direct = direct_;
+  result.unfiltered = std::move(unfiltered);
   return result;
-}
-
-// Before the filter, which then takes noise of new blocks from all that is known.
-template <int D>
-void SweptBake<D>::blend_with_kept(NoisyLight& light, const std::vector<Rgb>& kept) const {
-  const float w = kept_->share(indirect_->blocks()), left = 1 - w;
-  for (std::size_t s = 0; s < kept.size(); ++s) {
-    Average& average = light.averages[s];
-    average.mean = average.mean * left + kept[s] * w;
-    average.variance *= left * left;
-    light.halves[s].first_less_second *= left;
-  }
 }
 
 // Of white leaves, by side.
 template <int D>
-std::array<NoisyLight, 2> SweptBake<D>::filtered_light() {
+std::array<NoisyLight, 2> SweptBake<D>::filtered_light(UnfilteredLight<D>& unfiltered) {
   std::array<NoisyLight, 2> light;
   if (!indirect_) return light;
   const SweptLattice<D>& texels = indirect_->texels();
+  unfiltered.resolution = texels.lattice.resolution;
+  unfiltered.texels = texels.lattice.active;
   for (std::size_t side = 0; side < (plan_.back ? 2 : 1); ++side) {
     light[side] = {indirect_->averages(side != 0), indirect_->halves(side != 0)};
+    if (kept_) kept_->blend(light[side], indirect_->blocks(), side != 0);
+    for (const Average& average : light[side].averages) {
+      const Vec<3, float> unknown(std::numeric_limits<float>::quiet_NaN());
+      unfiltered.sides[side].push_back(average.samples > 0 ? Vec<3, float>(average.mean) : unknown);
+    }
     pool_variances(texels.lattice, light[side].averages, progress_);
     if (side == 0) measure_texture(light[side]);
-    if (kept_) blend_with_kept(light[side], kept_soft_[side]);
   }
   if (surfaces_.empty()) surfaces_ = texel_surfaces(volume_, texels.lattice, progress_);
   filter_along_isosurfaces(texels, surfaces_, light, progress_);
@@ -312,14 +313,11 @@ void SweptBake<D>::learn_soft() {
       if (soft_[side].empty()) soft_[side] = soft_of_photons(side != 0);
       continue;
     }
-    const std::vector<Average> averages = indirect_->averages(side != 0);
-    soft_[side].resize(averages.size());
-    for (std::size_t s = 0; s < averages.size(); ++s) {
-      soft_[side][s] = averages[s].mean;
-      if (!kept_) continue;
-      // Kept light alone counts where new blocks found no sample.
-      const float w = averages[s].samples > 0 ? kept_->share(indirect_->blocks()) : 1;
-      soft_[side][s] = soft_[side][s] * (1 - w) + kept_soft_[side][s] * w;
+    NoisyLight light{indirect_->averages(side != 0), {}};
+    if (kept_) kept_->blend(light, indirect_->blocks(), side != 0);
+    soft_[side].resize(light.averages.size());
+    for (std::size_t s = 0; s < light.averages.size(); ++s) {
+      soft_[side][s] = light.averages[s].mean;
     }
   }
 }

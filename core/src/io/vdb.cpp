@@ -30,6 +30,7 @@ constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 constexpr char field_name[] = "field", radiance_name[] = "radiance",
                indirect_name[] = "radiance_indirect", error_name[] = "radiance_error",
                back_name[] = "radiance_back", back_indirect_name[] = "radiance_back_indirect",
+               unfiltered_name[] = "unfiltered", unfiltered_back_name[] = "unfiltered_back",
                surroundings_name[] = "surroundings_indirect",
                // Of bakes before this version, with direct light.
     old_surroundings_name[] = "surroundings_radiance";
@@ -317,6 +318,21 @@ void add_radiance(openvdb::GridPtrVec& grids, std::size_t volume, int level, con
       [&](std::size_t s) { return from.radiance_error[s]; }));
 }
 
+void add_unfiltered(openvdb::GridPtrVec& grids, std::size_t volume, const Field<3>& field,
+                    const UnfilteredLight<3>& light, int doublings) {
+  TexelLattice<3> lattice = inactive_lattice<3>(field.dims, light.resolution);
+  lattice.activate(light.texels);
+  for (int side = 0; side < 2; ++side) {
+    const SideRadiance& values = light.sides[side];
+    if (values.empty()) continue;
+    grids.push_back(
+        texel_grid<Vec3Grid>(numbered(side == 0 ? unfiltered_name : unfiltered_back_name, volume),
+                             texel_to_world_of(field, lattice), doublings, lattice,
+                             [&](std::size_t s) { return to_vdb(values[s]); }));
+    grids.back()->insertMeta("leaflight_dims", openvdb::Vec3IMetadata(to_vdb(lattice.resolution)));
+  }
+}
+
 void add_volume(openvdb::GridPtrVec& grids, std::size_t volume, const Field<3>& field,
                 const RadianceGrid<3>& grid, int doublings) {
   const auto values = field_grid(field);
@@ -327,6 +343,9 @@ void add_volume(openvdb::GridPtrVec& grids, std::size_t volume, const Field<3>& 
   grids.push_back(values);
   for (int level = 0; level < grid.levels(); ++level) {
     add_radiance(grids, volume, level, field, grid.level(level), doublings);
+  }
+  if (!grid.unfiltered.texels.empty()) {
+    add_unfiltered(grids, volume, field, grid.unfiltered, doublings);
   }
 }
 
@@ -389,21 +408,15 @@ DenseVolume read_field(const Contents& file, std::size_t volume,
   return field;
 }
 
-RadianceLevel<3> read_level(const Contents& file, std::size_t volume, int level,
-                            const Index<3>& dims, const std::filesystem::path& path) {
-  const auto name = [&](const char* base) { return numbered(base, volume, level); };
-  const auto radiance = require_grid<Vec3Grid>(file, name(radiance_name), path);
-  const auto indirect = require_grid<Vec3Grid>(file, name(indirect_name), path);
-  const auto error = require_grid<openvdb::FloatGrid>(file, name(error_name), path);
-  const auto back = find_grid<Vec3Grid>(file, name(back_name));
-  RadianceLevel<3> found;
-  TexelLattice<3>& lattice = found.lattice;
-  const Index<3> resolution = dims_from(*radiance, path);
+// The active texels of a grid for a volume of so many voxels.
+TexelLattice<3> read_lattice(const Vec3Grid& grid, const Index<3>& dims,
+                             const std::filesystem::path& path) {
+  const Index<3> resolution = dims_from(grid, path);
   check_resolution<3>(resolution);
-  lattice = inactive_lattice<3>(dims, resolution);
-  const openvdb::CoordBBox box = box_of(lattice.resolution);
+  TexelLattice<3> lattice = inactive_lattice<3>(dims, resolution);
+  const openvdb::CoordBBox box = box_of(resolution);
   std::vector<std::uint32_t> active;
-  for (auto texel = radiance->cbeginValueOn(); texel; ++texel) {
+  for (auto texel = grid.cbeginValueOn(); texel; ++texel) {
     if (!texel.isVoxelValue() || !box.isInside(texel.getCoord())) {
       throw Error("'" + text_of(path) + "' is a damaged bake; bake again.");
     }
@@ -412,23 +425,52 @@ RadianceLevel<3> read_level(const Contents& file, std::size_t volume, int level,
   }
   std::sort(active.begin(), active.end());
   lattice.activate(std::move(active));
-  const auto fetch = [&](const Vec3Grid& from, SideRadiance& into) {
-    const auto access = from.getConstAccessor();
-    for (const std::uint32_t texel : lattice.active) {
-      const Index<3> t = lattice.texel(texel);
-      into.push_back(from_vdb(access.getValue(openvdb::Coord(t[0], t[1], t[2]))));
-    }
-  };
-  fetch(*radiance, found.radiance);
-  fetch(*indirect, found.radiance_indirect);
+  return lattice;
+}
+
+SideRadiance texels_of(const Vec3Grid& grid, const TexelLattice<3>& lattice) {
+  const auto access = grid.getConstAccessor();
+  SideRadiance found;
+  found.reserve(lattice.active.size());
+  for (const std::uint32_t texel : lattice.active) {
+    const Index<3> t = lattice.texel(texel);
+    found.push_back(from_vdb(access.getValue(openvdb::Coord(t[0], t[1], t[2]))));
+  }
+  return found;
+}
+
+UnfilteredLight<3> read_unfiltered(const Contents& file, std::size_t volume, const Index<3>& dims,
+                                   const std::filesystem::path& path) {
+  const auto outer = find_grid<Vec3Grid>(file, numbered(unfiltered_name, volume));
+  if (!outer) return {};
+  const TexelLattice<3> lattice = read_lattice(*outer, dims, path);
+  UnfilteredLight<3> light{lattice.resolution, lattice.active, {}};
+  light.sides[0] = texels_of(*outer, lattice);
+  const auto inner = find_grid<Vec3Grid>(file, numbered(unfiltered_back_name, volume));
+  if (inner) light.sides[1] = texels_of(*inner, lattice);
+  return light;
+}
+
+RadianceLevel<3> read_level(const Contents& file, std::size_t volume, int level,
+                            const Index<3>& dims, const std::filesystem::path& path) {
+  const auto name = [&](const char* base) { return numbered(base, volume, level); };
+  const auto radiance = require_grid<Vec3Grid>(file, name(radiance_name), path);
+  const auto indirect = require_grid<Vec3Grid>(file, name(indirect_name), path);
+  const auto error = require_grid<openvdb::FloatGrid>(file, name(error_name), path);
+  const auto back = find_grid<Vec3Grid>(file, name(back_name));
+  RadianceLevel<3> found;
+  found.lattice = read_lattice(*radiance, dims, path);
+  const TexelLattice<3>& lattice = found.lattice;
+  found.radiance = texels_of(*radiance, lattice);
+  found.radiance_indirect = texels_of(*indirect, lattice);
   if (back) {
     const auto back_indirect = find_grid<Vec3Grid>(file, name(back_indirect_name));
     if (!back_indirect) {
       throw Error("'" + text_of(path) +
                   "' is a bake of an earlier Leaflight; bake the volume again.");
     }
-    fetch(*back, found.radiance_back);
-    fetch(*back_indirect, found.radiance_back_indirect);
+    found.radiance_back = texels_of(*back, lattice);
+    found.radiance_back_indirect = texels_of(*back_indirect, lattice);
   }
   const auto error_access = error->getConstAccessor();
   for (const std::uint32_t texel : lattice.active) {
@@ -440,7 +482,8 @@ RadianceLevel<3> read_level(const Contents& file, std::size_t volume, int level,
 
 RadianceGrid<3> read_radiance(const Contents& file, std::size_t volume, const Index<3>& dims,
                               const std::filesystem::path& path) {
-  RadianceGrid<3> grid{read_level(file, volume, 0, dims, path), {}, nullptr};
+  RadianceGrid<3> grid{read_level(file, volume, 0, dims, path), {}, nullptr, {}};
+  grid.unfiltered = read_unfiltered(file, volume, dims, path);
   while (find_grid<Vec3Grid>(file, numbered(radiance_name, volume, grid.levels()))) {
     RadianceLevel<3> finer = read_level(file, volume, grid.levels(), dims, path);
     const RadianceLevel<3>& coarse = grid.finest();

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "leaflight/bake/filtered_light.h"
 #include "leaflight/bake/radiance_grid.h"
-#include "leaflight/math/progress.h"
-#include "leaflight/scene/scene.h"
 
 namespace leaflight {
 
@@ -14,33 +13,26 @@ class KeptLight {
  public:
   // Takes numbers as a file holds them, in half precision, so that a bake goes on alike from memory
   // and from its file.
-  KeptLight(RadianceGrid<D> grid, int rounds, int blocks);
+  KeptLight(const RadianceGrid<D>& grid, int rounds, int blocks);
 
-  const TexelLattice<D>& lattice() const { return grid_.lattice; }
-  bool has_back() const { return grid_.has_back(); }
+  // Whether it is of these texels, of the result and of indirect light.
+  bool fits(const TexelLattice<D>& shown, const TexelLattice<D>& soft, bool back) const;
+  const Index<D>& resolution() const { return resolution_; }  // of the result
   int rounds() const { return rounds_; }
   int blocks() const { return blocks_; }
 
-  // What it weighs beside so many new blocks.
-  float share(int blocks) const;
-  // Adds its own to the variances of so many new blocks of one side, which weigh what is left.
-  void add_variance(std::vector<Average>& indirect, int blocks, bool inner) const;
-
-  // Soft light that white leaves reflect, of one side, at the texels of another lattice.
-  std::vector<Rgb> soft(const Volume<D>& volume, const IsovalueWindow& window, bool inner,
-                        const TexelLattice<D>& to, Progress& progress) const;
+  // The mean of one side's light of so many new blocks and of what was kept, each a half of it if
+  // halves are known.
+  void blend(NoisyLight& light, int blocks, bool inner) const;
 
  private:
-  Rgb indirect(std::size_t slot, bool inner) const;
+  // Of kept light, where new blocks found `now`.
+  float share(std::size_t slot, const Average& now, int blocks, bool inner) const;
 
-  RadianceGrid<D> grid_;
+  Index<D> resolution_;
+  std::vector<std::uint32_t> active_;
+  UnfilteredLight<D> light_;
   int rounds_, blocks_;
 };
-
-// The radiance that the leaf through an index position emits, within a window of the leaf
-// coordinate.
-template <int D>
-Rgb emission_near(const Volume<D>& volume, const IsovalueWindow& window,
-                  const Vec<D>& index_position);
 
 }  // namespace leaflight

@@ -24,6 +24,15 @@ struct RadianceLevel {
   bool has_back() const { return !radiance_back.empty(); }
 };
 
+// Indirect light of white leaves before the filter, at its own texels, by side: what a bake goes on
+// with. Not a number where no line has passed.
+template <int D>
+struct UnfilteredLight {
+  Index<D> resolution{};
+  std::vector<std::uint32_t> texels;  // the active ones, ascending
+  std::array<std::vector<Vec<3, float>>, 2> sides;
+};
+
 // What one bake says of the leaves of one volume: its coarsest level, which serves all of them, and
 // finer ones, each with texels half as wide as those before, which serve some cells instead.
 template <int D>
@@ -32,6 +41,7 @@ struct RadianceGrid : RadianceLevel<D> {
   // Exact direct light, which with radiance_indirect is all light; null: texels hold all that is
   // known. What it does not hold is in radiance_indirect.
   std::shared_ptr<const DirectLight<D>> direct;
+  UnfilteredLight<D> unfiltered;  // of bakes in rounds
 
   int levels() const { return 1 + static_cast<int>(finer.size()); }
   const RadianceLevel<D>& level(int number) const {

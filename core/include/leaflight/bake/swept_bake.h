@@ -72,8 +72,7 @@ class SweptBake {
   void learn_leaf_light();
   GatheredRadiance<D> gathered() const;
   void finish(std::vector<Average>& indirect) const;
-  std::array<NoisyLight, 2> filtered_light();
-  void blend_with_kept(NoisyLight& light, const std::vector<Rgb>& kept) const;
+  std::array<NoisyLight, 2> filtered_light(UnfilteredLight<D>& unfiltered);
   void measure_texture(const NoisyLight& light);
   void measure_errors(const std::vector<Average>& direct, const std::vector<Average>& indirect);
 
@@ -99,7 +98,6 @@ class SweptBake {
   PhotonCaches<D> photons_;
   // Of white leaves' sides, at the texels of soft light, while lines look it up.
   std::array<std::vector<Rgb>, 2> soft_;
-  std::array<std::vector<Rgb>, 2> kept_soft_;  // what of it was kept
   std::vector<Rgb> inner_direct_;              // there, too
   int bounces_ = 0;                            // gathered so far
   LeafErrors errors_;
