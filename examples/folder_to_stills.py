@@ -53,7 +53,7 @@ def still(scan, out, options):
     spread = 0.02 * (volume.leaflight.high - volume.leaflight.low)
     window = (isovalue - spread, isovalue + spread)
     blender.bake(volume, window, error=options.error, time_limit=options.time)
-    blender.show(volume, isovalue, settle=True)
+    blender.show(volume, isovalue)
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.cycles.samples = options.samples

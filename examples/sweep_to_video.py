@@ -26,7 +26,6 @@ def main():
     # The very ends of the window are the last specks of the volume.
     isovalues = np.linspace(low, high, options.frames + 2)[1:-1]
     blender.animate(volume, isovalues)
-    volume.leaflight.settle = options.settle
     render(options.out, options.size, options.samples)
 
 
@@ -39,7 +38,6 @@ def parsed(arguments):
     parser.add_argument("--error", type=float, default=1.5, help="of the bake, in percent (1.5)")
     parser.add_argument("--size", type=int, nargs=2, default=(960, 960), metavar=("X", "Y"))
     parser.add_argument("--samples", type=int, default=32, help="of Cycles, for the walls (32)")
-    parser.add_argument("--settle", action="store_true", help="sharper, some seconds a frame")
     return parser.parse_args(arguments)
 
 

@@ -15,7 +15,7 @@ obj = blender.import_volume(volume)
 blender.stage(obj)
 low, high = obj.leaflight.low, obj.leaflight.high
 blender.bake(obj, error=2.0, light_surroundings=True, bake_folder=folder)
-blender.show(obj, low + 0.35 * (high - low), settle=True)
+blender.show(obj, low + 0.35 * (high - low))
 scene = bpy.context.scene
 scene.render.resolution_x = scene.render.resolution_y = 400
 scene.render.resolution_percentage = 100

@@ -24,7 +24,7 @@ for isovalue, color in ((GRAY, GRAY_COLOR), (WHITE, WHITE_COLOR)):
 # Cycles itself lights the floor, with less grain than a bake of some minutes.
 settings = {"light_surroundings": False, "error": 3.0, "bake_folder": str(folder)}
 blender.bake(brain, isovalues=(GRAY - 5, WHITE + 5), **settings)
-blender.show(brain, WHITE, settle=True)
+blender.show(brain, WHITE)
 outer = blender.add_isosurface(brain, GRAY, opacity=0.35)
 
 scene = bpy.context.scene

@@ -47,7 +47,7 @@ def drive():
     call(bpy.ops.leaflight.bake)
     while background.running() is not None:
         yield 0.5
-    while not surface_object.settled_state(bpy.context.object.data)[1]:
+    while surface_object.is_coarse(bpy.context.object.data):
         yield 0.5
     yield 2.0
     picture("baked")
@@ -55,7 +55,7 @@ def drive():
     settings = bpy.context.object.leaflight
     settings.isovalue = settings.low + 0.5 * (settings.high - settings.low)
     yield 1.0
-    while not surface_object.settled_state(bpy.context.object.data)[1]:
+    while surface_object.is_coarse(bpy.context.object.data):
         yield 0.5
     yield 1.0
     picture("scrubbed")

@@ -98,7 +98,7 @@ def render_still(still, folder, picture):
     settings = {"error": ERROR, "bake_folder": str(folder)}
     settings["light_surroundings"] = still.lights_stage
     blender.bake(volume, isovalues=still.window, **settings)
-    blender.show(volume, still.isovalue, settle=True)
+    blender.show(volume, still.isovalue)
     rendered = folder / f"{picture.stem}.png"
     render(STILL_SIZE, still.samples, rendered)
     Image.open(rendered).convert("RGB").save(picture, quality=STILL_QUALITY, method=6)

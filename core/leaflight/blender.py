@@ -77,14 +77,11 @@ def bake_frames(obj, isovalues=None, **settings):
         _call(bpy.ops.leaflight.bake_frames)
 
 
-def show(obj, isovalue, settle=False):
+def show(obj, isovalue):
     """Shows an isosurface, lit by the bake if there is one, with all volumes that are linked.
 
-    obj: a volume, or what add_isosurface() returned. isovalue: in data units; settle: whether
-        renders trace the light at the vertices, which is sharper and takes seconds for each frame.
+    obj: a volume, or what add_isosurface() returned. isovalue: in data units.
     """
-    volume = obj if obj.leaflight.is_volume else obj.parent
-    volume.leaflight.settle = bool(settle)
     obj.leaflight.isovalue = float(isovalue)
     bpy.context.view_layer.update()
 
@@ -177,18 +174,18 @@ def compare(obj, folder, samples=256, baked_samples=64, share=1.0):
     return json.loads(path.read_text())
 
 
-def export(obj, path, isovalues=None, settle=False):
+def export(obj, path, isovalues=None):
     """Writes the bake of an object for another program, by leaflight.export().
 
     path: its suffix is the format (docs/export.md). isovalues: of the isosurfaces of a sequence, in
-        data units; None is the present one. settle: whether their light is traced at the vertices.
+        data units; None is the present one.
     """
     chosen = {}
     if isovalues is not None:
         values = " ".join(repr(float(isovalue)) for isovalue in isovalues)
         chosen = {"isovalues": "LIST", "listed": values}
     with _active(obj):
-        _call(bpy.ops.leaflight.export, filepath=_absolute(path), settle=settle, **chosen)
+        _call(bpy.ops.leaflight.export, filepath=_absolute(path), **chosen)
 
 
 def _set(obj, isovalues, settings):

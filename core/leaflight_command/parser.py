@@ -151,13 +151,8 @@ def make_parser():
     for one in (batch, render):
         workers_options(one, "so many at a time on this machine (1)")
 
-    surface = subparsers.add_parser(
-        "surface", parents=[leaf, threads], help="one lit isosurface as a mesh"
-    )
+    surface = subparsers.add_parser("surface", parents=[leaf], help="one lit isosurface as a mesh")
     surface.add_argument("--out", required=True, metavar="MESH.ply", help="file to write")
-    surface.add_argument(
-        "--settle", action="store_true", help="trace the light at the mesh's vertices: sharper"
-    )
 
     still = subparsers.add_parser("still", help="a picture of a lit isosurface, without Blender")
     still.add_argument("bake", metavar="BAKE", help="a .vdb written by bake")
@@ -200,7 +195,6 @@ def make_parser():
 
     export = subparsers.add_parser(
         "export",
-        parents=[threads],
         help="a bake as a web page, or for ParaView, amira, glTF, USD or PLY",
     )
     export.add_argument("bake", metavar="BAKE", help="a .vdb written by bake")
@@ -219,9 +213,6 @@ def make_parser():
         help="in data units; of several volumes 0..1, from the lowest to the highest of each (one)",
     )
     side_options(export)
-    export.add_argument(
-        "--settle", action="store_true", help="trace the light at the mesh's vertices: sharper"
-    )
     export.add_argument(
         "--coarser",
         type=int,
@@ -246,9 +237,6 @@ def make_parser():
 
     compare = subparsers.add_parser(
         "compare", parents=[leaf, threads], help="the error of a bake against path tracing"
-    )
-    compare.add_argument(
-        "--settle", action="store_true", help="of the surface that surface --settle writes"
     )
     compare.add_argument("--points", type=integer, default=3000, metavar="N", help="points (3000)")
     compare.add_argument(

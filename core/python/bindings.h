@@ -14,7 +14,6 @@ void bind_rays(pybind11::module_& module);
 void bind_reference(pybind11::module_& module);
 void bind_surface(pybind11::module_& module);
 void bind_io(pybind11::module_& module);
-void bind_settle(pybind11::module_& module);
 void bind_self_check(pybind11::module_& module);
 void bind_workers(pybind11::module_& module);
 void bind_memory(pybind11::module_& module);

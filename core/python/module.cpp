@@ -61,6 +61,5 @@ PYBIND11_MODULE(_core, module) {
   python::bind_reference(module);
   python::bind_surface(module);
   python::bind_io(module);
-  python::bind_settle(module);
   python::bind_self_check(module);
 }

@@ -95,24 +95,16 @@ py::array_t<float> lookup_at(const RadianceGrid<D>& grid, const Field<D>& field,
   return lookup_of(grid, field, numbers, back);
 }
 
-std::shared_ptr<LitMesh> filled(const RadianceGrid<3>& grid, const Field<3>& field, double isovalue,
-                                const LitContourSettings& settings) {
-  std::shared_ptr<LitMesh> mesh = mesh_to_fill();
-  const py::gil_scoped_release unlocked;
-  lit_contour(grid, field, isovalue, settings, *mesh);
-  return mesh;
-}
-
-py::tuple contour_of(const RadianceGrid<3>& grid, const Field<3>& field, double isovalue,
-                     std::size_t least_vertices, bool normals) {
-  return mesh_arrays(filled(grid, field, isovalue, {normals, false, false, least_vertices}));
-}
-
 py::tuple lit_contour_of(const RadianceGrid<3>& grid, const Field<3>& field, double isovalue,
-                         bool normals, bool front, bool back) {
-  const auto mesh = filled(grid, field, isovalue, {normals, front, back, 0});
+                         bool normals, bool front, bool back, float largest_step) {
+  const std::shared_ptr<LitMesh> mesh = mesh_to_fill();
+  {
+    const py::gil_scoped_release unlocked;
+    lit_contour(grid, field, isovalue, {normals, front, back, largest_step}, *mesh);
+  }
   return mesh_arrays(mesh) + py::make_tuple(rows_of<float>(mesh, mesh->radiance),
-                                            rows_of<float>(mesh, mesh->radiance_back));
+                                            rows_of<float>(mesh, mesh->radiance_back),
+                                            mesh->contoured);
 }
 
 template <int D>
@@ -198,16 +190,15 @@ void bind_grid(py::module_& module, const std::string& suffix) {
            "over the channels: that of independent texels.");
   if constexpr (D == 3) {
     grid.def(
-        "contour", &contour_of, py::arg("field"), py::arg("isovalue"),
-        py::arg("least_vertices") = 0, py::arg("normals") = true,
-        "contour() of the volume that the grid lights, with edges cut in two as often as "
-        "texels\nare narrower than voxels there, so that vertices show them, and then twice at "
-        "most, until\nthere are at least so many vertices.");
-    grid.def("lit_contour", &lit_contour_of, py::arg("field"), py::arg("isovalue"),
-             py::arg("normals") = false, py::arg("front") = true, py::arg("back") = false,
-             "(vertices, normals, triangles, radiance, radiance of the inner side): contour() and\n"
-             "lookup() at its vertices at once, float32 (n, 3) each and int32 (m, 3). What is not\n"
-             "asked for is None. Fastest if the arrays of the call before are all let go.");
+        "lit_contour", &lit_contour_of, py::arg("field"), py::arg("isovalue"),
+        py::arg("normals") = false, py::arg("front") = true, py::arg("back") = false,
+        py::arg("largest_step") = LitContourSettings{}.largest_step,
+        "(vertices, normals, triangles, radiance, radiance of the inner side, triangles before\n"
+        "edges were cut): contour() and lookup() at its vertices at once, float32 (n, 3) each\n"
+        "and int32 (m, 3). What is not asked for is None. Edges are cut in two as often as\n"
+        "texels are narrower than voxels there, so that vertices show them; where the mesh is\n"
+        "small twice at most more, if the radiance of their ends differs by more than\n"
+        "largest_step. Fastest if the arrays of the call before are all let go.");
     grid.def("atlas", &atlas, py::arg("back") = false,
              "(pixels float32 [row, column, RGBA] bottom row first, columns, rows): slice k of "
              "the\ntexture is the tile in column k % columns and row k // columns, without "

@@ -22,7 +22,6 @@ box = blender.import_volume(sys.argv[-2])
 blender.stage(box)
 blender.bake(box, (30, 110), error=8.0)
 blender.animate(box, [40, 55, 70, 85, 100])
-box.leaflight.settle = False
 scene = bpy.context.scene
 scene.render.engine = "CYCLES"
 scene.cycles.samples, scene.cycles.use_denoising = 4, False

@@ -106,9 +106,9 @@ TEST(SplitEdges, LeavesNoCracksAndFollowsTheLeaf) {
   const Field<3> field = test::ball<3>(21);
   const IsosurfaceMesh mesh = contour(field, 0.7);
   for (const double share : {0.0, 0.3, 0.7, 1.0}) {
-    // The same answer for the same edge, whichever triangle asks.
-    const auto wanted = [&](const Vec3& middle) {
-      const double x = 1e4 * (middle.x + 0.37 * middle.y + 0.71 * middle.z);
+    const auto wanted = [&](std::int32_t a, std::int32_t b) {
+      const Vec3 middle = (Vec3(mesh.vertices[a]) + Vec3(mesh.vertices[b])) * 0.5;
+      const double x = 2e5 * (middle.x + 0.37 * middle.y + 0.71 * middle.z);
       return x - std::floor(x) < share;
     };
     const IsosurfaceMesh split = split_edges(field, 0.7, mesh, wanted);
@@ -135,7 +135,9 @@ TEST(SplitEdges, LeavesNoCracksInNoise) {
   const Field<3> field = test::noise<3>(12, 5, -1.0);
   const IsosurfaceMesh mesh = contour(field, 0.5);
   ASSERT_TRUE(closed(mesh));
-  const auto wanted = [](const Vec3& middle) { return middle.x < 5; };
+  const auto wanted = [&](std::int32_t a, std::int32_t b) {
+    return mesh.vertices[a].x + mesh.vertices[b].x < 1;
+  };
   const IsosurfaceMesh split = split_edges(field, 0.5, mesh, wanted);
   EXPECT_TRUE(closed(split));
   EXPECT_GT(split.triangles.size(), mesh.triangles.size());

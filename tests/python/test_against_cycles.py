@@ -23,7 +23,6 @@ from leaflight.report.against_cycles import (
     MET,
     MISSED,
     QUICK_CYCLES,
-    SETTLED,
     TOLD,
     TRUE_WITHIN,
     BakeRow,
@@ -77,27 +76,24 @@ def of_bake(before, after, found=2.0):
     return BakeRow(BOX, (8, 8, 8), Estimate(2.0, 1, before, 3, 2, 1.0), statistics, found)
 
 
-def row(looked_up, settled, before=1.4, after=1.4, colour=0.3):
-    errors = [
-        {
-            "rms_percent": rms,
-            "reference_noise_percent": 0.4,
-            "mean_radiance": colour,
-            "mean_ratio": 0.98,
-        }
-        for rms in (looked_up, settled)
-    ]
+def row(rms, before=1.4, after=1.4, colour=0.3):
+    errors = {
+        "rms_percent": rms,
+        "reference_noise_percent": 0.4,
+        "mean_radiance": colour,
+        "mean_ratio": 0.98,
+    }
     parts = {"noise_percent": 1.0, "texture_percent": 2.0, "mesh_percent": 0.5}
-    return CyclesRow(of_bake(before, after), None, 47.0, 1024, *errors, parts, True)
+    return CyclesRow(of_bake(before, after), None, 47.0, 1024, errors, parts, True)
 
 
 def test_verdicts():
-    assert row(1.5, 2.0).verdict == MET and row(1.51, 1.5).verdict == SETTLED
-    assert row(1.51, 1.51, 1.6, 1.6).verdict == TOLD
+    assert row(1.5).verdict == MET
+    assert row(1.51, 1.6, 1.6).verdict == TOLD
     # Both before and afterwards.
-    missed = [row(1.51, 1.51, 1.4, 1.6), row(1.51, 1.51, 1.6, 1.4)]
+    missed = [row(1.51, 1.4, 1.6), row(1.51, 1.6, 1.4)]
     assert [one.verdict for one in missed] == [MISSED, MISSED]
-    assert row(9.0, 9.0, 1.6, 1.6).passed and not missed[0].passed
+    assert row(9.0, 1.6, 1.6).passed and not missed[0].passed
     unjudged = replace(missed[0], judged=False)
     assert unjudged.verdict is None and unjudged.passed
 
@@ -114,9 +110,9 @@ def test_true_is_what_is_found():
 
 
 def test_dark_isosurfaces_have_no_mean():
-    (cells,) = cycles_rows([row(1.0, 1.0, colour=0.001)])
-    assert cells["mean off by %"] is cells["settled mean off by %"] is None
-    (cells,) = cycles_rows([row(1.0, 1.0)])
+    (cells,) = cycles_rows([row(1.0, colour=0.001)])
+    assert cells["mean off by %"] is None
+    (cells,) = cycles_rows([row(1.0)])
     assert cells["mean off by %"] == pytest.approx(-2.0)
 
 
@@ -131,19 +127,17 @@ def test_measured(found):
     plain = bake(bump_box(8), packaged_scene("bump_box.json"))
     for one in rows:
         # Figures add up in squares: the one Truth stands for both references here.
-        parts = [*one.parts.values(), one.looked_up["reference_noise_percent"]]
+        parts = [*one.parts.values(), one.errors["reference_noise_percent"]]
         assert one.parts["mesh_percent"] == 0 < one.parts["noise_percent"]
-        known = max(one.looked_up["rms_percent"], np.linalg.norm([parts[0], parts[-1]]))
+        known = max(one.errors["rms_percent"], np.linalg.norm([parts[0], parts[-1]]))
         assert np.linalg.norm(parts) == pytest.approx(known, rel=1e-6)
-        assert one.looked_up["points"] == 150 and one.volume is None
-        assert 0 < one.settled["rms_percent"] != one.looked_up["rms_percent"]
+        assert one.errors["points"] == 150 and one.volume is None
         # No setting was touched.
         assert one.bake is rows[0].bake and one.paths == 256
         for name in ("texels", "rounds", "estimated_error_percent"):
             assert one.bake.statistics[name] == plain.statistics[name]
     own = [
-        one.looked_up["rms_percent"] ** 2 - one.looked_up["reference_noise_percent"] ** 2
-        for one in rows
+        one.errors["rms_percent"] ** 2 - one.errors["reference_noise_percent"] ** 2 for one in rows
     ]
     assert rows[0].bake.found == pytest.approx(np.sqrt(max(np.mean(own), 0)), rel=1e-6)
     assert rows[0].bake.before.rounds >= 1
@@ -152,7 +146,7 @@ def test_measured(found):
 def test_threads_do_not_matter(coarsely):
     rows, _ = measure_against_cycles(TINY, quietly)
     again, _ = measure_against_cycles(replace(TINY, judged=False), quietly, threads=1)
-    for name in ("looked_up", "settled", "parts"):
+    for name in ("errors", "parts"):
         assert [getattr(one, name) for one in again] == [getattr(one, name) for one in rows]
     assert [one.verdict for one in again] == [None, None]
 
@@ -161,8 +155,8 @@ def test_more_paths_where_cycles_is_noisy(coarsely):
     effort = replace(TINY, cases=(replace(BOX, isovalues=(47.0,)),), paths=16, noise=3.0)
     (noisy,), _ = measure_against_cycles(replace(effort, noise=np.inf), quietly)
     (one,), _ = measure_against_cycles(effort, quietly)
-    assert noisy.looked_up["reference_noise_percent"] > 3.5 and noisy.paths == 16
-    assert one.looked_up["reference_noise_percent"] < 3.3 and one.paths > 16
+    assert noisy.errors["reference_noise_percent"] > 3.5 and noisy.paths == 16
+    assert one.errors["reference_noise_percent"] < 3.3 and one.paths > 16
 
 
 def test_each_volume_is_judged(coarsely):
@@ -183,10 +177,10 @@ def test_cycles_is_the_judge(monkeypatch):
     monkeypatch.setattr(LeafSide, "by_cycles", BY_CYCLES)
     effort = replace(TINY, cases=(replace(BOX, isovalues=(47.0,)),))
     (one,), absent = measure_against_cycles(effort, quietly)
-    assert absent == [] and one.looked_up["rms_percent"] < 9 and one.parts["mesh_percent"] < 5
+    assert absent == [] and one.errors["rms_percent"] < 9 and one.parts["mesh_percent"] < 5
     # Another noise than the path tracer's, and as many paths.
-    assert 0.3 < one.looked_up["reference_noise_percent"] < 4
-    assert one.looked_up["mean_ratio"] == pytest.approx(1, abs=0.05)
+    assert 0.3 < one.errors["reference_noise_percent"] < 4
+    assert one.errors["mean_ratio"] == pytest.approx(1, abs=0.05)
 
 
 def test_files(found, tmp_path, monkeypatch):
@@ -196,7 +190,7 @@ def test_files(found, tmp_path, monkeypatch):
     assert result["rows"] == [] and isinstance(result["passed"], bool)
     result = json.loads(json.dumps(result, allow_nan=False))
     columns = {
-        "against_cycles": ("RMS %", "texture %", "settled RMS %", "mean off by %", "isovalue"),
+        "against_cycles": ("RMS %", "texture %", "mean off by %", "isovalue"),
         "bakes_against_cycles": ("texels", "bake s", "said before %", "said after %", "found %"),
     }
     for table, names in columns.items():
@@ -211,7 +205,7 @@ def test_files(found, tmp_path, monkeypatch):
 
 def test_what_is_missed_fails(tmp_path, monkeypatch):
     monkeypatch.setattr(report_module, "find_blender", lambda: "blender")
-    for rows, passed in ([row(1.0, 1.0), row(2.0, 2.0)], False), ([row(1.0, 1.0)], True):
+    for rows, passed in ([row(1.0), row(2.0)], False), ([row(1.0)], True):
         monkeypatch.setattr(
             report_module, "measure_against_cycles", lambda *_, rows=rows, **__: (rows, [])
         )
@@ -239,7 +233,7 @@ def test_interrupted(coarsely, tmp_path, monkeypatch):
         return work(Progress())
 
     report_cycles(tmp_path / "whole", effort, note)
-    at = [f"{who} at {c}" for c in (20, 47) for who in ("Cycles", "paths", "settling")]
+    at = [f"{who} at {c}" for c in (20, 47) for who in ("Cycles", "paths")]
     assert labels == ["estimate", "bake", *at]
     for cancelled in labels:
 
@@ -266,14 +260,14 @@ def test_command_line(cli, tmp_path, monkeypatch):
 
     def fake(*arguments, **work):
         asked.append((arguments, work))
-        row = {"bake": "a", "isovalue": 2.5, "RMS %": 3.0, "settled RMS %": 2.0}
+        row = {"bake": "a", "isovalue": 2.5, "RMS %": 3.0}
         rows = [{**row, "verdict": "missed"}]
         return {"out": "x", "seed": 3, "passed": False, "rows": [], "against_cycles": rows}
 
     monkeypatch.setattr(command_line, "report_cycles", fake)
     outcome = cli("report", "--cycles", "--out", tmp_path, "--data", tmp_path, "--seed", 3)
     assert outcome.status == 1 and "cycles.md: some errors" in outcome.out
-    assert "a at 2.5 against Cycles: 3.00 %, settled 2.00 %: missed" in outcome.out
+    assert "a at 2.5 against Cycles: 3.00 %: missed" in outcome.out
     cli("report", "--cycles", "--quick", "--out", tmp_path)
     run = run_with_progress
     assert asked == [

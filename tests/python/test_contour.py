@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from leaflight import LeaflightError
 from leaflight._core import contour
+from leaflight.scene.on_mesh import positions, random_places
 
 
 def _sides_used_twice(triangles):
@@ -40,12 +41,11 @@ def test_normals_only_where_asked_for(box_bake):
     assert bare[1] is None
     np.testing.assert_array_equal(bare[0], vertices)
     np.testing.assert_array_equal(bare[2], triangles)
-    assert box_bake.grid.contour(field, 47.0, normals=False)[1] is None
 
 
 def test_contour_and_lookup_at_once(box_bake):
     field, grid = box_bake.volume.field(), box_bake.grid
-    vertices, normals, triangles = grid.contour(field, 47.0)
+    vertices, normals, triangles = contour(field, 47.0)
     lit = grid.lit_contour(field, 47.0, normals=True)
     np.testing.assert_array_equal(lit[0], vertices)
     np.testing.assert_array_equal(lit[1], normals)
@@ -77,6 +77,43 @@ def test_both_sides_and_texels_narrower_than_voxels(bump_scene):
     np.testing.assert_array_equal(lit[4], grid.lookup(field, lit[0], back=True))
     assert not np.array_equal(lit[3], lit[4])
     assert _sides_used_twice(lit[2]) == 0 and _coincident(lit[2]) == 0
+
+
+def _missed_between_vertices(bake, mesh):
+    """RMS of what linear interpolation of the radiance misses."""
+    vertices, _, triangles, radiance = mesh[:4]
+    facets, coordinates = random_places(vertices, triangles, 5000, seed=1)
+    weights = np.column_stack([1 - coordinates.sum(axis=1), coordinates])
+    linear = np.einsum("nk,nkc->nc", weights, radiance[triangles[facets]])
+    points = positions(vertices, triangles, facets, coordinates)
+    return np.sqrt(np.mean((linear - bake.radiance(points)) ** 2))
+
+
+@pytest.mark.parametrize("sides", [(True, False), (False, True), (True, True)])
+def test_small_meshes_are_cut_where_light_steps(bump_scene, sides):
+    volume = leaflight.bump_box(24)
+    settings = {"isovalues": (40, 60), "samples": 4, "photons": 20_000, "both_sides": True}
+    bake = leaflight.bake(volume, bump_scene, **settings)
+    field, grid = volume.field(), bake.grid
+    wished = {"front": sides[0], "back": sides[1]}
+    plain = grid.lit_contour(field, 50.0, **wished)
+    step = 0.02 / bake.scene.exposure
+    cut = grid.lit_contour(field, 50.0, largest_step=step, **wished)
+    assert plain[5] == cut[5] == len(plain[2])
+    count = len(plain[0])
+    assert 1.1 * count < len(cut[0]) < 16 * count
+    np.testing.assert_array_equal(cut[0][:count], plain[0])
+    assert _sides_used_twice(cut[2]) == 0 and _coincident(cut[2]) == 0
+    for back, light in enumerate(cut[3:5]):
+        assert (light is None) == (not sides[back])
+        if light is not None:
+            expected = grid.lookup(field, cut[0], back=bool(back))
+            np.testing.assert_allclose(light, expected, atol=1e-4 * expected.max())
+    if sides[0]:
+        assert _missed_between_vertices(bake, cut) < 0.6 * _missed_between_vertices(bake, plain)
+    # Nothing differs by so much.
+    as_before = grid.lit_contour(field, 50.0, largest_step=1e9, **wished)
+    np.testing.assert_array_equal(as_before[2], plain[2])
 
 
 def test_arrays_that_are_held_stay_as_they_are(box_bake):

@@ -23,6 +23,19 @@ def test_what_is_linear_over_the_mesh_is_interpolated_exactly():
     np.testing.assert_allclose(found, linear(points), atol=1e-5)
 
 
+def test_between_the_vertices_of_a_large_mesh(box_bake):
+    surface = box_bake.surface(47.0)
+    facets, coordinates = random_places(surface.vertices, surface.triangles, 400, 5)
+    points = positions(surface.vertices, surface.triangles, facets, coordinates)
+    a, b, c = (surface.radiance[surface.triangles[facets, k]] for k in range(3))
+    expected = a + coordinates[:, :1] * (b - a) + coordinates[:, 1:] * (c - a)
+    found = interpolated(surface.vertices, surface.triangles, surface.radiance, points)
+    np.testing.assert_allclose(found, expected, atol=1e-4)
+    # A point beside the mesh takes the nearest triangle.
+    far = interpolated(surface.vertices, surface.triangles, surface.radiance, points[:1] + 9.0)
+    assert np.isfinite(far).all()
+
+
 def test_triangles_without_area_hold_no_points():
     flat = np.concatenate([TRIANGLES, [[0, 0, 1], [2, 2, 2]]]).astype(np.uint32)
     points = positions(VERTICES, flat, *random_places(VERTICES, flat, 100, seed=2))

@@ -172,7 +172,7 @@ def test_sentences(box_bake, tmp_path, template, monkeypatch):
             leaflight.export(bake, out, **options)
 
     refused("outside the baked window", isovalues=[400.0])
-    refused("all isosurfaces", settle=True)
+    refused("all isosurfaces", back=True)
     refused("choose 0 to 3", coarser=4)
     mirror = replace(box_bake.scene.leaves[0], scattering="mirror")
     refused("mirror or glass", replace(box_bake, scene=replace(box_bake.scene, leaves=[mirror])))

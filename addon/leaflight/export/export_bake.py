@@ -31,13 +31,13 @@ _FORMATS = (
 
 
 class ExportJob(background.Job):
-    """The file is written in the background; settling and large volumes take their time."""
+    """The file is written in the background; large volumes take their time."""
 
-    def __init__(self, obj, path, values, settle, coarser=0):
+    def __init__(self, obj, path, values, coarser=0):
         self._bake, self._index = cache.bake_of(obj), obj.leaflight.bake_index
         if self._bake is None:
             raise LeaflightError(f'"{obj.name}" has no bake yet: bake it first.')
-        self._path, self._settle, self._coarser = path, settle, coarser
+        self._path, self._coarser = path, coarser
         self._isovalues = values
         self._surfaces = {}
 
@@ -47,7 +47,6 @@ class ExportJob(background.Job):
             self._path,
             self._isovalues,
             volume=self._index,
-            settle=self._settle,
             progress=progress,
             coarser=self._coarser,
         )
@@ -94,10 +93,6 @@ class LEAFLIGHT_OT_export(background.BackgroundOperator, bpy.types.Operator, Exp
     )
     listed: StringProperty(
         name="List", description="Isovalues to write in their order, separated by spaces"
-    )
-    settle: BoolProperty(
-        name="Sharpen",
-        description="Trace the light at the vertices: sharper, some seconds for each isosurface",
     )
     coarser: IntProperty(
         name="Coarser",
@@ -150,13 +145,12 @@ class LEAFLIGHT_OT_export(background.BackgroundOperator, bpy.types.Operator, Exp
                     column.prop(self, name)
             elif self.isovalues == "LIST":
                 layout.prop(self, "listed")
-        layout.prop(self, "settle")
 
     def execute(self, context):
         if getattr(self, "_by_hand", False):
             # What the file browser executes cannot itself go on in the background.
             names = ("filepath", "file_type", "isovalues", "first", "last", "count", "listed")
-            chosen = {name: getattr(self, name) for name in (*names, "settle", "coarser")}
+            chosen = {name: getattr(self, name) for name in (*names, "coarser")}
             if self.file_type not in OF_SEQUENCE:
                 # What was chosen for another format is not shown for this one.
                 chosen["isovalues"] = "CURRENT"
@@ -167,13 +161,13 @@ class LEAFLIGHT_OT_export(background.BackgroundOperator, bpy.types.Operator, Exp
         path = Path(bpy.path.abspath(self.filepath))
         obj, suffix = context.object, path.suffix.lower()
         if suffix in OF_VOLUME:
-            return ExportJob(obj, path, None, False)
+            return ExportJob(obj, path, None)
         values = [obj.leaflight.isovalue] if suffix == PAGE else self._values(obj)
         if len(cache.bake_of(obj).volumes) > 1:
             values = [isovalues.leaf_coordinate(obj.leaflight, value) for value in values]
         if suffix == PAGE:
-            return ExportJob(obj, path, values, False, self.coarser)
-        return ExportJob(obj, path, values, self.settle)
+            return ExportJob(obj, path, values, self.coarser)
+        return ExportJob(obj, path, values)
 
     def _size_of_page(self, obj):
         try:

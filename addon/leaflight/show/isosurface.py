@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import leaflight
 import leaflight._core as _core
+import numpy as np
 
 from ..store import cache
 from . import added, preview
@@ -15,28 +16,26 @@ LeaflightError = leaflight.LeaflightError
 RADIANCE = "radiance"
 RADIANCE_BACK = "radiance_back"
 
-# Texels narrower than this, in voxels, have vertices of their own (RadianceGrid.contour()).
-_NARROW = 0.75
-
 
 @dataclass(frozen=True, eq=False)
 class Isosurface:
     """What it takes to make one, in the object's coordinates.
 
-    volume: a leaflight.Volume; grid: the radiance grid that lights it, or None.
-    halvings: of the volume's fineness, None for the whole detail, which finer texels add to.
+    volume: a leaflight.Volume; grid: the radiance grid that lights it, or None; largest_step: see
+    Bake. halvings: of the volume's fineness, None for the whole detail, which the light adds to.
     """
 
     volume: object
     isovalue: float
     grid: object
+    largest_step: float
     halvings: int = None
 
     def mesh(self):
         """(vertices, normals, triangles). Raises LeaflightError, in any thread."""
-        if self._is_cut():
-            return self.grid.contour(self.volume.field(), self.isovalue)
-        return _core.contour(self._field(), self.isovalue)
+        if self.is_coarse() or self.grid is None:
+            return _core.contour(self._field(), self.isovalue)
+        return self._lit_contour(normals=True)[:3]
 
     def radiance(self, points):
         """Baked radiance (n, 3) at points (n, 3), by the name of its attribute."""
@@ -49,32 +48,31 @@ class Isosurface:
         return radiance
 
     def made(self):
-        """(vertices, triangles, radiance by the name of its attribute), as mesh() does."""
-        if not self._is_cut():
+        """(vertices, triangles, radiance by the name of its attribute, count), as mesh() does.
+
+        count: about how many triangles the volume's own nodes give.
+        """
+        if self.is_coarse() or self.grid is None:
             vertices, _, triangles = _core.contour(self._field(), self.isovalue, normals=False)
-            return vertices, triangles, self.radiance(vertices)
-        vertices, _, triangles, *sides = self.grid.lit_contour(
-            self.volume.field(), self.isovalue, back=self.grid.has_back
-        )
+            count = len(triangles) * 4 ** (self.halvings or 0)
+            return vertices, triangles, self.radiance(vertices), count
+        vertices, _, triangles, *sides, count = self._lit_contour()
         named = zip((RADIANCE, RADIANCE_BACK), sides)
-        return vertices, triangles, {name: side for name, side in named if side is not None}
+        radiance = {name: side for name, side in named if side is not None}
+        return vertices, triangles, radiance, count
 
     def is_coarse(self):
         """Whether mesh() has less than the whole detail."""
-        if self.halvings is None:
-            return False
-        refined = self.grid is not None and self.grid.levels > 1
-        return self.halvings > 0 or self._cuts() > 0 or refined
+        return self.halvings is not None and (self.halvings > 0 or self.grid is not None)
 
-    def triangles_between_nodes(self, count):
-        """Of a mesh() with so many triangles: about how many the volume's own nodes give."""
-        if self.halvings is not None:
-            return count * 4**self.halvings
-        return count // 4 ** self._cuts()
-
-    def _is_cut(self):
-        """Whether the mesh is as fine as the texels are."""
-        return self.halvings is None and self.grid is not None
+    def _lit_contour(self, normals=False):
+        return self.grid.lit_contour(
+            self.volume.field(),
+            self.isovalue,
+            normals,
+            back=self.grid.has_back,
+            largest_step=self.largest_step,
+        )
 
     def _field(self):
         volume = self.volume
@@ -85,15 +83,6 @@ class Isosurface:
         except LeaflightError:
             # Too little of it is left.
             return self.volume.field()
-
-    def _cuts(self):
-        """How often mesh() cuts all edges in two."""
-        if self.grid is None:
-            return 0
-        cuts, width = 0, (self.volume.values.shape[-1] - 1) / (self.grid.resolution[0] - 1)
-        while width < _NARROW:
-            cuts, width = cuts + 1, 2 * width
-        return cuts
 
 
 def isosurface_of(obj, isovalue, halvings=None):
@@ -112,7 +101,10 @@ def isosurface_of(obj, isovalue, halvings=None):
         lit = is_lit(obj, isovalue)
     except LeaflightError:
         lit = False
-    return Isosurface(volume, isovalue, _grid(obj) if lit else None, halvings)
+    if not lit:
+        return Isosurface(volume, isovalue, None, np.inf, halvings)
+    bake, index = lit_by(obj)
+    return Isosurface(volume, isovalue, bake.grids[index], bake.largest_step, halvings)
 
 
 def is_lit(obj, isovalue):
@@ -147,8 +139,3 @@ def lit_by(obj):
     if shown is not None:
         return shown.bake, shown.index
     return cache.bake_of(obj), obj.leaflight.bake_index
-
-
-def _grid(obj):
-    bake, index = lit_by(obj)
-    return bake.grids[index]

@@ -16,7 +16,7 @@ from bpy.props import (
 )
 
 from .. import versions
-from . import added, isovalues, surface_object, walls
+from . import isovalues, surface_object, walls
 
 VALUE_TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")
 
@@ -52,12 +52,6 @@ _INSERTABLE = {"LIBRARY_OVERRIDABLE", "USE_INSERTION"}
 def _shading_changed(settings, _context):
     if settings.id_data.leaflight.is_volume:
         surface_object.shade_all(settings.id_data)
-
-
-def _settle_changed(settings, _context):
-    if settings.is_volume and not settings.settle:
-        for obj in (settings.id_data, *added.added_to(settings.id_data)):
-            surface_object.unsettle(obj)
 
 
 def _quality(settings):
@@ -365,20 +359,10 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         name="Shading",
         description="How the surface gets its colors from the baked radiance",
         items=[
-            ("ATLAS", "Volume Texture", "Look up the baked texels at every pixel"),
             ("ATTRIBUTE", "Vertex Attribute", "Interpolate the radiance at the mesh's vertices"),
+            ("ATLAS", "Volume Texture", "Look up the baked texels, whose shadows are blurred"),
         ],
         update=_shading_changed,
-        override=_OVERRIDABLE,
-    )
-
-    settle: BoolProperty(
-        name="Sharpen at Rest",
-        description="Trace the light at the vertices of the surface when its isovalue rests, and "
-        "before each render: thin shells and the edges of shadows become exact. It takes some "
-        "seconds in the background, and moving the isovalue ends it",
-        default=True,
-        update=_settle_changed,
         override=_OVERRIDABLE,
     )
 

@@ -23,9 +23,9 @@ from ..store import bake_files
 ATLAS, BACK = "leaflight_atlas", "leaflight_back"
 
 
-# Names of the nodes whose values change without a build: whether colour attributes take the place
-# of an atlas; how opaque the surface is; what gives baked radiance another albedo.
-_SETTLED, _OPACITY, _RECOLOR = "settled", "opacity", "recolor"
+# Names of the nodes whose values change without a build: how opaque the surface is; what gives
+# baked radiance another albedo.
+_OPACITY, _RECOLOR = "opacity", "recolor"
 
 
 @dataclass(frozen=True)
@@ -94,13 +94,6 @@ def shared_material(tag, name, front, back=None):
     return material
 
 
-def set_settled(material, settled):
-    """Shows the colour attributes of a surface that has settled in place of build_atlas()."""
-    node = material.node_tree.nodes.get(_SETTLED)
-    if node is not None and node.outputs[0].default_value != float(settled):
-        node.outputs[0].default_value = float(settled)
-
-
 def set_opacity(material, opacity):
     node = material.node_tree.nodes.get(_OPACITY)
     if node is not None and node.outputs[0].default_value != opacity:
@@ -123,11 +116,10 @@ def is_recolored(material):
     return any(factor != (1.0, 1.0, 1.0) for factor in factors)
 
 
-def build_atlas(material, images, attributes, resolution, columns, texel_from_object, view=View()):
+def build_atlas(material, images, resolution, columns, texel_from_object, view=View()):
     """Emission of a radiance grid of this resolution (nx, ny, nz), from its atlas.
 
-    images: the atlas of the outer side and, if it was baked, of the inner one. attributes: the
-    colour attributes that take their places after set_settled(). columns: tiles in a
+    images: the atlas of the outer side and, if it was baked, of the inner one. columns: tiles in a
     row of an image. texel_from_object: (4, 4), from the object's coordinates to those of texel
     centres. The resolution is at least 2 along each axis.
     """
@@ -164,12 +156,7 @@ def build_atlas(material, images, attributes, resolution, columns, texel_from_ob
                     "DIVIDE", graph.math("ADD", tile_x, corner_x[i]), float(columns * nx)
                 )
                 places.append(graph.combine(u, v))
-    switch = graph.node("ShaderNodeValue")
-    switch.name = _SETTLED
-    switch.outputs[0].default_value = 0.0
-    texels = (_trilinear(graph, image, places, weight) for image in images)
-    settled = (graph.attribute(name) for name in attributes)
-    graph.emit_sides(*(graph.mix(a, b, switch.outputs[0]) for a, b in zip(texels, settled)))
+    graph.emit_sides(*(_trilinear(graph, image, places, weight) for image in images))
 
 
 def _trilinear(graph, image, places, weight):

@@ -19,18 +19,13 @@ _BUILT = "leaflight_built"
 _ROUND = {1: "leaflight_round", 2: "leaflight_round_sides"}
 
 
-def material_of(obj, isovalue, settled):
-    """The material of the state that the mesh of an isosurface is in. Raises LeaflightError.
-
-    settled: whether the mesh holds settled light in place of the bake's.
-    """
+def material_of(obj, isovalue):
+    """The material of the state that the mesh of an isosurface is in. Raises LeaflightError."""
     if RADIANCE not in obj.data.attributes:
         return leaf_material(obj, isovalue)
     if preview.of(obj) is not None and look.view_of(obj) == shader.View():
         return _round_material(obj)
-    material = _baked_material(obj, isovalue)
-    shader.set_settled(material, settled)
-    return material
+    return _baked_material(obj, isovalue)
 
 
 def may_replace(obj, material):
@@ -145,9 +140,8 @@ def _baked_material(obj, isovalue):
         grid, path = cache.grid_of(volume), bake_files.locate(volume)
         sides = [_atlas_image(volume, path, s) for s in ((False, True) if back else (False,))]
         matrix = shader.texel_from_object(cache.volume_of(volume), grid.resolution)
-        attributes = (RADIANCE, RADIANCE_BACK)
         columns = settings.atlas_columns
-        shader.build_atlas(material, sides, attributes, grid.resolution, columns, matrix, view)
+        shader.build_atlas(material, sides, grid.resolution, columns, matrix, view)
 
     # Materials of files from before colors could change have another label, and are built anew.
     # The nodes that read an attribute are the same for every bake.

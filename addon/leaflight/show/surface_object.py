@@ -11,7 +11,7 @@ import numpy as np
 
 from ..store import bake_files
 from . import added, isosurface, preview, surface_material
-from .fill import colour, fill
+from .fill import fill
 
 LeaflightError = leaflight.LeaflightError
 
@@ -23,15 +23,11 @@ _ISOVALUE = "leaflight_isovalue"
 # Whether detail is missing, and about how many triangles the isosurface has between voxels.
 _COARSE = "leaflight_coarse"
 _TRIANGLES = "leaflight_triangles"
-_SETTLED = "leaflight_settled"
-# Ends the label of a mesh that goes on settling.
-_SO_FAR = " so far"
-
 # Ends the label of a mesh that could not show what it should.
 _FAILED = " failed"
 
 # What made() returns of a surface that could not be made.
-_NOTHING = np.empty((0, 3)), np.empty((0, 3)), {}
+_NOTHING = np.empty((0, 3)), np.empty((0, 3)), {}, 0
 
 # Full name of an object -> why its surface could not be shown, for the panel.
 problems = {}
@@ -65,7 +61,7 @@ def update(obj, isovalue, moving=False):
     """Shows the isosurface, unless the mesh holds it already. A failure goes to `problems`.
 
     moving: whether a coarser one will do, of about MOVING_TRIANGLES, since it will not stay; what
-    it lacks is made when it rests (settling.py).
+    it lacks is made afterwards (whole_detail.py).
     """
     _look_after_files(obj)
     label = _label(obj, isovalue)
@@ -105,7 +101,7 @@ def update_all(volume, as_coarse=False):
 
 
 def finish(obj, surface, made):
-    """Shows an Isosurface that was made from an object at rest, in place of a coarse one."""
+    """Shows an Isosurface that was made of an object, in place of a coarse one."""
     _put(obj, label_of(obj.data), surface.isovalue, surface, made)
 
 
@@ -126,15 +122,12 @@ def _put(obj, label, isovalue, surface, made):
     """Fills the mesh of an object with what was made of an Isosurface, or with nothing."""
     _own_mesh(obj)
     mesh = obj.data
-    vertices, triangles, radiance = made
+    vertices, triangles, radiance, count = made
     fill(mesh, vertices, triangles, radiance)
-    if _SETTLED in mesh:
-        del mesh[_SETTLED]
     mesh[_SHOWN] = label
     mesh[_ISOVALUE] = isovalue
     mesh[_COARSE] = surface is not None and surface.is_coarse()
-    if surface is not None:
-        mesh[_TRIANGLES] = surface.triangles_between_nodes(len(triangles))
+    mesh[_TRIANGLES] = count
     shade(obj)
 
 
@@ -184,45 +177,6 @@ def label_of(mesh):
     return mesh.get(_SHOWN)
 
 
-def settled_state(mesh):
-    """Whether the mesh holds settled light in place of the bake's, and whether all of it."""
-    state = mesh.get(_SETTLED, "")
-    label = label_of(mesh)
-    return label is not None and state.removesuffix(_SO_FAR) == label, state == label
-
-
-def settle(obj, mesh, colours, whole):
-    """Shows the light at rest, on a mesh that may have more vertices than the one in motion.
-
-    mesh: (vertices, triangles), local; colours: by the name of its attribute, linear RGB (n, 3).
-    whole: whether nothing is to follow.
-    """
-    vertices, triangles = mesh
-    if len(vertices) != len(obj.data.vertices):
-        # Of an inner side that does not settle, the bake's light.
-        lit = isosurface.isosurface_of(obj, shown_isovalue(obj)).radiance(vertices)
-        kept = {name: values for name, values in lit.items() if name in obj.data.attributes}
-        fill(obj.data, vertices, triangles, kept | colours)
-    else:
-        for name, values in colours.items():
-            colour(obj.data, name, values)
-    obj.data[_SETTLED] = obj.data[_SHOWN] + ("" if whole else _SO_FAR)
-    obj.data.update()
-    shade(obj)
-
-
-def unsettle(obj):
-    """Brings back the bake's light where the mesh holds settled light."""
-    if _SETTLED not in obj.data:
-        return
-    holds, _ = settled_state(obj.data)
-    del obj.data[_SETTLED]
-    if holds:
-        del obj.data[_SHOWN]
-        update(obj, shown_isovalue(obj))
-    shade(obj)
-
-
 def mark_shown(mesh, other):
     """Marks a mesh as showing what the other shows, so that it is left alone."""
     mesh[_SHOWN], mesh[_ISOVALUE] = other[_SHOWN], other[_ISOVALUE]
@@ -236,9 +190,8 @@ def shade(obj):
     current = obj.data.materials[0] if obj.data.materials else None
     if not surface_material.may_replace(obj, current):
         return
-    isovalue, settled = shown_isovalue(obj), settled_state(obj.data)[0]
     try:
-        material = surface_material.material_of(obj, isovalue, settled)
+        material = surface_material.material_of(obj, shown_isovalue(obj))
     except LeaflightError as error:
         problems[obj.name_full] = str(error)
         return

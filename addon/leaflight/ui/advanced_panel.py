@@ -25,9 +25,7 @@ class LEAFLIGHT_PT_advanced(_AdvancedPanel, bpy.types.Panel):
         column.prop(settings, "error")
         optional(column, settings, "use_time_limit", "time_limit")
         optional(layout.column(), settings, "use_resolution", "resolution")
-        column = layout.column()
-        column.prop(settings, "shading")
-        column.prop(settings, "settle")
+        layout.prop(settings, "shading")
         layout.prop(settings, "bake_folder")
 
 

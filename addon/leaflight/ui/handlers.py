@@ -16,9 +16,9 @@ from ..show import (
     graph_object,
     isovalues,
     preview,
-    settling,
     surface_material,
     surface_object,
+    whole_detail,
 )
 from ..stage import images, staleness
 from ..store import cache, frame_bakes, moving, source_files
@@ -27,13 +27,13 @@ from ..store import cache, frame_bakes, moving, source_files
 def _follow(scene, depsgraph, by_hand):
     """Shows the isosurfaces of the scene as they were evaluated; returns those that have moved."""
     moved = isovalues.update(scene, depsgraph, by_hand)
-    settling.watch(isovalues.isosurfaces(scene))
+    whole_detail.watch(isovalues.isosurfaces(scene))
     return moved
 
 
 @persistent
 def _after_frame(scene, depsgraph):
-    _follow(scene, depsgraph, settling.follows(depsgraph) and _plays())
+    _follow(scene, depsgraph, whole_detail.may_follow(depsgraph) and _plays())
 
 
 def _plays():
@@ -48,7 +48,7 @@ _moved = []
 
 @persistent
 def _before_change(scene, *_):
-    _moved[:] = isovalues.update_before_evaluation(scene, settling.follows())
+    _moved[:] = isovalues.update_before_evaluation(scene, whole_detail.may_follow())
 
 
 @persistent
@@ -60,11 +60,11 @@ def _after_change(scene, depsgraph):
     if shown_anew:
         duplicates.complete()
     if shown_anew or isovalues.any_is_behind(depsgraph):
-        moved += _follow(scene, depsgraph, settling.follows(depsgraph))
+        moved += _follow(scene, depsgraph, whole_detail.may_follow(depsgraph))
     if shown_anew or moved:
         # Blender draws anew where the isovalue was moved; it stands in two places.
         background.redraw_panels()
-    for obj in isovalues.known():
+    for obj in filter(added.is_isosurface, isovalues.known()):
         if obj.library is None and not surface_material.shows_its_view(obj):
             surface_object.shade(obj)
     if any(_concerns_bakes(scene, changed, update, moved) for changed, update in changes):
@@ -112,12 +112,12 @@ def _after_undo(scene, _depsgraph):
     surface_object.forget()
     duplicates.complete()
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    _follow(scene, depsgraph, settling.follows(depsgraph))
+    _follow(scene, depsgraph, whole_detail.may_follow(depsgraph))
 
 
 @persistent
 def _before_render(scene, *_):
-    settling.settle_now([obj for obj in isovalues.isosurfaces(scene) if not obj.hide_render])
+    whole_detail.make_now([obj for obj in isovalues.isosurfaces(scene) if not obj.hide_render])
 
 
 @persistent
@@ -125,7 +125,7 @@ def _before_load(*_):
     _moved.clear()
     background.cancel_running()
     background.forget_failure()
-    settling.forget()
+    whole_detail.forget()
     stopped.save_offered()
     preview.forget()
     estimate_bake.forget()
@@ -162,7 +162,7 @@ def _after_load(*_):
         if any(obj.leaflight.is_volume for obj in scene.objects):
             isovalues.lock_interface(scene)
     # The files of bakes may have gone or come meanwhile.
-    _follow(bpy.context.scene, bpy.context.evaluated_depsgraph_get(), settling.follows())
+    _follow(bpy.context.scene, bpy.context.evaluated_depsgraph_get(), whole_detail.may_follow())
 
 
 _HANDLERS = (
@@ -187,7 +187,7 @@ def unregister():
     for event, handler in _HANDLERS:
         getattr(bpy.app.handlers, event).remove(handler)
     background.cancel_running()
-    settling.forget()
+    whole_detail.forget()
     stopped.save_offered()
     preview.forget()
     cache.clear()

@@ -13,12 +13,10 @@ from ..io.output import check_writable
 from ..scene.on_mesh import interpolated
 from ..scene.scene import SceneDescription, core_scene, isovalue_at
 from ..volume.setting_error import SettingError
-from .settle import LEAST_VERTICES
-from .settle import settle as settled
 from .stamps import id_of
 
-# The standard error of a colour at which direct light has settled.
-SETTLED_ERROR = 2e-3
+# How much colours at the ends of a small mesh's edge may differ: light is linear in between.
+LARGEST_STEP = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,9 +24,7 @@ class Surface:
     """One lit isosurface in world coordinates.
 
     vertices, normals (unit, away from the side that is lit), radiance (W/(m^2 sr), linear RGB):
-    float32 (n, 3); triangles: int32 (m, 3); seconds: the time contouring and lookup took, and
-    settling; error: None, or for a surface that has settled the standard error, of the radiance's
-    mean over the channels, of what settling traced: float32 (n,).
+    float32 (n, 3); triangles: int32 (m, 3); seconds: the time contouring and lookup took.
     """
 
     vertices: np.ndarray
@@ -36,7 +32,6 @@ class Surface:
     triangles: np.ndarray
     radiance: np.ndarray
     seconds: float
-    error: np.ndarray = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +71,11 @@ class Bake:
         """Tells bakes apart, 32 digits: equal bakes have equal ones, on any machine."""
         return id_of(self.metadata)
 
+    @property
+    def largest_step(self):
+        """In radiance, along an edge of a small mesh that is made to be looked at."""
+        return LARGEST_STEP / self.scene.exposure
+
     def save(self, path, progress=None):
         """Writes the bake as one .vdb under its final name or not at all.
 
@@ -91,65 +91,27 @@ class Bake:
         """The isovalue, in data units, that a volume (its number) shows at a leaf coordinate."""
         return isovalue_at(self.scene, volume, isovalue)
 
-    def surface(
-        self, isovalue, volume=0, back=False, settle=False, seed=0, threads=0, progress=None
-    ):
-        """The isosurface of a volume with its radiance, a Surface; finer where texels are.
+    def surface(self, isovalue, volume=0, back=False):
+        """The isosurface of a volume with its radiance, a Surface.
 
-        back: its inner side, towards higher values. settle: whether direct light is traced at the
-        vertices, and indirect light corrected there, instead of looked up alone; a number is the
-        seconds after which that ends early. Inner sides settle whether they were baked or not.
-        Raises LeaflightError outside the window, Cancelled.
+        It is finer where texels are and, if it is small, where its light varies most. back: its
+        inner side, towards higher values. Raises LeaflightError outside the window.
         """
         self.check_isovalue(isovalue, volume)
         start = time.perf_counter()
-        if settle is False:
-            field, own = self.volumes[volume].field(), self.isovalue_of(volume, isovalue)
-            dark = self._is_dark(volume, back)
-            vertices, normals, triangles, *sides = self.grids[volume].lit_contour(
-                field, own, normals=True, front=not back, back=back and not dark
-            )
-            radiance = np.zeros((len(vertices), 3), np.float32) if dark else sides[back]
-            error = None
-        else:
-            vertices, normals, triangles = self.contour(isovalue, volume, at_rest=True)
-            settling = self.settling(isovalue, vertices, normals, triangles, volume, back, seed)
-            limit = None if settle is True else settle
-            radiance, error = settled(settling, limit, threads, progress)
-        if back:
-            normals, triangles = -normals, np.ascontiguousarray(triangles[:, ::-1])
-        seconds = time.perf_counter() - start
-        return Surface(vertices, normals, triangles, radiance, seconds, error)
-
-    def contour(self, isovalue, volume=0, at_rest=False):
-        """The mesh of an isosurface: (vertices float32 (n, 3), outward normals, triangles (m, 3)).
-
-        It is finer where texels are, and everywhere if it is to settle and would have few vertices.
-        """
-        return self.grids[volume].contour(
+        dark = self._is_dark(volume, back)
+        vertices, normals, triangles, *sides, _ = self.grids[volume].lit_contour(
             self.volumes[volume].field(),
             self.isovalue_of(volume, isovalue),
-            LEAST_VERTICES if at_rest else 0,
+            normals=True,
+            front=not back,
+            back=back and not dark,
+            largest_step=self.largest_step,
         )
-
-    def settling(self, isovalue, vertices, normals, triangles, volume=0, back=False, seed=0):
-        """A _core.Settle of an isosurface's mesh, as contour() returns it.
-
-        Raises LeaflightError.
-        """
-        self.check_isovalue(isovalue, volume)
-        return _core.Settle(
-            self._core_scene(),
-            self.grids[volume],
-            vertices,
-            normals,
-            triangles,
-            isovalue,
-            volume,
-            back,
-            SETTLED_ERROR / self.scene.exposure,
-            seed,
-        )
+        radiance = np.zeros((len(vertices), 3), np.float32) if dark else sides[back]
+        if back:
+            normals, triangles = -normals, np.ascontiguousarray(triangles[:, ::-1])
+        return Surface(vertices, normals, triangles, radiance, time.perf_counter() - start)
 
     def radiance(self, points, volume=0, back=False):
         """Baked radiance of a volume's leaves, float32 (n, 3), at world points (n, 3).

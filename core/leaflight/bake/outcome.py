@@ -31,8 +31,8 @@ def _reached(bake, why):
     # As variances: the rest is what the texels' width leaves out, which no more rounds bring.
     if 2 * statistics["estimated_noise_percent"] ** 2 < reached**2:
         return (
-            f"{text}, most of it detail finer than the texels, which isosurfaces show once they "
-            f"have settled; {asked:g} % was asked for"
+            f"{text}, most of it detail finer than the texels, which no more rounds bring; "
+            f"{asked:g} % was asked for"
         )
     return (
         f"{text}; the {asked:g} % asked for was not reached by all the work that such a bake does: "

@@ -46,15 +46,14 @@ def scrubbed(obj):
 
 def main():
     addon()
-    from leaflight_addon.show import settling
+    from leaflight_addon.show import whole_detail
 
     bpy.ops.wm.read_homefile(use_empty=True)
     bpy.ops.leaflight.load_bake(filepath=settings["bake"])
     (obj,) = [obj for obj in bpy.data.objects if obj.leaflight.is_volume]
-    obj.leaflight.settle = False
     whole, triangles = scrubbed(obj)
     # As in a window, which this Blender does not have.
-    settling.follows = lambda *_: True
+    whole_detail.may_follow = lambda *_: True
     moving, moving_triangles = scrubbed(obj)
     answer = {
         "isovalue": settings["isovalue"],

@@ -121,15 +121,7 @@ def _surface(options):
     baked = load_bake(options.bake)
 
     def work(progress):
-        surface = baked.surface(
-            options.isovalue,
-            options.volume,
-            options.back,
-            settle=options.settle,
-            seed=options.seed,
-            threads=options.threads,
-            progress=progress,
-        )
+        surface = baked.surface(options.isovalue, options.volume, options.back)
         progress.check()
         write_ply(options.out, surface, baked.scene.exposure)
         return surface
@@ -141,7 +133,6 @@ def _surface(options):
         "volume": options.volume,
         "vertices": len(surface.vertices),
         "triangles": len(surface.triangles),
-        "settled": options.settle,
         "seconds": surface.seconds,
     }
     return result, [
@@ -166,7 +157,6 @@ def _compare(options):
             back=options.back,
             mesh=options.mesh,
             reference=options.reference,
-            settle=options.settle,
         )
 
     result = run_with_progress(work, "compare")

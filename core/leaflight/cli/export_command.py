@@ -18,9 +18,6 @@ def run_export(options):
             options.isovalue,
             volume=options.volume,
             back=options.back,
-            settle=options.settle,
-            seed=options.seed,
-            threads=options.threads,
             progress=progress,
             coarser=options.coarser,
             embed=options.embed,
@@ -35,7 +32,6 @@ def run_export(options):
         "out": str(out),
         "bytes": size,
         "volume": options.volume,
-        "settled": options.settle,
         "isosurfaces": [
             {
                 "isovalue": isovalue,

@@ -40,9 +40,6 @@ def export(
     *,
     volume=0,
     back=False,
-    settle=False,
-    seed=0,
-    threads=0,
     progress=None,
     coarser=0,
     embed=False,
@@ -54,14 +51,14 @@ def export(
         volumes, at first the isovalue that is given (docs/web_page.md).
     isovalues: of the isosurfaces (of the leaf coordinate, see Bake), in their order; None is the
         default one.
-    volume: the number of one of several; back: the inner side; settle, seed: as of Bake.surface().
+    volume: the number of one of several; back: the inner side.
     coarser, embed: of an .html, see write_page() in page.py.
     Returns {isovalue: Surface} of what was written, empty for a volume. Raises LeaflightError,
     Cancelled.
     """
     path, suffix = Path(path), Path(path).suffix.lower()
     isovalues = None if isovalues is None else [float(isovalue) for isovalue in isovalues]
-    _check(path, suffix, isovalues, back, settle)
+    _check(path, suffix, isovalues, back)
     if suffix != PAGE and (coarser or embed):
         raise SettingError(
             f"{path}: only a web page (.html) is written coarser or to embed.", "coarser", "embed"
@@ -79,7 +76,7 @@ def export(
     surfaces = {}
     for isovalue in isovalues or [default_isovalue_of(bake, volume)]:
         progress.check()
-        surface = bake.surface(isovalue, volume, back, settle, seed, threads, progress)
+        surface = bake.surface(isovalue, volume, back)
         if len(surface.triangles) == 0:
             raise LeaflightError(
                 f"{path}: the isosurface of {isovalue:g} is empty: choose another."
@@ -100,7 +97,7 @@ def export_page(bake, path, isovalue=None, *, coarser=0, embed=False, progress=N
     return write_page(path, bake, isovalue, coarser, embed, progress)
 
 
-def _check(path, suffix, isovalues, back, settle):
+def _check(path, suffix, isovalues, back):
     """Raises LeaflightError unless the format exists and takes what is asked for."""
     if suffix not in SUFFIXES:
         raise LeaflightError(
@@ -109,11 +106,7 @@ def _check(path, suffix, isovalues, back, settle):
         )
     if suffix in OF_VOLUME or suffix == PAGE:
         of_one = ("isovalue", isovalues if suffix in OF_VOLUME else None)
-        given = [
-            name
-            for name, value in (of_one, ("back", back), ("settle", settle))
-            if value not in (None, False)
-        ]
+        given = [name for name, value in (of_one, ("back", back)) if value not in (None, False)]
         if given:
             raise SettingError(
                 f"{path}: a {suffix} holds the light of all isosurfaces as it was baked; leave "

@@ -15,8 +15,8 @@ from .vtk_arrays import add_text_and_numbers, write
 def write_vtp(path, surface, exposure, isovalue):
     """Writes a Surface, in world coordinates. Raises LeaflightError.
 
-    Point data: radiance (W/(m^2 sr), linear RGB), color (uchar, sRGB at the exposure), normals, and
-    radiance_error where the surface has settled. Field data: isovalue, exposure.
+    Point data: radiance (W/(m^2 sr), linear RGB), color (uchar, sRGB at the exposure), normals.
+    Field data: isovalue, exposure.
     """
     check_writable(path, ".vtp")
     mesh = vtkPolyData()
@@ -32,8 +32,6 @@ def write_vtp(path, surface, exposure, isovalue):
         "radiance": surface.radiance,
         "color": display_colours(surface.radiance, exposure),
     }
-    if surface.error is not None:
-        arrays["radiance_error"] = surface.error
     for name, values in arrays.items():
         array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
         array.SetName(name)

@@ -4,7 +4,6 @@
 import time
 
 from .._core import LeaflightError
-from ..volume.setting_error import SettingError
 from .sides import LeafSide, MeshSide
 from .truth import errors_of
 
@@ -21,15 +20,13 @@ def compare(
     back=False,
     mesh=None,
     reference="path",
-    settle=False,
 ):
     """Compares baked with path-traced radiance at random points of one volume's isosurface.
 
     back: on its inner side; mesh: the name of a mesh of the surroundings to compare on instead,
     back then being the side from which its normals point away. reference: "path", the core's own
-    path tracer, or "cycles" (cycles.py). spp: paths a point. settle: compares what the
-    settled surface shows between its vertices, instead of what the bake does. `isovalue` is the
-    leaf coordinate, as everywhere in a Bake.
+    path tracer, or "cycles" (cycles.py). spp: paths a point.
+    `isovalue` is the leaf coordinate, as everywhere in a Bake.
 
     The points are distributed by area over the marching-cubes triangles; the bake is looked up
     where the mesh is, the core's reference is traced from the leaf itself. Returns a dict with
@@ -49,20 +46,15 @@ def compare(
     parts                    noise_percent, texture_percent and mesh_percent, of which rms_percent
                              and the reference's noise are the sum of squares (truth.py); None of
                              the inner side and of meshes
-    and points, spp, reference, isovalue, triangles, bake_seconds, reference_seconds, and
-    settle_seconds, None unless settled.
+    and points, spp, reference, isovalue, triangles, bake_seconds, reference_seconds.
     Raises LeaflightError, Cancelled.
     """
     if points < 1 or spp < 2:
         raise LeaflightError("compare needs at least 1 point and 2 samples per point.")
     if mesh is None:
         side = LeafSide(bake, isovalue, volume, back)
-    elif settle:
-        raise SettingError(f'Only isosurfaces settle, not the mesh "{mesh}".', "settle")
     else:
         side = MeshSide(bake, mesh, isovalue, back)
-    if settle:
-        side.settle(seed, threads, progress)
     work = {"spp": spp, "seed": seed, "threads": threads, "progress": progress}
     start = time.perf_counter()
     trace = {"path": side.path_traced, "cycles": side.by_cycles}[reference]
@@ -82,7 +74,6 @@ def compare(
         **errors_of(baked, truth, exposure),
         "parts": parts,
         "exposed": None if exposed is None else errors_of(baked, truth, exposure, exposed),
-        "settle_seconds": side.surface.seconds if settle else None,
         "bake_seconds": bake.statistics["seconds"],
         "reference_seconds": reference_seconds,
     }

@@ -8,7 +8,7 @@ import leaflight._core as _core
 import numpy as np
 
 from .._core import LeaflightError
-from ..scene.on_mesh import interpolated, positions, random_places, random_points
+from ..scene.on_mesh import positions, random_places, random_points
 from .cycles import measure
 from .truth import Truth, parts_of
 
@@ -22,28 +22,27 @@ class LeafSide:
     """The isosurface of a volume; back: its inner side. Raises LeaflightError.
 
     Points are those of its marching-cubes mesh, float64 (n, 3), world; triangles: how many it has.
+    The mesh is as fine as texels are, but hangs on no light: bakes are compared at the same points.
     """
 
     def __init__(self, bake, isovalue, volume=0, back=False):
         self.bake, self.isovalue = bake, isovalue
         self.where = {"volume": volume, "back": back}
-        self.surface = bake.surface(isovalue, volume, back)
+        bake.check_isovalue(isovalue, volume)
         _check_diffuse(bake.scene.leaves[volume])
-        self.triangles = len(self.surface.triangles)
+        mesh = bake.grids[volume].lit_contour(self._field(), self._own(), front=False)
+        self._vertices, _, self._triangles, *_ = mesh
+        # That side may not have been baked.
+        self.baked(self._vertices[:1])
+        self.triangles = len(self._triangles)
         if self.triangles == 0:
             raise LeaflightError(
                 f"Isovalue {isovalue:g} has no surface inside the data; choose another one."
             )
 
-    def settle(self, seed, threads, progress):
-        """Shows the settled surface from now on, in place of the bake."""
-        self.surface = self.bake.surface(
-            self.isovalue, **self.where, settle=True, seed=seed, threads=threads, progress=progress
-        )
-
     def path_traced(self, count, spp, seed, threads, progress):
         """The Truth of the core's path tracer at so many random points."""
-        on_mesh = random_points(self.surface.vertices, self.surface.triangles, count, seed)
+        on_mesh = random_points(self._vertices, self._triangles, count, seed)
         return self.path_traced_at(on_mesh, spp, seed, threads, progress)
 
     def path_traced_at(self, on_mesh, spp, seed, threads, progress):
@@ -61,17 +60,11 @@ class LeafSide:
         return _by_cycles(self.bake, self.isovalue, count, spp, **self.where, **work)
 
     def baked(self, points):
-        """Radiance (n, 3) of the bake, or of the settled surface, at the points."""
-        if self.surface.error is None:
-            return self.bake.radiance(points, **self.where)
-        return self._between_vertices(self.surface.radiance, points)
+        return self.bake.radiance(points, **self.where)
 
     def parts(self, truth, path):
         """parts_of() what the bake errs by, against the truth; path: see there."""
-        if self.surface.error is None:
-            error = self.bake.radiance_error(truth.points, self.where["volume"])
-        else:
-            error = self._between_vertices(self.surface.error[:, None], truth.points)[:, 0]
+        error = self.bake.radiance_error(truth.points, self.where["volume"])
         return parts_of(self.baked(truth.points), error, path, truth, self.bake.scene.exposure)
 
     def exposed(self, points, seed):
@@ -83,9 +76,6 @@ class LeafSide:
 
     def _projected(self, points):
         return _core.project_to_leaf(self._field(), points, self._own())
-
-    def _between_vertices(self, values, points):
-        return interpolated(self.surface.vertices, self.surface.triangles, values, points)
 
     def _own(self):
         return self.bake.isovalue_of(self.where["volume"], self.isovalue)

@@ -3,7 +3,7 @@
 
 Each case is baked once, as a user would who touches no setting. Some isosurfaces of it are measured
 by Cycles at random points of the mesh that users see (cycles.py), and by the core's path tracer on
-the leaf next to these. The bake is held against both: looked up, and settled.
+the leaf next to these. The bake is held against both.
 """
 
 from dataclasses import dataclass, replace
@@ -37,7 +37,7 @@ from ..volume.volume import bump_box
 
 # What a bake says of its own error is true if it is wrong by this factor at most.
 TRUE_WITHIN = 1.5
-MET, SETTLED, TOLD, MISSED = "met", "met when settled", "told", "missed"
+MET, TOLD, MISSED = "met", "told", "missed"
 
 
 @dataclass(frozen=True)
@@ -101,8 +101,8 @@ QUICK_CYCLES = CyclesEffort(QUICK_CASES, points=400, paths=256, noise=np.inf, ju
 class BakeRow:
     """The bake of a case: its statistics, what it said before, and what it was found to err by.
 
-    before: an Estimate of the bake; found: RMS in percent over all isosurfaces judged, looked up,
-    the noise of Cycles taken out.
+    before: an Estimate of the bake; found: RMS in percent over all isosurfaces judged, the noise of
+    Cycles taken out.
     """
 
     case: Case
@@ -130,28 +130,24 @@ class BakeRow:
 @dataclass(frozen=True)
 class CyclesRow:
     """One isosurface of a bake. volume: its name, None where there is one alone; paths: of Cycles,
-    at a point; looked_up, settled: errors_of() these against Cycles; parts: parts_of() what was
-    looked up.
+    at a point; errors: errors_of() the bake against Cycles; parts: parts_of() them.
     """
 
     bake: BakeRow
     volume: str
     isovalue: float
     paths: int
-    looked_up: dict
-    settled: dict
+    errors: dict
     parts: dict
     judged: bool
 
     @property
     def verdict(self):
-        """One of four, None where nothing is judged."""
+        """One of three, None where nothing is judged."""
         if not self.judged:
             return None
-        if self.looked_up["rms_percent"] <= DEFAULT_ERROR:
+        if self.errors["rms_percent"] <= DEFAULT_ERROR:
             return MET
-        if self.settled["rms_percent"] <= DEFAULT_ERROR:
-            return SETTLED
         return TOLD if self.bake.told else MISSED
 
     @property
@@ -192,18 +188,18 @@ def _rows(case, volumes, effort, run, seed, threads):
         for number in range(len(volumes))
         for isovalue in case.isovalues
     ]
-    squares = [_own_error(looked_up) ** 2 for _, _, _, looked_up, _, _ in judged]
+    squares = [_own_error(errors) ** 2 for _, _, _, errors, _ in judged]
     found = float(np.sqrt(np.mean(squares)))
     of_bake = BakeRow(case, tuple(volumes[0].field().dims), before, baked.statistics, found)
     names = [volume.name for volume in volumes] if len(volumes) > 1 else [None]
     return [
-        CyclesRow(of_bake, names[number], isovalue, *errors, effort.judged)
-        for number, isovalue, *errors in judged
+        CyclesRow(of_bake, names[number], isovalue, *found, effort.judged)
+        for number, isovalue, *found in judged
     ]
 
 
 def _judged(side, effort, work, step):
-    """(paths, errors looked up, errors settled, parts of the first) of a LeafSide."""
+    """(paths, errors, their parts) of a LeafSide."""
     at, exposure = f"at {side.isovalue:g}", side.bake.scene.exposure
 
     def errors(truth):
@@ -225,9 +221,7 @@ def _judged(side, effort, work, step):
         lambda progress: side.path_traced_at(truth.points, paths, progress=progress, **work),
         f"paths {at}",
     )
-    looked_up, parts = errors(truth), side.parts(truth, path)
-    step(lambda progress: side.settle(progress=progress, **work), f"settling {at}")
-    return paths, looked_up, errors(truth), parts
+    return paths, errors(truth), side.parts(truth, path)
 
 
 def _own_error(errors):

@@ -39,8 +39,8 @@ def run_report(options, run):
             for row in result.get("data_sets", [])
         ),
         *(
-            f"{row['bake']} at {row['isovalue']:g} against Cycles: {row['RMS %']:.2f} %, settled "
-            f"{row['settled RMS %']:.2f} %" + (f": {row['verdict']}" if row["verdict"] else "")
+            f"{row['bake']} at {row['isovalue']:g} against Cycles: {row['RMS %']:.2f} %"
+            + (f": {row['verdict']}" if row["verdict"] else "")
             for row in result.get("against_cycles", [])
         ),
         *(

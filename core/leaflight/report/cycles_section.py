@@ -4,7 +4,7 @@
 from ..bake.settings import DEFAULT_ERROR
 from ..io.markdown import table
 from ..measure.volume_recipes import absent_text
-from .against_cycles import MET, MISSED, SETTLED, TOLD, TRUE_WITHIN
+from .against_cycles import MET, MISSED, TOLD, TRUE_WITHIN
 
 # A mean colour below which a share of it says nothing.
 DARK = 0.01
@@ -24,8 +24,6 @@ CYCLES_FORMATS = {
     "mean off by %": "{:+.1f}",
     "noise %": "{:.2f}",
     "texture %": "{:.2f}",
-    "settled RMS %": "{:.2f}",
-    "settled mean off by %": "{:+.1f}",
     "mesh %": "{:.2f}",
     "noise of Cycles %": "{:.2f}",
 }
@@ -59,14 +57,12 @@ def cycles_rows(rows):
             "bake": ": ".join(filter(None, (row.bake.case.name, row.volume))),
             "isovalue": row.isovalue,
             "paths": row.paths,
-            "RMS %": row.looked_up["rms_percent"],
-            "mean off by %": _off_by(row.looked_up),
+            "RMS %": row.errors["rms_percent"],
+            "mean off by %": _off_by(row.errors),
             "noise %": row.parts["noise_percent"],
             "texture %": row.parts["texture_percent"],
-            "settled RMS %": row.settled["rms_percent"],
-            "settled mean off by %": _off_by(row.settled),
             "mesh %": row.parts["mesh_percent"],
-            "noise of Cycles %": row.looked_up["reference_noise_percent"],
+            "noise of Cycles %": row.errors["reference_noise_percent"],
             "verdict": row.verdict,
         }
         for row in rows
@@ -80,10 +76,9 @@ def cycles_text(rows, absent, effort):
         f"{effort.points:,} random points of an isosurface's mesh. Blender builds the scene for "
         "itself: marching cubes, smooth normals, caustics on, nothing clamped or denoised.",
         "- RMS % is the error of the colours (thesis Eq. 4.11, corrected), from which nothing is "
-        "subtracted: first of what is looked up in the texels, then of the isosurface settled. "
-        '"Mean off by" is how much more or less light all points together have; it is left out '
-        "where there is hardly any.",
-        "- The squares of what is looked up are the sum of four, but for chance. *Noise*: what "
+        'subtracted. "Mean off by" is how much more or less light all points together have; it is '
+        "left out where there is hardly any.",
+        "- Its square is the sum of four, but for chance. *Noise*: what "
         "samples leave to chance, as the texels report it. *Texture*: what else keeps the bake "
         "from our path tracer on the leaf itself: texels are too coarse, or the estimator is not "
         "quite right. *Mesh*: what our path tracer and Cycles differ by, since Cycles sees "
@@ -92,15 +87,14 @@ def cycles_text(rows, absent, effort):
     ]
     if effort.judged:
         lines += [
-            f"- A bake by default is asked for {DEFAULT_ERROR:g} %. *{MET.capitalize()}*: what is "
-            f"looked up errs no more. *{SETTLED.capitalize()}*: the settled isosurface does not. "
-            f"*{TOLD.capitalize()}*: it errs more, and the bake said so of itself both before "
-            f"(`--estimate`) and afterwards. *{MISSED.capitalize()}*: it errs more, and the bake "
-            "did not say so.",
+            f"- A bake by default is asked for {DEFAULT_ERROR:g} %. *{MET.capitalize()}*: it errs "
+            f"no more. *{TOLD.capitalize()}*: it errs more, and said so of itself both before "
+            f"(`--estimate`) and afterwards. *{MISSED.capitalize()}*: it errs more, and did not "
+            "say so.",
         ]
     lines += [
         "- *Said* is what a bake says of itself: seconds and error before it starts, and the error "
-        "when it is done. *Found* is the RMS over its isosurfaces below, looked up, the noise of "
+        "when it is done. *Found* is the RMS over its isosurfaces below, the noise of "
         f"Cycles taken out. *True*: said afterwards and found differ by a factor of {TRUE_WITHIN:g}"
         " at most. Scenes with several volumes are not baked in rounds, and know only their noise.",
     ]

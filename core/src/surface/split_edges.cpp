@@ -61,13 +61,11 @@ Vec3 middle_of(const Field<3>& field, double isovalue, const Vec3& a, const Vec3
 }  // namespace
 
 IsosurfaceMesh split_edges(const Field<3>& field, double isovalue, const IsosurfaceMesh& mesh,
-                           const std::function<bool(const Vec3&)>& wanted) {
+                           const std::function<bool(std::int32_t, std::int32_t)>& wanted) {
   const std::size_t old = mesh.vertices.size();
   const bool normals = !mesh.normals.empty();
   const auto vertex = [&](std::int32_t v) { return Vec3(mesh.vertices[v]); };
-  const MeshEdges edges(old, mesh.triangles, [&](std::int32_t a, std::int32_t b) {
-    return wanted(field.world_to_index.point((vertex(a) + vertex(b)) * 0.5));
-  });
+  const MeshEdges edges(old, mesh.triangles, wanted);
   IsosurfaceMesh result;
   result.vertices.resize(old + edges.count());
   std::copy(mesh.vertices.begin(), mesh.vertices.end(), result.vertices.begin());

@@ -113,34 +113,21 @@ LightSample<D> LightSampler<D>::sample(const DiscreteDistribution::Pick& pick,
 }
 
 template <int D>
-DirectSample<D> LightSampler<D>::direct_sample(const SurfacePoint<D>& point, double choice,
-                                               const std::array<double, 2>& u) const {
-  DirectSample<D> result;
-  if (by_irradiance_.empty()) return result;
-  const auto picked = by_irradiance_.pick(choice);
-  result.light = sample(picked, point, u);
-  const double cosine = result.light.direction.dot(point.shading_normal);
-  if (cosine > 0 && result.light.direction.dot(point.geometric_normal) > 0) {
-    // BRDF albedo / projected_hemisphere.
-    result.radiance = point.albedo * result.light.radiance *
-                      static_cast<Real>(cosine / (projected_hemisphere<D> * picked.probability));
-  }
-  return result;
-}
-
-template <int D>
-bool LightSampler<D>::hidden(const SurfacePoint<D>& point, const LightSample<D>& light) const {
-  return light.infinite ? tracer_.occluded(point, light.direction)
-                        : tracer_.occluded(point, light.end, light.end_normal);
-}
-
-template <int D>
 Rgb LightSampler<D>::direct_radiance(const SurfacePoint<D>& point, double choice,
                                      const std::array<double, 2>& u, std::uint64_t& rays) const {
-  const DirectSample<D> found = direct_sample(point, choice, u);
-  if (!(largest(found.radiance) > 0)) return Rgb(0);
+  if (by_irradiance_.empty()) return Rgb(0);
+  const auto picked = by_irradiance_.pick(choice);
+  const LightSample<D> light = sample(picked, point, u);
+  const double cosine = light.direction.dot(point.shading_normal);
+  if (!(cosine > 0 && light.direction.dot(point.geometric_normal) > 0)) return Rgb(0);
+  // BRDF albedo / projected_hemisphere.
+  const Rgb radiance = point.albedo * light.radiance *
+                       static_cast<Real>(cosine / (projected_hemisphere<D> * picked.probability));
+  if (!(largest(radiance) > 0)) return Rgb(0);
   ++rays;
-  return hidden(point, found.light) ? Rgb(0) : found.radiance;
+  const bool hidden = light.infinite ? tracer_.occluded(point, light.direction)
+                                     : tracer_.occluded(point, light.end, light.end_normal);
+  return hidden ? Rgb(0) : radiance;
 }
 
 template <int D>

@@ -53,7 +53,7 @@ def check_the_bake_is_the_one_the_python_package_makes(baked):
     close(ours.volume.index_to_world, matrix, 1e-6)
 
 
-def check_a_turned_and_scaled_volume_is_baked_where_it_stands(boxed):
+def check_a_turned_and_scaled_volume_is_baked_where_it_stands(boxed, uncut):
     boxed.rotation_euler = (0.2, 0.1, 0.7)
     boxed.scale = boxed.scale * 0.7
     bpy.context.view_layer.update()

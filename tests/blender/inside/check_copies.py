@@ -176,7 +176,7 @@ def check_a_linked_duplicate_shares_the_mesh_for_as_long_as_it_shows_the_same(sa
         bpy.context.view_layer.update()
         bpy.context.scene.frame_set(bpy.context.scene.frame_current + 1)
     assert copy.data == saved.data and len(bpy.data.meshes) == meshes
-    # Moved together by default, they follow each other and settle.
+    # Moved together by default, they follow each other.
     saved.leaflight.isovalue = 44.0
     for _ in range(2):
         bpy.context.view_layer.update()

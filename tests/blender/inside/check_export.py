@@ -17,7 +17,7 @@ from leaflight.still.camera import camera_around_bake
 from leaflight_addon.compare.figures import rms_percent
 from leaflight_addon.export import export_bake
 from leaflight_addon.store import cache
-from tools import close, error_of, mesh_arrays, render_exr, start, to_world
+from tools import close, error_of, mesh_arrays, render_exr, to_world
 
 # Of square pictures, in pixels.
 SIDE = 256
@@ -27,7 +27,7 @@ def export(path, **options):
     return bpy.ops.leaflight.export(filepath=str(path), **options)
 
 
-def check_gltf_comes_back_by_blenders_own_importer(baked, tmp_path, monkeypatch):
+def check_gltf_comes_back_by_blenders_own_importer(baked, uncut, tmp_path, monkeypatch):
     baked.leaflight.isovalue = 47.0
     assert export(tmp_path / "box.glb") == {"FINISHED"}
     if addon_utils.enable("io_scene_gltf2") is None:
@@ -185,14 +185,14 @@ def check_it_is_cancelled(baked, tmp_path, monkeypatch):
     def cancels(bake, isovalue, *options):
         made.append(isovalue)
         if len(made) == 3:
-            progress = options[-1]
             progress.cancel()
         return surface(bake, isovalue, *options)
 
     monkeypatch.setattr(leaflight.Bake, "surface", cancels)
     values = np.linspace(31.0, 69.0, 200)
-    job = export_bake.ExportJob(baked, tmp_path / "box.glb", values, True)
+    job = export_bake.ExportJob(baked, tmp_path / "box.glb", values)
+    progress = leaflight.Progress()
     with pytest.raises(leaflight.Cancelled):
-        start(job).result()
+        job.run(progress)
     assert len(made) == 3
     assert "cancelled" in job.ended() and list(tmp_path.glob("box.*")) == []

@@ -33,7 +33,7 @@ def played(values, tmp_path):
     settings = obj.leaflight
     settings.bake_folder = str(tmp_path / "bakes")
     settings.fixed_samples, settings.samples, settings.photons = True, 1, 500
-    settings.resolution, settings.settle = 8, False
+    settings.resolution = 8
     bpy.ops.leaflight.stage(preset="LIGHT_TENT")
     bpy.context.view_layer.objects.active = obj
     return obj

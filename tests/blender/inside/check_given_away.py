@@ -91,14 +91,3 @@ def check_packed_it_is_one_file(boxed, tmp_path):
     (blend.parent / "leaflight").rename(tmp_path / "gone")
     there = render_elsewhere(alone, tmp_path / "there.exr")[..., :3]
     close(there, here, 1e-3)
-
-
-def check_settled_light_stays(boxed, tmp_path):
-    """What was traced at rest, before the last render, is in the mesh."""
-    boxed.leaflight.bake_folder = ""
-    boxed.leaflight.settle = True
-    boxed.leaflight.isovalue = 47.0
-    blend, here = bake_in_a_file(tmp_path)
-    save(blend)
-    there = render_elsewhere(blend, tmp_path / "there.exr")[..., :3]
-    close(there, here, 1e-3)

@@ -139,7 +139,7 @@ def check_capped_isosurfaces_are_closed_and_lie_with_the_open_ones(bumps):
     np.testing.assert_array_equal(mesh_arrays(bumps)[0], open_vertices)
 
 
-def check_a_bake_lights_only_what_is_capped_as_it_was(baked):
+def check_a_bake_lights_only_what_is_capped_as_it_was(baked, uncut):
     assert mesh_arrays(baked)[2] is not None
     baked.leaflight.capped = True
     assert mesh_arrays(baked)[2] is None

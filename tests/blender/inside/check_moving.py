@@ -4,7 +4,8 @@
 import bpy
 import numpy as np
 import pytest
-from leaflight_addon.show import isovalues, properties, settling, surface_object
+from leaflight import _core
+from leaflight_addon.show import isovalues, properties, surface_object, whole_detail
 from leaflight_addon.stage import scene_export, staleness
 from leaflight_addon.store import cache
 from leaflight_addon.ui import bake_panel
@@ -12,6 +13,7 @@ from rounds import drawn
 from tools import (
     Clock,
     assert_shows,
+    close,
     edit_as_the_slider_does,
     expected_surface,
     look_down,
@@ -49,26 +51,36 @@ def check_it_is_coarse_while_it_moves_and_whole_at_rest(baked, interactive, larg
         assert 50 < len(mesh.polygons) < 0.4 * len(expected_surface(baked, isovalue)[1])
         assert _field_misses(baked, isovalue) < 0.5
         assert surface_object.shown_isovalue(baked) == isovalue
-    moved = settling.time.now
-    rest(baked)
-    assert settling.time.now - moved > settling.WHOLE_PAUSE
+    moved = whole_detail.time.now
+    rest()
+    assert whole_detail.time.now - moved > whole_detail.PAUSE
     assert_shows(baked, 40.0)
 
 
-def check_a_surface_that_is_small_is_never_coarse(baked, interactive):
+def check_a_surface_that_is_small_moves_between_nodes(baked, interactive):
+    """It is not cut where light steps."""
     edit_as_the_slider_does(baked, 50.0)
+    vertices = _core.contour(cache.volume_of(baked).field(), 50.0)[0]
+    close(vertices_of(baked), vertices, 1e-6)
+    rest()
+    assert len(vertices_of(baked)) > 1.1 * len(vertices)
     assert_shows(baked, 50.0)
-    assert not settling._jobs
+
+
+def check_without_light_what_is_small_is_never_coarse(bumps, interactive):
+    edit_as_the_slider_does(bumps, 50.0)
+    assert_shows(bumps, 50.0)
+    assert not whole_detail._jobs
 
 
 def check_before_the_bake_too(bumps, interactive, large):
     edit_as_the_slider_does(bumps, 60.0)
     assert surface_object.is_coarse(bumps.data)
-    rest(bumps)
+    rest()
     assert_shows(bumps, 60.0)
 
 
-def check_finer_texels_wait_for_rest(boxed, interactive):
+def check_finer_texels_wait_for_rest(uncut, boxed, interactive):
     """They cut the mesh, which by itself is small enough to move."""
     boxed.leaflight.resolution = 47
     bpy.ops.leaflight.bake()
@@ -77,20 +89,20 @@ def check_finer_texels_wait_for_rest(boxed, interactive):
     assert surface_object.is_coarse(boxed.data)
     assert 0.2 * whole < len(boxed.data.polygons) < 0.3 * whole
     edit_as_the_slider_does(boxed, 60.0)
-    rest(boxed)
+    rest()
     assert_shows(boxed, 60.0)
 
 
 def check_a_move_ends_the_making_of_the_whole(baked, interactive, large):
     edit_as_the_slider_does(baked, 50.0)
     tick()
-    assert settling._jobs[baked.name]._work is None
-    settling.time.now += settling.WHOLE_PAUSE
+    assert whole_detail._jobs[baked.name]._work is None
+    whole_detail.time.now += whole_detail.PAUSE
     tick()
-    assert settling._jobs[baked.name]._work is not None
+    assert whole_detail._jobs[baked.name]._work is not None
     edit_as_the_slider_does(baked, 60.0)
-    assert settling._jobs[baked.name]._work is None
-    rest(baked)
+    assert whole_detail._jobs[baked.name]._work is None
+    rest()
     assert_shows(baked, 60.0)
 
 
@@ -116,31 +128,24 @@ def check_a_frame_that_is_chosen_is_whole(baked, interactive, large):
     assert_shows(baked, 40.0)
 
 
-@pytest.mark.parametrize("settles", [False, True])
-def check_a_render_is_whole(baked, interactive, large, tmp_path, settles):
-    baked.leaflight.shading = "ATTRIBUTE"
-    baked.leaflight.settle = settles
+def check_a_render_is_whole(baked, interactive, large, tmp_path):
     look_down(5.0, 2.2)
     edit_as_the_slider_does(baked, 50.0)
     assert surface_object.is_coarse(baked.data)
     render_exr(tmp_path / "still.exr")
-    assert surface_object.settled_state(baked.data) == (settles, settles)
-    if not settles:
-        assert_shows(baked, 50.0)
+    assert_shows(baked, 50.0)
     assert not surface_object.is_coarse(baked.data)
+    assert not whole_detail._jobs
 
 
-def check_it_is_made_whole_and_then_settles(baked, interactive, large):
-    baked.leaflight.settle = True
+def check_vertices_where_light_steps_do_not_make_it_large(baked, interactive, monkeypatch):
     edit_as_the_slider_does(baked, 50.0)
-    states = rest(baked)
-    assert states[0] == (False, False)
-    assert surface_object.settled_state(baked.data) == (True, True)
-    edit_as_the_slider_does(baked, 52.0)
-    assert surface_object.settled_state(baked.data) == (False, False)
-    assert surface_object.is_coarse(baked.data)
-    # Vertices that settling has added do not count for what is too large.
-    assert len(baked.data.polygons) > 50
+    between_nodes = len(baked.data.polygons)
+    rest()
+    assert len(baked.data.polygons) > 1.1 * between_nodes
+    monkeypatch.setattr(surface_object, "MOVING_TRIANGLES", between_nodes)
+    edit_as_the_slider_does(baked, 50.1)
+    assert len(baked.data.polygons) > 0.9 * between_nodes
 
 
 def check_undo_keeps_the_coarse_surface(baked, interactive, large):
@@ -149,14 +154,14 @@ def check_undo_keeps_the_coarse_surface(baked, interactive, large):
     bpy.ops.ed.undo_push(message="start")
     edit_as_the_slider_does(baked, 50.0)
     bpy.ops.ed.undo_push(message="fifty")
-    rest(baked)
+    rest()
     edit_as_the_slider_does(baked, 60.0)
     bpy.ops.ed.undo_push(message="sixty")
     bpy.ops.ed.undo()
     obj = bpy.data.objects[name]
     assert surface_object.is_coarse(obj.data)
     assert surface_object.shown_isovalue(obj) == 50.0
-    rest(obj)
+    rest()
     assert_shows(obj, 50.0)
 
 

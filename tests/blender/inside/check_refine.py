@@ -57,7 +57,7 @@ def _assert_by_vertices(obj):
     assert "ATTRIBUTE" in nodes and "TEX_IMAGE" not in nodes
 
 
-def check_the_surface_shows_the_finer_texels(refined):
+def check_the_surface_shows_the_finer_texels(uncut, refined):
     ours = cache.bake_of(refined)
     assert ours.metadata["refine"] == "1" and ours.grid.levels == 2
     isovalue = refined.leaflight.isovalue

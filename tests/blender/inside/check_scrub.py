@@ -75,7 +75,7 @@ def check_driver_by_frame(baked):
 
 
 @pytest.mark.parametrize("engine", ["CYCLES", "EEVEE"])
-def check_every_frame_of_a_rendered_animation(baked, tmp_path, engine):
+def check_every_frame_of_a_rendered_animation(uncut, baked, tmp_path, engine):
     """The frames of one render command equal stills that are made one by one."""
     scene = bpy.context.scene
     baked.leaflight.shading = "ATTRIBUTE"
@@ -131,7 +131,7 @@ def check_undo_and_redo(baked):
     assert_shows(bpy.data.objects[name], 90.0)
 
 
-def check_a_saved_scene_scrubs_on_from_the_bake_on_disk(baked, tmp_path, bump_file):
+def check_a_saved_scene_scrubs_on_from_the_bake_on_disk(uncut, baked, tmp_path, bump_file):
     path = tmp_path / "scene.blend"
     name = baked.name
     baked.leaflight.isovalue = 70.0

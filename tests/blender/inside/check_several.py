@@ -22,6 +22,7 @@ def pair(bumps, bump_file):
     second.name = "second"
     second.location.x += 1.8
     second.leaflight.bake_folder = bumps.leaflight.bake_folder
+    second.leaflight.shading = bumps.leaflight.shading
     bumps.leaflight.low, bumps.leaflight.high = 20.0, 100.0
     second.leaflight.low, second.leaflight.high = 100.0, 160.0
     _activate(bumps)

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from blends import open_blend, save
 from leaflight import blender
-from leaflight_addon.show import added, look, settling, surface_material, surface_object
+from leaflight_addon.show import added, look, surface_material, surface_object
 from leaflight_addon.store import cache
 from tools import (
     camera_rays_down,
     close,
-    colours_of,
     edit_as_the_slider_does,
     error_of,
+    lit_mesh,
     look_down,
     mesh_arrays,
     render_exr,
@@ -28,7 +28,7 @@ def assert_lit_by_the_bake(obj, isovalue):
     volume = obj.parent
     field, grid = cache.volume_of(volume).field(), cache.grid_of(volume)
     vertices, triangles, radiance = mesh_arrays(obj)
-    expected, _, faces = grid.contour(field, isovalue)
+    expected, faces = lit_mesh(volume, isovalue)
     np.testing.assert_array_equal(triangles, faces)
     close(vertices, expected, 1e-6)
     light = grid.lookup(field, vertices)
@@ -159,16 +159,6 @@ def check_there_are_three_at_most(baked):
     bpy.ops.leaflight.remove_isosurface(name=added.added_to(baked)[0].name)
     assert len(added.added_to(baked)) == 1
     assert "choose one" in error_of(bpy.ops.leaflight.remove_isosurface, name=baked.name)
-
-
-def check_they_settle_as_the_volumes_own(baked):
-    obj = blender.add_isosurface(baked, 40.0)
-    baked.leaflight.settle = True
-    settling.settle_now([obj])
-    expected = cache.bake_of(baked).surface(40.0, settle=True)
-    close(colours_of(obj), expected.radiance, 1e-6)
-    baked.leaflight.settle = False
-    assert_lit_by_the_bake(obj, 40.0)
 
 
 def _seen_from_above(obj, path, engine):

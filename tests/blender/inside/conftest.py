@@ -9,7 +9,8 @@ import leaflight
 import pytest
 from blends import open_saved
 from boxes import build_cornell_box
-from leaflight_addon.show import settling
+from leaflight.bake import baked as bake_of_package
+from leaflight_addon.show import whole_detail
 from leaflight_addon.store import bake_files
 from rounds import UNREACHED
 from tools import Clock, end_all
@@ -46,8 +47,8 @@ def bumps(bump_file, tmp_path):
     obj.leaflight.fixed_samples = True
     obj.leaflight.samples = 4
     obj.leaflight.photons = 20_000
-    # Renders show what was baked; check_settle.py looks at what settles.
-    obj.leaflight.settle = False
+    # In files beside the bake, unlike what is shown by default.
+    obj.leaflight.shading = "ATLAS"
     bpy.context.view_layer.update()
     return obj
 
@@ -99,8 +100,14 @@ def endless(rounds):
 
 
 @pytest.fixture
+def uncut(monkeypatch):
+    """Meshes without the vertices that light adds: on rounding hangs whether there is one more."""
+    monkeypatch.setattr(bake_of_package, "LARGEST_STEP", float("inf"))
+
+
+@pytest.fixture
 def interactive(monkeypatch):
-    """Checks run without a window, where nothing settles until a render asks for it.
+    """Checks run without a window, where no surface is coarse.
 
     Seconds pass by tick() and rest() alone.
     """
@@ -112,9 +119,9 @@ def interactive(monkeypatch):
     class Bpy:
         app, data = App, bpy.data
 
-    monkeypatch.setattr(settling, "bpy", Bpy)
-    monkeypatch.setattr(settling, "time", Clock())
+    monkeypatch.setattr(whole_detail, "bpy", Bpy)
+    monkeypatch.setattr(whole_detail, "time", Clock())
     yield
-    settling.forget()
-    if bpy.app.timers.is_registered(settling._tick):
-        bpy.app.timers.unregister(settling._tick)
+    whole_detail.forget()
+    if bpy.app.timers.is_registered(whole_detail._tick):
+        bpy.app.timers.unregister(whole_detail._tick)

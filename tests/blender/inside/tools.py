@@ -12,7 +12,7 @@ import pytest
 from leaflight.scene.scene import Leaves, core_scene
 from leaflight_addon import versions
 from leaflight_addon.operators import background
-from leaflight_addon.show import settling, surface_object
+from leaflight_addon.show import whole_detail
 from leaflight_addon.store import cache
 
 
@@ -70,8 +70,17 @@ def expected_surface(obj, isovalue):
     if bake is None:
         vertices, _, triangles = leaflight._core.contour(field, isovalue)
         return vertices, triangles, None
-    vertices, _, triangles = cache.grid_of(obj).contour(field, isovalue)
+    vertices, triangles = lit_mesh(obj, isovalue)
     return vertices, triangles, bake.radiance(to_world(obj, vertices))
+
+
+def lit_mesh(obj, isovalue):
+    """(vertices, triangles) of the isosurface as the bake of a volume's object lights it."""
+    field, bake, grid = cache.volume_of(obj).field(), cache.bake_of(obj), cache.grid_of(obj)
+    vertices, _, triangles, *_ = grid.lit_contour(
+        field, isovalue, back=grid.has_back, largest_step=bake.largest_step
+    )
+    return vertices, triangles
 
 
 def to_world(obj, points):
@@ -113,19 +122,16 @@ class Clock:
 
 
 def tick():
-    """Calls the timer of the background work as Blender's event loop would, by settling's Clock."""
-    settling.time.now += settling.POLL
-    return settling._tick()
+    """Calls the timer of whole_detail as Blender's event loop would, by a Clock."""
+    whole_detail.time.now += whole_detail.POLL
+    return whole_detail._tick()
 
 
-def rest(obj):
-    """Calls it until the work ends; the settled state of an object after each call but the last."""
-    seen = []
+def rest():
+    """Calls it until the work ends."""
     while tick() is not None:
-        seen.append(surface_object.settled_state(obj.data))
         # For the thread of the work.
         time.sleep(0.005)
-    return seen
 
 
 # What start() has started in this check.

@@ -17,7 +17,7 @@ from bpy_extras.object_utils import world_to_camera_view
 from leaflight import blender
 from leaflight_addon.bake import bake, stopped
 from leaflight_addon.operators import background
-from leaflight_addon.show import settling, surface_object
+from leaflight_addon.show import surface_object, whole_detail
 
 sys.path.insert(0, os.path.dirname(__file__))
 import stepwise  # noqa: E402
@@ -128,7 +128,7 @@ def stage_and_bake():
         "clicks": found["clicks"],
         "failure": background.failure(),
     }
-    yield from stepwise.until(lambda: surface_object.settled_state(volume().data)[1])
+    yield from stepwise.until(lambda: not surface_object.is_coarse(volume().data))
     yield from stepwise.wait(1.0)
     yield from take_pictures()
 
@@ -273,7 +273,7 @@ def copy_and_delete():
     found["deleted"] = [o.name for o in bpy.context.scene.objects if o.leaflight.is_volume] == [
         name
     ]
-    settling.forget()
+    whole_detail.forget()
 
 
 def play():
@@ -301,7 +301,7 @@ def play():
         "off": float(max(off)) / float(isovalues[-1] - isovalues[0]),
         "lit": "radiance" in obj.data.attributes,
     }
-    settling.forget()
+    whole_detail.forget()
 
 
 # ---- The window and the mouse ----

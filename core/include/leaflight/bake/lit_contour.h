@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <limits>
+
 #include "leaflight/bake/radiance_grid.h"
 #include "leaflight/surface/marching_cubes.h"
 
@@ -10,13 +12,15 @@ namespace leaflight {
 struct LitMesh : IsosurfaceMesh {
   // [W/(m^2 sr)], of the outer and the inner side; empty where not wished.
   std::vector<Vec<3, float>> radiance, radiance_back;
+  std::size_t contoured = 0;  // triangles before edges were cut
 };
 
 struct LitContourSettings {
   bool normals = false;
   bool radiance = false, radiance_back = false;
-  // Edges are cut in two, twice at most, until there are so many.
-  std::size_t least_vertices = 0;
+  // Radiance [W/(m^2 sr)] that the ends of an edge may differ by. Others are cut in two, twice at
+  // most, where the mesh is small: light is interpolated between vertices, and shadows are sharp.
+  float largest_step = std::numeric_limits<float>::infinity();
 };
 
 // The contour of the volume that the grid lights, with edges cut in two as often as texels are

@@ -44,8 +44,7 @@ enum class Purpose : std::uint64_t {
   sample_position,
   scattered,
   gather_sweep = 10,  // no number is used again
-  noise,
-  settle
+  noise
 };
 
 inline Random random_for(std::uint64_t seed, Purpose purpose, std::uint64_t index) {

@@ -19,13 +19,6 @@ struct PhotonStart {
   bool from_leaf = false;  // emitted by a leaf, which direct_radiance() does not sample
 };
 
-// One sample of direct light, as if nothing stood in its way.
-template <int D>
-struct DirectSample {
-  Rgb radiance{0};  // that the surface point would reflect; zero: there is nothing to trace
-  LightSample<D> light;
-};
-
 // All that emits: the scene's lights, its emissive meshes, its environment and its emissive leaves,
 // chosen among by their power. Leaves are left to the rays that meet them, and to photons.
 template <int D>
@@ -43,11 +36,6 @@ class LightSampler {
   // A source that stands for all that direct_radiance() samples; precondition: can_light().
   LightSource<D> source(double choice, const std::array<double, 2>& u) const;
   bool can_light() const { return !by_irradiance_.empty(); }
-
-  // The two halves of direct_radiance(): the sample, and whether its light is hidden, one ray.
-  DirectSample<D> direct_sample(const SurfacePoint<D>& point, double choice,
-                                const std::array<double, 2>& u) const;
-  bool hidden(const SurfacePoint<D>& point, const LightSample<D>& light) const;
 
   // `c`: the leaf coordinate of the photon, unless it starts on a leaf.
   PhotonStart<D> emit(double c, double choice, const std::array<double, 2>& u_position,
