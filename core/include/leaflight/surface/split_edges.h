@@ -7,7 +7,7 @@
 
 namespace leaflight {
 
-// The mesh with those edges, from one vertex to another, cut in two that are wanted. What is cut off
+// The mesh with those edges cut in two that are wanted, by the vertices of each. What is cut off
 // one triangle is cut off its neighbour, too: no cracks, and a manifold remains one. New vertices
 // come last, on the leaf next to the middle of their edge; they have normals if the others do.
 // `wanted` is called by several threads at once. The result does not depend on their number.
