@@ -64,9 +64,16 @@ py::array_t<std::uint8_t> mask(const RadianceGrid<D>& whole, int level) {
   return adopt<std::uint8_t>(std::move(active), array_shape(grid.lattice.resolution));
 }
 
+template <int D>
+Vec<3, float> indirect_at(const RadianceGrid<D>& grid, const Vec<D>& index_position, bool back) {
+  const RadianceLevel<D>& level = grid.at(index_position);
+  return lookup(level.lattice, back ? level.radiance_back_indirect : level.radiance_indirect,
+                index_position);
+}
+
 template <int D, class Array>
 py::array_t<float> lookup_of(const RadianceGrid<D>& grid, const Field<D>& field,
-                             const Array& points, bool back) {
+                             const Array& points, bool back, bool indirect) {
   const py::ssize_t n = rows(points, D, "points");
   static_cast<void>(side_of(grid, back));
   std::vector<Vec<3, float>> radiance(n);
@@ -77,7 +84,9 @@ py::array_t<float> lookup_of(const RadianceGrid<D>& grid, const Field<D>& field,
       Vec<D> point;
       for (int a = 0; a < D; ++a) point[a] = coordinates[D * i + a];
       check_point(point);
-      radiance[i] = radiance_at(grid, field, field.world_to_index.point(point), back);
+      const Vec<D> position = field.world_to_index.point(point);
+      radiance[i] =
+          indirect ? indirect_at(grid, position, back) : radiance_at(grid, field, position, back);
     });
   }
   return adopt<float>(std::move(radiance), {n, 3});
@@ -86,13 +95,13 @@ py::array_t<float> lookup_of(const RadianceGrid<D>& grid, const Field<D>& field,
 // The vertices of a mesh are read where they are, anything else as numbers of double precision.
 template <int D>
 py::array_t<float> lookup_at(const RadianceGrid<D>& grid, const Field<D>& field,
-                             const py::object& points, bool back) {
+                             const py::object& points, bool back, bool indirect) {
   if (py::isinstance<FloatArray>(points)) {
-    return lookup_of(grid, field, py::reinterpret_borrow<FloatArray>(points), back);
+    return lookup_of(grid, field, py::reinterpret_borrow<FloatArray>(points), back, indirect);
   }
   const auto numbers = DoubleArray::ensure(points);
   if (!numbers) throw Error("The points must be an array of numbers, one row for each.");
-  return lookup_of(grid, field, numbers, back);
+  return lookup_of(grid, field, numbers, back, indirect);
 }
 
 py::tuple lit_contour_of(const RadianceGrid<3>& grid, const Field<3>& field, double isovalue,
@@ -184,11 +193,17 @@ void bind_grid(py::module_& module, const std::string& suffix) {
            "above are half as wide, serve some cells alone and have 2 n - 1 where n were.")
       .def("mask", &mask<D>, py::arg("level") = 0, "uint8 [z, y, x], 1 at active texels.")
       .def("lookup", &lookup_at<D>, py::arg("field"), py::arg("points"), py::arg("back") = false,
-           "Radiance (n, 3) of the leaves through world points (n, D).")
+           py::arg("indirect") = false,
+           "Radiance (n, 3) of the leaves through world points (n, D); indirect: the part of it "
+           "that\n"
+           "radiance_indirect holds.")
       .def("lookup_error", &lookup_error_at<D>, py::arg("field"), py::arg("points"),
            "Standard error (n,) of the outer side's radiance at world points (n, D), of the mean\n"
            "over the channels: that of independent texels.");
   if constexpr (D == 3) {
+    grid.def_property_readonly(
+        "direct", [](const Grid& g) { return std::const_pointer_cast<DirectLight<D>>(g.direct); },
+        "The DirectLight of which lookups add; None: texels hold all light.");
     grid.def(
         "lit_contour", &lit_contour_of, py::arg("field"), py::arg("isovalue"),
         py::arg("normals") = false, py::arg("front") = true, py::arg("back") = false,

@@ -6,6 +6,7 @@ import json
 import re
 import zlib
 from dataclasses import replace
+from itertools import product
 
 import leaflight
 import numpy as np
@@ -13,9 +14,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from leaflight import LeaflightError
-from leaflight.export import page, page_data
+from leaflight.export import page, page_volume
 from leaflight.export.light_bricks import light_bricks
-from leaflight.export.shared_exponent import packed
+from leaflight.export.shared_exponent import LEAST, packed
 
 
 @pytest.fixture(autouse=True)
@@ -43,6 +44,21 @@ def unpacked(words):
     return np.stack([(words >> shift & 511) * scale for shift in (0, 9, 18)], axis=-1)
 
 
+def colors(header, body, number):
+    """Of a block of colors, which web/src/colors.ts puts together."""
+    green, red, blue, high = block(header, body, number, np.uint8).astype(np.uint32).reshape(4, -1)
+    red, blue = red + green & 255, blue + green & 255
+    red, green, blue = (low | (high >> k & 1) << 8 for k, low in enumerate((red, green, blue)))
+    return unpacked(high >> 3 << 27 | blue << 18 | green << 9 | red)
+
+
+def active_texels(header, body, texture):
+    """bool [z, y, x]: those that the blocks of a texture hold."""
+    bits = np.unpackbits(block(header, body, texture["active"], np.uint8), bitorder="little")
+    texels = texture["texels"]
+    return bits[: np.prod(texels)].reshape(texels[::-1]) == 1
+
+
 def test_the_page_holds_the_bake(lapr_bake, tmp_path):
     out = tmp_path / "two.html"
     assert lapr_bake.export_page(out, isovalue=0.25) == out
@@ -57,24 +73,17 @@ def test_the_page_holds_the_bake(lapr_bake, tmp_path):
         got = volume["offset"] + volume["scale"] * codes.reshape(nz, ny, nx)
         np.testing.assert_allclose(got, values, atol=1e-5 * np.ptp(values))
         grid = lapr_bake.grids[number]
-        table = block(header, body, volume["table"], np.uint8)
-        table = table.reshape(*volume["bricks"][::-1], 4)
+        light = volume["light"]
+        active = active_texels(header, body, light)
+        assert volume["direct"] is None  # of two volumes texels hold all light
         for side, name in (("outer", "radiance"), ("inner", "radiance_back")):
-            texture = unpacked(block(header, body, volume[side], np.uint32))
-            brick = np.array(volume["brick"])
-            shape = brick * volume["textureBricks"]
-            texture = texture.reshape(*shape[::-1], 3)
             dense = grid.dense(name) * lapr_bake.scene.exposure
-            for place in np.argwhere(dense.any(axis=-1))[::97]:
-                at = np.minimum(place[::-1] // (brick - 1), np.array(volume["bricks"]) - 1)
-                entry = table[tuple(at[::-1])]
-                assert entry[3] == 1
-                x, y, z = entry[:3] * brick + place[::-1] - at * (brick - 1)
-                expected = dense[tuple(place)]
-                assert abs(texture[z, y, x] - expected).max() <= expected.max() / 500
+            assert (dense[~active] < LEAST).all()
+            got, expected = colors(header, body, light[side]), dense[active]
+            assert (abs(got - expected).max(1) <= LEAST + expected.max(1) / 500).all()
     assert len(header["walls"]) == len(lapr_bake.scene.meshes)
     wall = header["walls"][0]
-    light = unpacked(block(header, body, wall["outer"], np.uint32)).reshape(33, -1, 3)
+    light = colors(header, body, wall["outer"]).reshape(33, -1, 3)
     middle = lapr_bake.surroundings.radiance(0, wall["nodes"][16]) * lapr_bake.scene.exposure
     np.testing.assert_allclose(light[16], middle, atol=middle.max() / 200)
 
@@ -82,7 +91,7 @@ def test_the_page_holds_the_bake(lapr_bake, tmp_path):
 @given(st.lists(st.floats(0, 60000, width=32), min_size=3, max_size=3))
 def test_colors_with_a_shared_exponent(color):
     got = unpacked(packed(np.array([color], np.float32)))[0]
-    assert np.abs(got - color).max() <= max(max(color) / 511, 2.0**-24)
+    assert np.abs(got - color).max() <= max(max(color) / 511, LEAST)
 
 
 def test_dark_and_overbright_colors():
@@ -91,26 +100,75 @@ def test_dark_and_overbright_colors():
     np.testing.assert_allclose(unpacked(words)[2], [65408, 0, 0], atol=128)
 
 
-@pytest.mark.parametrize("share", [0.0, 0.002, 0.9])
-def test_bricks_hold_all_texels_with_light(share):
-    generator = np.random.default_rng(1)
-    texels = np.zeros((23, 40, 31), np.uint32)
-    texels[5:, 7:30, :20] = generator.random((18, 23, 20)) < share
-    texels *= generator.integers(1, 1 << 30, texels.shape, np.uint32)
-    bricks = light_bricks(texels != 0)
-    texture = bricks.gather(texels)
+def test_the_page_holds_maps_of_direct_light(bump_scene, small, tmp_path):
+    """Each code of a map lies in the part of the range about its texel that its level says."""
+    bake = leaflight.bake(leaflight.bump_box(20), bump_scene, both_sides=True, **small)
+    bake.export_page(tmp_path / "box.html")
+    text = (tmp_path / "box.html").read_text()
+    header = json.loads(script(text, "leaflight-header"))
+    body = base64.b64decode(script(text, "leaflight-body"))
+    grid, volume = bake.grids[0], header["volumes"][0]
+    direct, data = grid.direct, volume["direct"]
+    active = active_texels(header, body, data)
+    np.testing.assert_array_equal(active, direct.mask())
+    np.testing.assert_array_equal(np.ravel(direct.light_points), np.ravel(data["points"]))
+    low, high = bake.isovalues
+    about = [1 + 252 * (value - low) / (high - low) for value in of_27(bake.volume.data())]
+    for is_inner, side in ((False, "outer"), (True, "inner")):
+        assert len(data[side]) == -(-len(data["points"]) // 2)
+        least, most = (254 - each for each in about[::-1]) if is_inner else about
+        least, most = (np.clip(each[active], 0, 254) for each in (least, most))
+        for point in range(len(data["points"])):
+            pair = block(header, body, data[side][point // 2], np.uint8)
+            level = (pair >> 4 * (point % 2) & 15).astype(int)
+            code = direct.codes(point, is_inner)
+            part = (np.clip(code, least, most) - least) / np.maximum(most - least, 1e-9)
+            sharp = most - least > 60
+            off = abs(part - np.clip((level - 0.5) / 13, 0, 1))[sharp & (level < 15)]
+            assert len(off) > 1000 and off.max() < 0.5 / 13 + 2 / 60
+            np.testing.assert_array_equal(level == 15, code == 255)
+    # Beside them texels hold indirect light.
+    lit = active_texels(header, body, volume["light"])
+    expected = grid.dense("radiance_indirect")[lit] * bake.scene.exposure
+    got = colors(header, body, volume["light"]["outer"])
+    assert (abs(got - expected).max(1) <= LEAST + expected.max(1) / 500).all()
+
+
+def of_27(values):
+    """The least and the greatest of the voxels about each."""
+    padded = np.pad(values, 1, "edge")
+    n = [range(3)] * 3
+    shifted = [
+        padded[tuple(slice(a, a + m) for a, m in zip(at, values.shape))] for at in product(*n)
+    ]
+    return np.min(shifted, axis=0), np.max(shifted, axis=0)
+
+
+@pytest.mark.parametrize("share, layers", [(0.0, 1), (0.002, 1), (0.9, 1), (0.9, 5)])
+def test_bricks_hold_all_texels_with_light(share, layers):
+    lit = np.zeros((23, 40, 31), bool)
+    lit[5:, 7:30, :20] = np.random.default_rng(1).random((18, 23, 20)) < share
+    bricks = light_bricks(lit, layers)
     brick, counts = np.array(bricks.brick), np.array(bricks.table.shape[2::-1])
     # A lookup in each cell of texels, as the page does it, finds its eight.
-    for cell in np.argwhere(texels[:-1, :-1, :-1])[:200]:
+    for cell in np.argwhere(lit[:-1, :-1, :-1]):
         within = np.minimum(cell[::-1] // (brick - 1), counts - 1)
-        entry = bricks.table[tuple(within[::-1])]
-        assert entry[3] == 1
-        x, y, z = entry[:3] * brick + cell[::-1] - within * (brick - 1)
-        k, j, i = cell
-        np.testing.assert_array_equal(
-            texture[z : z + 2, y : y + 2, x : x + 2], texels[k : k + 2, j : j + 2, i : i + 2]
-        )
-    assert texture.size <= max(texels.size, 8**3)
+        first = cell[::-1] - within * (brick - 1)
+        assert bricks.table[tuple(within[::-1])][3] == 1
+        assert (first >= 0).all() and (first + 1 < np.maximum(brick, 2)).all()
+    # Each has a place of its own within the texture.
+    places = bricks.table[bricks.table[..., 3] == 1][:, :3]
+    assert len(np.unique(places, axis=0)) == len(places)
+    assert (places < bricks.shape).all()
+    assert np.prod(brick * bricks.shape) <= max(lit.size, 8**3)
+
+
+@pytest.mark.parametrize("of", [2000, 60_000])
+def test_many_layers_make_no_long_texture(of):
+    lit = np.random.default_rng(1).random((80, 80, 80)) < of / 80**3
+    bricks = light_bricks(lit, 40)
+    x, y, z = np.array(bricks.brick) * bricks.shape
+    assert max(x, y, 40 * z) <= 2048
 
 
 @pytest.mark.parametrize(
@@ -118,16 +176,16 @@ def test_bricks_hold_all_texels_with_light(share):
 )
 def test_integers_stay_what_they_are(dtype, low, high):
     values = np.linspace(low, high, 60).astype(dtype).reshape(3, 4, 5)
-    codes, offset, scale = page_data.coded(values)
+    codes, offset, scale = page_volume.coded(values)
     np.testing.assert_array_equal(offset + scale * codes, values)
 
 
 def test_floats_and_holes():
     values = np.linspace(-1, 3, 60, dtype=np.float32).reshape(3, 4, 5)
     values[1, 2, 3] = np.nan
-    codes, offset, scale = page_data.coded(values)
+    codes, offset, scale = page_volume.coded(values)
     hole = np.isnan(values)
-    assert (codes[hole] == page_data.NO_DATA).all() and codes[~hole].max() < page_data.NO_DATA
+    assert (codes[hole] == page_volume.NO_DATA).all() and codes[~hole].max() < page_volume.NO_DATA
     np.testing.assert_allclose(offset + scale * codes[~hole], values[~hole], atol=4 / 65534)
 
 
@@ -136,17 +194,18 @@ def test_a_coarser_page(box_bake, tmp_path):
     leaflight.export(box_bake, whole)
     leaflight.export(box_bake, coarse, [50.0], coarser=1)
     header = json.loads(script(coarse.read_text(), "leaflight-header"))
-    assert header["volumes"][0]["dims"] == header["volumes"][0]["texels"] == [10, 10, 10]
+    volume = header["volumes"][0]
+    assert volume["dims"] == volume["light"]["texels"] == volume["direct"]["texels"] == [10, 10, 10]
     assert coarse.stat().st_size < whole.stat().st_size / 2 and header["isovalue"] == 50
     assert ["Shown here", "every 2nd voxel along each axis"] in header["about"]
 
 
 def test_finer_texels_where_they_are_not_too_many(bump_scene, fixed_work, tmp_path, monkeypatch):
     fine = leaflight.bake(leaflight.bump_box(12), bump_scene, refine=1, **fixed_work)
-    assert page_data.texels_of(fine, 0, 0) == (23, 23, 23)
+    assert page_volume.texels_of(fine, 0, 0) == (23, 23, 23)
     fine.export_page(tmp_path / "fine.html")
-    monkeypatch.setattr(page_data, "MOST_FINER_TEXELS", 1000)
-    assert page_data.texels_of(fine, 0, 0) == (12, 12, 12)
+    monkeypatch.setattr(page_volume, "MOST_FINER_TEXELS", 1000)
+    assert page_volume.texels_of(fine, 0, 0) == (12, 12, 12)
 
 
 def test_a_folder_to_embed(cli, box_file, tmp_path):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bakes, their pages, and one browser for all."""
 
+import math
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -9,6 +10,15 @@ import leaflight
 import numpy as np
 import pytest
 from browser import PATHS, SESSION, Browser
+from leaflight.scene.scene import (
+    AreaLight,
+    Cone,
+    Leaves,
+    Mesh,
+    PointLight,
+    SceneDescription,
+    SunLight,
+)
 from leaflight.volume.particles import lapr
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -64,7 +74,32 @@ def two():
     return leaflight.bake(volumes, scene, **WORK)
 
 
-MAKERS = {maker.__name__: maker for maker in (box, brain, oblong, two)}
+def shadows():
+    """Posts on a floor in light with sharp edges, from above and below; one shadow is a plate's."""
+    z, y, x = np.mgrid[:40, :48, :44].astype(np.float32)
+    values = 60 - 6 * z + 0.4 * np.sin(0.7 * x) * np.sin(0.5 * y)
+    for px, py, height, width in ((12, 14, 26, 3), (29, 20, 18, 5), (16, 36, 32, 2.5)):
+        far = np.maximum(np.hypot(x - px, y - py) - width, z - height)
+        values = np.maximum(values, 20 - 8 * far)
+    index_to_world = np.diag([0.02, 0.025, 0.03, 1.0])
+    cone = Cone((0.0, 0.0, -1.0), 1.0, 0.5, cosine_falloff=True)
+    lights = [
+        SunLight("sun", (0.5, 0.3, -math.sqrt(1 - 0.34)), (0.9, 0.8, 0.6)),
+        PointLight("spot", (0.35, 0.8, 1.8), 0.0, (1.6, 1.9, 2.4), cone),
+        PointLight("below", (0.6, 0.3, -0.7), 0.0, (1.5, 0.6, 0.6)),
+        AreaLight("lamp", (-0.3, 0.2, 1.4), (0.0, 0.3, 0.0), (0.3, 0.0, 0.2), (3.0, 3.0, 3.0)),
+    ]
+    corners = np.array([[-0.3, 0, 1.3], [0.1, 0, 1.3], [0.1, 0.4, 1.3], [-0.3, 0.4, 1.3]])
+    triangles = np.array([[0, 1, 2], [0, 2, 3]], np.uint32)
+    plate = Mesh("plate", corners.astype(np.float32), triangles, (0.2, 0.2, 0.2))
+    ramp = [(0.0, (0.8, 0.5, 0.3)), (40.0, (0.3, 0.6, 0.8))]
+    scene = SceneDescription("shadows", [Leaves("posts", ramp)], 1.2, [plate], lights)
+    volume = leaflight.Volume(values.astype(np.float32), index_to_world, "posts")
+    settings = {"isovalues": (-20.0, 40.0), "resolution": 48, "error": 5.0}
+    return leaflight.bake(volume, scene, both_sides=True, **settings)
+
+
+MAKERS = {maker.__name__: maker for maker in (box, brain, oblong, two, shadows)}
 
 
 @pytest.fixture(scope="session")

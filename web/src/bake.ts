@@ -6,6 +6,28 @@ import { Failure } from './failure';
 export type Vector = [number, number, number];
 export type Stops = [number, Vector][];
 
+// Texels of a texture of bricks, from the first voxel to the last.
+export interface BrickData {
+  texels: Vector;
+  active: number; // block: a bit for each texel, the lowest one first
+  brick: Vector; // texels of a brick, with the layers that it shares
+  bricks: Vector;
+  table: number; // block: where each brick is in the texture
+  textureBricks: Vector;
+}
+
+export interface LightData extends BrickData {
+  outer: number; // blocks: radiance times the exposure
+  inner: number | null;
+}
+
+export interface DirectData extends BrickData {
+  outer: number[]; // blocks: levels of two light points each
+  inner: number[] | null;
+  points: number[][]; // as DirectLight.light_points of the core lists them
+  indexToFrame: number[]; // 4 x 4, by rows
+}
+
 export interface VolumeData {
   name: string;
   dims: Vector; // voxels along x, y, z
@@ -16,13 +38,8 @@ export interface VolumeData {
   masked: boolean;
   offset: number;
   scale: number;
-  texels: Vector;
-  brick: Vector; // texels of a brick of light
-  bricks: Vector;
-  table: number; // block: where each brick is in the texture
-  textureBricks: Vector;
-  outer: number; // blocks: radiance times the exposure
-  inner: number | null;
+  light: LightData;
+  direct: DirectData | null; // beside which texels hold indirect light; null: they hold all
   innerIs: 'baked' | 'dark' | 'local';
   albedo: Stops;
   emission: Stops;
@@ -56,7 +73,7 @@ export interface Header {
   blocks: [number, number, number][]; // first byte, bytes, bytes when inflated
 }
 
-const FORMAT = 1;
+const FORMAT = 2;
 const DAMAGED = 'The data in this page are damaged or not whole: fetch or export it again.';
 
 export class Bake {

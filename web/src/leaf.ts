@@ -3,15 +3,27 @@
 
 import * as three from 'three';
 
-import { type Bake, type Header, type Vector, type VolumeData, rampAt } from './bake';
+import {
+  type Bake,
+  type Header,
+  type LightData,
+  type Vector,
+  type VolumeData,
+  rampAt,
+} from './bake';
+import { bricksOf, textureSize } from './bricks';
+import { colorWords } from './colors';
+import { mapTextures, mapUniforms } from './maps';
+import direct from './shaders/direct.glsl';
 import display from './shaders/display.glsl';
+import gradient from './shaders/gradient.glsl';
 import fragment from './shaders/leaf.frag.glsl';
 import vertex from './shaders/leaf.vert.glsl';
 import light from './shaders/light.glsl';
 import precision from './shaders/precision.glsl';
 import trace from './shaders/trace.glsl';
 import type { Look } from './look';
-import { integerTexture, volumeTextures } from './volume_textures';
+import { given, volumeTextures } from './volume_textures';
 
 const NO_DATA = 65535;
 
@@ -31,28 +43,29 @@ export class Leaf {
   static async of(bake: Bake, data: VolumeData): Promise<Leaf> {
     const bytes = await bake.block(data.values, data.bits === 8 ? 1 : 2);
     const codes = data.bits === 8 ? bytes : new Uint16Array(bytes.buffer);
-    const places = await bake.block(data.table, 1);
-    const table = integerTexture(places, data.bricks, three.RGBAIntegerFormat);
-    const outer = lightTexture(await bake.block(data.outer, 4), data);
-    const inner =
-      data.inner === null ? outer : lightTexture(await bake.block(data.inner, 4), data);
-    const textures = { ...volumeTextures(codes, data.dims), table, outer, inner };
+    const textures = {
+      ...volumeTextures(codes, data.dims),
+      ...(await lightTextures(bake, data.light)),
+      ...(data.direct && (await mapTextures(bake, data, data.direct, codes))),
+    };
     return new Leaf(bake.header, data, textures);
   }
 
   private constructor(
     header: Header,
     private readonly data: VolumeData,
-    textures: Record<string, three.Data3DTexture>,
+    textures: Record<string, three.Texture>,
   ) {
     this.indexToWorld.set(...(data.indexToWorld as Parameters<three.Matrix4['set']>));
     this.worldToIndex = this.indexToWorld.clone().invert();
     this.waysToIndex = new three.Matrix3().setFromMatrix4(this.worldToIndex);
     const last = data.dims.map((n) => n - 1) as Vector;
+    const lights = data.direct ? direct : '';
     const material = new three.RawShaderMaterial({
       glslVersion: three.GLSL3,
       vertexShader: vertex,
-      fragmentShader: [precision, trace, display, light, fragment].join('\n'),
+      fragmentShader: [precision, trace, display, gradient, lights, light, fragment].join('\n'),
+      defines: data.direct ? { DIRECT: '' } : {},
       side: three.BackSide,
       transparent: true,
       blending: three.CustomBlending,
@@ -77,15 +90,15 @@ export class Leaf {
   show(look: Look, camera: three.Camera, rays: Rays, exposure: number): void {
     const { uniforms } = this.mesh.material;
     const code = (c: number) => (this.isovalueAt(c) - this.data.offset) / this.data.scale;
-    const own = this.isovalueAt(look.isovalue);
+    const own = [look.isovalue, look.second ?? look.isovalue].map((c) => this.isovalueAt(c));
     uniforms.isovalue.value = code(look.isovalue);
     uniforms.secondIsovalue.value = code(look.second ?? look.isovalue);
     uniforms.hasSecond.value = look.second !== null;
     uniforms.opacity.value = look.opacity;
     uniforms.isLocal.value = look.isLocal;
     uniforms.gain.value = 2 ** look.stops;
-    uniforms.albedo.value = rampAt(this.data.albedo, own);
-    uniforms.emission.value = rampAt(this.data.emission, own);
+    uniforms.albedo.value = own.flatMap((c) => rampAt(this.data.albedo, c));
+    uniforms.emission.value = own.flatMap((c) => rampAt(this.data.emission, c));
     uniforms.exposure.value = exposure;
     const eye = camera.getWorldPosition(new three.Vector3());
     uniforms.worldEye.value = eye;
@@ -111,12 +124,11 @@ export class Leaf {
 function uniformsOf(
   header: Header,
   data: VolumeData,
-  textures: Record<string, three.Data3DTexture>,
+  textures: Record<string, three.Texture>,
   indexToWorld: three.Matrix4,
   worldToIndex: three.Matrix4,
 ): Record<string, three.IUniform> {
-  const texelScale = data.texels.map((n, a) => (n - 1) / (data.dims[a] - 1));
-  const textureSize = data.brick.map((n, a) => n * data.textureBricks[a]);
+  const texelScale = data.light.texels.map((n, a) => (n - 1) / (data.dims[a] - 1));
   const window = header.window.map((c) => {
     const [low, high] = data.isovalues;
     return (low + c * (high - low) - data.offset) / data.scale;
@@ -129,10 +141,11 @@ function uniformsOf(
     ...textures,
     dims: data.dims,
     noData: data.masked ? NO_DATA : -1,
-    brick: data.brick,
-    bricks: data.bricks,
+    brick: data.light.brick,
+    bricks: data.light.bricks,
     texelScale: new three.Vector3(...texelScale),
-    textureScale: new three.Vector3(...textureSize.map((n) => 1 / n)),
+    textureScale: new three.Vector3(...textureSize(data.light).map((n) => 1 / n)),
+    ...(data.direct && mapUniforms(data.direct)),
     innerIs: ['baked', 'dark', 'local'].indexOf(data.innerIs),
     indexToWorld,
     normalToWorld: new three.Matrix3().setFromMatrix4(worldToIndex).transpose(),
@@ -151,14 +164,27 @@ function uniformsOf(
   ]) as Record<string, three.IUniform>;
 }
 
-function lightTexture(bytes: Uint8Array<ArrayBuffer>, data: VolumeData): three.Data3DTexture {
-  const size = data.brick.map((n, a) => n * data.textureBricks[a]) as Vector;
-  const texture = new three.Data3DTexture(new Uint32Array(bytes.buffer), ...size);
-  texture.format = three.RGBFormat;
-  texture.type = three.UnsignedInt5999Type;
-  texture.internalFormat = 'RGB9_E5';
-  texture.minFilter = three.LinearFilter;
-  texture.magFilter = three.LinearFilter;
-  texture.needsUpdate = true;
-  return texture;
+interface LightTextures {
+  table: three.Data3DTexture;
+  outer: three.Data3DTexture;
+  inner: three.Data3DTexture;
+}
+
+async function lightTextures(bake: Bake, data: LightData): Promise<LightTextures> {
+  const { table, from, to } = await bricksOf(bake, data);
+  const side = async (block: number) => {
+    const words = colorWords(await bake.block(block, 1));
+    const size = textureSize(data);
+    const texels = new Uint32Array(size[0] * size[1] * size[2]);
+    for (let i = 0; i < to.length; ++i) texels[to[i]] = words[from[i]];
+    const texture = new three.Data3DTexture(texels, ...size);
+    texture.format = three.RGBFormat;
+    texture.type = three.UnsignedInt5999Type;
+    texture.internalFormat = 'RGB9_E5';
+    texture.minFilter = three.LinearFilter;
+    texture.magFilter = three.LinearFilter;
+    return given(texture);
+  };
+  const outer = await side(data.outer);
+  return { table, outer, inner: data.inner === null ? outer : await side(data.inner) };
 }

@@ -2,9 +2,11 @@
 // Reads the bake in the page and shows it, or says in a sentence why it cannot.
 
 import { Bake, type Header } from './bake';
+import { textureSize } from './bricks';
 import { Failure, showFailure } from './failure';
 import { Leaf } from './leaf';
 import { firstLook } from './look';
+import { layersOf } from './maps';
 import { buildPage, Panel } from './panel';
 import { View } from './view';
 import { Wall } from './walls';
@@ -19,8 +21,9 @@ function openCard(canvas: HTMLCanvasElement, header: Header): WebGL2RenderingCon
     );
   }
   const most = context.getParameter(context.MAX_3D_TEXTURE_SIZE) as number;
-  for (const { dims, brick, textureBricks } of header.volumes) {
-    const side = Math.max(...dims, ...brick.map((n, a) => n * textureBricks[a]));
+  for (const { dims, light, direct } of header.volumes) {
+    const maps = direct === null ? [] : textureSize(direct, layersOf(direct));
+    const side = Math.max(...dims, ...textureSize(light), ...maps);
     if (side > most) {
       throw new Failure(
         `This volume has ${side} points along one axis, and this graphics card takes ${most}: ` +

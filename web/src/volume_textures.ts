@@ -53,19 +53,32 @@ interface Bounds {
 
 // The least and the greatest of so many along each axis and, of voxels, the shared one behind them.
 function brickBounds(of: Bounds, side: number, shared: 0 | 1): Bounds {
+  const spans = of.dims.map((n) =>
+    Array.from({ length: Math.max(1, Math.ceil((n - shared) / side)) }, (_, k): Span => [
+      k * side,
+      Math.min((k + 1) * side + shared, n),
+    ]),
+  );
+  return extremes(of, spans);
+}
+
+// From the first to before the last.
+type Span = [number, number];
+
+// The least and the greatest of spans along each axis.
+export function extremes(of: Bounds, spans: Span[][]): Bounds {
   let { low, high } = of;
   const dims: Vector = [...of.dims];
   let stride = 1;
   for (let axis = 0; axis < 3; ++axis) {
     const n = dims[axis];
-    const count = Math.max(1, Math.ceil((n - shared) / side));
+    const count = spans[axis].length;
     const outer = low.length / (n * stride);
     const newLow = sameKind(low, outer * count * stride);
     const newHigh = sameKind(high, outer * count * stride);
     for (let o = 0; o < outer; ++o) {
       for (let k = 0; k < count; ++k) {
-        const first = k * side;
-        const end = Math.min(first + side + shared, n);
+        const [first, end] = spans[axis][k];
         for (let i = 0; i < stride; ++i) {
           let least = Infinity;
           let most = -Infinity;
@@ -108,6 +121,14 @@ export function integerTexture(
   const channels = format === three.RGBAIntegerFormat ? 'RGBA' : 'RG';
   texture.internalFormat = `${channels}${isByte ? '8' : '16'}UI` as three.PixelFormatGPU;
   texture.unpackAlignment = 1;
+  return given(texture);
+}
+
+// To be given to the card, which keeps it; this program does not.
+export function given(texture: three.Data3DTexture): three.Data3DTexture {
+  texture.onUpdate = () => {
+    texture.image.data = null;
+  };
   texture.needsUpdate = true;
   return texture;
 }

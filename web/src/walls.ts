@@ -4,6 +4,7 @@
 import * as three from 'three';
 
 import type { Bake, Header, WallData } from './bake';
+import { addColors, colorWords } from './colors';
 import type { Look } from './look';
 import display from './shaders/display.glsl';
 import precision from './shaders/precision.glsl';
@@ -17,7 +18,7 @@ export class Wall {
 
   static async of(bake: Bake, data: WallData): Promise<Wall> {
     const light = async (number: number | null) =>
-      number === null ? null : new Uint32Array((await bake.block(number, 4)).buffer);
+      number === null ? null : colorWords(await bake.block(number, 1));
     return new Wall(
       bake.header,
       data,
@@ -81,26 +82,10 @@ export class Wall {
       if (packed === null) continue;
       const colors = attribute.array as Float32Array;
       colors.fill(0);
-      addUnpacked(colors, packed, low * attribute.count, 1 - share);
-      addUnpacked(colors, packed, (low + 1) * attribute.count, share);
+      addColors(colors, packed, low * attribute.count, 1 - share);
+      addColors(colors, packed, (low + 1) * attribute.count, share);
       attribute.needsUpdate = true;
     }
     this.shown = c;
-  }
-}
-
-// Adds a share of colors that are packed with a shared exponent, from the first one on.
-function addUnpacked(
-  colors: Float32Array,
-  packed: Uint32Array,
-  first: number,
-  share: number,
-): void {
-  for (let i = 0, at = 0; at < colors.length; ++i) {
-    const word = packed[first + i];
-    const scale = share * 2 ** ((word >>> 27) - 24);
-    colors[at++] += scale * (word & 511);
-    colors[at++] += scale * ((word >>> 9) & 511);
-    colors[at++] += scale * ((word >>> 18) & 511);
   }
 }

@@ -10,7 +10,7 @@ import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 from leaflight.export.export import OF_SEQUENCE, OF_VOLUME, PAGE, SUFFIXES
-from leaflight.export.page_data import estimated_bytes
+from leaflight.export.page_volume import estimated_bytes
 
 from ..operators import background, checks
 from ..show import isovalues

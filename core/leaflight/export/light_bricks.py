@@ -2,7 +2,7 @@
 """Texels as a texture of bricks, without those that hold no light.
 
 A brick of n^3 texels serves the n - 1 cells between them along each axis, so that neighbours share
-a layer and a graphics card interpolates within one brick.
+a layer and a graphics card interpolates within one brick. web/src/bricks.ts makes the texture.
 """
 
 from dataclasses import dataclass
@@ -11,6 +11,8 @@ import numpy as np
 
 # Along each axis; whether either is smaller than all texels as one brick is tried.
 SIDES = (8, 16)
+# Of a texture, along one axis, that browsers take.
+LARGEST_SIDE = 2048
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,27 +25,15 @@ class LightBricks:
     table: np.ndarray
     shape: tuple
 
-    def gather(self, texels):
-        """The texture of an array [z, y, x], of zeros where nothing is."""
-        bx, by, bz = self.brick
-        sx, sy, sz = self.shape
-        texture = np.zeros((sz * bz, sy * by, sx * bx), texels.dtype)
-        for k, j, i in np.argwhere(self.table[..., 3]):
-            x, y, z, _ = (int(n) for n in self.table[k, j, i])
-            low = (k * (bz - 1), j * (by - 1), i * (bx - 1))
-            part = texels[low[0] : low[0] + bz, low[1] : low[1] + by, low[2] : low[2] + bx]
-            nz, ny, nx = part.shape
-            z, y, x = z * bz, y * by, x * bx
-            texture[z : z + nz, y : y + ny, x : x + nx] = part
-        return texture
+
+def light_bricks(lit, layers=1):
+    """The LightBricks that take the least memory. lit: bool [z, y, x], the texels with light;
+    layers: how many textures of their shape lie behind each other along z."""
+    sides = (*SIDES, None) if layers * len(lit) <= LARGEST_SIDE else SIDES
+    return min((_bricks(lit, side, layers) for side in sides), key=_texels)
 
 
-def light_bricks(lit):
-    """The LightBricks that take the least memory. lit: bool [z, y, x], the texels with light."""
-    return min((_bricks(lit, side) for side in (*SIDES, None)), key=_texels)
-
-
-def _bricks(lit, side):
+def _bricks(lit, side, layers):
     resolution = lit.shape[::-1]
     brick = tuple(resolution if side is None else (side,) * 3)
     counts = tuple(max(1, -(-(n - 1) // (b - 1))) for n, b in zip(resolution, brick))
@@ -55,8 +45,8 @@ def _bricks(lit, side):
         ]
         is_used = np.stack(parts, axis)
     places = np.argwhere(is_used)
-    across = max(1, round(len(places) ** (1 / 3)))
-    down = max(1, round((len(places) / across) ** 0.5))
+    across = max(1, min(len(places), round((layers * len(places)) ** (1 / 3))))
+    down = max(1, min(-(-len(places) // across), across))
     shape = (across, down, max(1, -(-len(places) // (across * down))))
     table = np.zeros((*counts[::-1], 4), np.uint8)
     number = np.arange(len(places))

@@ -11,16 +11,17 @@ import leaflight._core as _core
 from .._core import LeaflightError
 from ..io.output import check_writable, replaced, replaced_together
 from ..still.still import check_diffuse
-from .page_data import EVERY, dims_of, estimated_bytes, page_data, texels_of
+from .light_bricks import LARGEST_SIDE
+from .page_data import EVERY, page_data
+from .page_volume import dims_of, estimated_bytes, texels_of
 
 # Of package data: the page without a bake, made by web/bundle.mjs.
 TEMPLATE = Path(__file__).parent.parent / "page" / "page.html"
 # Where the page's data and its permissions go.
 _DATA, _POLICY = "<!--leaflight:data-->", "leaflight-connect-src"
 
-# What a browser still takes well, as a file and along one axis of a texture.
+# What a browser still takes well.
 LARGEST_BYTES = 200e6
-LARGEST_SIDE = 2048
 MOST_COARSER = 3
 
 

@@ -8,7 +8,6 @@ uniform float isovalue, secondIsovalue;  // in codes
 uniform bool hasSecond, countsFetches;
 uniform float opacity;  // of the second
 uniform vec4 clip;      // index coordinates: what dot(clip, (p, 1)) < 0 is left out; 0 for none
-uniform vec2 window;    // in codes, of gray on the cut
 
 out vec4 color;
 
@@ -54,20 +53,24 @@ void main() {
       if (!isCut || cutValue < secondIsovalue) second = trace(before, secondIsovalue);
     }
   }
+  // One place that calls it, since drivers copy it to each.
+  Hit hits[2] = Hit[2](first, second);
+  vec3 radiance[2];
+  for (int k = 0; k < 2; ++k) {
+    if (hits[k].t < 0.0 || (k == 0 && isOnCut)) continue;
+    float own = k == 0 ? isovalue : secondIsovalue;
+    radiance[k] = light(eye + hits[k].t * direction, hits[k], own, k);
+  }
   if (countsFetches) {
-    if (first.t >= 0.0) light(eye + first.t * direction, first, isovalue);
-    if (second.t >= 0.0) light(eye + second.t * direction, second, secondIsovalue);
     color = vec4(float(fetches & 255) / 255.0, float(fetches >> 8) / 255.0, 0.0, 1.0);
     gl_FragDepth = 0.0;
     return;
   }
   if (first.t < 0.0 && second.t < 0.0) discard;
   if (first.t < 0.0) color = vec4(0.0);
-  if (first.t >= 0.0 && !isOnCut) {
-    color = shown(light(eye + first.t * direction, first, isovalue), 1.0);
-  }
+  if (first.t >= 0.0 && !isOnCut) color = shown(radiance[0], 1.0);
   if (second.t >= 0.0) {
-    vec4 before = shown(light(eye + second.t * direction, second, secondIsovalue), opacity);
+    vec4 before = shown(radiance[1], opacity);
     color = before + (1.0 - opacity) * color;
   }
   gl_FragDepth = depthOf(eye + (first.t >= 0.0 ? first.t : second.t) * direction);

@@ -7,11 +7,13 @@ uniform vec3 texelScale, textureScale;  // from index coordinates to texels; one
 uniform int innerIs;                    // 0: baked, 1: dark, 2: to be shaded locally
 uniform bool isLocal;
 uniform mat4 indexToWorld;
-uniform mat3 normalToWorld;  // of gradients
-uniform vec3 worldEye, ambient, albedo, emission;
+uniform vec3 worldEye, ambient;
+uniform vec3 albedo[2], emission[2];  // of both isosurfaces
 uniform int lampCount;  // -1: a headlight
 uniform vec4 lamps[48];
 uniform float exposure;  // of the scene
+
+const float PI = 3.14159265358979;
 
 vec3 irradianceOverPi(vec3 place, vec3 normal) {
   if (lampCount < 0) return vec3(max(dot(normal, normalize(worldEye - place)), 0.0));
@@ -34,37 +36,34 @@ vec3 irradianceOverPi(vec3 place, vec3 normal) {
     }
     total += share * intensity.xyz;
   }
-  return total / 3.14159265358979 + ambient;
+  return total / PI + ambient;
 }
 
-// Central differences between voxels, interpolated; one-sided where one of the two is missing.
-vec3 gradientAt(vec3 place, float own) {
-  vec3 g;
-  for (int a = 0; a < 3; ++a) {
-    vec3 low = place, high = place;
-    low[a] = max(low[a] - 1.0, 0.0);
-    high[a] = min(high[a] + 1.0, float(dims[a] - 1));
-    float below = valueAt(low), above = valueAt(high);
-    if (below < 0.0) below = own, low = place;
-    if (above < 0.0) above = own, high = place;
-    float way = high[a] - low[a];
-    g[a] = way > 0.0 ? (above - below) / way : 0.0;
-  }
-  return g;
+// Radiance of the texels about a place.
+vec3 ofTexels(vec3 place, bool isInner) {
+  fetches += 2;
+  vec3 texel = max(place * texelScale, 0.0);
+  ivec3 within = min(ivec3(texel) / (brick - 1), bricks - 1);
+  uvec4 entry = texelFetch(table, within, 0);
+  if (entry.w == 0u) return vec3(0.0);
+  vec3 first = vec3(entry.xyz) * vec3(brick);
+  vec3 at = (first + texel - vec3(within * (brick - 1)) + 0.5) * textureScale;
+  return isInner ? texture(inner, at).rgb : texture(outer, at).rgb;
 }
 
-vec3 light(vec3 place, Hit hit, float isovalue) {
+// Of the first or the second isosurface.
+vec3 light(vec3 place, Hit hit, float isovalue, int number) {
   if (!isLocal && !(hit.fromInside && innerIs != 0)) {
-    fetches += 2;
-    vec3 texel = max(place * texelScale, 0.0);
-    ivec3 within = min(ivec3(texel) / (brick - 1), bricks - 1);
-    vec3 first = vec3(texelFetch(table, within, 0).xyz) * vec3(brick);
-    vec3 at = (first + texel - vec3(within * (brick - 1)) + 0.5) * textureScale;
-    return hit.fromInside ? texture(inner, at).rgb : texture(outer, at).rgb;
+    vec3 radiance = ofTexels(place, hit.fromInside);
+#ifdef DIRECT
+    vec3 irradiance = directIrradiance(place, isovalue, hit.fromInside);
+    radiance += exposure / PI * albedo[number] * irradiance;
+#endif
+    return radiance;
   }
   if (!isLocal && innerIs == 1) return vec3(0.0);
   vec3 normal = -normalize(normalToWorld * gradientAt(place, isovalue));
   if (hit.fromInside) normal = -normal;
   vec3 world = (indexToWorld * vec4(place, 1.0)).xyz;
-  return exposure * (albedo * irradianceOverPi(world, normal) + emission);
+  return exposure * (albedo[number] * irradianceOverPi(world, normal) + emission[number]);
 }

@@ -1,5 +1,6 @@
 // What is not said is less than single precision, on phones.
 precision highp float;
 precision highp int;
+precision highp sampler2D;
 precision highp sampler3D;
 precision highp usampler3D;

@@ -22,6 +22,12 @@ class DirectLight {
   const TexelLattice<D>& lattice() const { return lattice_; }
   std::size_t points() const { return points_.size(); }
   const LightPoint<D>& point(std::size_t number) const { return points_[number]; }
+  const Affine<D>& index_to_frame() const { return to_frame_; }
+  bool has_inner() const { return !maps_[1].empty(); }
+  // VisibilityCode of the way from an active texel to a point.
+  std::uint8_t code(std::size_t point, std::size_t slot, bool inner) const {
+    return maps_[inner][slot * points_.size() + point];
+  }
 
   // Radiance [W/(m^2 sr)] that the leaf through an index position of the field, which must be that
   // of the volume, reflects on one of its sides; zero where no leaf passes.

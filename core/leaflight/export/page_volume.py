@@ -1,0 +1,243 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One volume of a web page: its values, the light of its texels, and its maps of direct light."""
+
+import math
+from dataclasses import dataclass
+
+import leaflight._core as _core
+import numpy as np
+
+from ..scene.scene import core_scene, is_color
+from ..still.still import inner_side
+from .light_bricks import light_bricks
+from .shared_exponent import packed
+from .visibility_levels import POINTS_A_TEXEL, pairs, ranges
+
+# Finer levels are shown with texels of their width everywhere, up to so many.
+MOST_FINER_TEXELS = 20_000_000
+# Of 16 bits, where there are no data.
+NO_DATA = 65535
+
+
+@dataclass(frozen=True)
+class ShownVolume:
+    """A volume of a bake as a page shows it: volume, one of the bake's or a coarser one; texels
+    along x, y and z; direct: the DirectLight that is added to their light, None: they hold all."""
+
+    bake: object
+    number: int
+    volume: object
+    texels: tuple
+    direct: object
+
+    @property
+    def is_coarser(self):
+        return self.volume is not self.bake.volumes[self.number]
+
+    @property
+    def sides(self):
+        """Of isosurfaces, False the outer one, that the page has light for."""
+        return (False, True) if inner_side(self.bake, self.number) == "baked" else (False,)
+
+    @property
+    def raw_bytes(self):
+        """About how many there are to deflate."""
+        return sum(_raw_parts(self.bake, self.number, self.texels, self.volume.field().dims))
+
+
+def shown_volume(bake, number, coarser, progress):
+    """The ShownVolume of a Bake's volume, halved so often. Raises Cancelled."""
+    volume, direct = bake.volumes[number], bake.grids[number].direct
+    for _ in range(coarser):
+        volume = volume.coarser()
+    if coarser and direct is not None:
+        # Other isosurfaces have other shadows.
+        dims = volume.field().dims
+        progress.begin("Direct light")
+        progress.expect(float(math.prod(dims) * len(direct.light_points)))
+        scene = core_scene(bake.scene, [volume.field()], bake.isovalues)
+        direct = _core.DirectLight(scene, number, dims, bake.grids[number].has_back, progress)
+    return ShownVolume(bake, number, volume, texels_of(bake, number, coarser), direct)
+
+
+def dims_of(bake, number, coarser):
+    """Voxels along x, y and z of the volume that is shown, without making it."""
+    return tuple(n >> coarser for n in bake.volumes[number].field().dims)
+
+
+def texels_of(bake, number, coarser):
+    """Texels along x, y and z of the light that a page shows: of the finest level of the bake that
+    is not too much for a browser."""
+    if coarser:
+        return dims_of(bake, number, coarser)
+    grid = bake.grids[number]
+    for level in range(grid.levels - 1, 0, -1):
+        finer = tuple((n - 1) * 2**level + 1 for n in grid.resolution)
+        if math.prod(finer) <= MOST_FINER_TEXELS:
+            return finer
+    return tuple(grid.resolution)
+
+
+def volume_data(data, shown):
+    """What the header of a page tells of a ShownVolume; the blocks go into its PageData."""
+    bake, number, volume = shown.bake, shown.number, shown.volume
+    leaves, field = bake.scene.leaves[number], volume.field()
+    codes, offset, scale = coded(np.asarray(volume.values))
+    return {
+        "name": volume.name,
+        "dims": list(field.dims),
+        "indexToWorld": np.asarray(volume.index_to_world, np.float64).ravel().tolist(),
+        "isovalues": [bake.isovalue_of(number, c) for c in (0.0, 1.0)],
+        "values": data.add(codes),
+        "bits": 8 * codes.itemsize,
+        "masked": bool(field.masked),
+        "offset": offset,
+        "scale": scale,
+        "light": _light_data(data, shown),
+        "direct": _direct_data(data, shown, codes, offset, scale),
+        "innerIs": inner_side(bake, number),
+        "albedo": _stops(leaves.albedo),
+        "emission": _stops(leaves.emission),
+    }
+
+
+def coded(values):
+    """(codes uint8 or uint16, offset, scale): a value is offset + scale * code.
+
+    Exact for integers that span 16 bits; else to 1/65534 of the range, NaN being NO_DATA.
+    """
+    if values.dtype == np.uint8:
+        return values, 0.0, 1.0
+    if values.dtype.kind in "iu":
+        low = int(values.min())
+        span = int(values.max()) - low
+        kind = np.uint8 if span <= 255 else np.uint16
+        return (values.astype(np.int64) - low).astype(kind), float(low), 1.0
+    known = np.isfinite(values)
+    low, high = float(values[known].min()), float(values[known].max())
+    scale = (high - low) / (NO_DATA - 1)
+    codes = np.full(values.shape, NO_DATA, np.uint16)
+    codes[known] = np.rint((values[known].astype(np.float64) - low) / scale)
+    return codes, low, scale
+
+
+def _light_data(data, shown):
+    exposure = np.float32(shown.bake.scene.exposure)
+    sides = [packed(_light(shown, back, data.progress) * exposure) for back in shown.sides]
+    lit = np.logical_or.reduce([side != 0 for side in sides])
+    return _texture(data, lit, 1, [data.add_colors(side[lit]) for side in sides])
+
+
+def _direct_data(data, shown, codes, offset, scale):
+    """The maps, or None; the page finds their ranges as they are found here."""
+    direct, bake = shown.direct, shown.bake
+    if direct is None or len(direct.light_points) == 0:
+        return None
+    low, high = (bake.isovalue_of(shown.number, c) for c in bake.isovalues)
+    missing = NO_DATA if shown.volume.field().masked else None
+
+    def code(numbers):
+        return 1.0 + (offset + scale * numbers - low) * (252.0 / (high - low))
+
+    active = direct.mask() != 0
+    least, greatest = (each[active] for each in ranges(codes, missing, direct.resolution, code))
+    sides = []
+    for is_inner in shown.sides:
+        about = (254 - greatest, 254 - least) if is_inner else (least, greatest)
+        sides.append([data.add(each) for each in pairs(direct, is_inner, *about)])
+    layers = len(sides) * -(-len(direct.light_points) // POINTS_A_TEXEL)
+    return {
+        **_texture(data, active, layers, sides),
+        "points": direct.light_points.reshape(-1, 16).tolist(),
+        "indexToFrame": direct.index_to_frame.ravel().tolist(),
+    }
+
+
+def _texture(data, active, layers, sides):
+    """active: bool [z, y, x], the texels that there are; sides: the block, or blocks, of each."""
+    bricks = light_bricks(active, layers)
+    return {
+        "texels": list(active.shape[::-1]),
+        "active": data.add(np.packbits(active, bitorder="little")),
+        "brick": list(bricks.brick),
+        "bricks": list(bricks.table.shape[2::-1]),
+        "table": data.add(bricks.table),
+        "textureBricks": list(bricks.shape),
+        "outer": sides[0],
+        "inner": sides[1] if len(sides) > 1 else None,
+    }
+
+
+def _light(shown, back, progress):
+    """Radiance float32 (nz, ny, nx, 3) at texels evenly spaced from the first voxel to the last."""
+    grid, field = shown.bake.grids[shown.number], shown.bake.volumes[shown.number].field()
+    is_indirect = shown.direct is not None
+    if not shown.is_coarser and tuple(grid.resolution) == tuple(shown.texels):
+        name = "radiance_back" if back else "radiance"
+        return grid.dense(f"{name}_indirect" if is_indirect else name)
+    step = (np.array(shown.volume.field().dims) - 1.0) / (np.array(shown.texels) - 1.0)
+    texel_to_world = np.asarray(shown.volume.index_to_world) @ np.diag([*step, 1.0])
+    nx, ny, nz = shown.texels
+    y, x = np.mgrid[:ny, :nx]
+    planes = []
+    for z in range(nz):
+        progress.check()
+        texels = np.stack([x, y, np.full_like(x, z), np.ones_like(x)], axis=-1).reshape(-1, 4)
+        points = (texels @ texel_to_world.T)[:, :3]
+        planes.append(grid.lookup(field, points, back, is_indirect))
+    light = np.stack(planes).reshape(nz, ny, nx, 3)
+    # A coarser isosurface is not quite where the one that was lit is.
+    return spread(light) if shown.is_coarser else light
+
+
+def spread(light):
+    """The light (nz, ny, nx, 3), dark texels having the mean of their neighbours that are lit."""
+    lit = light.any(axis=-1)
+    sums, counts = light * lit[..., None], lit.astype(np.float32)
+    for axis in range(3):
+        sums, counts = _of_three(sums, axis), _of_three(counts, axis)
+    filled = sums / np.maximum(counts, 1.0)[..., None]
+    return np.where(lit[..., None], light, filled).astype(np.float32)
+
+
+def _of_three(array, axis):
+    total = array.copy()
+    before = [slice(None)] * array.ndim
+    after = list(before)
+    before[axis], after[axis] = slice(None, -1), slice(1, None)
+    total[tuple(after)] += array[tuple(before)]
+    total[tuple(before)] += array[tuple(after)]
+    return total
+
+
+def _stops(ramp):
+    """A ramp as [[isovalue, [r, g, b]], ...]."""
+    if is_color(ramp):
+        return [[0.0, list(ramp)]]
+    return [[float(isovalue), list(map(float, color))] for isovalue, color in ramp]
+
+
+def estimated_bytes(bake, coarser=0):
+    """About how large the file of a page will be: of texels with light half stays when deflated, of
+    maps a seventh, and of values half; text holds six bits a byte."""
+    total = 0.0
+    for number, grid in enumerate(bake.grids):
+        share = grid.texels / math.prod(grid.resolution)
+        texels, dims = texels_of(bake, number, coarser), dims_of(bake, number, coarser)
+        light, maps, values = _raw_parts(bake, number, texels, dims)
+        total += min(1.0, share) * (light / 2.0 + maps / 7.0) + values / 2.0
+    return 4.0 / 3.0 * total
+
+
+def _raw_parts(bake, number, texels, dims):
+    """Bytes of the light of a volume, of its maps, and of its values, before they deflate."""
+    direct = bake.grids[number].direct
+    sides = 2 if inner_side(bake, number) == "baked" else 1
+    map_texels = min(math.prod(dims), math.prod(direct.resolution)) if direct else 0
+    bytes_a_texel = -(-len(direct.light_points) // 2) if direct else 0
+    bytes_a_voxel = 1 if np.asarray(bake.volumes[number].values).dtype == np.uint8 else 2
+    return (
+        4.0 * sides * math.prod(texels),
+        float(sides * map_texels * bytes_a_texel),
+        float(bytes_a_voxel * math.prod(dims)),
+    )

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Visibility maps with four bits a light point, for a web page.
+
+Near a texel only the isosurfaces of the values about it pass. So a code of a map (DirectLight) is
+kept as its place between the least and the greatest of these values, which the page finds itself.
+"""
+
+import math
+
+import numpy as np
+
+# A way that no isosurface about the texel blocks; one that all of them do; one that a mesh does.
+# Levels between are even parts of the range of codes.
+LIT, HIDDEN, DARK = 0, 14, 15
+# Of which the card reads the levels at once.
+POINTS_A_TEXEL = 8
+_PARTS = HIDDEN - 1
+
+
+def ranges(values, missing, texels, code):
+    """(least, greatest) code about each texel, uint8 [z, y, x].
+
+    values: array [z, y, x]; missing: the value of masked voxels, greater than all others, or None.
+    texels: (x, y, z) of the map; code: a function from values to codes that grow with them. About a
+    texel are the voxels within one texel of it.
+    """
+    least = greatest = values
+    if missing is not None:
+        greatest = np.where(values == missing, values.dtype.type(0), values)
+    for axis, count in enumerate(texels[::-1]):
+        least = _by_texel(np.minimum, least, axis, count)
+        greatest = _by_texel(np.maximum, greatest, axis, count)
+    return _byte(np.floor(code(least))), _byte(np.ceil(code(greatest)))
+
+
+def levels(codes, least, greatest):
+    """The levels uint8 of codes between others, uint8 arrays of one shape."""
+    part = np.clip(codes, least, greatest) - least
+    found = _LEVELS.take((greatest - least).astype(np.uint16) * np.uint16(256) + part)
+    found[codes == 255] = DARK
+    return found
+
+
+def pairs(direct, inner, least, greatest):
+    """uint8 (n,) of the active texels for each two light points of a DirectLight: levels of the
+    first, and of the second times 16. least, greatest: codes about these texels."""
+    for point in range(0, len(direct.light_points), 2):
+        both = levels(direct.codes(point, inner), least, greatest)
+        if point + 1 < len(direct.light_points):
+            both |= levels(direct.codes(point + 1, inner), least, greatest) << 4
+        yield both
+
+
+def _by_texel(function, values, axis, count):
+    voxels = values.shape[axis]
+    width = (voxels - 1) / (count - 1)
+    planes = []
+    for texel in range(count):
+        first = max(0, math.floor((texel - 1) * width))
+        end = min(voxels, math.ceil((texel + 1) * width) + 1)
+        planes.append(function.reduce(values.take(range(first, end), axis), axis))
+    return np.stack(planes, axis)
+
+
+def _byte(codes):
+    return np.clip(codes, 0, 254).astype(np.uint8)
+
+
+def _table():
+    """[range of codes, part of it]: the level."""
+    span, part = np.mgrid[:256, :256]
+    between = 1 + part * _PARTS // np.maximum(span, 1)
+    table = np.where(part == 0, LIT, np.where(part >= span, HIDDEN, between))
+    return table.astype(np.uint8).ravel()
+
+
+_LEVELS = _table()

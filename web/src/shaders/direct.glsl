@@ -1,0 +1,87 @@
+// Direct light, computed at the very point (core/src/bake/direct_light.cpp).
+
+uniform usampler3D maps;       // levels of eight light points a texel, in bricks: layers along z
+uniform usampler3D mapTable;   // where in these each brick is
+uniform usampler3D mapRanges;  // the least and the greatest visibility code about each texel
+uniform sampler2D lightPoints;  // four texels each, as DirectLight.light_points lists them
+uniform ivec3 mapTexels, mapBrick, mapBricks;
+uniform int mapDepth;  // texels of a layer along z
+uniform mat4 indexToFrame;
+
+const float PARTS = 13.0;  // into which ranges are cut (core/leaflight/export/visibility_levels.py)
+const uint DARK = 15u;
+
+// The irradiance that a light point would bring to a surface if nothing stood in the way.
+vec3 unshadowed(int point, vec3 place, vec3 normal, vec3 geometricNormal) {
+  ++fetches;
+  vec4 at = texelFetch(lightPoints, ivec2(0, point), 0);
+  vec3 way = at.w * place - at.xyz;
+  float perDistance = inversesqrt(dot(way, way));
+  way *= perDistance;
+  float cosine = -dot(way, normal);
+  if (cosine <= 0.0 || dot(way, geometricNormal) >= 0.0) return vec3(0.0);
+  fetches += 3;
+  vec4 axis = texelFetch(lightPoints, ivec2(1, point), 0);
+  float leaving = dot(way, axis.xyz);
+  float share = axis.w == 0.0 ? 1.0 : axis.w == 1.0 ? max(leaving, 0.0) : abs(leaving);
+  vec4 amount = texelFetch(lightPoints, ivec2(2, point), 0);
+  vec4 cone = texelFetch(lightPoints, ivec2(3, point), 0);
+  float inside = max(dot(way, cone.xyz) - cone.w, 0.0);
+  share *= inside < amount.w ? smoothstep(0.0, 1.0, inside / amount.w) : float(inside > 0.0);
+  return amount.rgb * (share * cosine * perDistance * perDistance);
+}
+
+// Of a leaf at index coordinates.
+vec3 directIrradiance(vec3 place, float isovalue, bool isInner) {
+  vec3 texel = clamp(place * (vec3(mapTexels - 1) / vec3(dims - 1)), vec3(0.0), vec3(mapTexels - 1));
+  ivec3 cell = min(ivec3(texel), mapTexels - 2);
+  vec3 u = texel - vec3(cell);
+  ivec3 within = min(cell / (mapBrick - 1), mapBricks - 1);
+  uvec4 entry = texelFetch(mapTable, within, 0);
+  ++fetches;
+  if (entry.w == 0u) return vec3(0.0);
+  ivec3 first = ivec3(entry.xyz) * mapBrick + cell - within * (mapBrick - 1);
+  float own = 1.0 + 252.0 * (isovalue - window.x) / (window.y - window.x);
+  int pointCount = textureSize(lightPoints, 0).y, groups = (pointCount + 7) / 8;
+  if (isInner) own = 254.0 - own, first.z += groups * mapDepth;
+  float weight[8];
+  vec2 range[8];  // where it begins, and how long it is
+  for (int corner = 0; corner < 8; ++corner) {
+    ivec3 offset = ivec3(corner, corner >> 1, corner >> 2) & 1;
+    vec3 share = mix(1.0 - u, u, vec3(offset));
+    weight[corner] = share.x * share.y * share.z;
+    vec2 codes = vec2(texelFetch(mapRanges, cell + offset, 0).xy);
+    range[corner] = vec2(isInner ? 254.0 - codes.y : codes.x, codes.y - codes.x);
+  }
+  fetches += 8;
+  vec3 gradient = gradientAt(place, isovalue);
+  if (gradient == vec3(0.0)) return vec3(0.0);
+  float side = isInner ? 1.0 : -1.0;
+  vec3 normal = side * normalize(normalToWorld * gradient);
+  vec3 geometricNormal = side * normalToWorld * surfaceGradient(place, gradient);
+  vec3 framed = (indexToFrame * vec4(place, 1.0)).xyz;
+  vec3 total = vec3(0.0);
+  for (int group = 0; group < groups; ++group) {
+    // Of even and odd points: the greatest code on the way, and whether a mesh stands there.
+    vec4 greatest[2] = vec4[2](vec4(0.0), vec4(0.0)), dark[2] = greatest;
+    for (int corner = 0; corner < 8; ++corner) {
+      ivec3 offset = ivec3(corner, corner >> 1, corner >> 2) & 1;
+      uvec4 levels = texelFetch(maps, first + offset + ivec3(0, 0, group * mapDepth), 0);
+      for (int odd = 0; odd < 2; ++odd) {
+        uvec4 level = odd == 0 ? levels & 15u : levels >> 4;
+        vec4 isDark = vec4(equal(level, uvec4(DARK))) * weight[corner];
+        vec4 part = clamp((vec4(level) - 0.5) / PARTS, 0.0, 1.0);
+        dark[odd] += isDark;
+        greatest[odd] += (weight[corner] - isDark) * (range[corner].x + range[corner].y * part);
+      }
+    }
+    fetches += 8;
+    int end = min(8, pointCount - 8 * group);
+    for (int k = 0; k < end; ++k) {
+      float behindMesh = dark[k & 1][k >> 1];
+      if (behindMesh >= 0.5 || greatest[k & 1][k >> 1] >= own * (1.0 - behindMesh)) continue;
+      total += unshadowed(8 * group + k, framed, normal, geometricNormal);
+    }
+  }
+  return total;
+}

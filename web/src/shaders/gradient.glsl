@@ -1,0 +1,51 @@
+// Gradients of the values, in index coordinates (core/src/field/field.cpp).
+
+uniform mat3 normalToWorld;  // of gradients
+
+// Central differences at the voxels, one-sided at the border and where one of two values is missing,
+// interpolated.
+vec3 gradientAt(vec3 place, float own) {
+  vec3 g;
+  for (int a = 0; a < 3; ++a) {
+    vec3 low = place, high = place;
+    float last = float(dims[a] - 1), voxel = min(floor(place[a]), last - 1.0);
+    if (voxel > 0.0 && voxel + 1.0 < last) {
+      low[a] -= 1.0;
+      high[a] += 1.0;
+      float below = valueAt(low), above = valueAt(high);
+      if (below < 0.0) below = own, low = place;
+      if (above < 0.0) above = own, high = place;
+      float way = high[a] - low[a];
+      g[a] = way > 0.0 ? (above - below) / way : 0.0;
+    } else {
+      low[a] = voxel;
+      high[a] = voxel + 1.0;
+      float below = valueAt(low), above = valueAt(high);
+      float first = above - below, second = first;
+      low[a] = voxel - 1.0;
+      high[a] = voxel + 2.0;
+      if (low[a] >= 0.0) {
+        float before = valueAt(low);
+        if (before >= 0.0) first = 0.5 * (above - before);
+      }
+      if (high[a] <= last) {
+        float behind = valueAt(high);
+        if (behind >= 0.0) second = 0.5 * (behind - below);
+      }
+      g[a] = mix(first, second, place[a] - voxel);
+    }
+  }
+  return g;
+}
+
+// The derivative of the values in their cell. It jumps at the cell's faces and goes over to the
+// gradient of shading there.
+vec3 surfaceGradient(vec3 place, vec3 shading) {
+  ivec3 cell = min(ivec3(place), dims - 2);
+  vec3 u = place - vec3(cell);
+  vec4 low = quadAt(cell), high = quadAt(cell + ivec3(0, 0, 1)), q = mix(low, high, u.z);
+  vec4 along = high - low;
+  vec3 own = vec3(mix(q.y - q.x, q.w - q.z, u.y), mix(q.z - q.x, q.w - q.y, u.x),
+                  mix(mix(along.x, along.y, u.x), mix(along.z, along.w, u.x), u.y));
+  return mix(shading, own, min(min(u, 1.0 - u) / 0.05, 1.0));
+}
