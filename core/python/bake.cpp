@@ -116,66 +116,6 @@ void bind_settings(py::module_& module, const std::string& suffix) {
           "tent, box) into texels up to `radius` away, instead of samples in each texel.");
 }
 
-template <int D>
-void bind_surroundings(py::module_& module, const std::string& suffix) {
-  using Surroundings = SurroundingsRadiance<D>;
-  py::class_<Surroundings, std::shared_ptr<Surroundings>>(
-      module, ("SurroundingsRadiance" + suffix).c_str(),
-      "The radiance of the surroundings over the leaf coordinate, at the vertices of fine meshes.")
-      .def_property_readonly(
-          "count", [](const Surroundings& s) { return s.radiance.size(); }, "Number of meshes.")
-      .def_property_readonly(
-          "nodes",
-          [](const Surroundings& s) {
-            std::vector<double> nodes;
-            for (int i = 0; i < LeafNodes::count; ++i) nodes.push_back(s.nodes.node(i));
-            return nodes;
-          },
-          "The leaf coordinates, ascending, between which indirect light is linear.")
-      .def(
-          "mesh",
-          [](const Surroundings& s, std::size_t i) {
-            std::vector<Vec<D, float>> vertices = s.meshes.at(i).fine.vertices;
-            std::vector<std::array<std::int32_t, static_cast<std::size_t>(D)>> facets;
-            for (const auto& facet : s.meshes.at(i).fine.facets) {
-              auto& numbers = facets.emplace_back();
-              std::copy(facet.begin(), facet.end(), numbers.begin());
-            }
-            const auto n = static_cast<py::ssize_t>(vertices.size());
-            const auto m = static_cast<py::ssize_t>(facets.size());
-            return py::make_tuple(adopt<float>(std::move(vertices), {n, D}),
-                                  adopt<std::int32_t>(std::move(facets), {m, D}));
-          },
-          py::arg("mesh"), "(vertices float32 (n, D) world, facets int32 (m, D)).")
-      .def(
-          "places",
-          [](const Surroundings& s, std::size_t i) {
-            std::vector<std::int32_t> facets;
-            std::vector<std::array<double, 2>> coordinates;
-            for (const FacetPoint& p : s.meshes.at(i).fine.places) {
-              facets.push_back(p.facet);
-              coordinates.push_back({p.u, p.v});
-            }
-            const auto n = static_cast<py::ssize_t>(facets.size());
-            return py::make_tuple(adopt<std::int32_t>(std::move(facets), {n}),
-                                  adopt<double>(std::move(coordinates), {n, 2}));
-          },
-          py::arg("mesh"),
-          "Where the vertices were lit: (facets int32 (n,) of the original mesh, barycentric\n"
-          "coordinates (n, 2)), for reference_surroundings().")
-      .def(
-          "radiance",
-          [](const Surroundings& s, std::size_t i, double c, bool back) {
-            static_cast<void>(s.meshes.at(i));
-            auto radiance = radiance_at(s, static_cast<int>(i), c, back);
-            const auto n = static_cast<py::ssize_t>(radiance.size());
-            return adopt<float>(std::move(radiance), {n, 3});
-          },
-          py::arg("mesh"), py::arg("c"), py::arg("back") = false,
-          "float32 (n, 3) at the vertices of a fine mesh, seen from its normals' side or from\n"
-          "behind.");
-}
-
 // Grids and surroundings become objects of their own, which live as long as Python needs them.
 template <int D>
 struct BakedObjects {
@@ -272,10 +212,8 @@ void bind_baking(py::module_& module, const std::string& suffix) {
 
 void bind_bake(py::module_& module) {
   bind_settings<3>(module, "");
-  bind_surroundings<3>(module, "");
   bind_baking<3>(module, "");
   bind_settings<2>(module, "2");
-  bind_surroundings<2>(module, "2");
   bind_baking<2>(module, "2");
   module.def(
       "noise_to_reach", &noise_to_reach, py::arg("error"), py::arg("texture"),

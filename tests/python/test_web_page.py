@@ -81,11 +81,38 @@ def test_the_page_holds_the_bake(lapr_bake, tmp_path):
             assert (dense[~active] < LEAST).all()
             got, expected = colors(header, body, light[side]), dense[active]
             assert (abs(got - expected).max(1) <= LEAST + expected.max(1) / 500).all()
-    assert len(header["walls"]) == len(lapr_bake.scene.meshes)
-    wall = header["walls"][0]
-    light = colors(header, body, wall["outer"]).reshape(33, -1, 3)
-    middle = lapr_bake.surroundings.radiance(0, wall["nodes"][16]) * lapr_bake.scene.exposure
-    np.testing.assert_allclose(light[16], middle, atol=middle.max() / 200)
+    walls, lit = header["walls"], lapr_bake.surroundings
+    assert len(walls["meshes"]) == len(lapr_bake.scene.meshes)
+    shadows = [
+        check_wall(header, body, wall, lit, number, lapr_bake)
+        for number, wall in enumerate(walls["meshes"])
+    ]
+    assert sum(shadows) > 100
+
+
+def check_wall(header, body, wall, lit, number, bake):
+    """Returns how many ways are in the shadow of some isosurfaces alone."""
+    sets, greatest, shares, *unshadowed = lit.direct_ways(number)
+    exposed = [(wall["unshadowed"], unshadowed)]
+    exposed.append((wall["indirect"], [lit.indirect(number, back) for back in (False, True)]))
+    for blocks, sides in exposed:
+        for of_side, light in zip(blocks, sides):
+            expected = light.reshape(-1, 3) * bake.scene.exposure
+            got = 0 * expected if of_side is None else colors(header, body, of_side)
+            assert (abs(got - expected).max(1) <= LEAST + expected.max(1) / 500).all()
+    np.testing.assert_array_equal(block(header, body, wall["sets"], np.uint8), sets)
+    code = block(header, body, wall["greatest"], np.uint8).reshape(greatest.T.shape).T
+    low, high = bake.isovalues
+    inside = (greatest > low) & (greatest < high)
+    expected = 1 + 252 * (greatest[inside] - low) / (high - low)
+    assert abs(code[inside] + 0.5 - expected).max(initial=0) <= 0.501
+    assert (code[greatest < low] == 0).all() and (code[np.isinf(greatest)] == 255).all()
+    weight = block(header, body, wall["weights"], np.int8).reshape(shares.T.shape).T
+    lights = shares * lit.point_amounts.max(axis=-1)[sets]
+    front = lights / np.maximum(lights.max(axis=1, keepdims=True), 1e-30)
+    assert abs(weight / 127 - front)[lights > 0].max(initial=0) <= 0.51 / 127
+    assert (weight[lights <= 0] <= 0).all()
+    return inside.sum()
 
 
 @given(st.lists(st.floats(0, 60000, width=32), min_size=3, max_size=3))

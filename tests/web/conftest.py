@@ -75,7 +75,8 @@ def two():
 
 
 def shadows():
-    """Posts on a floor in light with sharp edges, from above and below; one shadow is a plate's."""
+    """Posts on a floor before a wall, in light with sharp edges from above and below; one of the
+    shadows is a plate's."""
     z, y, x = np.mgrid[:40, :48, :44].astype(np.float32)
     values = 60 - 6 * z + 0.4 * np.sin(0.7 * x) * np.sin(0.5 * y)
     for px, py, height, width in ((12, 14, 26, 3), (29, 20, 18, 5), (16, 36, 32, 2.5)):
@@ -89,14 +90,20 @@ def shadows():
         PointLight("below", (0.6, 0.3, -0.7), 0.0, (1.5, 0.6, 0.6)),
         AreaLight("lamp", (-0.3, 0.2, 1.4), (0.0, 0.3, 0.0), (0.3, 0.0, 0.2), (3.0, 3.0, 3.0)),
     ]
-    corners = np.array([[-0.3, 0, 1.3], [0.1, 0, 1.3], [0.1, 0.4, 1.3], [-0.3, 0.4, 1.3]])
-    triangles = np.array([[0, 1, 2], [0, 2, 3]], np.uint32)
-    plate = Mesh("plate", corners.astype(np.float32), triangles, (0.2, 0.2, 0.2))
+    meshes = [
+        quadrilateral("plate", (-0.3, 0, 1.3), (0.4, 0, 0), (0, 0.4, 0)),
+        quadrilateral("wall", (-0.4, 1.5, -0.3), (2.0, 0, 0), (0, 0, 1.8)),
+    ]
     ramp = [(0.0, (0.8, 0.5, 0.3)), (40.0, (0.3, 0.6, 0.8))]
-    scene = SceneDescription("shadows", [Leaves("posts", ramp)], 1.2, [plate], lights)
+    scene = SceneDescription("shadows", [Leaves("posts", ramp)], 1.2, meshes, lights)
     volume = leaflight.Volume(values.astype(np.float32), index_to_world, "posts")
     settings = {"isovalues": (-20.0, 40.0), "resolution": 48, "error": 5.0}
-    return leaflight.bake(volume, scene, both_sides=True, **settings)
+    return leaflight.bake(volume, scene, both_sides=True, surroundings=True, **settings)
+
+
+def quadrilateral(name, corner, edge, other):
+    corners = np.add(corner, [(0, 0, 0), edge, np.add(edge, other), other]).astype(np.float32)
+    return Mesh(name, corners, np.array([[0, 1, 2], [0, 2, 3]], np.uint32), (0.6, 0.6, 0.6))
 
 
 MAKERS = {maker.__name__: maker for maker in (box, brain, oblong, two, shadows)}

@@ -57,9 +57,9 @@ def test_shadows_have_the_edges_of_the_core(browser, bakes, pages, side):
         both = (picture[..., 3] == 255) & (still[..., 3] == 1)
         expected = np.clip(still[both][:, :3] * bake.scene.exposure, 0, 1)
         off = abs(linear(picture[both][:, :3]) - expected).max(axis=1)
-        # Light from texels alone is beside shadows by more than 5 % in 3 % of the pixels.
+        # Light of texels alone is wrong in 1 to 2 % of the pixels, beside the edges of shadows.
         mean, wrong = 100 * off.mean() / expected.max(), 100 * (off > 0.05).mean()
-        assert mean <= 0.3 and wrong <= 0.5, f"{isovalue}: mean {mean:.2f} %, {wrong:.2f} % wrong"
+        assert mean <= 0.25 and wrong <= 0.15, f"{isovalue}: mean {mean:.2f} %, {wrong:.2f} % wrong"
 
 
 def is_local(url):

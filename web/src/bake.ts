@@ -50,9 +50,22 @@ export interface WallData {
   isOfRoom: boolean;
   vertices: number; // blocks
   triangles: number;
-  nodes: number[]; // leaf coordinates of the light
-  outer: number | null;
-  inner: number | null;
+  between: number; // of each vertex, two coarser ones
+  // Of the front and the back, radiance times the exposure: indirect light of the coarser vertices
+  // at each node, and direct light if nothing stood in its way.
+  indirect: (number | null)[];
+  unshadowed: (number | null)[];
+  // Of each vertex its set of light points, and by point and vertex the greatest code on the way
+  // and how much light comes by it, negative on the back.
+  sets: number;
+  greatest: number;
+  weights: number;
+}
+
+export interface WallsData {
+  nodes: number[]; // leaf coordinates of indirect light
+  tints: number[][][]; // of each set's light points
+  meshes: WallData[];
 }
 
 export interface Header {
@@ -64,7 +77,7 @@ export interface Header {
   camera: { position: Vector; target: Vector; up: Vector; angle: number };
   bounds: [Vector, Vector];
   volumes: VolumeData[];
-  walls: WallData[];
+  walls: WallsData;
   lamps: number[][]; // as lamps.py lists them
   ambient: Vector;
   headlight: boolean;

@@ -45,7 +45,7 @@ async function open(): Promise<void> {
   const leaves: Leaf[] = [];
   const walls: Wall[] = [];
   for (const volume of header.volumes) leaves.push(await Leaf.of(bake, volume));
-  for (const wall of header.walls) walls.push(await Wall.of(bake, wall));
+  for (const wall of header.walls.meshes) walls.push(await Wall.of(bake, wall));
   const shown = buildPage(header);
   const view = new View(shown, openCard(shown, header), header, leaves, walls, firstLook(header));
   const panel = new Panel(header, view);

@@ -20,7 +20,7 @@ function element(id: string): HTMLInputElement {
 export function buildPage(header: Header): HTMLCanvasElement {
   document.body.innerHTML = markup;
   element('title').textContent = header.title;
-  element('walls-row').hidden = header.walls.length === 0;
+  element('walls-row').hidden = header.walls.meshes.length === 0;
   const more = document.getElementById('more') as HTMLDetailsElement;
   more.open = matchMedia('(min-width: 48rem)').matches;
   for (const [what, value] of header.about) {

@@ -1,47 +1,42 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The lit surroundings: their light at vertices, linear between nodes of the leaf coordinate.
+// The lit surroundings, as meshes with light at their vertices.
 
 import * as three from 'three';
 
 import type { Bake, Header, WallData } from './bake';
-import { addColors, colorWords } from './colors';
 import type { Look } from './look';
 import display from './shaders/display.glsl';
 import precision from './shaders/precision.glsl';
 import fragment from './shaders/wall.frag.glsl';
 import vertex from './shaders/wall.vert.glsl';
+import { WallLight } from './wall_light';
 
 export class Wall {
   readonly mesh: three.Mesh<three.BufferGeometry, three.RawShaderMaterial>;
-  private readonly lights: { attribute: three.BufferAttribute; packed: Uint32Array | null }[];
+  private readonly attributes: three.BufferAttribute[];
   private shown = NaN;
 
   static async of(bake: Bake, data: WallData): Promise<Wall> {
-    const light = async (number: number | null) =>
-      number === null ? null : colorWords(await bake.block(number, 1));
-    return new Wall(
-      bake.header,
-      data,
-      new Float32Array((await bake.block(data.vertices, 4)).buffer),
-      new Uint32Array((await bake.block(data.triangles, 4)).buffer),
-      [await light(data.outer), await light(data.inner)],
-    );
+    const vertices = new Float32Array((await bake.block(data.vertices, 4)).buffer);
+    const triangles = new Uint32Array((await bake.block(data.triangles, 4)).buffer);
+    const light = await WallLight.of(bake, data, triangles);
+    return new Wall(bake.header, data.isOfRoom, vertices, triangles, light);
   }
 
   private constructor(
     header: Header,
-    private readonly data: WallData,
+    isOfRoom: boolean,
     vertices: Float32Array,
     triangles: Uint32Array,
-    packed: (Uint32Array | null)[],
+    private readonly lights: WallLight,
   ) {
     const geometry = new three.BufferGeometry();
     geometry.setAttribute('position', new three.BufferAttribute(vertices, 3));
     geometry.setIndex(new three.BufferAttribute(triangles, 1));
-    this.lights = packed.map((each, side) => {
+    this.attributes = ['outerLight', 'innerLight'].map((name) => {
       const attribute = new three.BufferAttribute(new Float32Array(vertices.length), 3);
-      geometry.setAttribute(side === 0 ? 'outerLight' : 'innerLight', attribute);
-      return { attribute, packed: each };
+      geometry.setAttribute(name, attribute);
+      return attribute;
     });
     const [low, high] = header.bounds;
     const material = new three.RawShaderMaterial({
@@ -50,7 +45,7 @@ export class Wall {
       fragmentShader: [precision, display, fragment].join('\n'),
       side: three.DoubleSide,
       uniforms: {
-        isOfRoom: { value: data.isOfRoom },
+        isOfRoom: { value: isOfRoom },
         middle: { value: low.map((x, a) => 0.5 * (x + high[a])) },
         worldEye: { value: null },
         worldToClip: { value: null },
@@ -74,18 +69,11 @@ export class Wall {
   }
 
   private light(c: number): void {
-    const { nodes } = this.data;
-    const next = nodes.findIndex((node) => node > c);
-    const low = Math.min(next < 0 ? nodes.length : Math.max(next, 1), nodes.length - 1) - 1;
-    const share = (c - nodes[low]) / (nodes[low + 1] - nodes[low]);
-    for (const { attribute, packed } of this.lights) {
-      if (packed === null) continue;
-      const colors = attribute.array as Float32Array;
-      colors.fill(0);
-      addColors(colors, packed, low * attribute.count, 1 - share);
-      addColors(colors, packed, (low + 1) * attribute.count, share);
-      attribute.needsUpdate = true;
-    }
+    this.lights.at(
+      c,
+      this.attributes.map(({ array }) => array as Float32Array),
+    );
+    for (const attribute of this.attributes) attribute.needsUpdate = true;
     this.shown = c;
   }
 }

@@ -11,10 +11,10 @@ import numpy as np
 
 from ..still.camera import bounds_of, camera_around_bake
 from ..still.lamps import lamps_of
-from ..still.walls import lit_meshes
 from ..version import __version__
 from .page_volume import shown_volume, volume_data
-from .shared_exponent import packed, planes
+from .page_walls import walls_data
+from .shared_exponent import planes
 
 # Of the header and the blocks; the page refuses another one.
 FORMAT = 2
@@ -79,7 +79,7 @@ def page_data(bake, isovalue, coarser, progress):
         camera=asdict(camera_around_bake(bake)),
         bounds=[low.tolist(), high.tolist()],
         volumes=[volume_data(data, each) for each in shown],
-        walls=[_wall(data, bake, *mesh) for mesh in lit_meshes(bake)],
+        walls=walls_data(data, bake),
         lamps=lamps.rows.tolist(),
         ambient=lamps.ambient.tolist(),
         headlight=lamps.headlight,
@@ -125,20 +125,3 @@ def about(bake, coarser):
     rows.append(("Bake's id", bake.id))
     rows.append(("Made with", f"Leaflight {__version__}"))
     return rows
-
-
-def _wall(data, bake, number, vertices, triangles, is_of_room):
-    nodes, exposure = bake.surroundings.nodes, np.float32(bake.scene.exposure)
-    sides = []
-    for back in (False, True):
-        light = np.stack([bake.surroundings.radiance(number, c, back=back) for c in nodes])
-        sides.append(data.add_colors(packed(light * exposure)) if light.any() else None)
-    return {
-        "name": bake.scene.meshes[number].name,
-        "isOfRoom": is_of_room,
-        "vertices": data.add(vertices.astype(np.float32)),
-        "triangles": data.add(triangles.astype(np.uint32)),
-        "nodes": list(nodes),
-        "outer": sides[0],
-        "inner": sides[1],
-    }

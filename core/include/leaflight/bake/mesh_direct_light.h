@@ -24,7 +24,6 @@ class MeshDirectLight {
   // Radiance [W/(m^2 sr)] that one side of a mesh reflects at its fine vertices beside the leaf c.
   std::vector<Vec<3, float>> radiance(int mesh, double c, bool back) const;
 
- private:
   // From one vertex to one point of its set.
   struct Way {
     float greatest;  // the leaf coordinate; infinite where a mesh stands in the way
@@ -39,6 +38,10 @@ class MeshDirectLight {
     // By side: radiance if nothing stood in the way of the light, by all sets.
     std::array<std::vector<Vec<3, float>>, 2> unshadowed;
   };
+  const MeshWays& ways(int mesh) const { return meshes_[mesh]; }
+  const std::vector<std::vector<LightPoint<D>>>& sets() const { return sets_; }
+
+ private:
   MeshWays ways_of(const SceneTracer<D>& tracer, const FineMesh<D>& mesh, Progress& progress) const;
 
   std::vector<std::vector<LightPoint<D>>> sets_;

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The lit walls of a web page: indirect light at nodes of the leaf coordinate, and ways to light
+points, from which the page has direct light at any (web/src/wall_light.ts)."""
+
+import numpy as np
+
+from ..still.walls import lit_meshes
+from .shared_exponent import packed
+
+
+def walls_data(data, bake):
+    """What the header of a page tells of a bake's walls; the blocks go into its PageData."""
+    meshes = lit_meshes(bake)
+    if not meshes:
+        return {"nodes": [], "tints": [], "meshes": []}
+    amounts = bake.surroundings.point_amounts
+    tints = amounts / np.maximum(amounts.max(axis=-1, keepdims=True), 1e-30)
+    return {
+        "nodes": list(bake.surroundings.nodes),
+        "tints": tints.tolist(),
+        "meshes": [_wall(data, bake, amounts.max(axis=-1), *mesh) for mesh in meshes],
+    }
+
+
+def _wall(data, bake, strengths, number, vertices, triangles, is_of_room):
+    lit, exposure = bake.surroundings, np.float32(bake.scene.exposure)
+
+    def colors(light):
+        return data.add_colors(packed(light * exposure)) if light.any() else None
+
+    sets, greatest, shares, *unshadowed = lit.direct_ways(number)
+    return {
+        "name": bake.scene.meshes[number].name,
+        "isOfRoom": is_of_room,
+        "vertices": data.add(vertices.astype(np.float32)),
+        "triangles": data.add(triangles.astype(np.uint32)),
+        "between": data.add(lit.between(number)),
+        "indirect": [colors(lit.indirect(number, back)) for back in (False, True)],
+        "unshadowed": [colors(light) for light in unshadowed],
+        "sets": data.add(sets),
+        "greatest": data.add(codes(greatest, bake.isovalues).T),
+        "weights": data.add(weights(shares * strengths[sets]).T),
+    }
+
+
+def codes(greatest, window):
+    """Leaf coordinates as bytes: 1 to 253 over the window, rounded down, 0 below it, 254 above it,
+    255 where they are infinite."""
+    low, high = window
+    found = np.clip(np.floor(1.0 + (greatest - low) * (252.0 / (high - low))), 0, 254)
+    return np.where(np.isinf(greatest), 255, found).astype(np.uint8)
+
+
+def weights(lights):
+    """int8: lights (n, points) over the greatest of a row and side, front positive, times 127."""
+    sides = [np.maximum(sign * lights, 0.0) for sign in (1.0, -1.0)]
+    front, back = (
+        side / np.maximum(side.max(axis=1, keepdims=True, initial=0), 1e-30) for side in sides
+    )
+    return np.rint(127.0 * (front - back)).astype(np.int8)
