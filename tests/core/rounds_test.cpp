@@ -34,7 +34,7 @@ TEST(Rounds, AreTheSameForAnyNumberOfThreads) {
 
 TEST(Rounds, StoppedAfterTheSameRoundAreTheSame) {
   const Scene<3> scene = small_scene();
-  const BakeSettings<3> settings = in_rounds(0.05);
+  const BakeSettings<3> settings = in_rounds(0.02);
   std::vector<RadianceGrid<3>> rounds;
   Progress whole;
   const auto look = [&](Baked<3>&& baked) {

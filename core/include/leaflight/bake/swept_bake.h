@@ -98,8 +98,8 @@ class SweptBake {
   PhotonCaches<D> photons_;
   // Of white leaves' sides, at the texels of soft light, while lines look it up.
   std::array<std::vector<Rgb>, 2> soft_;
-  std::vector<Rgb> inner_direct_;              // there, too
-  int bounces_ = 0;                            // gathered so far
+  std::vector<Rgb> inner_direct_;  // there, too
+  int bounces_ = 0;                // gathered so far
   LeafErrors errors_;
 };
 
