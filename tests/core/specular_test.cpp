@@ -25,6 +25,25 @@ TEST(Specular, FresnelHasItsKnownValues) {
   EXPECT_NEAR(fresnel_reflectance(brewster, 1.5), 0.5 * perpendicular * perpendicular, 1e-12);
 }
 
+// From air into glass light is refracted towards the normal, from glass into air away from it.
+TEST(Specular, GlassIsDenserFromOutsideThanFromInside) {
+  Scene<3> scene = test::scene_of(test::ball<3>(21), Rgb(1), {0.6, 0.9});
+  scene.volumes[0].scattering = Scattering::glass;
+  scene.volumes[0].ior = 1.5;
+  scene.meshes.push_back(test::wall("pane", {0, 0, 2}, {1, 0, 0}, {0, 1, 0}, Rgb(1)));
+  scene.meshes[0].scattering = Scattering::glass;
+  scene.meshes[0].ior = 1.5;
+  const SceneTracer<3> tracer(scene);
+  const Field<3>& field = test::field_of(scene);
+  const double c = 0.75;
+  const CellPoint<3> at = locate(field, Vec3(10, 10, 10 + (1 - c) * 20));
+  for (const bool inside : {false, true}) {
+    const double ior = inside ? 1 / 1.5 : 1.5;
+    EXPECT_DOUBLE_EQ(tracer.leaf_point(0, at, c, inside).ior, ior);
+    EXPECT_DOUBLE_EQ(tracer.facet_point(0, 0, 0.3, 0.3, !inside, c).ior, ior);
+  }
+}
+
 template <int D>
 void expect_snell() {
   SurfacePoint<D> point;
