@@ -114,6 +114,12 @@ inline Rgb to_color(const Tuple<3>& v) {
   return Rgb(static_cast<Real>(v[0]), static_cast<Real>(v[1]), static_cast<Real>(v[2]));
 }
 
+inline std::vector<Rgb> to_colors(const std::vector<Tuple<3>>& all) {
+  std::vector<Rgb> colors;
+  for (const Tuple<3>& v : all) colors.push_back(to_color(v));
+  return colors;
+}
+
 // Arrays of fields and grids have the last axis first: [z, y, x], [y, x].
 template <std::size_t D>
 std::vector<py::ssize_t> array_shape(const std::array<int, D>& dims) {

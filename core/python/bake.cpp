@@ -5,6 +5,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "grid_object.h"
 #include "leaflight/bake/rounds.h"
 #include "leaflight/io/checkpoint_file.h"
 #include "leaflight/thesis/thesis.h"
@@ -119,13 +120,13 @@ void bind_settings(py::module_& module, const std::string& suffix) {
 // Grids and surroundings become objects of their own, which live as long as Python needs them.
 template <int D>
 struct BakedObjects {
-  std::vector<std::shared_ptr<RadianceGrid<D>>> grids;
+  std::vector<std::shared_ptr<GridObject<D>>> grids;
   std::shared_ptr<SurroundingsRadiance<D>> surroundings;
   py::dict statistics;
 
   explicit BakedObjects(Baked<D>&& baked) : statistics(python::statistics(baked)) {
     for (RadianceGrid<D>& grid : baked.grids) {
-      grids.push_back(std::make_shared<RadianceGrid<D>>(std::move(grid)));
+      grids.push_back(std::make_shared<GridObject<D>>(std::move(grid)));
     }
     if (!baked.surroundings.empty()) {
       surroundings = std::make_shared<SurroundingsRadiance<D>>(std::move(baked.surroundings));
@@ -144,7 +145,7 @@ void bind_baking(py::module_& module, const std::string& suffix) {
       ("bake" + suffix).c_str(),
       [](const Scene<D>& scene, const BakeSettings<D>& settings, Progress& progress,
          const py::object& on_round,
-         std::optional<std::tuple<std::shared_ptr<RadianceGrid<D>>, int, int>> kept,
+         std::optional<std::tuple<std::shared_ptr<GridObject<D>>, int, int>> kept,
          const std::optional<std::tuple<fs::path, std::string, double>>& checkpoint,
          const std::optional<fs::path>& resumed, const py::object& workers) {
         BakeHooks<D> hooks;
@@ -160,7 +161,7 @@ void bind_baking(py::module_& module, const std::string& suffix) {
           std::optional<KeptLight<D>> light;
           if (kept) {
             const auto& [grid, rounds, blocks] = *kept;
-            light.emplace(*grid, rounds, blocks);
+            light.emplace(*grid->baked, rounds, blocks);
           }
           if (light) hooks.kept = &*light;
           BlockWorkers block_workers;

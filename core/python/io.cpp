@@ -3,6 +3,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "grid_object.h"
 #include "leaflight/io/checkpoint_file.h"
 #include "leaflight/io/exr.h"
 #include "leaflight/io/replaced_files.h"
@@ -33,14 +34,14 @@ void bind_io(py::module_& module) {
   module.def(
       "write_bake",
       [](const fs::path& path, const std::vector<std::shared_ptr<Field<3>>>& fields,
-         const std::vector<std::shared_ptr<RadianceGrid<3>>>& grids,
+         const std::vector<std::shared_ptr<GridObject<3>>>& grids,
          const std::shared_ptr<SurroundingsRadiance<3>>& surroundings, const Metadata& metadata,
          const Progress* progress) {
         const py::gil_scoped_release unlocked;
         std::vector<const Field<3>*> field_pointers;
         for (const auto& field : fields) field_pointers.push_back(field.get());
         Baked<3> baked;
-        for (const auto& grid : grids) baked.grids.push_back(*grid);
+        for (const auto& grid : grids) baked.grids.push_back(*grid->baked);
         if (surroundings) baked.surroundings = *surroundings;
         write_bake(path, field_pointers, baked, metadata, progress);
       },
@@ -62,7 +63,7 @@ void bind_io(py::module_& module) {
                                        from_affine(field.index_to_world)));
         }
         for (RadianceGrid<3>& grid : bake.baked.grids) {
-          grids.append(std::make_shared<RadianceGrid<3>>(std::move(grid)));
+          grids.append(std::make_shared<GridObject<3>>(std::move(grid)));
         }
         std::shared_ptr<SurroundingsRadiance<3>> surroundings;
         if (!bake.baked.surroundings.empty()) {

@@ -6,8 +6,10 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "grid_object.h"
 #include "leaflight/bake/atlas.h"
 #include "leaflight/bake/lit_contour.h"
+#include "leaflight/transport/indirect_shares.h"
 #include "mesh_arrays.h"
 
 namespace leaflight::python {
@@ -38,18 +40,42 @@ const RadianceLevel<D>& level_of(const RadianceGrid<D>& grid, int level) {
   return grid.level(level);
 }
 
+// The radiance of one side's texels, or what of it is not direct light.
 template <int D>
-py::array_t<float> dense(const RadianceGrid<D>& whole, const std::string& name, int level) {
-  const RadianceLevel<D>& grid = level_of(whole, level);
-  std::vector<py::ssize_t> shape = array_shape(grid.lattice.resolution);
-  if (name == "radiance_error") return spread(grid.lattice, grid.radiance_error, shape);
+std::vector<Vec<3, float>> texels_of(const GridObject<D>& grid, int level, bool back,
+                                     bool indirect) {
+  const RadianceLevel<D>& from = level_of(*grid.baked, level);
+  const std::vector<Vec<3, float>>& all = side_of(from, back);
+  const std::vector<Vec<3, float>>& soft =
+      back ? from.radiance_back_indirect : from.radiance_indirect;
+  if (!grid.field) return indirect ? soft : all;
+  const ShownGrid<D> shown = grid.shown();
+  std::vector<Vec<3, float>> texels(soft.size());
+  const py::gil_scoped_release unlocked;
+  tbb::parallel_for(std::size_t{0}, texels.size(), [&](std::size_t s) {
+    const Vec<D> centre = from.lattice.centre(from.lattice.active[s]);
+    texels[s] = shown.scaled(soft[s], *grid.field, centre);
+    if (!indirect) texels[s] += Vec<3, float>(grid.direct->radiance(*grid.field, centre, back));
+  });
+  return texels;
+}
+
+template <int D>
+py::array_t<float> dense(const GridObject<D>& grid, const std::string& name, int level) {
+  const RadianceLevel<D>& from = level_of(*grid.baked, level);
+  std::vector<py::ssize_t> shape = array_shape(from.lattice.resolution);
+  if (name == "radiance_error") {
+    std::vector<float> errors = from.radiance_error;
+    for (float& error : errors) error *= average(Rgb(grid.indirect));
+    return spread(from.lattice, errors, shape);
+  }
   shape.push_back(3);
-  if (name == "radiance") return spread(grid.lattice, grid.radiance, shape);
-  if (name == "radiance_indirect") return spread(grid.lattice, grid.radiance_indirect, shape);
-  if (name == "radiance_back") return spread(grid.lattice, side_of(grid, true), shape);
-  if (name == "radiance_back_indirect") {
-    static_cast<void>(side_of(grid, true));
-    return spread(grid.lattice, grid.radiance_back_indirect, shape);
+  for (const bool back : {false, true}) {
+    for (const bool indirect : {false, true}) {
+      const std::string of = std::string("radiance") + (back ? "_back" : "");
+      if (name != of + (indirect ? "_indirect" : "")) continue;
+      return spread(from.lattice, texels_of(grid, level, back, indirect), shape);
+    }
   }
   throw Error("A bake has no grid '" + name +
               "'; choose radiance, radiance_indirect, radiance_back, radiance_back_indirect or "
@@ -57,25 +83,27 @@ py::array_t<float> dense(const RadianceGrid<D>& whole, const std::string& name, 
 }
 
 template <int D>
-py::array_t<std::uint8_t> mask(const RadianceGrid<D>& whole, int level) {
-  const RadianceLevel<D>& grid = level_of(whole, level);
+py::array_t<std::uint8_t> mask(const GridObject<D>& whole, int level) {
+  const RadianceLevel<D>& grid = level_of(*whole.baked, level);
   std::vector<std::uint8_t> active(grid.lattice.texels(), 0);
   for (const std::uint32_t texel : grid.lattice.active) active[texel] = 1;
   return adopt<std::uint8_t>(std::move(active), array_shape(grid.lattice.resolution));
 }
 
 template <int D>
-Vec<3, float> indirect_at(const RadianceGrid<D>& grid, const Vec<D>& index_position, bool back) {
-  const RadianceLevel<D>& level = grid.at(index_position);
-  return lookup(level.lattice, back ? level.radiance_back_indirect : level.radiance_indirect,
-                index_position);
+Vec<3, float> indirect_at(const ShownGrid<D>& shown, const Field<D>& field,
+                          const Vec<D>& index_position, bool back) {
+  const RadianceLevel<D>& level = shown.grid.at(index_position);
+  const auto& texels = back ? level.radiance_back_indirect : level.radiance_indirect;
+  return shown.scaled(lookup(level.lattice, texels, index_position), field, index_position);
 }
 
 template <int D, class Array>
-py::array_t<float> lookup_of(const RadianceGrid<D>& grid, const Field<D>& field,
-                             const Array& points, bool back, bool indirect) {
+py::array_t<float> lookup_of(const GridObject<D>& grid, const Field<D>& field, const Array& points,
+                             bool back, bool indirect) {
   const py::ssize_t n = rows(points, D, "points");
-  static_cast<void>(side_of(grid, back));
+  static_cast<void>(side_of<D>(*grid.baked, back));
+  const ShownGrid<D> shown = grid.shown();
   std::vector<Vec<3, float>> radiance(n);
   {
     const auto* coordinates = points.data();
@@ -85,8 +113,8 @@ py::array_t<float> lookup_of(const RadianceGrid<D>& grid, const Field<D>& field,
       for (int a = 0; a < D; ++a) point[a] = coordinates[D * i + a];
       check_point(point);
       const Vec<D> position = field.world_to_index.point(point);
-      radiance[i] =
-          indirect ? indirect_at(grid, position, back) : radiance_at(grid, field, position, back);
+      radiance[i] = indirect ? indirect_at(shown, field, position, back)
+                             : radiance_at(shown, field, position, back);
     });
   }
   return adopt<float>(std::move(radiance), {n, 3});
@@ -94,7 +122,7 @@ py::array_t<float> lookup_of(const RadianceGrid<D>& grid, const Field<D>& field,
 
 // The vertices of a mesh are read where they are, anything else as numbers of double precision.
 template <int D>
-py::array_t<float> lookup_at(const RadianceGrid<D>& grid, const Field<D>& field,
+py::array_t<float> lookup_at(const GridObject<D>& grid, const Field<D>& field,
                              const py::object& points, bool back, bool indirect) {
   if (py::isinstance<FloatArray>(points)) {
     return lookup_of(grid, field, py::reinterpret_borrow<FloatArray>(points), back, indirect);
@@ -104,12 +132,12 @@ py::array_t<float> lookup_at(const RadianceGrid<D>& grid, const Field<D>& field,
   return lookup_of(grid, field, numbers, back, indirect);
 }
 
-py::tuple lit_contour_of(const RadianceGrid<3>& grid, const Field<3>& field, double isovalue,
+py::tuple lit_contour_of(const GridObject<3>& grid, const Field<3>& field, double isovalue,
                          bool normals, bool front, bool back, float largest_step) {
   const std::shared_ptr<LitMesh> mesh = mesh_to_fill();
   {
     const py::gil_scoped_release unlocked;
-    lit_contour(grid, field, isovalue, {normals, front, back, largest_step}, *mesh);
+    lit_contour(grid.shown(), field, isovalue, {normals, front, back, largest_step}, *mesh);
   }
   return mesh_arrays(mesh) + py::make_tuple(rows_of<float>(mesh, mesh->radiance),
                                             rows_of<float>(mesh, mesh->radiance_back),
@@ -117,24 +145,25 @@ py::tuple lit_contour_of(const RadianceGrid<3>& grid, const Field<3>& field, dou
 }
 
 template <int D>
-py::array_t<float> lookup_error_at(const RadianceGrid<D>& grid, const Field<D>& field,
+py::array_t<float> lookup_error_at(const GridObject<D>& grid, const Field<D>& field,
                                    const DoubleArray& array) {
   const std::vector<Vec<D>> points = to_points<D>(array);
   std::vector<float> error;
   for (const Vec<D>& point : points) {
     const Vec<D> position = field.world_to_index.point(point);
-    const RadianceLevel<D>& from = grid.at(position);
-    error.push_back(lookup_error(from.lattice, from.radiance_error, position));
+    const RadianceLevel<D>& from = grid.baked->at(position);
+    error.push_back(lookup_error(from.lattice, from.radiance_error, position) *
+                    average(Rgb(grid.indirect)));
   }
   return adopt<float>(std::move(error), {static_cast<py::ssize_t>(points.size())});
 }
 
-py::tuple atlas(const RadianceGrid<3>& grid, bool back) {
-  const std::vector<Vec<3, float>>& values = side_of(grid, back);
+py::tuple atlas(const GridObject<3>& grid, bool back) {
+  const std::vector<Vec<3, float>> values = texels_of(grid, 0, back, false);
   Atlas result;
   {
     const py::gil_scoped_release unlocked;
-    result = make_atlas(grid.lattice, values);
+    result = make_atlas(grid.baked->lattice, values);
   }
   const int columns = result.columns, rows = result.rows;
   return py::make_tuple(adopt<float>(std::move(result.pixels), {result.height, result.width, 4}),
@@ -143,19 +172,22 @@ py::tuple atlas(const RadianceGrid<3>& grid, bool back) {
 
 template <int D>
 void bind_grid(py::module_& module, const std::string& suffix) {
-  using Grid = RadianceGrid<D>;
+  using Grid = GridObject<D>;
   py::class_<Grid, std::shared_ptr<Grid>> grid(
       module, ("RadianceGrid" + suffix).c_str(),
       "The radiance [W/(m^2 sr)] of every leaf of one volume within a window.");
-  grid.def_property_readonly("resolution", [](const Grid& g) { return g.lattice.resolution; })
-      .def_property_readonly("texels", &Grid::texels, "Active texels of all levels.")
-      .def_property_readonly("levels", &Grid::levels,
-                             "1, and one for each time that texels were halved somewhere.")
+  grid.def_property_readonly("resolution",
+                             [](const Grid& g) { return g.baked->lattice.resolution; })
+      .def_property_readonly(
+          "texels", [](const Grid& g) { return g.baked->texels(); }, "Active texels of all levels.")
+      .def_property_readonly(
+          "levels", [](const Grid& g) { return g.baked->levels(); },
+          "1, and one for each time that texels were halved somewhere.")
       .def_property_readonly(
           "map_resolution",
           [](const Grid& g) -> std::optional<Index<D>> {
-            if (!g.direct) return std::nullopt;
-            return g.direct->lattice().resolution;
+            if (!g.baked->direct) return std::nullopt;
+            return g.baked->direct->lattice().resolution;
           },
           "Of the maps from which lookups compute direct light where they are, beside indirect\n"
           "light of texels; None: texels hold all light.")
@@ -174,16 +206,32 @@ void bind_grid(py::module_& module, const std::string& suffix) {
             arena.execute([&] {
               const SceneTracer<D> tracer(scene);
               const SplitLight<D> split = split_light(tracer);
-              g.direct = std::make_shared<const DirectLight<D>>(tracer, volume, split.points,
-                                                                resolution, g.has_back(), progress);
+              g.baked->direct = std::make_shared<const DirectLight<D>>(
+                  tracer, volume, split.points, resolution, g.baked->has_back(), progress);
             });
           },
           py::arg("scene"), py::arg("volume"), py::arg("resolution"), py::arg("progress"),
           py::arg("threads") = 0,
           "Gives a grid that was read from a file the direct light of its scene, from maps of a\n"
           "resolution; a bake in rounds has it. Raises Cancelled.")
+      .def(
+          "relit",
+          [](const Grid& g, const std::shared_ptr<Field<D>>& field,
+             const std::vector<Tuple<3>>& lights, const Tuple<3>& indirect) {
+            if (!g.baked->direct) throw Error("Texels hold all light; it cannot be scaled.");
+            Grid relit = g;
+            relit.field = field;
+            relit.direct =
+                std::make_shared<const DirectLight<D>>(g.baked->direct->scaled(to_colors(lights)));
+            relit.indirect = Vec<3, float>(to_color(indirect));
+            return relit;
+          },
+          py::arg("field"), py::arg("lights"), py::arg("indirect"),
+          "The same, of the field that was lit, with the lights of its scene at other strengths:\n"
+          "for each, factors (r, g, b) against those that were baked; `indirect`: of all else but\n"
+          "what leaves emit. Texels are shared. Needs map_resolution.")
       .def_property_readonly(
-          "has_back", [](const Grid& g) { return g.has_back(); },
+          "has_back", [](const Grid& g) { return g.baked->has_back(); },
           "Whether the inner side was baked.")
       .def("dense", &dense<D>, py::arg("name"), py::arg("level") = 0,
            "radiance, radiance_indirect (all but the lights' direct light), radiance_back or\n"
@@ -202,7 +250,10 @@ void bind_grid(py::module_& module, const std::string& suffix) {
            "over the channels: that of independent texels.");
   if constexpr (D == 3) {
     grid.def_property_readonly(
-        "direct", [](const Grid& g) { return std::const_pointer_cast<DirectLight<D>>(g.direct); },
+        "direct",
+        [](const Grid& g) {
+          return std::const_pointer_cast<DirectLight<D>>(g.field ? g.direct : g.baked->direct);
+        },
         "The DirectLight of which lookups add; None: texels hold all light.");
     grid.def(
         "lit_contour", &lit_contour_of, py::arg("field"), py::arg("isovalue"),
@@ -224,6 +275,22 @@ void bind_grid(py::module_& module, const std::string& suffix) {
 }  // namespace
 
 void bind_radiance_grid(py::module_& module) {
+  py::class_<IndirectShares>(module, "IndirectShares",
+                             "How much indirect light comes from which lights of a scene.")
+      .def(py::init([](const Scene<3>& scene) {
+             const py::gil_scoped_release unlocked;
+             return indirect_shares(SceneTracer<3>(scene));
+           }),
+           py::arg("scene"))
+      .def(
+          "factor",
+          [](const IndirectShares& shares, const std::vector<Tuple<3>>& lights) {
+            const Rgb factor = shares.factor(to_colors(lights));
+            return py::make_tuple(factor.x, factor.y, factor.z);
+          },
+          py::arg("lights"),
+          "How much more light there is, (r, g, b), if each light of the scene is brighter by its\n"
+          "factors (r, g, b).");
   bind_grid<3>(module, "");
   bind_grid<2>(module, "2");
 }

@@ -39,7 +39,8 @@ py::tuple direct_ways(const SurroundingsRadiance<D>& surroundings, std::size_t m
   return py::make_tuple(adopt<std::uint8_t>(std::vector(of.sets), {vertices}),
                         adopt<float>(std::move(greatest), {vertices, points}),
                         adopt<float>(std::move(shares), {vertices, points}),
-                        colors(of.unshadowed[0]), colors(of.unshadowed[1]));
+                        colors(surroundings.direct->unshadowed(static_cast<int>(mesh), false)),
+                        colors(surroundings.direct->unshadowed(static_cast<int>(mesh), true)));
 }
 
 template <int D>
@@ -110,6 +111,17 @@ void bind_radiance(py::module_& module, const std::string& suffix) {
           py::arg("mesh"), py::arg("c"), py::arg("back") = false,
           "float32 (n, 3) at the vertices of a fine mesh, seen from its normals' side or from\n"
           "behind.")
+      .def(
+          "relit",
+          [](const Surroundings& s, const Scene<D>& scene, const std::vector<Tuple<3>>& lights,
+             const Tuple<3>& indirect) {
+            const py::gil_scoped_release unlocked;
+            return std::make_shared<Surroundings>(
+                relit(s, scene.meshes, to_colors(lights), Vec<3, float>(to_color(indirect))));
+          },
+          py::arg("scene"), py::arg("lights"), py::arg("indirect"),
+          "The same with the lights of the scene that was baked at other strengths, as\n"
+          "RadianceGrid.relit() has it.")
       .def("indirect", &indirect<D>, py::arg("mesh"), py::arg("back") = false,
            "Its part but direct light: float32 (nodes, m, 3) at the vertices of a coarser mesh.")
       .def("between", &between<D>, py::arg("mesh"),

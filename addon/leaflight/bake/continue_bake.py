@@ -5,6 +5,7 @@ import bpy
 import leaflight
 
 from ..operators import background, checks
+from ..show import lamps
 from ..stage import staleness
 from ..store import cache, preferences
 from . import bake, stopped
@@ -49,16 +50,22 @@ class LEAFLIGHT_OT_continue_bake(background.BackgroundOperator, bpy.types.Operat
         if not can_continue(context.object):
             cls.poll_message_set("Only a bake that goes by its error can be continued")
             return False
-        change = staleness.known_change(context.object)
+        change = staleness.known_change(context.object) or _relit(context.object)
         if change:
             cls.poll_message_set(change)
         return not change
 
     def start(self, context):
-        change = staleness.change_since_bake(context, context.object)
+        change = staleness.change_since_bake(context, context.object) or _relit(context.object)
         if change:
             raise leaflight.LeaflightError(f"{change}.")
         return ContinueJob(context, context.object)
+
+
+def _relit(obj):
+    if not lamps.factors_of(obj.leaflight):
+        return ""
+    return "Lamps have changed since the bake: set them back to continue it, or bake again"
 
 
 def can_continue(obj):

@@ -4,7 +4,7 @@
 import bpy
 from leaflight.bake.outcome import outcome
 
-from ..show import added, isovalues, surface_object, walls
+from ..show import added, isovalues, lamps, surface_object, walls
 from ..store import bake_files, cache
 
 
@@ -21,6 +21,7 @@ def light(obj, bake, index, path, matrix, columns, *, fingerprint, seconds, sour
     settings.bake_low, settings.bake_high = window(bake, index)
     settings.bake_surroundings = bake.surroundings is not None
     settings.bake_fingerprint = fingerprint
+    settings.bake_lamps = lamps.record(bake, bake.scene.lights)
     settings.bake_refined = bake.grids[index].levels > 1
     settings.bake_seconds = seconds
     settings.bake_outcome = outcome(bake)

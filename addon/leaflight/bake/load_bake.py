@@ -13,7 +13,7 @@ from bpy_extras.io_utils import ImportHelper
 from leaflight.bake.stamps import values_sha256
 
 from ..operators import background, checks
-from ..show import isovalues, leaves, surface_object
+from ..show import isovalues, lamps, leaves, surface_object
 from ..stage import same_scene, scene_export, scene_objects, staleness
 from ..store import atlases, bake_files, cache, source_files
 from . import lighting
@@ -198,12 +198,15 @@ def _compare(context, bake, volumes, leader):
             place = cache.world_volume(obj).index_to_world
             same = same and same_scene.is_same(place, bake.volumes[index].index_to_world)
         fingerprint = scene_export.fingerprint(exported, description)
+        lights = same_scene.in_order(description.lights, bake.scene.lights) if same else []
     except LeaflightError:
         same = False
     for obj in volumes:
         if same:
             obj.leaflight.bake_fingerprint = fingerprint
+            obj.leaflight.bake_lamps = lamps.record(bake, lights)
         else:
+            obj.leaflight.bake_lamps = ""
             # Walls of another scene would stand in for those of this one.
             obj.leaflight.bake_surroundings = False
 

@@ -13,7 +13,7 @@ from leaflight.export.export import OF_SEQUENCE, OF_VOLUME, PAGE, SUFFIXES
 from leaflight.export.page_volume import estimated_bytes
 
 from ..operators import background, checks
-from ..show import isovalues
+from ..show import isovalues, lamps
 from ..store import cache
 
 LeaflightError = leaflight.LeaflightError
@@ -34,7 +34,7 @@ class ExportJob(background.Job):
     """The file is written in the background; large volumes take their time."""
 
     def __init__(self, obj, path, values, coarser=0):
-        self._bake, self._index = cache.bake_of(obj), obj.leaflight.bake_index
+        self._bake, self._index = lamps.bake_of(obj), obj.leaflight.bake_index
         if self._bake is None:
             raise LeaflightError(f'"{obj.name}" has no bake yet: bake it first.')
         self._path, self._coarser = path, coarser

@@ -8,7 +8,7 @@ import leaflight._core as _core
 import numpy as np
 
 from ..store import cache
-from . import added, preview
+from . import added, lamps, preview
 
 LeaflightError = leaflight.LeaflightError
 
@@ -138,4 +138,4 @@ def lit_by(obj):
     shown = preview.of(obj)
     if shown is not None:
         return shown.bake, shown.index
-    return cache.bake_of(obj), obj.leaflight.bake_index
+    return lamps.bake_of(obj), obj.leaflight.bake_index

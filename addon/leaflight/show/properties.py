@@ -373,6 +373,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         name="Transform at the Bake, Row by Row", size=16, override=_OVERRIDABLE
     )
     bake_fingerprint: StringProperty(name="Scene at the Bake", override=_OVERRIDABLE)
+    bake_lamps: StringProperty(name="Lamps at the Bake", override=_OVERRIDABLE)
     bake_id: StringProperty(name="Bake Identifier", override=_OVERRIDABLE)
     bake_home: StringProperty(name="Folder Where the Bake Was Last", override=_OVERRIDABLE)
     bake_values: StringProperty(name="Hash of the Values at the Bake", override=_OVERRIDABLE)

@@ -9,7 +9,7 @@ import bpy
 
 from .. import versions
 from ..store import atlases, bake_files, cache
-from . import added, leaves, look, preview, shader
+from . import added, lamps, leaves, look, preview, shader
 from .isosurface import RADIANCE, RADIANCE_BACK
 
 # What a material was built for.
@@ -96,6 +96,8 @@ def shading_in_use(settings):
         return settings.shading, ""
     if settings.frames > 1:
         return "ATTRIBUTE", "Vertex attribute: a volume texture would hold one frame alone"
+    if lamps.factors_of(settings):
+        return "ATTRIBUTE", "Vertex attribute: a volume texture holds the lamps as they were baked"
     if settings.atlas_columns > 0:
         return "ATLAS", ""
     if settings.bake_refined:

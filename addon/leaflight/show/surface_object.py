@@ -10,8 +10,8 @@ import leaflight
 import numpy as np
 
 from ..store import bake_files
-from . import added, isosurface, preview, surface_material
-from .fill import fill
+from . import added, isosurface, lamps, preview, surface_material
+from .fill import colour, fill
 
 LeaflightError = leaflight.LeaflightError
 
@@ -82,6 +82,9 @@ def update(obj, isovalue, moving=False):
     try:
         halvings = _halvings_in_motion(obj.data) if moving else None
         surface = isosurface.isosurface_of(obj, isovalue, halvings)
+        if surface.grid is not None and _differs_by_lamps(obj.data, shown, label):
+            _color(obj, label, surface)
+            return
         made = surface.made()
         # A bake that could not be read has lit nothing: here it says why.
         isosurface.is_lit(obj, isovalue)
@@ -89,6 +92,26 @@ def update(obj, isovalue, moving=False):
         problems[obj.name_full] = str(error)
         label += _FAILED
     _put(obj, label, isovalue, surface, made)
+
+
+def _differs_by_lamps(mesh, shown, label):
+    """Whether a mesh that shows the one label is, but for its light, that of the other."""
+    if not shown or shown.endswith(_FAILED) or is_coarse(mesh):
+        return False
+    return shown.partition(lamps.OF_LAMPS)[0] == label.partition(lamps.OF_LAMPS)[0]
+
+
+def _color(obj, label, surface):
+    """Gives the mesh of an object the light of an Isosurface at its vertices, as it is now."""
+    _own_mesh(obj)
+    mesh = obj.data
+    vertices = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", vertices)
+    for name, radiance in surface.radiance(vertices.reshape(-1, 3)).items():
+        colour(mesh, name, radiance)
+    mesh[_SHOWN] = label
+    mesh.update()
+    shade(obj)
 
 
 def update_all(volume, as_coarse=False):
@@ -225,4 +248,5 @@ def _label(obj, isovalue):
     shown = preview.of(volume_object)
     if shown is not None:
         return f"{isovalue!r} of {volume} lit by round {shown.bake.id} {shown.index}"
-    return f"{isovalue!r} of {volume} lit by {settings.bake_id} {settings.bake_index}"
+    light = f"{settings.bake_id} {settings.bake_index}{lamps.label(settings)}"
+    return f"{isovalue!r} of {volume} lit by {light}"

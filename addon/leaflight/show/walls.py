@@ -11,7 +11,7 @@ import leaflight
 import numpy as np
 
 from ..store import cache
-from . import display, fill, shader, surface_object
+from . import display, fill, lamps, shader, surface_object
 from .isosurface import RADIANCE, RADIANCE_BACK
 
 LeaflightError = leaflight.LeaflightError
@@ -60,12 +60,13 @@ def update(scene):
     if leader is None:
         return
     settings = leader.leaflight
-    label = f"{surface_object.shown_isovalue(leader)!r} lit by {settings.bake_id}"
+    light = f"{settings.bake_id}{lamps.label(settings)}"
+    label = f"{surface_object.shown_isovalue(leader)!r} lit by {light}"
     stale = [obj for obj in displays if obj.data.get(_SHOWN) != label]
     if not stale:
         return
     try:
-        bake = cache.bake_of(leader)
+        bake = lamps.bake_of(leader)
     except LeaflightError as error:
         surface_object.problems[leader.name_full] = str(error)
         return

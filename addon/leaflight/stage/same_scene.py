@@ -30,6 +30,11 @@ def is_same(a, b):
     return type(a) is type(b) and a == b
 
 
+def in_order(a, b):
+    """The members of a in the order of those like them in b, which are as many."""
+    return [next(item for item in a if is_same(item, other)) for other in b]
+
+
 def _parts(description):
     # The index of refraction is that of glass alone.
     unseen = _UNSEEN | (

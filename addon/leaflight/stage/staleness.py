@@ -5,12 +5,14 @@ To know it the whole scene is read and hashed: when someone asks, or, for panels
 changed for a moment. Never while a panel draws or an isovalue moves.
 """
 
+import dataclasses
 import time
 
 import bpy
 import leaflight
 
 from ..operators import background
+from ..show import lamps
 from ..store import bake_files, source_files
 from . import scene_export
 
@@ -111,6 +113,15 @@ def _change(context, obj):
         return f"The scene has changed since the bake: {error}"
     if obj.leaflight.bake_fingerprint == OTHER_SCENE:
         return "The bake was made for another scene: bake again to light this one"
-    if now != obj.leaflight.bake_fingerprint:
+    if now != obj.leaflight.bake_fingerprint and not _is_relit(obj, volumes, description):
         return "The scene has changed since the bake: bake again"
     return ""
+
+
+def _is_relit(obj, volumes, description):
+    """Whether but the strengths and colors of lamps have changed, which are shown as they are."""
+    lights = lamps.as_baked(obj.leaflight, description.lights)
+    if lights is None or not lamps.factors_of(obj.leaflight):
+        return False
+    before = dataclasses.replace(description, lights=lights)
+    return scene_export.fingerprint(volumes, before) == obj.leaflight.bake_fingerprint

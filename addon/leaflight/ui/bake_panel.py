@@ -6,7 +6,7 @@ import bpy
 from .. import versions
 from ..bake import bake, continue_bake, estimate_bake, resume_bake, stopped
 from ..operators import background
-from ..show import properties, surface_material
+from ..show import lamps, properties, surface_material
 from ..stage import staleness
 from ..translations import iface_
 from .sidebar import VolumePanel, sentence, split
@@ -90,6 +90,9 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
             if settings.bake_outcome:
                 text = settings.bake_outcome
                 sentence(context, layout, text[0].upper() + text[1:], icon="BLANK1")
+            relit = lamps.sentence(context.object)
+            if relit:
+                sentence(context, layout, relit, icon="LIGHT")
         for warning in settings.bake_warnings.splitlines():
             sentence(context, layout, warning, icon="ERROR")
         if continue_bake.can_continue(context.object):

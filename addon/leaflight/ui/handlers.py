@@ -15,17 +15,21 @@ from ..show import (
     duplicates,
     graph_object,
     isovalues,
+    lamps,
     preview,
     surface_material,
     surface_object,
     whole_detail,
 )
-from ..stage import images, staleness
+from ..stage import images, lamp_strengths, staleness
 from ..store import cache, frame_bakes, moving, source_files
 
 
 def _follow(scene, depsgraph, by_hand):
-    """Shows the isosurfaces of the scene as they were evaluated; returns those that have moved."""
+    """Shows the isosurfaces of the scene as they were evaluated; returns those that have moved.
+
+    Lamps are taken to be as strong as when follow() of lamp_strengths was called last.
+    """
     moved = isovalues.update(scene, depsgraph, by_hand)
     whole_detail.watch(isovalues.isosurfaces(scene))
     return moved
@@ -33,6 +37,7 @@ def _follow(scene, depsgraph, by_hand):
 
 @persistent
 def _after_frame(scene, depsgraph):
+    lamp_strengths.follow(scene, depsgraph)
     _follow(scene, depsgraph, whole_detail.may_follow(depsgraph) and _plays())
 
 
@@ -59,9 +64,11 @@ def _after_change(scene, depsgraph):
     shown_anew = any(_is_isosurface(changed) for changed, _ in changes)
     if shown_anew:
         duplicates.complete()
-    if shown_anew or isovalues.any_is_behind(depsgraph):
+    may_shine = shown_anew or any(lamp_strengths.concern(changed) for changed, _ in changes)
+    relit = may_shine and lamp_strengths.follow(scene, depsgraph)
+    if shown_anew or relit or isovalues.any_is_behind(depsgraph):
         moved += _follow(scene, depsgraph, whole_detail.may_follow(depsgraph))
-    if shown_anew or moved:
+    if shown_anew or relit or moved:
         # Blender draws anew where the isovalue was moved; it stands in two places.
         background.redraw_panels()
     for obj in filter(added.is_isosurface, isovalues.known()):
@@ -112,6 +119,7 @@ def _after_undo(scene, _depsgraph):
     surface_object.forget()
     duplicates.complete()
     depsgraph = bpy.context.evaluated_depsgraph_get()
+    lamp_strengths.follow(scene, depsgraph)
     _follow(scene, depsgraph, whole_detail.may_follow(depsgraph))
 
 
@@ -130,6 +138,7 @@ def _before_load(*_):
     preview.forget()
     estimate_bake.forget()
     cache.clear()
+    lamps.clear()
     graph_object.forget()
     images.forget()
     source_files.forget()
@@ -161,8 +170,10 @@ def _after_load(*_):
     for scene in bpy.data.scenes:
         if any(obj.leaflight.is_volume for obj in scene.objects):
             isovalues.lock_interface(scene)
+    scene, depsgraph = bpy.context.scene, bpy.context.evaluated_depsgraph_get()
+    lamp_strengths.follow(scene, depsgraph)
     # The files of bakes may have gone or come meanwhile.
-    _follow(bpy.context.scene, bpy.context.evaluated_depsgraph_get(), whole_detail.may_follow())
+    _follow(scene, depsgraph, whole_detail.may_follow())
 
 
 _HANDLERS = (
@@ -191,4 +202,5 @@ def unregister():
     stopped.save_offered()
     preview.forget()
     cache.clear()
+    lamps.clear()
     images.forget()

@@ -4,6 +4,7 @@
 import json
 import time
 from dataclasses import dataclass
+from functools import cached_property
 
 import leaflight._core as _core
 import numpy as np
@@ -13,6 +14,7 @@ from ..io.output import check_writable
 from ..scene.on_mesh import interpolated
 from ..scene.scene import SceneDescription, core_scene, isovalue_at
 from ..volume.setting_error import SettingError
+from .relit import relit
 from .stamps import id_of
 
 # How much colours at the ends of a small mesh's edge may differ: light is linear in between.
@@ -48,6 +50,9 @@ class Bake:
         bake before it reached its error; and estimated_rms_percent, the RMS of the noise that the
         texels report, in the units of compare.
     metadata: text by key, everything the result depends on; equal bakes have equal metadata.
+    original: of a bake that relit() made, the one with its lamps as they were baked; else None.
+    factors: of a bake that relit() made, (r, g, b) of each lamp of the scene: how much brighter it
+        is than it was baked; else None.
     """
 
     volumes: list
@@ -57,6 +62,8 @@ class Bake:
     surroundings: object
     statistics: dict
     metadata: dict
+    original: "Bake" = None
+    factors: tuple = None
 
     @property
     def volume(self):
@@ -80,12 +87,36 @@ class Bake:
         """Writes the bake as one .vdb under its final name or not at all.
 
         Raises LeaflightError, and Cancelled where progress, a _core.Progress, is cancelled before
-        the file is whole.
+        the file is whole. A bake that relit() made is not saved.
         """
+        if self.original is not None:
+            raise LeaflightError(
+                "A bake with its lamps at other strengths is not saved: save its original, which "
+                "can be relit at any time, or bake again with these strengths."
+            )
         check_writable(path, ".vdb")
         metadata = dict(self.metadata, id=self.id, statistics=json.dumps(self.statistics))
         fields = [volume.field() for volume in self.volumes]
         _core.write_bake(path, fields, self.grids, self.surroundings, metadata, progress)
+
+    def relit(self, lamps):
+        """The Bake with lamps of its scene at other strengths or of other colours, at once.
+
+        lamps: {name: factor}, against the strengths that this bake has: a number of at least 0, or
+        (r, g, b), linear. Direct light is exact. Indirect light, and the direct light of wide
+        sources, are scaled by one factor per channel, the growth of what comes back to isosurfaces
+        after one reflection: this is exact where nothing else emits and one lamp, or all lamps
+        alike, are changed. What meshes and isosurfaces emit by themselves stays. Texels are shared
+        with this bake.
+        Raises LeaflightError for a name that no lamp has, and where the bake has no exact direct
+        light: those with mirrors, with glass, of several volumes, or of a fixed amount of work.
+        """
+        return relit(self, lamps)
+
+    @cached_property
+    def indirect_shares(self):
+        """How much indirect light comes from which lamps, a _core.IndirectShares."""
+        return _core.IndirectShares(self.core_scene())
 
     def isovalue_of(self, volume, isovalue):
         """The isovalue, in data units, that a volume (its number) shows at a leaf coordinate."""
@@ -149,7 +180,7 @@ class Bake:
         Returns (radiance, standard_error), float32 (n, 3) each. Raises LeaflightError, Cancelled.
         """
         self.check_isovalue(isovalue, volume)
-        scene = self._core_scene()
+        scene = self.core_scene()
         progress = progress or _core.Progress()
         return _core.reference(
             scene, points, isovalue, spp, seed, threads, progress, volume=volume, back=back
@@ -192,7 +223,7 @@ class Bake:
     ):
         """Path-traced radiance at points of a mesh (see on_mesh.py), as reference()."""
         self._check_window(isovalue)
-        scene = self._core_scene()
+        scene = self.core_scene()
         progress = progress or _core.Progress()
         return _core.reference_surroundings(
             scene, mesh, facets, coordinates, isovalue, spp, seed, threads, progress, back
@@ -211,7 +242,8 @@ class Bake:
                 "no isosurface exists there, choose one inside."
             )
 
-    def _core_scene(self):
+    def core_scene(self):
+        """The scene as the core has it, a _core.Scene."""
         fields = [volume.field() for volume in self.volumes]
         return core_scene(self.scene, fields, self.isovalues)
 

@@ -37,6 +37,10 @@ def resume(
     Raises LeaflightError where there is nothing to go on with, Cancelled.
     """
     metadata = kept.metadata
+    if kept.original is not None:
+        raise LeaflightError(
+            "A bake with its lamps at other strengths does not go on: resume its original."
+        )
     if not metadata["blocks"]:
         raise LeaflightError(
             "This bake did a fixed amount of work, so it cannot be continued: bake the volume "

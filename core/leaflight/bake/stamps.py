@@ -125,7 +125,9 @@ def _research(settings, fixed):
 
 def id_of(metadata):
     """The id of the bake with this metadata: 32 digits."""
-    text = json.dumps([metadata[key] for key in METADATA])
+    # Of a bake whose lamps have other strengths (relit.py), which no file holds.
+    lamps = [metadata["lamps"]] if "lamps" in metadata else []
+    text = json.dumps([metadata[key] for key in METADATA] + lamps)
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 

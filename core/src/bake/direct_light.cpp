@@ -47,24 +47,26 @@ DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
                             bool inner, Progress& progress)
     : window_(tracer.scene().volumes[volume].isovalues(tracer.scene().window)),
       albedo_(tracer.scene().volumes[volume].albedo),
+      emission_(tracer.scene().volumes[volume].emission),
       offset_(tracer.scene().volumes[volume].offset),
       scale_(tracer.scene().volumes[volume].scale),
       to_frame_(tracer.index_to_frame(volume)),
       to_index_(inverse(to_frame_)),
-      points_(points),
-      lattice_(make_lattice(tracer.scene().volumes[volume].field, resolution, window_.min,
-                            window_.max)) {
+      points_(points) {
   fill_blocks();
+  auto maps = std::make_shared<Maps>();
+  maps->lattice =
+      make_lattice(tracer.scene().volumes[volume].field, resolution, window_.min, window_.max);
   std::atomic<bool> any_dark{false};
-  const std::size_t count = points_.size(), active = lattice_.active.size();
-  const VisibilitySweep<D> sweep(tracer, volume, lattice_);
+  const std::size_t count = points_.size(), active = maps->lattice.active.size();
+  const VisibilitySweep<D> sweep(tracer, volume, maps->lattice);
   for (int side = 0; side < (inner ? 2 : 1); ++side) {
-    maps_[side].resize(active * count + block);  // whole blocks are read
+    maps->codes[side].resize(active * count + block);  // whole blocks are read
     const VisibilityCode code{window_, side != 0};
     for (std::size_t first = 0; first < count; first += points_at_once) {
       const std::size_t some = std::min(points_at_once, count - first);
       std::vector<std::vector<std::uint8_t>> found(some);
-      parallel_range(some, 1, static_cast<double>(lattice_.texels()), progress,
+      parallel_range(some, 1, static_cast<double>(maps->lattice.texels()), progress,
                      [&](std::size_t begin, std::size_t end) {
                        for (std::size_t i = begin; i < end; ++i) {
                          sweep.run(points_[first + i].source, code, found[i], progress);
@@ -72,16 +74,25 @@ DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
                      });
       parallel_range(active, 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t s = begin; s < end; ++s) {
-          std::uint8_t* to = &maps_[side][s * count + first];
+          std::uint8_t* to = &maps->codes[side][s * count + first];
           for (std::size_t i = 0; i < some; ++i) {
-            to[i] = found[i][lattice_.active[s]];
+            to[i] = found[i][maps->lattice.active[s]];
             if (to[i] == VisibilityCode::dark) any_dark = true;
           }
         }
       });
     }
   }
-  has_dark_ = any_dark;
+  maps->has_dark = any_dark;
+  maps_ = std::move(maps);
+}
+
+template <int D>
+DirectLight<D> DirectLight<D>::scaled(const std::vector<Rgb>& lights) const {
+  DirectLight<D> result = *this;
+  scale_points(lights, result.points_);
+  result.fill_blocks();
+  return result;
 }
 
 template <int D>
@@ -89,14 +100,14 @@ float DirectLight<D>::greatest(std::size_t point, const TexelWeights<D>& near, b
   float sum = 0;
   for (int i = 0; i < (1 << D); ++i) {
     if (!(near.weight[i] > 0)) continue;
-    sum += near.weight[i] * maps_[inner][near.slot[i] * points_.size() + point];
+    sum += near.weight[i] * maps_->codes[inner][near.slot[i] * points_.size() + point];
   }
   return sum;
 }
 
 template <int D>
 void DirectLight<D>::fill_blocks() {
-  blocks_.resize((points_.size() + block - 1) / block);
+  blocks_.assign((points_.size() + block - 1) / block, Block{});
   for (Block& of : blocks_) {
     for (Row& row : of.at) row.fill(1);
   }
@@ -134,7 +145,9 @@ Rgb DirectLight<D>::radiance(const Field<D>& field, const Vec<D>& index_position
       to_index_.pull_back_gradient(surface_gradient(corners, at.local, shading)) * outward);
   const Vec<D> place = to_frame_.point(index_position);
   const Vec<D, float> x(place);
-  const TexelWeights<D> near = linear_weights(lattice_, index_position);
+  const TexelWeights<D> near = linear_weights(maps_->lattice, index_position);
+  const std::uint8_t* maps = maps_->codes[inner].data();
+  const bool has_dark = maps_->has_dark;
   const float own = VisibilityCode{window_, inner}(h);
   std::array<float, 3> irradiance{};
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
@@ -143,8 +156,8 @@ Rgb DirectLight<D>::radiance(const Field<D>& field, const Vec<D>& index_position
     for (int i = 0; i < (1 << D); ++i) {
       const float w = near.weight[i];
       if (!(w > 0)) continue;
-      const std::uint8_t* codes = &maps_[inner][near.slot[i] * points_.size() + b * block];
-      if (!has_dark_) {
+      const std::uint8_t* codes = maps + near.slot[i] * points_.size() + b * block;
+      if (!has_dark) {
         for (int k = 0; k < block; ++k) greatest[k] += w * static_cast<float>(codes[k]);
         continue;
       }
@@ -189,6 +202,13 @@ Rgb DirectLight<D>::radiance(const Field<D>& field, const Vec<D>& index_position
   }
   const Rgb sum(irradiance[0], irradiance[1], irradiance[2]);
   return sum * albedo_.at((h - offset_) / scale_) / static_cast<Real>(projected_hemisphere<D>);
+}
+
+template <int D>
+Rgb DirectLight<D>::emission(const Field<D>& field, const Vec<D>& index_position) const {
+  const CellPoint<D> at = locate(field, index_position);
+  const double h = interpolate(load_corners(field, at.cell), at.local);
+  return std::isnan(h) ? Rgb(0) : emission_.at((h - offset_) / scale_);
 }
 
 template Index<2> map_resolution<2>(const Field<2>&, const IsovalueWindow&, const Index<2>&,

@@ -22,7 +22,7 @@ constexpr int most_halvings = 2;
 // What the grid says at the vertices, written into the lists that are wished.
 class Lookup {
  public:
-  Lookup(const RadianceGrid<3>& grid, const Field<3>& field, const LitContourSettings& settings,
+  Lookup(const ShownGrid<3>& grid, const Field<3>& field, const LitContourSettings& settings,
          LitMesh& mesh)
       : grid_(grid), field_(field), settings_(settings), mesh_(mesh) {}
   bool wished() const { return settings_.radiance || settings_.radiance_back; }
@@ -62,7 +62,7 @@ class Lookup {
   }
 
  private:
-  const RadianceGrid<3>& grid_;
+  const ShownGrid<3>& grid_;
   const Field<3>& field_;
   const LitContourSettings& settings_;
   LitMesh& mesh_;
@@ -93,13 +93,14 @@ void split_and_look_up(const RadianceGrid<3>& grid, const Field<3>& field, doubl
 
 }  // namespace
 
-void lit_contour(const RadianceGrid<3>& grid, const Field<3>& field, double isovalue,
+void lit_contour(const ShownGrid<3>& shown, const Field<3>& field, double isovalue,
                  const LitContourSettings& settings, LitMesh& mesh) {
+  const RadianceGrid<3>& grid = shown.grid;
   if (settings.radiance_back && !grid.has_back()) {
     throw Error("This bake does not hold the inner side of its isosurfaces; bake both sides.");
   }
   const MarchingCubes cubes(field, isovalue);
-  const Lookup look_up(grid, field, settings, mesh);
+  const Lookup look_up(shown, field, settings, mesh);
   mesh.contoured = cubes.triangles();
   const bool as_it_is = grid.levels() == 1 && grid.lattice.voxels_per_texel[0] >= narrow &&
                         !(look_up.cuts_steps() && cubes.vertices() < small) && !field.masked;

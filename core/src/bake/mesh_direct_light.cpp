@@ -49,14 +49,24 @@ double greatest_on(const WayTo<D>& way, const LightSource<D>& source, SurfacePoi
 template <int D>
 MeshDirectLight<D>::MeshDirectLight(const SceneTracer<D>& tracer,
                                     const std::vector<RefinedMesh<D>>& meshes, Progress& progress)
-    : meshes_(meshes.size()) {
+    : scales_(tracer.lights().size() + 1, Rgb(1)) {
   for (int set = 0; set < light_point_sets; ++set) {
     sets_.push_back(split_light(tracer, set).points);
   }
+  auto ways = std::make_shared<std::vector<MeshWays>>(meshes.size());
   for (std::size_t m = 0; m < meshes.size(); ++m) {
     if (tracer.meshes()[m].scattering != Scattering::diffuse) continue;
-    meshes_[m] = ways_of(tracer, meshes[m].fine, progress);
+    (*ways)[m] = ways_of(tracer, meshes[m].fine, progress);
   }
+  meshes_ = std::move(ways);
+}
+
+template <int D>
+MeshDirectLight<D> MeshDirectLight<D>::scaled(const std::vector<Rgb>& lights) const {
+  MeshDirectLight<D> result = *this;
+  for (auto& set : result.sets_) scale_points(lights, set);
+  for (std::size_t l = 0; l < lights.size(); ++l) result.scales_.at(l) *= lights[l];
+  return result;
 }
 
 template <int D>
@@ -67,7 +77,8 @@ typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTra
   MeshWays of{MeshNeighbours(vertices, mesh.facets), {}, {}, {}};
   of.sets.resize(vertices);
   of.ways.resize(vertices * points);
-  for (auto& side : of.unshadowed) side.assign(vertices, Vec<3, float>(0));
+  const std::size_t lights = scales_.size();
+  for (auto& side : of.unshadowed) side.assign(lights * vertices, Vec<3, float>(0));
   parallel_range(
       vertices, vertices_per_piece, static_cast<double>(points), progress,
       [&](std::size_t begin, std::size_t end) {
@@ -78,8 +89,9 @@ typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTra
           for (std::size_t set = 0; set < sets_.size(); ++set) {
             for (std::size_t i = 0; i < points; ++i) {
               const LightSource<D>& source = sets_[set][i].source;
+              const int light = sets_[set][i].light;
               const WayTo<D> way(source, from);
-              of.unshadowed[way.share < 0][v] +=
+              of.unshadowed[way.share < 0][(light < 0 ? lights - 1 : light) * vertices + v] +=
                   Vec<3, float>(source.amount) * static_cast<float>(std::abs(way.share));
               if (set != of.sets[v]) continue;
               const double greatest = way.share == 0 ? 0 : greatest_on(way, source, from, tracer);
@@ -89,7 +101,9 @@ typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTra
           }
           const Vec<3, float> brdf(from.albedo / static_cast<Real>(projected_hemisphere<D>));
           for (auto& side : of.unshadowed) {
-            side[v] *= brdf / static_cast<float>(light_point_sets);
+            for (std::size_t l = 0; l < lights; ++l) {
+              side[l * vertices + v] *= brdf / static_cast<float>(light_point_sets);
+            }
           }
         }
       });
@@ -97,8 +111,20 @@ typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTra
 }
 
 template <int D>
+std::vector<Vec<3, float>> MeshDirectLight<D>::unshadowed(int mesh, bool back) const {
+  const MeshWays& of = (*meshes_)[mesh];
+  const std::size_t vertices = of.sets.size();
+  std::vector<Vec<3, float>> sums(vertices, Vec<3, float>(0));
+  for (std::size_t l = 0; vertices > 0 && l < scales_.size(); ++l) {
+    const Vec<3, float>* light = &of.unshadowed[back][l * vertices];
+    for (std::size_t v = 0; v < vertices; ++v) sums[v] += light[v] * Vec<3, float>(scales_[l]);
+  }
+  return sums;
+}
+
+template <int D>
 std::vector<Vec<3, float>> MeshDirectLight<D>::radiance(int mesh, double c, bool back) const {
-  const MeshWays& of = meshes_[mesh];
+  const MeshWays& of = (*meshes_)[mesh];
   const std::size_t vertices = of.sets.size(), points = sets_[0].size();
   const auto own = static_cast<float>(c);
   const float side = back ? -1 : 1;
@@ -114,12 +140,12 @@ std::vector<Vec<3, float>> MeshDirectLight<D>::radiance(int mesh, double c, bool
     }
     for (int k = 0; k < 3; ++k) reaching[v][k] = all[k] > 0 ? lit[k] / all[k] : 0;
   }
-  std::vector<Vec<3, float>> radiance(vertices);
+  std::vector<Vec<3, float>> radiance = unshadowed(mesh, back);
   for (std::size_t v = 0; v < vertices; ++v) {
     const std::uint32_t *begin = of.neighbours.begin(v), *end = of.neighbours.end(v);
     Vec<3, float> sum(0);
     for (const std::uint32_t* u = begin; u != end; ++u) sum += reaching[*u];
-    radiance[v] = of.unshadowed[back][v] * sum / static_cast<float>(end - begin);
+    radiance[v] *= sum / static_cast<float>(end - begin);
   }
   return radiance;
 }

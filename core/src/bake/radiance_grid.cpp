@@ -136,20 +136,34 @@ const Colours& texels_of(const RadianceLevel<D>& level, bool exact, bool back) {
 }  // namespace
 
 template <int D>
-Vec<3, float> radiance_at(const RadianceGrid<D>& grid, const Field<D>& field,
-                          const Vec<D>& index_position, bool back) {
-  const RadianceLevel<D>& level = grid.at(index_position);
-  const bool exact = grid.direct != nullptr;
-  Vec<3, float> radiance = lookup(level.lattice, texels_of(level, exact, back), index_position);
-  if (exact) radiance += Vec<3, float>(grid.direct->radiance(field, index_position, back));
-  return radiance;
+Vec<3, float> ShownGrid<D>::scaled(const Vec<3, float>& light, const Field<D>& field,
+                                   const Vec<D>& index_position) const {
+  if (indirect == Vec<3, float>(1)) return light;
+  const Vec<3, float> own(direct->emission(field, index_position));
+  Vec<3, float> scaled = own + (light - own) * indirect;
+  for (int i = 0; i < 3; ++i) scaled[i] = std::max(0.0f, scaled[i]);
+  return scaled;
 }
 
 template <int D>
-void radiance_at(const RadianceGrid<D>& grid, const Field<D>& field,
+Vec<3, float> radiance_at(const ShownGrid<D>& shown, const Field<D>& field,
+                          const Vec<D>& index_position, bool back) {
+  const RadianceLevel<D>& level = shown.grid.at(index_position);
+  const DirectLight<D>* direct = shown.direct;
+  const Vec<3, float> light =
+      lookup(level.lattice, texels_of(level, direct != nullptr, back), index_position);
+  if (!direct) return light;
+  return shown.scaled(light, field, index_position) +
+         Vec<3, float>(direct->radiance(field, index_position, back));
+}
+
+template <int D>
+void radiance_at(const ShownGrid<D>& shown, const Field<D>& field,
                  const std::vector<Vec<D>>& index_positions, bool back, Vec<3, float>* found) {
   constexpr std::size_t ahead = 16;
-  const Colours& values = texels_of(grid, grid.direct != nullptr, back);
+  const RadianceGrid<D>& grid = shown.grid;
+  const DirectLight<D>* direct = shown.direct;
+  const Colours& values = texels_of(grid, direct != nullptr, back);
   std::array<UsedTexels<D>, ahead> texels;
   for (std::size_t first = 0; first < index_positions.size(); first += ahead) {
     const std::size_t count = std::min(ahead, index_positions.size() - first);
@@ -159,9 +173,10 @@ void radiance_at(const RadianceGrid<D>& grid, const Field<D>& field,
     }
     for (std::size_t n = 0; n < count; ++n) {
       found[first + n] = texels[n].mean(values);
-      if (!grid.direct) continue;
+      if (!direct) continue;
       const Vec<D>& position = index_positions[first + n];
-      found[first + n] += Vec<3, float>(grid.direct->radiance(field, position, back));
+      found[first + n] = shown.scaled(found[first + n], field, position) +
+                         Vec<3, float>(direct->radiance(field, position, back));
     }
   }
 }
@@ -187,12 +202,14 @@ template Vec<3, float> lookup<2>(const TexelLattice<2>&, const std::vector<Vec<3
                                  const Vec<2>&);
 template Vec<3, float> lookup<3>(const TexelLattice<3>&, const std::vector<Vec<3, float>>&,
                                  const Vec<3>&);
-template Vec<3, float> radiance_at<2>(const RadianceGrid<2>&, const Field<2>&, const Vec<2>&, bool);
-template Vec<3, float> radiance_at<3>(const RadianceGrid<3>&, const Field<3>&, const Vec<3>&, bool);
-template void radiance_at<2>(const RadianceGrid<2>&, const Field<2>&, const std::vector<Vec<2>>&,
-                             bool, Vec<3, float>*);
-template void radiance_at<3>(const RadianceGrid<3>&, const Field<3>&, const std::vector<Vec<3>>&,
-                             bool, Vec<3, float>*);
+template struct ShownGrid<2>;
+template struct ShownGrid<3>;
+template Vec<3, float> radiance_at<2>(const ShownGrid<2>&, const Field<2>&, const Vec<2>&, bool);
+template Vec<3, float> radiance_at<3>(const ShownGrid<3>&, const Field<3>&, const Vec<3>&, bool);
+template void radiance_at<2>(const ShownGrid<2>&, const Field<2>&, const std::vector<Vec<2>>&, bool,
+                             Vec<3, float>*);
+template void radiance_at<3>(const ShownGrid<3>&, const Field<3>&, const std::vector<Vec<3>>&, bool,
+                             Vec<3, float>*);
 template float lookup_error<2>(const TexelLattice<2>&, const std::vector<float>&, const Vec<2>&);
 template float lookup_error<3>(const TexelLattice<3>&, const std::vector<float>&, const Vec<3>&);
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "leaflight/bake/surroundings_radiance.h"
 
+#include <algorithm>
+
 #include "leaflight/math/error.h"
 
 namespace leaflight {
@@ -25,6 +27,24 @@ std::vector<Vec<3, float>> radiance_at(const SurroundingsRadiance<D>& surroundin
 }
 
 template <int D>
+SurroundingsRadiance<D> relit(const SurroundingsRadiance<D>& surroundings,
+                              const std::vector<Mesh<D>>& meshes, const std::vector<Rgb>& lights,
+                              const Vec<3, float>& indirect) {
+  SurroundingsRadiance<D> result = surroundings;
+  for (std::size_t m = 0; m < meshes.size(); ++m) {
+    const Vec<3, float> own(meshes[m].emission);
+    for (auto& side : result.radiance[m]) {
+      for (Vec<3, float>& light : side) {
+        light = own + (light - own) * indirect;
+        for (int i = 0; i < 3; ++i) light[i] = std::max(0.0f, light[i]);
+      }
+    }
+  }
+  result.direct = std::make_shared<const MeshDirectLight<D>>(surroundings.direct->scaled(lights));
+  return result;
+}
+
+template <int D>
 void attach(SurroundingsRadiance<D>& radiance, const Scene<D>& scene, Progress& progress) {
   radiance.meshes = refine(scene.meshes);
   radiance.nodes = LeafNodes(scene);
@@ -43,6 +63,10 @@ void attach(SurroundingsRadiance<D>& radiance, const Scene<D>& scene, Progress& 
   radiance.direct = std::make_shared<const MeshDirectLight<D>>(tracer, radiance.meshes, progress);
 }
 
+template SurroundingsRadiance<2> relit(const SurroundingsRadiance<2>&, const std::vector<Mesh<2>>&,
+                                       const std::vector<Rgb>&, const Vec<3, float>&);
+template SurroundingsRadiance<3> relit(const SurroundingsRadiance<3>&, const std::vector<Mesh<3>>&,
+                                       const std::vector<Rgb>&, const Vec<3, float>&);
 template void attach<2>(SurroundingsRadiance<2>&, const Scene<2>&, Progress&);
 template void attach<3>(SurroundingsRadiance<3>&, const Scene<3>&, Progress&);
 template std::vector<Vec<3, float>> radiance_at<2>(const SurroundingsRadiance<2>&, int, double,

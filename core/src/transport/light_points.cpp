@@ -190,7 +190,16 @@ SplitLight<D> split_light(const SceneTracer<D>& tracer, int set) {
   return split;
 }
 
+template <int D>
+void scale_points(const std::vector<Rgb>& lights, std::vector<LightPoint<D>>& points) {
+  for (LightPoint<D>& point : points) {
+    if (point.light >= 0) point.source.amount *= lights.at(point.light);
+  }
+}
+
 template SplitLight<2> split_light(const SceneTracer<2>&, int);
 template SplitLight<3> split_light(const SceneTracer<3>&, int);
+template void scale_points(const std::vector<Rgb>&, std::vector<LightPoint<2>>&);
+template void scale_points(const std::vector<Rgb>&, std::vector<LightPoint<3>>&);
 
 }  // namespace leaflight

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
+
 #include "leaflight/bake/visibility_sweep.h"
 #include "leaflight/transport/light_points.h"
 
@@ -18,20 +20,25 @@ class DirectLight {
   DirectLight(const SceneTracer<D>& tracer, int volume, const std::vector<LightPoint<D>>& points,
               const Index<D>& resolution, bool inner, Progress& progress);
 
+  // With other strengths of the scene's lights: a factor per channel for each. Shares the maps.
+  DirectLight scaled(const std::vector<Rgb>& lights) const;
+
   // Texels of the maps.
-  const TexelLattice<D>& lattice() const { return lattice_; }
+  const TexelLattice<D>& lattice() const { return maps_->lattice; }
   std::size_t points() const { return points_.size(); }
   const LightPoint<D>& point(std::size_t number) const { return points_[number]; }
   const Affine<D>& index_to_frame() const { return to_frame_; }
-  bool has_inner() const { return !maps_[1].empty(); }
+  bool has_inner() const { return !maps_->codes[1].empty(); }
   // VisibilityCode of the way from an active texel to a point.
   std::uint8_t code(std::size_t point, std::size_t slot, bool inner) const {
-    return maps_[inner][slot * points_.size() + point];
+    return maps_->codes[inner][slot * points_.size() + point];
   }
 
   // Radiance [W/(m^2 sr)] that the leaf through an index position of the field, which must be that
   // of the volume, reflects on one of its sides; zero where no leaf passes.
   Rgb radiance(const Field<D>& field, const Vec<D>& index_position, bool inner) const;
+  // What the leaf emits by itself, [W/(m^2 sr)].
+  Rgb emission(const Field<D>& field, const Vec<D>& index_position) const;
   // The greatest code on the way to a point from where a position has these weights in lattice().
   float greatest(std::size_t point, const TexelWeights<D>& near, bool inner) const;
 
@@ -51,15 +58,18 @@ class DirectLight {
   void fill_blocks();
 
   IsovalueWindow window_;  // of the field's values
-  ColorRamp albedo_;
+  ColorRamp albedo_, emission_;
   double offset_, scale_;  // isovalue = offset + scale c
   Affine<D> to_frame_, to_index_;
   std::vector<LightPoint<D>> points_;
   std::vector<Block> blocks_;
-  TexelLattice<D> lattice_;
-  // By side; [slot * points + point].
-  std::array<std::vector<std::uint8_t>, 2> maps_;
-  bool has_dark_ = false;  // a mesh throws shadows into the volume
+  struct Maps {
+    TexelLattice<D> lattice;
+    // By side; [slot * points + point].
+    std::array<std::vector<std::uint8_t>, 2> codes;
+    bool has_dark = false;  // a mesh throws shadows into the volume
+  };
+  std::shared_ptr<const Maps> maps_;
 };
 
 // The resolution of the maps of so many light points for a bake of so many texels along each axis:

@@ -26,7 +26,7 @@ struct LitContourSettings {
 // The contour of the volume that the grid lights, with edges cut in two as often as texels are
 // narrower than voxels there, so that vertices show them. Uses the mesh's memory again. The result
 // does not depend on the number of threads. Throws Error where the inner side was not baked.
-void lit_contour(const RadianceGrid<3>& grid, const Field<3>& field, double isovalue,
+void lit_contour(const ShownGrid<3>& shown, const Field<3>& field, double isovalue,
                  const LitContourSettings& settings, LitMesh& mesh);
 
 }  // namespace leaflight

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
+
 #include "leaflight/bake/mesh_neighbours.h"
 #include "leaflight/bake/refined_mesh.h"
 #include "leaflight/math/progress.h"
@@ -21,8 +23,13 @@ class MeshDirectLight {
   MeshDirectLight(const SceneTracer<D>& tracer, const std::vector<RefinedMesh<D>>& meshes,
                   Progress& progress);
 
+  // With other strengths of the scene's lights: a factor per channel for each. Shares the ways.
+  MeshDirectLight scaled(const std::vector<Rgb>& lights) const;
+
   // Radiance [W/(m^2 sr)] that one side of a mesh reflects at its fine vertices beside the leaf c.
   std::vector<Vec<3, float>> radiance(int mesh, double c, bool back) const;
+  // The same if nothing stood in the way of the light.
+  std::vector<Vec<3, float>> unshadowed(int mesh, bool back) const;
 
   // From one vertex to one point of its set.
   struct Way {
@@ -35,17 +42,19 @@ class MeshDirectLight {
     MeshNeighbours neighbours;
     std::vector<std::uint8_t> sets;  // of the vertices
     std::vector<Way> ways;           // [vertex * points + point]
-    // By side: radiance if nothing stood in the way of the light, by all sets.
+    // By side: radiance if nothing stood in the way of a light, by all sets; [light * vertices +
+    // vertex], last of all that is no light.
     std::array<std::vector<Vec<3, float>>, 2> unshadowed;
   };
-  const MeshWays& ways(int mesh) const { return meshes_[mesh]; }
+  const MeshWays& ways(int mesh) const { return (*meshes_)[mesh]; }
   const std::vector<std::vector<LightPoint<D>>>& sets() const { return sets_; }
 
  private:
   MeshWays ways_of(const SceneTracer<D>& tracer, const FineMesh<D>& mesh, Progress& progress) const;
 
   std::vector<std::vector<LightPoint<D>>> sets_;
-  std::vector<MeshWays> meshes_;  // those of mirrors and glass are empty
+  std::vector<Rgb> scales_;                              // of the lights, and 1
+  std::shared_ptr<const std::vector<MeshWays>> meshes_;  // those of mirrors and glass are empty
 };
 
 }  // namespace leaflight

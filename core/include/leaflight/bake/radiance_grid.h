@@ -63,11 +63,33 @@ using SideAverages = std::array<std::vector<Average>, 2>;
 template <int D>
 RadianceGrid<D> make_grid(SideAverages direct, SideAverages indirect);
 
+// A grid as it is shown: with its lights as they were baked, or at other strengths.
+template <int D>
+struct ShownGrid {
+  const RadianceGrid<D>& grid;
+  const DirectLight<D>* direct;     // of the strengths; null: texels hold all that is known
+  Vec<3, float> indirect{1, 1, 1};  // a factor of all other light but what the leaf itself emits
+
+  ShownGrid(const RadianceGrid<D>& baked)  // NOLINT: a grid is shown as it was baked
+      : grid(baked), direct(baked.direct.get()) {}
+  ShownGrid(const RadianceGrid<D>& baked, const DirectLight<D>* scaled, const Vec<3, float>& factor)
+      : grid(baked), direct(scaled), indirect(factor) {}
+
+  // What radiance_indirect says, at these strengths.
+  Vec<3, float> scaled(const Vec<3, float>& light, const Field<D>& field,
+                       const Vec<D>& index_position) const;
+};
+
 // Radiance of the leaf through an index position of the field that was lit, on one of its sides,
 // which the grid must hold.
 template <int D>
-Vec<3, float> radiance_at(const RadianceGrid<D>& grid, const Field<D>& field,
+Vec<3, float> radiance_at(const ShownGrid<D>& shown, const Field<D>& field,
                           const Vec<D>& index_position, bool back);
+template <int D>
+Vec<3, float> radiance_at(const RadianceGrid<D>& grid, const Field<D>& field,
+                          const Vec<D>& index_position, bool back) {
+  return radiance_at(ShownGrid<D>(grid), field, index_position, back);
+}
 
 // The same of an array of texels alone: linear along each axis, over the active ones only; zero
 // where there is none.
@@ -78,7 +100,7 @@ Vec<3, float> lookup(const TexelLattice<D>& lattice, const std::vector<Vec<3, fl
 // At many positions, of a grid of one level, into as many places from `found` on. What is read lies
 // far apart: it is fetched ahead.
 template <int D>
-void radiance_at(const RadianceGrid<D>& grid, const Field<D>& field,
+void radiance_at(const ShownGrid<D>& shown, const Field<D>& field,
                  const std::vector<Vec<D>>& index_positions, bool back, Vec<3, float>* found);
 
 // The standard error of such a radiance, from those of the texels, which are independent.

@@ -26,6 +26,13 @@ template <int D>
 std::vector<Vec<3, float>> radiance_at(const SurroundingsRadiance<D>& surroundings, int mesh,
                                        double c, bool back);
 
+// The same with other strengths of the scene's lights: direct light by a factor per channel for
+// each, all else but the meshes' own emission by one.
+template <int D>
+SurroundingsRadiance<D> relit(const SurroundingsRadiance<D>& surroundings,
+                              const std::vector<Mesh<D>>& meshes, const std::vector<Rgb>& lights,
+                              const Vec<3, float>& indirect);
+
 // Gives a radiance that was read from a file the scene it belongs to, and its direct light. Throws
 // Error if its surroundings are others, Cancelled.
 template <int D>

@@ -33,4 +33,8 @@ inline constexpr int light_point_sets = 7;
 template <int D>
 SplitLight<D> split_light(const SceneTracer<D>& tracer, int set = 0);
 
+// Makes the points of the scene's lights brighter by a factor per channel of each light.
+template <int D>
+void scale_points(const std::vector<Rgb>& lights, std::vector<LightPoint<D>>& points);
+
 }  // namespace leaflight

@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How strong the lamps of the scene are now, for what is shown by bakes of it."""
+
+import bpy
+import leaflight
+
+from ..show import lamps
+from . import lights, scene_export
+
+
+def follow(scene, depsgraph):
+    """Looks at the lamps as they were evaluated; returns whether a bake is to be shown anew."""
+    lit = [obj for obj in scene.objects if obj.leaflight.is_volume and obj.leaflight.bake_lamps]
+    if not lit:
+        return False
+    try:
+        present = [light for light in _present(depsgraph) if light is not None]
+    except leaflight.LeaflightError:
+        # Of a kind that cannot be baked; the panel says why.
+        present = None
+    found = [lamps.follow(obj.leaflight, present) for obj in lit if present is not None]
+    return any(found)
+
+
+def concern(changed):
+    """Whether a data-block that was changed may be, or may hide, a lamp."""
+    if isinstance(changed, bpy.types.Object):
+        return changed.type == "LIGHT"
+    kinds = (bpy.types.Light, bpy.types.ShaderNodeTree, bpy.types.Collection, bpy.types.Scene)
+    return isinstance(changed, kinds)
+
+
+def _present(depsgraph):
+    for obj, matrix in scene_export.rendered_objects(depsgraph.view_layer, depsgraph):
+        if obj.type == "LIGHT":
+            yield lights.export_light(obj, matrix, lambda: [], [])

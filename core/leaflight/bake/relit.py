@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake with its lamps at other strengths, without a new one.
+
+Direct light is computed where it is looked up, and scales exactly, lamp by lamp. All other light
+scales by one factor per channel: as much as the light grows that comes back to isosurfaces after
+one reflection. That is exact where one lamp, or all lamps alike, are changed and nothing else
+emits; otherwise it is approximate, because indirect light then also changes its distribution.
+"""
+
+import json
+import math
+from dataclasses import replace
+from numbers import Real
+
+import numpy as np
+
+from .._core import LeaflightError
+from ..scene.scene import AreaLight, PointLight, is_color
+
+
+def relit(bake, lamps):
+    """The Bake with the lamps, {name: factor or (r, g, b)}, brighter by factors; see Bake.relit."""
+    original = bake.original or bake
+    factors = _factors(bake, lamps)
+    if any(grid.map_resolution is None for grid in original.grids):
+        raise LeaflightError(
+            "The direct light of this bake is not exact, so its lamps cannot be changed: bake one "
+            "volume in rounds without mirrors or glass, or bake again with the lamps as they are."
+        )
+    if factors == _as_baked(original):
+        return original
+    indirect = original.indirect_shares.factor(factors)
+    scene = original.core_scene()
+    grids = [
+        grid.relit(volume.field(), factors, indirect)
+        for grid, volume in zip(original.grids, original.volumes)
+    ]
+    surroundings = original.surroundings
+    if surroundings is not None:
+        surroundings = surroundings.relit(scene, factors, indirect)
+    lights = [_scaled(light, by) for light, by in zip(original.scene.lights, factors)]
+    return replace(
+        original,
+        scene=replace(original.scene, lights=lights),
+        grids=grids,
+        surroundings=surroundings,
+        metadata=dict(original.metadata, lamps=json.dumps(factors)),
+        original=original,
+        factors=factors,
+    )
+
+
+def strengths_of(light):
+    """The colour (r, g, b) that says how strong a lamp of a scene is, in the unit of its kind."""
+    return getattr(light, _strength(light))
+
+
+def scales_exactly(bake):
+    """Whether indirect light of a relit bake is exact, too: all that emits has the same factors."""
+    if bake.factors is None:
+        return True
+    others = [*bake.scene.meshes, *bake.scene.leaves]
+    glows = any(np.max(_colours(other.emission)) > 0 for other in others)
+    world = bake.scene.environment is not None and max(bake.scene.environment.radiance) > 0
+    return not glows and not world and len(set(bake.factors)) == 1
+
+
+def _as_baked(bake):
+    return ((1.0, 1.0, 1.0),) * len(bake.scene.lights)
+
+
+def _factors(bake, lamps):
+    names = [light.name for light in bake.scene.lights]
+    for name in lamps:
+        if name not in names:
+            known = f"choose of {', '.join(sorted(set(names)))}" if names else "there is none"
+            raise LeaflightError(f'The bake has no lamp "{name}": {known}.')
+    changed = {name: _factor(name, factor) for name, factor in lamps.items()}
+    return tuple(
+        tuple(a * b for a, b in zip(before, changed.get(name, (1.0, 1.0, 1.0))))
+        for name, before in zip(names, bake.factors or _as_baked(bake))
+    )
+
+
+def _factor(name, factor):
+    by_channel = (factor,) * 3 if isinstance(factor, Real) else tuple(factor)
+    numbers = all(isinstance(x, Real) for x in by_channel)
+    if len(by_channel) != 3 or not numbers or not all(0 <= x < math.inf for x in by_channel):
+        raise LeaflightError(
+            f'The factor of the lamp "{name}" is {factor!r}: give a number of at least 0, or three '
+            "for red, green and blue."
+        )
+    return tuple(float(x) for x in by_channel)
+
+
+def _strength(light):
+    if isinstance(light, AreaLight):
+        return "radiance"
+    return "intensity" if isinstance(light, PointLight) else "irradiance"
+
+
+def _scaled(light, factor):
+    strength = tuple(a * b for a, b in zip(strengths_of(light), factor))
+    return replace(light, **{_strength(light): strength})
+
+
+def _colours(ramp):
+    return np.array([ramp] if is_color(ramp) else [stop[1] for stop in ramp])

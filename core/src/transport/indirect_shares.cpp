@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/transport/indirect_shares.h"
+
+#include "leaflight/math/error.h"
+#include "leaflight/transport/environment_sampler.h"
+#include "leaflight/transport/leaf_emitter.h"
+#include "leaflight/transport/light_points.h"
+#include "leaflight/transport/mesh_emitter.h"
+
+namespace leaflight {
+namespace {
+
+constexpr int paths = 1 << 14;
+
+template <int D>
+class Paths {
+ public:
+  explicit Paths(const SceneTracer<D>& tracer) : tracer_(tracer) {}
+
+  // The mean flux of photons of a luminaire that reaches isosurfaces. `emit`: from random numbers,
+  // which are the same for every luminaire. `unreflected`: whether photons count that come
+  // straight.
+  template <class Emit>
+  Imath::V3d of(Emit emit, bool unreflected) const {
+    Imath::V3d sum(0);
+    for (int i = 0; i < paths; ++i) {
+      Random random = random_for(0, Purpose::photon, i);
+      const IsovalueWindow& window = tracer_.scene().window;
+      const double c = window.min + random.uniform() * window.height();
+      const EmittedPhoton<D> photon = emit(random);
+      if (!(largest(photon.flux) > 0)) continue;
+      sum += reaching(photon, c, unreflected, random) / paths;
+    }
+    return sum;
+  }
+
+ private:
+  Imath::V3d reaching(const EmittedPhoton<D>& photon, double c, bool unreflected,
+                      Random& random) const {
+    const auto first = tracer_.intersect(photon.origin, photon.direction, c);
+    const SurfacePoint<D> point = tracer_.surface_point(first, photon.direction, c);
+    if (point.kind() == HitKind::none) return Imath::V3d(0);
+    Imath::V3d flux(0);
+    if (unreflected && point.kind() == HitKind::leaf) flux += Imath::V3d(photon.flux);
+    const double u = random.uniform();
+    const Vec<D> direction =
+        sample_cosine_hemisphere<D>(point.geometric_normal, {u, random.uniform()});
+    const auto second = tracer_.intersect(point, direction);
+    if (tracer_.surface_point(second, direction, c).kind() == HitKind::leaf) {
+      flux += Imath::V3d(photon.flux * point.albedo);
+    }
+    return flux;
+  }
+
+  const SceneTracer<D>& tracer_;
+};
+
+// What isosurfaces send to each other straight, which is nearly all that they do.
+template <int D>
+Imath::V3d of_leaves(const SceneTracer<D>& tracer, const LeafEmitter<D>& leaves) {
+  Imath::V3d sum(0);
+  for (int i = 0; i < paths; ++i) {
+    Random random = random_for(0, Purpose::photon, i);
+    const auto sample = leaves.sample(random.uniform(), random);
+    if (sample.point.kind() == HitKind::none) continue;
+    const double u = random.uniform();
+    const Vec<D> direction =
+        sample_cosine_hemisphere<D>(sample.point.geometric_normal, {u, random.uniform()});
+    const auto hit = tracer.intersect(sample.point, direction);
+    if (tracer.surface_point(hit, direction, sample.point.c).kind() == HitKind::leaf) {
+      sum += Imath::V3d(sample.flux_height) / paths;
+    }
+  }
+  return sum;
+}
+
+std::array<double, 2> two(Random& random) {
+  const double u = random.uniform();
+  return {u, random.uniform()};
+}
+
+}  // namespace
+
+Rgb IndirectShares::factor(const std::vector<Rgb>& factors) const {
+  if (factors.size() != lights.size()) throw Error("Each light of the scene needs a factor.");
+  Imath::V3d before = others, after = others, mean(lights.empty() ? 1 : 0);
+  for (std::size_t l = 0; l < lights.size(); ++l) {
+    before += lights[l];
+    after += lights[l] * Imath::V3d(factors[l]);
+    mean += Imath::V3d(factors[l]) / static_cast<double>(lights.size());
+  }
+  Rgb factor;
+  for (int i = 0; i < 3; ++i) {
+    factor[i] = static_cast<Real>(before[i] > 0 ? after[i] / before[i] : mean[i]);
+  }
+  return factor;
+}
+
+template <int D>
+IndirectShares indirect_shares(const SceneTracer<D>& tracer) {
+  const Scene<D>& scene = tracer.scene();
+  const Paths<D> paths_from(tracer);
+  const std::vector<char> is_wide = split_light(tracer).mesh_is_wide;
+  IndirectShares shares;
+  for (const Light<D>& light : tracer.lights()) {
+    const auto emit = [&](Random& random) {
+      const auto u = two(random);
+      return emit_from(light, tracer.bounds(), u, two(random));
+    };
+    shares.lights.push_back(paths_from.of(emit, false));
+  }
+  for (std::size_t m = 0; m < tracer.meshes().size(); ++m) {
+    if (!(largest(tracer.meshes()[m].emission) > 0)) continue;
+    const MeshEmitter<D> mesh(tracer.meshes()[m]);
+    const auto emit = [&](Random& random) {
+      const double choice = random.uniform();
+      const auto u = two(random);
+      return mesh.emit(choice, u, two(random));
+    };
+    shares.others += paths_from.of(emit, is_wide[m] != 0);
+  }
+  if (scene.environment && largest(scene.environment->radiance) > 0) {
+    const EnvironmentSampler<D> environment(*scene.environment);
+    const auto emit = [&](Random& random) {
+      const auto u = two(random);
+      return environment.emit(tracer.bounds(), u, two(random));
+    };
+    shares.others += paths_from.of(emit, true);
+  }
+  for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
+    const LeafEmitter<D> leaves(tracer, static_cast<int>(v));
+    if (!(leaves.power_height() > 0)) continue;
+    shares.others += of_leaves(tracer, leaves);
+  }
+  return shares;
+}
+
+template IndirectShares indirect_shares(const SceneTracer<2>&);
+template IndirectShares indirect_shares(const SceneTracer<3>&);
+
+}  // namespace leaflight

@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lamps at other strengths than at the bake: what is shown follows at once."""
+
+import bpy
+import numpy as np
+import pytest
+from leaflight_addon.show import display, lamps
+from leaflight_addon.stage import staleness
+from leaflight_addon.store import cache
+from leaflight_addon.ui import bake_panel
+from rounds import drawn
+from tools import add_light, close, colours_of, render_exr, vertices_of
+
+EXACT = "Lamps have changed since the bake: all light is scaled, exactly"
+SCALED = "Lamps have changed since the bake: direct light is exact, indirect light scaled"
+
+
+@pytest.fixture
+def lit(rounds):
+    """Baked in rounds, with its walls; shown by vertex attributes."""
+    rounds.leaflight.error = 20.0
+    rounds.leaflight.light_surroundings = True
+    bpy.ops.leaflight.bake()
+    return rounds
+
+
+def lamp():
+    return bpy.data.objects["lamp"].data
+
+
+def walls():
+    found = [obj for obj in bpy.context.scene.objects if display.is_display(obj, "wall")]
+    assert len(found) > 3
+    return found
+
+
+def colours(obj):
+    """Of the isosurface, and of all walls."""
+    return colours_of(obj), np.concatenate([colours_of(wall) for wall in walls()])
+
+
+def assert_scaled(obj, before, factor, tolerance=1e-4):
+    for now, then in zip(colours(obj), before):
+        assert then.max() > 0.05
+        close(now, np.multiply(then, factor), tolerance * then.max() * max(1.0, np.max(factor)))
+
+
+def change(obj):
+    staleness.forget()
+    return staleness.change_since_bake(bpy.context, obj)
+
+
+def check_what_is_shown_follows_one_lamp(uncut, lit):
+    before, vertices = colours(lit), vertices_of(lit)
+    mode = drawn(bake_panel.LEAFLIGHT_PT_bake)
+    assert EXACT not in mode and SCALED not in mode
+    lamp().energy *= 3.0
+    bpy.context.view_layer.update()
+    assert_scaled(lit, before, 3.0)
+    close(vertices_of(lit), vertices, 0)
+    assert change(lit) == "" and EXACT in drawn(bake_panel.LEAFLIGHT_PT_bake)
+    energy = lamp().energy
+    lamp().color = (1.0, 0.5, 0.25)
+    bpy.context.view_layer.update()
+    assert_scaled(lit, before, (3.0, 1.5, 0.75))
+    assert "a volume texture holds the lamps as they were baked" in " ".join(
+        drawn(bake_panel.LEAFLIGHT_PT_bake)
+    )
+    # Another isovalue, and back.
+    lit.leaflight.isovalue = 45.0
+    points = vertices_of(lit)
+    close(
+        colours_of(lit), lamps.bake_of(lit).grid.lookup(cache.volume_of(lit).field(), points), 1e-4
+    )
+    lit.leaflight.isovalue = 50.0
+    assert_scaled(lit, before, (3.0, 1.5, 0.75))
+    # Dark, and as it was.
+    bpy.data.objects["lamp"].hide_render = True
+    bpy.context.view_layer.update()
+    assert_scaled(lit, before, 0.0)
+    assert change(lit) == ""
+    bpy.data.objects["lamp"].hide_render = False
+    lamp().color, lamp().energy = (1.0, 1.0, 1.0), energy / 3.0
+    bpy.context.view_layer.update()
+    assert_scaled(lit, before, 1.0)
+    assert lamps.bake_of(lit) is cache.bake_of(lit)
+    assert change(lit) == "" and EXACT not in drawn(bake_panel.LEAFLIGHT_PT_bake)
+
+
+def check_a_lamp_that_is_moved_or_of_another_shape_needs_a_bake(lit):
+    before = colours(lit)
+    lamp().energy *= 2.0
+    for change_it, back in (
+        (lambda: setattr(lamp(), "size", 1.5 * lamp().size), lambda s: setattr(lamp(), "size", s)),
+    ):
+        size = lamp().size
+        change_it()
+        bpy.context.view_layer.update()
+        assert "The scene has changed since the bake" in change(lit)
+        assert_scaled(lit, before, 1.0)
+        back(size)
+    bpy.data.objects["lamp"].location.z -= 1.0
+    bpy.context.view_layer.update()
+    assert "The scene has changed since the bake" in change(lit)
+    assert_scaled(lit, before, 1.0)
+    bpy.data.objects["lamp"].location.z += 1.0
+    bpy.context.view_layer.update()
+    assert change(lit) == ""
+    assert_scaled(lit, before, 2.0)
+
+
+def check_of_two_lamps_each_follows_by_itself(rounds):
+    lamp_object = bpy.data.objects["lamp"]
+    middle = np.array(lamp_object.location) - (0, 0, 2)
+    side = add_light("POINT", tuple(middle - (8, 8, 0)), energy=4000.0, color=(1.0, 0.5, 0.0))
+    rounds.leaflight.error = 20.0
+    bpy.ops.leaflight.bake()
+    before = colours_of(rounds)
+    side.data.energy *= 0.5
+    bpy.context.view_layer.update()
+    assert SCALED in drawn(bake_panel.LEAFLIGHT_PT_bake) and change(rounds) == ""
+    bake = cache.bake_of(rounds).relit({side.name: 0.5})
+    points = vertices_of(rounds)
+    expected = bake.grid.lookup(cache.volume_of(rounds).field(), points)
+    close(colours_of(rounds), expected, 1e-4 * expected.max())
+    assert np.abs(colours_of(rounds) - before).max() > 0.01 * before.max()
+    # Light of a color that was not there is not known.
+    side.data.color = (1.0, 0.5, 1.0)
+    bpy.context.view_layer.update()
+    assert "The scene has changed since the bake" in change(rounds)
+
+
+def check_undo_files_frames_and_renders(lit, tmp_path):
+    before = colours(lit)
+    path = str(tmp_path / "scene.blend")
+    lamp().energy *= 2.0
+    bpy.context.view_layer.update()
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    obj = bpy.context.object
+    assert_scaled(obj, before, 2.0)
+    assert change(obj) == ""
+    energy = lamp().energy
+    lamp().energy = 0.5 * energy
+    bpy.context.view_layer.update()
+    # Of half precision in the file that was read again.
+    assert_scaled(obj, before, 1.0, 1e-3)
+    # Keyframes.
+    for frame, factor in ((1, 0.5), (11, 1.5)):
+        lamp().energy = factor * energy
+        lamp().keyframe_insert("energy", frame=frame)
+    bpy.context.scene.frame_set(11)
+    assert_scaled(obj, before, 3.0, 1e-3)
+    bpy.context.scene.frame_set(1)
+    assert_scaled(obj, before, 1.0, 1e-3)
+    bpy.context.scene.frame_set(1)
+    dim = render_exr(tmp_path / "dim.exr")[..., :3]
+    bpy.context.scene.frame_set(11)
+    bright = render_exr(tmp_path / "bright.exr")[..., :3]
+    lit_pixels = dim.max(axis=-1) > 0.02
+    assert lit_pixels.sum() > 100
+    ratio = bright[lit_pixels].sum(axis=-1) / dim[lit_pixels].sum(axis=-1)
+    # All but where an edge goes through a pixel.
+    assert np.quantile(np.abs(ratio - 3.0), 0.99) < 0.01
+
+
+def check_exports_show_it_and_continue_does_not_go_on(uncut, lit, tmp_path):
+    bpy.ops.leaflight.export(filepath=str(tmp_path / "dim.ply"))
+    lamp().energy *= 2.0
+    bpy.context.view_layer.update()
+    bpy.ops.leaflight.export(filepath=str(tmp_path / "bright.ply"))
+    dim, bright = (tmp_path / f"{name}.ply" for name in ("dim", "bright"))
+    assert dim.read_bytes() != bright.read_bytes()
+    with pytest.raises(RuntimeError, match="Lamps have changed since the bake: set them back"):
+        bpy.ops.leaflight.continue_bake()
+    # A new bake has the lamps as they are.
+    before = colours_of(lit)
+    bpy.ops.leaflight.bake()
+    assert lamps.factors_of(lit.leaflight) == ()
+    assert abs(colours_of(lit).mean() / before.mean() - 1) < 0.1

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Lights at other strengths than those that were baked, against scenes that were baked with them.
+#include <gtest/gtest.h>
+
+#include "leaflight/transport/indirect_shares.h"
+#include "scenes.h"
+#include "whole_rounds.h"
+
+namespace leaflight {
+namespace {
+
+Progress ignored;
+
+const Rgb first_factor(3, 0.5f, 0), second_factor(0.25f, 2, 7);
+
+// A ball over a floor with an area light, a spot and a small mesh that glows. The light's strengths
+// are factors; zero leaves a light out.
+Scene<3> room(const Rgb& first, const Rgb& second, const Rgb& glow) {
+  Scene<3> scene = test::scene_of(test::ball<3>(25), Rgb(0.7f, 0.6f, 0.5f), {0.6, 0.9});
+  scene.meshes.push_back(
+      test::wall("floor", {-0.5, -0.5, -0.2}, {2, 0, 0}, {0, 2, 0}, Rgb(0.8f, 0.5f, 0.3f)));
+  scene.meshes.push_back(test::wall("glow", {1.4, 0.4, 0.4}, {0, 0.1, 0}, {0, 0, 0.1}, Rgb(0.5f)));
+  scene.meshes.back().emission = glow * Rgb(4.0f);
+  scene.lights.push_back(AreaLight<3>{
+      "lamp", {0.2, 0.2, 1.5}, {Vec3(0, 0.6, 0), Vec3(0.6, 0, 0)}, Rgb(1, 2, 3) * first});
+  PointLight<3> spot{"spot", {-0.6, 0.3, 0.6}, 0.05, Rgb(2, 1, 1) * second, {}};
+  spot.cone = {Vec3(1, 0, 0), 0.6, 0.3, false};
+  scene.lights.push_back(spot);
+  return scene;
+}
+
+DirectLight<3> direct_light(const Scene<3>& scene) {
+  const SceneTracer<3> tracer(scene);
+  return {tracer, 0, split_light(tracer).points, test::field_of(scene).dims, true, ignored};
+}
+
+template <class F>
+void for_some_positions(const Field<3>& field, F f) {
+  Random random(3, 1, 4);
+  for (int i = 0; i < 500; ++i) {
+    Vec3 position;
+    for (int a = 0; a < 3; ++a) position[a] = random.uniform() * (field.dims[a] - 1);
+    for (const bool inner : {false, true}) f(position, inner);
+  }
+}
+
+void expect_equal(const Imath::V3d& found, const Imath::V3d& truth, double scale) {
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(found[i], truth[i], 1e-5 * scale);
+}
+
+TEST(Relit, DirectLightIsThatOfTheOtherStrengths) {
+  const Scene<3> scene = room(Rgb(1), Rgb(1), Rgb(1));
+  const DirectLight<3> found = direct_light(scene).scaled({first_factor, second_factor});
+  // Points are where lights are, whatever their strengths: none of these is black.
+  const DirectLight<3> truth = direct_light(room(first_factor, second_factor, Rgb(1)));
+  double most = 0;
+  for_some_positions(test::field_of(scene), [&](const Vec3& position, bool inner) {
+    const Rgb expected = truth.radiance(test::field_of(scene), position, inner);
+    most = std::max<double>(most, largest(expected));
+    expect_equal(Imath::V3d(found.radiance(test::field_of(scene), position, inner)),
+                 Imath::V3d(expected), 1);
+  });
+  EXPECT_GT(most, 0.1);
+}
+
+TEST(Relit, DirectLightAddsUpOverLights) {
+  const Scene<3> scene = room(Rgb(1), Rgb(1), Rgb(1));
+  const Field<3>& field = test::field_of(scene);
+  const DirectLight<3> all = direct_light(scene);
+  const DirectLight<3> dark = all.scaled({Rgb(0), Rgb(0)}), first = all.scaled({Rgb(1), Rgb(0)}),
+                       second = all.scaled({Rgb(0), Rgb(1)});
+  double of_first = 0, of_second = 0, of_glow = 0;
+  for_some_positions(field, [&](const Vec3& position, bool inner) {
+    const Imath::V3d glow(dark.radiance(field, position, inner)),
+        one(first.radiance(field, position, inner)), other(second.radiance(field, position, inner));
+    of_first = std::max(of_first, (one - glow).length());
+    of_second = std::max(of_second, (other - glow).length());
+    of_glow = std::max(of_glow, glow.length());
+    expect_equal(one + other - glow, Imath::V3d(all.radiance(field, position, inner)), 1);
+  });
+  for (const double most : {of_first, of_second, of_glow}) EXPECT_GT(most, 0.001);
+}
+
+TEST(Relit, DirectLightOfMeshesIsThatOfTheOtherStrengths) {
+  const auto direct = [](const Scene<3>& scene) {
+    return MeshDirectLight<3>(SceneTracer<3>(scene), refine(scene.meshes), ignored);
+  };
+  const MeshDirectLight<3> found =
+      direct(room(Rgb(1), Rgb(1), Rgb(1))).scaled({first_factor, second_factor});
+  const MeshDirectLight<3> truth = direct(room(first_factor, second_factor, Rgb(1)));
+  for (const bool back : {false, true}) {
+    const auto own = found.radiance(0, 0.75, back), other = truth.radiance(0, 0.75, back);
+    ASSERT_EQ(own.size(), other.size());
+    float most = 0;
+    for (std::size_t v = 0; v < own.size(); ++v) {
+      most = std::max(most, other[v].length());
+      expect_equal(Imath::V3d(own[v]), Imath::V3d(other[v]), 1);
+    }
+    if (!back) {
+      EXPECT_GT(most, 0.1);
+    }
+  }
+}
+
+// Binary fractions, so that both scenes take the same decisions in floating point.
+TEST(Relit, OfOneLampAllLightIsThatOfTheOtherStrength) {
+  const auto baked = [](Real brighter) {
+    Scene<3> scene = test::small_scene();
+    auto& lamp = std::get<AreaLight<3>>(scene.lights[0]);
+    lamp.radiance *= brighter;
+    BakeSettings<3> settings = test::of_all_light(17);
+    settings.exposure = 1 / brighter;
+    Progress progress;
+    return bake(scene, settings, progress);
+  };
+  const Scene<3> scene = test::small_scene();
+  const Field<3>& field = test::field_of(scene);
+  const Baked<3> own = baked(1), truth = baked(4);
+  const std::vector<Rgb> factors{Rgb(4)};
+  const Rgb indirect = indirect_shares(SceneTracer<3>(scene)).factor(factors);
+  EXPECT_EQ(indirect, Rgb(4));
+  const RadianceGrid<3>& grid = own.grids[0];
+  const DirectLight<3> direct = grid.direct->scaled(factors);
+  const ShownGrid<3> shown(grid, &direct, Vec<3, float>(indirect));
+  for (const bool back : {false, true}) {
+    if (back && !grid.has_back()) continue;
+    for (const std::uint32_t texel : grid.lattice.active) {
+      const Vec3 position = grid.lattice.centre(texel);
+      const Imath::V3d expected(radiance_at(truth.grids[0], field, position, back));
+      expect_equal(Imath::V3d(radiance_at(shown, field, position, back)), expected,
+                   1 + expected.length());
+    }
+  }
+  if (test::sanitized) return;
+  const auto walls = relit(own.surroundings, scene.meshes, factors, Vec<3, float>(indirect));
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    const auto found = radiance_at(walls, static_cast<int>(m), 0.75, false),
+               expected = radiance_at(truth.surroundings, static_cast<int>(m), 0.75, false);
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t v = 0; v < found.size(); ++v) {
+      expect_equal(Imath::V3d(found[v]), Imath::V3d(expected[v]), 1 + expected[v].length());
+    }
+  }
+}
+
+TEST(Relit, IndirectLightGrowsWithWhatComesBack) {
+  Scene<3> scene = test::small_scene();
+  // From one place, of the same power in red; of three times in green.
+  const Vec3 place(0.1, 0.1, 1.1);
+  scene.lights = {PointLight<3>{"first", place, 0, Rgb(1, 1, 0), {}},
+                  PointLight<3>{"second", place, 0, Rgb(1, 3, 0), {}}};
+  const auto factor = [&](const std::vector<Rgb>& lights) {
+    return Imath::V3d(indirect_shares(SceneTracer<3>(scene)).factor(lights));
+  };
+  expect_equal(factor({Rgb(3), Rgb(1)}), {2, 1.5, 2}, 1);
+  expect_equal(factor({Rgb(0), Rgb(0)}), {0, 0, 0}, 1);
+  // One behind the back wall lights nothing that is seen.
+  scene.lights.emplace_back(PointLight<3>{"hidden", {0.5, 3, 0.5}, 0, Rgb(50), {}});
+  expect_equal(factor({Rgb(1), Rgb(1), Rgb(100)}), {1, 1, 34}, 1);
+  scene.lights.pop_back();
+  // Another source has the strength that it had.
+  scene.environment =
+      Environment<3>{"world", Rgb(0.2f), nullptr, {{Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}}};
+  const Imath::V3d dark = factor({Rgb(0), Rgb(0)}), double_light = factor({Rgb(2), Rgb(2)});
+  EXPECT_EQ(dark.z, 1);
+  for (const int i : {0, 1}) {
+    EXPECT_GT(dark[i], 0);
+    EXPECT_LT(dark[i], 1);
+    EXPECT_NEAR(double_light[i] - 1, 1 - dark[i], 1e-6);
+  }
+  EXPECT_GT(dark.x, dark.y);
+}
+
+// A leaf that glows keeps its own light, and all that comes from others is scaled.
+TEST(Relit, OwnEmissionStays) {
+  Scene<3> scene = test::small_scene();
+  const Field<3>& field = test::field_of(scene);
+  const Rgb glow(0.5f, 0.25f, 1);
+  scene.volumes[0].emission = ColorRamp(glow);
+  Progress progress;
+  const Baked<3> baked = bake(scene, test::of_all_light(17), progress);
+  const RadianceGrid<3>& grid = baked.grids[0];
+  const std::vector<Rgb> factors{Rgb(0)};
+  const DirectLight<3> direct = grid.direct->scaled(factors);
+  const ShownGrid<3> alone(grid, &direct, Vec<3, float>(0)),
+      half(grid, &direct, Vec<3, float>(0.5f)), all(grid, &direct, Vec<3, float>(1));
+  double most = 0;
+  for (const std::uint32_t texel : grid.lattice.active) {
+    const Vec3 position = grid.lattice.centre(texel);
+    const Imath::V3d own(radiance_at(alone, field, position, false)),
+        some(radiance_at(half, field, position, false)),
+        whole(radiance_at(all, field, position, false));
+    expect_equal(own, Imath::V3d(glow), 1);
+    expect_equal(some, (own + whole) * 0.5, 1);
+    most = std::max(most, (whole - own).length());
+  }
+  EXPECT_GT(most, 0.01);
+}
+
+}  // namespace
+}  // namespace leaflight
