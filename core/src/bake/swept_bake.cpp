@@ -210,6 +210,7 @@ std::array<NoisyLight, 2> SweptBake<D>::filtered_light(UnfilteredLight<D>& unfil
   for (std::size_t side = 0; side < (plan_.back ? 2 : 1); ++side) {
     light[side] = {indirect_->averages(side != 0), indirect_->halves(side != 0)};
     if (kept_) kept_->blend(light[side], indirect_->blocks(), side != 0);
+    unfiltered.sides[side].reserve(light[side].averages.size());
     for (const Average& average : light[side].averages) {
       const Vec<3, float> unknown(std::numeric_limits<float>::quiet_NaN());
       unfiltered.sides[side].push_back(average.samples > 0 ? Vec<3, float>(average.mean) : unknown);
