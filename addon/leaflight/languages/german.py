@@ -54,6 +54,12 @@ MESSAGES = {
     "About %s and %s to %s %%": "Etwa %s und %s bis %s %%",
     "Stopped: %s": "Angehalten: %s",
     "Baked in %s s": "In %s s beleuchtet",
+    "Lamps have changed since the bake: all light is scaled, exactly": (
+        "Lampen sind seit dem Beleuchten geändert: alles Licht ist genau angepasst"
+    ),
+    "Lamps have changed since the bake: direct light is exact, indirect light scaled": (
+        "Lampen sind seit dem Beleuchten geändert: direktes Licht ist genau, indirektes geschätzt"
+    ),
     "Set aside: %s": "Beiseite: %s",
     "Bring Back": "Zurückholen",
     "Isosurfaces": "Isoflächen",
