@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "leaflight/field/texel_lattice.h"
 #include "leaflight/field/voxels.h"
 #include "leaflight/math/affine.h"
 #include "leaflight/math/bounds.h"
@@ -124,6 +125,14 @@ inline std::vector<Rgb> to_colors(const std::vector<Tuple<3>>& all) {
 template <std::size_t D>
 std::vector<py::ssize_t> array_shape(const std::array<int, D>& dims) {
   return {dims.rbegin(), dims.rend()};
+}
+
+// 1 at active texels, [z, y, x] or [y, x].
+template <int D>
+py::array_t<std::uint8_t> active_mask(const TexelLattice<D>& lattice) {
+  std::vector<std::uint8_t> active(lattice.texels(), 0);
+  for (const std::uint32_t texel : lattice.active) active[texel] = 1;
+  return adopt<std::uint8_t>(std::move(active), array_shape(lattice.resolution));
 }
 
 }  // namespace leaflight::python

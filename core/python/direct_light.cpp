@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "leaflight/bake/direct_light.h"
 
-#include <tbb/task_arena.h>
-
 #include "arrays.h"
 #include "bindings.h"
 
@@ -43,13 +41,6 @@ py::array_t<std::uint8_t> codes(const Direct& direct, std::size_t point, bool in
   return adopt<std::uint8_t>(std::move(codes), {count});
 }
 
-py::array_t<std::uint8_t> mask(const Direct& direct) {
-  const TexelLattice<3>& lattice = direct.lattice();
-  std::vector<std::uint8_t> active(lattice.texels(), 0);
-  for (const std::uint32_t texel : lattice.active) active[texel] = 1;
-  return adopt<std::uint8_t>(std::move(active), array_shape(lattice.resolution));
-}
-
 }  // namespace
 
 void bind_direct_light(py::module_& module) {
@@ -60,7 +51,11 @@ void bind_direct_light(py::module_& module) {
       .def(py::init([](const Scene<3>& scene, int volume, const Index<3>& resolution, bool inner,
                        Progress& progress) {
              const py::gil_scoped_release unlocked;
-             static_cast<void>(scene.volumes.at(volume));
+             const Index<3>& dims = scene.volumes.at(volume).field.dims;
+             for (int a = 0; a < 3; ++a) {
+               if (resolution[a] >= 2 && resolution[a] <= dims[a]) continue;
+               throw Error("The maps of direct light are of another volume; bake it again.");
+             }
              const SceneTracer<3> tracer(scene);
              return std::make_shared<Direct>(tracer, volume, split_light(tracer).points, resolution,
                                              inner, progress);
@@ -88,7 +83,9 @@ void bind_direct_light(py::module_& module) {
            "lit at a texel if the code of its isovalue h is greater: 1 + 252 (h - lo) / (hi - lo)\n"
            "within the window (lo, hi). 255 is behind a mesh. inner: of inner sides, whose codes\n"
            "begin at hi.")
-      .def("mask", &mask, "uint8 [z, y, x], 1 at active texels.");
+      .def(
+          "mask", [](const Direct& d) { return active_mask(d.lattice()); },
+          "uint8 [z, y, x], 1 at active texels.");
 }
 
 }  // namespace leaflight::python

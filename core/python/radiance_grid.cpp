@@ -2,7 +2,6 @@
 #include "leaflight/bake/radiance_grid.h"
 
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include "arrays.h"
 #include "bindings.h"
@@ -80,14 +79,6 @@ py::array_t<float> dense(const GridObject<D>& grid, const std::string& name, int
   throw Error("A bake has no grid '" + name +
               "'; choose radiance, radiance_indirect, radiance_back, radiance_back_indirect or "
               "radiance_error.");
-}
-
-template <int D>
-py::array_t<std::uint8_t> mask(const GridObject<D>& whole, int level) {
-  const RadianceLevel<D>& grid = level_of(*whole.baked, level);
-  std::vector<std::uint8_t> active(grid.lattice.texels(), 0);
-  for (const std::uint32_t texel : grid.lattice.active) active[texel] = 1;
-  return adopt<std::uint8_t>(std::move(active), array_shape(grid.lattice.resolution));
 }
 
 template <int D>
@@ -192,29 +183,6 @@ void bind_grid(py::module_& module, const std::string& suffix) {
           "Of the maps from which lookups compute direct light where they are, beside indirect\n"
           "light of texels; None: texels hold all light.")
       .def(
-          "light_directly",
-          [](Grid& g, const Scene<D>& scene, int volume, const Index<D>& resolution,
-             Progress& progress, int threads) {
-            const py::gil_scoped_release unlocked;
-            for (int a = 0; a < D; ++a) {
-              if (resolution[a] >= 2 && resolution[a] <= scene.volumes.at(volume).field.dims[a]) {
-                continue;
-              }
-              throw Error("The maps of direct light are of another volume; bake it again.");
-            }
-            tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
-            arena.execute([&] {
-              const SceneTracer<D> tracer(scene);
-              const SplitLight<D> split = split_light(tracer);
-              g.baked->direct = std::make_shared<const DirectLight<D>>(
-                  tracer, volume, split.points, resolution, g.baked->has_back(), progress);
-            });
-          },
-          py::arg("scene"), py::arg("volume"), py::arg("resolution"), py::arg("progress"),
-          py::arg("threads") = 0,
-          "Gives a grid that was read from a file the direct light of its scene, from maps of a\n"
-          "resolution; a bake in rounds has it. Raises Cancelled.")
-      .def(
           "relit",
           [](const Grid& g, const std::shared_ptr<Field<D>>& field,
              const std::vector<Tuple<3>>& lights, const Tuple<3>& indirect) {
@@ -239,7 +207,10 @@ void bind_grid(py::module_& module, const std::string& suffix) {
            "standard error of the mean\n"
            "over the channels: float32 [z, y, x]. Zero at inactive texels. Those of level 1 and\n"
            "above are half as wide, serve some cells alone and have 2 n - 1 where n were.")
-      .def("mask", &mask<D>, py::arg("level") = 0, "uint8 [z, y, x], 1 at active texels.")
+      .def(
+          "mask",
+          [](const Grid& g, int level) { return active_mask(level_of(*g.baked, level).lattice); },
+          py::arg("level") = 0, "uint8 [z, y, x], 1 at active texels.")
       .def("lookup", &lookup_at<D>, py::arg("field"), py::arg("points"), py::arg("back") = false,
            py::arg("indirect") = false,
            "Radiance (n, 3) of the leaves through world points (n, D); indirect: the part of it "
@@ -249,12 +220,15 @@ void bind_grid(py::module_& module, const std::string& suffix) {
            "Standard error (n,) of the outer side's radiance at world points (n, D), of the mean\n"
            "over the channels: that of independent texels.");
   if constexpr (D == 3) {
-    grid.def_property_readonly(
+    grid.def_property(
         "direct",
         [](const Grid& g) {
           return std::const_pointer_cast<DirectLight<D>>(g.field ? g.direct : g.baked->direct);
         },
-        "The DirectLight of which lookups add; None: texels hold all light.");
+        [](Grid& g, const std::shared_ptr<DirectLight<D>>& direct) { g.baked->direct = direct; },
+        "The DirectLight that lookups add; None: texels hold all light. A bake in rounds has it, "
+        "a\n"
+        "grid that was read from a file is given it.");
     grid.def(
         "lit_contour", &lit_contour_of, py::arg("field"), py::arg("isovalue"),
         py::arg("normals") = false, py::arg("front") = true, py::arg("back") = false,

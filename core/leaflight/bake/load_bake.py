@@ -52,7 +52,8 @@ def load_bake(path):
     if metadata["map_resolution"]:
         resolution = json.loads(metadata["map_resolution"])
         for number, grid in enumerate(grids):
-            grid.light_directly(core, number, resolution, _core.Progress())
+            progress = _core.Progress()
+            grid.direct = _core.DirectLight(core, number, resolution, grid.has_back, progress)
     return bake
 
 

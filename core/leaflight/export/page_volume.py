@@ -11,7 +11,7 @@ from ..scene.scene import core_scene, is_color
 from ..still.still import inner_side
 from .light_bricks import light_bricks
 from .shared_exponent import packed
-from .visibility_levels import POINTS_A_TEXEL, pairs, ranges
+from .visibility_levels import POINTS_A_TEXEL, code_of, pairs, ranges
 
 # Finer levels are shown with texels of their width everywhere, up to so many.
 MOST_FINER_TEXELS = 20_000_000
@@ -133,11 +133,11 @@ def _direct_data(data, shown, codes, offset, scale):
     direct, bake = shown.direct, shown.bake
     if direct is None or len(direct.light_points) == 0:
         return None
-    low, high = (bake.isovalue_of(shown.number, c) for c in bake.isovalues)
+    window = [bake.isovalue_of(shown.number, c) for c in bake.isovalues]
     missing = NO_DATA if shown.volume.field().masked else None
 
     def code(numbers):
-        return 1.0 + (offset + scale * numbers - low) * (252.0 / (high - low))
+        return code_of(offset + scale * numbers, window)
 
     active = direct.mask() != 0
     least, greatest = (each[active] for each in ranges(codes, missing, direct.resolution, code))

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..still.walls import lit_meshes
 from .shared_exponent import packed
+from .visibility_levels import code_of
 
 
 def walls_data(data, bake):
@@ -46,8 +47,7 @@ def _wall(data, bake, strengths, number, vertices, triangles, is_of_room):
 def codes(greatest, window):
     """Leaf coordinates as bytes: 1 to 253 over the window, rounded down, 0 below it, 254 above it,
     255 where they are infinite."""
-    low, high = window
-    found = np.clip(np.floor(1.0 + (greatest - low) * (252.0 / (high - low))), 0, 254)
+    found = np.clip(np.floor(code_of(greatest, window)), 0, 254)
     return np.where(np.isinf(greatest), 255, found).astype(np.uint8)
 
 

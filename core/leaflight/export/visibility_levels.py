@@ -17,6 +17,12 @@ POINTS_A_TEXEL = 8
 _PARTS = HIDDEN - 1
 
 
+def code_of(value, window):
+    """The code of a value, within a window or beyond: 1 to 253 over the window (low, high)."""
+    low, high = window
+    return 1.0 + (value - low) * (252.0 / (high - low))
+
+
 def ranges(values, missing, texels, code):
     """(least, greatest) code about each texel, uint8 [z, y, x].
 

@@ -49,10 +49,7 @@ double greatest_on(const WayTo<D>& way, const LightSource<D>& source, SurfacePoi
 template <int D>
 MeshDirectLight<D>::MeshDirectLight(const SceneTracer<D>& tracer,
                                     const std::vector<RefinedMesh<D>>& meshes, Progress& progress)
-    : scales_(tracer.lights().size() + 1, Rgb(1)) {
-  for (int set = 0; set < light_point_sets; ++set) {
-    sets_.push_back(split_light(tracer, set).points);
-  }
+    : sets_(interleaved_points(tracer)), scales_(tracer.lights().size() + 1, Rgb(1)) {
   auto ways = std::make_shared<std::vector<MeshWays>>(meshes.size());
   for (std::size_t m = 0; m < meshes.size(); ++m) {
     if (tracer.meshes()[m].scattering != Scattering::diffuse) continue;

@@ -12,6 +12,18 @@ namespace {
 
 constexpr int paths = 1 << 14;
 
+std::array<double, 2> two(Random& random) {
+  const double u = random.uniform();
+  return {u, random.uniform()};
+}
+
+// Whether light that a point sends on, by the cosine, meets an isosurface.
+template <int D>
+bool reaches_leaf(const SceneTracer<D>& tracer, const SurfacePoint<D>& from, Random& random) {
+  const Vec<D> direction = sample_cosine_hemisphere<D>(from.geometric_normal, two(random));
+  return tracer.intersect(from, direction).kind == HitKind::leaf;
+}
+
 template <int D>
 class Paths {
  public:
@@ -42,13 +54,7 @@ class Paths {
     if (point.kind() == HitKind::none) return Imath::V3d(0);
     Imath::V3d flux(0);
     if (unreflected && point.kind() == HitKind::leaf) flux += Imath::V3d(photon.flux);
-    const double u = random.uniform();
-    const Vec<D> direction =
-        sample_cosine_hemisphere<D>(point.geometric_normal, {u, random.uniform()});
-    const auto second = tracer_.intersect(point, direction);
-    if (tracer_.surface_point(second, direction, c).kind() == HitKind::leaf) {
-      flux += Imath::V3d(photon.flux * point.albedo);
-    }
+    if (reaches_leaf(tracer_, point, random)) flux += Imath::V3d(photon.flux * point.albedo);
     return flux;
   }
 
@@ -63,20 +69,9 @@ Imath::V3d of_leaves(const SceneTracer<D>& tracer, const LeafEmitter<D>& leaves)
     Random random = random_for(0, Purpose::photon, i);
     const auto sample = leaves.sample(random.uniform(), random);
     if (sample.point.kind() == HitKind::none) continue;
-    const double u = random.uniform();
-    const Vec<D> direction =
-        sample_cosine_hemisphere<D>(sample.point.geometric_normal, {u, random.uniform()});
-    const auto hit = tracer.intersect(sample.point, direction);
-    if (tracer.surface_point(hit, direction, sample.point.c).kind() == HitKind::leaf) {
-      sum += Imath::V3d(sample.flux_height) / paths;
-    }
+    if (reaches_leaf(tracer, sample.point, random)) sum += Imath::V3d(sample.flux_height) / paths;
   }
   return sum;
-}
-
-std::array<double, 2> two(Random& random) {
-  const double u = random.uniform();
-  return {u, random.uniform()};
 }
 
 }  // namespace

@@ -18,6 +18,8 @@ constexpr double widest_mesh = 1;
 // brings less than this share of its light, none of it gets points.
 constexpr double bright = 8, least_bright_share = 0.05;
 constexpr int bright_points = 64;
+// The number of what is none of the scene's lights.
+constexpr int no_light = -1;
 
 // Where the points of a set lie within their cells; those of set 0 in the middle.
 std::array<double, 2> place_in_cell(int set) {
@@ -98,23 +100,39 @@ LightSource<D> source_at(const Light<D>& light, const std::array<double, 2>& u) 
   return source;
 }
 
+// The first so many of the sets of points.
 template <int D>
-void add_lights(const SceneTracer<D>& tracer, int set, std::vector<LightPoint<D>>& points) {
-  for (std::size_t l = 0; l < tracer.lights().size(); ++l) {
-    const Light<D>& light = tracer.lights()[l];
-    if (!(largest(brightness(light)) > 0)) continue;
-    const auto places =
-        spread_points<D>(points_for(std::visit(Size<D>{}, light)), aspect_of<D>(light), set);
-    for (const auto& place : places) {
-      LightPoint<D> point{source_at(light, place), static_cast<int>(l)};
-      point.source.amount /= static_cast<Real>(places.size());
-      points.push_back(std::move(point));
+using Sets = std::vector<std::vector<LightPoint<D>>>;
+
+// Adds to each set so many points that share a light; source(set, i): of one of them.
+template <int D, class Source>
+void add_points(Sets<D>& sets, int count, int light, Source source) {
+  for (std::size_t set = 0; set < sets.size(); ++set) {
+    for (int i = 0; i < count; ++i) {
+      LightPoint<D> point{source(static_cast<int>(set), i), light};
+      point.source.amount /= static_cast<Real>(count);
+      sets[set].push_back(std::move(point));
     }
   }
 }
 
 template <int D>
-void add_mesh(const Mesh<D>& mesh, int set, SplitLight<D>& split) {
+void add_lights(const SceneTracer<D>& tracer, Sets<D>& sets) {
+  for (std::size_t l = 0; l < tracer.lights().size(); ++l) {
+    const Light<D>& light = tracer.lights()[l];
+    if (!(largest(brightness(light)) > 0)) continue;
+    std::vector<std::vector<std::array<double, 2>>> places;
+    for (std::size_t set = 0; set < sets.size(); ++set) {
+      places.push_back(spread_points<D>(points_for(std::visit(Size<D>{}, light)),
+                                        aspect_of<D>(light), static_cast<int>(set)));
+    }
+    add_points<D>(sets, static_cast<int>(places[0].size()), static_cast<int>(l),
+                  [&](int set, int i) { return source_at(light, places[set][i]); });
+  }
+}
+
+template <int D>
+void add_mesh(const Mesh<D>& mesh, SplitLight<D>& split, Sets<D>& sets) {
   const MeshEmitter<D> emitter(mesh);
   Box<D> box;
   for (const auto& vertex : mesh.vertices) box.extend(Vec<D>(vertex));
@@ -125,13 +143,10 @@ void add_mesh(const Mesh<D>& mesh, int set, SplitLight<D>& split) {
     return;
   }
   const int count = points_for(width / distance);
-  for (int i = 0; i < count; ++i) {
+  add_points<D>(sets, count, no_light, [&](int set, int i) {
     // One number chooses the face, and the place in it, too, since faces may be few or many.
-    const auto u = sobol_point(i + set * count, 0);
-    LightPoint<D> point{emitter.source((i + place_in_cell(set)[0]) / count, u)};
-    point.source.amount /= static_cast<Real>(count);
-    split.points.push_back(std::move(point));
-  }
+    return emitter.source((i + place_in_cell(set)[0]) / count, sobol_point(i + set * count, 0));
+  });
 }
 
 // The light of an image up to a brightness, or what is beyond it.
@@ -146,8 +161,8 @@ std::shared_ptr<const Texture> part_of(const Texture& image, double limit, bool 
 }
 
 template <int D>
-void add_environment(const SceneTracer<D>& tracer, const Environment<D>& environment, int set,
-                     SplitLight<D>& split) {
+void add_environment(const SceneTracer<D>& tracer, const Environment<D>& environment,
+                     SplitLight<D>& split, Sets<D>& sets) {
   split.wide = environment;
   if (!environment.image) return;
   const Texture& image = *environment.image;
@@ -166,28 +181,42 @@ void add_environment(const SceneTracer<D>& tracer, const Environment<D>& environ
   const EnvironmentSampler<D> all(environment), sharp(beyond);
   if (sharp.power(tracer.bounds()) < least_bright_share * all.power(tracer.bounds())) return;
   split.wide->image = part_of(image, limit, false);
-  for (int i = 0; i < bright_points; ++i) {
-    LightPoint<D> point{sharp.source(sobol_point(i + set * bright_points, 0))};
-    point.source.amount /= static_cast<Real>(bright_points);
-    split.points.push_back(std::move(point));
+  add_points<D>(sets, bright_points, no_light, [&](int set, int i) {
+    return sharp.source(sobol_point(i + set * bright_points, 0));
+  });
+}
+
+// All but the points, which go into the sets.
+template <int D>
+SplitLight<D> split_into(const SceneTracer<D>& tracer, Sets<D>& sets) {
+  SplitLight<D> split;
+  add_lights(tracer, sets);
+  for (const Mesh<D>& mesh : tracer.meshes()) {
+    split.mesh_is_wide.push_back(false);
+    if (largest(mesh.emission) > 0) add_mesh(mesh, split, sets);
   }
+  const std::optional<Environment<D>>& environment = tracer.scene().environment;
+  if (environment && largest(environment->radiance) > 0) {
+    add_environment(tracer, *environment, split, sets);
+  }
+  return split;
 }
 
 }  // namespace
 
 template <int D>
-SplitLight<D> split_light(const SceneTracer<D>& tracer, int set) {
-  SplitLight<D> split;
-  add_lights(tracer, set, split.points);
-  for (const Mesh<D>& mesh : tracer.meshes()) {
-    split.mesh_is_wide.push_back(false);
-    if (largest(mesh.emission) > 0) add_mesh(mesh, set, split);
-  }
-  const std::optional<Environment<D>>& environment = tracer.scene().environment;
-  if (environment && largest(environment->radiance) > 0) {
-    add_environment(tracer, *environment, set, split);
-  }
+SplitLight<D> split_light(const SceneTracer<D>& tracer) {
+  Sets<D> sets(1);
+  SplitLight<D> split = split_into(tracer, sets);
+  split.points = std::move(sets[0]);
   return split;
+}
+
+template <int D>
+std::vector<std::vector<LightPoint<D>>> interleaved_points(const SceneTracer<D>& tracer) {
+  Sets<D> sets(light_point_sets);
+  split_into(tracer, sets);
+  return sets;
 }
 
 template <int D>
@@ -197,8 +226,10 @@ void scale_points(const std::vector<Rgb>& lights, std::vector<LightPoint<D>>& po
   }
 }
 
-template SplitLight<2> split_light(const SceneTracer<2>&, int);
-template SplitLight<3> split_light(const SceneTracer<3>&, int);
+template SplitLight<2> split_light(const SceneTracer<2>&);
+template SplitLight<3> split_light(const SceneTracer<3>&);
+template std::vector<std::vector<LightPoint<2>>> interleaved_points(const SceneTracer<2>&);
+template std::vector<std::vector<LightPoint<3>>> interleaved_points(const SceneTracer<3>&);
 template void scale_points(const std::vector<Rgb>&, std::vector<LightPoint<2>>&);
 template void scale_points(const std::vector<Rgb>&, std::vector<LightPoint<3>>&);
 

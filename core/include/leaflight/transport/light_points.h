@@ -24,14 +24,17 @@ struct SplitLight {
   std::optional<Environment<D>> wide;  // null: nothing comes from it
 };
 
-// Sets of points, all in other places, which together stand for the light more finely.
-inline constexpr int light_point_sets = 7;
-
-// One of the sets. The points depend on where the lights are, and on nothing random; on how bright
-// the lights are only where a light is black. Lights and emissive meshes get 16 to 64 points, by
-// their size as seen from the middle of the volumes; those without extent get one.
+// The points depend on where the lights are, and on nothing random; on how bright the lights are
+// only where a light is black. Lights and emissive meshes get 16 to 64 points, by their size as
+// seen from the middle of the volumes; those without extent get one.
 template <int D>
-SplitLight<D> split_light(const SceneTracer<D>& tracer, int set = 0);
+SplitLight<D> split_light(const SceneTracer<D>& tracer);
+
+// Sets of as many points, the first that of split_light(), all in other places: together they stand
+// for the light more finely.
+inline constexpr int light_point_sets = 7;
+template <int D>
+std::vector<std::vector<LightPoint<D>>> interleaved_points(const SceneTracer<D>& tracer);
 
 // Makes the points of the scene's lights brighter by a factor per channel of each light.
 template <int D>
