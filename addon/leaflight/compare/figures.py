@@ -43,7 +43,9 @@ def summary(result):
     return (
         f"Isovalue {result['isovalue']:g}: RMS {result['leaf_rms_percent']:.2f} % on the leaf, of "
         f"which noise {result['leaf_noise_percent']:.2f} %; mean off by {off:+.2f} +- "
-        f"{within:.2f} %" + (", more than noise explains" if abs(off) > within else "")
+        f"{within:.2f} %"
+        + (", more than noise explains" if abs(off) > within else "")
+        + f"; FLIP {result['flip_mean']:.3f}"
     )
 
 

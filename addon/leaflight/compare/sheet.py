@@ -80,7 +80,7 @@ def _of_difference(result):
     return (
         "Baked minus Cycles",
         f"RMS {result['leaf_rms_percent']:.2f} % on the isosurface, of which noise "
-        f"{result['leaf_noise_percent']:.2f} %",
+        f"{result['leaf_noise_percent']:.2f} %; FLIP {result['flip_mean']:.3f}",
     )
 
 

@@ -19,6 +19,7 @@ import time
 import bpy
 import leaflight
 import numpy as np
+from leaflight.measure.flip import flip
 
 from .. import versions
 from ..show import added, fill, isosurface, isovalues, surface_material, surface_object
@@ -43,7 +44,8 @@ def compare(context, leaf, samples, baked_samples, share=1.0, tell=None):
     colors times exposure, clamped to 0..1); leaf_noise_percent, what the noise of both stills
     adds to the former; leaf_mean_off_percent, how much more radiance the leaf's pixels have than
     in Cycles, nothing clamped, and leaf_mean_off_within, half of its interval of 95 %;
-    local_rms_percent, of local shading against Cycles over the leaf's pixels; baked_seconds,
+    flip_mean and flip_percentile_95, of all pixels (measure/flip.py); local_rms_percent, of local
+    shading against Cycles over the leaf's pixels; baked_seconds,
     cycles_seconds, local_seconds, of the renders, and bake_seconds, of the bake. Raises
     LeaflightError.
     """
@@ -67,6 +69,7 @@ def compare(context, leaf, samples, baked_samples, share=1.0, tell=None):
     baked, cycles = (0.5 * (a + b) for a, b in (baked_halves, cycles_halves))
     noise = [0.5 * rms_percent(*each, exposure, filled) for each in (baked_halves, cycles_halves)]
     everywhere = np.ones_like(filled)
+    seen = flip(baked, cycles, exposure)
     return {
         "baked": baked,
         "cycles": cycles,
@@ -81,6 +84,8 @@ def compare(context, leaf, samples, baked_samples, share=1.0, tell=None):
         "leaf_noise_percent": float(np.hypot(*noise)),
         **mean_off(baked_halves, cycles_halves, filled),
         "image_rms_percent": rms_percent(baked, cycles, exposure, everywhere),
+        "flip_mean": seen.mean,
+        "flip_percentile_95": seen.percentile_95,
         "local_rms_percent": rms_percent(local, cycles, exposure, filled),
         "bake_seconds": leaf.leaflight.bake_seconds,
         "baked_seconds": baked_seconds,

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""FLIP: how different two pictures look to one who flips between them (Andersson et al. 2020)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .._core import LeaflightError
+
+
+@dataclass(frozen=True, eq=False)
+class Flip:
+    """map: (height, width), 0 (no difference is seen) to 1; its mean and its 95th percentile."""
+
+    map: np.ndarray
+
+    @property
+    def mean(self):
+        return float(self.map.mean())
+
+    @property
+    def percentile_95(self):
+        return float(np.percentile(self.map, 95))
+
+
+def flip(image, reference, exposure=1.0):
+    """The Flip of two pictures of linear radiance (height, width, 3), exposed and clamped to 0..1.
+
+    The viewer sees 67 pixels a degree, the default of the method: a screen 0.7 m wide with 3840
+    pixels, 0.7 m away. Raises LeaflightError if flip-evaluator is not installed.
+    """
+    try:
+        import flip_evaluator
+    except ImportError:
+        raise LeaflightError(
+            "FLIP needs the Python package flip-evaluator, which is not installed: "
+            "run 'pip install flip-evaluator'."
+        ) from None
+    shown = [
+        np.ascontiguousarray(np.clip(np.float32(exposure) * x, 0, 1), np.float32)
+        for x in (reference, image)
+    ]
+    found, _, _ = flip_evaluator.evaluate(
+        *shown, "LDR", inputsRGB=False, applyMagma=False, computeMeanError=False
+    )
+    return Flip(np.asarray(found, np.float32).reshape(image.shape[:2]))

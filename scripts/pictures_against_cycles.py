@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The part of scripts/pictures_against_cycles that runs within Blender."""
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+SIZE, CYCLES_SAMPLES, BAKED_SAMPLES = 480, 1024, 64
+# Of a crop, which is shown twice as large, and between pictures; pixels.
+CROP, GAP = 120, 8
+COLIN27 = Path("/usr/share/mricron/templates/ch2.nii.gz")
+# File, how it is read, and the isovalue that is shown.
+VOLUMES = (
+    (COLIN27, {}, 45.5),
+    (Path("nucleon.raw"), {"dims": (41, 41, 41), "value_type": "uint8"}, 100.5),
+    (Path("heptane.nii.gz"), {}, 60.5),
+    (Path("aneurism.nrrd"), {}, 60.5),
+    (Path("bunny_ct_half.nrrd"), {}, 800.5),
+)
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    for name in ("addon", "data", "work", "out"):
+        parser.add_argument(f"--{name}", type=Path, required=True)
+    arguments = parser.parse_args(sys.argv[sys.argv.index("--") + 1 :])
+    bpy.ops.preferences.addon_install(filepath=str(arguments.addon.resolve()))
+    bpy.ops.preferences.addon_enable(module="leaflight_addon")
+    out = arguments.out.resolve()
+    rows = []
+    with os.fdopen(3, "w", buffering=1) as terminal:
+        print("| volume | isovalue | bake s | FLIP, mean | 95th percentile |", file=terminal)
+        print("|---|---|---|---|---|", file=terminal)
+        for path, options, isovalue in VOLUMES:
+            path = arguments.data / path
+            if path.exists():
+                folder = arguments.work / path.name.split(".")[0]
+                found = compared(path, options, isovalue, folder)
+                print(line_of(path, found), file=terminal)
+                rows.append(row_of(found, folder))
+    write_rows(rows, out)
+
+
+def compared(path, options, isovalue, folder):
+    """Bakes a volume by default, walls included, and compares one isosurface with Cycles."""
+    from leaflight import blender
+
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
+    obj = blender.import_volume(path, **options)
+    blender.stage(obj, "CORNELL")
+    scene = bpy.context.scene
+    scene.render.resolution_x = scene.render.resolution_y = SIZE
+    scene.render.resolution_percentage = 100
+    blender.bake(obj, light_surroundings=True, bake_folder=str(folder))
+    blender.show(obj, isovalue)
+    return blender.compare(obj, folder, CYCLES_SAMPLES, BAKED_SAMPLES)
+
+
+def line_of(path, found):
+    cells = (
+        path.name,
+        f"{found['isovalue']:g}",
+        f"{found['bake_seconds']:.1f}",
+        f"{found['flip_mean']:.4f}",
+        f"{found['flip_percentile_95']:.4f}",
+    )
+    return f"| {' | '.join(cells)} |"
+
+
+def row_of(found, folder):
+    """Both stills, and the two places where FLIP is largest, as (height, width, 3) of 0..255."""
+    from leaflight import _core
+    from leaflight.io.images import display_colours
+    from leaflight.measure.flip import flip
+
+    stem = f"{found['name']}_{found['isovalue']:g}"
+    baked, cycles = (
+        _core.read_exr(str(folder / f"{stem}_{still}.exr"))[..., :3]
+        for still in ("baked", "cycles")
+    )
+    seen = flip(baked, cycles, found["exposure"]).map
+    shown = [display_colours(still, found["exposure"]) for still in (baked, cycles)]
+    crops = [
+        np.concatenate([enlarged(still, place) for still in shown], axis=1)
+        for place in largest(seen)
+    ]
+    return np.concatenate([*shown, np.concatenate(crops)], axis=1)
+
+
+def largest(seen):
+    """Corners (y, x) of two squares that do not overlap, where the mean of a map is largest."""
+    half = CROP // 2
+    count = SIZE // half
+    tiles = seen[: count * half, : count * half].reshape(count, half, count, half).mean((1, 3))
+    sums = tiles[:-1, :-1] + tiles[1:, :-1] + tiles[:-1, 1:] + tiles[1:, 1:]
+    corners = []
+    for _ in range(2):
+        y, x = np.unravel_index(np.argmax(sums), sums.shape)
+        corners.append((y * half, x * half))
+        sums[max(0, y - 1) : y + 2, max(0, x - 1) : x + 2] = -1
+    return corners
+
+
+def enlarged(picture, place):
+    y, x = place
+    return picture[y : y + CROP, x : x + CROP].repeat(2, axis=0).repeat(2, axis=1)
+
+
+def write_rows(rows, out):
+    from PIL import Image
+
+    gap = np.full((GAP, rows[0].shape[1], 3), 255, np.uint8)
+    sheet = np.concatenate([part for row in rows for part in (gap, row)][1:])
+    Image.fromarray(sheet).save(out, quality=90)
+
+
+if __name__ == "__main__":
+    main()
