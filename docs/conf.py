@@ -1,38 +1,31 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The documentation site, by Sphinx: scripts/docs builds it.
-
-Sphinx and not MkDocs, since its autodoc reads the docstrings by importing the package; MkDocs needs
-a plugin for that, of which Debian has no part that reads Python.
-"""
+"""The documentation site, by Sphinx: scripts/docs builds it."""
 
 import leaflight
 
 project = "Leaflight"
 author = "The Leaflight authors"
 release = version = leaflight.__version__
-extensions = ["myst_parser", "sphinx.ext.autodoc"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinxarg.ext"]
 exclude_patterns = ["conf.py"]
+# Furo has a search, a dark style and a table of contents for each page.
+html_theme = "furo"
 html_title = f"Leaflight {release}"
-html_theme = "alabaster"
-html_theme_options = {
-    "description": "Global illumination for every isosurface of a volume",
-    "fixed_sidebar": True,
-    "page_width": "1100px",
-}
-html_sidebars = {"**": ["about.html", "navigation.html", "searchbox.html"]}
 html_show_copyright = False
-# Links such as guide.md#installing.
+# Links such as guide.md#install.
 myst_heading_anchors = 4
-# What is imported only where it is used.
+# Modules that are imported only where they are used.
 autodoc_mock_imports = ["bpy", "pxr", "pygltflib", "vtkmodules"]
 autodoc_member_order = "bysource"
+napoleon_google_docstring = False
 
 
 def setup(app):
-    app.connect("autodoc-process-docstring", _as_it_stands)
+    # Before napoleon, whose listeners have the priority 500.
+    app.connect("autodoc-process-docstring", _plain_text, priority=400)
 
 
-def _as_it_stands(_app, _what, _name, _object, _options, lines):
-    """Our docstrings are plain text, whose line breaks and indentation mean something."""
-    if any(lines):
+def _plain_text(_app, _what, _name, _object, _options, lines):
+    """Keeps the line breaks of a docstring that has no sections of NumPy's style."""
+    if any(lines) and not any(line.strip().startswith("---") for line in lines):
         lines[:] = ["::", "", *(f"    {line}" for line in lines), ""]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The bake and the core's path tracer against Cycles, which builds the same scenes for itself.
 
-Smaller than what docs/accuracy.md reports, so that the volumes are coarse: 32 or 48 nodes a side.
+Smaller than what docs/validation.md reports, so that the volumes are coarse: 32 or 48 nodes a side.
 """
 
 from dataclasses import replace
@@ -68,7 +68,7 @@ def test_two_fields():
         traced = bake.reference(truth.points, 0.5, SAMPLES, volume=volume)
         assert_same_mean(Truth.traced(truth.points, *traced), truth)
         # The nucleons are balls of two voxels here, lit from one side, which a texel cannot tell
-        # from the other: 10 % are missing at this size, 7 to 9 % at 64 nodes (docs/accuracy.md).
+        # from the other: 10 % are missing at this size, 7 to 9 % at 64 nodes (docs/validation.md).
         errors = errors_of(bake.radiance(truth.points, volume), truth, 1.0)
         assert abs(errors["mean_ratio"] - 1) < 0.12 and errors["relative_rms"] < 0.6
 

@@ -13,14 +13,14 @@
 namespace leaflight::test {
 
 // How often a case is tried: as a rule the usual number, fewer in sanitized builds, and the large
-// one of docs/numerics.md where scripts/numerics asks for it.
+// one of docs/validation/numerics.md where scripts/numerics asks for it.
 inline std::int64_t trials(std::int64_t usual, std::int64_t large) {
   const char* wanted = std::getenv("LEAFLIGHT_NUMERICS");
   if (wanted && std::string(wanted) == "large") return large;
   return sanitized ? std::max<std::int64_t>(2, usual / 32) : usual;
 }
 
-// A measured figure, for docs/numerics.md.
+// A measured figure, for docs/validation/numerics.md.
 template <class Number>
 void figure(const std::string& name, const Number& number) {
   std::cout << "    " << name << ": " << number << '\n';

@@ -3,6 +3,7 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -12,6 +13,41 @@ import pytest
 from waiting import HANG
 
 ROOT = Path(__file__).resolve().parents[2]
+
+
+PAGES = [
+    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "tests/README.md")),
+    *sorted((ROOT / "docs").rglob("*.md")),
+]
+
+
+def page_of(path):
+    return path.relative_to(ROOT).as_posix()
+
+
+def anchors(path):
+    """Those of the headings of a page, as GitHub and MyST make them."""
+    headings = re.findall(r"^#+ (.+)$", path.read_text(), re.MULTILINE)
+    return {re.sub(r"[^\w -]", "", text.lower()).replace(" ", "-") for text in headings}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=page_of)
+def test_links_lead_to_files_and_headings(page):
+    for target, anchor in re.findall(r"\]\(([^)#: ]*)(?:#([^)]*))?\)", page.read_text()):
+        file = page.parent / target if target else page
+        assert file.exists(), target
+        assert not anchor or anchor in anchors(file), f"{target}#{anchor}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=page_of)
+def test_commands_have_the_options_that_pages_give_them(page):
+    from leaflight_command.parser import make_parser
+
+    (commands,) = (a.choices for a in make_parser()._actions if a.dest == "command")
+    for command, rest in re.findall(r"leaflight (\w+)([^`\n#]*)", page.read_text()):
+        if command in commands:
+            known = set(commands[command]._option_string_actions)
+            assert set(re.findall(r"--[a-z-]+", rest)) <= known, f"{command}{rest}"
 
 
 def sphinx(source, site):
@@ -30,8 +66,9 @@ def sphinx(source, site):
 def build_tree():
     if not Path(leaflight.__file__).is_relative_to(ROOT / "build" / "release"):
         pytest.skip("the site is made from the build tree")
-    if subprocess.run(["/usr/bin/python3", "-c", "import sphinx, myst_parser"]).returncode:
-        pytest.skip("python3-sphinx and python3-myst-parser are not installed")
+    needs = "import sphinx, myst_parser, furo, sphinxarg"
+    if subprocess.run(["/usr/bin/python3", "-c", needs]).returncode:
+        pytest.skip("Sphinx, MyST, Furo and sphinx-argparse are not installed")
 
 
 @pytest.mark.slow
@@ -41,13 +78,15 @@ def test_the_site_is_built_without_a_warning(build_tree, tmp_path):
         [ROOT / "scripts" / "docs", site], capture_output=True, text=True, timeout=HANG
     )
     assert done.returncode == 0 and not done.stderr, done.stderr
-    pages = {path.stem for path in (ROOT / "docs").glob("*.md")}
-    assert pages <= {path.stem for path in site.glob("*.html")}
+    pages = {path.relative_to(ROOT / "docs") for path in (ROOT / "docs").rglob("*.md")}
+    assert pages <= {path.relative_to(site).with_suffix(".md") for path in site.rglob("*.html")}
     api = (site / "api.html").read_text()
     for name in ("leaflight.bake", "leaflight.export.gltf.write_glb", "leaflight.blender.show"):
         assert f'id="{name}"' in api
     # From the docstrings, with their own line breaks.
     assert "percent, of what compare() calls rms_percent" in api
+    # From the parser.
+    assert "--both-sides" in (site / "command_line.html").read_text()
 
 
 @pytest.mark.slow

@@ -92,7 +92,7 @@ def bake(
         the last (the thesis's); scattered: Scattered, for samples strewn over the domain instead of
         in each texel, with `samples` rays each.
     soft_spacing: texels between the points that soft light is gathered at (1); more is faster where
-        the light is smooth, see docs/accuracy.md.
+        the light is smooth, see docs/validation.md.
     refine: how many times texels are halved where light varies most, in a fifth of the cells each
         time (0); once doubles the time.
     only_at: world points (n, 3), to bake only the texels that lookups there use, with the estimator

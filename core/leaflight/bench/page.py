@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""docs/performance.md: tables from what `bench` measured, between marks; the rest is people's."""
+"""docs/validation/performance.md: the tables of `bench`, each between its marks."""
 
 from pathlib import Path
 
@@ -13,9 +13,10 @@ from .repetitions import REPETITIONS
 MEBIBYTE = 2**20
 PAGE = """# Performance
 
-How fast bakes, rays and isovalues are. `scripts/leaflight bench bake --out docs/performance.md`,
-and the same for scale, rays and scrub, write the tables between their marks; all else is written by
-hand, and stays. The core's innermost loops have benchmarks of their own:
+This page shows how fast bakes, rays and isovalues are. `scripts/leaflight bench bake --out
+docs/validation/performance.md` writes the tables between their marks, and so do `scale`, `rays` and
+`scrub`.
+The innermost loops of the core have benchmarks of their own:
 `build/release/core/bench/core_bench`.
 
 <!-- bench bake -->
@@ -29,10 +30,6 @@ hand, and stays. The core's innermost loops have benchmarks of their own:
 
 <!-- bench scrub -->
 <!-- /bench scrub -->
-
-## What each step gave
-
-## Tried and dropped
 """
 
 

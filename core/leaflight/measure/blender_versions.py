@@ -40,7 +40,7 @@ _LIGHT_UNITS = (
     ((4, 2), LightUnits(area=1 / math.pi, spot_cosine=False, soft_points=None, sun_disc=False)),
 )
 
-# Those whose lights the tests have compared with Cycles (docs/compatibility.md).
+# Those whose lights the tests have compared with Cycles (docs/reliability.md).
 CHECKED = ((3, 4), (4, 2), (4, 3), (4, 5), (5, 0), (5, 1), (5, 2))
 
 

@@ -113,7 +113,7 @@ def report(folder, effort, run, data=None, tables=TABLES):
     lines += [
         "",
         "The thesis leaves irradiance caching in four dimensions to the future (4.3.6). Ours are "
-        "the curves with a spacing, and docs/accuracy.md has more of them.",
+        "the curves with a spacing; docs/validation.md has more of them.",
     ]
     found = {
         "curves": sections.curve_rows(curves),

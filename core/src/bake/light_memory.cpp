@@ -12,7 +12,7 @@
 namespace leaflight {
 namespace {
 
-// Bytes, as measured (docs/scale.md): of texels of the result and of soft light at the end of a
+// Bytes, as measured (docs/clusters.md): of texels of the result and of soft light at the end of a
 // round, when most is held; of the file's grids beside what they are made of; and of a voxel in the
 // nodes of the grid of values.
 struct TexelBytes {

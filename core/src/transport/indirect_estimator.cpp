@@ -178,7 +178,8 @@ class GatherEstimator final : public IndirectEstimator<D> {
  private:
   // Leaves this near to each other, in texels, do not look each other up, but go on as paths: seen
   // from there a texel is wide, and holds the light of leaves that face and see other things. So
-  // many bounces at most; most rays of a scan meet nothing near (docs/experiments.md).
+  // many bounces at most; most rays of a scan meet nothing near
+  // (docs/decisions/2026-11-21-texel-samples.md).
   static constexpr double near = 8;
   static constexpr int most_near_bounces = 4;
   // The same of surroundings seen from surroundings, in widths of their patches: in a corner half

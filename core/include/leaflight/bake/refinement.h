@@ -10,7 +10,7 @@ namespace leaflight {
 
 // The share of a grid's cells, those with eight texels about them, that finer texels serve. Of a
 // scan's error that texels of half the width everywhere take away, the fifth of the cells where
-// light varies most holds all (docs/experiments.md).
+// light varies most holds all (docs/decisions/2026-11-21-finer-texels.md).
 inline constexpr double refined_share = 0.2;
 
 // For each cell of the grid's finest lattice, whether finer texels are to serve it: the share of
