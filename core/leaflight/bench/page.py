@@ -80,7 +80,7 @@ def bake_lines(result):
             "RMS %": row["rms_percent"],
             "noise %": row["noise_percent"],
             "texture %": row["texture_percent"],
-            "noise of the judge %": row["judge_noise_percent"],
+            "noise of the reference %": row["judge_noise_percent"],
             "Cycles s": row["cycles_seconds"],
             "break-even": row["break_even"] or _why(row),
             "vertices": row["vertices"],
@@ -103,23 +103,23 @@ def bake_lines(result):
         "",
         _measured_on(result),
         "",
-        "- Each bake lights all isosurfaces of its default window with default settings. RMS % is "
-        "its error against Cycles at one of them, as `compare` reports it; *noise* and *texture* "
-        "are parts of it, whose squares add up with those of the judge's noise and of the mesh. "
-        "*Cycles s* is how long Cycles takes to bake the vertices of this one isosurface "
-        "(marching cubes at the nodes) to the same error, the judge's noise taken out of both; "
-        "*break-even* is the one over the other: for more isosurfaces than that the bake is the "
-        "faster way.",
-        "- Cycles is measured at the samples below, against many more of its own with other seeds, "
-        "and read between them, never beyond: where the error lies outside, the table says so. "
-        "Blender's start and its building of the scene do not count, nor what is lost between the "
-        "vertices. Seconds are by the clock, medians; bake and Cycles take turns, "
-        f"{REPETITIONS} times, fewer where one turn takes minutes (*repetitions*).",
+        "- Each bake has default settings and lights all isosurfaces of its default range. RMS % "
+        "is its error against Cycles at one isosurface, as `compare` reports it. *Noise* and "
+        "*texture* are parts of it. Their squares add up with those of the reference's noise and "
+        "of the mesh.",
+        "- *Cycles s* is the time in which Cycles bakes the vertices of this one isosurface to the "
+        "same error, without the reference's noise. The mesh is marching cubes at the nodes. "
+        "*Break-even* is bake s over Cycles s. For more isosurfaces the bake is faster.",
+        "- Cycles is measured at the samples below, against many more of its own samples. Values "
+        "between them are interpolated, and none is extrapolated. Blender's start, the setup of "
+        "the scene and errors between the vertices do not count.",
+        "- Seconds are wall-clock medians. Bake and Cycles take turns, "
+        f"{REPETITIONS} times, or fewer if one turn takes minutes (*repetitions*).",
         *absent_text(result["absent"]),
         "",
         *table(rows, BAKE_FORMATS),
         "",
-        "Cycles, of which *samples* are paths at each corner of a triangle:",
+        "*Samples* of Cycles are paths at each corner of a triangle:",
         "",
         *table(points, POINT_FORMATS),
     ]
@@ -152,13 +152,13 @@ def scale_lines(result):
         "",
         _measured_on(result),
         "",
-        "- Default settings; each bake is a process of its own, and its peak is what that held at "
-        "most, Python and its modules included. Seconds are by the clock, medians of bakes that "
-        f"take turns, {REPETITIONS} of each, fewer where one takes minutes.",
+        "- Each bake has default settings and its own process. The peak is the most memory of "
+        "that process, with Python and its modules. Seconds are wall-clock medians of "
+        f"{REPETITIONS} bakes in turns, or fewer if one takes minutes.",
         *(
             [
                 f"- {pair['nodes']}^3 nodes take {pair['seconds_1_thread']:.2f} s with one thread "
-                f"and {pair['seconds_2_threads']:.2f} s with two, which is "
+                f"and {pair['seconds_2_threads']:.2f} s with two. That is "
                 f"{result['speedup_2_threads']:.2f} times as fast (medians of "
                 f"{pair['repetitions']}, in turns)."
             ]
@@ -185,14 +185,14 @@ def ray_lines(result):
     ]
     first = result["cases"][0] if result["cases"] else {"rays": 0, "repetitions": 0}
     return [
-        "## Leaf rays against Embree",
+        "## Rays against Embree",
         "",
         _measured_on(result),
         "",
-        f"- {first['rays']:,} rays from points of each isosurface into its outer side, by the "
-        "cosine, on one thread; Embree's meet the contoured mesh (rtcIntersect1 and "
-        "rtcOccluded1, a tree of high quality), ours the leaf of the volume itself, for which "
-        "nothing is built when the isovalue changes. Seconds of the processor, medians of "
+        f"- {first['rays']:,} rays start on the front of each isosurface, with a cosine "
+        "distribution, on one thread. Embree's rays hit the contoured mesh (rtcIntersect1 and "
+        "rtcOccluded1, a tree of high quality). Ours hit the isosurface of the volume itself, so "
+        "a new isovalue needs no tree. Processor seconds, medians of "
         f"{first['repetitions']} turns.",
         *absent_text(result["absent"]),
         "",
@@ -218,12 +218,12 @@ def scrub_lines(result):
         "",
         _measured_on(result),
         "",
-        "- Contouring and lookups of baked radiance at the vertices, medians by the clock. VTK's "
-        "FlyingEdges3D and ProbeFilter take turns with ours, and their ratio is that of each turn.",
-        f"- In Blender {inside['blender']}, from the slider to the evaluated mesh, before any "
-        f"drawing: {inside['whole_ms']:.0f} ms to {inside['triangles']:,} triangles at "
-        f"{inside['isovalue']:g}, and {inside['moving_ms']:.0f} ms while the isovalue moves, to "
-        f"{inside['moving_triangles']:,}.",
+        "- Times are wall-clock medians of contouring and lookup of the radiance at the vertices. "
+        "VTK's FlyingEdges3D and ProbeFilter take turns with ours; the ratio is that of a turn.",
+        f"- Blender {inside['blender']} takes {inside['whole_ms']:.0f} ms from the slider to the "
+        f"evaluated mesh of {inside['triangles']:,} triangles at {inside['isovalue']:g}. While "
+        f"the isovalue moves it takes {inside['moving_ms']:.0f} ms, for "
+        f"{inside['moving_triangles']:,} triangles.",
         *absent_text(result["absent"]),
         "",
         *table(rows, SCRUB_FORMATS),
@@ -248,7 +248,7 @@ BAKE_FORMATS = {
     "RMS %": "{:.2f}",
     "noise %": "{:.2f}",
     "texture %": "{:.2f}",
-    "noise of the judge %": "{:.2f}",
+    "noise of the reference %": "{:.2f}",
     "Cycles s": "{:.2f}",
     "break-even": "{:.2f}",
     "vertices": "{:,}",

@@ -71,32 +71,31 @@ def cycles_rows(rows):
 
 def cycles_text(rows, absent, effort):
     lines = [
-        "- Each bake is one by default, of all isosurfaces of its default window: no setting was "
-        "touched. It is held against Cycles, which traces *paths* at each of about "
-        f"{effort.points:,} random points of an isosurface's mesh. Blender builds the scene for "
-        "itself: marching cubes, smooth normals, caustics on, nothing clamped or denoised.",
-        "- RMS % is the error of the colours (thesis Eq. 4.11, corrected), from which nothing is "
-        'subtracted. "Mean off by" is how much more or less light all points together have; it is '
-        "left out where there is hardly any.",
-        "- Its square is the sum of four, but for chance. *Noise*: what "
-        "samples leave to chance, as the texels report it. *Texture*: what else keeps the bake "
-        "from our path tracer on the leaf itself: texels are too coarse, or the estimator is not "
-        "quite right. *Mesh*: what our path tracer and Cycles differ by, since Cycles sees "
-        "triangles for the leaf; it stays when all else is perfect. *Noise of Cycles*: the "
-        "judge's own.",
+        "- Each bake has default settings and covers its default isovalue range. Cycles traces "
+        f"*paths* at each of about {effort.points:,} random points of an isosurface's mesh. "
+        "Blender builds the scene itself: marching cubes, smooth normals, caustics, no clamping "
+        "and no denoising.",
+        "- RMS % is the error of the colors (thesis Eq. 4.11, corrected), without subtraction. "
+        '"Mean off by" is the relative error of the light of all points together. It is empty if '
+        "there is hardly any light.",
+        "- The square of RMS % is the sum of the squares of four parts, up to chance. *Noise* is "
+        "the random error that the texels report. *Texture* is the rest of the difference between "
+        "the bake and our path tracer on the isosurface: coarse texels, or bias. *Mesh* is the "
+        "difference between our path tracer and Cycles, which sees triangles. *Noise of Cycles* "
+        "is the noise of the reference.",
     ]
     if effort.judged:
         lines += [
-            f"- A bake by default is asked for {DEFAULT_ERROR:g} %. *{MET.capitalize()}*: it errs "
-            f"no more. *{TOLD.capitalize()}*: it errs more, and said so of itself both before "
-            f"(`--estimate`) and afterwards. *{MISSED.capitalize()}*: it errs more, and did not "
-            "say so.",
+            f"- The target of a default bake is {DEFAULT_ERROR:g} %. *{MET.capitalize()}*: the "
+            f"error is not larger. *{TOLD.capitalize()}*: it is larger, and the bake reported it "
+            f"before (`--estimate`) and after. *{MISSED.capitalize()}*: it is larger, and the bake "
+            "did not report it.",
         ]
     lines += [
-        "- *Said* is what a bake says of itself: seconds and error before it starts, and the error "
-        "when it is done. *Found* is the RMS over its isosurfaces below, the noise of "
-        f"Cycles taken out. *True*: said afterwards and found differ by a factor of {TRUE_WITHIN:g}"
-        " at most. Scenes with several volumes are not baked in rounds, and know only their noise.",
+        "- *Said* is what the bake estimates: seconds and error before it starts, and the error at "
+        "the end. *Found* is the RMS over its isosurfaces below, without the noise of Cycles. "
+        f"*True*: said after and found differ by a factor of {TRUE_WITHIN:g} at most. Scenes with "
+        "several volumes are not baked in passes, and estimate only their noise.",
     ]
     return [
         *lines,

@@ -20,7 +20,7 @@ WORTH = (DEFAULT, f"{DEFAULT}, spacing 2")
 # By which share seconds vary from run to run on a shared machine (95 %).
 SECONDS_VARY = 0.1
 MEBIBYTE = 2**20
-NO_BLENDER = "There is no Blender on the search path, so that nothing can be said of Cycles."
+NO_BLENDER = "There is no Blender on the search path, so this section is empty."
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,22 +97,21 @@ def curves_text(curves):
     return [
         "![RMS error against seconds of a processor](images/curves.png)",
         "",
-        f"- The bump box, {effort.texels}^3 nodes and as many texels, all isosurfaces "
-        f"in each bake. The error is that at {len(reference.truth)} vertices of the isosurfaces "
-        f"{isovalues} together, against {reference.paths:,} paths at each; mean colour "
-        f"{reference.colour:.2f}. The reference's own noise is {reference.noise:.2f} %; nothing is "
+        f"- Each bake lights all isosurfaces of the bump box, with {effort.texels}^3 nodes and as "
+        f"many texels. The error is measured at {len(reference.truth)} vertices of the isosurfaces "
+        f"{isovalues}, against {reference.paths:,} paths at each. The mean color is "
+        f"{reference.colour:.2f}. The noise of the reference is {reference.noise:.2f} % and is not "
         "subtracted.",
-        f"- Along each curve the rays of a texel double, and with them the photons, {PHOTONS:,} a "
-        f"ray. Scattered samples have {RAYS} rays each and are as many as give the same rays in "
-        "all; their filter is Shepard's, of 3 texels.",
-        f"- Seconds are those of a processor, all threads together, medians of {repetitions}, one "
-        "curve after the other in turn. Where a machine is shared they still vary by some "
-        f"{100 * SECONDS_VARY:.0f} %, when both threads of a core are at work by more.",
-        f"- {CYCLES}: a background Blender bakes the same isosurface's mesh into its vertices, "
-        "caustics on, nothing clamped or denoised. Blender starts and builds the scene before the "
-        "clock does, and a first pass warms up; seconds are the mean of the isosurfaces. Cycles "
-        "bakes each corner of a triangle, about six at a vertex. Its error holds that of the mesh, "
-        "which follows the leaf by triangles.",
+        "- Along each curve the rays of a texel double, and so do the photons, with "
+        f"{PHOTONS:,} for each ray. Scattered samples have {RAYS} rays each, and the same number "
+        "of rays in all. Their filter is Shepard's of 3 texels.",
+        f"- Seconds are processor time of all threads, medians of {repetitions}, one curve after "
+        f"the other in turn. On a shared machine they vary by some {100 * SECONDS_VARY:.0f} %, or "
+        "more if both threads of a core are busy.",
+        f"- {CYCLES}: a background Blender bakes the vertices of the same isosurface's mesh, with "
+        "caustics, without clamping or denoising. The clock starts after the setup of the scene "
+        "and a first pass. Seconds are the mean of the isosurfaces. Cycles bakes each corner of a "
+        "triangle, about six at a vertex. Its error includes that of the mesh.",
         "",
         *table(curve_rows(curves), CURVE_FORMATS),
     ]
@@ -146,18 +145,16 @@ def slopes_text(curves, analysis):
     return [
         "![Error and noise against samples, with fits](images/convergence.png)",
         "",
-        "- Samples are rays a texel, of Cycles those at a corner of a triangle. Slopes are "
-        "d log / d log samples by least squares, with their intervals of 95 % (Student's t). "
-        "Random samples have -0.5. Photons double with the rays, and the samples of a texel are "
-        "spread evenly: noise of both falls faster together. Colours are clamped, which makes "
-        "large errors of few rays smaller and slopes flatter. The noise is the deviation among "
-        "seeds, which knows nothing of reference or floor.",
-        "- The floor is what remains of the error with ever more samples, by a fit of error^2 = "
-        "floor^2 + a samples^(2 slope), with the slope of the noise; it holds the texture's "
-        f"resolution, the estimator's bias and the reference's noise ({curves.reference.noise:.2f} "
-        "%). With more samples than those for noise = floor, the noise is less than the floor.",
-        "- The last column is a floor without a fit: error and noise measured with the most "
-        "samples, the one less the other in squares.",
+        "- Samples are rays for each texel; for Cycles they are paths at each corner of a "
+        "triangle. Slopes are d log / d log samples by least squares, with 95 % intervals "
+        "(Student's t). Random samples have -0.5. Evenly spread samples and more photons together "
+        "are steeper. Clamped colors make large errors smaller and slopes flatter. The noise is "
+        "the deviation among seeds, without the reference or the floor.",
+        "- The floor is the error with very many samples. It comes from a fit of error^2 = "
+        "floor^2 + a samples^(2 slope), with the slope of the noise. It includes texture, bias "
+        f"and the noise of the reference ({curves.reference.noise:.2f} %).",
+        "- The last column is the floor without a fit, from the squares of error and noise with "
+        "the most samples.",
         "",
         *table(slope_rows(curves, analysis), SLOPE_FORMATS),
     ]
@@ -170,15 +167,13 @@ def break_even_text(curves, analysis):
     return [
         "![Isosurfaces after which a bake is worth it](images/break_even.png)",
         "",
-        "- So many isosurfaces of the bump box take Cycles as long as one bake of all of them, of "
-        "the whole range of isovalues, with the same error: the measured seconds of the bake over "
-        "those of Cycles for one isosurface, by the fits of its error and its seconds against "
-        f"samples. The thesis says {low} to {high}.",
-        "- Intervals of 95 % come from Cycles' fits, drawn at random within their covariances, and "
-        f"from seconds that vary by {100 * SECONDS_VARY:.0f} % from one run to the next, those of "
-        "the bake and of Cycles each for themselves; where other work is done beside, they vary "
-        "more. 0: Cycles does not reach the error, because the triangles of its mesh are not the "
-        "leaf.",
+        "- *Isosurfaces* is the number that Cycles renders in the time of one bake of all of them, "
+        "with the same error. It is the seconds of the bake over those of Cycles for one "
+        "isosurface, by fits of its error and seconds against samples. The thesis states "
+        f"{low} to {high}.",
+        "- The 95 % intervals include the covariances of the fits and a variation of seconds by "
+        f"{100 * SECONDS_VARY:.0f} % between runs. A value of 0 means that Cycles does not reach "
+        "the error, because of the triangles of its mesh.",
         "",
         *table(analysis.break_even, BREAK_EVEN_FORMATS),
     ]
@@ -211,23 +206,22 @@ def data_rows(rows):
 
 def data_text(rows, absent, effort):
     lines = [
-        f"- Bakes of the whole range of isovalues with {effort.rays} rays a texel, "
+        f"- Bakes cover the whole range of isovalues, with {effort.rays} rays a texel, "
         f"{effort.photons:,} photons and {effort.texels:g} texels a node along each axis. The "
-        f"error is that at up to {effort.vertices} vertices of some isosurfaces together, against "
+        f"error is measured at up to {effort.vertices} vertices of the isosurfaces, against "
         f"{effort.paths:,} paths at each.",
-        '- "Direct" are seconds in which our path tracer lights the vertices of one isosurface, '
-        "the average of those, with the error of the bake: from its seconds for a path and its "
-        "noise at the vertices judged. Seconds are those of a processor, all threads together; the "
-        "thesis's are those of two Pentium 4 Xeon of 3 GHz. Break-even is the one over the other.",
-        "- Of the thesis's volumes the brain alone is public. The others are generated stand-ins "
-        "of the same kind and size; RMS % grows with a scene's brightness, which the "
-        "thesis does not tell. Isovalues of two volumes run from 0 to 1 over the window of each.",
+        '- "Direct" is the time in which our path tracer lights the vertices of one isosurface to '
+        "the error of the bake. It follows from its time for a path and its noise. Seconds are "
+        "processor time of all threads. Those of the thesis are of two Pentium 4 Xeon of 3 GHz. "
+        "Break-even is bake s over direct s.",
+        "- Only the brain of the thesis's volumes is public. The others are generated stand-ins "
+        "of the same kind and size. RMS % grows with the brightness of a scene, which the thesis "
+        "does not state. Isovalues of two volumes are from 0 to 1 over the range of each.",
     ]
     if effort.texels < 1:
         lines += [
-            f"- Reduced: a node has {effort.texels:g} texels along each axis. The "
-            "errors are larger, the seconds fewer than with the texel a node that a bake has by "
-            "default."
+            f"- Reduced: a node has {effort.texels:g} texels along each axis instead of one. The "
+            "errors are larger and the seconds fewer."
         ]
     return [*lines, *absent_text(absent), "", *table(data_rows(rows), DATA_FORMATS)]
 
@@ -253,9 +247,9 @@ def memory_rows(curves, rows):
 
 def memory_text(curves, rows):
     return [
-        "- The peak is what the whole process held in memory at most during the bake, Python, its "
-        "modules and the volume included; of Cycles it is Blender's. The file holds the radiance "
-        "and the volume, compressed.",
+        "- The peak is the most memory of the process during the bake, with Python, its modules "
+        "and the volume. For Cycles it is Blender's. The file holds the radiance and the volume, "
+        "compressed.",
         "",
         *table(memory_rows(curves, rows), MEMORY_FORMATS),
     ]
