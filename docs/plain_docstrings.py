@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sphinx extension: docstrings in plain text, with their parameters as a list.
+
+A line `name: text` or `name, name: text` describes parameters; lines below it that are indented
+belong to it. Docstrings with sections of NumPy's style are napoleon's.
+"""
+
+import inspect
+import re
+
+
+def setup(app):
+    # Before napoleon, whose listener has the priority 500.
+    app.connect("autodoc-process-docstring", _process, priority=400)
+    return {"parallel_read_safe": True}
+
+
+def _process(_app, _what, _name, obj, _options, lines):
+    if any(line.strip().startswith("---") for line in lines):
+        return
+    lines[:] = rewritten(lines, _parameters(obj))
+
+
+def _parameters(obj):
+    try:
+        return set(inspect.signature(obj).parameters)
+    except (TypeError, ValueError):
+        return set()
+
+
+def rewritten(lines, parameters):
+    """The lines of a docstring as reStructuredText; parameters: the names that it may describe."""
+    result = []
+    for block in _blocks(lines, parameters):
+        if isinstance(block, tuple):
+            names, text = block
+            # Sphinx takes a word before a space for a type.
+            result += [f":param {','.join(names)}: {_escaped(text)}"]
+        elif any(line.startswith(" ") for line in block):
+            result += ["", "::", "", *(f"    {line}" for line in block), ""]
+        else:
+            result += ["", *map(_escaped, block), ""]
+    return result
+
+
+def _blocks(lines, parameters):
+    """Paragraphs, lists of lines, and descriptions of parameters, (names, text)."""
+    blocks, paragraph = [], []
+    for line in lines:
+        names, text = _description(line, parameters)
+        is_described = blocks and isinstance(blocks[-1], tuple) and not paragraph
+        if names or not line.strip():
+            blocks += [paragraph] if paragraph else []
+            paragraph = []
+            blocks += [(names, text)] if names else []
+        elif is_described and line.startswith(" "):
+            blocks[-1] = (blocks[-1][0], f"{blocks[-1][1]} {line.strip()}")
+        else:
+            paragraph.append(line)
+    blocks += [paragraph] if paragraph else []
+    return [one for block in blocks for one in _split(block, parameters)]
+
+
+def _description(line, parameters):
+    head, found, text = line.partition(": ")
+    names = re.sub(r" \([^)]*\)", "", head).split(", ")
+    if not found or not set(names) <= parameters:
+        return None, None
+    values = re.findall(r"\([^)]*\)", head)
+    return names, f"{' '.join(values)}: {text}" if values else text
+
+
+def _split(block, parameters):
+    """A description as several where it goes on with other parameters: `a: text; b: text`."""
+    if isinstance(block, list):
+        return [block]
+    names, text = block
+    parts = re.split(r"[.;] ((?:\w+, )*\w+): ", text)
+    blocks = [(names, parts[0])]
+    for more, rest in zip(parts[1::2], parts[2::2]):
+        more = more.split(", ")
+        if set(more) <= parameters:
+            blocks.append((more, rest))
+        else:
+            last, before = blocks[-1]
+            blocks[-1] = (last, f"{before}; {', '.join(more)}: {rest}")
+    return blocks
+
+
+def _escaped(text):
+    """Without the markup that plain text does not mean; `code` stays code."""
+    parts = text.split("`")
+    if len(parts) % 2 == 0:
+        return re.sub(r"([*|`\\]|_\b)", r"\\\1", text)
+    plain = [re.sub(r"([*|\\]|_(?!\w))", r"\\\1", part) for part in parts[::2]]
+    code = [f"``{part}``" for part in parts[1::2]]
+    return "".join(a + b for a, b in zip(plain, [*code, ""]))
