@@ -216,10 +216,10 @@ def test_what_is_missed_fails(tmp_path, monkeypatch):
 
 def test_nothing_is_judged_quickly():
     text = "\n".join(cycles_text([], [], QUICK_CYCLES))
-    assert "asked for" not in text and "Absent" not in text
+    assert "The target" not in text and "Absent" not in text
     full = CyclesEffort()
     assert full.judged and not QUICK_CYCLES.judged and QUICK_CYCLES.points < full.points
-    assert "asked for 1.5 %" in "\n".join(cycles_text([], [], full))
+    assert "The target of a default bake is 1.5 %" in "\n".join(cycles_text([], [], full))
 
 
 def test_interrupted(coarsely, tmp_path, monkeypatch):

@@ -97,7 +97,8 @@ def test_the_site_is_built_without_a_warning(build_tree, tmp_path):
 def test_a_link_that_leads_nowhere_fails(build_tree, tmp_path, link, words):
     pages = tmp_path / "docs"
     pages.mkdir()
-    shutil.copy(ROOT / "docs" / "conf.py", pages)
+    for source in (ROOT / "docs").glob("*.py"):
+        shutil.copy(source, pages)
     (pages / "guide.md").write_text("# Guide\n")
     (pages / "index.md").write_text(f"# Index\n\n{link}\n\n```{{toctree}}\nguide\n```\n")
     done = sphinx(pages, tmp_path / "site")

@@ -226,7 +226,7 @@ def test_with_cycles(with_cycles, data, tmp_path, monkeypatch):
     parts = {"noise_percent": 1.0, "texture_percent": 2.0, "mesh_percent": 0.5}
     statistics = {"texels": 9, "rounds": 3, "seconds": 2.5, "estimated_error_percent": 1.25}
     of_bake = BakeRow(CASES[0], (40, 40, 40), Estimate(2.0, 1, 1.4, 3, 2, 1.0), statistics, 2.47)
-    judged = CyclesRow(of_bake, None, 47.0, 1024, errors, errors, parts, True)
+    judged = CyclesRow(of_bake, None, 47.0, 1024, errors, parts, True)
     found = [judged], ["tooth"]
     monkeypatch.setattr(report_module, "measure_against_cycles", lambda *_, **__: found)
     monkeypatch.setattr(report_module.shutil, "which", lambda _: "blender")
