@@ -69,7 +69,9 @@ def check_images_and_figures(boxed, small_frame, tmp_path):
     rms = figures.rms_percent(images["baked"], images["cycles"], 1.0, everywhere)
     assert rms == pytest.approx(result["image_rms_percent"], rel=1e-3)
     assert f"{result['leaf_rms_percent']:.2f}" in boxed.leaflight.comparison
-    assert 0 < result["flip_mean"] < 0.1 and result["flip_mean"] < result["flip_percentile_95"] < 0.3
+    assert (
+        0 < result["flip_mean"] < 0.1 and result["flip_mean"] < result["flip_percentile_95"] < 0.3
+    )
     assert f"FLIP {result['flip_mean']:.3f}" in boxed.leaflight.comparison
     assert abs(result["leaf_mean_off_percent"]) < 3
     assert 0 < result["leaf_mean_off_within"] < 0.5
