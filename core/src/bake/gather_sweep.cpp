@@ -66,8 +66,8 @@ struct Gathering {
             GatherLines<D>& own) const;
   int beyond_masked(const GatherLines<D>& own, int begin, int stretch, int step, float h,
                     bool outer) const;
-  Rgb leaf_radiance(const LineBundle<D>& lines, int lane, int step, double half, int k,
-                    int crossing, double z, const GatherLines<D>& own) const;
+  Rgb leaf_radiance(const LineBundle<D>& lines, int lane, int k, int crossing, double z,
+                    const GatherLines<D>& own) const;
 };
 
 // What the walks will look up comes into the cache meanwhile: they wait for memory more than for
@@ -116,7 +116,6 @@ void Gathering<D>::walk(const LineBundle<D>& line, int lane, int step, const Vec
   const Vec<D> back = way * -step;
   const Rgb sky = from.sky ? from.sky->radiance(back) : Rgb(0);
   const auto per_length = static_cast<float>(step / length);
-  const double half = 0.5 / (line.direction(lane) * to_source).length();
   std::optional<SurroundingsHit> wall;
   double wall_z = 0;  // of the nearest mesh behind
   const auto find_wall = [&](double z) {
@@ -161,7 +160,7 @@ void Gathering<D>::walk(const LineBundle<D>& line, int lane, int step, const Vec
         }
         Rgb radiance(0);
         if (crossing >= 0 && (!wall || (z - wall_z) * step > 0)) {
-          radiance = leaf_radiance(line, lane, step, half, k, crossing, z, own);
+          radiance = leaf_radiance(line, lane, k, crossing, z, own);
         } else if (wall) {
           const double u = static_cast<double>(Random::mix(key + slot) >> 11) * 0x1p-53;
           radiance = from.surroundings->radiance(*wall, back, of.leaf_coordinate(h), u);
@@ -198,22 +197,18 @@ int Gathering<D>::beyond_masked(const GatherLines<D>& own, int begin, int stretc
 
 // Of the leaf of plane k, met at coordinate z after a plane.
 template <int D>
-Rgb Gathering<D>::leaf_radiance(const LineBundle<D>& line, int lane, int step, double half, int k,
-                                int crossing, double z, const GatherLines<D>& own) const {
+Rgb Gathering<D>::leaf_radiance(const LineBundle<D>& line, int lane, int k, int crossing, double z,
+                                const GatherLines<D>& own) const {
   const float h = own.h[k];
   const bool above = own.h[crossing] < h;  // its inner side is seen
-  const double gap = std::abs(line.z(k) - z);
   Rgb radiance(0);
-  const Vec<D> at = line.position(lane, z + step * std::min(half, gap));
-  std::int32_t met = from.texels.slot_near(at * to_source);
-  if (met == TexelLattice<D>::inactive) {
-    met = from.texels.slot_near(line.position(lane, z) * to_source);
-  }
+  const Vec<D> at = line.position(lane, z);
+  const std::int32_t met = from.texels.slot_near(at * to_source);
   if (met != TexelLattice<D>::inactive && !from.soft[above]->empty()) {
     radiance = (*from.soft[above])[met];
   }
   if (!above && from.direct.sources() > 0) {
-    const std::size_t there = nearest_texel(texels.lattice, line.position(lane, z));
+    const std::size_t there = nearest_texel(texels.lattice, at);
     radiance += from.direct.reflected(own.source, there, h);
   }
   const double c = one_albedo ? 0 : of.leaf_coordinate(h);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace leaflight {
 
@@ -126,6 +127,57 @@ Vec<3, float> lookup(const TexelLattice<D>& lattice, const std::vector<Vec<3, fl
 
 namespace {
 
+// The value of a field at an index position, or NaN outside it.
+template <int D>
+double value_at(const Field<D>& field, const Vec<D>& index_position) {
+  for (int a = 0; a < D; ++a) {
+    if (!(index_position[a] >= 0 && index_position[a] <= field.dims[a] - 1)) {
+      return std::numeric_limits<double>::quiet_NaN();
+    }
+  }
+  const CellPoint<D> at = locate(field, index_position);
+  return interpolate(load_corners(field, at.cell), at.local);
+}
+
+// The texels in front of an isosurface, from which its indirect light is extrapolated: half a texel
+// away and three halves. Texels behind it may belong to the other face of a thin shell. Where no
+// baked isosurface passes in front, the texels around the point itself serve.
+template <int D>
+class TexelsInFront {
+ public:
+  void find(const TexelLattice<D>& lattice, const Field<D>& field, const IsovalueWindow& window,
+            const Vec<D>& index_position, bool back) {
+    const Vec<D> gradient = shading_gradient(field, locate(field, index_position));
+    const double length = (gradient / lattice.voxels_per_texel).length();
+    const Vec<D> half = gradient * (length > 0 ? (back ? 0.5 : -0.5) / length : 0);
+    const Vec<D> near = index_position + half, far = near + half * 2;
+    is_extrapolated_ = length > 0 && window.contains(value_at(field, near)) &&
+                       window.contains(value_at(field, far));
+    near_.find(lattice, is_extrapolated_ ? near : index_position);
+    if (is_extrapolated_) far_.find(lattice, far);
+  }
+  void fetch(const Colours& values) const {
+    near_.fetch(values);
+    if (is_extrapolated_) far_.fetch(values);
+  }
+  Vec<3, float> light(const Colours& values) const {
+    const Vec<3, float> near = near_.mean(values);
+    if (!is_extrapolated_) return near;
+    const Vec<3, float> far = far_.mean(values);
+    Vec<3, float> light;
+    for (int i = 0; i < 3; ++i) {
+      light[i] = std::clamp(near[i] + 0.5f * (near[i] - far[i]), near[i] / most, near[i] * most);
+    }
+    return light;
+  }
+
+ private:
+  // The factor by which extrapolated light may differ.
+  static constexpr float most = 2;
+  UsedTexels<D> near_, far_;
+  bool is_extrapolated_ = false;
+};
+
 // The texels that are looked up.
 template <int D>
 const Colours& texels_of(const RadianceLevel<D>& level, bool exact, bool back) {
@@ -150,10 +202,11 @@ Vec<3, float> radiance_at(const ShownGrid<D>& shown, const Field<D>& field,
                           const Vec<D>& index_position, bool back) {
   const RadianceLevel<D>& level = shown.grid.at(index_position);
   const DirectLight<D>* direct = shown.direct;
-  const Vec<3, float> light =
-      lookup(level.lattice, texels_of(level, direct != nullptr, back), index_position);
-  if (!direct) return light;
-  return shown.scaled(light, field, index_position) +
+  const Colours& values = texels_of(level, direct != nullptr, back);
+  if (!direct) return lookup(level.lattice, values, index_position);
+  TexelsInFront<D> texels;
+  texels.find(level.lattice, field, direct->window(), index_position, back);
+  return shown.scaled(texels.light(values), field, index_position) +
          Vec<3, float>(direct->radiance(field, index_position, back));
 }
 
@@ -162,21 +215,24 @@ void radiance_at(const ShownGrid<D>& shown, const Field<D>& field,
                  const std::vector<Vec<D>>& index_positions, bool back, Vec<3, float>* found) {
   constexpr std::size_t ahead = 16;
   const RadianceGrid<D>& grid = shown.grid;
-  const DirectLight<D>* direct = shown.direct;
-  const Colours& values = texels_of(grid, direct != nullptr, back);
-  std::array<UsedTexels<D>, ahead> texels;
+  if (!shown.direct) {
+    for (const Vec<D>& position : index_positions) {
+      *found++ = lookup(grid.lattice, texels_of(grid, false, back), position);
+    }
+    return;
+  }
+  const Colours& values = texels_of(grid, true, back);
+  std::array<TexelsInFront<D>, ahead> texels;
   for (std::size_t first = 0; first < index_positions.size(); first += ahead) {
     const std::size_t count = std::min(ahead, index_positions.size() - first);
     for (std::size_t n = 0; n < count; ++n) {
-      texels[n].find(grid.lattice, index_positions[first + n]);
+      texels[n].find(grid.lattice, field, shown.direct->window(), index_positions[first + n], back);
       texels[n].fetch(values);
     }
     for (std::size_t n = 0; n < count; ++n) {
-      found[first + n] = texels[n].mean(values);
-      if (!direct) continue;
       const Vec<D>& position = index_positions[first + n];
-      found[first + n] = shown.scaled(found[first + n], field, position) +
-                         Vec<3, float>(direct->radiance(field, position, back));
+      found[first + n] = shown.scaled(texels[n].light(values), field, position) +
+                         Vec<3, float>(shown.direct->radiance(field, position, back));
     }
   }
 }

@@ -28,6 +28,8 @@ class DirectLight {
   std::size_t points() const { return points_.size(); }
   const LightPoint<D>& point(std::size_t number) const { return points_[number]; }
   const Affine<D>& index_to_frame() const { return to_frame_; }
+  // Of the field's values.
+  const IsovalueWindow& window() const { return window_; }
   bool has_inner() const { return !maps_->codes[1].empty(); }
   // VisibilityCode of the way from an active texel to a point.
   std::uint8_t code(std::size_t point, std::size_t slot, bool inner) const {
