@@ -24,6 +24,9 @@ def placed(volumes, scene, isovalues):
     for volume in volumes:
         if np.ndim(volume.values) != 3:
             raise LeaflightError(f"{volume.name}: this is no volume; light images with flatland.")
+    # They share one world.
+    unit = next((volume.unit for volume in volumes if volume.unit), "")
+    volumes = [volume.in_unit(unit) for volume in volumes]
     description = match_leaves(scene or cornell_box(), volumes)
     volumes = [
         volume.capped() if leaves.capped else volume
@@ -66,7 +69,8 @@ def bake(
     The bake goes on in rounds, each of which leaves a better result, until it reaches the error or
     the time asked for, or progress.stop() is called; statistics of the Bake tell how far it came.
 
-    volumes: a Volume or a list of them, which see each other (see scene.py).
+    volumes: a Volume or a list of them, which see each other (see scene.py). World coordinates are
+        in the unit of the first that has one.
     scene: SceneDescription, fitted around the volumes; None is the Cornell box.
     isovalues: (lo, hi) of the leaf coordinate: in data units for one volume, where None takes that
         of the scene or else default_window(volume); within 0..1 for several, where None is (0, 1).

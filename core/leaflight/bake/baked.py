@@ -26,7 +26,8 @@ class Surface:
     """One lit isosurface in world coordinates.
 
     vertices, normals (unit, away from the side that is lit), radiance (W/(m^2 sr), linear RGB):
-    float32 (n, 3); triangles: int32 (m, 3); seconds: the time contouring and lookup took.
+    float32 (n, 3); triangles: int32 (m, 3); seconds: the time contouring and lookup took; unit: of
+    the world, as of a Volume.
     """
 
     vertices: np.ndarray
@@ -34,6 +35,7 @@ class Surface:
     triangles: np.ndarray
     radiance: np.ndarray
     seconds: float
+    unit: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +74,11 @@ class Bake:
     @property
     def grid(self):
         return self.grids[0]
+
+    @property
+    def unit(self):
+        """What world coordinates measure in: a key of METERS, "" where nobody knows."""
+        return self.volume.unit
 
     @property
     def id(self):
@@ -142,7 +149,8 @@ class Bake:
         radiance = np.zeros((len(vertices), 3), np.float32) if dark else sides[back]
         if back:
             normals, triangles = -normals, np.ascontiguousarray(triangles[:, ::-1])
-        return Surface(vertices, normals, triangles, radiance, time.perf_counter() - start)
+        seconds = time.perf_counter() - start
+        return Surface(vertices, normals, triangles, radiance, seconds, self.unit)
 
     def radiance(self, points, volume=0, back=False):
         """Baked radiance of a volume's leaves, float32 (n, 3), at world points (n, 3).

@@ -9,6 +9,7 @@ from .._core import LeaflightError
 from ..io.apart import Apart
 from ..io.scene_file import scene_from_json
 from ..scene.scene import core_scene
+from ..volume.units import METERS
 from ..volume.volume import Volume
 from .baked import Bake
 from .stamps import EARLIER, METADATA, read_bake_id
@@ -29,9 +30,13 @@ def load_bake(path):
         statistics = json.loads(metadata["statistics"])
         lo, hi = (float(isovalue) for isovalue in json.loads(metadata["isovalues"]))
         scene = scene_from_json(metadata["scene"], str(path))
-        names = [str(record["name"]) for record in json.loads(metadata["volumes"])]
+        records = json.loads(metadata["volumes"])
+        names = [str(record["name"]) for record in records]
+        units = [record["unit"] for record in records]
         if not len(names) == len(fields) == len(grids) == len(scene.leaves):
             raise ValueError("the number of volumes differs")
+        if not {"", *METERS} >= set(units):
+            raise ValueError("there is no such unit")
         if not {"rounds", "blocks", "map_resolution"} <= metadata.keys():
             raise LeaflightError(f"{path}: {EARLIER}.")
         # OpenVDB adds text of its own.
@@ -40,7 +45,10 @@ def load_bake(path):
         raise LeaflightError(
             f"{path}: this .vdb lacks the metadata of a bake; bake the volume again."
         ) from None
-    volumes = [Volume(*field, name, str(path)) for field, name in zip(fields, names)]
+    volumes = [
+        Volume(*field, name, str(path), unit=unit)
+        for field, name, unit in zip(fields, names, units)
+    ]
     for volume in volumes:
         volume.field()
     core = core_scene(scene, [volume.field() for volume in volumes], (lo, hi))

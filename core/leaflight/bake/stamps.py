@@ -26,7 +26,7 @@ RESEARCH = (
     "only_at_sha256",
 )
 # What a bake depends on, as text; "name" would rename the grid that OpenVDB attaches it to.
-# "volumes" is a list of {"name", "source", "values_sha256", "index_to_world", "resolution",
+# "volumes" is a list of {"name", "source", "values_sha256", "index_to_world", "unit", "resolution",
 # "capped"}. "map_resolution": of the maps that lookups compute direct light from, empty where
 # texels hold it. Of bakes in rounds, empty where the amount of work was fixed: "error" in percent;
 # "asked_resolution", zeros for none; "rounds"; "blocks", of indirect light, how many its averages
@@ -63,6 +63,7 @@ def stamp(volumes, description, window, settings, fixed):
             "source": volume.source,
             "values_sha256": values_sha256(volume),
             "index_to_world": np.asarray(volume.index_to_world, np.float64).tolist(),
+            "unit": volume.unit,
             "capped": look.capped,
         }
         for volume, look in zip(volumes, description.leaves)

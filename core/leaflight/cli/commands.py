@@ -70,7 +70,8 @@ def _info(options):
         "dims": list(field.dims),
         "range": [low, high],
         "masked": field.masked,
-        "spacing": np.linalg.norm(volume.index_to_world[:3, :3], axis=0).tolist(),
+        "spacing": list(volume.spacing),
+        "unit": volume.unit,
         "bounds": np.asarray(field.bounds).tolist(),
         "index_to_world": volume.index_to_world.tolist(),
         "isovalues": [lo, hi],
@@ -78,6 +79,7 @@ def _info(options):
     }
     return result, [
         f"{volume.source}: {_by(result['dims'])} voxels of {_by(result['spacing'])}"
+        f" {volume.unit or '(no unit)'}"
         + (", some without data" if field.masked else ""),
         f"values {low:g}..{high:g}; by default isovalues {lo:g}..{hi:g} are baked "
         f"and {result['isovalue']:g} is shown",

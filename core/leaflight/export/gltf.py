@@ -6,15 +6,19 @@ import pygltflib as gltf
 
 from ..io.output import check_writable, replaced
 from ..version import __version__
+from ..volume.units import METERS
 
 # The world's z axis points up, glTF's y axis does: a quarter turn about x.
 _UP = [-(0.5**0.5), 0.0, 0.0, 0.5**0.5]
 _SECONDS = 0.1
+# In meters: views clip smaller ones, so that molecules and cells are as large as their numbers.
+_SMALLEST = 1e-4
 
 
 def write_glb(path, surfaces, exposure, seconds=_SECONDS):
-    """Writes Surfaces, {isovalue: Surface}, in world coordinates. Raises LeaflightError.
+    """Writes Surfaces, {isovalue: Surface}. Raises LeaflightError.
 
+    Their coordinates are the world's; the root node takes them to meters, with y up.
     Vertices: POSITION, NORMAL, COLOR_0 (linear as glTF demands, 16 bits: radiance times the
     exposure, clamped to 0..1) and _RADIANCE (float, W/(m^2 sr), linear RGB). Their material is
     KHR_materials_unlit, for the light is in the colors. Several are the frames of an animation that
@@ -22,7 +26,9 @@ def write_glb(path, surfaces, exposure, seconds=_SECONDS):
     """
     check_writable(path, ".glb")
     file = _File()
-    root = gltf.Node(name="Leaflight", rotation=_UP, children=[])
+    root = gltf.Node(
+        name="Leaflight", rotation=_UP, scale=[_meters(surfaces.values())] * 3, children=[]
+    )
     file.document.nodes.append(root)
     for frame, (isovalue, surface) in enumerate(surfaces.items()):
         mesh = file.add_mesh(f"isovalue {isovalue:g}", surface, exposure)
@@ -132,6 +138,13 @@ class _File:
         self.document.buffers.append(gltf.Buffer(byteLength=len(self.blob)))
         self.document.set_binary_blob(bytes(self.blob))
         self.document.save_binary(str(path))
+
+
+def _meters(surfaces):
+    """How many meters a unit of the world measures; 1 where nobody knows, or it is too small."""
+    points = np.concatenate([surface.vertices for surface in surfaces])
+    scale = METERS.get(next(iter(surfaces)).unit, 1.0)
+    return scale if scale * float(np.ptp(points, axis=0).max()) >= _SMALLEST else 1.0
 
 
 def _unit(normals):

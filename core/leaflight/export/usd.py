@@ -8,6 +8,7 @@ import numpy as np
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdShade, Vt
 
 from ..io.output import check_writable, replaced
+from ..volume.units import METERS
 
 SUFFIXES = (".usda", ".usdc", ".usd")
 _FRAMES_PER_SECOND = 24.0
@@ -16,6 +17,7 @@ _FRAMES_PER_SECOND = 24.0
 def write_usd(path, surfaces, exposure):
     """Writes Surfaces, {isovalue: Surface}, in world coordinates, z up. Raises LeaflightError.
 
+    metersPerUnit is that of the world; 1 where nobody knows.
     One mesh /Leaflight/isosurface: points, normals, primvars displayColor (linear RGB: radiance
     times the exposure, not clamped) and radiance (W/(m^2 sr), linear RGB), and the attribute
     isovalue. Its material emits displayColor and reflects nothing. Of several isovalues each is a
@@ -26,7 +28,8 @@ def write_usd(path, surfaces, exposure):
     with replaced(path) as temporary:
         stage = Usd.Stage.CreateNew(str(temporary))
         UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
-        UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+        unit = next(iter(surfaces.values())).unit
+        UsdGeom.SetStageMetersPerUnit(stage, METERS.get(unit, 1.0))
         root = UsdGeom.Xform.Define(stage, "/Leaflight")
         stage.SetDefaultPrim(root.GetPrim())
         mesh = UsdGeom.Mesh.Define(stage, "/Leaflight/isosurface")

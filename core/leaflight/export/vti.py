@@ -19,7 +19,8 @@ def write_vti(path, bake, volume=0):
     Point data: value (float, data units), radiance (W/(m^2 sr), linear RGB, of the isosurface
     through the point, 0 where none of the window passes), radiance_error (the standard error of its
     mean over the channels), radiance_back where inner sides were baked, and color (uchar, sRGB at
-    the scene's exposure). Field data: isovalues, exposure, bake_id.
+    the scene's exposure). Field data: isovalues, exposure, bake_id, unit (of
+    lengths).
     """
     check_writable(path, ".vti")
     grid = point_grid(bake, volume)
@@ -42,7 +43,9 @@ def write_vti(path, bake, volume=0):
         array.SetName(name)
         image.GetPointData().AddArray(array)
     image.GetPointData().SetActiveScalars("value")
-    add_text_and_numbers(image, isovalues=bake.isovalues, exposure=exposure, bake_id=bake.id)
+    add_text_and_numbers(
+        image, isovalues=bake.isovalues, exposure=exposure, bake_id=bake.id, unit=bake.unit
+    )
     with replaced(path) as temporary:
         write(vtkXMLImageDataWriter(), image, temporary)
 

@@ -16,7 +16,7 @@ def write_vtp(path, surface, exposure, isovalue):
     """Writes a Surface, in world coordinates. Raises LeaflightError.
 
     Point data: radiance (W/(m^2 sr), linear RGB), color (uchar, sRGB at the exposure), normals.
-    Field data: isovalue, exposure.
+    Field data: isovalue, exposure, unit (of lengths).
     """
     check_writable(path, ".vtp")
     mesh = vtkPolyData()
@@ -39,6 +39,6 @@ def write_vtp(path, surface, exposure, isovalue):
     normals = numpy_to_vtk(np.ascontiguousarray(surface.normals), deep=True)
     normals.SetName("normals")
     mesh.GetPointData().SetNormals(normals)
-    add_text_and_numbers(mesh, isovalue=isovalue, exposure=exposure)
+    add_text_and_numbers(mesh, isovalue=isovalue, exposure=exposure, unit=surface.unit)
     with replaced(path) as temporary:
         write(vtkXMLPolyDataWriter(), mesh, temporary)

@@ -10,6 +10,7 @@ import numpy as np
 from .._core import LeaflightError
 from .distribution import Distribution
 from .setting_error import SettingError
+from .units import METERS
 from .voxels import VOXEL_TYPES, as_voxels, new_voxels
 
 # Above this share of the voxels, a value at an end of the range is padding around the object.
@@ -26,6 +27,7 @@ class Volume:
         same to what is baked; NaN where there is no data.
     index_to_world: float64, shape (4, 4), takes the node (i, j, k, 1) to world coordinates.
     name: short name for people; source: the file or the function the values came from.
+    unit: what world coordinates measure in, a key of METERS, "" where nobody knows.
     In flatland values has the shape (ny, nx) and index_to_world (3, 3).
     """
 
@@ -33,6 +35,7 @@ class Volume:
     index_to_world: np.ndarray
     name: str
     source: str = ""
+    unit: str = ""
 
     @cached_property
     def _field(self):
@@ -44,6 +47,12 @@ class Volume:
             )
         except LeaflightError as error:
             raise LeaflightError(f"{self.source or self.name}: {error}") from None
+
+    @property
+    def spacing(self):
+        """The sizes (x, y, z) of a voxel, in the unit of the world."""
+        axes = np.asarray(self.index_to_world, np.float64)[:-1, :-1]
+        return tuple(np.linalg.norm(axes, axis=0).tolist())
 
     def field(self):
         """The core's view of the volume, made at the first call.
@@ -99,6 +108,17 @@ class Volume:
             for axis in range(self.values.ndim)
             for end in (0, -1)
         )
+
+    def in_unit(self, unit):
+        """The volume in world coordinates of another unit; without a unit of its own, it has that.
+
+        unit: a key of METERS, or "", which changes nothing.
+        """
+        if not unit or unit == self.unit:
+            return self
+        scale = METERS[self.unit or unit] / METERS[unit]
+        to_unit = np.diag([*[scale] * np.ndim(self.values), 1.0])
+        return replace(self, index_to_world=to_unit @ self.index_to_world, unit=unit)
 
     def coarser(self):
         """The volume with half as many nodes along each axis, each the mean of eight; one in space.

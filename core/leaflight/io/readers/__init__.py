@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Volumes from files: read_volume picks the reader by the suffix, probe looks at the header."""
 
+from ...volume.units import METERS
 from .formats import FORMATS, SUFFIXES, format_of
 from .reading import MissingPackage, probe, read_volume
-from .stored import METERS, StoredVolume
+from .stored import StoredVolume
 
 __all__ = [
     "FORMATS",

@@ -10,9 +10,10 @@ import numpy as np
 from nibabel.arrayproxy import ArrayProxy
 
 from ..._core import LeaflightError
+from ...volume.units import unit_of
 from ...volume.volume import Volume
 from .checks import DEFLATE_MOST, check_scalar, check_shape, check_size, truncated
-from .stored import StoredVolume, lengths, unit_of
+from .stored import StoredVolume, lengths
 from .watched import open_watched, read_values
 
 

@@ -12,10 +12,11 @@ import zlib
 import numpy as np
 
 from ..._core import LeaflightError
+from ...volume.units import unit_of
 from ...volume.volume import Volume
 from ...volume.voxels import bytes_of, new_voxels
 from .checks import DEFLATE_MOST, check_matrix, check_shape, check_size, data_file, text, truncated
-from .stored import StoredVolume, lengths, unit_of
+from .stored import StoredVolume, lengths
 from .watched import open_watched
 
 _TYPES = {

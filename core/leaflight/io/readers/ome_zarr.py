@@ -9,10 +9,11 @@ import zarr
 
 from ..._core import LeaflightError
 from ...volume.setting_error import SettingError
+from ...volume.units import unit_of
 from ...volume.volume import Volume
 from ...volume.voxels import new_voxels
 from .checks import check_scalar, check_shape, listed
-from .stored import StoredVolume, lengths, unit_of
+from .stored import StoredVolume, lengths
 from .watched import watched
 
 

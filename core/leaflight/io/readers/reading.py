@@ -99,7 +99,9 @@ def read_volume(
             values = downsampled(path, values, step, progress)
             matrix = matrix @ _from_downsampled(step)
         values = _held(values, progress)
-        volume = replace(volume, values=values, index_to_world=matrix, source=str(path))
+        volume = replace(
+            volume, values=values, index_to_world=matrix, source=str(path), unit=stored.unit
+        )
     progress.begin("Looking at the values")
     progress.check()
     volume.field()

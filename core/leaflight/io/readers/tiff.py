@@ -10,10 +10,11 @@ import numpy as np
 import tifffile
 
 from ..._core import Cancelled, LeaflightError
+from ...volume.units import unit_of
 from ...volume.volume import Volume
 from ...volume.voxels import new_voxels
 from .checks import check_scalar, check_size, index_to_world, text, truncated
-from .stored import StoredVolume, lengths, unit_of
+from .stored import StoredVolume, lengths
 from .watched import open_watched, watched
 
 # No compression of TIFF that is decoded here expands more: 12-bit LZW makes 4 KB of 12 bits.

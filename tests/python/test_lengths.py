@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lengths keep their unit from the file through the bake to other programs."""
+
+import json
+import struct
+from dataclasses import replace
+
+import leaflight
+import nibabel
+import numpy as np
+import pytest
+from leaflight import LeaflightError
+
+# Of a head, in the millimeters of its scan.
+SIDE = 220.0
+
+
+@pytest.fixture(scope="module")
+def head_file(tmp_path_factory):
+    """A scan: 20^3 voxels, its longest side 220 mm."""
+    path = tmp_path_factory.mktemp("scan") / "head.nii.gz"
+    values = leaflight.bump_box(20).values.T
+    image = nibabel.Nifti1Image(values, np.diag([SIDE / 19] * 3 + [1.0]))
+    image.header.set_xyzt_units("mm")
+    nibabel.save(image, path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def head(head_file, bump_scene, tmp_path_factory):
+    """Its bake, from the file that keeps it."""
+    path = tmp_path_factory.mktemp("bake") / "head.vdb"
+    volume = leaflight.read_volume(head_file)
+    leaflight.bake(volume, bump_scene, error=8.0, isovalues=(30.0, 70.0)).save(path)
+    return leaflight.load_bake(path)
+
+
+def gltf_of(path):
+    """The JSON of a .glb."""
+    content = path.read_bytes()
+    (length,) = struct.unpack("<I", content[12:16])
+    return json.loads(content[20 : 20 + length])
+
+
+def longest_side_in_meters(path):
+    """Of a .glb: that of the first mesh, times the scale of the root above it."""
+    file = gltf_of(path)
+    (root,) = file["scenes"][0]["nodes"]
+    mesh = file["meshes"][0]["primitives"][0]
+    positions = file["accessors"][mesh["attributes"]["POSITION"]]
+    return np.max(np.subtract(positions["max"], positions["min"]) * file["nodes"][root]["scale"])
+
+
+def test_a_bake_keeps_the_unit(head):
+    assert head.unit == head.volume.unit == head.surface(47.0).unit == "mm"
+    np.testing.assert_allclose(head.volume.spacing, SIDE / 19)
+
+
+def test_info_says_it(cli, head_file):
+    done = cli("info", head_file)
+    assert "20 x 20 x 20 voxels of 11.5789 x 11.5789 x 11.5789 mm" in done.out
+    assert "(no unit)" in cli("info", "bump_box", "--dims", 8).out
+
+
+def test_a_head_is_a_head_in_gltf(head, tmp_path):
+    surface = leaflight.export(head, tmp_path / "head.glb", [47.0])[47.0]
+    expected = np.ptp(surface.vertices, axis=0).max() / 1000
+    assert longest_side_in_meters(tmp_path / "head.glb") == pytest.approx(expected)
+    assert 0.1 < expected <= 0.22
+
+
+def test_a_head_is_a_head_in_usd(head, tmp_path):
+    pytest.importorskip("pxr", reason="usd-core of PyPI is not installed")
+    leaflight.export(head, tmp_path / "head.usda", [47.0])
+    assert "metersPerUnit = 0.001" in (tmp_path / "head.usda").read_text()
+
+
+@pytest.mark.parametrize("unit", ["", "Å"])
+def test_a_molecule_can_be_seen_in_gltf(head, tmp_path, unit):
+    """Views clip what is as small; of an unknown unit nothing is known."""
+    molecule = replace(head, volumes=[replace(head.volume, unit=unit)])
+    surface = leaflight.export(molecule, tmp_path / "molecule.glb", [47.0])[47.0]
+    expected = np.ptp(surface.vertices, axis=0).max()
+    assert longest_side_in_meters(tmp_path / "molecule.glb") == pytest.approx(expected)
+
+
+def test_volumes_of_two_units_share_a_world():
+    box = leaflight.bump_box(8)
+    millimeters = replace(box, unit="mm")
+    micrometers = replace(millimeters.in_unit("µm"), name="the same")
+    assert micrometers.spacing == pytest.approx([1000 / 7] * 3)
+    bake = leaflight.bake([millimeters, micrometers, box], samples=1, photons=1000)
+    assert [volume.unit for volume in bake.volumes] == ["mm"] * 3
+    for volume in bake.volumes:
+        np.testing.assert_allclose(volume.index_to_world, box.index_to_world, rtol=1e-12)
+
+
+def test_a_bake_of_no_unit_is_refused(head, tmp_path):
+    path = tmp_path / "odd.vdb"
+    volumes = head.metadata["volumes"].replace('"mm"', '"parsec"')
+    replace(head, metadata={**head.metadata, "volumes": volumes}).save(path)
+    with pytest.raises(LeaflightError, match="lacks the metadata of a bake"):
+        leaflight.load_bake(path)
