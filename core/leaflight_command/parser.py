@@ -8,6 +8,8 @@ import argparse
 
 from .numbers import integer, number
 from .shared_options import (
+    MACHINES,
+    RESEARCH,
     Parser,
     layout_options,
     leaf_options,
@@ -58,32 +60,39 @@ def make_parser():
     )
     layout, threads = layout_options(), threads_options()
     scene, leaf = scene_options(), leaf_options()
-    volume = f"a file, a folder of TIFF or DICOM slices, or {', '.join(GENERATED)}"
+    volume = "a file, a folder of slices, or a generated volume"
 
     info = subparsers.add_parser("info", parents=[layout], help="what a volume holds")
-    info.add_argument("volume", metavar="VOLUME", help=volume)
+    info.add_argument(
+        "volume",
+        metavar="VOLUME",
+        help=f"a file, a folder of TIFF or DICOM slices, or {', '.join(GENERATED)}",
+    )
 
     lit = lit_options(volume)
     bake = subparsers.add_parser(
-        "bake", parents=[layout, lit, scene, threads], help="light every isosurface of volumes"
+        "bake",
+        parents=[lit, scene, threads, layout],
+        usage="leaflight bake VOLUME ... --out X.vdb [OPTION ...]",
+        help="light every isosurface of volumes",
     )
     target = bake.add_mutually_exclusive_group(required=True)
     target.add_argument("--out", metavar="X.vdb", help="file to write")
     target.add_argument(
         "--resume",
         metavar="X.vdb",
-        help="go on with the bake to this file that was interrupted, from X.vdb.checkpoint",
+        help="go on with the interrupted bake to this file",
     )
     target.add_argument(
         "--estimate",
         action="store_true",
-        help="tell the seconds and the memory that it would take, and write nothing",
+        help="print the seconds and the memory that it would take",
     )
     bake.add_argument(
         "--error",
         type=number,
         metavar="PCT",
-        help="go on until the error is this, in percent as compare tells it (1.5)",
+        help="go on until the error is this, in percent (1.5)",
     )
     bake.add_argument(
         "--time", type=number, metavar="S", help="or until so many seconds are over (no limit)"
@@ -92,20 +101,19 @@ def make_parser():
         "--continue",
         dest="kept",
         metavar="KEPT.vdb",
-        help="go on with a bake that was stopped or shall err less, in place of a VOLUME",
+        help="go on with a finished bake, in place of a VOLUME",
     )
     for option, text in (
         ("--both-sides", "light the inner side of isosurfaces, too"),
         ("--surroundings", "keep the light on the surroundings, too"),
+        ("--verbose", "print the passes that were left out, and why"),
     ):
         bake.add_argument(option, action="store_true", help=text)
     resolution_options(bake)
-    memory_options(bake)
-    workers = bake.add_argument_group("several processes or machines, by Dask; the same bake")
-    workers_options(workers, "sweep light in so many processes here")
-    research = bake.add_argument_group(
-        "settings of research: a fixed amount of work in place of --error and --time"
-    )
+    machines = bake.group(MACHINES)
+    memory_options(machines)
+    workers_options(machines, "sweep light in so many processes here, by Dask; the same bake")
+    research = bake.group(RESEARCH)
     work_options(research)
     research.add_argument(
         "--caustic-photons",
@@ -125,7 +133,7 @@ def make_parser():
         metavar="N",
         help="how many times to halve texels where light varies most; once doubles the time (0)",
     )
-    thesis_options(bake)
+    thesis_options(research)
 
     batch = subparsers.add_parser("batch", help="many bakes, resumed where they stopped")
     batch.add_argument(
@@ -272,8 +280,9 @@ def make_parser():
     )
 
     resolution_options(flatland)
-    work_options(flatland)
-    thesis_options(flatland)
+    research = flatland.group(RESEARCH)
+    work_options(research)
+    thesis_options(research)
 
     report = subparsers.add_parser(
         "report", parents=[threads], help="measure errors and seconds, and write a report of them"
@@ -313,4 +322,5 @@ def make_parser():
         command.add_argument(
             "--json", action="store_true", help="print one JSON object as the last line"
         )
+        command.offer_all()
     return parser

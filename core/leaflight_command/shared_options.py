@@ -11,6 +11,8 @@ from .numbers import integer, memory, number
 # What the package knows by these names.
 ENDIANS = ("little", "big")
 ESTIMATORS = ("gather", "volumetric", "path", "thesis")
+# Of groups of options.
+MACHINES, RESEARCH = "machines", "research"
 TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")
 
 
@@ -19,7 +21,10 @@ class UsageError(Exception):
 
 
 class Parser(argparse.ArgumentParser):
-    """Raises UsageError where argparse would print its usage and exit."""
+    """Raises UsageError where argparse would print its usage and exit.
+
+    --help leaves out the groups of options that have a title, which --help-all prints, too.
+    """
 
     def __init__(self, **options):
         # Abbreviations would change meaning whenever an option is added.
@@ -28,10 +33,43 @@ class Parser(argparse.ArgumentParser):
     def error(self, message):
         raise UsageError(f"{message}; see '{self.prog} --help'.")
 
+    def group(self, title):
+        """The group of options of that title."""
+        found = [group for group in self._titled() if group.title == title]
+        return found[0] if found else self.add_argument_group(title)
+
+    def offer_all(self):
+        """Adds --help-all where there are such groups."""
+        titles = [group.title for group in self._titled()]
+        if titles:
+            help = f"show this and the options of {', '.join(titles)}"
+            self.add_argument("--help-all", action=_HelpAll, nargs=0, help=help)
+
+    def format_help(self):
+        for group in self._titled():
+            for action in group._group_actions:
+                action.help = argparse.SUPPRESS
+        return super().format_help()
+
+    def format_all(self):
+        """The help with all options."""
+        return super().format_help()
+
+    def _titled(self):
+        # The first two are argparse's own: positional arguments and options.
+        return self._action_groups[2:]
+
+
+class _HelpAll(argparse.Action):
+    def __call__(self, parser, *_):
+        print(parser.format_all(), end="")
+        parser.exit()
+
 
 def layout_options():
     """How the values of a volume lie in its file."""
-    parser = Parser(add_help=False)
+    whole = Parser(add_help=False)
+    parser = whole.add_argument_group("files")
     parser.add_argument(
         "--dims",
         type=integer,
@@ -68,15 +106,16 @@ def layout_options():
         metavar="N",
         help="keep the mean of N voxels along each axis: 2, 4 or 8 (1)",
     )
-    return parser
+    return whole
 
 
 def threads_options():
     parser = Parser(add_help=False)
-    parser.add_argument(
+    machine = parser.add_argument_group(MACHINES)
+    machine.add_argument(
         "--seed", type=integer, default=0, metavar="N", help="same seed, same result (0)"
     )
-    parser.add_argument(
+    machine.add_argument(
         "--threads", type=integer, default=0, metavar="N", help="threads (0: every core)"
     )
     return parser
@@ -103,7 +142,7 @@ def scene_options():
         type=number,
         nargs=2,
         metavar=("LO", "HI"),
-        help="window to bake (from the data); of several volumes within 0..1",
+        help="range to bake (from the data); of several volumes 0..1",
     )
     return parser
 
@@ -124,8 +163,8 @@ def memory_options(parser):
         "--memory",
         type=memory,
         metavar="SIZE",
-        help="hold no more than this in memory, such as 4GiB: larger volumes lie in a file beside "
-        "the output, and texels become coarser where their light has no room",
+        help="most memory, such as 4GiB: larger volumes lie in a file beside the output, and "
+        "texels become coarser where their light has no room",
     )
 
 
@@ -136,44 +175,56 @@ def resolution_options(parser):
 
 
 def work_options(parser):
-    """How much is done, where the amount is fixed."""
-    parser.add_argument("--samples", type=integer, metavar="N", help="rays a texel (32)")
+    """How much is done, where the amount is fixed, in place of --error and --time."""
+    parser.add_argument(
+        "--samples", type=integer, metavar="N", help="rays a texel, whatever the error (32)"
+    )
     parser.add_argument("--photons", type=integer, metavar="N", help="photons (2000000)")
     parser.add_argument("--estimator", choices=ESTIMATORS, help="(gather)")
 
 
 def thesis_options(parser):
-    """The thesis's own ways."""
-    thesis = parser.add_argument_group("of --estimator thesis")
-    thesis.add_argument("--k", type=integer, metavar="N", help="photons of an estimate (200)")
-    thesis.add_argument(
+    """The thesis's own ways: its estimator, and samples strewn over the domain."""
+    parser.add_argument(
+        "--k", type=integer, metavar="N", help="--estimator thesis: photons of an estimate (200)"
+    )
+    parser.add_argument(
         "--photon-radius",
         type=number,
         metavar="R",
-        help="how far an estimate reaches, in longest sides of the volume (without limit)",
+        help="the same: reach of an estimate, in longest sides of the volume (no limit)",
     )
-    thesis.add_argument(
-        "--g", type=number, metavar="G", help="weight of isovalues against distances (10)"
+    parser.add_argument(
+        "--g",
+        type=number,
+        metavar="G",
+        help="the same: weight of isovalues against distances (10)",
     )
-    thesis.add_argument(
-        "--region", metavar="NAME", help="sphere, clipped_sphere (default), box, cylinder, graph"
+    parser.add_argument(
+        "--region",
+        metavar="NAME",
+        help="the same: sphere, clipped_sphere (default), box, cylinder, graph",
     )
-
-    scattered = parser.add_argument_group("samples strewn over the domain, not in each texel")
-    scattered.add_argument(
+    parser.add_argument(
         "--strategy",
         metavar="NAME",
-        help="uniform, stratified, importance, level_set, letters, slabs, regular",
+        help="samples over the domain in place of texels: uniform, stratified, importance, "
+        "level_set, letters, slabs, regular",
     )
-    scattered.add_argument(
-        "--count", type=integer, metavar="N", help="how many, of --samples rays each"
+    parser.add_argument(
+        "--count", type=integer, metavar="N", help="of --strategy: samples, of --samples rays each"
     )
-    scattered.add_argument(
-        "--isovalue-count", type=integer, metavar="N", help="level_set: isovalues (9)"
+    parser.add_argument(
+        "--isovalue-count", type=integer, metavar="N", help="of level_set: isovalues (9)"
     )
-    scattered.add_argument("--filter", metavar="NAME", help="shepard (default), tent, box")
-    scattered.add_argument(
-        "--filter-radius", type=integer, metavar="D", help="texels that a sample reaches (3)"
+    parser.add_argument(
+        "--filter", metavar="NAME", help="of --strategy: shepard (default), tent, box"
+    )
+    parser.add_argument(
+        "--filter-radius",
+        type=integer,
+        metavar="D",
+        help="of --strategy: reach of a sample in texels (3)",
     )
 
 

@@ -23,6 +23,29 @@ def last_json(outcome):
     return json.loads(outcome.out.splitlines()[-1])
 
 
+def test_help_of_bake_fits_a_screen(script):
+    """A terminal of 24 lines and 80 columns; --help-all has the rest."""
+    short = script("bake", "--help").out.splitlines()
+    assert len(short) <= 24 and max(map(len, short)) <= 80
+    for option in ("--out", "--error", "--time", "--estimate", "--resolution", "--both-sides"):
+        assert f"  {option} " in "\n".join(short)
+    everyday, research = script("bake", "--help-all").out.split("research:\n")
+    for option in ("--out", "--dims", "--threads", "--scheduler"):
+        assert f"  {option} " in everyday and f"  {option} " not in research
+    for option in ("--samples", "--photons", "--refine", "--soft-spacing", "--k", "--strategy"):
+        assert f"  {option} " in research and option not in "\n".join(short)
+    assert "--help-all" not in script("surface", "--help").out
+
+
+def test_passes_that_were_left_out_are_told_on_demand(cli, tmp_path):
+    bake = ["bake", "bump_box", "--dims", 12, "--out", tmp_path / "box.vdb", *BAKE]
+    assert "skipped:" not in cli(*bake).out
+    assert (
+        "skipped: radiance of the surroundings (it was not asked for)"
+        in cli(*bake, "--verbose").out
+    )
+
+
 def test_info(script):
     info = last_json(script("info", "bump_box", "--dims", "20", "--json"))
     assert info["dims"] == [20, 20, 20] and info["masked"] is False
@@ -270,16 +293,3 @@ def test_estimate_writes_nothing(cli, tmp_path, monkeypatch):
     assert cost["seconds"] > 0 and cost["memory_bytes"] > 2**20 and cost["error"] <= 3
     assert f"about {cost['seconds']:.0f} s and " in outcome.out
     assert list(tmp_path.iterdir()) == []
-
-
-def test_settings_of_research_stand_under_a_heading_of_their_own(cli, capsys, monkeypatch):
-    # Lines are as long as the terminal is wide.
-    monkeypatch.setenv("COLUMNS", "80")
-    with pytest.raises(SystemExit):
-        cli("bake", "--help")
-    everyday, research = capsys.readouterr().out.split("settings of research", 1)
-    everyday = everyday.split("options:", 1)[1]
-    for option in ("--error", "--time", "--estimate", "--resolution", "--both-sides"):
-        assert f" {option}" in everyday and f"  {option}" not in research
-    for option in ("--samples", "--photons", "--refine", "--soft-spacing", "--k", "--strategy"):
-        assert f" {option}" in research and f" {option}" not in everyday

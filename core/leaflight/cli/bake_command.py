@@ -19,10 +19,11 @@ from .lighting import given_options, to_light, work_options
 from .progress import run_with_progress
 from .workers import workers_of
 
-# The options that a continued bake has of its own; all others it has from the bake before.
-_OF_CONTINUED = {"command", "json", "kept", "out", "error", "time", "surroundings"}
-# Those that any may be given: they change nothing of what it ends with.
+# Those that any bake may be given: they change nothing of what it ends with.
 _WHO_WORKS = {"threads", "workers", "scheduler"}
+_AT_WILL = {"command", "json", "verbose", *_WHO_WORKS}
+# The options that a continued bake has of its own; all others it has from the bake before.
+_OF_CONTINUED = {"kept", "out", "error", "time", "surroundings"}
 # The options that a bake depends on, by which it is baked again.
 _RECIPE = {
     *("volumes", "scene", "kept", "capped", "isovalues", "both_sides", "surroundings", "seed"),
@@ -69,7 +70,7 @@ def bake_settings(options):
 
 
 def _continued(options):
-    given = _given(options, _OF_CONTINUED | _WHO_WORKS)
+    given = _given(options, _OF_CONTINUED | _AT_WILL)
     if given:
         raise LeaflightError(
             f"{options.kept}: a bake is continued in its own scene, with its own settings but the "
@@ -98,7 +99,7 @@ def _continued(options):
 
 def _interrupted(options):
     """The options of the bake that left a checkpoint."""
-    given = _given(options, {"command", "json", "resume"} | _WHO_WORKS)
+    given = _given(options, {"resume"} | _AT_WILL)
     if given:
         raise LeaflightError(
             f"{options.resume}: a bake is resumed with the settings that it had: leave out "
@@ -113,7 +114,7 @@ def _interrupted(options):
     recipe = read_recipe(path)
     if not _RECIPE <= recipe.keys():
         raise LeaflightError(f"{path}: this checkpoint is Blender's; resume the bake there.")
-    own = {name: getattr(options, name) for name in ("json", *_WHO_WORKS)}
+    own = {name: getattr(options, name) for name in ("json", "verbose", *_WHO_WORKS)}
     recipe.update(out=options.resume, **own)
     return Namespace(**{**vars(options), **recipe, "resume": None, "resumed": True})
 
@@ -198,7 +199,7 @@ def _told(baked, options):
         *(
             f"skipped: {name} ({reason})"
             for name, reason in result["skipped_passes"]
-            if name != FINER_TEXELS
+            if options.verbose and name != FINER_TEXELS
         ),
     ]
 
