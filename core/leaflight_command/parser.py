@@ -273,12 +273,6 @@ def make_parser():
     flatland.add_argument(
         "--isolines", type=number, nargs="+", metavar="C", help="isolines of the picture (one)"
     )
-    flatland.add_argument(
-        "--uncorrected",
-        action="store_true",
-        help="leave the picture at the plane's brightness, pi/2 of that in space",
-    )
-
     resolution_options(flatland)
     research = flatland.group(RESEARCH)
     work_options(research)

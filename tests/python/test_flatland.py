@@ -3,17 +3,12 @@
 
 import copy
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from leaflight import LeaflightError, _core
-from leaflight.flatland import (
-    BRIGHTNESS_CORRECTION,
-    bake_flatland,
-    bump_box_2d,
-    picture,
-    read_image,
-)
+from leaflight.flatland import bake_flatland, bump_box_2d, picture, read_image
 from leaflight.flatland.flat_scene import fit_flat_scene, flat_box, load_flat_scene
 from PIL import Image
 
@@ -103,15 +98,30 @@ def test_furnace():
 
 
 def test_picture(baked):
-    pixels = picture(baked, [47.0, 100.0], width=200)
-    assert pixels.shape == (200, 200, 3) and pixels.dtype == np.uint8
-    assert 0.005 < (pixels.max(axis=2) > 0).mean() < 0.2
-    brighter = picture(baked, [47.0, 100.0], width=200, correction=1.0)
-    assert brighter.sum() > pixels.sum()
-    assert BRIGHTNESS_CORRECTION == pytest.approx(0.6366, abs=1e-4)
-    # The isoline 100 encloses the big bump at the top, so it is in the upper half.
-    upper = picture(baked, [150.0], width=200)
-    assert upper[:100].any() and not upper[140:].any()
+    """Lit isolines, bright and thick enough to be seen, over the image in gray."""
+    pixels = picture(baked, [47.0, 100.0], width=600)
+    assert pixels.shape == (600, 600, 3) and pixels.dtype == np.uint8
+    gray = np.ptp(pixels, axis=2) == 0
+    assert 0.02 < 1 - gray.mean() < 0.1
+    light = pixels[~gray].max(axis=1)
+    assert np.quantile(light, 0.95) > 200 and (light == 255).mean() < 0.06
+    # 4 mm of a picture of 600: as thick as a few of its pixels.
+    assert (~gray[:, 300]).sum() >= 4 * 3
+    # The image is behind them: its nodes lie on a grid from border to border.
+    values = baked.volume.values[::-1]
+    nodes = np.rint(np.linspace(0, 599, len(values))).astype(int)
+    there = pixels[np.ix_(nodes, nodes)]
+    seen = np.ptp(there, axis=2) == 0
+    expected = 255 * 0.5 * values / values.max()
+    assert np.abs(there[..., 0] - expected)[seen].max() < 4
+
+
+def test_a_picture_of_dim_lamps_is_exposed(baked):
+    box = flat_box()
+    dim = [replace(lamp, radiance=tuple(np.divide(lamp.radiance, 1024))) for lamp in box.lamps]
+    dim = bake_flatland(bump_box_2d(60), replace(box, lamps=dim), **SMALL)
+    pixels = [picture(one, [100.0], width=200) for one in (baked, dim)]
+    np.testing.assert_array_equal(*pixels)
 
 
 def test_isovalue_outside_the_window(baked):

@@ -17,7 +17,6 @@ from ..bake.load_bake import load_bake
 from ..bake.photons import trace_photons
 from ..flatland.flat_scene import load_flat_scene
 from ..flatland.flatland import (
-    BRIGHTNESS_CORRECTION,
     bake_flatland,
     bump_box_2d,
     picture,
@@ -208,7 +207,7 @@ def _flatland(options):
 
     def work(progress):
         baked = bake_flatland(volume, scene, progress=progress, **settings)
-        pixels = picture(baked, isolines, correction=correction)
+        pixels = picture(baked, isolines)
         texture = np.ascontiguousarray(baked.texture()[::-1])
         progress.check()
         with replaced_together(options.out, png) as (texture_file, picture_file):
@@ -217,7 +216,6 @@ def _flatland(options):
         return baked
 
     isolines = options.isolines or [default_isovalue(volume)]
-    correction = 1.0 if options.uncorrected else BRIGHTNESS_CORRECTION
     baked = run_with_progress(work, "flatland", writes=True)
     result = {
         "out": options.out,

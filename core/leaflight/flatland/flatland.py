@@ -21,8 +21,11 @@ from .flat_scene import FlatScene, core_flat_scene, fit_flat_scene, flat_box
 
 # What makes a scene of the plane about as bright as the same scene in space (thesis 3.4.3).
 BRIGHTNESS_CORRECTION = 2.0 / np.pi
-# Of a picture, in its pixels.
-LINE_WIDTH = 3
+# Of a picture: how thick isolines are, in longer sides; how bright the image behind them is; and the
+# share of their points that is at most so bright.
+LINE_SHARE = 0.007
+DIM = 0.5
+BRIGHT, BRIGHT_SHARE = 0.8, 0.95
 OVERSAMPLING = 3
 
 
@@ -139,26 +142,50 @@ def bake_flatland(
     return FlatBake(volume, scene, window, baked.grids[0], dict(baked.statistics))
 
 
-def picture(bake, isovalues, width=1000, correction=BRIGHTNESS_CORRECTION):
-    """The isolines in the colours that they are lit in, over black: uint8 [row, column, RGB].
+def picture(bake, isovalues, width=1000):
+    """Lit isolines over their image in dim gray: uint8 [row, column, RGB], top row first.
 
-    width: pixels of the longer side; correction: a factor of the radiance, 1 for none.
-    Raises LeaflightError for an isovalue outside the window.
+    The exposure is such that nearly all of their light is seen, and little of it clipped.
+    width: pixels of the longer side. Raises LeaflightError for an isovalue outside the window.
     """
-    from PIL import Image, ImageDraw
+    from PIL import ImageDraw
 
     low, high = np.asarray(bake.volume.field().bounds)
     # Drawn larger, because lines of Pillow are not smoothed.
     scale = OVERSAMPLING * width / (high - low).max()
     size = np.maximum(1, np.rint(scale * (high - low))).astype(int)
-    image = Image.new("RGB", tuple(size))
+    thickness = max(OVERSAMPLING, LINE_SHARE * max(size))
+    image = _dim_image(bake.volume, size)
     draw = ImageDraw.Draw(image)
-    for isovalue in isovalues:
-        lines = bake.isolines(isovalue)
+    isolines = [bake.isolines(isovalue) for isovalue in isovalues]
+    exposure = _exposure([lines.radiance for lines in isolines])
+    for lines in isolines:
         ends = scale * (lines.vertices - low)[lines.segments]
         ends[..., 1] = size[1] - ends[..., 1]
-        radiance = lines.radiance[lines.segments].mean(axis=1)
-        colours = display_colours(radiance, correction * bake.scene.exposure)
-        for (start, end), colour in zip(ends.tolist(), colours.tolist()):
-            draw.line([*start, *end], fill=tuple(colour), width=LINE_WIDTH * OVERSAMPLING)
+        colours = display_colours(lines.radiance[lines.segments].mean(axis=1), exposure)
+        for (start, end), colour in zip(ends.tolist(), map(tuple, colours.tolist())):
+            draw.line([*start, *end], fill=colour, width=round(thickness))
+            # Else there would be gaps where an isoline bends.
+            for x, y in (start, end):
+                box = np.add([x, y, x, y], 0.5 * thickness * np.array([-1, -1, 1, 1]))
+                draw.ellipse(box.tolist(), fill=colour)
     return np.asarray(image.reduce(OVERSAMPLING))
+
+
+def _dim_image(volume, size):
+    from PIL import Image
+
+    low, high = volume.field().range
+    share = (np.nan_to_num(volume.values[::-1], nan=low) - low) / (high - low)
+    gray = Image.fromarray(np.rint(255 * DIM * share).astype(np.uint8))
+    # Nodes at the ends lie on the borders of the picture, not half a pixel within.
+    across, down = ((n - 1) / m for n, m in zip(gray.size, size))
+    place = (across, 0.0, 0.5, 0.0, down, 0.5)
+    big = gray.transform(tuple(size.tolist()), Image.Transform.AFFINE, place, Image.Resampling.BILINEAR)
+    return big.convert("RGB")
+
+
+def _exposure(radiances):
+    brightest = np.concatenate(radiances).max(axis=1)
+    lit = brightest[brightest > 0]
+    return BRIGHT / np.quantile(lit, BRIGHT_SHARE) if len(lit) else 1.0
