@@ -3,7 +3,7 @@
 
     import leaflight
 
-    volume = leaflight.read_volume("brain.nii.gz")
+    volume = leaflight.read_volume("brain.nii.gz")  # or any array of three axes
     bake = leaflight.bake(volume)
     surface = bake.surface(45.5)       # vertices, triangles and their radiance
     bake.save("brain.vdb")
@@ -27,6 +27,7 @@ from .scene.scene import fit_scene
 from .still.still import still
 from .version import __version__
 from .volume.memory import limit_memory
+from .volume.other_arrays import as_volume
 from .volume.particles import lapr, neuron, nucleons
 from .volume.volume import Volume, bump_box, default_isovalue, default_window
 
@@ -42,6 +43,7 @@ __all__ = [
     "Surface",
     "Volume",
     "__version__",
+    "as_volume",
     "bake",
     "bump_box",
     "compare",

@@ -10,6 +10,7 @@ import numpy as np
 from .._core import LeaflightError
 from ..io.scene_file import cornell_box
 from ..scene.scene import core_scene, fit_scene, match_leaves
+from ..volume.other_arrays import as_volumes
 from ..volume.setting_error import SettingError
 from .baked import Bake
 from .color_error import estimated_rms_percent
@@ -20,7 +21,7 @@ from .stamps import stamp, stamp_after
 
 def placed(volumes, scene, isovalues):
     """What is lit, from the arguments of bake(): (volumes, SceneDescription, window)."""
-    volumes = list(volumes) if isinstance(volumes, (list, tuple)) else [volumes]
+    volumes = as_volumes(volumes)
     for volume in volumes:
         if np.ndim(volume.values) != 3:
             raise LeaflightError(f"{volume.name}: this is no volume; light images with flatland.")
@@ -42,6 +43,7 @@ def bake(
     volumes,
     scene=None,
     *,
+    spacing=None,
     isovalues=None,
     error=None,
     time=None,
@@ -69,8 +71,9 @@ def bake(
     The bake goes on in rounds, each of which leaves a better result, until it reaches the error or
     the time asked for, or progress.stop() is called; statistics of the Bake tell how far it came.
 
-    volumes: a Volume or a list of them, which see each other (see scene.py). World coordinates are
-        in the unit of the first that has one.
+    volumes: a Volume, or an array or image that as_volume() takes, or a list of them, which see
+        each other (see scene.py). World coordinates are in the unit of the first that has one.
+    spacing: the size of a voxel, one number or (x, y, z), of arrays that have none of their own.
     scene: SceneDescription, fitted around the volumes; None is the Cornell box.
     isovalues: (lo, hi) of the leaf coordinate: in data units for one volume, where None takes that
         of the scene or else default_window(volume); within 0..1 for several, where None is (0, 1).
@@ -121,6 +124,7 @@ def bake(
         "both_sides": both_sides,
         "surroundings": surroundings,
     }
+    volumes = as_volumes(volumes, spacing)
     asked = _asked(volumes, scene, isovalues, error, time, given, common)
     baked = lit(*asked, None, on_round, progress, checkpoint, workers)
     baked.statistics["skipped_passes"] += coarser_texels(resolution, asked[3])

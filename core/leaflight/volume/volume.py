@@ -10,7 +10,7 @@ import numpy as np
 from .._core import LeaflightError
 from .distribution import Distribution
 from .setting_error import SettingError
-from .units import METERS
+from .units import METERS, unit_of
 from .voxels import VOXEL_TYPES, as_voxels, new_voxels
 
 # Above this share of the voxels, a value at an end of the range is padding around the object.
@@ -19,7 +19,7 @@ BACKGROUND_SHARE = 0.1
 CAP_DEPTH = 2.0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Volume:
     """Samples of a scalar field at the nodes of a grid.
 
@@ -29,13 +29,42 @@ class Volume:
     name: short name for people; source: the file or the function the values came from.
     unit: what world coordinates measure in, a key of METERS, "" where nobody knows.
     In flatland values has the shape (ny, nx) and index_to_world (3, 3).
+
+    In place of index_to_world there may be spacing, the size of a voxel, one number or (x, y, z),
+    and origin, the place (x, y, z) of the first node; without them these are 1 and 0.
     """
 
     values: np.ndarray
     index_to_world: np.ndarray
     name: str
-    source: str = ""
-    unit: str = ""
+    source: str
+    unit: str
+
+    def __init__(
+        self,
+        values,
+        index_to_world=None,
+        name="volume",
+        source="",
+        unit="",
+        *,
+        spacing=None,
+        origin=None,
+    ):
+        if not isinstance(values, np.ndarray):
+            values = np.asarray(values)
+        if index_to_world is None:
+            index_to_world = _axis_aligned(values.ndim, spacing, origin)
+        elif spacing is not None or origin is not None:
+            raise SettingError(
+                f"{name}: give either index_to_world or spacing and origin.", "spacing"
+            )
+        if unit and not unit_of(unit):
+            raise SettingError(
+                f"{name}: {unit!r} is no known unit: give one of {', '.join(METERS)}.", "unit"
+            )
+        fields = {"values": values, "index_to_world": index_to_world, "name": name}
+        self.__dict__.update(fields, source=source, unit=unit_of(unit))
 
     @cached_property
     def _field(self):
@@ -159,6 +188,24 @@ class Volume:
     def data_range(self):
         """(lowest, highest) of data(), in data units."""
         return self._within_layer[1] if self._within_layer else self.field().range
+
+
+def _axis_aligned(axes, spacing, origin):
+    """The index_to_world of a voxel's size and the first node's place. Raises SettingError."""
+    try:
+        steps = np.broadcast_to(np.asarray(1.0 if spacing is None else spacing, np.float64), axes)
+        place = np.broadcast_to(np.asarray(0.0 if origin is None else origin, np.float64), axes)
+    except (TypeError, ValueError):
+        steps, place = np.full(axes, np.nan), np.zeros(axes)
+    if not (np.isfinite([steps, place]).all() and (steps > 0).all()):
+        raise SettingError(
+            f"The spacing must be one number above 0 or {axes} of them, for x, y and z, not "
+            f"{spacing!r}; and the origin as many, not {origin!r}.",
+            "spacing",
+        )
+    matrix = np.diag([*steps, 1.0])
+    matrix[:-1, -1] = place
+    return matrix
 
 
 def bump_box(n=100):

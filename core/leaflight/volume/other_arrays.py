@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Volumes of other libraries' arrays and images, recognised by what they offer, not by their class.
+
+No library is imported that the object has not brought. Plain arrays are [z, y, x].
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from .._core import LeaflightError
+from .setting_error import SettingError
+from .units import METERS, unit_of
+from .volume import Volume
+from .voxels import as_voxels
+
+# From left, back, up to right, front, up: from the patient's coordinates of ITK to those of NIfTI.
+_TO_NIFTI = np.diag([-1.0, -1.0, 1.0, 1.0])
+
+
+def as_volume(data, spacing=None, name=None):
+    """The Volume of an array or an image with three axes of real numbers; a Volume as it is.
+
+    data: a NumPy array or any that becomes one, such as of Zarr, Dask or h5py, [z, y, x]; of xarray
+        with dimensions x, y and z in any order, else as they are, and even coordinates; an image of
+        nibabel, SimpleITK, ITK, VTK or PyVista with its place in the world. Masked values are
+        without data. Axes of length 1 beyond the three do not count.
+    spacing: the size of a voxel, one number or (x, y, z), of arrays that have none of their own.
+    name: for people; None is the data's own.
+    Raises LeaflightError.
+    """
+    if isinstance(data, Volume):
+        found = data
+    else:
+        values, index_to_world, unit, own = _reader(data)(data)
+        values = as_voxels(_scalars(values, own))
+        if index_to_world is None:
+            return Volume(values, None, name or own, spacing=spacing)
+        found = Volume(values, index_to_world, name or own, unit=unit)
+    if spacing is not None:
+        raise SettingError(f"{found.name}: it has its own spacing: leave it out.", "spacing")
+    return found
+
+
+def as_volumes(data, spacing=None):
+    """The list of Volumes of one such object, or of a list or tuple of them."""
+    several = isinstance(data, (list, tuple))
+    return [as_volume(one, spacing) for one in (data if several else [data])]
+
+
+def _reader(data):
+    for names, reader in _READERS.items():
+        if all(hasattr(data, name) for name in names):
+            return reader
+    return _of_array
+
+
+def _of_array(data):
+    own = getattr(data, "name", None)
+    name = own.strip("/").rpartition("/")[2] if isinstance(own, str) else ""
+    return data, None, "", name or "array"
+
+
+def _of_nibabel(image):
+    """Also of others whose axes are x, y and z, which an affine takes to the world."""
+    header = getattr(image, "header", None)
+    unit = header.get_xyzt_units()[0] if hasattr(header, "get_xyzt_units") else ""
+    path = image.get_filename() if hasattr(image, "get_filename") else None
+    values = _without_single_axes(_array(getattr(image, "dataobj", image)))
+    affine = np.eye(4) if image.affine is None else np.array(image.affine, np.float64)
+    # Where the header does not say, it is what the format was made for.
+    return values.T, affine, unit_of(unit) or "mm", Path(path or "image").name.partition(".")[0]
+
+
+def _of_itk(image):
+    module = sys.modules[type(image).__module__.partition(".")[0]]
+    view = getattr(module, "GetArrayViewFromImage", _array)
+    matrix = np.eye(4)
+    axes = np.reshape(np.asarray(image.GetDirection(), np.float64), (3, 3))
+    matrix[:3, :3] = axes * np.asarray(image.GetSpacing(), np.float64)
+    matrix[:3, 3] = image.GetOrigin()
+    return view(image), _TO_NIFTI @ matrix, "mm", "image"
+
+
+def _of_vtk(image):
+    """Also of PyVista, whose images are VTK's: values at points, else in cells."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    shape, shift = np.array(image.GetDimensions()), np.eye(4)
+    shift[:3, 3] = image.GetExtent()[::2]
+    scalars = image.GetPointData().GetScalars()
+    if scalars is None:
+        scalars = image.GetCellData().GetScalars()
+        shape -= 1
+        shift[:3, 3] += 0.5
+    if scalars is None:
+        raise LeaflightError(
+            "The image of VTK has no active scalars: choose an array of it by SetActiveScalars()."
+        )
+    matrix = image.GetIndexToPhysicalMatrix()
+    matrix = [[matrix.GetElement(row, column) for column in range(4)] for row in range(4)]
+    values = vtk_to_numpy(scalars).reshape(*shape[::-1], -1)
+    return values, np.array(matrix) @ shift, "", scalars.GetName() or "image"
+
+
+def _of_xarray(data):
+    name, data = str(data.name or "array"), data.squeeze()
+    if data.ndim != 3:
+        return data.data, None, "", name
+    by_name = {str(dim).lower(): dim for dim in data.dims}
+    known = {"x", "y", "z"} <= by_name.keys()
+    order = [by_name[axis] for axis in "zyx"] if known else list(data.dims)
+    data = data.transpose(*order)
+    # Times are no places.
+    places = {d: data.coords[d] for d in order if d in data.coords and _is_real(data.coords[d])}
+    if not places:
+        return data.data, None, "", name
+    units = {dim: unit_of(one.attrs.get("units")) for dim, one in places.items()}
+    unit, matrix = next(filter(None, units.values()), ""), np.eye(4)
+    for axis, dim in enumerate(order[::-1]):
+        if dim in places:
+            first, step = _even(name, dim, places[dim].values)
+            scale = METERS[units[dim] or unit] / METERS[unit] if unit else 1.0
+            matrix[axis, axis], matrix[axis, 3] = scale * step, scale * first
+    return data.data, matrix, unit, name
+
+
+def _is_real(array):
+    return array.dtype.kind in "iuf"
+
+
+def _even(name, dim, places):
+    """(first, step) of even coordinates. Raises LeaflightError for others."""
+    places = np.asarray(places, np.float64)
+    step = (places[-1] - places[0]) / (len(places) - 1)
+    even = places[0] + step * np.arange(len(places))
+    slack = 1e-3 * abs(step) + 1e-6 * np.abs(places).max()
+    if not (step != 0 and (np.abs(places - even) <= slack).all()):
+        raise LeaflightError(
+            f"{name}: its coordinates along {dim} are not even, as those of a volume must be: "
+            "interpolate it to even ones first (DataArray.interp)."
+        )
+    return places[0], step
+
+
+# What an object has -> its reader, the first that fits.
+_READERS = {
+    ("dims", "coords", "name", "transpose"): _of_xarray,
+    ("GetIndexToPhysicalMatrix", "GetPointData"): _of_vtk,
+    ("GetSpacing", "GetOrigin", "GetDirection"): _of_itk,
+    ("affine",): _of_nibabel,
+}
+
+
+def _array(data):
+    try:
+        return np.asanyarray(data)
+    except (TypeError, ValueError, RuntimeError) as error:
+        raise LeaflightError(
+            f"{type(data).__name__} cannot become an array of NumPy: {str(error).rstrip('.')}; "
+            "convert it first."
+        ) from None
+
+
+def _without_single_axes(values):
+    return np.squeeze(values) if values.ndim > 3 else values
+
+
+def _scalars(data, name):
+    """An array of real numbers with three axes. Raises LeaflightError."""
+    if isinstance(data, (str, Path)):
+        raise LeaflightError(f"{data}: this is a path, not a volume: read it by read_volume().")
+    values = _without_single_axes(_array(data))
+    if values.dtype.kind not in "biuf":
+        raise LeaflightError(
+            f"{name}: {type(data).__name__} holds {values.dtype}, but a volume needs one real "
+            "number a voxel; convert it first."
+        )
+    if values.ndim != 3:
+        raise LeaflightError(
+            f"{name}: its shape is {values.shape}, but a volume needs three axes [z, y, x]: choose "
+            "one frame and one channel, and light images with flatland."
+        )
+    if isinstance(values, np.ma.MaskedArray):
+        values = values.astype(np.float32).filled(np.nan)
+    return np.asarray(values)

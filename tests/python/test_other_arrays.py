@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Arrays and images of other libraries are volumes: their voxels lie where these libraries say."""
+
+import sys
+from types import ModuleType
+
+import leaflight
+import nibabel
+import numpy as np
+import pytest
+from leaflight import LeaflightError, Volume, as_volume
+
+# Mirrored, turned and shifted.
+AFFINE = np.array([[-2.0, 0, 0, 90], [0, 0, 3.0, -120], [0, 1.5, 0, -70], [0, 0, 0, 1]])
+# Of values (4, 5, 6): i, j, k.
+INDEX = (4, 1, 2)
+
+
+def place_of(volume, index=INDEX):
+    return (volume.index_to_world @ [*index, 1])[:3]
+
+
+def check(volume, values, place, name, unit=""):
+    np.testing.assert_array_equal(volume.values, values)
+    assert volume.values.flags.c_contiguous
+    np.testing.assert_allclose(place_of(volume), place)
+    assert (volume.name, volume.unit) == (name, unit)
+
+
+def test_numpy(values):
+    check(as_volume(values, (1, 2, 3)), values, [4, 2, 6], "array")
+    check(as_volume(values.astype(">i8"), 0.5, "head"), values, [2, 0.5, 1], "head")
+    # Axes of one, Fortran's order, bools, masks.
+    check(as_volume(np.asfortranarray(values)[None, ..., None]), values, INDEX, "array")
+    assert as_volume(values > 50).values.dtype == np.uint8
+    masked = as_volume(np.ma.masked_less(values, 9))
+    np.testing.assert_array_equal(np.isnan(masked.values), values < 9)
+
+
+def test_volume_from_spacing_and_origin(values):
+    volume = Volume(values, spacing=(1, 2, 3), origin=(10, 20, 30), name="head", unit="mm")
+    check(volume, values, [14, 22, 36], "head", "mm")
+    assert volume.spacing == (1, 2, 3)
+    assert Volume(values.tolist()).values.shape == (4, 5, 6)
+    assert Volume(values[0], spacing=0.5).index_to_world.shape == (3, 3)
+    for wrong in (0, -1, (1, 2), (1, 2, np.nan), "two"):
+        with pytest.raises(LeaflightError, match="spacing must be"):
+            Volume(values, spacing=wrong)
+    with pytest.raises(LeaflightError, match="either index_to_world or spacing"):
+        Volume(values, np.eye(4), spacing=1)
+    with pytest.raises(LeaflightError, match="'parsec' is no known unit: give one of m, cm, mm"):
+        Volume(values, unit="parsec")
+
+
+def test_nibabel(values, tmp_path):
+    image = nibabel.Nifti1Image(values.T, AFFINE)
+    place = nibabel.affines.apply_affine(image.affine, INDEX)
+    check(as_volume(image), values, place, "image", "mm")
+    image.header.set_xyzt_units("micron")
+    nibabel.save(image, tmp_path / "cell.nii.gz")
+    loaded = nibabel.load(tmp_path / "cell.nii.gz")
+    check(as_volume(loaded), values, place, "cell", "µm")
+    assert loaded.dataobj[INDEX] == as_volume(loaded).values[INDEX[::-1]]
+    with pytest.raises(LeaflightError, match="has its own spacing"):
+        leaflight.bake(image, spacing=2)
+
+
+class SimpleITKImage:
+    """As SimpleITK's images have. PyPI's SimpleITK was tried; Debian 12 has none for Python."""
+
+    def __init__(self, values, spacing, origin, direction):
+        self.values = values
+        self.GetSpacing = lambda: spacing
+        self.GetOrigin = lambda: origin
+        self.GetDirection = lambda: direction
+
+    def TransformIndexToPhysicalPoint(self, index):
+        axes = np.reshape(self.GetDirection(), (3, 3)) * self.GetSpacing()
+        return axes @ index + self.GetOrigin()
+
+
+def test_simpleitk(values, monkeypatch):
+    module = ModuleType("SimpleITK")
+    module.GetArrayViewFromImage = lambda image: image.values
+    monkeypatch.setitem(sys.modules, "SimpleITK", module)
+    monkeypatch.setattr(SimpleITKImage, "__module__", "SimpleITK.SimpleITK")
+    image = SimpleITKImage(values, (0.5, 2.0, 3.0), (9, 8, 7), (0, 1, 0, 0, 0, -1, 1, 0, 0))
+    # Towards left and back there, towards right and front here, as in NIfTI.
+    left, back, up = image.TransformIndexToPhysicalPoint(INDEX)
+    check(as_volume(image), values, [-left, -back, up], "image", "mm")
+
+
+def test_xarray(values):
+    xarray = pytest.importorskip("xarray", reason="xarray (python3-xarray) is not installed")
+    axes = {"z": 10 + 3.0 * np.arange(4), "y": 5 - 0.5 * np.arange(5), "x": np.arange(6)}
+    data = xarray.DataArray(values, axes, list("zyx"), name="density")
+    point = data.isel(x=INDEX[0], y=INDEX[1], z=INDEX[2])
+    place = [float(point[axis]) for axis in "xyz"]
+    check(as_volume(data), values, place, "density")
+    check(as_volume(data.transpose("x", "z", "y")), values, place, "density")
+    check(as_volume(data.expand_dims("time")), values, place, "density")
+    # Coordinates in different units; lengths are those of z, the first.
+    for axis, unit in (("x", "micrometer"), ("z", "mm"), ("y", "mm")):
+        data[axis].attrs["units"] = unit
+    check(as_volume(data), values, [place[0] / 1000, *place[1:]], "density", "mm")
+    # Of other names, and without coordinates.
+    plain = xarray.DataArray(values, dims=("depth", "row", "column"))
+    check(as_volume(plain, (1, 2, 3)), values, [4, 2, 6], "array")
+    uneven = data.assign_coords(y=np.arange(5.0) ** 2)
+    with pytest.raises(LeaflightError, match="density: its coordinates along y are not even"):
+        as_volume(uneven)
+    with pytest.raises(LeaflightError, match="Dataset cannot become an array"):
+        as_volume(data.to_dataset())
+
+
+def vtk_image(values, cells=False):
+    pytest.importorskip("vtkmodules", reason="VTK (python3-vtk9) is not installed")
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+    from vtkmodules.vtkCommonDataModel import vtkImageData
+
+    image = vtkImageData()
+    nz, ny, nx = np.array(values.shape) - (0 if not cells else -1)
+    image.SetExtent(2, nx + 1, 0, ny - 1, -1, nz - 2)
+    image.SetSpacing(0.5, 2.0, 3.0)
+    image.SetOrigin(9.0, 8.0, 7.0)
+    image.SetDirectionMatrix(0, 1, 0, 0, 0, -1, 1, 0, 0)
+    array = numpy_to_vtk(values.ravel(), deep=True)
+    array.SetName("density")
+    (image.GetCellData() if cells else image.GetPointData()).SetScalars(array)
+    return image
+
+
+def test_vtk_and_pyvista(values):
+    """PyVista's ImageData is a vtkImageData."""
+    image = vtk_image(values)
+    nx, ny, _ = image.GetDimensions()
+    number = INDEX[0] + nx * (INDEX[1] + ny * INDEX[2])
+    check(as_volume(image), values, image.GetPoint(number), "density")
+    cells = vtk_image(values, cells=True)
+    bounds = cells.GetCell(INDEX[0] + 6 * (INDEX[1] + 5 * INDEX[2])).GetBounds()
+    check(as_volume(cells), values, np.reshape(bounds, (3, 2)).mean(axis=1), "density")
+    cells.GetCellData().SetActiveScalars("nothing")
+    with pytest.raises(LeaflightError, match="no active scalars"):
+        as_volume(cells)
+
+
+def test_zarr_and_others_that_become_arrays(values, tmp_path):
+    zarr = pytest.importorskip("zarr", reason="zarr (python3-zarr) is not installed")
+    array = zarr.open(str(tmp_path / "x.zarr"), "w", shape=values.shape, dtype="f4", chunks=2)
+    array[:] = values
+    check(as_volume(array, (1, 2, 3)), values, [4, 2, 6], "array")
+    h5py = pytest.importorskip("h5py", reason="h5py (python3-h5py) is not installed")
+    with h5py.File(tmp_path / "x.h5", "w") as file:
+        file["scans/head"] = values
+        check(as_volume(file["scans/head"]), values, INDEX, "head")
+
+
+@pytest.mark.parametrize(
+    "wrong, words",
+    [
+        (np.zeros((4, 4)), r"its shape is \(4, 4\), but a volume needs three axes"),
+        (np.zeros((4, 4, 4, 3)), "choose one frame and one channel"),
+        (np.zeros((4, 4, 4), complex), "holds complex128"),
+        ("head.nii.gz", "head.nii.gz: this is a path, not a volume: read it by read_volume"),
+    ],
+)
+def test_what_is_no_volume(wrong, words):
+    with pytest.raises(LeaflightError, match=words):
+        leaflight.bake(wrong)
+
+
+def test_an_array_is_baked_as_its_volume_is(bump_scene):
+    box = leaflight.bump_box(12)
+    work = {"samples": 2, "photons": 2000, "isovalues": (30, 70)}
+    volume = Volume(box.values, spacing=(1, 2, 3), name="array")
+    expected = leaflight.bake(volume, bump_scene, **work)
+    assert leaflight.bake(box.values, bump_scene, spacing=(1, 2, 3), **work).id == expected.id
+    both = leaflight.bake([box.values, volume], spacing=None, **work | {"isovalues": None})
+    assert [one.spacing for one in both.volumes] == [(1, 1, 1), (1, 2, 3)]
+    assert leaflight.estimate(box.values, bump_scene, error=20.0).seconds > 0
