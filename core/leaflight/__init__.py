@@ -20,6 +20,7 @@ from .bake.load_bake import load_bake
 from .bake.resume import resume
 from .bake.settings import PhotonMap, Scattered
 from .export.export import export, export_page
+from .export.notebook import picture, show
 from .io.readers import read_volume
 from .io.scene_file import cornell_box, load_scene
 from .measure.compare import compare
@@ -66,5 +67,7 @@ __all__ = [
     "still",
 ]
 
-# Pages stand above bakes, which know nothing of them.
+# Pages and pictures stand above bakes.
 Bake.export_page = export_page
+Bake.show = show
+Bake.still = picture

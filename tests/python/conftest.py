@@ -12,7 +12,7 @@ import leaflight
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
-from leaflight.cli import progress
+from leaflight import progress_bar
 from leaflight.cluster.workers import Workers
 from leaflight.io import apart
 from leaflight.volume.particles import lapr
@@ -53,7 +53,7 @@ class Outcome:
 def unhurried():
     """However slow the machine, the package neither gives up nor shows how far it is."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(progress, "PATIENCE_SECONDS", math.inf)
+        patch.setattr(progress_bar, "PATIENCE_SECONDS", math.inf)
         patch.setattr(apart, "WAIT", HANG)
         # The last is patience_seconds.
         patch.setattr(Workers.__init__, "__defaults__", (None, None, HANG))

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from leaflight import Cancelled, LeaflightError, Progress, bake
 from leaflight.bake.estimate import Estimate
-from leaflight.cli.progress import run_with_progress
+from leaflight.progress_bar import run_with_progress
 from leaflight.io.scene_file import packaged_scene
 from leaflight.measure.sides import LeafSide
 from leaflight.measure.volume_recipes import generated, tooth

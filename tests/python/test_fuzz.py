@@ -20,8 +20,8 @@ ALL = pytest.mark.parametrize("target", TARGETS, ids=lambda target: target.name)
 UNLIMITED = """
 import math, sys
 import worker
-from leaflight.cli import progress
-worker.MOST_SECONDS, worker.MOST_MEMORY, progress.PATIENCE_SECONDS = 0, math.inf, math.inf
+from leaflight import progress_bar
+worker.MOST_SECONDS, worker.MOST_MEMORY, progress_bar.PATIENCE_SECONDS = 0, math.inf, math.inf
 worker.main(*sys.argv[1:])
 """
 

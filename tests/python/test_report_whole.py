@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 from leaflight import Cancelled, LeaflightError, Progress
 from leaflight.bake.estimate import Estimate
-from leaflight.cli.progress import run_with_progress
+from leaflight.progress_bar import run_with_progress
 from leaflight.report.advice import advice, budget_rows
 from leaflight.report.against_cycles import CASES, BakeRow, CyclesRow
 from leaflight.report.curves import CYCLES, KINDS, Curve, CurveEffort, Curves, Point, measure_curves

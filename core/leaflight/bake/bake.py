@@ -9,6 +9,7 @@ import numpy as np
 
 from .._core import LeaflightError
 from ..io.scene_file import cornell_box
+from ..progress_bar import with_progress
 from ..scene.scene import core_scene, fit_scene, match_leaves
 from ..volume.other_arrays import as_volumes
 from ..volume.setting_error import SettingError
@@ -39,6 +40,7 @@ def placed(volumes, scene, isovalues):
     return volumes, replace(description, leaves=leaves), leaf_window(isovalues, volumes, leaves)
 
 
+@with_progress("bake")
 def bake(
     volumes,
     scene=None,
@@ -85,7 +87,9 @@ def bake(
     both_sides: the inner side of each isosurface, too; surroundings: the meshes around them, too.
     on_round: called with a Bake after each round but the last, in the thread that bakes; the
         statistics of that Bake lack estimated_rms_percent, which takes its time.
-    progress: _core.Progress to poll, stop or cancel from another thread.
+    progress: None shows a bar in terminals and notebooks, False nothing; a function is called with
+        the fraction done and the stage; a Progress is polled, stopped or cancelled from another
+        thread. Ctrl-C ends the bake, unless it is a Progress.
     checkpoint: Checkpoint, the file where a bake in rounds leaves its state, at most half a minute
         apart; one that was interrupted goes on from it with the bits that it would have had.
     workers: cluster.workers.Workers, who sweep the light of a bake in rounds, with the same bits;

@@ -5,12 +5,14 @@ import json
 import time
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Callable, ClassVar
 
 import leaflight._core as _core
 import numpy as np
 
 from .._core import LeaflightError
 from ..io.output import check_writable
+from ..words import by, html_table
 from ..scene.on_mesh import interpolated
 from ..scene.scene import SceneDescription, core_scene, isovalue_at
 from ..volume.setting_error import SettingError
@@ -21,7 +23,7 @@ from .stamps import id_of
 LARGEST_STEP = 0.05
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Surface:
     """One lit isosurface in world coordinates.
 
@@ -37,8 +39,11 @@ class Surface:
     seconds: float
     unit: str = ""
 
+    def __repr__(self):
+        return f"<Surface: {len(self.vertices)} vertices, {len(self.triangles)} triangles>"
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Bake:
     """Volumes, the scene in world coordinates they were lit in, and the radiance of all leaves.
 
@@ -66,6 +71,29 @@ class Bake:
     metadata: dict
     original: "Bake" = None
     factors: tuple = None
+    # Of rooms above: __init__.py sets them.
+    export_page: ClassVar[Callable]
+    show: ClassVar[Callable]
+    still: ClassVar[Callable]
+
+    def __repr__(self):
+        return f"<Bake: {', '.join(f'{what} {text}' for what, text in self._facts())}>"
+
+    def _repr_html_(self):
+        return html_table("Bake", self._facts())
+
+    def _facts(self):
+        lo, hi = self.isovalues
+        known = self.statistics
+        error = known.get("estimated_error_percent") or known.get("estimated_rms_percent")
+        return [
+            ("of", " and ".join(volume.name for volume in self.volumes)),
+            ("in", self.scene.name),
+            ("isovalues", f"{lo:g}..{hi:g}"),
+            ("texels", by(self.grid.resolution)),
+            *([("error", f"{error:.2g} %")] if error else []),
+            ("seconds", f"{known['seconds']:.3g}"),
+        ]
 
     @property
     def volume(self):

@@ -7,6 +7,7 @@ import leaflight._core as _core
 import numpy as np
 
 from .._core import LeaflightError
+from ..progress_bar import with_progress
 from .bake import bake
 from .settings import DEFAULT_ERROR, FIXED_WORK
 
@@ -54,6 +55,7 @@ class Pilot:
         return extrapolated(self.rounds, self.last, error, time)
 
 
+@with_progress("estimate")
 def estimate(volumes, scene=None, *, error=None, time=None, progress=None, **settings):
     """The Estimate of a bake, by a pilot: its first rounds, which are thrown away.
 

@@ -6,12 +6,14 @@ import json
 import leaflight._core as _core
 
 from .._core import LeaflightError
+from ..progress_bar import with_progress
 from ..version import __version__
 from ..volume.setting_error import SettingError
 from .bake import lit
 from .settings import round_settings
 
 
+@with_progress("resume")
 def resume(
     kept,
     *,

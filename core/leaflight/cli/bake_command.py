@@ -16,7 +16,7 @@ from ..bake.resume import resume
 from ..io.output import check_writable
 from ..io.sources import is_generated
 from .lighting import given_options, to_light, work_options
-from .progress import run_with_progress
+from ..progress_bar import run_with_progress
 from .workers import workers_of
 
 # Those that any bake may be given: they change nothing of what it ends with.

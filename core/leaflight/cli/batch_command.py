@@ -19,7 +19,7 @@ from ..cluster.tasks import at_workers
 from ..io.output import check_writable
 from .bake_command import bake_settings, checkpoint_of, path_anywhere
 from .lighting import to_light
-from .progress import run_with_progress
+from ..progress_bar import run_with_progress
 from .workers import workers_of
 
 # Of bakes alike; `rounds` and what follows from them tell how far each came.

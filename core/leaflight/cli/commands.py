@@ -27,11 +27,12 @@ from ..io.output import check_writable, replaced_together
 from ..io.ply import write_photons, write_ply
 from ..measure.compare import compare
 from ..volume.volume import default_isovalue, default_window
+from ..words import by
 from .bake_command import run_bake
 from .batch_command import run_batch
 from .export_command import run_export
 from .lighting import open_with, to_light, work_options
-from .progress import run_with_progress
+from ..progress_bar import run_with_progress
 from .render_command import run_render
 from .still_command import run_still
 from .telling import json_line, tell, tell_error
@@ -77,9 +78,8 @@ def _info(options):
         "isovalue": default_isovalue(volume),
     }
     return result, [
-        f"{volume.source}: {_by(result['dims'])} voxels of {_by(result['spacing'])}"
-        f" {volume.unit or '(no unit)'}"
-        + (", some without data" if field.masked else ""),
+        f"{volume.source}: {by(result['dims'])} voxels of {by(result['spacing'])}"
+        f" {volume.unit or '(no unit)'}" + (", some without data" if field.masked else ""),
         f"values {low:g}..{high:g}; by default isovalues {lo:g}..{hi:g} are baked "
         f"and {result['isovalue']:g} is shown",
     ]
@@ -228,7 +228,7 @@ def _flatland(options):
     lo, hi = baked.isovalues
     return result, [
         f"{options.out}: isovalues {lo:g}..{hi:g} in {baked.scene.name}, "
-        f"{_by(result['resolution'])} texels, {result['seconds']:.1f} s",
+        f"{by(result['resolution'])} texels, {result['seconds']:.1f} s",
         f"{png}: isolines {', '.join(f'{isovalue:g}' for isovalue in isolines)}",
     ]
 
@@ -266,10 +266,6 @@ def _errors(result):
             f"{result['mean_ratio']:.4f} +- {result['mean_ratio_error']:.4f}"
         )
     return f"RMS error {result['rms_percent']:.2f} % {noise}, {relative}"
-
-
-def _by(numbers):
-    return " x ".join(f"{number:g}" for number in numbers)
 
 
 COMMANDS = {

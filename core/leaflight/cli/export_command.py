@@ -5,7 +5,7 @@ from pathlib import Path
 
 from ..bake.load_bake import load_bake
 from ..export.export import export
-from .progress import run_with_progress
+from ..progress_bar import run_with_progress
 
 
 def run_export(options):

@@ -13,7 +13,7 @@ from .._core import Cancelled, LeaflightError
 from ..cluster import frames
 from ..cluster.tasks import at_workers
 from ..io.output import check_writable, replaced
-from .progress import run_with_progress
+from ..progress_bar import run_with_progress
 from .workers import workers_of
 
 # Starting Blender and opening the file takes as long as some small frames.

@@ -5,17 +5,17 @@ import time
 from pathlib import Path
 
 import leaflight._core as _core
-import numpy as np
 
 from .._core import LeaflightError
 from ..bake.load_bake import load_bake
 from ..export.export import default_isovalue_of
-from ..io.images import display_colours, write_png
+from ..export.notebook import displayed
+from ..io.images import write_png
 from ..io.output import check_writable
 from ..still.camera import VIEW, camera_around_bake, load_camera
 from ..still.still import still
 from ..volume.setting_error import SettingError
-from .progress import run_with_progress
+from ..progress_bar import run_with_progress
 
 SUFFIXES = (".png", ".exr")
 
@@ -61,14 +61,6 @@ def run_still(options):
     return result, [
         f"{options.out}: isovalue {isovalue:g}, {width} x {height} pixels, {seconds:.1f} s"
     ]
-
-
-def displayed(picture, exposure):
-    """The picture of still() as uint8 RGBA: exposed, encoded as sRGB, alpha not multiplied in."""
-    alpha = picture[..., 3:]
-    radiance = picture[..., :3] / np.maximum(alpha, 1e-6)
-    colors = display_colours(radiance, exposure)
-    return np.concatenate([colors, np.rint(255.0 * alpha).astype(np.uint8)], axis=-1)
 
 
 def _camera(baked, options):

@@ -8,6 +8,7 @@ import leaflight._core as _core
 
 from .._core import LeaflightError
 from ..io.output import check_writable
+from ..progress_bar import with_progress
 from ..volume.setting_error import SettingError
 from ..volume.volume import default_isovalue
 from .page import write_page
@@ -28,11 +29,11 @@ SUFFIXES = (*_WRITERS, PAGE)
 _BROUGHT_BY = {
     "vtkmodules": "python3-vtk9, or pip install vtk",
     "meshio": "python3-meshio, or pip install meshio",
-    "pygltflib": "it by pip install pygltflib",
     "pxr": "it by pip install usd-core",
 }
 
 
+@with_progress("export")
 def export(
     bake,
     path,
@@ -91,6 +92,7 @@ def export(
     return surfaces
 
 
+@with_progress("export")
 def export_page(bake, path, isovalue=None, *, coarser=0, embed=False, progress=None):
     """Writes a Bake as a web page, see write_page(); isovalue: None is the default one."""
     isovalue = default_isovalue_of(bake) if isovalue is None else isovalue

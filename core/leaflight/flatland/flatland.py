@@ -15,14 +15,15 @@ import numpy as np
 from .._core import LeaflightError
 from ..bake.settings import fixed_settings, leaf_window
 from ..io.images import display_colours, luminance, read_pixels
+from ..progress_bar import with_progress
 from ..volume.setting_error import SettingError
 from ..volume.volume import Volume, on_unit_cube
 from .flat_scene import FlatScene, core_flat_scene, fit_flat_scene, flat_box
 
 # What makes a scene of the plane about as bright as the same scene in space (thesis 3.4.3).
 BRIGHTNESS_CORRECTION = 2.0 / np.pi
-# Of a picture: how thick isolines are, in longer sides; how bright the image behind them is; and the
-# share of their points that is at most so bright.
+# Of a picture: how thick isolines are, in longer sides; how bright the image behind them is; how
+# bright they are, and the share of their points that is at most so bright.
 LINE_SHARE = 0.007
 DIM = 0.5
 BRIGHT, BRIGHT_SHARE = 0.8, 0.95
@@ -99,6 +100,7 @@ def bump_box_2d(n=200):
     return on_unit_cube(n, _core.bump_box2, "bump_box", "bump_box")
 
 
+@with_progress("flatland")
 def bake_flatland(
     volume,
     scene=None,
@@ -181,7 +183,9 @@ def _dim_image(volume, size):
     # Nodes at the ends lie on the borders of the picture, not half a pixel within.
     across, down = ((n - 1) / m for n, m in zip(gray.size, size))
     place = (across, 0.0, 0.5, 0.0, down, 0.5)
-    big = gray.transform(tuple(size.tolist()), Image.Transform.AFFINE, place, Image.Resampling.BILINEAR)
+    big = gray.transform(
+        tuple(size.tolist()), Image.Transform.AFFINE, place, Image.Resampling.BILINEAR
+    )
     return big.convert("RGB")
 
 

@@ -4,10 +4,12 @@
 import time
 
 from .._core import LeaflightError
+from ..progress_bar import with_progress
 from .sides import LeafSide, MeshSide
 from .truth import errors_of
 
 
+@with_progress("compare")
 def compare(
     bake,
     isovalue,

@@ -7,6 +7,7 @@ import leaflight._core as _core
 import numpy as np
 
 from .._core import LeaflightError
+from ..progress_bar import with_progress
 from ..scene.scene import ramp_at
 from ..volume.setting_error import SettingError
 from .camera import camera_around_bake
@@ -18,8 +19,17 @@ _RAYS = 1 << 18
 _LARGEST = 16384
 
 
+@with_progress("still")
 def still(
-    bake, isovalue, camera=None, size=(1280, 720), samples=2, walls=True, local=False, progress=None
+    bake,
+    isovalue,
+    camera=None,
+    size=(1280, 720),
+    samples=2,
+    walls=True,
+    local=False,
+    *,
+    progress=None,
 ):
     """A picture of a Bake, float32 [row, column, RGBA], top row first.
 
@@ -30,7 +40,8 @@ def still(
     isovalue: the leaf coordinate (see Bake), of all volumes. camera: a Camera; None sees all of
     the volumes from the front. size: (width, height); samples: rays along each side of a pixel.
     walls: whether the lit surroundings are shown, those that would hide the volumes left out.
-    local: the isosurfaces by local shading (lamps.py) instead. Raises LeaflightError, Cancelled.
+    local: the isosurfaces by local shading (lamps.py) instead. progress: as of bake().
+    Raises LeaflightError, Cancelled.
     """
     width, height = size
     if not (0 < width <= _LARGEST and 0 < height <= _LARGEST):

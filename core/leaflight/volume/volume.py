@@ -8,6 +8,7 @@ import leaflight._core as _core
 import numpy as np
 
 from .._core import LeaflightError
+from ..words import by, html_table
 from .distribution import Distribution
 from .setting_error import SettingError
 from .units import METERS, unit_of
@@ -19,7 +20,7 @@ BACKGROUND_SHARE = 0.1
 CAP_DEPTH = 2.0
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@dataclass(frozen=True, eq=False, init=False, repr=False)
 class Volume:
     """Samples of a scalar field at the nodes of a grid.
 
@@ -76,6 +77,20 @@ class Volume:
             )
         except LeaflightError as error:
             raise LeaflightError(f"{self.source or self.name}: {error}") from None
+
+    def __repr__(self):
+        return f"<Volume: {', '.join(f'{what} {text}' for what, text in self._facts())}>"
+
+    def _repr_html_(self):
+        return html_table("Volume", self._facts())
+
+    def _facts(self):
+        return [
+            ("name", self.name),
+            ("voxels", by(self.values.shape[::-1])),
+            ("of", f"{by(self.spacing)} {self.unit or '(no unit)'}"),
+            ("type", str(self.values.dtype)),
+        ]
 
     @property
     def spacing(self):

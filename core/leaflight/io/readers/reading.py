@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..._core import Cancelled, LeaflightError, Progress, machine_memory
+from ..._core import Cancelled, LeaflightError, machine_memory
+from ...progress_bar import with_progress
 from ...volume.setting_error import SettingError
 from ...volume.memory import is_limited
 from ...volume.voxels import as_voxels, held_type, new_voxels
@@ -44,6 +45,7 @@ class MissingPackage(LeaflightError):
         self.path, self.kind, self.package, self.of_debian = path, kind, package, of_debian
 
 
+@with_progress("read")
 def read_volume(
     path,
     *,
@@ -70,11 +72,10 @@ def read_volume(
     level: which resolution of an OME-Zarr, from 0, the finest, which is the default.
     dataset: name of the array or series, where a file or folder holds several.
     downsample: 2, 4 or 8 keep the mean of so many voxels along each axis; 1 is the default.
-    progress: a Progress that tells how far it is, and cancels it.
+    progress: as of bake().
     Returns a Volume. Raises LeaflightError: one sentence with the file and the remedy.
     Raises Cancelled.
     """
-    progress = progress or Progress()
     chosen = dict(dims=dims, type=type, endian=endian, spacing=spacing, grid=grid)
     chosen.update(level=level, dataset=dataset)
     path = Path(path)

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake to look at: as a picture, and as its web page in a cell of a notebook or in a browser."""
+
+import html
+import sys
+import tempfile
+import webbrowser
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..io.images import display_colours
+from ..progress_bar import with_progress
+from ..still.still import still
+from .export import default_isovalue_of, export_page
+from .page import MOST_COARSER
+from .page_volume import estimated_bytes
+
+# Of a page within a notebook, which holds it as text: as small a page as reaches this.
+LARGEST_IN_A_NOTEBOOK = 20e6
+
+
+def displayed(picture, exposure):
+    """The picture of still() as uint8 RGBA: exposed, encoded as sRGB, alpha not multiplied in."""
+    alpha = picture[..., 3:]
+    radiance = picture[..., :3] / np.maximum(alpha, 1e-6)
+    colors = display_colours(radiance, exposure)
+    return np.concatenate([colors, np.rint(255.0 * alpha).astype(np.uint8)], axis=-1)
+
+
+def picture(bake, isovalue=None, **options):
+    """still() as an image of Pillow, RGBA, exposed; a notebook shows it.
+
+    isovalue: None is the default one; options: those of still().
+    """
+    from PIL import Image
+
+    isovalue = default_isovalue_of(bake) if isovalue is None else isovalue
+    return Image.fromarray(displayed(still(bake, isovalue, **options), bake.scene.exposure))
+
+
+@with_progress("show")
+def show(bake, isovalue=None, *, height=600, coarser=None, progress=None):
+    """The web page of a Bake: in a notebook its cell shows it, else a browser opens it.
+
+    height: of the cell, in pixels; coarser: as of export_page(), None is the finest that a notebook
+    holds well. Returns a Page.
+    """
+    if coarser is None:
+        sizes = (estimated_bytes(bake, each) for each in range(MOST_COARSER + 1))
+        coarser = next((k for k, n in enumerate(sizes) if n < LARGEST_IN_A_NOTEBOOK), MOST_COARSER)
+    folder = Path(tempfile.mkdtemp(prefix="leaflight-"))
+    path = export_page(bake, folder / "bake.html", isovalue, coarser=coarser, progress=progress)
+    page = Page(path, height)
+    if "ipykernel" not in sys.modules:
+        webbrowser.open(path.as_uri())
+    return page
+
+
+@dataclass(frozen=True)
+class Page:
+    """A web page in a file, and as a cell of a notebook, so many pixels high."""
+
+    path: Path
+    height: int
+
+    def _repr_html_(self):
+        # The page itself, since a notebook that is sent to others brings no files.
+        text = html.escape(self.path.read_text(encoding="utf-8"))
+        return (
+            f'<iframe srcdoc="{text}" width="100%" height="{self.height}" frameborder="0" '
+            "allowfullscreen></iframe>"
+        )

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a shell and a notebook show of volumes and bakes."""
+
+import importlib.util
+import os
+import subprocess
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+
+import leaflight
+import numpy as np
+import pytest
+from leaflight import Volume
+from leaflight.export.page import TEMPLATE
+from waiting import HANG
+
+
+class Elements(HTMLParser):
+    """All that a piece of HTML has: texts, and attributes by the name of their element."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.texts, self.attributes = [], {}
+        self.feed(text)
+
+    def handle_data(self, data):
+        self.texts.append(data)
+
+    def handle_starttag(self, tag, attributes):
+        self.attributes[tag] = dict(attributes)
+
+
+def test_short_representations(box_bake):
+    volume = Volume(np.zeros((4, 5, 6), np.uint8), spacing=(1, 2, 0.5), name="<i>", unit="mm")
+    assert repr(volume) == "<Volume: name <i>, voxels 6 x 5 x 4, of 1 x 2 x 0.5 mm, type uint8>"
+    assert Elements(volume._repr_html_()).texts[-1] == "uint8"
+    assert "<i>" in Elements(volume._repr_html_()).texts
+    assert repr(box_bake).startswith("<Bake: of bump_box, in bump box, isovalues 30..70, texels")
+    assert "20 x 20 x 20" in Elements(box_bake._repr_html_()).texts
+    surface = box_bake.surface(47.0)
+    words = f"{len(surface.vertices)} vertices, {len(surface.triangles)} triangles"
+    assert repr(surface) == f"<Surface: {words}>"
+
+
+def test_a_bake_makes_a_picture(box_bake):
+    image = box_bake.still(47.0, size=(64, 48), samples=1)
+    linear = leaflight.still(box_bake, 47.0, size=(64, 48), samples=1)
+    pixels = np.asarray(image)
+    assert image.mode == "RGBA" and pixels.shape == (48, 64, 4)
+    np.testing.assert_array_equal(pixels[..., 3], np.rint(255 * linear[..., 3]))
+    exposed = np.clip(linear[..., :3] * box_bake.scene.exposure, 0, 1) ** (1 / 2.2)
+    assert np.abs(pixels[..., :3] / 255 - exposed)[pixels[..., 3] == 255].max() < 0.04
+    # Of the default isovalue.
+    assert np.asarray(box_bake.still(size=(16, 9), samples=1)).max() > 50
+
+
+def test_still_is_one_thing():
+    """A function, which hides no module."""
+    assert callable(leaflight.still) and importlib.util.find_spec("leaflight.still") is None
+
+
+# A browser that leaves the address of what it was given.
+BROWSER = """#!/bin/sh
+echo "$1" > "$ADDRESS"
+"""
+SHOW = """
+import sys
+import leaflight
+page = leaflight.load_bake(sys.argv[1]).show(47.0, height=300, coarser=1)
+print(page.path)
+open(sys.argv[2], "w").write(page._repr_html_())
+"""
+
+
+def test_a_bake_is_shown_as_its_page(box_file, tmp_path):
+    if not TEMPLATE.exists():
+        pytest.skip("this installation was built without Node and has no web page")
+    browser, address, cell = (tmp_path / name for name in ("browser", "address", "cell.html"))
+    browser.write_text(BROWSER)
+    browser.chmod(0o755)
+    environment = {
+        **os.environ,
+        "PYTHONPATH": str(Path(leaflight.__file__).parents[1]),
+        "BROWSER": str(browser),
+        "ADDRESS": str(address),
+        "TMPDIR": str(tmp_path),
+    }
+    done = subprocess.run(
+        [sys.executable, "-c", SHOW, box_file, cell],
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=HANG,
+        check=True,
+    )
+    page = Path(done.stdout.strip())
+    assert address.read_text().strip() == page.as_uri()
+    frame = Elements(cell.read_text()).attributes["iframe"]
+    assert frame["srcdoc"] == page.read_text() and frame["height"] == "300"
