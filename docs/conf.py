@@ -26,6 +26,6 @@ html_show_copyright = False
 # Links such as guide.md#install.
 myst_heading_anchors = 4
 # Modules that are imported only where they are used.
-autodoc_mock_imports = ["bpy", "pxr", "pygltflib", "vtkmodules"]
+autodoc_mock_imports = ["bpy", "pxr", "vtkmodules"]
 autodoc_member_order = "bysource"
 napoleon_google_docstring = False

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bakes in other programs' formats, each read back by a reader that is not ours."""
 
+import json
 import re
+import struct
 import sys
 from dataclasses import replace
 
@@ -189,7 +191,6 @@ def test_ply(box_bake, surface, tmp_path):
 
 def test_glb(box_bake, surface, tmp_path):
     trimesh = pytest.importorskip("trimesh", reason="trimesh of PyPI is not installed")
-    pytest.importorskip("pygltflib", reason="pygltflib of PyPI is not installed")
     leaflight.export(box_bake, tmp_path / "box.glb", [47.0])
     scene = trimesh.load(tmp_path / "box.glb", process=False)
     (mesh,) = scene.geometry.values()
@@ -203,53 +204,76 @@ def test_glb(box_bake, surface, tmp_path):
     np.testing.assert_allclose(scene.bounds, [turned.min(axis=0), turned.max(axis=0)], atol=1e-5)
 
 
-def test_glb_colors_are_linear_and_unlit(box_bake, surface, tmp_path):
-    gltf = pytest.importorskip("pygltflib", reason="pygltflib of PyPI is not installed")
+def test_glb_colors_arrive_in_trimesh(box_bake, surface, tmp_path):
+    """Beside a material, where trimesh keeps them as an attribute."""
+    trimesh = pytest.importorskip("trimesh", reason="trimesh of PyPI is not installed")
     leaflight.export(box_bake, tmp_path / "box.glb", [47.0])
-    file = gltf.GLTF2().load(str(tmp_path / "box.glb"))
-    primitive = file.meshes[0].primitives[0]
-    accessor = file.accessors[primitive.attributes.COLOR_0]
-    view = file.bufferViews[accessor.bufferView]
-    data = file.binary_blob()[view.byteOffset : view.byteOffset + view.byteLength]
-    colors = np.frombuffer(data, "<u2").reshape(-1, 4) / 65535
+    (mesh,) = trimesh.load(tmp_path / "box.glb", process=False).geometry.values()
     linear = np.clip(surface.radiance * box_bake.scene.exposure, 0, 1)
-    assert accessor.normalized and linear.max() > 0.2
-    np.testing.assert_allclose(colors[:, :3], linear, atol=1e-5)
+    colors = mesh.visual.vertex_attributes["color"]
+    assert linear.max() > 0.2
+    np.testing.assert_allclose(colors, np.c_[linear, np.ones(len(linear))], atol=1e-6)
+
+
+def gltf_of(path):
+    """(the JSON, a function from the number of an accessor to its array) of a .glb."""
+    content = path.read_bytes()
+    magic, version, length, size, kind = struct.unpack("<4sIII4s", content[:20])
+    assert (magic, version, length, kind) == (b"glTF", 2, len(content), b"JSON")
+    assert length % 4 == size % 4 == 0
+    document, body = json.loads(content[20 : 20 + size]), content[28 + size :]
+    assert document["buffers"] == [{"byteLength": len(body)}]
+
+    def array(number):
+        accessor = document["accessors"][number]
+        view = document["bufferViews"][accessor["bufferView"]]
+        kind = {5126: "<f4", 5125: "<u4"}[accessor["componentType"]]
+        part = body[view["byteOffset"] :][: view["byteLength"]]
+        rows = np.frombuffer(part, kind).reshape(accessor["count"], -1)
+        if "min" in accessor:
+            np.testing.assert_array_equal(rows.min(axis=0), np.float32(accessor["min"]))
+        return rows
+
+    return document, array
+
+
+def test_glb_colors_are_linear_and_unlit(box_bake, surface, tmp_path):
+    leaflight.export(box_bake, tmp_path / "box.glb", [47.0])
+    file, array = gltf_of(tmp_path / "box.glb")
+    (primitive,) = file["meshes"][0]["primitives"]
+    colors = array(primitive["attributes"]["COLOR_0"])
+    linear = np.clip(surface.radiance * box_bake.scene.exposure, 0, 1)
+    assert linear.max() > 0.2
+    np.testing.assert_allclose(colors[:, :3], linear, atol=1e-6)
     assert (colors[:, 3] == 1).all()
-    material = file.materials[primitive.material]
-    assert "KHR_materials_unlit" in material.extensions
-    assert file.extensionsUsed == ["KHR_materials_unlit"] and not file.animations
+    np.testing.assert_array_equal(array(primitive["attributes"]["POSITION"]), surface.vertices)
+    np.testing.assert_array_equal(array(primitive["indices"])[:, 0], surface.triangles.ravel())
+    material = file["materials"][primitive["material"]]
+    assert "KHR_materials_unlit" in material["extensions"]
+    assert file["extensionsUsed"] == ["KHR_materials_unlit"] and "animations" not in file
 
 
 def test_a_sequence_as_glb_shows_one_isovalue_at_a_time(box_bake, tmp_path):
-    gltf = pytest.importorskip("pygltflib", reason="pygltflib of PyPI is not installed")
     leaflight.export(box_bake, tmp_path / "box.glb", ISOVALUES)
-    file = gltf.GLTF2().load(str(tmp_path / "box.glb"))
-    blob, (animation,) = file.binary_blob(), file.animations
-    assert [mesh.name for mesh in file.meshes] == [f"isovalue {c:g}" for c in ISOVALUES]
-
-    def floats(number):
-        accessor = file.accessors[number]
-        view = file.bufferViews[accessor.bufferView]
-        assert view.target is None
-        return np.frombuffer(blob[view.byteOffset :][: view.byteLength], "<f4")
+    file, array = gltf_of(tmp_path / "box.glb")
+    (animation,) = file["animations"]
+    assert [mesh["name"] for mesh in file["meshes"]] == [f"isovalue {c:g}" for c in ISOVALUES]
 
     def shown(time):
         nodes = []
-        for channel in animation.channels:
-            sampler = animation.samplers[channel.sampler]
-            times = floats(sampler.input)
-            scales = floats(sampler.output).reshape(-1, 3)
-            assert channel.target.path == "scale" and sampler.interpolation == "STEP"
+        for channel in animation["channels"]:
+            sampler = animation["samplers"][channel["sampler"]]
+            times, scales = array(sampler["input"])[:, 0], array(sampler["output"])
+            assert channel["target"]["path"] == "scale" and sampler["interpolation"] == "STEP"
             key = max(np.searchsorted(times, time, side="right") - 1, 0)
             if scales[key].all():
-                nodes.append(file.nodes[channel.target.node].name)
+                nodes.append(file["nodes"][channel["target"]["node"]]["name"])
         return nodes
 
     for frame, isovalue in enumerate(ISOVALUES):
         assert shown(0.1 * frame + 0.05) == [f"isovalue {isovalue:g}"]
     # Without the animation there is the first.
-    shown_first = [node.name for node in file.nodes[1:] if node.scale != [0.0, 0.0, 0.0]]
+    shown_first = [node["name"] for node in file["nodes"][1:] if "scale" not in node]
     assert shown_first == ["isovalue 40"]
 
 
@@ -305,13 +329,12 @@ def test_sentences(box_bake, tmp_path):
 def test_an_absent_library_is_named_before_any_work(box_bake, tmp_path, monkeypatch):
     for suffix, module, word in (
         (".vtp", "vtkmodules", "python3-vtk9"),
-        (".glb", "pygltflib", "pip install pygltflib"),
         (".usdc", "pxr", "pip install usd-core"),
         (".ply", "meshio", "python3-meshio"),
     ):
         for name in [name for name in sys.modules if name.partition(".")[0] == module]:
             monkeypatch.delitem(sys.modules, name)
-        for own in ("vtp", "vti", "vtk_arrays", "gltf", "usd"):
+        for own in ("vtp", "vti", "vtk_arrays", "usd"):
             monkeypatch.delitem(sys.modules, f"leaflight.export.{own}", raising=False)
         monkeypatch.setitem(sys.modules, module, None)
         monkeypatch.setattr(leaflight.Bake, "surface", lambda *_: pytest.fail("worked in vain"))
