@@ -25,7 +25,7 @@ from .io.readers import read_volume
 from .io.scene_file import cornell_box, load_scene
 from .measure.compare import compare
 from .scene.scene import fit_scene
-from .still.still import still
+from .stills.still import still
 from .version import __version__
 from .volume.memory import limit_memory
 from .volume.other_arrays import as_volume

@@ -16,7 +16,7 @@ PACKAGE = (
     "io",
     "bake",
     "cluster",
-    "still",
+    "stills",
     "export",
     "flatland",
     "measure",

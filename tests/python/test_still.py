@@ -10,7 +10,7 @@ import pytest
 from leaflight import LeaflightError
 from leaflight.io.images import read_pixels
 from leaflight.scene.scene import Leaves, Mesh, SceneDescription, SunLight
-from leaflight.still.camera import Camera, camera_around_bake, load_camera
+from leaflight.stills.camera import Camera, camera_around_bake, load_camera
 
 SIZE = (80, 60)
 # Comes over the wall before the ball.

@@ -10,7 +10,7 @@ import leaflight
 import numpy as np
 import pytest
 from browser import FRAMES, Browser
-from leaflight.still.camera import camera_around_bake
+from leaflight.stills.camera import camera_around_bake
 
 SIZE = {"width": 320, "height": 200}
 ISOVALUE = "leaflight.view.look.isovalue"

@@ -12,8 +12,8 @@ from ..export.export import default_isovalue_of
 from ..export.notebook import displayed
 from ..io.images import write_png
 from ..io.output import check_writable
-from ..still.camera import VIEW, camera_around_bake, load_camera
-from ..still.still import still
+from ..stills.camera import VIEW, camera_around_bake, load_camera
+from ..stills.still import still
 from ..volume.setting_error import SettingError
 from ..progress_bar import run_with_progress
 

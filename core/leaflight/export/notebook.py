@@ -12,7 +12,7 @@ import numpy as np
 
 from ..io.images import display_colours
 from ..progress_bar import with_progress
-from ..still.still import still
+from ..stills.still import still
 from .export import default_isovalue_of, export_page
 from .page import MOST_COARSER
 from .page_volume import estimated_bytes

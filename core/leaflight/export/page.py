@@ -10,7 +10,7 @@ import leaflight._core as _core
 
 from .._core import LeaflightError
 from ..io.output import check_writable, replaced, replaced_together
-from ..still.still import check_diffuse
+from ..stills.still import check_diffuse
 from .light_bricks import LARGEST_SIDE
 from .page_data import EVERY, page_data
 from .page_volume import dims_of, estimated_bytes, texels_of

@@ -9,8 +9,8 @@ from dataclasses import asdict, dataclass, field
 
 import numpy as np
 
-from ..still.camera import bounds_of, camera_around_bake
-from ..still.lamps import lamps_of
+from ..stills.camera import bounds_of, camera_around_bake
+from ..stills.lamps import lamps_of
 from ..version import __version__
 from .page_volume import shown_volume, volume_data
 from .page_walls import walls_data

@@ -8,7 +8,7 @@ import leaflight._core as _core
 import numpy as np
 
 from ..scene.scene import core_scene, is_color
-from ..still.still import inner_side
+from ..stills.still import inner_side
 from .light_bricks import light_bricks
 from .shared_exponent import packed
 from .visibility_levels import POINTS_A_TEXEL, code_of, pairs, ranges

@@ -4,7 +4,7 @@ points, from which the page has direct light at any (web/src/wall_light.ts)."""
 
 import numpy as np
 
-from ..still.walls import lit_meshes
+from ..stills.walls import lit_meshes
 from .shared_exponent import packed
 from .visibility_levels import code_of
 

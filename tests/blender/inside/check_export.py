@@ -14,7 +14,7 @@ import mathutils
 import numpy as np
 import pytest
 from leaflight.export.export import SUFFIXES
-from leaflight.still.camera import camera_around_bake
+from leaflight.stills.camera import camera_around_bake
 from leaflight_addon.compare.figures import rms_percent
 from leaflight_addon.export import export_bake
 from leaflight_addon.store import cache
