@@ -42,7 +42,7 @@ Scene<D> over_floor(const Light<D>& light) {
 template <int D>
 test::Agreement against_rays(const Scene<D>& scene, int mesh = 0) {
   const SceneTracer<D> tracer(scene);
-  const std::vector<RefinedMesh<D>> meshes = refine(scene.meshes);
+  const std::vector<RefinedMesh<D>> meshes = refine(scene);
   const MeshDirectLight<D> direct(tracer, meshes, ignored);
   const LightSampler<D> lights(tracer);
   const FineMesh<D>& fine = meshes[mesh].fine;
@@ -132,7 +132,7 @@ TEST(MeshDirectLight, KnowsShadowsOfAllVolumes) {
 
 TEST(MeshDirectLight, LiesBetweenTheVerticesOfIndirectLight) {
   Scene<3> scene = test::cornell(test::ball<3>(9), {0.6, 0.9});
-  for (const RefinedMesh<3>& mesh : refine(scene.meshes)) {
+  for (const RefinedMesh<3>& mesh : refine(scene)) {
     EXPECT_EQ(mesh.fine.facets.size(), 4 * mesh.coarse.facets.size());
     ASSERT_EQ(mesh.between.size(), mesh.fine.vertices.size());
     for (std::size_t v = 0; v < mesh.between.size(); ++v) {
@@ -140,6 +140,30 @@ TEST(MeshDirectLight, LiesBetweenTheVerticesOfIndirectLight) {
       const Vec<3, float> middle = (mesh.coarse.vertices[a] + mesh.coarse.vertices[b]) * 0.5f;
       EXPECT_LT((middle - mesh.fine.vertices[v]).length(), 1e-6f);
     }
+  }
+}
+
+// Facets that meet at 5 degrees are one surface, those at 45 degrees are not.
+TEST(RefinedMesh, SharesVerticesAcrossACurve) {
+  for (const bool curved : {true, false}) {
+    const double angle = (curved ? 5 : 45) * pi / 180;
+    const auto y = static_cast<float>(1 + std::cos(angle));
+    const auto z = static_cast<float>(std::sin(angle));
+    Mesh<3> strip;
+    strip.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, y, z}, {1, y, z}};
+    strip.facets = {{0, 1, 3}, {0, 3, 2}, {2, 3, 5}, {2, 5, 4}};
+    Scene<3> scene = test::scene_of(test::ball<3>(9), Rgb(0.7f), {0.6, 0.9});
+    scene.meshes.push_back(strip);
+    const FineMesh<3> fine = refine(scene)[0].fine;
+    std::vector<double> tilts;
+    for (std::size_t v = 0; v < fine.vertices.size(); ++v) {
+      if (fine.vertices[v] == Vec<3, float>(0, 1, 0)) {
+        tilts.push_back(std::acos(std::min(1.0, fine.normals[v].z)));
+      }
+    }
+    ASSERT_EQ(tilts.size(), curved ? 1u : 2u);
+    // Two of the three facets there are the steeper ones.
+    EXPECT_NEAR(tilts.back(), curved ? angle * 2 / 3 : angle, 0.01 * angle);
   }
 }
 

@@ -83,7 +83,7 @@ TEST(Relit, DirectLightAddsUpOverLights) {
 
 TEST(Relit, DirectLightOfMeshesIsThatOfTheOtherStrengths) {
   const auto direct = [](const Scene<3>& scene) {
-    return MeshDirectLight<3>(SceneTracer<3>(scene), refine(scene.meshes), ignored);
+    return MeshDirectLight<3>(SceneTracer<3>(scene), refine(scene), ignored);
   };
   const MeshDirectLight<3> found =
       direct(room(Rgb(1), Rgb(1), Rgb(1))).scaled({first_factor, second_factor});

@@ -18,7 +18,9 @@ FineMesh<3> square() {
     mesh.vertices.emplace_back(corner);
   }
   mesh.facets = {{0, 1, 2}, {0, 2, 3}};
-  return refine<3>({mesh})[0].coarse;
+  Scene<3> scene;
+  scene.meshes = {mesh};
+  return refine(scene)[0].coarse;
 }
 
 template <class Truth>

@@ -116,7 +116,7 @@ Baked<D> bake_with_fixed_samples(const Scene<D>& scene, const BakeSettings<D>& s
                     texels_to_bake(scene, settings, plan),
                     strewn_samples(scene, settings)};
   std::vector<RefinedMesh<D>> walls;
-  if (plan.surroundings) walls = refine(scene.meshes);
+  if (plan.surroundings) walls = refine(scene);
   progress.expect(expected_rays(bake, walls));
   const bool into_leaves = plan.photons && traits_of(settings.estimator).caches;
   if (into_leaves || plan.caustics || plan.surroundings_cache) {

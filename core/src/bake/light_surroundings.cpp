@@ -49,17 +49,16 @@ class SurroundingsLighter {
 
  private:
   Halves vertices(int mesh, bool back, std::size_t stride) const {
-    const std::vector<FacetPoint>& places = work_.meshes[mesh].coarse.places;
-    const std::size_t n = (places.size() + stride - 1) / stride, count = n * LeafNodes::count;
+    const FineMesh<D>& lit = work_.meshes[mesh].coarse;
+    const std::size_t n = (lit.places.size() + stride - 1) / stride, count = n * LeafNodes::count;
     Halves light{Radiance(count), Radiance(count)};
     parallel_range(count, vertices_per_piece, work_.samples * work_.rays_per_sample, progress_,
                    [&](std::size_t begin, std::size_t end) {
                      std::uint64_t rays = 0;
                      for (std::size_t e = begin; e < end && !progress_.cancelled(); ++e) {
                        const std::size_t vertex = e % n * stride;
-                       const FacetPoint& p = places[vertex];
-                       const SurfacePoint<D> point = tracer_.facet_point(
-                           p.mesh, p.facet, p.u, p.v, !back, nodes_.node(static_cast<int>(e / n)));
+                       const SurfacePoint<D> point = vertex_point(
+                           tracer_, lit, vertex, !back, nodes_.node(static_cast<int>(e / n)));
                        // All nodes of a vertex share their random numbers: what noise is left
                        // stands still while the isovalue moves.
                        const SampleKeys keys =

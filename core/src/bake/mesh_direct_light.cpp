@@ -80,8 +80,7 @@ typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTra
       vertices, vertices_per_piece, static_cast<double>(points), progress,
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end && !progress.cancelled(); ++v) {
-          const FacetPoint& p = mesh.places[v];
-          const SurfacePoint<D> from = tracer.facet_point(p.mesh, p.facet, p.u, p.v, true, 0);
+          const SurfacePoint<D> from = vertex_point(tracer, mesh, v, true, 0);
           of.sets[v] = static_cast<std::uint8_t>(set_of(mesh.numbers[v]));
           for (std::size_t set = 0; set < sets_.size(); ++set) {
             for (std::size_t i = 0; i < points; ++i) {

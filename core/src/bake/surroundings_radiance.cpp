@@ -46,7 +46,7 @@ SurroundingsRadiance<D> relit(const SurroundingsRadiance<D>& surroundings,
 
 template <int D>
 void attach(SurroundingsRadiance<D>& radiance, const Scene<D>& scene, Progress& progress) {
-  radiance.meshes = refine(scene.meshes);
+  radiance.meshes = refine(scene);
   radiance.nodes = LeafNodes(scene);
   bool fits = radiance.meshes.size() == radiance.radiance.size();
   for (std::size_t m = 0; fits && m < scene.meshes.size(); ++m) {

@@ -246,7 +246,7 @@ SurroundingsRadiance<D> SweptBake<D>::surroundings() {
     estimator = make_gather_estimator(volume_.tracer, lights_, leaves, *photons_.surroundings);
   }
   const PointSampler<D> sampler{lights_, leaves, photons_.surroundings.get(), false};
-  SurroundingsWork<D> work{refine(volume_.tracer.scene().meshes), surroundings_samples,
+  SurroundingsWork<D> work{refine(volume_.tracer.scene()), surroundings_samples,
                            indirect_ ? 2.0 : 1.0, settings_.seed};
   return light_surroundings(volume_.tracer, sampler, estimator.get(), std::move(work), progress_,
                             rays_);

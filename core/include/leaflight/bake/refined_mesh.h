@@ -2,6 +2,7 @@
 #pragma once
 
 #include "leaflight/scene/scene.h"
+#include "leaflight/trace/scene_tracer.h"
 #include "leaflight/transport/reference.h"
 
 namespace leaflight {
@@ -12,6 +13,9 @@ struct FineMesh {
   std::vector<Vec<D, float>> vertices;  // world
   std::vector<typename Mesh<D>::Facet> facets;
   std::vector<FacetPoint> places;  // of the vertices, a little within a facet that holds them
+  // Of the vertices, unit. Where facets meet at a few degrees they turn evenly from the one to the
+  // other, and so does light on a curved wall.
+  std::vector<Vec<D>> normals;
   std::vector<std::array<int, 2>> numbers;  // of the vertices, counted along the facet's edges
 };
 
@@ -25,8 +29,14 @@ struct RefinedMesh {
   std::vector<std::array<std::uint32_t, 2>> between;
 };
 
-// A pure function of the meshes, so that a file needs to hold light alone.
+// Finest near the volumes, whose shadows have the sharpest edges there. A pure function of the
+// scene, so that a file needs to hold light alone.
 template <int D>
-std::vector<RefinedMesh<D>> refine(const std::vector<Mesh<D>>& meshes);
+std::vector<RefinedMesh<D>> refine(const Scene<D>& scene);
+
+// A vertex of a mesh as a point that light meets, on the front or on the back.
+template <int D>
+SurfacePoint<D> vertex_point(const SceneTracer<D>& tracer, const FineMesh<D>& mesh,
+                             std::size_t vertex, bool front, double c);
 
 }  // namespace leaflight
