@@ -11,7 +11,7 @@ from leaflight.bake.outcome import outcome
 from leaflight.io.output import check_writable
 
 from ..operators import background, checks
-from ..show import preview, surface_material, surface_object
+from ..show import preview, surface_material, surface_object, walls
 from ..stage import scene_export
 from ..store import atlases, bake_files, cache, frame_bakes, preferences, source_files
 from . import lighting, stopped
@@ -122,6 +122,8 @@ class BakeJob(background.Job):
             if obj.mode == "OBJECT" and obj.leaflight.frame == self.frames[index]:
                 preview.put(obj, bake, index, matrix)
                 surface_object.update_all(obj, as_coarse=True)
+        if bpy.data.scenes.get(self.scene_name) is not None:
+            walls.show_round(bpy.data.scenes[self.scene_name])
         self._shown = bake
         end = time.perf_counter()
         self._quiet_until = end + (_SHOWN_SHARE - 1) * (end - start)

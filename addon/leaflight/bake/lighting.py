@@ -48,10 +48,11 @@ def show(volumes, leader, scene):
         surface_object.update_all(obj)
         for surface in (obj, *added.added_to(obj)):
             isovalues.limit(surface)
-    isovalues.set_isovalue(leader, leader.leaflight.isovalue)
     if scene is not None:
+        # The walls of the bake before may have other vertices.
         walls.forget_names(scene)
         walls.refresh(scene)
+    isovalues.set_isovalue(leader, leader.leaflight.isovalue)
 
 
 def objects_lit_by(identifier):

@@ -5,7 +5,7 @@ import bpy
 import leaflight
 
 from ..operators import background
-from ..show import surface_object
+from ..show import surface_object, walls
 
 LeaflightError = leaflight.LeaflightError
 
@@ -105,10 +105,11 @@ class LEAFLIGHT_OT_throw_bake_away(bpy.types.Operator):
     def poll(cls, _context):
         return background.is_free(cls) and _waits(cls)
 
-    def execute(self, _context):
+    def execute(self, context):
         _offered.checkpoint.remove()
         offer(None)
         surface_object.forget_rounds()
+        walls.refresh(context.scene)
         return {"FINISHED"}
 
 

@@ -10,8 +10,7 @@ import bpy
 import leaflight
 import numpy as np
 
-from ..store import cache
-from . import display, fill, lamps, shader, surface_object
+from . import display, fill, lamps, preview, shader, surface_object
 from .isosurface import RADIANCE, RADIANCE_BACK
 
 LeaflightError = leaflight.LeaflightError
@@ -25,6 +24,8 @@ _WALL_MATERIAL = "leaflight_wall_material"
 _HIDDEN = "leaflight_hidden"
 _SHOWN = "leaflight_shown"
 _BAKED_AS = "leaflight_baked_as"
+# In the label of a wall that a round of a bake lights.
+_OF_ROUND = " lit by round "
 
 
 def is_hidden(obj):
@@ -53,6 +54,19 @@ def refresh(scene):
     update(scene)
 
 
+def show_round(scene):
+    """Lights the walls by the round of a bake that lights the volumes, where it has their light."""
+    leader = _leader(scene)
+    if leader is None or not _round_with_walls(leader):
+        return
+    displays = [obj for obj in scene.objects if display.is_display(obj, _WALL)]
+    if displays and all(_OF_ROUND in obj.data.get(_SHOWN, "") for obj in displays):
+        update(scene)
+    else:
+        # Those of the bake before may have other vertices.
+        refresh(scene)
+
+
 def update(scene):
     """Lights the displays for the leaf that is shown, unless they show it already."""
     displays = [obj for obj in scene.objects if display.is_display(obj, _WALL)]
@@ -60,20 +74,22 @@ def update(scene):
     if leader is None:
         return
     settings = leader.leaflight
-    light = f"{settings.bake_id}{lamps.label(settings)}"
-    label = f"{surface_object.shown_isovalue(leader)!r} lit by {light}"
+    light = f" lit by {settings.bake_id}{lamps.label(settings)}"
+    if _round_with_walls(leader):
+        light = f"{_OF_ROUND}{preview.of(leader).bake.id}"
+    label = f"{surface_object.shown_isovalue(leader)!r}{light}"
     stale = [obj for obj in displays if obj.data.get(_SHOWN) != label]
     if not stale:
         return
     try:
-        bake = lamps.bake_of(leader)
+        bake, index = _bake_of(leader)
     except LeaflightError as error:
         surface_object.problems[leader.name_full] = str(error)
         return
     if bake.surroundings is None:
         return
     low, high = bake.isovalues
-    c = min(max(_leaf_coordinate(leader, bake), low), high)
+    c = min(max(_leaf_coordinate(leader, bake, index), low), high)
     for obj in stale:
         for name, back in ((RADIANCE, False), (RADIANCE_BACK, True)):
             radiance = bake.surroundings.radiance(obj[_INDEX], c, back=back)
@@ -84,20 +100,35 @@ def update(scene):
 
 def _leader(scene):
     """The volume whose bake has lit the surroundings, None without such a bake."""
-    volumes = [obj for obj in scene.objects if obj.leaflight.bake_surroundings]
+    volumes = [obj for obj in scene.objects if _round_with_walls(obj)] or [
+        obj for obj in scene.objects if obj.leaflight.bake_surroundings
+    ]
     shown = [obj for obj in volumes if not obj.hide_render]
     return min(shown or volumes, key=lambda obj: obj.leaflight.bake_index, default=None)
 
 
-def _leaf_coordinate(leader, bake):
-    lowest, highest = (bake.isovalue_of(leader.leaflight.bake_index, c) for c in bake.isovalues)
+def _round_with_walls(obj):
+    shown = preview.of(obj)
+    return shown is not None and shown.bake.surroundings is not None
+
+
+def _bake_of(leader):
+    """(bake, which of its volumes the leader is) that lights the walls. Raises LeaflightError."""
+    if _round_with_walls(leader):
+        shown = preview.of(leader)
+        return shown.bake, shown.index
+    return lamps.bake_of(leader), leader.leaflight.bake_index
+
+
+def _leaf_coordinate(leader, bake, index):
+    lowest, highest = (bake.isovalue_of(index, c) for c in bake.isovalues)
     low, high = bake.isovalues
     part = (surface_object.shown_isovalue(leader) - lowest) / (highest - lowest)
     return low + part * (high - low)
 
 
 def _build(scene, leader):
-    bake = cache.bake_of(leader)
+    bake, _ = _bake_of(leader)
     if bake.surroundings is None:
         return
     collection = bpy.data.collections.new(COLLECTION)

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from leaflight_addon.show import display, properties, walls
+from leaflight_addon.show import display, preview, properties, surface_object, walls
 from leaflight_addon.stage import scene_export, staleness
 from leaflight_addon.store import cache
 from tools import close, colours_of, render_exr
@@ -154,3 +154,19 @@ def check_the_leaf_that_is_seen_lights_them_in_a_saved_file_too(lit, tmp_path):
     assert_walls_show(lit, 40.0, 2e-3)
     lit.leaflight.isovalue = 70.0
     assert_walls_show(lit, 70.0)
+
+
+def check_walls_are_of_the_same_round_as_the_isosurface(lit):
+    """A round that has the light of the walls shows it; without the round all is as before."""
+    scene, other = bpy.context.scene, cache.bake_of(lit)
+    lit.leaflight.seed += 1
+    bpy.ops.leaflight.bake()
+    c = lit.leaflight.isovalue
+    assert_walls_show(lit, c)
+    preview.put(lit, other, 0, [x for row in lit.matrix_world for x in row])
+    walls.show_round(scene)
+    index = displays()[0]["leaflight_wall"]
+    close(colours_of(displays()[0]), other.surroundings.radiance(index, c, back=False), 1e-5)
+    surface_object.forget_rounds()
+    walls.refresh(scene)
+    assert_walls_show(lit, c)
