@@ -10,9 +10,18 @@ import numpy as np
 from leaflight.io.readers import METERS
 from mathutils import Matrix
 
+from ..show import leaves
+from ..store import cache, source_files
+
 LeaflightError = leaflight.LeaflightError
 
 SIZE_ITEMS = [
+    (
+        "AUTO",
+        "Automatic",
+        "As large as Size says, on the floor: the first volume at the origin, another one beside "
+        "those that are there, or over one of the same patient",
+    ),
     ("FIT", "Fit", "As large as Size says, on the floor at the origin"),
     (
         "LIFE",
@@ -31,6 +40,8 @@ SIZE_ITEMS = [
 USUAL = "mm"
 # Blender's coordinates are single precision, and its views clip what is smaller.
 SMALLEST = 1e-4
+# Between volumes that stand beside each other, in longest sides of the new one.
+GAP = 0.15
 
 
 def meters(unit):
@@ -47,7 +58,7 @@ def check(context, mode, partner):
 
 
 def place(context, obj, volume, mode, partner):
-    """Puts a volume that was fitted to the floor where another mode says. Raises LeaflightError.
+    """Puts a volume that was fitted to the floor where LIFE or SAME says. Raises LeaflightError.
 
     partner: name of the volume that it goes together with.
     """
@@ -65,6 +76,43 @@ def place(context, obj, volume, mode, partner):
         other = context.scene.objects[partner]
         ratio = unit / meters(other.leaflight.unit)
         obj.matrix_world = other.matrix_world @ Matrix.Scale(ratio, 4)
+
+
+def registered(context, obj, is_patient):
+    """The name of a volume of the same space, by what both headers say; empty for none."""
+    if not is_patient:
+        return ""
+    for name in volume_names(context):
+        other = context.scene.objects[name]
+        if other != obj and source_files.is_patient(other.leaflight) and _overlap(obj, other):
+            return name
+    return ""
+
+
+def _overlap(obj, other):
+    """Whether the boxes of two volumes have a place in common, in their patients' coordinates."""
+    boxes = []
+    for one in (obj, other):
+        low, high = np.asarray(cache.volume_of(one).field().bounds, np.float64)
+        boxes.append(np.array([low, high]) * meters(one.leaflight.unit))
+    (low, high), (other_low, other_high) = boxes
+    return bool(np.all(low <= other_high) and np.all(other_low <= high))
+
+
+def put_beside(context, obj):
+    """Moves a volume to the right of all others of the scene, in line with their middle."""
+    names = volume_names(context)
+    others = [context.scene.objects[name] for name in names if name != obj.name]
+    if not others:
+        return
+    context.view_layer.update()
+    boxes = np.array([leaves.world_box(other) for other in others])
+    low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
+    own_low, own_high = leaves.world_box(obj)
+    gap = GAP * float(np.max(own_high - own_low))
+    shift = 0.5 * (low + high) - 0.5 * (own_low + own_high)
+    shift[0], shift[2] = high[0] + gap - own_low[0], low[2] - own_low[2]
+    obj.matrix_world = Matrix.Translation(shift) @ obj.matrix_world
 
 
 def longest_side(volume):

@@ -72,6 +72,15 @@ def probe(path, **choices):
         return readers.probe(path, **_options(path, choices))
 
 
+def is_patient(settings):
+    """Whether the coordinates of a volume are a patient's, by the header of its file."""
+    try:
+        return probe(path_of(settings), **choices_of(settings)).patient
+    except LeaflightError:
+        # It is gone, or the volume was never in a file.
+        return False
+
+
 def _options(path, choices):
     """Those that say where in a file its volume is."""
     takes = readers.format_of(path).options if Path(path).exists() else ()

@@ -16,7 +16,11 @@ from tools import assert_shows, close, mesh_arrays
 def pair(bumps, bump_file):
     """Two volumes of different ranges beside each other, the second smaller, in one box."""
     bpy.ops.leaflight.import_volume(
-        filepath=str(bump_file), dims=(24, 24, 24), value_type="float32", size=1.0
+        filepath=str(bump_file),
+        dims=(24, 24, 24),
+        value_type="float32",
+        size=1.0,
+        size_from="FIT",
     )
     second = bpy.context.object
     second.name = "second"
