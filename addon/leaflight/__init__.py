@@ -57,7 +57,7 @@ else:
     from .export import export_bake
     from .importing import import_image, import_volume
     from .show import flat_properties, look_properties, properties
-    from .stage import aside, open_example, stage, stage_settings
+    from .stage import aside, open_example, orientation, stage, stage_settings
     from .store import preferences
     from .ui import add_isosurface, handlers, header, leaf_look, panels, pick_isovalue
 
@@ -72,6 +72,7 @@ else:
         import_image,
         leaf_look,
         add_isosurface,
+        orientation,
         stage_settings,
         aside,
         stage,

@@ -194,6 +194,15 @@ def text_size(font, size):
     blf.size(font, size, *resolution)
 
 
+def has_denoiser():
+    """Whether Cycles was built with OpenImageDenoise; those of Debian are not."""
+    try:
+        import _cycles
+    except ImportError:
+        return False
+    return getattr(_cycles, "with_openimagedenoise", False)
+
+
 def show_photographically(view):
     """Settings of a view that keep bright colors apart instead of clipping them to white."""
     _choose(view, "view_transform", ("Filmic", "AgX"))

@@ -42,7 +42,7 @@ def import_volume(path, **options):
     return bpy.context.object
 
 
-def stage(obj, preset="CORNELL", **options):
+def stage(obj, preset="STUDIO", **options):
     """Puts walls, lights and a camera around the volumes, and sets other objects aside.
 
     preset: the identifier of one of the stages of the panel; options: those of the operator, such

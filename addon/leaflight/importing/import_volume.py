@@ -22,12 +22,16 @@ from leaflight.io import readers
 from ..operators import background
 from ..show import isovalues, properties, surface_object
 from ..store import cache, source_files
+from ..stage import orientation
 from ..translations import iface_
 from . import placing, stored_facts
 
 
 # Which files the browser lists; Blender takes 255 characters.
 _BY_SUFFIX = ";".join(f"*{suffix}" for suffix in readers.SUFFIXES)
+
+
+_OF_THE_FILE = ("FILE", "As in the File", "The file's own, or +Z up and -Y to the front")
 
 
 def _list_files(operator, context):
@@ -64,6 +68,16 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
         name="Volume",
         description="The volume whose scale and place this one gets",
         search=lambda _self, context, _text: placing.volume_names(context),
+    )
+    up: EnumProperty(
+        name="Up",
+        description="Axis of the volume that points up",
+        items=[_OF_THE_FILE, *orientation.ITEMS],
+    )
+    front: EnumProperty(
+        name="Front",
+        description="Axis of the volume that points to the viewer of a stage",
+        items=[_OF_THE_FILE, *orientation.ITEMS],
     )
     resolution: EnumProperty(
         name="Resolution",
@@ -154,11 +168,15 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
             for line in textwrap.wrap(problem, 38):
                 column.label(text=line, translate=False)
         layout.prop(self, "size_from")
-        if self.size_from == "FIT":
+        if self.size_from in {"AUTO", "FIT"}:
             layout.prop(self, "size")
         elif self.size_from == "SAME":
             layout.prop(self, "partner")
         layout.prop(self, "resolution")
+        if stored is not None and not stored.patient:
+            layout.label(text="The file has no orientation", icon="QUESTION")
+        layout.prop(self, "up")
+        layout.prop(self, "front")
         self._draw_choices(layout, stored, takes)
 
     def _draw_choices(self, layout, stored, takes):
@@ -229,6 +247,7 @@ class ImportJob(background.Job):
         self._choices = source_files.choices_of(operator)
         self._resolution, self._size = operator.resolution, operator.size
         self._size_from = operator.size_from
+        self._axes = [x if x in orientation.AXES else "" for x in (operator.up, operator.front)]
         self._animate = operator.animate
         self._partner = operator.partner or next(iter(placing.volume_names(context)), "")
         placing.check(context, self._size_from, self._partner)
@@ -271,6 +290,7 @@ class ImportJob(background.Job):
         if self._animate and settings.frames > 1:
             blender.animate_frames(obj)
 
+        self._stand(context, obj)
         for other in context.selected_objects:
             other.select_set(False)
         obj.select_set(True)
@@ -279,9 +299,27 @@ class ImportJob(background.Job):
         nz, ny, nx = volume.values.shape
         low, high = self._range
         step = self._choices["downsample"]
-        return f"{volume.name}: {nx} x {ny} x {nz} voxels, values {low:g} to {high:g}" + (
-            f", read at 1/{step} of its resolution" if step > 1 else ""
+        return (
+            f"{volume.name}: {nx} x {ny} x {nz} voxels, values {low:g} to {high:g}"
+            + (f", read at 1/{step} of its resolution" if step > 1 else "")
+            + (
+                "; the file has no orientation: choose Up and Front under Stage"
+                if obj.leaflight_orientation.is_unknown
+                else ""
+            )
         )
+
+    def _stand(self, context, obj):
+        """Orients a volume, and finds its place among those that are there."""
+        orientation.begin(obj, self._stored.patient, *self._axes)
+        if self._size_from != "AUTO":
+            return
+        partner = placing.registered(context, obj, self._stored.patient)
+        if partner and not any(self._axes):
+            placing.place(context, obj, self._volume, "SAME", partner)
+            orientation.take_over(obj, context.scene.objects[partner])
+        else:
+            placing.put_beside(context, obj)
 
 
 def _draw_menu(menu, _context):

@@ -19,6 +19,9 @@ MESSAGES = {
     "By Size": "Nach der Größe",
     "Half": "Halbe",
     "Quarter": "Viertel",
+    "Automatic": "Automatisch",
+    "As in the File": "Wie in der Datei",
+    "The file has no orientation": "Die Datei hat keine Ausrichtung",
     "As Animation": "Als Animation",
     "Own Voxel Size": "Eigene Voxelgröße",
     "Voxel Size": "Voxelgröße",
@@ -37,6 +40,14 @@ MESSAGES = {
     "Keep Bake": "Licht behalten",
     "Throw Away": "Verwerfen",
     # The sidebar.
+    "Frame Isosurface": "Isofläche einrahmen",
+    "Grid and Outlines": "Raster und Umrisse",
+    "Up": "Oben",
+    "Front": "Vorne",
+    "Turn 90 Degrees": "Um 90 Grad drehen",
+    "The file has no orientation: choose Up and Front": (
+        "Die Datei hat keine Ausrichtung: Oben und Vorne wählen"
+    ),
     "Pick in Histogram": "Im Histogramm wählen",
     "Looking at the data": "Die Daten werden angesehen",
     "Baked; %d of %d frames are": "Beleuchtet; %d von %d Bildern sind es",

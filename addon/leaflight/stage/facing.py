@@ -1,35 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From where a volume wants to be looked at: its patient's face, where its file tells of one."""
+"""From where a volume is looked at: three quarters from its front, slightly from above."""
 
 import math
 
-import leaflight
 import numpy as np
 
-from ..store import source_files
+from . import orientation
 
-# Readers turn a patient's coordinates, whichever way the file counts them, towards right, front
-# and up.
-_FRONT = (0.0, 1.0, 0.0)
+# From the front towards the viewer's right, where the light comes from the left.
+THREE_QUARTERS = math.radians(35.0)
+ELEVATION = math.radians(10.0)
 
 
-def quarter_turns(obj):
-    """How often a stage, open towards -y, turns by 90 degrees about z to face a volume's front.
+def direction(obj):
+    """The way to the camera of a stage, in radians counterclockwise from -y.
 
-    Counterclockwise, 0 to 3; 0 where the file tells of no front.
+    A front that stands askew is taken to be its nearest quarter.
     """
-    if not _is_patient(obj.leaflight):
-        return 0
-    x, y, _ = np.array(obj.matrix_world, np.float64)[:3, :3] @ _FRONT
-    if math.hypot(x, y) == 0:
-        return 0
-    return round((math.degrees(math.atan2(y, x)) + 90.0) / 90.0) % 4
-
-
-def _is_patient(settings):
-    try:
-        path = source_files.path_of(settings)
-        return source_files.probe(path, **source_files.choices_of(settings)).patient
-    except leaflight.LeaflightError:
-        # It is gone, or the volume was never in a file.
-        return False
+    front = np.array(obj.matrix_world, np.float64)[:3, :3] @ orientation.front_of(obj)
+    if math.hypot(front[0], front[1]) < 1e-3 * np.linalg.norm(front):
+        return THREE_QUARTERS
+    quarters = round((math.degrees(math.atan2(front[1], front[0])) + 90.0) / 90.0) % 4
+    return math.radians(90.0) * quarters + THREE_QUARTERS

@@ -47,6 +47,8 @@ def mesh_object(description):
     middle = description.vertices.mean(axis=0)
     data = bpy.data.meshes.new(description.name)
     data.from_pydata((description.vertices - middle).tolist(), [], description.triangles.tolist())
+    if _is_curved(description):
+        data.polygons.foreach_set("use_smooth", [True] * len(data.polygons))
     material = bpy.data.materials.new(description.name)
     shader.build_leaf(
         material, description.scattering.upper(), description.ior, description.emission
@@ -57,6 +59,17 @@ def mesh_object(description):
     obj = bpy.data.objects.new(description.name, data)
     obj.location = middle
     return obj
+
+
+def _is_curved(mesh):
+    """Whether a mesh has no edges to be seen: all facets at a vertex look nearly the same way."""
+    a, b, c = np.moveaxis(mesh.vertices[mesh.triangles].astype(np.float64), 1, 0)
+    normals = np.cross(b - a, c - a)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    sums = np.zeros_like(mesh.vertices, np.float64)
+    np.add.at(sums, mesh.triangles, normals[:, np.newaxis])
+    cosines = np.einsum("fk,fck->fc", normals, sums[mesh.triangles])
+    return bool(np.all(cosines > 0.97 * np.linalg.norm(sums[mesh.triangles], axis=2)))
 
 
 def light_object(description):

@@ -7,14 +7,25 @@ import math
 import bpy
 import leaflight
 import mathutils
+import numpy as np
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from .. import versions
 from ..operators import background, checks
-from ..show import walls
-from ..store.cache import world_volume
+from ..show import added, isovalues, surface_object, walls
+from ..store import frame_bakes
 from ..translations import iface_
-from . import aside, camera, facing, presets, scene_export, scene_objects, viewport
+from . import (
+    aside,
+    camera,
+    facing,
+    framing,
+    presets,
+    render_settings,
+    scene_export,
+    scene_objects,
+    viewport,
+)
 
 # Marks what Stage has made, with its name then: a copy, or what the user has renamed, is theirs.
 _STAGED = "leaflight_stage"
@@ -43,12 +54,14 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
         default=True,
     )
 
-    def invoke(self, context, _event):
+    def invoke(self, context, event):
         remembered = context.scene.leaflight_stage
         if not self.properties.is_property_set("preset"):
             self.preset = remembered.preset
         if not self.collection and remembered.collection is not None:
             self.collection = remembered.collection.name
+        if self.preset == presets.MY_SCENE and not self.collection:
+            return context.window_manager.invoke_props_dialog(self)
         return self.execute(context)
 
     def draw(self, context):
@@ -67,34 +80,17 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
         leaf = context.object
         try:
             volumes = scene_export.volume_objects(context, leaf)
-            shapes = [world_volume(obj) for obj in volumes]
             own = self._own_collection()
-            lowest = [obj.leaflight.low for obj in volumes]
-            description = None if own else presets.fitted(self.preset, shapes, lowest)
+            was_lit = build(context, leaf, volumes, self.preset, own, self.set_aside)
         except leaflight.LeaflightError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        # The light of the last bake on what surrounded the volumes then.
-        for obj in scene.objects:
-            if obj.leaflight.bake_surroundings:
-                obj.leaflight.bake_surroundings = False
-        walls.refresh(scene)
-        background.forget_failure()
-        _remember(scene, self.preset, own)
-        _remove_stage(scene)
-        aside.bring_back(scene, aside.all_aside(scene))
-        if self.set_aside:
-            aside.set_aside(scene, aside.would_render(scene, set(own.all_objects) if own else ()))
-        if description is None:
-            self._use(scene, own, leaf, shapes)
-        else:
-            self._build(scene, description, leaf, volumes, shapes)
-        for obj in volumes:
-            obj.leaflight.light_surroundings = True
         versions.show_photographically(scene.view_settings)
-        context.view_layer.update()
+        render_settings.suit_baked_light(scene)
         viewport.show_stage(context)
         self._warn(context, leaf)
+        if was_lit:
+            self.report({"INFO"}, "The light of the last bake went with its stage: bake again")
         return {"FINISHED"}
 
     def _own_collection(self):
@@ -109,44 +105,6 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
             )
         return collection
 
-    def _build(self, scene, description, leaf, volumes, shapes):
-        """The objects of a description, turned so that they face the volumes' front."""
-        collection = bpy.data.collections.new(description.name)
-        collection[_STAGED] = collection.name
-        scene.collection.children.link(collection)
-        made = [scene_objects.mesh_object(mesh) for mesh in description.meshes]
-        made += [scene_objects.light_object(light) for light in description.lights]
-        scene.camera = self._camera(scene, shapes)
-        made.append(scene.camera)
-        _turn(made, shapes, facing.quarter_turns(leaf))
-        for obj in made:
-            collection.objects.link(obj)
-            obj[_STAGED] = obj.name
-        scene_objects.surround(scene, description.environment)
-        if scene.world != scene.leaflight_stage.own_world:
-            scene.world[_STAGED] = scene.world.name
-        scene.view_settings.exposure = math.log2(description.exposure)
-        for obj in volumes:
-            obj.leaflight.leaf_albedo = description.leaves[0].albedo
-
-    def _use(self, scene, own, leaf, shapes):
-        """A camera for a collection of the user's that has none."""
-        if own.name not in {child.name for child in scene.collection.children_recursive}:
-            scene.collection.children.link(own)
-        found = next((obj for obj in own.all_objects if obj.type == "CAMERA"), None)
-        scene.camera = found or scene.leaflight_stage.own_camera
-        if scene.camera is None:
-            scene.camera = self._camera(scene, shapes)
-            _turn([scene.camera], shapes, facing.quarter_turns(leaf))
-            scene.collection.objects.link(scene.camera)
-            scene.camera[_STAGED] = scene.camera.name
-
-    def _camera(self, scene, shapes):
-        preset = presets.PRESETS[self.preset]
-        low, high = presets.bounds(shapes)
-        is_wide = scene.render.resolution_x >= scene.render.resolution_y
-        return camera.around(low, high, preset.elevation, preset.filled, is_wide)
-
     def _warn(self, context, leaf):
         """Says now what would stop or spoil the bake later, and what was set aside."""
         try:
@@ -160,6 +118,76 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
         hidden = aside.all_aside(context.scene)
         if hidden:
             self.report({"INFO"}, f"Set aside, not deleted: {aside.names(hidden)}")
+
+
+class LEAFLIGHT_OT_frame_isosurface(checks.VolumeOperator, bpy.types.Operator):
+    bl_idname = "leaflight.frame_isosurface"
+    bl_label = "Frame Isosurface"
+    bl_description = (
+        "Move the camera so that the isosurfaces fill its frame as they are shown now. Before a bake "
+        "the stage is fitted to them, too"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context):
+        scene, leaf = context.scene, context.object
+        try:
+            volumes = scene_export.volume_objects(context, leaf)
+            if any(obj.leaflight.bake_id for obj in volumes) or not is_built(scene):
+                _use_camera(scene, leaf, framing.shown_points(volumes))
+            else:
+                follow(context, leaf)
+        except leaflight.LeaflightError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        viewport.look_through_camera(context)
+        return {"FINISHED"}
+
+
+def build(context, leaf, volumes, preset, own=None, set_aside=None):
+    """Puts a stage around the isosurfaces of volume objects, which face the camera as `leaf` does.
+
+    own: the collection of My Scene. set_aside: whether other objects are, or None where that stays
+    as it is. Returns whether a bake had lit the volumes: its light goes with
+    the stage that it was made for. Raises LeaflightError before anything changes.
+    """
+    scene = context.scene
+    context.view_layer.update()
+    points = framing.shown_points(volumes)
+    turn = mathutils.Matrix.Rotation(facing.direction(leaf), 4, "Z")
+    seen = points @ np.array(turn.to_3x3())
+    description = None if own else presets.fitted(preset, seen)
+    was_lit = _put_out(scene, volumes)
+    background.forget_failure()
+    _remember(scene, preset, own)
+    _remove_stage(scene)
+    if set_aside is not None:
+        aside.bring_back(scene, aside.all_aside(scene))
+    if set_aside:
+        aside.set_aside(scene, aside.would_render(scene, set(own.all_objects) if own else ()))
+    if description is None:
+        _use(scene, own)
+    else:
+        _build(scene, description, turn, volumes)
+    if scene.camera is None or is_staged(scene.camera):
+        _use_camera(scene, leaf, points)
+    for obj in volumes:
+        obj.leaflight.light_surroundings = True
+    context.view_layer.update()
+    return was_lit
+
+
+def follow(context, leaf):
+    """Builds the stage of the scene anew, if it has one, around its volumes as they are now."""
+    scene = context.scene
+    if is_built(scene) and leaf.name in scene.objects:
+        volumes = scene_export.volume_objects(context, leaf)
+        build(context, leaf, volumes, scene.leaflight_stage.preset)
+
+
+def is_built(scene):
+    """Whether the scene has walls or lamps that Stage has made."""
+    return any(is_staged(collection) for collection in scene.collection.children)
 
 
 def is_staged(thing):
@@ -200,17 +228,76 @@ def _remove_stage(scene):
         scene.camera = scene.leaflight_stage.own_camera
 
 
-def _turn(objects, shapes, quarters):
-    """Turns new objects by quarters of a turn about the vertical through the middle of volumes."""
-    there = mathutils.Matrix.Translation(sum(presets.bounds(shapes)) / 2)
-    rotation = mathutils.Matrix.Rotation(math.radians(90 * quarters), 4, "Z")
-    for obj in objects if quarters else ():
-        obj.matrix_world = there @ rotation @ there.inverted() @ obj.matrix_basis
+def _put_out(scene, volumes):
+    """Shows the volumes, and what surrounds them, without the light of a bake; its file stays."""
+    was_lit = any(obj.leaflight.bake_id for obj in volumes)
+    for obj in isovalues.volumes(scene):
+        obj.leaflight.bake_surroundings = False
+    walls.refresh(scene)
+    for obj in volumes:
+        frame_bakes.forget(obj.leaflight)
+        surface_object.update_all(obj)
+        for surface in (obj, *added.added_to(obj)):
+            isovalues.limit(surface)
+    return was_lit
+
+
+def _build(scene, description, turn, volumes):
+    """The objects of a description, turned about the origin, with its world and exposure."""
+    collection = bpy.data.collections.new(description.name)
+    collection[_STAGED] = collection.name
+    scene.collection.children.link(collection)
+    made = [scene_objects.mesh_object(mesh) for mesh in description.meshes]
+    made += [scene_objects.light_object(light) for light in description.lights]
+    for obj in made:
+        obj.matrix_world = turn @ obj.matrix_basis
+        collection.objects.link(obj)
+        obj[_STAGED] = obj.name
+    scene.camera = None
+    scene_objects.surround(scene, description.environment)
+    if scene.world != scene.leaflight_stage.own_world:
+        scene.world[_STAGED] = scene.world.name
+    scene.view_settings.exposure = math.log2(description.exposure)
+    _color(scene, volumes, description.leaves[0].albedo)
+
+
+def _color(scene, volumes, albedo):
+    """Gives volumes the color of a stage, where nobody has chosen another."""
+    remembered = scene.leaflight_stage
+    for obj in volumes:
+        settings = obj.leaflight
+        default = settings.bl_rna.properties["leaf_albedo"].default_array
+        if any(np.allclose(settings.leaf_albedo, known) for known in (default, remembered.albedo)):
+            settings.leaf_albedo = albedo
+    remembered.albedo = albedo
+
+
+def _use(scene, own):
+    """The objects, lights and the camera of a collection of the user's."""
+    if own.name not in {child.name for child in scene.collection.children_recursive}:
+        scene.collection.children.link(own)
+    found = next((obj for obj in own.all_objects if obj.type == "CAMERA"), None)
+    scene.camera = found or scene.leaflight_stage.own_camera
+
+
+def _use_camera(scene, leaf, points):
+    """Frames points by the scene's camera, or by a new one."""
+    if scene.camera is None:
+        scene.camera = camera.new(scene)
+        staged = filter(is_staged, scene.collection.children)
+        next(staged, scene.collection).objects.link(scene.camera)
+        scene.camera[_STAGED] = scene.camera.name
+    camera.frame(scene.camera, scene, points, facing.direction(leaf), facing.ELEVATION)
+
+
+_CLASSES = (LEAFLIGHT_OT_stage, LEAFLIGHT_OT_frame_isosurface)
 
 
 def register():
-    bpy.utils.register_class(LEAFLIGHT_OT_stage)
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
 
 
 def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_OT_stage)
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -3,7 +3,7 @@
 """What a scene remembers about its stage: Scene.leaflight_stage."""
 
 import bpy
-from bpy.props import EnumProperty, PointerProperty, StringProperty
+from bpy.props import EnumProperty, FloatVectorProperty, PointerProperty, StringProperty
 
 from . import presets
 
@@ -19,6 +19,7 @@ class LeaflightStage(bpy.types.PropertyGroup):
         name="Collection",
         description="Objects and lights of your own that shall surround the volumes",
     )
+    albedo: FloatVectorProperty(name="Color That Stage Gave to the Volumes", size=3)
     warnings: StringProperty(name="What Would Spoil the Bake, a Sentence a Line")
     # What the scene had before it was staged.
     own_world: PointerProperty(type=bpy.types.World)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The viewport as it shows a stage: lit, and through the scene's camera."""
+"""The viewport as it shows a stage: the picture alone, lit, and through the scene's camera."""
 
 import bpy
 
@@ -19,8 +19,15 @@ def show_stage(context):
     space.shading.type = "MATERIAL"
     space.shading.use_scene_lights = True
     space.shading.use_scene_world = True
+    space.overlay.show_overlays = False
     versions.choose_sidebar_tab(area, "Leaflight")
-    view = space.region_3d
+    look_through_camera(context)
+
+
+def look_through_camera(context):
+    """Shows the frame of the scene's camera in the same viewport."""
+    window, area = _viewport(context)
+    view = area.spaces.active.region_3d if area is not None else None
     if view is None or bpy.app.background:
         return
     view.view_perspective = "CAMERA"

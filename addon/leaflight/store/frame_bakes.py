@@ -46,6 +46,13 @@ def switch(obj, frame):
     return True
 
 
+def forget(settings):
+    """Lets a volume remember no bake, of any frame. Their files stay."""
+    for name in _names(settings):
+        settings.property_unset(name)
+    settings.frame_bakes = ""
+
+
 def each_baked(obj):
     """Lets an object show each frame that is baked, one after the other, and then as before.
 

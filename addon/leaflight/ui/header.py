@@ -12,10 +12,8 @@ class LEAFLIGHT_MT_stage(bpy.types.Menu):
     bl_label = "Stage"
     bl_description = "Choose what to put around the volumes"
 
-    def draw(self, context):
+    def draw(self, _context):
         for key, preset in presets.PRESETS.items():
-            if key == presets.MY_SCENE and context.scene.leaflight_stage.collection is None:
-                continue
             operator = self.layout.operator(
                 stage.LEAFLIGHT_OT_stage.bl_idname, text=preset.name, icon=preset.icon
             )

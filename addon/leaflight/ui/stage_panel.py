@@ -3,9 +3,11 @@
 
 import bpy
 
+from ..operators import background
 from ..stage import aside, presets, stage
+from ..stage import orientation as orientation_of
 from ..translations import iface_
-from .sidebar import VolumePanel, sentence
+from .sidebar import VolumePanel, sentence, split
 
 
 class LEAFLIGHT_PT_stage(VolumePanel, bpy.types.Panel):
@@ -18,6 +20,11 @@ class LEAFLIGHT_PT_stage(VolumePanel, bpy.types.Panel):
         if chosen.preset == presets.MY_SCENE:
             layout.prop(chosen, "collection", text="")
         layout.operator(stage.LEAFLIGHT_OT_stage.bl_idname, icon="CUBE")
+        layout.operator(stage.LEAFLIGHT_OT_frame_isosurface.bl_idname, icon="CAMERA_DATA")
+        self._draw_orientation(context)
+        overlay = getattr(context.space_data, "overlay", None)
+        if overlay is not None:
+            layout.prop(overlay, "show_overlays", text="Grid and Outlines")
         hidden = aside.all_aside(context.scene)
         if hidden:
             sentence(context, layout, iface_("Set aside: %s") % aside.names(hidden), icon="HIDE_ON")
@@ -26,6 +33,23 @@ class LEAFLIGHT_PT_stage(VolumePanel, bpy.types.Panel):
             sentence(context, layout, warning, icon="ERROR")
         if context.object.leaflight.bake_surroundings:
             layout.prop(context.scene.leaflight, "show_walls")
+
+    def _draw_orientation(self, context):
+        """Which way the volume stands, and the turns by 90 degrees that change it."""
+        orientation = context.object.leaflight_orientation
+        if orientation.is_unknown:
+            text = iface_("The file has no orientation: choose Up and Front")
+            sentence(context, self.layout, text, icon="QUESTION")
+        column = self.layout.column(align=True)
+        column.enabled = background.running() is None
+        split(column)
+        column.prop(orientation, "up")
+        column.prop(orientation, "front")
+        row = column.row(align=True)
+        row.label(text="Turn 90 Degrees")
+        for way, icon in (("TIP", "TRIA_DOWN"), ("ROLL", "FILE_REFRESH"), ("TURN", "TRIA_RIGHT")):
+            turn = orientation_of.LEAFLIGHT_OT_turn_volume.bl_idname
+            row.operator(turn, text="", icon=icon).way = way
 
 
 def register():

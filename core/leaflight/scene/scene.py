@@ -189,6 +189,11 @@ def fit_scene(description, volumes):
     if description.coordinates == "world":
         return description
     fit = Fit.around(volumes if isinstance(volumes, (list, tuple)) else [volumes])
+    return fitted(description, fit)
+
+
+def fitted(description, fit):
+    """A description in box coordinates in world coordinates, by a Fit."""
     return replace(
         description,
         meshes=[replace(mesh, vertices=fit.vertices(mesh.vertices)) for mesh in description.meshes],
@@ -207,7 +212,11 @@ class Fit:
     @classmethod
     def around(cls, volumes):
         bounds = np.array([volume.field().bounds for volume in volumes], dtype=np.float64)
-        low, high = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
+        return cls.of_box(bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0))
+
+    @classmethod
+    def of_box(cls, low, high):
+        """Around the box between two corners, each (3,)."""
         return cls(0.5 * (low + high), 0.5 * float((high - low).max()))
 
     def vertices(self, vertices):

@@ -8,9 +8,19 @@ import nibabel
 import numpy as np
 import pytest
 from bpy_extras.object_utils import world_to_camera_view
-from leaflight_addon.stage import aside, presets, scene_export, stage, world
+from leaflight_addon.stage import (
+    aside,
+    camera,
+    facing,
+    framing,
+    presets,
+    scene_export,
+    stage,
+    world,
+)
 from leaflight_addon.store import cache
-from tools import add_light, close, error_of, mesh_arrays, one_coloured_world, to_world
+from mathutils import Matrix
+from tools import add_light, close, error_of, one_coloured_world, to_world, vertices_of
 
 BUILT = [name for name in presets.PRESETS if name != presets.MY_SCENE]
 
@@ -22,6 +32,14 @@ def _stage(preset, **options):
 
 def _staged():
     return {obj.name for obj in bpy.context.scene.objects if stage.is_staged(obj)}
+
+
+def _lowest_of_stage():
+    return min(
+        to_world(obj, vertices_of(obj))[:, 2].min()
+        for obj in bpy.context.scene.objects
+        if obj.type == "MESH" and stage.is_staged(obj)
+    )
 
 
 def _corners(obj):
@@ -46,29 +64,77 @@ def head(tmp_path):
     return bpy.context.object
 
 
-def check_what_has_margins_stands_on_the_floor(tmp_path):
-    """A ball within a volume that is empty around it, as brains without skulls are."""
+@pytest.fixture
+def ball(tmp_path):
+    """A ball within a volume that is empty around it, with a speck of dust in a corner."""
     x, y, z = np.mgrid[:40, :40, :40]
-    ball = np.clip(100.0 - 10.0 * np.sqrt((x - 20) ** 2 + (y - 20) ** 2 + (z - 22) ** 2), 0, 100)
+    values = np.clip(100.0 - 10.0 * np.sqrt((x - 20) ** 2 + (y - 20) ** 2 + (z - 22) ** 2), 0, 100)
+    values[1:3, 1:3, 1:3] = 100.0
     path = tmp_path / "ball.nii"
-    nibabel.save(nibabel.Nifti1Image(ball.astype(np.float32), np.eye(4)), path)
+    nibabel.save(nibabel.Nifti1Image(values.astype(np.float32), np.eye(4)), path)
     bpy.ops.leaflight.import_volume(filepath=str(path))
-    obj = bpy.context.object
-    obj.leaflight.isovalue = obj.leaflight.low = 20.0
+    bpy.context.object.leaflight.isovalue = 20.0
+    return bpy.context.object
+
+
+def check_what_has_margins_stands_on_the_floor(ball):
     _stage("CORNELL")
-    lowest = to_world(obj, mesh_arrays(obj)[0])[:, 2].min()
-    size = np.ptp(_corners(obj)[:, 2])
-    floor = min(
-        to_world(one, mesh_arrays(one)[0])[:, 2].min()
-        for one in bpy.context.scene.objects
-        if one.type == "MESH" and stage.is_staged(one)
-    )
-    assert 0 < lowest - floor < 0.06 * size
+    vertices = to_world(ball, vertices_of(ball))
+    vertices = vertices[np.linalg.norm(vertices - vertices.mean(axis=0), axis=1) < 0.6]
+    assert 0 < vertices[:, 2].min() - _lowest_of_stage() < 0.03 * np.ptp(vertices[:, 2])
+
+
+def check_dust_does_not_count(ball):
+    points = framing.shown_points([ball])
+    assert len(points) < len(vertices_of(ball))
+    middle = ball.matrix_world @ Matrix.Translation((20, 20, 22)).translation
+    close(0.5 * (points.min(axis=0) + points.max(axis=0)), middle, 0.02)
+
+
+def check_parts_of_a_mesh_are_told_apart():
+    """Two strips of ten and of two triangles, whose vertices are numbered at random."""
+    strips = np.array([(i, i + 1, i + 2) for i in (*range(10), 12, 13)])
+    numbers = np.random.default_rng(0).permutation(16)
+    for share, kept in ((0.1, 16), (0.5, 12)):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(framing, "_SHARE", share)
+            large = framing.in_large_parts(16, numbers[strips])
+        assert set(numbers[:kept]) == set(np.flatnonzero(large))
+
+
+def check_a_stage_follows_the_isovalue_and_the_camera_alone_after_a_bake(ball):
+    _stage("STUDIO")
+    before, place = _lowest_of_stage(), bpy.context.scene.camera.matrix_world.copy()
+    ball.leaflight.isovalue = 50.0
+    assert bpy.ops.leaflight.frame_isosurface() == {"FINISHED"}
+    bpy.context.view_layer.update()
+    assert _lowest_of_stage() > before and bpy.context.scene.camera.matrix_world != place
+    ball.leaflight.resolution, ball.leaflight.use_resolution = 8, True
+    ball.leaflight.error = 20.0
+    bpy.ops.leaflight.bake()
+    lowest, identifier = _lowest_of_stage(), ball.leaflight.bake_id
+    ball.leaflight.isovalue = 30.0
+    assert bpy.ops.leaflight.frame_isosurface() == {"FINISHED"}
+    bpy.context.view_layer.update()
+    assert _lowest_of_stage() == lowest and ball.leaflight.bake_id == identifier != ""
+    assert _height_in_frame(ball) > 0.5
+
+
+def _height_in_frame(obj):
+    return np.ptp(_in_frame(obj)[:, 1])
+
+
+def _in_frame(obj):
+    """Where the large parts of an isosurface are in the camera's frame, and how far away."""
+    scene = bpy.context.scene
+    points = framing.shown_points([obj])
+    return np.array([world_to_camera_view(scene, scene.camera, p) for p in _vectors(points)])
 
 
 @pytest.mark.parametrize("preset", BUILT)
 def check_a_stage_comes_back_as_it_was_described(bumps, preset):
-    wanted = presets.fitted(preset, [cache.world_volume(bumps)], [bumps.leaflight.low])
+    turn = np.array(Matrix.Rotation(facing.direction(bumps), 3, "Z"))
+    wanted = presets.fitted(preset, framing.shown_points([bumps]) @ turn)
     _stage(preset)
     found, _, warnings = scene_export.export_scene(bpy.context, bumps)
     assert warnings == []
@@ -77,13 +143,16 @@ def check_a_stage_comes_back_as_it_was_described(bumps, preset):
     assert found.exposure == pytest.approx(wanted.exposure)
     for mesh in wanted.meshes:
         same = _find(found.meshes, mesh.name)
-        close(same.vertices, mesh.vertices, 1e-5)
+        close(same.vertices @ turn, mesh.vertices, 2e-5)
         close(same.albedo, mesh.albedo, 1e-6)
     for light in wanted.lights:
         same = _find(found.lights, light.name)
-        for name in ("corner", "edge_u", "edge_v", "radiance", "position", "intensity"):
+        for name in ("corner", "edge_u", "edge_v", "position"):
             if hasattr(light, name):
-                close(getattr(same, name), getattr(light, name), 2e-5)
+                close(getattr(same, name) @ turn, getattr(light, name), 3e-5)
+        for name in ("radiance", "intensity"):
+            if hasattr(light, name):
+                close(getattr(same, name), getattr(light, name), 5e-5)
     if wanted.environment is None:
         assert found.environment is None and world.is_dark(bpy.context.scene.world)
     else:
@@ -92,16 +161,18 @@ def check_a_stage_comes_back_as_it_was_described(bumps, preset):
 
 @pytest.mark.parametrize("preset", BUILT)
 @pytest.mark.parametrize("size", [(100, 100), (1920, 1080), (1080, 1920)])
-def check_the_camera_sees_the_volume_whole(bumps, preset, size):
+def check_the_isosurface_fills_the_frame(bumps, preset, size):
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = size
     _stage(preset)
-    places = [world_to_camera_view(scene, scene.camera, p) for p in _vectors(_corners(bumps))]
-    x, y, depth = np.array(places).T
+    x, y, depth = _in_frame(bumps).T
     assert 0 < x.min() and x.max() < 1 and 0 < y.min() and y.max() < 1
     assert scene.camera.data.clip_start < depth.min() and depth.max() < scene.camera.data.clip_end
-    # And not from afar.
-    assert max(np.ptp(x), np.ptp(y)) > 0.4
+    assert np.ptp(x) == pytest.approx(camera.WIDTH, 0.02) or np.ptp(y) == pytest.approx(
+        camera.HEIGHT, 0.02
+    )
+    assert np.ptp(x) < camera.WIDTH + 0.02 and np.ptp(y) < camera.HEIGHT + 0.02
+    close([x.min() + x.max(), y.min() + y.max()], [1, 1], 0.02)
 
 
 def _vectors(points):
@@ -111,15 +182,20 @@ def _vectors(points):
 
 
 @pytest.mark.parametrize("preset", BUILT)
-def check_the_volume_stands_on_the_floor_and_within_the_walls(bumps, preset):
+def check_the_isosurface_stands_on_the_floor_and_within_the_walls(bumps, preset):
     _stage(preset)
-    floor = bpy.data.objects["floor"]
-    corners = np.array([floor.matrix_world @ v.co for v in floor.data.vertices])
-    volume = _corners(bumps)
-    height = volume[:, 2].min() - corners[:, 2].max()
-    assert 0 < height < 0.05
-    assert np.all(corners.min(axis=0)[:2] < volume.min(axis=0)[:2])
-    assert np.all(corners.max(axis=0)[:2] > volume.max(axis=0)[:2])
+    turn = np.array(Matrix.Rotation(facing.direction(bumps), 3, "Z"))
+    walls = np.concatenate(
+        [
+            to_world(obj, vertices_of(obj)) @ turn
+            for obj in bpy.context.scene.objects
+            if obj.type == "MESH" and stage.is_staged(obj)
+        ]
+    )
+    shown = framing.shown_points([bumps]) @ turn
+    assert 0 < shown[:, 2].min() - walls[:, 2].min() < 0.05
+    assert np.all(walls.min(axis=0)[:2] < shown.min(axis=0)[:2])
+    assert np.all(walls.max(axis=0)[:2] > shown.max(axis=0)[:2])
 
 
 @pytest.mark.parametrize("degrees", [0, 30, 90, 180])
@@ -130,15 +206,20 @@ def check_the_camera_stands_before_the_face(head, degrees):
     _stage("CORNELL")
     assert head.matrix_world == before
     front = np.array(head.matrix_world, np.float64)[:3, :3] @ (0, 1, 0)
-    camera = np.array(bpy.context.scene.camera.matrix_world.translation)
-    towards = camera - _corners(head).mean(axis=0)
+    towards = np.array(bpy.context.scene.camera.matrix_world.translation) - _middle(head)
     cosine = front @ towards / np.linalg.norm(front) / np.linalg.norm(towards)
-    # The stage turns by quarters, the camera looks down a little.
-    assert cosine > math.cos(math.radians(46 if degrees == 30 else 10))
+    # Three quarters; the stage turns by quarters, and the camera looks down a little.
+    assert cosine > math.cos(math.radians(68 if degrees == 30 else 38))
+    assert math.degrees(math.asin(towards[2] / np.linalg.norm(towards))) == pytest.approx(10, abs=3)
     # Its lamp lights the face, and its back wall is behind the head.
     lamp, wall = (bpy.data.objects[name].matrix_world.translation for name in ("lamp", "back wall"))
-    middle = _corners(head).mean(axis=0)
+    middle = _middle(head)
     assert (np.array(lamp) - middle) @ towards > 0 > (np.array(wall) - middle) @ towards
+
+
+def _middle(obj):
+    points = framing.shown_points([obj])
+    return 0.5 * (points.min(axis=0) + points.max(axis=0))
 
 
 def check_the_camera_stands_before_the_face_in_a_file_that_counts_towards_the_back(tmp_path):
@@ -154,8 +235,28 @@ def check_the_camera_stands_before_the_face_in_a_file_that_counts_towards_the_ba
     _stage("CORNELL")
     matrix = np.array(head.matrix_world, np.float64) @ cache.volume_of(head).index_to_world
     face = -matrix[:3, 1] / np.linalg.norm(matrix[:3, 1])
-    towards = np.array(bpy.context.scene.camera.location) - _corners(head).mean(axis=0)
-    assert face @ towards / np.linalg.norm(towards) > math.cos(math.radians(10))
+    towards = np.array(bpy.context.scene.camera.location) - _middle(head)
+    assert face @ towards / np.linalg.norm(towards) > math.cos(math.radians(38))
+
+
+def check_a_color_that_was_chosen_stays(bumps):
+    _stage("STUDIO")
+    first = tuple(bumps.leaflight.leaf_albedo)
+    _stage("CORNELL")
+    assert tuple(bumps.leaflight.leaf_albedo) != first
+    bumps.leaflight.leaf_albedo = (0.1, 0.2, 0.3)
+    _stage("STUDIO")
+    close(bumps.leaflight.leaf_albedo, (0.1, 0.2, 0.3), 1e-6)
+
+
+def check_renders_take_few_samples_and_overlays_are_off(bumps):
+    scene = bpy.context.scene
+    scene.cycles.samples = 4096
+    _stage("STUDIO")
+    assert scene.cycles.samples <= 64 and scene.eevee.taa_render_samples <= 64
+    areas = [area for window in bpy.context.window_manager.windows for area in window.screen.areas]
+    views = [area.spaces.active for area in areas if area.type == "VIEW_3D"]
+    assert not views or not all(view.overlay.show_overlays for view in views)
 
 
 def check_others_are_set_aside_and_brought_back(bumps):
@@ -204,12 +305,13 @@ def check_another_stage_replaces_its_own_objects_and_no_other(bumps, preset):
     _stage(preset)
     _stage(preset)
     assert not first & (
-        _staged() - {"floor", "lamp", "Stage Camera", "key light", "fill light"}
+        _staged()
+        - {"floor", "backdrop", "lamp", "Stage Camera", "key light", "fill light", "rim light"}
     ) or (preset == "OPEN_FLOOR")
     assert {"floor copy", "my backdrop"} <= {obj.name for obj in bpy.context.scene.objects}
     assert len([c for c in bpy.data.collections if stage.is_staged(c)]) == 1
     names = {obj.name for obj in bpy.context.scene.objects}
-    assert "floor" in names and "floor.001" not in names
+    assert "floor.001" not in names and "backdrop.001" not in names
     assert "Mine" in bpy.data.worlds and bpy.context.scene.world != mine
 
 

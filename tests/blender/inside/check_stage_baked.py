@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Stages with their light baked."""
 
+import os
+
 import bpy
 import numpy as np
 import pytest
@@ -24,6 +26,20 @@ def check_what_was_lit_by_the_last_bake_goes_with_its_stage(bumps):
     assert not any(obj.name.endswith(" Lit") for obj in bpy.context.scene.objects)
     bpy.ops.leaflight.bake()
     assert bumps.leaflight.bake_surroundings and bpy.data.objects["floor"].hide_render
+
+
+def check_walls_and_isosurface_lose_their_light_together(bumps):
+    """A stage is none of those that the bake has seen; the bake's file stays, and undo finds it."""
+    _stage("CORNELL")
+    bpy.ops.leaflight.bake()
+    path = bpy.path.abspath(bumps.leaflight.bake_path)
+    assert "radiance" in bumps.data.attributes
+    _stage("STUDIO")
+    assert not bumps.leaflight.bake_id and "radiance" not in bumps.data.attributes
+    assert os.path.exists(path)
+    bpy.ops.leaflight.bake()
+    assert "radiance" in bumps.data.attributes
+    assert "radiance" in bpy.data.objects["backdrop Lit"].data.attributes
 
 
 @pytest.mark.parametrize("preset", BUILT)

@@ -13,7 +13,6 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from bpy_extras.object_utils import world_to_camera_view
 from leaflight import blender
 from leaflight_addon.bake import bake, stopped
 from leaflight_addon.operators import background
@@ -106,13 +105,14 @@ def chosen_operator():
 
 def stage_and_bake():
     yield from click(header_button(275))
-    yield from stepwise.until(lambda: "floor" in bpy.data.objects)
+    yield from stepwise.until(lambda: "backdrop" in bpy.data.objects)
     yield from stepwise.wait(2.0)
     found["staged"] = {
         "hidden": sorted(o.name for o in bpy.data.objects if o.hide_render),
         "camera": bpy.context.scene.camera.name,
         "perspective": view_area().spaces.active.region_3d.view_perspective,
         "shading": view_area().spaces.active.shading.type,
+        "overlays": view_area().spaces.active.overlay.show_overlays,
     }
     # For the time of the test: no newcomer's settings.
     volume().leaflight.quality = "DRAFT"
@@ -157,11 +157,9 @@ def note_rounds():
 
 def take_pictures():
     """The viewport as it is; through the camera with and without the volume."""
-    space = view_area().spaces.active
     with bpy.context.temp_override(window=the_window()):
         bpy.ops.screen.screenshot(filepath=str(FOLDER / "screen.png"))
     yield from stepwise.wait(0.5)
-    space.overlay.show_overlays = False
     scene = bpy.context.scene
     scene.render.resolution_percentage = 50
     for name, hidden in (("with.png", False), ("without.png", True)):
@@ -169,20 +167,6 @@ def take_pictures():
         yield from stepwise.wait(1.0)
         picture(FOLDER / name)
     volume().hide_set(False)
-    space.overlay.show_overlays = True
-    wall = bpy.data.objects["back wall"]
-    corners = [wall.matrix_world @ v.co for v in wall.data.vertices]
-    # Across the wall, along the floor and upwards, as the camera sees it.
-    origin, across, up = corners[0], corners[1] - corners[0], corners[3] - corners[0]
-    found["wall"] = {
-        name: tuple(world_to_camera_view(scene, scene.camera, origin + a * across + b * up))[:2]
-        for name, (a, b) in {
-            "left corner": (0.05, 0.06),
-            "right corner": (0.95, 0.06),
-            "left of the middle": (0.4, 0.54),
-            "right of the middle": (0.6, 0.54),
-        }.items()
-    }
 
 
 def picture(path):

@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# flake8: noqa: F722,F821  (Blender declares properties as annotations)
+"""Which axis of a volume points up, and which to the viewer: Object.leaflight_orientation.
+
+The object's transform alone holds the one; the other is kept beside it, since a stage turns to
+the front of a patient rather than the patient to the stage.
+"""
+
+import bpy
+import numpy as np
+from bpy.props import BoolProperty, EnumProperty, IntProperty
+from mathutils import Matrix
+
+from ..operators import background, checks
+from ..show import isovalues, leaves
+
+AXES = {
+    "POS_X": (1, 0, 0),
+    "NEG_X": (-1, 0, 0),
+    "POS_Y": (0, 1, 0),
+    "NEG_Y": (0, -1, 0),
+    "POS_Z": (0, 0, 1),
+    "NEG_Z": (0, 0, -1),
+}
+ITEMS = [
+    ("POS_X", "+X", "To the right of a patient"),
+    ("NEG_X", "-X", "To the left of a patient"),
+    ("POS_Y", "+Y", "To the front of a patient"),
+    ("NEG_Y", "-Y", "To the back of a patient"),
+    ("POS_Z", "+Z", "To the head of a patient; from slice to slice of most files"),
+    ("NEG_Z", "-Z", "To the feet of a patient"),
+]
+_NAMES = list(AXES)
+
+# Of volumes without an orientation, and of patients: readers count right, front and up.
+FRONT, PATIENTS_FRONT = "NEG_Y", "POS_Y"
+
+_OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}
+_UP_TEXT = "Axis of the volume that points up"
+_FRONT_TEXT = "Axis of the volume that points to the viewer of a stage"
+
+
+def _up(group):
+    heights = np.array(group.id_data.matrix_world, np.float64)[2, :3] @ np.array([*AXES.values()]).T
+    return int(np.argmax(heights))
+
+
+def _front(group):
+    return group.front_axis
+
+
+def _set_up(group, number):
+    _choose(group, with_up, number)
+
+
+def _set_front(group, number):
+    _choose(group, with_front, number)
+
+
+def _choose(group, way, number):
+    up, front = _axes_of(group)
+    if way(up, front, _vector(number)) == (up, front):
+        group.is_unknown = False
+    else:
+        _turn(group.id_data, *way(up, front, _vector(number)))
+
+
+def _axes_of(group):
+    """(up, front), at a right angle however the volume was turned by hand."""
+    up, front = _vector(_up(group)), _vector(_front(group))
+    if _along(up, front):
+        front = AXES[FRONT] if not _along(up, AXES[FRONT]) else AXES["NEG_X"]
+    return up, front
+
+
+def with_up(up, front, new):
+    """(up, front), each an axis (3,), with another axis up.
+
+    Where that was the front or the back, the volume tips over it.
+    """
+    toward = _along(new, front)
+    return new, _scaled(up, -toward) if toward else front
+
+
+def with_front(up, front, new):
+    """(up, front) with another axis to the front; the volume tips where that was up or down."""
+    toward = _along(new, up)
+    return _scaled(front, -toward) if toward else up, new
+
+
+def _along(a, b):
+    return sum(x * y for x, y in zip(a, b))
+
+
+def _scaled(axis, factor):
+    return tuple(factor * x for x in axis)
+
+
+class LeaflightOrientation(bpy.types.PropertyGroup):
+    up: EnumProperty(name="Up", description=_UP_TEXT, items=ITEMS, get=_up, set=_set_up)
+    front: EnumProperty(
+        name="Front", description=_FRONT_TEXT, items=ITEMS, get=_front, set=_set_front
+    )
+    front_axis: IntProperty(
+        name="Number of the Front", default=_NAMES.index(FRONT), override=_OVERRIDABLE
+    )
+    is_unknown: BoolProperty(
+        name="No Orientation in the File, and None Chosen", override=_OVERRIDABLE
+    )
+
+
+class LEAFLIGHT_OT_turn_volume(checks.VolumeOperator, bpy.types.Operator):
+    bl_idname = "leaflight.turn_volume"
+    bl_label = "Turn 90 Degrees"
+    bl_description = "Turn the volume by 90 degrees as the viewer of a stage sees it"
+    bl_options = {"REGISTER", "UNDO"}
+
+    way: EnumProperty(
+        name="Way",
+        items=[
+            ("TIP", "Tip", "The top comes towards the viewer"),
+            ("ROLL", "Roll", "The top goes to the viewer's right"),
+            ("TURN", "Turn", "The front goes to the viewer's right"),
+        ],
+    )
+
+    @classmethod
+    def description(cls, _context, properties):
+        items = cls.bl_rna.properties["way"].enum_items
+        return items[properties.way].description
+
+    @classmethod
+    def poll(cls, context):
+        return background.is_free(cls) and super().poll(context)
+
+    def execute(self, context):
+        obj = context.object
+        was_lit = bool(obj.leaflight.bake_id)
+        orientation = obj.leaflight_orientation
+        up, front = _axes_of(orientation)
+        left = tuple(np.cross(front, up).tolist())
+        # The axis that comes to the top, and the one that comes to the front.
+        axes = {"TIP": (_scaled(front, -1), up), "ROLL": (left, front), "TURN": (up, left)}
+        _turn(obj, *axes[self.way])
+        if was_lit:
+            self.report({"INFO"}, "The volume stands otherwise than in its bake: bake again")
+        return {"FINISHED"}
+
+
+def front_of(obj):
+    """The axis (3,), in the object's coordinates, that faces the viewer."""
+    return _vector(_front(obj.leaflight_orientation))
+
+
+def begin(obj, is_patient, up, front):
+    """Orients a volume that was imported; up, front: of AXES, or empty for those of its file."""
+    orientation = obj.leaflight_orientation
+    orientation.front_axis = _NAMES.index(PATIENTS_FRONT if is_patient else FRONT)
+    orientation.is_unknown = not (is_patient or up or front)
+    axes = _axes_of(orientation)
+    if up:
+        axes = with_up(*axes, AXES[up])
+    if front:
+        axes = with_front(*axes, AXES[front])
+    if up or front:
+        orient(obj, *axes)
+
+
+def take_over(obj, other):
+    """Gives a volume the front of another one, to which it is registered."""
+    obj.leaflight_orientation.front_axis = _front(other.leaflight_orientation)
+
+
+def _turn(obj, up, front):
+    """orient(), and a stage that follows. A volume that is not yet one has none."""
+    from . import stage  # which asks for the front
+
+    orient(obj, up, front)
+    if obj.leaflight.is_volume:
+        stage.follow(bpy.context, obj)
+
+
+def orient(obj, up, front):
+    """Turns a volume so that an axis points up and another, at a right angle, to -y.
+
+    up, front: (3,). Its box keeps its place on the floor. What was registered to it, and what cuts
+    it, turns with it.
+    """
+    bpy.context.view_layer.update()
+    before = obj.matrix_world.copy()
+    others = _turning_with(obj)
+    for volume in (obj, *others):
+        volume.leaflight_orientation.front_axis = list(AXES.values()).index(front)
+        volume.leaflight_orientation.is_unknown = False
+    low, high = leaves.world_box(obj)
+    turn = Matrix([np.cross(up, front).tolist(), _scaled(front, -1), up])
+    obj.matrix_world = turn.to_4x4() @ Matrix.Diagonal((*before.to_scale(), 1.0))
+    bpy.context.view_layer.update()
+    new_low, new_high = leaves.world_box(obj)
+    shift = 0.5 * (low + high - new_low - new_high)
+    shift[2] = low[2] - new_low[2]
+    obj.matrix_world = Matrix.Translation(shift) @ obj.matrix_world
+    change = obj.matrix_world @ before.inverted()
+    boxes = {volume.leaflight_look.box for volume in (obj, *others)} - {None}
+    for other in (*others, *(box for box in boxes if box.parent is None)):
+        other.matrix_world = change @ other.matrix_world
+    bpy.context.view_layer.update()
+
+
+def _turning_with(obj):
+    """The other volumes that share the transform of one."""
+    volumes = {other for scene in obj.users_scene for other in isovalues.volumes(scene)}
+    return [o for o in volumes - {obj} if o.matrix_world == obj.matrix_world and o.parent is None]
+
+
+def _vector(number):
+    return AXES[_NAMES[number]]
+
+
+_CLASSES = (LeaflightOrientation, LEAFLIGHT_OT_turn_volume)
+
+
+def register():
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.types.Object.leaflight_orientation = bpy.props.PointerProperty(
+        type=LeaflightOrientation, override=_OVERRIDABLE
+    )
+
+
+def unregister():
+    del bpy.types.Object.leaflight_orientation
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)
