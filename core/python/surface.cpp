@@ -6,6 +6,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "leaflight/surface/islands.h"
 #include "leaflight/surface/marching_squares.h"
 #include "leaflight/surface/polygon_edges.h"
 #include "leaflight/surface/project.h"
@@ -115,6 +116,28 @@ void bind_surface(py::module_& module) {
       py::arg("seed") = 0,
       "uint8 (n,): 1 where one of `directions` random rays from the leaf's outer side leaves the\n"
       "domain, so that the world point can be seen from outside.");
+  module.def(
+      "large_parts",
+      [](const FloatArray& vertices, const IndexArray& triangles, float smallest) {
+        const auto count = static_cast<std::size_t>(rows(vertices, 3, "vertices"));
+        rows(triangles, 3, "triangles");
+        check_polygons(triangles, static_cast<std::int32_t>(count));
+        LargeParts parts;
+        {
+          const py::gil_scoped_release unlocked;
+          parts =
+              large_parts(reinterpret_cast<const Vec<3, float>*>(vertices.data()), count,
+                          reinterpret_cast<const std::array<std::int32_t, 3>*>(triangles.data()),
+                          static_cast<std::size_t>(triangles.shape(0)), smallest);
+        }
+        const auto n = static_cast<py::ssize_t>(parts.vertices.size());
+        const auto m = static_cast<py::ssize_t>(parts.triangles.size());
+        return py::make_tuple(adopt<std::int32_t>(std::move(parts.vertices), {n}),
+                              adopt<std::int32_t>(std::move(parts.triangles), {m, 3}));
+      },
+      py::arg("vertices"), py::arg("triangles"), py::arg("smallest"),
+      "(vertices int32 (k,) that stay, triangles int32 (j, 3) by places among these) of a mesh\n"
+      "without its connected parts that are shorter than `smallest` along all axes.");
   module.def(
       "polygon_edges",
       [](const IndexArray& polygons, std::int32_t vertices) {

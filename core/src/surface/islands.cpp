@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "leaflight/surface/islands.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace leaflight {
+namespace {
+
+// Disjoint sets with path halving (Tarjan and van Leeuwen 1984); a set is named by its least
+// member.
+class Sets {
+ public:
+  explicit Sets(std::size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+  std::int32_t find(std::int32_t v) {
+    while (parent_[v] != v) v = parent_[v] = parent_[parent_[v]];
+    return v;
+  }
+  void join(std::int32_t a, std::int32_t b) {
+    a = find(a);
+    b = find(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<std::int32_t> parent_;
+};
+
+}  // namespace
+
+LargeParts large_parts(const Vec<3, float>* vertices, std::size_t vertex_count,
+                       const std::array<std::int32_t, 3>* triangles, std::size_t triangle_count,
+                       float smallest) {
+  Sets sets(vertex_count);
+  for (std::size_t t = 0; t < triangle_count; ++t) {
+    sets.join(triangles[t][0], triangles[t][1]);
+    sets.join(triangles[t][1], triangles[t][2]);
+  }
+  // The box of each set, at the place of its least member.
+  std::vector<Vec<3, float>> low(vertices, vertices + vertex_count), high(low);
+  for (std::size_t v = 0; v < vertex_count; ++v) {
+    const std::int32_t part = sets.find(static_cast<std::int32_t>(v));
+    for (int a = 0; a < 3; ++a) {
+      low[part][a] = std::min(low[part][a], vertices[v][a]);
+      high[part][a] = std::max(high[part][a], vertices[v][a]);
+    }
+  }
+  constexpr std::int32_t absent = -1;
+  LargeParts kept;
+  std::vector<std::int32_t> number(vertex_count, absent);
+  for (std::size_t v = 0; v < vertex_count; ++v) {
+    const std::int32_t part = sets.find(static_cast<std::int32_t>(v));
+    const Vec<3, float> size = high[part] - low[part];
+    if (std::max({size.x, size.y, size.z}) < smallest) continue;
+    number[v] = static_cast<std::int32_t>(kept.vertices.size());
+    kept.vertices.push_back(static_cast<std::int32_t>(v));
+  }
+  for (std::size_t t = 0; t < triangle_count; ++t) {
+    const auto [a, b, c] = triangles[t];
+    if (number[a] != absent) kept.triangles.push_back({number[a], number[b], number[c]});
+  }
+  return kept;
+}
+
+}  // namespace leaflight
