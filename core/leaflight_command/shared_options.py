@@ -106,6 +106,12 @@ def layout_options():
         metavar="N",
         help="keep the mean of N voxels along each axis: 2, 4 or 8 (1)",
     )
+    parser.add_argument(
+        "--smooth",
+        type=number,
+        metavar="S",
+        help="smooth by a Gaussian of S voxels, against noise and terraces of 8-bit values (0)",
+    )
     return whole
 
 

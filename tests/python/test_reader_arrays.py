@@ -6,6 +6,7 @@ import pytest
 import tifffile
 from leaflight import LeaflightError, read_volume
 from leaflight.io.readers import probe
+from scipy.ndimage import gaussian_filter
 
 
 @pytest.mark.parametrize("dtype", ["u1", ">i2", "<f8", "?"])
@@ -182,6 +183,26 @@ def test_tiff_of_times_and_channels_without_a_depth(tmp_path, values):
     both = np.stack([values, values + 1], axis=1)
     tifffile.imwrite(path, both, ome=True, metadata={"axes": "TCYX"})
     np.testing.assert_array_equal(read_volume(path, channel=1).values, values + 1)
+
+
+def test_smoothing(tmp_path):
+    """As SciPy does it; where a voxel has no data, the others are weighed alone."""
+    values = np.random.default_rng(5).integers(0, 255, (9, 8, 12)).astype(np.uint8)
+    path = tmp_path / "x.npy"
+    np.save(path, values)
+    smooth = read_volume(path, smooth=1.2)
+    options = {"sigma": 1.2, "mode": "nearest", "truncate": 3.0}
+    expected = gaussian_filter(values.astype(np.float64), **options)
+    np.testing.assert_allclose(smooth.values, expected, atol=1e-3)
+    assert smooth.source == f"{path}, smoothed by 1.2 voxels"
+    holes = np.where(np.random.default_rng(6).random(values.shape) < 0.2, np.nan, values)
+    np.save(path, holes)
+    known = np.isfinite(holes)
+    weight = gaussian_filter(known.astype(np.float64), **options)
+    expected = np.where(known, gaussian_filter(np.nan_to_num(holes), **options) / weight, np.nan)
+    np.testing.assert_allclose(read_volume(path, smooth=1.2).values, expected, atol=1e-3)
+    with pytest.raises(LeaflightError, match="0 to 10 voxels, not -1"):
+        read_volume(path, smooth=-1.0)
 
 
 def test_downsampling(tmp_path):

@@ -28,7 +28,7 @@ _OF_CONTINUED = {"kept", "out", "error", "time", "surroundings"}
 _RECIPE = {
     *("volumes", "scene", "kept", "capped", "isovalues", "both_sides", "surroundings", "seed"),
     *("error", "time", "resolution", "dims", "type", "endian", "spacing", "grid", "frame"),
-    *("channel", "level", "dataset", "downsample", "memory"),
+    *("channel", "level", "dataset", "downsample", "smooth", "memory"),
 }
 
 

@@ -17,13 +17,15 @@ from ...volume.voxels import as_voxels, held_type, new_voxels
 from .checks import choose, text
 from .downsampling import downsampled
 from .formats import format_of
+from .smoothing import smoothed, source_of
 from .watched import watched
 
 DOWNSAMPLE = (1, 2, 4, 8)
+MOST_SMOOTH = 10.0
 # What read_volume() can be told beside the path.
 OPTIONS = (
     *("dims", "type", "endian", "spacing", "grid"),
-    *("frame", "channel", "level", "dataset", "downsample"),
+    *("frame", "channel", "level", "dataset", "downsample", "smooth"),
 )
 
 _NOT_IN_DEBIAN = {"imagecodecs"}
@@ -59,6 +61,7 @@ def read_volume(
     level=None,
     dataset=None,
     downsample=None,
+    smooth=None,
     progress=None,
 ):
     """Reads a scalar volume from a file of one of SUFFIXES or from a folder of slices.
@@ -72,6 +75,8 @@ def read_volume(
     level: which resolution of an OME-Zarr, from 0, the finest, which is the default.
     dataset: name of the array or series, where a file or folder holds several.
     downsample: 2, 4 or 8 keep the mean of so many voxels along each axis; 1 is the default.
+    smooth: standard deviation of a Gaussian that the values are smoothed by, in the voxels that
+        are kept; 0 is the default.
     progress: as of bake().
     Returns a Volume. Raises LeaflightError: one sentence with the file and the remedy.
     Raises Cancelled.
@@ -84,6 +89,11 @@ def read_volume(
             f"{path}: downsample must be one of {', '.join(map(str, DOWNSAMPLE))}, not "
             f"{downsample}.",
             "downsample",
+        )
+    smooth = smooth or 0.0
+    if not 0.0 <= smooth <= MOST_SMOOTH:
+        raise SettingError(
+            f"{path}: smooth must be 0 to {MOST_SMOOTH:g} voxels, not {smooth:g}.", "smooth"
         )
     with _sentences(path) as kind:
         stored = _opened(path, kind(), chosen)
@@ -99,9 +109,10 @@ def read_volume(
         if step > 1:
             values = downsampled(path, values, step, progress)
             matrix = matrix @ _from_downsampled(step)
-        values = _held(values, progress)
+        values = smoothed(values, smooth, progress) if smooth > 0 else _held(values, progress)
+        source = source_of(path, smooth)
         volume = replace(
-            volume, values=values, index_to_world=matrix, source=str(path), unit=stored.unit
+            volume, values=values, index_to_world=matrix, source=source, unit=stored.unit
         )
     progress.begin("Looking at the values")
     progress.check()
