@@ -5,6 +5,7 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight import LeaflightError, Volume, default_isovalue, default_window
+from leaflight.volume.volume import inner_isovalue
 
 
 def volume(values):
@@ -68,6 +69,18 @@ def test_isovalue_parts_the_object_from_noisy_air():
     values = rng.normal(390, 20, (20, 20, 20))
     values[5:15, 5:15, 5:15] = rng.normal(1000, 50, (10, 10, 10))
     assert 450 < default_isovalue(volume(values)) < 900
+
+
+def test_the_next_isovalue_is_inside():
+    """Bone in skin in air; within bone all is alike."""
+    rng = np.random.default_rng(7)
+    values = rng.normal(-1000, 10, (24, 24, 24))
+    values[4:20, 4:20, 4:20] = rng.normal(40, 20, (16, 16, 16))
+    values[9:15, 9:15, 9:15] = rng.normal(900, 50, (6, 6, 6))
+    values[12, 12, 12] = 1300.0
+    head = volume(np.float32(values))
+    assert 150 < inner_isovalue(head, -300.0) < 750
+    assert inner_isovalue(head, 1299.0) is None
 
 
 def test_values_are_not_copied():

@@ -251,18 +251,34 @@ def default_window(volume):
 
 def default_isovalue(volume):
     """The isovalue that best parts the object from its background (Otsu 1979), in the window."""
-    counts, edges = volume.distribution.histogram(256)
-    middles = 0.5 * (edges[1:] + edges[:-1])
-    below, below_sum = np.cumsum(counts)[:-1], np.cumsum(counts * middles)
-    above = counts.sum() - below
-    # The first and the last bin hold the extremes, so neither side is empty.
-    distance = below_sum[:-1] / below - (below_sum[-1] - below_sum[:-1]) / above
-    best = np.argmax(below * above.astype(np.float64) * distance**2)
-    isovalue = edges[best + 1]
+    isovalue = _best_split(*volume.distribution.histogram(256))
     if _is_integer(volume):
         isovalue = np.floor(isovalue) + 0.5
     lo, hi = default_window(volume)
     return float(isovalue) if lo < isovalue < hi else 0.5 * (lo + hi)
+
+
+def inner_isovalue(volume, isovalue):
+    """The one that best parts what is inside an isosurface (Otsu 1979), None where that is alike.
+
+    Of a head it is the skull within the skin.
+    """
+    counts, edges = volume.distribution.histogram(256)
+    inside = np.flatnonzero((edges[:-1] >= isovalue) & (counts > 0))
+    if len(inside) < 2:
+        return None
+    first, last = inside[0], inside[-1] + 1
+    inner = _best_split(counts[first:last], edges[first : last + 1])
+    return float(np.floor(inner) + 0.5 if _is_integer(volume) else inner)
+
+
+def _best_split(counts, edges):
+    """The edge of a histogram that best parts its two sides; its first and last bin hold some."""
+    middles = 0.5 * (edges[1:] + edges[:-1])
+    below, below_sum = np.cumsum(counts)[:-1], np.cumsum(counts * middles)
+    above = counts.sum() - below
+    distance = below_sum[:-1] / below - (below_sum[-1] - below_sum[:-1]) / above
+    return edges[np.argmax(below * above.astype(np.float64) * distance**2) + 1]
 
 
 def _quantiles(volume, shares):
