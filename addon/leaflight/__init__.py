@@ -59,7 +59,15 @@ else:
     from .show import flat_properties, look_properties, properties
     from .stage import aside, open_example, orientation, stage, stage_settings
     from .store import preferences
-    from .ui import add_isosurface, handlers, header, leaf_look, panels, pick_isovalue
+    from .ui import (
+        add_isosurface,
+        handlers,
+        header,
+        leaf_look,
+        panels,
+        pick_isovalue,
+        smooth_volume,
+    )
 
     # In the order of registration: the properties are what all others draw and edit.
     _MODULES = (
@@ -90,6 +98,7 @@ else:
         render_comparison,
         export_bake,
         pick_isovalue,
+        smooth_volume,
         panels,
         header,
         handlers,

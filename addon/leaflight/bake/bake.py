@@ -11,6 +11,7 @@ from leaflight.bake.outcome import outcome
 from leaflight.io.output import check_writable
 
 from ..operators import background, checks
+from ..operators.active_volume import active_volume
 from ..show import preview, surface_material, surface_object, walls
 from ..stage import scene_export
 from ..store import atlases, bake_files, cache, frame_bakes, preferences, source_files
@@ -21,6 +22,9 @@ LeaflightError = leaflight.LeaflightError
 
 # Of the time that a bake takes, at most one part in so many goes into showing its rounds.
 _SHOWN_SHARE = 5
+
+# How far the bar is once there is light, and once it is in files, too: then it is shown.
+_LIT, _WRITTEN = 0.9, 0.97
 
 
 def arguments_of(obj, volumes, scene):
@@ -77,7 +81,7 @@ class BakeJob(background.Job):
         self.fingerprint = scene_export.fingerprint(volumes, scene)
         self.bake = None
         self.round = None
-        self._shown, self._quiet_until = None, 0.0
+        self._shown, self._quiet_until, self._reached = None, 0.0, 0.0
         self._seconds_before = 0.0
         self._arguments = arguments_of(obj, volumes, scene)
         self.checkpoint = Checkpoint(checkpoint_path(obj), self._recipe(obj), resume)
@@ -97,8 +101,15 @@ class BakeJob(background.Job):
         keep(self._light(on_round=keep, progress=progress))
         if progress.cancelled:
             raise leaflight.Cancelled
+        self._reached = _LIT
+        progress.begin("Writing the bake")
         self.write()
+        self._reached = _WRITTEN
+        progress.begin("Showing the light")
         self.seconds = self._seconds_before + time.perf_counter() - start
+
+    def fraction(self, progress):
+        return max(_LIT * progress.fraction, self._reached)
 
     def _light(self, **how):
         return leaflight.bake(**self._arguments, checkpoint=self.checkpoint, **how)
@@ -196,7 +207,7 @@ class LEAFLIGHT_OT_bake(background.BackgroundOperator, bpy.types.Operator):
         return cls.is_free() and stopped.is_decided(cls) and checks.has_volume(cls, context)
 
     def start(self, context):
-        return BakeJob(context, context.object)
+        return BakeJob(context, active_volume(context))
 
 
 def _check_own(obj):

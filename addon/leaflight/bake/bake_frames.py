@@ -5,6 +5,7 @@ import bpy
 
 from .. import versions
 from ..operators import background, checks
+from ..operators.active_volume import active_volume
 from ..show import isovalues
 from . import bake, stopped
 
@@ -23,16 +24,16 @@ class LEAFLIGHT_OT_bake_frames(background.BackgroundOperator, bpy.types.Operator
     def poll(cls, context):
         if not (cls.is_free() and stopped.is_decided(cls) and checks.has_volume(cls, context)):
             return False
-        if context.object.leaflight.frames < 2:
+        if active_volume(context).leaflight.frames < 2:
             cls.poll_message_set("The file of this volume holds one frame")
             return False
         return True
 
     def start(self, context):
-        self._name, self._scene_frame = context.object.name, context.scene.frame_current
+        self._name, self._scene_frame = active_volume(context).name, context.scene.frame_current
         self._steps = self._each_frame(context.scene)
         next(self._steps)
-        return bake.BakeJob(context, context.object)
+        return bake.BakeJob(context, active_volume(context))
 
     def next_job(self, context):
         obj = context.scene.objects.get(self._name)

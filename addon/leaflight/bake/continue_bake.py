@@ -5,6 +5,7 @@ import bpy
 import leaflight
 
 from ..operators import background, checks
+from ..operators.active_volume import active_volume
 from ..show import lamps
 from ..stage import staleness
 from ..store import cache, preferences
@@ -47,19 +48,21 @@ class LEAFLIGHT_OT_continue_bake(background.BackgroundOperator, bpy.types.Operat
     def poll(cls, context):
         if not (cls.is_free() and stopped.is_decided(cls) and checks.has_bake(cls, context)):
             return False
-        if not can_continue(context.object):
+        obj = active_volume(context)
+        if not can_continue(obj):
             cls.poll_message_set("Only a bake that goes by its error can be continued")
             return False
-        change = staleness.known_change(context.object) or _relit(context.object)
+        change = staleness.known_change(obj) or _relit(obj)
         if change:
             cls.poll_message_set(change)
         return not change
 
     def start(self, context):
-        change = staleness.change_since_bake(context, context.object) or _relit(context.object)
+        obj = active_volume(context)
+        change = staleness.change_since_bake(context, obj) or _relit(obj)
         if change:
             raise leaflight.LeaflightError(f"{change}.")
-        return ContinueJob(context, context.object)
+        return ContinueJob(context, obj)
 
 
 def _relit(obj):

@@ -6,6 +6,7 @@ import leaflight
 from leaflight.bake.estimate import pilot
 
 from ..operators import background, checks
+from ..operators.active_volume import active_volume
 from ..show import properties
 from ..stage import scene_export
 from ..translations import iface_
@@ -22,6 +23,7 @@ _SETTINGS = (
     "both_sides",
     "light_surroundings",
     "capped",
+    "smooth",
 )
 
 # Full name of an object -> (its settings then, the error that the pilot is for, the Pilot).
@@ -103,13 +105,13 @@ class LEAFLIGHT_OT_estimate_bake(background.BackgroundOperator, bpy.types.Operat
     def poll(cls, context):
         if not (cls.is_free() and checks.has_volume(cls, context)):
             return False
-        if context.object.leaflight.fixed_samples:
+        if active_volume(context).leaflight.fixed_samples:
             cls.poll_message_set("Only of bakes that go by their error is there an estimate")
             return False
         return True
 
     def start(self, context):
-        return EstimateJob(context, context.object)
+        return EstimateJob(context, active_volume(context))
 
 
 def register():

@@ -13,6 +13,7 @@ from bpy_extras.io_utils import ImportHelper
 from leaflight.bake.stamps import values_sha256
 
 from ..operators import background, checks
+from ..operators.active_volume import active_volume
 from ..show import isovalues, lamps, leaves, surface_object
 from ..stage import same_scene, scene_export, scene_objects, staleness
 from ..store import atlases, bake_files, cache, source_files
@@ -78,7 +79,8 @@ class LEAFLIGHT_OT_load_bake(bpy.types.Operator, ImportHelper):
             for warning in scene_objects.build(context, bake.scene):
                 self.report({"WARNING"}, warning)
         context.view_layer.update()
-        leader = context.object if context.object in volumes else volumes[0]
+        active = active_volume(context)
+        leader = active if active in volumes else volumes[0]
         _compare(context, bake, volumes, leader)
         lighting.show(volumes, leader, context.scene)
         isovalues.lock_interface(context.scene)
@@ -101,27 +103,28 @@ class LEAFLIGHT_OT_relocate_bake(bpy.types.Operator, ImportHelper):
     def poll(cls, context):
         if not checks.has_bake(cls, context):
             return False
-        if context.object.library is not None:
+        if active_volume(context).library is not None:
             cls.poll_message_set("The volume is linked from another file: relocate its bake there")
             return False
         return True
 
     def execute(self, context):
         path = Path(os.path.normpath(bpy.path.abspath(self.filepath)))
-        identifier = context.object.leaflight.bake_id
+        obj = active_volume(context)
+        identifier = obj.leaflight.bake_id
         try:
             if bake_files.id_in(path) != identifier:
                 raise LeaflightError(
                     f"{path}: this file holds another bake than the one that lights "
-                    f'"{context.object.name}": choose that one, or use Load Bake.'
+                    f'"{obj.name}": choose that one, or use Load Bake.'
                 )
         except LeaflightError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         surface_object.forget()
-        for obj in lighting.objects_lit_by(identifier):
-            bake_files.remember(obj, path)
-            surface_object.update_all(obj)
+        for lit in lighting.objects_lit_by(identifier):
+            bake_files.remember(lit, path)
+            surface_object.update_all(lit)
         staleness.forget()
         return {"FINISHED"}
 
@@ -132,8 +135,8 @@ def _matching(context, bake):
     Objects count where the active one is a volume of the bake. Raises LeaflightError.
     """
     found = [None] * len(bake.volumes)
-    active = context.object
-    if active is None or not active.leaflight.is_volume:
+    active = active_volume(context)
+    if active is None:
         return found
     others = [obj for obj in isovalues.volumes(context.scene) if obj != active]
     for obj in [active, *others]:

@@ -11,6 +11,7 @@ from leaflight.scene.scene import core_scene
 
 from .. import versions
 from ..operators import background, checks
+from ..operators.active_volume import active_volume
 from ..show import display, fill, isovalues, shader
 from ..stage import scene_export
 from ..store import cache
@@ -79,7 +80,7 @@ class LEAFLIGHT_OT_photon_cloud(background.BackgroundOperator, bpy.types.Operato
         return self.run_modal(context) if self.asked else super().execute(context)
 
     def start(self, context):
-        return PhotonJob(context, context.object, self)
+        return PhotonJob(context, active_volume(context), self)
 
 
 class PhotonJob(background.Job):

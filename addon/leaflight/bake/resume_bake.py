@@ -6,6 +6,7 @@ import leaflight
 from leaflight.bake.checkpoint import read_recipe
 
 from ..operators import background, checks
+from ..operators.active_volume import active_volume
 from . import bake, stopped
 from .continue_bake import ContinueJob
 
@@ -23,13 +24,13 @@ class LEAFLIGHT_OT_resume_bake(background.BackgroundOperator, bpy.types.Operator
     def poll(cls, context):
         if not (cls.is_free() and stopped.is_decided(cls) and checks.has_volume(cls, context)):
             return False
-        if not is_interrupted(context.object):
+        if not is_interrupted(active_volume(context)):
             cls.poll_message_set("No bake of this volume was interrupted")
             return False
         return True
 
     def start(self, context):
-        obj = context.object
+        obj = active_volume(context)
         path = bake.checkpoint_path(obj)
         recipe = read_recipe(path)
         if "kept" not in recipe:

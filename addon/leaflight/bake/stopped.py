@@ -69,9 +69,11 @@ class KeepJob(background.Job):
         self.warnings = job.warnings
 
     def run(self, progress):
+        progress.begin("Writing the bake")
         self._job.write()
         if progress.cancelled:
             raise leaflight.Cancelled
+        progress.begin("Showing the light")
 
     def apply(self):
         offer(None)

@@ -10,6 +10,7 @@ from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 
 from .. import versions
 from ..operators import background, checks
+from ..operators.active_volume import active_volume
 from ..stage import scene_export
 from ..store import bake_files
 from . import figures, files, process, stills
@@ -82,7 +83,7 @@ class LEAFLIGHT_OT_render_comparison(background.BackgroundOperator, bpy.types.Op
             names = ("samples", "baked_samples", "share", "folder")
             chosen = {name: getattr(self, name) for name in names}
             return bpy.ops.leaflight.render_comparison("INVOKE_DEFAULT", asked=True, **chosen)
-        leaf = context.object
+        leaf = active_volume(context)
         try:
             told = rendered(
                 context,
@@ -102,7 +103,7 @@ class LEAFLIGHT_OT_render_comparison(background.BackgroundOperator, bpy.types.Op
         return {"FINISHED"}
 
     def start(self, context):
-        leaf = context.object
+        leaf = active_volume(context)
         scene_export.export_scene(context, leaf)
         stills.check_lit(leaf, leaf.leaflight.isovalue)
         folder = _make_folder(leaf, self.folder)

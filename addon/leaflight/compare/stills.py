@@ -151,7 +151,8 @@ def _volumes_alone(scene):
     """Each volume with its own isosurface alone, whole and opaque, as the bake has it."""
     with contextlib.ExitStack() as stack:
         for obj in isovalues.isosurfaces(scene):
-            stack.enter_context(render.overridden(obj.leaflight_look, opacity=1.0, is_cut=False))
+            shown = {"opacity": 1.0, "is_cut": False, "gloss": 0.0}
+            stack.enter_context(render.overridden(obj.leaflight_look, **shown))
             if added.is_added(obj):
                 stack.enter_context(render.overridden(obj, hide_render=True))
         yield

@@ -13,6 +13,7 @@ from leaflight.export.export import OF_SEQUENCE, OF_VOLUME, PAGE, SUFFIXES
 from leaflight.export.page_volume import estimated_bytes
 
 from ..operators import background, checks
+from ..operators.active_volume import active_volume
 from ..show import isovalues, lamps
 from ..store import cache
 
@@ -110,10 +111,10 @@ class LEAFLIGHT_OT_export(background.BackgroundOperator, bpy.types.Operator, Exp
         if self.asked:
             return self.run_modal(context)
         self._by_hand = True
-        settings = context.object.leaflight
+        settings = active_volume(context).leaflight
         self.first, self.last = isovalues.window(settings)
         if not self.filepath:
-            self.filepath = f"{context.object.name}{self.file_type}"
+            self.filepath = f"{active_volume(context).name}{self.file_type}"
         self.check(context)
         return ExportHelper.invoke(self, context, event)
 
@@ -133,7 +134,7 @@ class LEAFLIGHT_OT_export(background.BackgroundOperator, bpy.types.Operator, Exp
         layout.prop(self, "file_type")
         if self.file_type == PAGE:
             layout.prop(self, "coarser")
-            layout.label(text=self._size_of_page(context.object))
+            layout.label(text=self._size_of_page(active_volume(context)))
             return
         if self.file_type in OF_VOLUME:
             return
@@ -159,7 +160,7 @@ class LEAFLIGHT_OT_export(background.BackgroundOperator, bpy.types.Operator, Exp
 
     def start(self, context):
         path = Path(bpy.path.abspath(self.filepath))
-        obj, suffix = context.object, path.suffix.lower()
+        obj, suffix = active_volume(context), path.suffix.lower()
         if suffix in OF_VOLUME:
             return ExportJob(obj, path, None)
         values = [obj.leaflight.isovalue] if suffix == PAGE else self._values(obj)

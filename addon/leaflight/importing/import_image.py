@@ -80,7 +80,8 @@ class LEAFLIGHT_OT_import_image(bpy.types.Operator, ImportHelper):
 
 
 def _draw_menu(menu, _context):
-    menu.layout.operator(LEAFLIGHT_OT_import_image.bl_idname, text="Image for Leaflight (Flatland)")
+    name = LEAFLIGHT_OT_import_image.bl_idname
+    menu.layout.operator(name, text="Image for Leaflight, Flatland (.png, .jpg, .tif, .exr)")
 
 
 def register():

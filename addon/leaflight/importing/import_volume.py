@@ -84,6 +84,14 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
         description="How many of the voxels to keep, for volumes that are large for the memory",
         items=stored_facts.RESOLUTION_ITEMS,
     )
+    smooth: FloatProperty(
+        name="Smooth",
+        description="Smooth the values by a Gaussian of this standard deviation in voxels: against "
+        "noise, and against terraces of 8-bit values",
+        default=0.0,
+        min=0.0,
+        max=10.0,
+    )
     dims: IntVectorProperty(
         name="Dimensions", description="Voxels along x, y and z of a .raw file", size=3, min=0
     )
@@ -173,6 +181,7 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
         elif self.size_from == "SAME":
             layout.prop(self, "partner")
         layout.prop(self, "resolution")
+        layout.prop(self, "smooth")
         if stored is not None and not stored.patient:
             layout.label(text="The file has no orientation", icon="QUESTION")
         layout.prop(self, "up")
@@ -323,7 +332,8 @@ class ImportJob(background.Job):
 
 
 def _draw_menu(menu, _context):
-    menu.layout.operator(LEAFLIGHT_OT_import_volume.bl_idname, text="Volume for Leaflight")
+    name = LEAFLIGHT_OT_import_volume.bl_idname
+    menu.layout.operator(name, text="Volume for Leaflight (.nii, .nrrd, .dcm, .tif, .raw, ...)")
 
 
 def register():

@@ -10,6 +10,7 @@ import numpy as np
 from leaflight.io.readers import METERS
 from mathutils import Matrix
 
+from ..operators.active_volume import active_volume
 from ..show import leaves
 from ..store import cache, source_files
 
@@ -123,7 +124,7 @@ def longest_side(volume):
 def volume_names(context):
     """Of the volumes that one can go together with, the active one first."""
     names = [obj.name for obj in context.scene.objects if _is_volume(obj)]
-    active = context.object
+    active = active_volume(context)
     if active is not None and active.name in names:
         names.remove(active.name)
         names.insert(0, active.name)

@@ -28,7 +28,7 @@ RESOLUTION_ITEMS = [
 _STEPS = {"FULL": 1, "HALF": 2, "QUARTER": 4}
 
 # Choices that the header has no need of.
-_NOT_ASKED = {"frame", "channel", "downsample"}
+_NOT_ASKED = {"frame", "channel", "downsample", "smooth"}
 
 # (path, state of the file, choices) -> StoredVolume or a sentence, of the last file looked at.
 _last = {}

@@ -4,8 +4,12 @@
 MESSAGES = {
     # File > Import, and the file dialog.
     "Import Volume": "Volumen importieren",
-    "Volume for Leaflight": "Volumen für Leaflight",
-    "Image for Leaflight (Flatland)": "Bild für Leaflight (Flachland)",
+    "Volume for Leaflight (.nii, .nrrd, .dcm, .tif, .raw, ...)": (
+        "Volumen für Leaflight (.nii, .nrrd, .dcm, .tif, .raw, ...)"
+    ),
+    "Image for Leaflight, Flatland (.png, .jpg, .tif, .exr)": (
+        "Bild für Leaflight, Flachland (.png, .jpg, .tif, .exr)"
+    ),
     "Example for Leaflight": "Beispiel für Leaflight",
     "Open Example": "Beispiel öffnen",
     "Read a scalar volume and show one of its isosurfaces": (
@@ -63,8 +67,10 @@ MESSAGES = {
     "Custom: %s %%": "Eigener Fehler: %s %%",
     "Estimate": "Schätzen",
     "About %s and %s to %s %%": "Etwa %s und %s bis %s %%",
-    "Stopped: %s": "Angehalten: %s",
+    "Stopped at %s %%, target %s %%": "Angehalten bei %s %%, Ziel %s %%",
     "Baked in %s s": "In %s s beleuchtet",
+    "Quality reached: %s": "Qualität erreicht: %s",
+    "Quality not reached: %s": "Qualität nicht erreicht: %s",
     "Lamps have changed since the bake: all light is scaled, exactly": (
         "Lampen sind seit dem Beleuchten geändert: alles Licht ist genau angepasst"
     ),
@@ -75,15 +81,14 @@ MESSAGES = {
     "Bring Back": "Zurückholen",
     "Isosurfaces": "Isoflächen",
     "Capped": "Geschlossen",
+    "Hide Dust": "Staub ausblenden",
+    "Gloss": "Glanz",
     "Bakes: %s": "Beleuchtungen: %s",
     "Bakes: %s, of which unused: %s": "Beleuchtungen: %s, davon unbenutzt: %s",
-    "Select a Leaflight volume to see its settings": (
-        "Ein Leaflight-Volumen auswählen, um seine Einstellungen zu sehen"
-    ),
     # Why a button is greyed.
     "Leave Edit Mode first": "Erst den Bearbeitungsmodus verlassen",
     "Leaflight is at work; Esc ends it": "Leaflight arbeitet; Esc beendet es",
-    "Select a Leaflight volume first (File > Import > Volume for Leaflight)": (
-        "Erst ein Leaflight-Volumen auswählen (Datei > Importieren > Volumen für Leaflight)"
+    "Select or import a volume first (File > Import > Volume for Leaflight)": (
+        "Erst ein Volumen auswählen oder importieren (Datei > Importieren > Volumen für Leaflight)"
     ),
 }

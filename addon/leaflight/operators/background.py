@@ -32,9 +32,13 @@ class Job:
     name = "Bake"
     cancelled = "The bake was cancelled; nothing has changed"
 
+    def fraction(self, progress):
+        """How much of it is done, 0..1; in any thread."""
+        return progress.fraction
+
     def status(self, progress):
         """How far it is, for the panel; in any thread."""
-        return f"{100.0 * progress.fraction:3.0f} % {progress.stage}"
+        return f"{100.0 * self.fraction(progress):3.0f} % {progress.stage}"
 
     def show(self):
         """Called time and again while run() works, to show what it has reached."""
@@ -47,10 +51,12 @@ class Job:
 class BackgroundWork:
     """A function of a Progress, at work in a thread of its own."""
 
-    def __init__(self, work, status=Job().status):
+    def __init__(self, work, job=Job()):
         self.progress = leaflight.Progress()
-        self._status = status
+        self._job = job
         self._error = None
+        # Whether the window has shown that it ended.
+        self.is_shown_over = False
         self._thread = threading.Thread(target=self._run, args=(work,), name="Leaflight")
         self._thread.start()
 
@@ -69,8 +75,11 @@ class BackgroundWork:
     def cancel(self):
         self.progress.cancel()
 
+    def fraction(self):
+        return self._job.fraction(self.progress)
+
     def status(self):
-        return self._status(self.progress)
+        return self._job.status(self.progress)
 
     def result(self):
         """Waits for the end and raises what the work raised."""
@@ -93,6 +102,8 @@ class BackgroundOperator:
     """
 
     is_free = classmethod(is_free)
+    # The BackgroundWork of this operator: None while only its dialog is open.
+    _work = None
     # What the status bar says now.
     _told = None
     # Seconds that the window waits for work which may be short.
@@ -120,7 +131,7 @@ class BackgroundOperator:
             return self._fail(error)
         if job is None:
             return {"FINISHED"}
-        work = BackgroundWork(job.run, job.status)
+        work = BackgroundWork(job.run, job)
         if self._patience:
             work.wait(self._patience)
             if not work.is_alive():
@@ -139,14 +150,20 @@ class BackgroundOperator:
                 self._job.show()
                 self._tell(context, iface_("Leaflight  %s  (Esc ends it)") % self._work.status())
             return {"PASS_THROUGH"}
+        if not self._work.is_shown_over:
+            # The window is drawn once more before it waits for apply().
+            self._work.is_shown_over = True
+            self._tell(context, iface_("Leaflight  %s  (Esc ends it)") % self._work.status())
+            return {"PASS_THROUGH"}
         self._release(context)
         ended = self._conclude(self._job, self._work.result, self._job.ended)
         return self._begin(context, self.next_job) if ended == {"FINISHED"} else ended
 
     def cancel(self, context):
         """Blender quits or loads another file."""
-        self._work.cancel()
-        self._release(context)
+        if self._work is not None:
+            self._work.cancel()
+            self._release(context)
 
     def _release(self, context):
         global _running
@@ -179,7 +196,7 @@ class BackgroundOperator:
             return self._fail(error)
         if job is None:
             return None
-        work = BackgroundWork(job.run, job.status)
+        work = BackgroundWork(job.run, job)
         _print_progress(job.name, work)
         # Nobody is there to be asked what shall become of it.
         return self._conclude(job, work.result, lambda: job.cancelled)
@@ -240,11 +257,11 @@ def _print_progress(name, work):
     while work.is_alive():
         work.wait(0.2)
         if sys.stdout.isatty():
-            filled = int(30 * work.progress.fraction)
+            filled = int(30 * work.fraction())
             bar = "#" * filled + "." * (30 - filled)
             print(f"\r{name} [{bar}] {work.status():<40}", end="", flush=True)
-        elif int(10 * work.progress.fraction) > tenths:
-            tenths = int(10 * work.progress.fraction)
+        elif int(10 * work.fraction()) > tenths:
+            tenths = int(10 * work.fraction())
             print(f"{name} {work.status()}", flush=True)
     if sys.stdout.isatty():
         print()

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Conditions that several operators share, each with the reason that a greyed button shows."""
 
+from .active_volume import active_volume
+
 
 def in_object_mode(operator, context):
     if context.mode != "OBJECT":
@@ -10,17 +12,16 @@ def in_object_mode(operator, context):
 
 
 def has_volume(operator, context):
-    obj = context.object
-    if obj is None or not obj.leaflight.is_volume:
+    if active_volume(context) is None:
         operator.poll_message_set(
-            "Select a Leaflight volume first (File > Import > Volume for Leaflight)"
+            "Select or import a volume first (File > Import > Volume for Leaflight)"
         )
         return False
     return in_object_mode(operator, context)
 
 
 class VolumeOperator:
-    """An operator on the volume that is active."""
+    """An operator on the volume that is active, or was last."""
 
     @classmethod
     def poll(cls, context):
@@ -40,7 +41,7 @@ def has_flatland(operator, context):
 def has_bake(operator, context):
     if not has_volume(operator, context):
         return False
-    if not context.object.leaflight.bake_id:
+    if not active_volume(context).leaflight.bake_id:
         operator.poll_message_set("Bake the flattened illumination first")
         return False
     return True

@@ -23,6 +23,7 @@ class Isosurface:
 
     volume: a leaflight.Volume; grid: the radiance grid that lights it, or None; largest_step: see
     Bake. halvings: of the volume's fineness, None for the whole detail, which the light adds to.
+    dust: connected parts that are shorter than this are left out.
     """
 
     volume: object
@@ -30,12 +31,16 @@ class Isosurface:
     grid: object
     largest_step: float
     halvings: int = None
+    dust: float = 0.0
 
     def mesh(self):
         """(vertices, normals, triangles). Raises LeaflightError, in any thread."""
         if self.is_coarse() or self.grid is None:
-            return _core.contour(self._field(), self.isovalue)
-        return self._lit_contour(normals=True)[:3]
+            vertices, normals, triangles = _core.contour(self._field(), self.isovalue)
+        else:
+            vertices, normals, triangles = self._lit_contour(normals=True)[:3]
+        vertices, triangles, normals = self._without_dust(vertices, triangles, normals)
+        return vertices, normals, triangles
 
     def radiance(self, points):
         """Baked radiance (n, 3) at points (n, 3), by the name of its attribute."""
@@ -55,8 +60,10 @@ class Isosurface:
         if self.is_coarse() or self.grid is None:
             vertices, _, triangles = _core.contour(self._field(), self.isovalue, normals=False)
             count = len(triangles) * 4 ** (self.halvings or 0)
+            vertices, triangles = self._without_dust(vertices, triangles)
             return vertices, triangles, self.radiance(vertices), count
         vertices, _, triangles, *sides, count = self._lit_contour()
+        vertices, triangles, *sides = self._without_dust(vertices, triangles, *sides)
         named = zip((RADIANCE, RADIANCE_BACK), sides)
         radiance = {name: side for name, side in named if side is not None}
         return vertices, triangles, radiance, count
@@ -64,6 +71,14 @@ class Isosurface:
     def is_coarse(self):
         """Whether mesh() has less than the whole detail."""
         return self.halvings is not None and (self.halvings > 0 or self.grid is not None)
+
+    def _without_dust(self, vertices, triangles, *of_vertices):
+        """The same without the small parts; of_vertices: arrays with a row each, or None."""
+        if self.dust <= 0:
+            return vertices, triangles, *of_vertices
+        kept, triangles = _core.large_parts(vertices, triangles, self.dust)
+        rest = (None if rows is None else rows[kept] for rows in of_vertices)
+        return vertices[kept], triangles, *rest
 
     def _lit_contour(self, normals=False):
         return self.grid.lit_contour(
@@ -101,10 +116,16 @@ def isosurface_of(obj, isovalue, halvings=None):
         lit = is_lit(obj, isovalue)
     except LeaflightError:
         lit = False
+    dust = obj.leaflight_look.dust * _voxel_size(volume)
     if not lit:
-        return Isosurface(volume, isovalue, None, np.inf, halvings)
+        return Isosurface(volume, isovalue, None, np.inf, halvings, dust)
     bake, index = lit_by(obj)
-    return Isosurface(volume, isovalue, bake.grids[index], bake.largest_step, halvings)
+    return Isosurface(volume, isovalue, bake.grids[index], bake.largest_step, halvings, dust)
+
+
+def _voxel_size(volume):
+    """The side of a cube that is as large as a voxel."""
+    return float(np.cbrt(abs(np.linalg.det(volume.index_to_world[:3, :3]))))
 
 
 def is_lit(obj, isovalue):
@@ -116,6 +137,8 @@ def is_lit(obj, isovalue):
     baked = bake.scene.leaves[index]
     # What a mirror or glass shows depends on where it is seen from.
     if baked.scattering != "diffuse" or baked.capped != settings.capped:
+        return False
+    if settings.smooth != settings.bake_smooth:
         return False
     low, high = (bake.isovalue_of(index, c) for c in bake.isovalues)
     rounding = 1e-6 * (high - low)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How one isosurface is shown, beyond its light: opacity, color, and the box that cuts it."""
+"""How one isosurface is shown, beyond its light: opacity, color, gloss and the box that cuts."""
 
 import numpy as np
 
@@ -23,7 +23,9 @@ def view_of(obj):
     """The shader.View of an isosurface."""
     volume = added.volume_object(obj)
     others = (o for o in (volume, *added.added_to(volume)) if o != obj)
-    return shader.View(_is_translucent(obj), any(map(_is_translucent, others)), _cut_of(obj))
+    is_glossy = obj.leaflight_look.gloss > 0 and volume.leaflight.leaf_scattering == "DIFFUSE"
+    among = any(map(_is_translucent, others))
+    return shader.View(_is_translucent(obj), among, _cut_of(obj), is_glossy)
 
 
 def _is_translucent(obj):

@@ -6,17 +6,25 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty
 from bpy.props import PointerProperty
 
-from . import added, surface_object
+from . import added, cut_faces, surface_object
 
 
 def _changed(look, _context):
     if added.is_isosurface(look.id_data):
         surface_object.shade(look.id_data)
+        cut_faces.update(added.volume_object(look.id_data))
 
 
 def _all_changed(look, _context):
     if look.id_data.leaflight.is_volume:
         surface_object.shade_all(look.id_data)
+        cut_faces.update(look.id_data)
+
+
+def _shape_changed(look, _context):
+    obj = look.id_data
+    if added.is_isosurface(obj):
+        surface_object.update(obj, surface_object.shown_isovalue(obj))
 
 
 def _color_chosen(look, _context):
@@ -59,6 +67,41 @@ class LeaflightLook(bpy.types.PropertyGroup):
         update=_color_chosen,
         override={"LIBRARY_OVERRIDABLE"},
     )
+    dust: FloatProperty(
+        name="Hide Dust",
+        description="Hide separate parts of the isosurface that are shorter than so many voxels; 0 "
+        "shows all. The light is that of the whole isosurface",
+        default=0.0,
+        min=0.0,
+        soft_max=50.0,
+        precision=1,
+        update=_shape_changed,
+        options=set(),
+        override={"LIBRARY_OVERRIDABLE"},
+    )
+    gloss: FloatProperty(
+        name="Gloss",
+        description="A clear coat over the baked light, in which the scene's own lamps shine; 1 is "
+        "that of glazed china. Comparisons leave it out",
+        subtype="FACTOR",
+        default=0.0,
+        min=0.0,
+        max=1.0,
+        update=_changed,
+        options=set(),
+        override={"LIBRARY_OVERRIDABLE"},
+    )
+    roughness: FloatProperty(
+        name="Roughness",
+        description="How wide the highlights of the coat are",
+        subtype="FACTOR",
+        default=0.3,
+        min=0.02,
+        max=1.0,
+        update=_changed,
+        options=set(),
+        override={"LIBRARY_OVERRIDABLE"},
+    )
     is_cut: BoolProperty(
         name="Cut",
         description="The clip box cuts this isosurface",
@@ -82,6 +125,14 @@ class LeaflightLook(bpy.types.PropertyGroup):
             ("OUTSIDE", "Outside", "Cut away what lies in the box"),
             ("INSIDE", "Inside", "Show only what lies in the box"),
         ],
+        update=_all_changed,
+        override={"LIBRARY_OVERRIDABLE"},
+    )
+    cut_colors: EnumProperty(
+        name="Cut",
+        description="What is seen where the clip box cuts the isosurfaces open",
+        items=cut_faces.ITEMS,
+        default=cut_faces.GRAY,
         update=_all_changed,
         override={"LIBRARY_OVERRIDABLE"},
     )

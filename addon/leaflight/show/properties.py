@@ -157,6 +157,16 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     level: IntProperty(name="Level", default=0, min=0, override=_OVERRIDABLE)
     dataset: StringProperty(name="Dataset", override=_OVERRIDABLE)
     downsample: IntProperty(name="Downsample", default=1, min=1, max=8, override=_OVERRIDABLE)
+    smooth: FloatProperty(
+        name="Smooth",
+        description="Standard deviation, in voxels, of the Gaussian that the values are smoothed by",
+        default=0.0,
+        min=0.0,
+        max=10.0,
+        options=set(),
+        update=_shape_changed,
+        override=_OVERRIDABLE,
+    )
     unit: StringProperty(
         name="Unit", description="What the file measures lengths in", override=_OVERRIDABLE
     )
@@ -378,6 +388,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     bake_home: StringProperty(name="Folder Where the Bake Was Last", override=_OVERRIDABLE)
     bake_values: StringProperty(name="Hash of the Values at the Bake", override=_OVERRIDABLE)
     bake_source_stamp: StringProperty(name="Volume File at the Bake", override=_OVERRIDABLE)
+    bake_smooth: FloatProperty(name="Smoothing at the Bake", override=_OVERRIDABLE)
     bake_index: IntProperty(name="Place Among the Volumes Baked Together", override=_OVERRIDABLE)
     bake_low: FloatProperty(name="Lowest Isovalue of the Bake", override=_OVERRIDABLE)
     bake_high: FloatProperty(name="Highest Isovalue of the Bake", override=_OVERRIDABLE)
@@ -385,6 +396,8 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     bake_refined: BoolProperty(name="Finer Texels in the Bake", override=_OVERRIDABLE)
     bake_seconds: FloatProperty(name="Bake Time", override=_OVERRIDABLE)
     bake_outcome: StringProperty(name="Error That the Bake Reached", override=_OVERRIDABLE)
+    bake_error: FloatProperty(name="Estimated Error of the Bake", override=_OVERRIDABLE)
+    bake_target: FloatProperty(name="Target of the Bake", override=_OVERRIDABLE)
     bake_warnings: StringProperty(name="Warnings of the Bake", override=_OVERRIDABLE)
     comparison: StringProperty(name="Last Comparison", override=_OVERRIDABLE)
     atlas_columns: IntProperty(
@@ -432,6 +445,7 @@ class LeaflightSceneSettings(bpy.types.PropertyGroup):
         default=True,
         update=_walls_changed,
     )
+    active_volume: StringProperty(name="Volume That Was Active Last")
 
 
 _CLASSES = (LeaflightColorStop, LeaflightSettings, LeaflightSceneSettings)

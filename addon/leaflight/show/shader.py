@@ -24,8 +24,11 @@ ATLAS, BACK = "leaflight_atlas", "leaflight_back"
 
 
 # Names of the nodes whose values change without a build: how opaque the surface is; what gives
-# baked radiance another albedo.
-_OPACITY, _RECOLOR = "opacity", "recolor"
+# baked radiance another albedo; how strong and how rough the coat is.
+_OPACITY, _RECOLOR, _GLOSS, _COAT = "opacity", "recolor", "gloss", "coat"
+
+# Of a slice: where its value lies among the colors, what of it is shown, and how bright that is.
+_PART, _OUTSIDE, _EMISSION = "part", "outside", "emission"
 
 
 @dataclass(frozen=True)
@@ -44,12 +47,14 @@ class View:
     """What of a surface is seen.
 
     is_translucent: whether what lies behind it shows through; lies_among: whether other such
-    surfaces do, or it through them; cut: a Cut or None.
+    surfaces do, or it through them; cut: a Cut or None; is_glossy: whether it has a coat, which
+    the scene's own lamps light.
     """
 
     is_translucent: bool = False
     lies_among: bool = False
     cut: object = None
+    is_glossy: bool = False
 
 
 def build_lambertian(material, albedo):
@@ -71,15 +76,59 @@ def set_albedo(material, albedo):
     """Gives every reflecting node of a material that was built here this colour."""
     colour = (*albedo, 1.0)
     for node in material.node_tree.nodes:
-        if node.type in {"BSDF_DIFFUSE", "BSDF_GLOSSY", "BSDF_GLASS"}:
+        if node.type in {"BSDF_DIFFUSE", "BSDF_GLOSSY", "BSDF_GLASS"} and node.name != _COAT:
             if not np.allclose(node.inputs[0].default_value, colour, rtol=0, atol=1e-7):
                 node.inputs[0].default_value = colour
+
+
+def build_emission(material, radiance):
+    """Emission of one radiance (r, g, b) on both sides."""
+    graph = _Graph(material)
+    graph.finish(graph.emission(radiance))
 
 
 def build_attribute(material, front, back=None, view=View()):
     """Emission of the colour attributes called `front` and, if it was baked, `back`."""
     graph = _Graph(material, view)
     graph.emit_sides(*(graph.attribute(name) for name in (front, back) if name))
+
+
+def build_slice(material, name, colors):
+    """Emission of the attribute of this name through evenly spaced colors, above an isovalue."""
+    graph = _Graph(material)
+    versions.let_through(material, False, False, True)
+    value = graph.attribute(name).node.outputs["Fac"]
+    part = graph.math("MULTIPLY_ADD", value, 1.0, 0.0)
+    part.node.name = _PART
+    ramp = graph.node("ShaderNodeValToRGB")
+    elements = ramp.color_ramp.elements
+    for i, color in enumerate(colors):
+        place = i / (len(colors) - 1)
+        element = elements[-1] if i == len(colors) - 1 else elements[0] if i == 0 else None
+        element = element or elements.new(place)
+        element.position, element.color = place, (*color, 1.0)
+    graph.connect(part, ramp.inputs[0])
+    emission = graph.emission(ramp.outputs[0])
+    emission.node.name = _EMISSION
+    outside = graph.math("LESS_THAN", value, 0.0)
+    outside.node.name = _OUTSIDE
+    nothing = graph.node("ShaderNodeBsdfTransparent").outputs[0]
+    graph.finish(graph.mix_shaders(outside, emission, nothing))
+
+
+def set_slice(material, low, high, isovalue, strength):
+    """Colors the values from low to high, shows those from an isovalue on, this bright."""
+    scale = 1.0 / max(high - low, 1e-30)
+    nodes = material.node_tree.nodes
+    for name, number, value in (
+        (_PART, 1, scale),
+        (_PART, 2, -low * scale),
+        (_OUTSIDE, 1, isovalue),
+        (_EMISSION, 1, strength),
+    ):
+        socket = nodes[name].inputs[number]
+        if socket.default_value != np.float32(value):
+            socket.default_value = value
 
 
 def shared_material(tag, name, front, back=None):
@@ -98,6 +147,17 @@ def set_opacity(material, opacity):
     node = material.node_tree.nodes.get(_OPACITY)
     if node is not None and node.outputs[0].default_value != opacity:
         node.outputs[0].default_value = opacity
+
+
+def set_coat(material, gloss, roughness):
+    nodes = material.node_tree.nodes
+    for name, socket, value in (
+        (_GLOSS, lambda node: node.outputs[0], gloss),
+        (_COAT, lambda node: node.inputs["Roughness"], roughness),
+    ):
+        node = nodes.get(name)
+        if node is not None and socket(node).default_value != value:
+            socket(node).default_value = value
 
 
 def set_recoloring(material, factor, offset):
@@ -342,6 +402,20 @@ class _Graph:
             self.connect(value, socket)
         return node.outputs[0]
 
+    def coated(self, shader):
+        """A clear coat over it, whose reflectance is Schlick's (1994) for an index of 1.8."""
+        facing = self.node("ShaderNodeLayerWeight")
+        facing.inputs["Blend"].default_value = 0.5
+        grazing = self.math("POWER", facing.outputs["Facing"], 5.0)
+        reflectance = self.math("MULTIPLY_ADD", grazing, 0.92, 0.08)
+        gloss = self.node("ShaderNodeValue")
+        gloss.name = _GLOSS
+        coat = self.node("ShaderNodeBsdfGlossy")
+        coat.name = _COAT
+        coat.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+        weight = self.math("MULTIPLY", reflectance, gloss.outputs[0])
+        return self.mix_shaders(weight, shader, coat.outputs[0])
+
     def inside(self, cut):
         """1 within the box of a Cut, else 0."""
         coordinates = self.node("ShaderNodeTexCoord")
@@ -377,6 +451,8 @@ class _Graph:
         return seen
 
     def finish(self, shader):
+        if self._view.is_glossy:
+            shader = self.coated(shader)
         # For Eevee, whose nearest layer it shall not be.
         self._material.use_backface_culling = self._hides_back
         seen = self.seen()

@@ -179,5 +179,7 @@ def _material(obj, slot, label, build):
     if material.get(_BUILT) != label:
         build(material)
         material[_BUILT] = label
-    shader.set_opacity(material, obj.leaflight_look.opacity)
+    look_of = obj.leaflight_look
+    shader.set_opacity(material, look_of.opacity)
+    shader.set_coat(material, look_of.gloss, look_of.roughness)
     return material

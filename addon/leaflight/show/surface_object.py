@@ -244,7 +244,8 @@ def _label(obj, isovalue):
     volume_object = added.volume_object(obj)
     settings = volume_object.leaflight
     part = f"{settings.frame} {settings.channel} {settings.level} {settings.dataset}"
-    volume = f"{settings.source} {part} {settings.downsample} {settings.capped}"
+    shape = f"{settings.smooth} {settings.capped} {obj.leaflight_look.dust}"
+    volume = f"{settings.source} {part} {settings.downsample} {shape}"
     shown = preview.of(volume_object)
     if shown is not None:
         return f"{isovalue!r} of {volume} lit by round {shown.bake.id} {shown.index}"

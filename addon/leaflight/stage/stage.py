@@ -12,6 +12,7 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from .. import versions
 from ..operators import background, checks
+from ..operators.active_volume import active_volume
 from ..show import added, isovalues, surface_object, walls
 from ..store import frame_bakes
 from ..translations import iface_
@@ -77,7 +78,7 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
 
     def execute(self, context):
         scene = context.scene
-        leaf = context.object
+        leaf = active_volume(context)
         try:
             volumes = scene_export.volume_objects(context, leaf)
             own = self._own_collection()

@@ -56,7 +56,7 @@ def volume_to_bake(obj):
         return _in_world(obj, _source_volume(obj))
     volume = world_volume(obj)
     # A bake that was loaded names itself as the source.
-    return replace(volume, source=source_files.path_of(obj.leaflight) or volume.source)
+    return replace(volume, source=source_files.source_of(obj.leaflight) or volume.source)
 
 
 def keep_volume(obj, volume):
@@ -147,6 +147,8 @@ def _baked_key(obj):
     except LeaflightError:
         return None
     if bake is None or bake.scene.leaves[settings.bake_index].capped != settings.capped:
+        return None
+    if settings.smooth != settings.bake_smooth:
         return None
     return _key_in_bake(settings)
 

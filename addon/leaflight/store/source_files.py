@@ -11,6 +11,7 @@ import bpy
 import leaflight
 from leaflight.bake.stamps import values_sha256
 from leaflight.io import readers
+from leaflight.io.readers import smoothing
 
 LeaflightError = leaflight.LeaflightError
 
@@ -27,6 +28,7 @@ CHOICES = (
     "level",
     "dataset",
     "downsample",
+    "smooth",
 )
 _WITH_ITS_NEEDS = {"zarr": "zarr==2.18.3 numcodecs==0.13.1 asciitree==0.3.3 fasteners==0.19"}
 
@@ -50,7 +52,7 @@ def choices_of(settings):
 
 
 def _plain(value):
-    return value if isinstance(value, (bool, int, str)) else tuple(value)
+    return value if isinstance(value, (bool, int, float, str)) else tuple(value)
 
 
 def read_volume(path, progress=None, **choices):
@@ -62,6 +64,8 @@ def read_volume(path, progress=None, **choices):
         options["channel"] = choices["channel"]
     if choices["downsample"] > 1:
         options["downsample"] = choices["downsample"]
+    if choices["smooth"] > 0:
+        options["smooth"] = choices["smooth"]
     with _in_words_of_blender():
         return leaflight.read_volume(path, progress=progress, **options)
 
@@ -136,6 +140,11 @@ def stamp(settings):
         return ""
     text = repr([(name, state.st_size, state.st_mtime_ns) for name, state in states])
     return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def source_of(settings):
+    """The file of an object's volume and what was done to its values, for the bake's record."""
+    return smoothing.source_of(path_of(settings), settings.smooth) if settings.source else ""
 
 
 def changed_since_bake(obj):

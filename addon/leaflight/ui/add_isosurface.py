@@ -6,14 +6,16 @@ import bpy
 import leaflight
 import mathutils
 import numpy as np
-from bpy.props import FloatProperty, StringProperty
+from bpy.props import EnumProperty, FloatProperty, StringProperty
 
 from ..operators import checks
+from ..operators.active_volume import active_volume
 from ..show import added, isovalues, surface_object
 from ..store import cache
 from ..translations import iface_
+from . import proposals
 
-# Of an isosurface around the others, through which they show.
+# Of an isosurface around others, through which they show.
 _OPACITY = 0.3
 
 
@@ -21,15 +23,22 @@ class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.add_isosurface"
     bl_label = "Add Isosurface"
     bl_description = (
-        "Show another isosurface of this volume, around the present one, with its own light from "
-        "the same bake. Isosurfaces that are shown together neither light nor shade each other"
+        "Show another isosurface of this volume, with its own light from the same bake: inside the "
+        "present one, which becomes translucent, where there is something inside. Isosurfaces that "
+        "are shown together neither light nor shade each other"
     )
     bl_options = {"REGISTER", "UNDO"}
 
     isovalue: FloatProperty(name="Isovalue", options={"HIDDEN", "SKIP_SAVE"})
+    tissue: EnumProperty(
+        name="Tissue",
+        description="Which tissue of a CT scan to show",
+        items=proposals.TISSUE_ITEMS,
+        options={"SKIP_SAVE"},
+    )
     opacity: FloatProperty(
         name="Opacity",
-        description="How much of what lies behind it the isosurface hides",
+        description="How much of what lies behind it the outer isosurface hides",
         subtype="FACTOR",
         default=_OPACITY,
         min=0.0,
@@ -40,10 +49,11 @@ class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
     def poll(cls, context):
         if not super().poll(context):
             return False
-        if context.object.library is not None:
+        volume = active_volume(context)
+        if volume.library is not None:
             cls.poll_message_set("Make a library override of the linked volume first")
             return False
-        if len(added.added_to(context.object)) + 1 >= added.MOST:
+        if len(added.added_to(volume)) + 1 >= added.MOST:
             cls.poll_message_set(
                 iface_("%d isosurfaces are shown already: remove one first") % added.MOST
             )
@@ -51,15 +61,19 @@ class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
         return True
 
     def execute(self, context):
-        volume = context.object
+        volume = active_volume(context)
         given = self.properties.is_property_set("isovalue")
-        isovalue = self.isovalue if given else _next_isovalue(volume)
         try:
-            obj = added.add(volume, isovalue, self.opacity)
+            isovalue = self.isovalue if given else proposals.next_isovalue(volume, self.tissue)
+            # Those around it; a script says itself how opaque it is.
+            outer = [] if given else proposals.shown_outside(volume, isovalue)
+            obj = added.add(volume, isovalue, 1.0 if outer else self.opacity)
             isovalues.limit(obj)
         except leaflight.LeaflightError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        for one in outer:
+            one.leaflight_look.opacity = min(one.leaflight_look.opacity, self.opacity)
         obj.leaflight.isovalue = isovalue
         return {"FINISHED"}
 
@@ -92,7 +106,7 @@ class LEAFLIGHT_OT_add_clip_box(checks.VolumeOperator, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     def execute(self, context):
-        volume = context.object
+        volume = active_volume(context)
         try:
             low, high = np.asarray(cache.volume_of(volume).field().bounds, np.float64)
         except leaflight.LeaflightError as error:
@@ -106,18 +120,6 @@ class LEAFLIGHT_OT_add_clip_box(checks.VolumeOperator, bpy.types.Operator):
         context.view_layer.update()
         volume.leaflight_look.box = box
         return {"FINISHED"}
-
-
-def _next_isovalue(volume):
-    """Around what is shown: halfway from the outermost isosurface to the window's lowest isovalue.
-
-    Where that leaves no room, halfway to the highest.
-    """
-    low, high = isovalues.window(volume.leaflight)
-    shown = [obj.leaflight.isovalue for obj in (volume, *added.added_to(volume))]
-    if min(shown) - low > 0.1 * (high - low):
-        return 0.5 * (low + min(shown))
-    return 0.5 * (max(shown) + high)
 
 
 def _place_nearest(box, volume_to_world, low, high):

@@ -4,6 +4,7 @@
 import bpy
 
 from ..bake import load_bake, photon_cloud, unused_bakes
+from ..operators.active_volume import active_volume
 from ..translations import iface_
 from .sidebar import VolumePanel, optional, sentence, split
 
@@ -18,7 +19,7 @@ class LEAFLIGHT_PT_advanced(_AdvancedPanel, bpy.types.Panel):
 
     def draw(self, context):
         layout = self.layout
-        settings = context.object.leaflight
+        settings = active_volume(context).leaflight
         split(layout)
         column = layout.column()
         column.active = not settings.fixed_samples
@@ -36,7 +37,7 @@ class LEAFLIGHT_PT_research(_AdvancedPanel, bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         split(layout)
-        settings = context.object.leaflight
+        settings = active_volume(context).leaflight
         layout.prop(settings, "seed")
         layout.prop(settings, "fixed_samples")
         column = layout.column(align=True)

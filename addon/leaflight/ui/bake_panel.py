@@ -6,6 +6,7 @@ import bpy
 from .. import versions
 from ..bake import bake, continue_bake, estimate_bake, resume_bake, stopped
 from ..operators import background
+from ..operators.active_volume import active_volume
 from ..show import lamps, properties, surface_material
 from ..stage import staleness
 from ..translations import iface_
@@ -17,7 +18,7 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
 
     def draw(self, context):
         layout = self.layout
-        settings = context.object.leaflight
+        settings = active_volume(context).leaflight
         column = layout.column(align=True)
         split(column)
         column.prop(settings, "low", text="Lowest")
@@ -33,17 +34,17 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
         if (
             work is None
             and stopped.offered() is None
-            and resume_bake.is_interrupted(context.object)
+            and resume_bake.is_interrupted(active_volume(context))
         ):
             layout.operator(resume_bake.LEAFLIGHT_OT_resume_bake.bl_idname, icon="RECOVER_LAST")
         if work is not None:
-            versions.draw_progress(layout, work.progress.fraction, work.status())
+            versions.draw_progress(layout, work.fraction(), work.status())
             layout.operator(stopped.LEAFLIGHT_OT_stop_bake.bl_idname, icon="CANCEL")
         elif stopped.offered() is not None:
             self._draw_offer(context, stopped.offered())
         elif background.failure():
             sentence(context, layout, background.failure(), icon="ERROR")
-        if work is None and stopped.offered() is None and settings.bake_id:
+        if _shows_result(settings):
             self._draw_result(context, settings)
 
     def _draw_quality(self, context, settings):
@@ -58,7 +59,7 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
                 context, column, iface_("Fixed Samples, under Advanced, goes before"), icon="INFO"
             )
             return
-        obj = context.object
+        obj = active_volume(context)
         estimates = [estimate_bake.estimate_of(obj, e) for e in properties.QUALITIES.values()]
         if None not in estimates:
             row = column.row(align=True)
@@ -73,38 +74,82 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
             column.operator(estimate_bake.LEAFLIGHT_OT_estimate_bake.bl_idname, icon="TIME")
 
     def _draw_offer(self, context, job):
-        sentence(context, self.layout, iface_("Stopped: %s") % job.outcome(), icon="QUESTION")
+        reached = job.round.statistics["estimated_error_percent"]
+        text = iface_("Stopped at %s %%, target %s %%")
+        numbers = f"{reached:.2g}", f"{float(job.round.metadata['error'] or 0):.2g}"
+        sentence(context, self.layout, text % numbers, icon="QUESTION")
         row = self.layout.row(align=True)
         row.operator(stopped.LEAFLIGHT_OT_keep_bake.bl_idname, icon="CHECKMARK")
         row.operator(stopped.LEAFLIGHT_OT_throw_bake_away.bl_idname, icon="TRASH")
 
     def _draw_result(self, context, settings):
-        layout = self.layout
-        change = staleness.change_to_tell(context.object)
+        """One line; all else is under Details."""
+        layout, obj = self.layout, active_volume(context)
+        change = staleness.change_to_tell(obj)
         if change:
             sentence(context, layout, change, icon="ERROR")
+        elif not settings.bake_outcome:
+            seconds = f"{settings.bake_seconds:.0f}"
+            layout.label(text=iface_("Baked in %s s") % seconds, icon="CHECKMARK")
+        elif settings.bake_error <= settings.bake_target:
+            name = _name_of_quality(settings)
+            layout.label(text=iface_("Quality reached: %s") % name, icon="CHECKMARK")
         else:
-            layout.label(
-                text=iface_("Baked in %s s") % f"{settings.bake_seconds:.0f}", icon="CHECKMARK"
-            )
-            if settings.bake_outcome:
-                text = settings.bake_outcome
-                sentence(context, layout, text[0].upper() + text[1:], icon="BLANK1")
-            relit = lamps.sentence(context.object)
-            if relit:
-                sentence(context, layout, relit, icon="LIGHT")
-        for warning in settings.bake_warnings.splitlines():
-            sentence(context, layout, warning, icon="ERROR")
-        if continue_bake.can_continue(context.object):
+            name = _name_of_quality(settings)
+            layout.label(text=iface_("Quality not reached: %s") % name, icon="ERROR")
+        if continue_bake.can_continue(obj):
             layout.operator(continue_bake.LEAFLIGHT_OT_continue_bake.bl_idname, icon="PLAY")
-        _, reason = surface_material.shading_in_use(settings)
-        if reason:
-            sentence(context, layout, reason, icon="INFO")
+
+
+class LEAFLIGHT_PT_bake_details(VolumePanel, bpy.types.Panel):
+    """What the one line about a bake leaves out."""
+
+    bl_label = "Details"
+    bl_parent_id = "LEAFLIGHT_PT_bake"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and _shows_result(active_volume(context).leaflight)
+
+    def draw_header_preset(self, context):
+        if active_volume(context).leaflight.bake_warnings:
+            self.layout.label(icon="ERROR")
+
+    def draw(self, context):
+        layout, obj = self.layout, active_volume(context)
+        settings = obj.leaflight
+        layout.label(text=iface_("Baked in %s s") % f"{settings.bake_seconds:.0f}", icon="TIME")
+        for text, icon in (
+            (settings.bake_outcome[:1].upper() + settings.bake_outcome[1:], "BLANK1"),
+            (lamps.sentence(obj), "LIGHT"),
+            *((warning, "ERROR") for warning in settings.bake_warnings.splitlines()),
+            (surface_material.shading_in_use(settings)[1], "INFO"),
+        ):
+            sentence(context, layout, text, icon=icon)
+
+
+def _shows_result(settings):
+    at_work = background.running() is not None or stopped.offered() is not None
+    return bool(settings.bake_id) and not at_work
+
+
+def _name_of_quality(settings):
+    """Of the one that was asked for, which may not be the present one."""
+    for key, name, _ in properties.QUALITY_ITEMS:
+        if abs(properties.QUALITIES.get(key, -1.0) - settings.bake_target) < 1e-3:
+            return iface_(name)
+    return f"{settings.bake_target:.2g} %"
+
+
+_CLASSES = (LEAFLIGHT_PT_bake, LEAFLIGHT_PT_bake_details)
 
 
 def register():
-    bpy.utils.register_class(LEAFLIGHT_PT_bake)
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
 
 
 def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_PT_bake)
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)

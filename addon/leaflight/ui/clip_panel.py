@@ -3,6 +3,7 @@
 
 import bpy
 
+from ..operators.active_volume import active_volume
 from ..show import added
 from ..show.isosurface import RADIANCE_BACK
 from ..translations import iface_
@@ -16,7 +17,7 @@ class LEAFLIGHT_PT_clip(VolumePanel, bpy.types.Panel):
 
     def draw(self, context):
         layout = self.layout
-        volume = context.object
+        volume = active_volume(context)
         look = volume.leaflight_look
         row = layout.row(align=True)
         row.prop(look, "box", text="", icon="MESH_CUBE")
@@ -25,6 +26,7 @@ class LEAFLIGHT_PT_clip(VolumePanel, bpy.types.Panel):
             return
         row = layout.row(align=True)
         row.prop(look, "keep", expand=True)
+        layout.prop(look, "cut_colors")
         column = layout.column(align=True)
         for obj in (volume, *added.added_to(volume)):
             text = iface_("Cut %s") % f"{obj.leaflight.isovalue:g}"

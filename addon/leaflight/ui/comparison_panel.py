@@ -4,6 +4,7 @@
 import bpy
 
 from ..compare import render_comparison
+from ..operators.active_volume import active_volume
 from ..show import added
 from .sidebar import VolumePanel, sentence
 
@@ -13,13 +14,13 @@ class LEAFLIGHT_PT_comparison(VolumePanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        layout = self.layout
+        layout, volume = self.layout, active_volume(context)
         layout.operator(
             render_comparison.LEAFLIGHT_OT_render_comparison.bl_idname, icon="RENDER_STILL"
         )
-        if added.added_to(context.object):
+        if added.added_to(volume):
             sentence(context, layout, "Of the volume's own isosurface alone", icon="INFO")
-        comparison = context.object.leaflight.comparison
+        comparison = volume.leaflight.comparison
         if comparison:
             sentence(context, layout, comparison)
 

@@ -4,9 +4,10 @@
 import bpy
 
 from ..bake import bake_frames
+from ..operators.active_volume import active_volume
 from ..store import frame_bakes
 from ..translations import iface_
-from . import data_picture, pick_isovalue
+from . import data_picture, distribution, pick_isovalue, smooth_volume
 
 # Pixels of an icon of scale 1, and of the sidebar beside the picture, in an unscaled interface.
 ICON, BESIDE = 20, 40
@@ -21,11 +22,11 @@ class LEAFLIGHT_PT_data(bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return context.object is not None and context.object.leaflight.is_volume
+        return active_volume(context) is not None
 
     def draw(self, context):
         layout = self.layout
-        obj = context.object
+        obj = active_volume(context)
         icon = data_picture.icon_of(obj)
         if icon:
             width = context.region.width / context.preferences.system.ui_scale
@@ -35,6 +36,13 @@ class LEAFLIGHT_PT_data(bpy.types.Panel):
         if obj.leaflight.frames > 1:
             self._draw_frames(obj.leaflight)
         layout.operator(pick_isovalue.LEAFLIGHT_OT_pick_isovalue.bl_idname, icon="EYEDROPPER")
+        smooth = obj.leaflight.smooth
+        text = iface_("Smooth: %s voxels") % f"{smooth:g}"
+        name = smooth_volume.LEAFLIGHT_OT_smooth.bl_idname
+        layout.operator_menu_enum(name, "amount", text=text, icon="MOD_SMOOTH")
+        found = distribution.of(obj)
+        if found is not None and found.is_terraced and not smooth:
+            layout.label(text="8-bit steps show: smooth by 1 voxel", icon="INFO")
 
     def _draw_frames(self, settings):
         """Which frame of a series is shown, and how many are baked."""

@@ -18,19 +18,23 @@ BINS = 256
 COUNTED = 1 << 22
 # Pixels along the longer side of a slice.
 SLICE = 160
+# Steps of bytes that show as terraces, and the share of an isosurface that has them.
+_STEPS, _TERRACED = 3, 0.25
 
 
 @dataclass(frozen=True)
 class Distribution:
     """counts: (n,) voxels in equal parts of low..high, at most BINS of them.
 
-    middle: (rows, columns) a slice, in data units, top row first, its pixels square.
+    middle: (rows, columns) a slice, in data units, top row first, its pixels square. is_terraced:
+    whether an isosurface shows the steps of 8-bit values.
     """
 
     low: float
     high: float
     counts: np.ndarray
     middle: np.ndarray
+    is_terraced: bool = False
 
     def place_of(self, isovalue):
         """Where within 0..1 a value lies."""
@@ -55,7 +59,7 @@ def look_now(obj):
     """The same without a timer, where there is time."""
     key = _key(obj)
     if _known.get(key) is None:
-        _known[key] = _distribution(cache.volume_of(obj))
+        _known[key] = _distribution(cache.volume_of(obj), obj.leaflight.isovalue)
     return _known[key]
 
 
@@ -79,7 +83,7 @@ def _look(name, key):
     if obj is None or key not in _known:
         return
     try:
-        _known[key] = _distribution(cache.volume_of(obj))
+        _known[key] = _distribution(cache.volume_of(obj), obj.leaflight.isovalue)
     except leaflight.LeaflightError:
         # The panel of the volume tells why.
         return
@@ -89,7 +93,7 @@ def _look(name, key):
                 area.tag_redraw()
 
 
-def _distribution(volume):
+def _distribution(volume, isovalue):
     low, high = volume.data_range()
     values = volume.data()
     some = values.reshape(-1)[:: max(1, values.size // COUNTED)]
@@ -100,7 +104,18 @@ def _distribution(volume):
         bins = -(-int(high - low + 1) // width)
         low, high = low - 0.5, low - 0.5 + bins * width
     counts, _ = np.histogram(some[np.isfinite(some)], bins, (low, high))
-    return Distribution(low, high, counts, _middle(values, volume.index_to_world))
+    middle = _middle(values, volume.index_to_world)
+    return Distribution(low, high, counts, middle, _is_terraced(values, isovalue))
+
+
+def _is_terraced(values, isovalue):
+    """Whether many neighbours on both sides of an isosurface of bytes differ by a step or two."""
+    if values.dtype != np.uint8:
+        return False
+    some = values[:: max(1, len(values) // 16)].astype(np.int16)
+    left, right = some[..., :-1], some[..., 1:]
+    steps = np.abs(right - left)[(left >= isovalue) != (right >= isovalue)]
+    return len(steps) > 0 and np.mean(steps <= _STEPS) > _TERRACED
 
 
 def _middle(values, index_to_world):

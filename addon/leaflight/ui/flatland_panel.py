@@ -34,7 +34,7 @@ class LEAFLIGHT_PT_flatland(SidebarPanel, bpy.types.Panel):
         layout.operator(bake_flatland.LEAFLIGHT_OT_bake_flatland.bl_idname, icon="LIGHT_AREA")
         job = background.running()
         if job is not None:
-            versions.draw_progress(layout, job.progress.fraction, job.status())
+            versions.draw_progress(layout, job.fraction(), job.status())
         problem = surface_object.problems.get(context.object.name_full)
         if problem:
             sentence(context, layout, problem, icon="ERROR")

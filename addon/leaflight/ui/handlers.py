@@ -8,9 +8,10 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..bake import estimate_bake, stopped
-from ..operators import background
+from ..operators import active_volume, background
 from ..show import (
     added,
+    cut_faces,
     display,
     duplicates,
     graph_object,
@@ -31,6 +32,8 @@ def _follow(scene, depsgraph, by_hand):
     Lamps are taken to be as strong as when follow() of lamp_strengths was called last.
     """
     moved = isovalues.update(scene, depsgraph, by_hand)
+    for obj in isovalues.volumes(scene):
+        cut_faces.update(obj, depsgraph)
     whole_detail.watch(isovalues.isosurfaces(scene))
     return moved
 
@@ -58,6 +61,8 @@ def _before_change(scene, *_):
 
 @persistent
 def _after_change(scene, depsgraph):
+    if depsgraph.mode == "VIEWPORT":
+        active_volume.remember(scene, depsgraph.view_layer.objects.active)
     moved = list(_moved)
     _moved.clear()
     changes = [(update.id.original, update) for update in depsgraph.updates]
@@ -68,6 +73,9 @@ def _after_change(scene, depsgraph):
     relit = may_shine and lamp_strengths.follow(scene, depsgraph)
     if shown_anew or relit or isovalues.any_is_behind(depsgraph):
         moved += _follow(scene, depsgraph, whole_detail.may_follow(depsgraph))
+    elif any(_is_clip_box(scene, changed) for changed, _ in changes):
+        for obj in isovalues.volumes(scene):
+            cut_faces.update(obj, depsgraph)
     if shown_anew or relit or moved:
         # Blender draws anew where the isovalue was moved; it stands in two places.
         background.redraw_panels()
@@ -86,6 +94,12 @@ def _after_change(scene, depsgraph):
 
 def _is_isosurface(changed):
     return isinstance(changed, bpy.types.Object) and added.is_isosurface(changed)
+
+
+def _is_clip_box(scene, changed):
+    if not isinstance(changed, bpy.types.Object):
+        return False
+    return any(obj.leaflight_look.box == changed for obj in scene.objects)
 
 
 def _concerns_bakes(scene, changed, update, moved):

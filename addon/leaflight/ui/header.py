@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The isovalue, Stage and Bake above the viewport, while a volume is active: no tab to look for."""
+"""The isovalue, Stage and Bake above the viewport, where a scene has a volume: no tab to find."""
 
 import bpy
 
 from ..bake import bake, stopped
 from ..operators import background
+from ..operators.active_volume import active_volume
 from ..stage import presets, stage
 
 
@@ -21,8 +22,8 @@ class LEAFLIGHT_MT_stage(bpy.types.Menu):
 
 
 def _draw(header, context):
-    obj = context.object
-    if obj is None or not obj.leaflight.is_volume or context.mode != "OBJECT":
+    obj = active_volume(context)
+    if obj is None or context.mode != "OBJECT":
         return
     row = header.layout.row(align=True)
     slider = row.row(align=True)

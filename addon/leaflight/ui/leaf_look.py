@@ -1,70 +1,47 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # flake8: noqa: F722,F821  (Blender declares properties as annotations)
-"""Editing how the isosurfaces look: stops of the color ramp, and presets."""
+"""Editing how the isosurfaces look: stops of the color ramp, and looks by name."""
 
 import bpy
 from bpy.props import EnumProperty
 
 from ..operators import checks
+from ..operators.active_volume import active_volume
 from ..show import isovalues, leaves, surface_object
-
-# Settings by preset; colour stops stand at a part of the window.
-PRESETS = {
-    "CLAY": ("Clay", "Plain light gray", {"leaf_albedo": (0.8, 0.8, 0.8)}, []),
-    "TISSUE": (
-        "Tissue",
-        "Skin, flesh and bone from low to high isovalues",
-        {},
-        [(0.0, (0.8, 0.55, 0.42)), (0.45, (0.6, 0.2, 0.15)), (1.0, (0.88, 0.84, 0.72))],
-    ),
-    "RAINBOW": (
-        "Spectrum",
-        "Blue over green to red from low to high isovalues",
-        {},
-        [(0.0, (0.1, 0.2, 0.8)), (0.5, (0.2, 0.7, 0.2)), (1.0, (0.8, 0.15, 0.1))],
-    ),
-    "GLOW": (
-        "Glowing",
-        "Sends light of its own",
-        {"leaf_emission": (1.0, 0.75, 0.45), "leaf_emission_strength": 1.0},
-        [],
-    ),
-    "MIRROR": (
-        "Mirror",
-        "Polished metal; what it shows is rendered, not baked",
-        {"leaf_scattering": "MIRROR", "leaf_albedo": (0.9, 0.9, 0.9)},
-        [],
-    ),
-    "GLASS": (
-        "Glass",
-        "Clear glass, which throws caustics",
-        {"leaf_scattering": "GLASS", "leaf_albedo": (1.0, 1.0, 1.0), "leaf_ior": 1.45},
-        [],
-    ),
-}
+from ..stage import background
+from . import looks
 
 _PLAIN = {"leaf_scattering": "DIFFUSE", "leaf_emission_strength": 0.0}
 
 
+def _items(looks):
+    return [(key, look.name, look.text) for key, look in looks.items()]
+
+
 class LEAFLIGHT_OT_leaf_preset(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.leaf_preset"
-    bl_label = "Leaf Preset"
-    bl_description = "Give the isosurfaces a look that is ready made"
+    bl_label = "Look"
+    bl_description = (
+        "Give the isosurfaces a look by its name: color or color map, gloss, and the color of the "
+        "stage's backdrop"
+    )
     bl_options = {"REGISTER", "UNDO"}
 
-    preset: EnumProperty(
-        name="Preset", items=[(key, name, text) for key, (name, text, _, _) in PRESETS.items()]
-    )
+    preset: EnumProperty(name="Look", items=_items(looks.LOOKS) + _items(looks.MAPS))
 
     def execute(self, context):
-        settings = context.object.leaflight
-        _, _, values, stops = PRESETS[self.preset]
+        volume = active_volume(context)
+        settings, shown = volume.leaflight, volume.leaflight_look
+        chosen = {**looks.LOOKS, **looks.MAPS}[self.preset]
         settings.leaf_stops.clear()
-        for name, value in {**_PLAIN, **values}.items():
+        for name, value in {**_PLAIN, **chosen.settings}.items():
             setattr(settings, name, value)
-        for part, color in stops:
+        for part, color in chosen.stops:
             leaves.add_stop(settings, isovalues.isovalue_at(settings, part), color)
-        surface_object.shade_all(context.object)
+        if chosen.background is not None:
+            background.paint(context.scene, chosen.background)
+        shown.gloss, shown.roughness = chosen.gloss, chosen.roughness
+        surface_object.shade_all(volume)
         return {"FINISHED"}
 
 
@@ -78,13 +55,14 @@ class LEAFLIGHT_OT_add_stop(checks.VolumeOperator, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     def execute(self, context):
-        settings = context.object.leaflight
+        volume = active_volume(context)
+        settings = volume.leaflight
         isovalue = settings.isovalue
         if any(stop.isovalue == isovalue for stop in settings.leaf_stops):
             self.report({"ERROR"}, f"There is a stop at isovalue {isovalue:g}: move the isovalue.")
             return {"CANCELLED"}
-        leaves.add_stop(settings, isovalue, leaves.albedo_at(context.object, isovalue))
-        surface_object.shade_all(context.object)
+        leaves.add_stop(settings, isovalue, leaves.albedo_at(volume, isovalue))
+        surface_object.shade_all(volume)
         return {"FINISHED"}
 
 
@@ -100,16 +78,17 @@ class LEAFLIGHT_OT_remove_stop(checks.VolumeOperator, bpy.types.Operator):
     def poll(cls, context):
         if not super().poll(context):
             return False
-        if not context.object.leaflight.leaf_stops:
+        if not active_volume(context).leaflight.leaf_stops:
             cls.poll_message_set("There is no stop to remove")
             return False
         return True
 
     def execute(self, context):
-        settings = context.object.leaflight
+        volume = active_volume(context)
+        settings = volume.leaflight
         settings.leaf_stops.remove(min(settings.leaf_stop, len(settings.leaf_stops) - 1))
         settings.leaf_stop = max(0, min(settings.leaf_stop, len(settings.leaf_stops) - 1))
-        surface_object.shade_all(context.object)
+        surface_object.shade_all(volume)
         return {"FINISHED"}
 
 

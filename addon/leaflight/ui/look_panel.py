@@ -3,6 +3,7 @@
 
 import bpy
 
+from ..operators.active_volume import active_volume
 from ..show import look, surface_material
 from . import leaf_look
 from .sidebar import VolumePanel, sentence, split
@@ -15,9 +16,10 @@ class LEAFLIGHT_PT_leaves(VolumePanel, bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         split(layout)
-        settings = context.object.leaflight
+        volume = active_volume(context)
+        settings = volume.leaflight
         layout.operator_menu_enum(
-            leaf_look.LEAFLIGHT_OT_leaf_preset.bl_idname, "preset", text="Preset"
+            leaf_look.LEAFLIGHT_OT_leaf_preset.bl_idname, "preset", text="Look"
         )
         layout.prop(settings, "leaf_scattering")
         if settings.leaf_scattering == "GLASS":
@@ -37,8 +39,14 @@ class LEAFLIGHT_PT_leaves(VolumePanel, bpy.types.Panel):
         column.prop(settings, "leaf_emission")
         column.prop(settings, "leaf_emission_strength")
         layout.prop(settings, "capped")
-        layout.prop(context.object.leaflight_look, "opacity")
-        if surface_material.is_recolored(context.object):
+        column = layout.column(align=True)
+        column.prop(volume.leaflight_look, "gloss")
+        row = column.row()
+        row.active = volume.leaflight_look.gloss > 0
+        row.prop(volume.leaflight_look, "roughness")
+        layout.prop(volume.leaflight_look, "opacity")
+        layout.prop(volume.leaflight_look, "dust")
+        if surface_material.is_recolored(volume):
             sentence(context, layout, look.NEW_COLOR, icon="INFO")
 
 

@@ -3,11 +3,13 @@
 
 from . import (
     advanced_panel,
+    animation,
     bake_panel,
     clip_panel,
     comparison_panel,
     data_panel,
     flatland_panel,
+    label_panel,
     look_panel,
     stage_panel,
     volume_panel,
@@ -22,6 +24,8 @@ _PANELS = (
     advanced_panel,
     look_panel,
     clip_panel,
+    animation,
+    label_panel,
     comparison_panel,
 )
 

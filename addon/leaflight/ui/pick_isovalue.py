@@ -10,6 +10,7 @@ from gpu_extras.batch import batch_for_shader
 
 from .. import versions
 from ..operators import checks
+from ..operators.active_volume import active_volume
 from . import data_picture, distribution
 
 # Of the viewport, in shares of its width and in pixels of an unscaled interface.
@@ -34,13 +35,14 @@ class LEAFLIGHT_OT_pick_isovalue(checks.VolumeOperator, bpy.types.Operator):
         if context.area is None or context.area.type != "VIEW_3D":
             self.report({"ERROR"}, "Pick in Histogram works in the 3D viewport: call it there.")
             return {"CANCELLED"}
-        self.object_name = context.object.name_full
+        volume = active_volume(context)
+        self.object_name = volume.name_full
         self.area = context.area
         self.region = next(part for part in context.area.regions if part.type == "WINDOW")
-        self.before = context.object.leaflight.isovalue
+        self.before = volume.leaflight.isovalue
         self.dragging = False
         try:
-            self.found = distribution.look_now(context.object)
+            self.found = distribution.look_now(volume)
         except leaflight.LeaflightError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

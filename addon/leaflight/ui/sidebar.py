@@ -3,6 +3,8 @@
 
 import textwrap
 
+from ..operators.active_volume import active_volume
+
 # Pixels that a letter takes on average, and those beside the text, both at a scale of 1.
 _LETTER, _MARGIN = 6.6, 66
 
@@ -14,13 +16,13 @@ class SidebarPanel:
 
 
 class VolumePanel(SidebarPanel):
-    """A panel of the volume that is active."""
+    """A panel of the volume that is active, or was last."""
 
     bl_parent_id = "LEAFLIGHT_PT_volume"
 
     @classmethod
     def poll(cls, context):
-        return context.object is not None and context.object.leaflight.is_volume
+        return active_volume(context) is not None
 
 
 def split(layout):

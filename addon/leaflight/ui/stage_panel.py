@@ -4,6 +4,7 @@
 import bpy
 
 from ..operators import background
+from ..operators.active_volume import active_volume
 from ..stage import aside, presets, stage
 from ..stage import orientation as orientation_of
 from ..translations import iface_
@@ -31,12 +32,12 @@ class LEAFLIGHT_PT_stage(VolumePanel, bpy.types.Panel):
             layout.operator(aside.LEAFLIGHT_OT_bring_back.bl_idname, icon="LOOP_BACK")
         for warning in chosen.warnings.splitlines():
             sentence(context, layout, warning, icon="ERROR")
-        if context.object.leaflight.bake_surroundings:
+        if active_volume(context).leaflight.bake_surroundings:
             layout.prop(context.scene.leaflight, "show_walls")
 
     def _draw_orientation(self, context):
         """Which way the volume stands, and the turns by 90 degrees that change it."""
-        orientation = context.object.leaflight_orientation
+        orientation = active_volume(context).leaflight_orientation
         if orientation.is_unknown:
             text = iface_("The file has no orientation: choose Up and Front")
             sentence(context, self.layout, text, icon="QUESTION")

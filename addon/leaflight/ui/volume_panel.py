@@ -5,10 +5,11 @@ import bpy
 
 from ..bake import load_bake
 from ..importing import import_image, import_volume
+from ..operators.active_volume import active_volume
 from ..show import added, isovalues, look, surface_material, surface_object
 from ..stage import open_example
 from ..translations import iface_
-from . import add_isosurface
+from . import add_isosurface, proposals
 from .sidebar import SidebarPanel, sentence
 
 
@@ -17,12 +18,12 @@ class LEAFLIGHT_PT_volume(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context):
         layout = self.layout
-        obj = context.object
-        if obj is not None and obj.leaflight_flat.is_flatland:
-            layout.label(text=obj.name, icon="IMAGE_DATA", translate=False)
+        graph, obj = context.object, active_volume(context)
+        if graph is not None and graph.leaflight_flat.is_flatland:
+            layout.label(text=graph.name, icon="IMAGE_DATA", translate=False)
             return
-        if obj is None or not obj.leaflight.is_volume:
-            self._draw_beginning(context)
+        if obj is None:
+            self._draw_beginning()
             return
         layout.label(text=obj.name, icon="VOLUME_DATA", translate=False)
         layout.prop(obj.leaflight, '["isovalue"]', text="Isovalue", slider=True)
@@ -33,14 +34,14 @@ class LEAFLIGHT_PT_volume(SidebarPanel, bpy.types.Panel):
             sentence(context, layout, problem, icon="ERROR")
         for other in added.added_to(obj):
             self._draw_added(context, other)
-        layout.operator(add_isosurface.LEAFLIGHT_OT_add_isosurface.bl_idname, icon="ADD")
+        row = layout.row(align=True)
+        add = add_isosurface.LEAFLIGHT_OT_add_isosurface.bl_idname
+        row.operator(add, icon="ADD")
+        if proposals.is_hounsfield(obj):
+            row.operator_menu_enum(add, "tissue", text="", icon="DOWNARROW_HLT")
 
-    def _draw_beginning(self, context):
-        layout = self.layout
-        if any(isovalues.volumes(context.scene)):
-            text = iface_("Select a Leaflight volume to see its settings")
-            sentence(context, layout, text, icon="INFO")
-        column = layout.column(align=True)
+    def _draw_beginning(self):
+        column = self.layout.column(align=True)
         column.operator(open_example.LEAFLIGHT_OT_open_example.bl_idname, icon="OUTLINER_OB_VOLUME")
         column.operator(import_volume.LEAFLIGHT_OT_import_volume.bl_idname, icon="IMPORT")
         column.operator(import_image.LEAFLIGHT_OT_import_image.bl_idname, icon="IMAGE_DATA")
@@ -54,6 +55,7 @@ class LEAFLIGHT_PT_volume(SidebarPanel, bpy.types.Panel):
         remove = add_isosurface.LEAFLIGHT_OT_remove_isosurface.bl_idname
         row.operator(remove, text="", icon="X").name = obj.name
         box.prop(obj.leaflight_look, "opacity", slider=True)
+        box.prop(obj.leaflight_look, "dust")
         row = box.row(align=True)
         row.prop(obj.leaflight_look, "use_color", text="Color")
         color = row.row(align=True)

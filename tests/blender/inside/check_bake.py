@@ -190,7 +190,7 @@ def check_a_scene_without_light_is_refused(boxed):
 
 
 def check_baking_needs_a_volume():
-    with pytest.raises(RuntimeError, match="Select a Leaflight volume"):
+    with pytest.raises(RuntimeError, match="import a volume first"):
         bpy.ops.leaflight.bake()
 
 

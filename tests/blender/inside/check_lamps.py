@@ -52,19 +52,19 @@ def change(obj):
 
 def check_what_is_shown_follows_one_lamp(uncut, lit):
     before, vertices = colours(lit), vertices_of(lit)
-    mode = drawn(bake_panel.LEAFLIGHT_PT_bake)
+    mode = drawn(bake_panel.LEAFLIGHT_PT_bake_details)
     assert EXACT not in mode and SCALED not in mode
     lamp().energy *= 3.0
     bpy.context.view_layer.update()
     assert_scaled(lit, before, 3.0)
     close(vertices_of(lit), vertices, 0)
-    assert change(lit) == "" and EXACT in drawn(bake_panel.LEAFLIGHT_PT_bake)
+    assert change(lit) == "" and EXACT in drawn(bake_panel.LEAFLIGHT_PT_bake_details)
     energy = lamp().energy
     lamp().color = (1.0, 0.5, 0.25)
     bpy.context.view_layer.update()
     assert_scaled(lit, before, (3.0, 1.5, 0.75))
     assert "a volume texture holds the lamps as they were baked" in " ".join(
-        drawn(bake_panel.LEAFLIGHT_PT_bake)
+        drawn(bake_panel.LEAFLIGHT_PT_bake_details)
     )
     # Another isovalue, and back.
     lit.leaflight.isovalue = 45.0
@@ -84,7 +84,7 @@ def check_what_is_shown_follows_one_lamp(uncut, lit):
     bpy.context.view_layer.update()
     assert_scaled(lit, before, 1.0)
     assert lamps.bake_of(lit) is cache.bake_of(lit)
-    assert change(lit) == "" and EXACT not in drawn(bake_panel.LEAFLIGHT_PT_bake)
+    assert change(lit) == "" and EXACT not in drawn(bake_panel.LEAFLIGHT_PT_bake_details)
 
 
 def check_a_lamp_that_is_moved_or_of_another_shape_needs_a_bake(lit):
@@ -118,7 +118,7 @@ def check_of_two_lamps_each_follows_by_itself(rounds):
     before = colours_of(rounds)
     side.data.energy *= 0.5
     bpy.context.view_layer.update()
-    assert SCALED in drawn(bake_panel.LEAFLIGHT_PT_bake) and change(rounds) == ""
+    assert SCALED in drawn(bake_panel.LEAFLIGHT_PT_bake_details) and change(rounds) == ""
     bake = cache.bake_of(rounds).relit({side.name: 0.5})
     points = vertices_of(rounds)
     expected = bake.grid.lookup(cache.volume_of(rounds).field(), points)

@@ -9,7 +9,7 @@ from leaflight.scene.scene import is_color
 from leaflight_addon.show import leaves, surface_object
 from leaflight_addon.stage import scene_export
 from leaflight_addon.store import cache
-from leaflight_addon.ui import leaf_look
+from leaflight_addon.ui import looks
 from tools import close, error_of, mesh_arrays
 
 
@@ -74,7 +74,7 @@ def check_stops_are_added_and_removed_by_buttons(bumps):
     close(_colour_of_material(bumps), (0.3, 0.4, 0.5), 1e-6)
 
 
-@pytest.mark.parametrize("preset", list(leaf_look.PRESETS))
+@pytest.mark.parametrize("preset", [*looks.LOOKS, *looks.MAPS])
 def check_presets(bumps, preset):
     bumps.leaflight.leaf_scattering = "MIRROR"
     _add_stop(bumps, 40.0, (0.0, 0.2, 0.4))
@@ -83,7 +83,7 @@ def check_presets(bumps, preset):
     assert bumps.leaflight.leaf_scattering == expected
     described = leaves.export_leaves(bumps, False)
     assert (max(described.emission) > 0) == (preset == "GLOW")
-    assert is_color(described.albedo) != (preset in {"TISSUE", "RAINBOW"})
+    assert is_color(described.albedo) != (preset == "TISSUE" or preset in looks.MAPS)
 
 
 @pytest.mark.parametrize("scattering, kind", [("MIRROR", "BSDF_GLOSSY"), ("GLASS", "BSDF_GLASS")])

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Several isosurfaces of a volume at once: each at its isovalue, in its light, seen through."""
 
+from types import SimpleNamespace
+
 import bpy
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from blends import open_blend, save
 from leaflight import blender
 from leaflight_addon.show import added, look, surface_material, surface_object
 from leaflight_addon.store import cache
+from leaflight_addon.ui import distribution, proposals
 from tools import (
     camera_rays_down,
     close,
@@ -152,13 +155,35 @@ def check_there_are_three_at_most(baked):
     isovalue = baked.leaflight.isovalue = 60.0
     bpy.ops.leaflight.add_isosurface()
     bpy.ops.leaflight.add_isosurface()
+    surfaces = (baked, *added.added_to(baked))
     with pytest.raises(RuntimeError, match="remove one first"):
         bpy.ops.leaflight.add_isosurface()
-    shown = [obj.leaflight.isovalue for obj in added.added_to(baked)]
-    assert baked.leaflight.bake_low < shown[1] < shown[0] < isovalue
+    shown = [obj.leaflight.isovalue for obj in surfaces]
+    assert isovalue == shown[0] < shown[1] < shown[2] < baked.leaflight.bake_high
+    # Opaque inside, translucent outside.
+    opacities = [obj.leaflight_look.opacity for obj in surfaces]
+    close(opacities, [0.3, 0.3, 1.0], 1e-6)
     bpy.ops.leaflight.remove_isosurface(name=added.added_to(baked)[0].name)
     assert len(added.added_to(baked)) == 1
     assert "choose one" in error_of(bpy.ops.leaflight.remove_isosurface, name=baked.name)
+
+
+def check_where_nothing_is_inside_one_around_it_is_proposed(baked):
+    own = baked.leaflight.isovalue = baked.leaflight.bake_high
+    bpy.ops.leaflight.add_isosurface()
+    (obj,) = added.added_to(baked)
+    assert baked.leaflight.bake_low < obj.leaflight.isovalue < own
+    close([obj.leaflight_look.opacity, baked.leaflight_look.opacity], [0.3, 1.0], 1e-6)
+
+
+def check_tissues_have_names(bumps):
+    assert not proposals.is_hounsfield(bumps)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(distribution, "of", lambda _: SimpleNamespace(low=-1024.5, high=3071.5))
+        assert proposals.is_hounsfield(bumps)
+    bpy.ops.leaflight.add_isosurface(tissue="MUSCLE")
+    (obj,) = added.added_to(bumps)
+    assert obj.leaflight.isovalue == 50.0
 
 
 def _seen_from_above(obj, path, engine):

@@ -140,7 +140,7 @@ _started = []
 
 def start(job):
     """A Job at work in a thread, which ends with the check, also where that fails."""
-    work = background.BackgroundWork(job.run, job.status)
+    work = background.BackgroundWork(job.run, job)
     _started.append(work)
     return work
 

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# flake8: noqa: F722,F821  (Blender declares properties as annotations)
+"""Animations in one click: a sweep of the isovalue, a turntable, a wipe by the clip box."""
+
+import math
+
+import bpy
+import leaflight
+import mathutils
+import numpy as np
+from bpy.props import EnumProperty, IntProperty
+from leaflight import blender
+
+from .. import versions
+from ..operators import checks
+from ..operators.active_volume import active_volume
+from ..show import added, isovalues, leaves
+from .sidebar import VolumePanel
+
+_PIVOT = "leaflight_turntable"
+# Degrees between the places of the camera that are tried.
+_STEP = 5
+
+
+class LEAFLIGHT_OT_animate(checks.VolumeOperator, bpy.types.Operator):
+    bl_idname = "leaflight.animate"
+    bl_label = "Animate"
+    bl_description = "Keyframe an animation of the volume, over as many frames as chosen"
+    bl_options = {"REGISTER", "UNDO"}
+
+    kind: EnumProperty(
+        name="Animation",
+        items=[
+            ("SWEEP", "Sweep", "The isovalue runs from the lowest to the highest of its range"),
+            (
+                "TURNTABLE",
+                "Turntable",
+                "The camera runs around the volume once, or to and fro where walls are in its way",
+            ),
+            ("WIPE", "Wipe", "The clip box moves through the volume from one side to the other"),
+        ],
+    )
+    frames: IntProperty(name="Frames", description="How long it is", default=120, min=2)
+
+    def execute(self, context):
+        volume = active_volume(context)
+        try:
+            _ANIMATIONS[self.kind](context, volume, self.frames)
+        except leaflight.LeaflightError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+def _sweep(context, volume, frames):
+    low, high = isovalues.window(volume.leaflight)
+    blender.animate(volume, np.linspace(low, high, frames))
+
+
+def _turntable(context, volume, frames):
+    scene = context.scene
+    camera = scene.camera
+    if camera is None:
+        raise leaflight.LeaflightError("The scene has no camera: add one, or use Stage.")
+    pivot = camera.parent
+    if pivot is None or _PIVOT not in pivot:
+        middle = leaves.world_box(volume).mean(axis=0)
+        pivot = bpy.data.objects.new("Turntable", None)
+        pivot[_PIVOT] = True
+        pivot.location = middle
+        scene.collection.objects.link(pivot)
+        place = camera.matrix_world.copy()
+        camera.parent = pivot
+        camera.matrix_parent_inverse = mathutils.Matrix.Translation(middle).inverted()
+        camera.matrix_basis = place
+    pivot.animation_data_clear()
+    free = _free_degrees(context, volume, camera, pivot)
+    if free >= 180:
+        # The frame after the last is the first again.
+        angles = np.linspace(0, 360, frames + 1)[:-1]
+    else:
+        angles = free * np.sin(np.linspace(0, 2 * np.pi, frames + 1)[:-1])
+    _keyframe(pivot, "rotation_euler", [(0.0, 0.0, math.radians(a)) for a in angles], scene)
+
+
+def _free_degrees(context, volume, camera, pivot):
+    """How far to both sides the camera may run before something comes between it and the volume."""
+    depsgraph = context.evaluated_depsgraph_get()
+    middle = pivot.location
+    arm = camera.matrix_world.translation - middle
+    free = 0
+    for degrees in range(_STEP, 180 + _STEP, _STEP):
+        for side in (degrees, -degrees):
+            place = middle + mathutils.Matrix.Rotation(math.radians(side), 3, "Z") @ arm
+            hit, _, _, _, obj, _ = context.scene.ray_cast(
+                depsgraph, place, middle - place, distance=arm.length
+            )
+            if hit and added.volume_object(obj) != volume:
+                return free
+        free = degrees
+    return free
+
+
+def _wipe(context, volume, frames):
+    """Along the direction that runs across the camera's picture, as far as the volume reaches."""
+    look = volume.leaflight_look
+    if look.box is None or not look.box.users_scene:
+        bpy.ops.leaflight.add_clip_box()
+    box, camera = look.box, context.scene.camera
+    if box.type != "EMPTY":
+        raise leaflight.LeaflightError(
+            f'The clip box "{box.name}" is a mesh, which keeps its place: choose an Empty.'
+        )
+    low, high = leaves.world_box(volume)
+    half, middle = 0.5 * (high - low), 0.5 * (low + high)
+    across = np.array(camera.matrix_world.col[0])[:3] if camera else np.array([1.0, 0.0, 0.0])
+    axis = int(np.argmax(np.abs(across)))
+    step = np.zeros(3)
+    step[axis] = 2.1 * half[axis] * (1.0 if across[axis] > 0 else -1.0)
+    box.animation_data_clear()
+    # Beyond the volume, whose border lies on none of the box's faces.
+    box.matrix_world = mathutils.Matrix.LocRotScale(
+        mathutils.Vector(middle), None, mathutils.Vector(1.05 * half / box.empty_display_size)
+    )
+    places = [tuple(middle - step * (1 - t)) for t in np.linspace(0, 1, frames)]
+    _keyframe(box, "location", places, context.scene)
+
+
+def _keyframe(obj, path, values, scene):
+    """One value a frame from the first on; the scene's range of frames becomes theirs."""
+    for frame, value in enumerate(values, start=1):
+        setattr(obj, path, value)
+        obj.keyframe_insert(path, frame=frame)
+    for curve in versions.fcurves(obj):
+        for point in curve.keyframe_points:
+            point.interpolation = "LINEAR"
+    scene.frame_start, scene.frame_end = 1, len(values)
+    scene.frame_set(1)
+
+
+_ANIMATIONS = {"SWEEP": _sweep, "TURNTABLE": _turntable, "WIPE": _wipe}
+
+
+class LEAFLIGHT_PT_animation(VolumePanel, bpy.types.Panel):
+    bl_label = "Animation"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, _context):
+        self.layout.row(align=True).operator_enum(LEAFLIGHT_OT_animate.bl_idname, "kind")
+
+
+_CLASSES = (LEAFLIGHT_OT_animate, LEAFLIGHT_PT_animation)
+
+
+def register():
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel of what is written beside a volume: a scale bar, and letters for a patient's sides."""
+
+import bpy
+import leaflight
+
+from ..operators import checks
+from ..operators.active_volume import active_volume
+from ..stage import labels
+from .sidebar import VolumePanel
+
+
+class _LabelOperator(checks.VolumeOperator):
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context):
+        try:
+            self.add(context, active_volume(context))
+        except leaflight.LeaflightError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class LEAFLIGHT_OT_add_scale_bar(_LabelOperator, bpy.types.Operator):
+    bl_idname = "leaflight.add_scale_bar"
+    bl_label = "Scale Bar"
+    bl_description = "Put a bar of a round length before the volume, in the unit of its file"
+
+    def add(self, context, volume):
+        labels.add_scale_bar(context, volume)
+
+
+class LEAFLIGHT_OT_add_letters(_LabelOperator, bpy.types.Operator):
+    bl_idname = "leaflight.add_letters"
+    bl_label = "Orientation"
+    bl_description = (
+        "Put letters at the sides of a patient: R and L, A and P, S and I for right and left, "
+        "front and back, up and down"
+    )
+
+    def add(self, context, volume):
+        labels.add_letters(context, volume)
+
+
+class LEAFLIGHT_PT_labels(VolumePanel, bpy.types.Panel):
+    bl_label = "Labels"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, _context):
+        row = self.layout.row(align=True)
+        row.operator(LEAFLIGHT_OT_add_scale_bar.bl_idname)
+        row.operator(LEAFLIGHT_OT_add_letters.bl_idname)
+
+
+_CLASSES = (LEAFLIGHT_OT_add_scale_bar, LEAFLIGHT_OT_add_letters, LEAFLIGHT_PT_labels)
+
+
+def register():
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)

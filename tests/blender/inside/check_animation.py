@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Animations in one click, a scale bar, and letters for a patient's sides."""
+
+import bpy
+import nibabel
+import numpy as np
+import pytest
+from leaflight_addon.stage import labels, scene_export
+from leaflight_addon.show import surface_object
+from tools import add_camera, close, error_of, vertices_of
+
+
+@pytest.fixture
+def patient(tmp_path):
+    z, y, x = np.mgrid[:16, :16, :16].astype(np.float32)
+    ball = 9.0 - np.sqrt((x - 8) ** 2 + (y - 8) ** 2 + (z - 8) ** 2)
+    image = nibabel.Nifti1Image(ball, np.diag([10.0, 10.0, 10.0, 1.0]))
+    image.header.set_xyzt_units("mm")
+    nibabel.save(image, str(tmp_path / "ball.nii"))
+    bpy.ops.leaflight.import_volume(filepath=str(tmp_path / "ball.nii"))
+    obj = bpy.context.object
+    add_camera((0.0, -6.0, 1.0), (np.pi / 2, 0.0, 0.0))
+    bpy.context.view_layer.objects.active = obj
+    bpy.context.view_layer.update()
+    return obj
+
+
+def check_a_sweep_shows_the_whole_range(patient):
+    bpy.ops.leaflight.animate(kind="SWEEP", frames=11)
+    for frame, part in ((1, 0.0), (6, 0.5), (11, 1.0)):
+        bpy.context.scene.frame_set(frame)
+        settings = patient.leaflight
+        expected = settings.low + part * (settings.high - settings.low)
+        assert surface_object.shown_isovalue(patient) == pytest.approx(expected, rel=1e-4)
+    assert bpy.context.scene.frame_end == 11
+
+
+def check_a_turntable_looks_at_the_volume_from_all_sides(patient):
+    camera = bpy.context.scene.camera
+    before = camera.matrix_world.copy()
+    bpy.ops.leaflight.animate(kind="TURNTABLE", frames=8)
+    close(camera.matrix_world, before, 1e-5)
+    bpy.context.scene.frame_set(3)
+    turned = camera.matrix_world.translation
+    close(np.hypot(*turned[:2]), np.hypot(*before.translation[:2]), 1e-4)
+    assert abs(turned[0]) > 5.9
+    # Again from where the camera is now.
+    bpy.context.scene.frame_set(1)
+    bpy.ops.leaflight.animate(kind="TURNTABLE", frames=8)
+    assert [o.name for o in bpy.data.objects if o.type == "EMPTY"] == ["Turntable"]
+
+
+def check_a_turntable_keeps_before_a_wall(patient):
+    bpy.ops.mesh.primitive_plane_add(size=20, location=(0, 3, 0), rotation=(np.pi / 2, 0, 0))
+    bpy.context.view_layer.objects.active = patient
+    bpy.ops.leaflight.animate(kind="TURNTABLE", frames=40)
+    for frame in range(1, 41):
+        bpy.context.scene.frame_set(frame)
+        assert bpy.context.scene.camera.matrix_world.translation[1] < 3
+
+
+def check_a_wipe_goes_from_nothing_to_all(patient):
+    bpy.ops.leaflight.animate(kind="WIPE", frames=5)
+    box = patient.leaflight_look.box
+    x = vertices_of(patient) @ np.array(patient.matrix_world)[:3, :3].T
+    x = x[:, 0] + patient.matrix_world.translation[0]
+    covered = []
+    for frame in range(1, 6):
+        bpy.context.scene.frame_set(frame)
+        reach = box.empty_display_size * box.matrix_world.to_scale()[0]
+        covered.append(np.mean(np.abs(x - box.matrix_world.translation[0]) < reach))
+    assert covered[0] == 0 and covered[-1] == 1 and np.all(np.diff(covered) >= 0)
+
+
+def check_a_scale_bar_is_as_long_as_it_says(patient):
+    bpy.ops.leaflight.add_scale_bar()
+    bpy.ops.leaflight.add_scale_bar()
+    bar, text = sorted((o for o in patient.children), key=lambda o: o.type, reverse=True)
+    assert text.data.body == "20 mm" and len(patient.children) == 2
+    assert np.ptp(vertices_of(bar)[:, 0]) == pytest.approx(20.0, abs=1e-3)
+    assert [labels.round_length(x) for x in (0.31, 45, 60, 1000)] == [0.2, 20, 50, 1000]
+    # A bake does not see it.
+    assert not scene_export.export_scene(bpy.context, patient)[0].meshes
+
+
+def check_letters_stand_at_the_sides_of_a_patient(patient, bump_file):
+    bpy.ops.leaflight.add_letters()
+    bpy.context.view_layer.update()
+    places = {o.data.body: o.location for o in patient.children}
+    assert set(places) == set("RLAPSI")
+    assert places["R"][0] > places["L"][0] and places["A"][1] > places["P"][1]
+    assert places["S"][2] > places["I"][2]
+    bpy.ops.leaflight.import_volume(filepath=str(bump_file), dims=(24,) * 3, value_type="float32")
+    assert "does not say" in error_of(bpy.ops.leaflight.add_letters)
+    assert "no unit" in error_of(bpy.ops.leaflight.add_scale_bar)

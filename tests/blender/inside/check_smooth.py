@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Smooth: at import and afterwards, in files and in the record of a bake."""
+
+import json
+
+import bpy
+import leaflight
+import numpy as np
+import pytest
+from blends import open_blend, save
+from boxes import build_cornell_box
+from leaflight_addon.stage import staleness
+from leaflight_addon.store import cache
+from leaflight_addon.ui import distribution
+from tools import assert_shows, close
+
+
+@pytest.fixture
+def steps(tmp_path):
+    """A ball of bytes that rises by two a voxel."""
+    z, y, x = np.mgrid[:24, :24, :24]
+    distance = np.sqrt((x - 11.5) ** 2 + (y - 11.5) ** 2 + (z - 11.5) ** 2)
+    np.save(tmp_path / "steps.npy", np.uint8(np.maximum(0, 60 - 2 * distance)))
+    return tmp_path / "steps.npy"
+
+
+def imported(path, **options):
+    bpy.ops.leaflight.import_volume(filepath=str(path), **options)
+    obj = bpy.context.object
+    obj.leaflight.bake_folder = str(path.parent / "bakes")
+    return obj
+
+
+def check_the_values_are_smoothed_and_stay_so_in_files(steps, tmp_path):
+    expected = leaflight.read_volume(steps, smooth=1.0).values
+    obj = imported(steps, smooth=1.0)
+    np.testing.assert_array_equal(cache.volume_of(obj).values, expected)
+    isovalue = obj.leaflight.isovalue
+    save(tmp_path / "scene.blend")
+    obj = open_blend(tmp_path / "scene.blend")
+    obj.leaflight.isovalue = 0.9 * isovalue
+    np.testing.assert_array_equal(cache.volume_of(obj).values, expected)
+    assert_shows(obj, obj.leaflight.isovalue)
+
+
+def check_it_is_proposed_for_bytes_and_done_afterwards(steps):
+    obj = imported(steps)
+    assert distribution.look_now(obj).is_terraced
+    bpy.ops.leaflight.smooth(amount="1")
+    assert obj.leaflight.smooth == 1.0 and not distribution.look_now(obj).is_terraced
+    close(cache.volume_of(obj).values, leaflight.read_volume(steps, smooth=1.0).values, 0)
+    assert_shows(obj, obj.leaflight.isovalue)
+    bpy.ops.leaflight.smooth(amount="0")
+    assert cache.volume_of(obj).values.dtype == np.uint8
+
+
+def check_a_bake_keeps_what_it_was_made_of(steps):
+    obj = imported(steps, smooth=0.5)
+    build_cornell_box()
+    obj.leaflight.fixed_samples, obj.leaflight.samples = True, 2
+    obj.leaflight.photons = 1000
+    bpy.ops.leaflight.bake()
+    (record,) = json.loads(cache.bake_of(obj).metadata["volumes"])
+    assert record["source"] == f"{steps}, smoothed by 0.5 voxels"
+    assert "radiance" in obj.data.attributes
+    assert staleness.change_since_bake(bpy.context, obj) == ""
+    bpy.ops.leaflight.smooth(amount="2")
+    assert "radiance" not in obj.data.attributes
+    staleness.forget()
+    assert "Smooth has changed" in staleness.change_since_bake(bpy.context, obj)
+    bpy.ops.leaflight.smooth(amount="0.5")
+    assert "radiance" in obj.data.attributes
