@@ -19,14 +19,17 @@ const built = await build({
   format: 'iife',
   target: 'es2022',
   charset: 'ascii',
-  loader: { '.glsl': 'text', '.html': 'text' },
+  loader: { '.glsl': 'text' },
   legalComments: 'inline',
 });
 const textOf = (suffix) => built.outputFiles.find((file) => file.path.endsWith(suffix)).text;
-const shell = await readFile(join(here, 'src', 'page.html'), 'utf8');
+const [shell, panel] = await Promise.all(
+  ['page.html', 'panel.html'].map((name) => readFile(join(here, 'src', name), 'utf8')),
+);
 // Functions, since a replacement text would read $ in the script as its own signs.
 const page = shell
   .replace('/*leaflight:style*/', () => textOf('.css').trim())
+  .replace('<!--leaflight:panel-->', () => panel.trim())
   .replace('/*leaflight:script*/', () => textOf('.js').trim());
 await mkdir(dirname(out), { recursive: true });
 await writeFile(out, page);

@@ -28,6 +28,12 @@ def template(tmp_path, monkeypatch):
     return path
 
 
+def body_of(text):
+    """The bytes of all elements of the data, in their order."""
+    parts = re.findall('<script type="text/plain">(.*?)</script>', text, re.DOTALL)
+    return b"".join(map(base64.b64decode, parts))
+
+
 def script(text, name):
     return re.search(f'<script id="{name}"[^>]*>(.*?)</script>', text, re.DOTALL)[1]
 
@@ -64,7 +70,7 @@ def test_the_page_holds_the_bake(lapr_bake, tmp_path):
     assert lapr_bake.export_page(out, isovalue=0.25) == out
     text = out.read_text()
     header = json.loads(script(text, "leaflight-header"))
-    body = base64.b64decode(script(text, "leaflight-body"))
+    body = body_of(text)
     assert header["isovalue"] == 0.25 and header["window"] == [0, 1] and "'none'" in text
     for number, volume in enumerate(header["volumes"]):
         values = lapr_bake.volumes[number].values
@@ -84,7 +90,7 @@ def test_the_page_holds_the_bake(lapr_bake, tmp_path):
     walls, lit = header["walls"], lapr_bake.surroundings
     assert len(walls["meshes"]) == len(lapr_bake.scene.meshes)
     shadows = [
-        check_wall(header, body, wall, lit, number, lapr_bake)
+        check_wall(header, body, wall["light"], lit, number, lapr_bake)
         for number, wall in enumerate(walls["meshes"])
     ]
     assert sum(shadows) > 100
@@ -133,7 +139,7 @@ def test_the_page_holds_maps_of_direct_light(bump_scene, small, tmp_path):
     bake.export_page(tmp_path / "box.html")
     text = (tmp_path / "box.html").read_text()
     header = json.loads(script(text, "leaflight-header"))
-    body = base64.b64decode(script(text, "leaflight-body"))
+    body = body_of(text)
     grid, volume = bake.grids[0], header["volumes"][0]
     direct, data = grid.direct, volume["direct"]
     active = active_texels(header, body, data)

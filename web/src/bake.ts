@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The bake in the page, as core/leaflight/export/page_data.py wrote it.
 
+import { arrived, DAMAGED, pause, readBody } from './body';
 import { Failure } from './failure';
+import type { Framing } from './framing';
 
 export type Vector = [number, number, number];
 export type Stops = [number, Vector][];
@@ -48,8 +50,14 @@ export interface VolumeData {
 export interface WallData {
   name: string;
   isOfRoom: boolean;
+  albedo: Vector;
+  emission: Vector;
   vertices: number; // blocks
   triangles: number;
+  light: WallLightData | null; // null: it is shaded by lamps alone
+}
+
+export interface WallLightData {
   between: number; // of each vertex, two coarser ones
   // Of the front and the back, radiance times the exposure: indirect light of the coarser vertices
   // at each node, and direct light if nothing stood in its way.
@@ -74,30 +82,45 @@ export interface Header {
   window: [number, number]; // leaf coordinates
   isovalue: number;
   exposure: number;
-  camera: { position: Vector; target: Vector; up: Vector; angle: number };
+  stops: number; // of exposure beside it
+  unbaked: number; // brightness of white inner sides that were not baked
+  camera: Framing;
   bounds: [Vector, Vector];
   volumes: VolumeData[];
   walls: WallsData;
   lamps: number[][]; // as lamps.py lists them
   ambient: Vector;
   headlight: boolean;
-  histogram: number[];
+  histogram: { counts: number[]; width: number }; // of a bin, as a share of the window
+  step: number; // between isovalues that are chosen
+  unit: string; // of lengths in the world, '' where it is not known
+  isPatient: boolean; // the world's axes are towards a patient's right, front and up
   about: [string, string][];
   blocks: [number, number, number][]; // first byte, bytes, bytes when inflated
 }
 
-const FORMAT = 2;
-const DAMAGED = 'The data in this page are damaged or not whole: fetch or export it again.';
+const FORMAT = 3;
+
+const READ_SHARE = 0.4; // of the work, to read the file
+
+// How much of the work is done, 0..1, and the step that goes on, as words.
+export type Tell = (share: number, step: string) => void;
 
 export class Bake {
+  private inflated = 0;
+  private readonly all: number;
+
   private constructor(
     readonly header: Header,
     private readonly body: Uint8Array,
-  ) {}
+    private readonly tell: Tell,
+  ) {
+    this.all = header.blocks.reduce((sum, [, , whole]) => sum + whole, 0);
+  }
 
-  // Of the elements of the page, or of bake.bin beside it.
-  static async read(): Promise<Bake> {
-    const text = document.getElementById('leaflight-header')?.textContent;
+  // As soon as it has arrived.
+  static async header(): Promise<Header> {
+    const text = (await arrived('leaflight-header'))?.textContent;
     let header: Header;
     try {
       header = JSON.parse(text ?? '') as Header;
@@ -107,11 +130,18 @@ export class Bake {
     if (header.format !== FORMAT) {
       throw new Failure('This page holds a bake of another version: export it again.');
     }
-    const body = document.getElementById('leaflight-body');
-    return new Bake(header, body ? decoded(body.textContent) : await fetched('bake.bin'));
+    return header;
   }
 
-  // The numbers of a block, `size` bytes each, in the order of this machine.
+  static async read(header: Header, tell: Tell): Promise<Bake> {
+    const bytes = Math.max(0, ...header.blocks.map(([first, length]) => first + length));
+    const body = await readBody(bytes, (share) => {
+      tell(READ_SHARE * share, 'Reading the file');
+    });
+    return new Bake(header, body, tell);
+  }
+
+// The numbers of a block, `size` bytes each, in the order of this machine.
   async block(number: number, size: 1 | 2 | 4): Promise<Uint8Array<ArrayBuffer>> {
     const [first, length, whole] = this.header.blocks[number];
     let planes: Uint8Array;
@@ -124,6 +154,9 @@ export class Bake {
       throw new Failure(DAMAGED);
     }
     if (planes.length !== whole) throw new Failure(DAMAGED);
+    this.inflated += whole;
+    this.tell(READ_SHARE + (1 - READ_SHARE) * (this.inflated / this.all), 'Unpacking');
+    await pause();
     return fromPlanes(planes, size);
   }
 }
@@ -137,46 +170,6 @@ function fromPlanes(planes: Uint8Array, size: number): Uint8Array<ArrayBuffer> {
     for (let i = 0, at = plane; i < count; ++i, at += size) bytes[at] = planes[first + i];
   }
   return bytes;
-}
-
-// Not in all browsers yet.
-interface FromBase64 {
-  fromBase64?: (text: string) => Uint8Array;
-}
-
-// Of base64, by parts, since a string of all bytes would take twice the memory.
-function decoded(text: string): Uint8Array {
-  try {
-    const whole = (Uint8Array as FromBase64).fromBase64?.(text);
-    if (whole) return whole;
-  } catch {
-    throw new Failure(DAMAGED);
-  }
-  const part = 1 << 20; // a multiple of four characters
-  const bytes = new Uint8Array(Math.floor((text.length * 3) / 4));
-  let at = 0;
-  try {
-    for (let first = 0; first < text.length; first += part) {
-      const binary = atob(text.slice(first, first + part));
-      for (let i = 0; i < binary.length; ++i) bytes[at++] = binary.charCodeAt(i);
-    }
-  } catch {
-    throw new Failure(DAMAGED);
-  }
-  return bytes.subarray(0, at);
-}
-
-async function fetched(name: string): Promise<Uint8Array> {
-  try {
-    const answer = await fetch(name);
-    if (!answer.ok) throw new Error(answer.statusText);
-    return new Uint8Array(await answer.arrayBuffer());
-  } catch {
-    throw new Failure(
-      `The file ${name} beside this page cannot be read: put both on a web server, ` +
-        'or export one file.',
-    );
-  }
 }
 
 // The color of a ramp at an isovalue, in data units.

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How many voxels have which value, in logarithms, with the isovalues; a drag chooses one.
 
+import type { Header } from './bake';
+
 export class Histogram {
   private shown: number[] = [];
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
-    private readonly counts: number[],
+    private readonly bins: Header['histogram'],
     chosen: (share: number) => void,
   ) {
     const choose = (event: PointerEvent) => {
@@ -30,7 +32,8 @@ export class Histogram {
   // With lines at shares, 0..1, of the window.
   show(shares: number[]): void {
     this.shown = shares;
-    const { canvas, counts } = this;
+    const { canvas } = this;
+    const { counts, width: share } = this.bins;
     const width = (canvas.width = Math.round(canvas.clientWidth * devicePixelRatio));
     const height = (canvas.height = Math.round(canvas.clientHeight * devicePixelRatio));
     const context = canvas.getContext('2d');
@@ -40,13 +43,13 @@ export class Histogram {
     context.fillStyle = style.getPropertyValue('--bars');
     counts.forEach((count, bin) => {
       const bar = (height * Math.log1p(count)) / most;
-      const [left, right] = [bin, bin + 1].map((k) => Math.round((width * k) / counts.length));
+      const [left, right] = [bin, bin + 1].map((k) => Math.round(width * share * k));
       context.fillRect(left, height - bar, right - left, bar);
     });
     context.fillStyle = style.getPropertyValue('--accent');
-    for (const share of shares) {
+    for (const place of shares) {
       const line = 2 * devicePixelRatio;
-      context.fillRect(Math.round(share * width) - 0.5 * line, 0, line, height);
+      context.fillRect(Math.round(place * width) - 0.5 * line, 0, line, height);
     }
   }
 }

@@ -19,10 +19,12 @@ import display from './shaders/display.glsl';
 import gradient from './shaders/gradient.glsl';
 import fragment from './shaders/leaf.frag.glsl';
 import vertex from './shaders/leaf.vert.glsl';
+import lamps from './shaders/lamps.glsl';
 import light from './shaders/light.glsl';
 import precision from './shaders/precision.glsl';
 import trace from './shaders/trace.glsl';
-import type { Look } from './look';
+import { lampUniforms } from './lamps';
+import { clipPlane, type Look } from './look';
 import { given, volumeTextures } from './volume_textures';
 
 const NO_DATA = 65535;
@@ -32,6 +34,13 @@ export interface Rays {
   corner: three.Vector3;
   right: three.Vector3;
   up: three.Vector3;
+}
+
+// What is drawn: as leaf.frag.glsl numbers it.
+export enum Result {
+  Picture,
+  Fetches,
+  Distances,
 }
 
 export class Leaf {
@@ -52,7 +61,7 @@ export class Leaf {
   }
 
   private constructor(
-    header: Header,
+    private readonly header: Header,
     private readonly data: VolumeData,
     textures: Record<string, three.Texture>,
   ) {
@@ -64,7 +73,7 @@ export class Leaf {
     const material = new three.RawShaderMaterial({
       glslVersion: three.GLSL3,
       vertexShader: vertex,
-      fragmentShader: [precision, trace, display, gradient, lights, light, fragment].join('\n'),
+      fragmentShader: [precision, trace, display, gradient, lights, lamps, light, fragment].join('\n'),
       defines: data.direct ? { DIRECT: '' } : {},
       side: three.BackSide,
       transparent: true,
@@ -87,7 +96,7 @@ export class Leaf {
     return low + c * (high - low);
   }
 
-  show(look: Look, camera: three.Camera, rays: Rays, exposure: number): void {
+  show(look: Look, camera: three.Camera, rays: Rays, result: Result): void {
     const { uniforms } = this.mesh.material;
     const code = (c: number) => (this.isovalueAt(c) - this.data.offset) / this.data.scale;
     const own = [look.isovalue, look.second ?? look.isovalue].map((c) => this.isovalueAt(c));
@@ -99,7 +108,6 @@ export class Leaf {
     uniforms.gain.value = 2 ** look.stops;
     uniforms.albedo.value = own.flatMap((c) => rampAt(this.data.albedo, c));
     uniforms.emission.value = own.flatMap((c) => rampAt(this.data.emission, c));
-    uniforms.exposure.value = exposure;
     const eye = camera.getWorldPosition(new three.Vector3());
     uniforms.worldEye.value = eye;
     uniforms.eye.value = eye.clone().applyMatrix4(this.worldToIndex);
@@ -110,13 +118,15 @@ export class Leaf {
       .multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse)
       .multiply(this.indexToWorld);
     uniforms.clip.value = this.clipPlane(look);
-    uniforms.countsFetches.value = look.countsFetches;
+    uniforms.result.value = result;
+    this.mesh.material.blending = result === Result.Picture ? three.CustomBlending : three.NoBlending;
   }
 
   // Of the plane in the world, in index coordinates.
   private clipPlane(look: Look): three.Vector4 {
     if (look.clip === null) return new three.Vector4();
-    const plane = new three.Vector4(...look.clip.normal, -look.clip.distance);
+    const { normal, distance } = clipPlane(look.clip, this.header.bounds);
+    const plane = new three.Vector4(...normal, -distance);
     return plane.applyMatrix4(this.indexToWorld.clone().transpose());
   }
 }
@@ -133,10 +143,6 @@ function uniformsOf(
     const [low, high] = data.isovalues;
     return (low + c * (high - low) - data.offset) / data.scale;
   });
-  const lamps = header.lamps.flatMap((row) =>
-    [0, 4, 8].map((k) => new three.Vector4().fromArray(row, k)),
-  );
-  while (lamps.length < 48) lamps.push(new three.Vector4());
   const constant = {
     ...textures,
     dims: data.dims,
@@ -149,16 +155,15 @@ function uniformsOf(
     innerIs: ['baked', 'dark', 'local'].indexOf(data.innerIs),
     indexToWorld,
     normalToWorld: new three.Matrix3().setFromMatrix4(worldToIndex).transpose(),
-    ambient: header.ambient,
-    lampCount: header.headlight ? -1 : header.lamps.length,
-    lamps,
+    unbaked: header.unbaked,
     window: new three.Vector2(...window),
   };
   const varying = [
     'isovalue', 'secondIsovalue', 'hasSecond', 'opacity', 'isLocal', 'gain', 'albedo', 'emission',
-    'exposure', 'worldEye', 'eye', 'corner', 'right', 'up', 'indexToClip', 'clip', 'countsFetches',
+    'worldEye', 'eye', 'corner', 'right', 'up', 'indexToClip', 'clip', 'result',
   ]; // prettier-ignore
   return Object.fromEntries([
+    ...Object.entries(lampUniforms(header)),
     ...Object.entries(constant).map(([name, value]) => [name, { value }]),
     ...varying.map((name) => [name, { value: null }]),
   ]) as Record<string, three.IUniform>;

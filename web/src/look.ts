@@ -1,7 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is shown, as plain data: the interface changes it, the view draws it.
+// What is shown, as plain data: the interface changes it, the view draws it, the link keeps it.
 
 import type { Header, Vector } from './bake';
+import { onGrid } from './isovalues';
+
+// From an end of an axis of the bounds, by its number: left, right, front, back, below, above.
+export interface Clip {
+  from: number;
+  share: number; // 0..1 of the axis, which is left out
+}
 
 export interface Look {
   isovalue: number; // leaf coordinates
@@ -9,20 +16,29 @@ export interface Look {
   opacity: number; // its share, 0..1
   isLocal: boolean;
   showsWalls: boolean;
-  clip: { normal: Vector; distance: number } | null; // what is below the distance is left out
+  clip: Clip | null;
   stops: number; // of exposure, beside the bake's
-  countsFetches: boolean;
 }
 
 export function firstLook(header: Header): Look {
   return {
-    isovalue: header.isovalue,
+    isovalue: onGrid(header.isovalue, header),
     second: null,
     opacity: 0.35,
     isLocal: false,
     showsWalls: true,
     clip: null,
-    stops: 0,
-    countsFetches: false,
+    stops: header.stops,
   };
+}
+
+// What is below the distance along the normal is left out.
+export function clipPlane(clip: Clip, bounds: [Vector, Vector]): { normal: Vector; distance: number } {
+  const axis = clip.from >> 1;
+  const sign = clip.from % 2 === 0 ? 1 : -1;
+  const ends = bounds.map((point) => sign * point[axis]);
+  const [near, far] = [Math.min(...ends), Math.max(...ends)];
+  const normal: Vector = [0, 0, 0];
+  normal[axis] = sign;
+  return { normal, distance: near + clip.share * (far - near) };
 }

@@ -7,7 +7,8 @@ import { Failure, showFailure } from './failure';
 import { Leaf } from './leaf';
 import { firstLook } from './look';
 import { layersOf } from './maps';
-import { buildPage, Panel } from './panel';
+import { endOpening, tellOpening } from './opening';
+import { fillPage, Panel } from './panel';
 import { View } from './view';
 import { Wall } from './walls';
 
@@ -35,25 +36,25 @@ function openCard(canvas: HTMLCanvasElement, header: Header): WebGL2RenderingCon
 }
 
 async function open(): Promise<void> {
-  const bake = await Bake.read();
-  const { header } = bake;
-  const canvas = document.createElement('canvas');
-  openCard(canvas, header);
+  tellOpening(0, 'Reading the file');
+  const header = await Bake.header();
+  const canvas = fillPage(header);
+  const context = openCard(canvas, header);
   if (!('DecompressionStream' in window)) {
     throw new Failure('This browser cannot unpack the data of this page: open it in a newer one.');
   }
+  const bake = await Bake.read(header, tellOpening);
   const leaves: Leaf[] = [];
   const walls: Wall[] = [];
   for (const volume of header.volumes) leaves.push(await Leaf.of(bake, volume));
   for (const wall of header.walls.meshes) walls.push(await Wall.of(bake, wall));
-  const shown = buildPage(header);
-  const view = new View(shown, openCard(shown, header), header, leaves, walls, firstLook(header));
+  tellOpening(1, 'Preparing the graphics card');
+  const view = new View(canvas, context, header, leaves, walls, firstLook(header));
+  await view.start();
   const panel = new Panel(header, view);
-  view.start();
+  endOpening();
   // For whoever looks into it with the browser's tools: leaflight.view.countFetches().
   Object.assign(window, { leaflight: { view, panel } });
 }
 
-document.addEventListener('DOMContentLoaded', () => {
-  open().catch(showFailure);
-});
+open().catch(showFailure);

@@ -1,24 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The interface: elements of panel.html, bound to the look.
 
-import type { Header, Vector } from './bake';
+import type { Header } from './bake';
+import { Cube } from './cube';
 import { Histogram } from './histogram';
-import markup from './panel.html';
+import { onGrid, textOf } from './isovalues';
+import { bindKeys } from './keys';
+import { fromLink, type State, toLink } from './link';
+import { Ruler, ScaleBar } from './overlay';
 import { Player } from './player';
 import type { View } from './view';
 
-type Keys = Partial<Record<string, () => void>>;
-
-const STEPS = 200; // from one end of the window to the other, by keys
+const LARGE = 3840; // pixels across a picture in 4K
 
 // Most are inputs; of the others only what all elements have is used by this name.
 function element(id: string): HTMLInputElement {
   return document.getElementById(id) as HTMLInputElement;
 }
 
-// Puts the elements into the page; returns the canvas of the view.
-export function buildPage(header: Header): HTMLCanvasElement {
-  document.body.innerHTML = markup;
+// What is known of the bake before it is opened; returns the canvas of the view.
+export function fillPage(header: Header): HTMLCanvasElement {
   element('title').textContent = header.title;
   element('walls-row').hidden = header.walls.meshes.length === 0;
   const more = document.getElementById('more') as HTMLDetailsElement;
@@ -34,162 +35,186 @@ export function buildPage(header: Header): HTMLCanvasElement {
 }
 
 export class Panel {
+  readonly ruler: Ruler;
   private readonly histogram: Histogram;
   private readonly player: Player;
-  private readonly slider = element('isovalue');
-  private readonly number = element('number');
+  private readonly first: State;
+  private written = '';
 
   constructor(
     private readonly header: Header,
     private readonly view: View,
   ) {
-    const { look } = view;
     const [low, high] = header.window;
-    for (const input of [this.slider, this.number, element('second')]) {
-      input.min = String(low);
-      input.max = String(high);
+    for (const id of ['isovalue', 'number', 'second']) {
+      element(id).min = String(low);
+      element(id).max = String(high);
     }
     const bars = document.getElementById('histogram') as HTMLCanvasElement;
     this.histogram = new Histogram(bars, header.histogram, (share) => {
       this.setIsovalue(low + share * (high - low));
     });
-    this.player = new Player(header.window, () => look.isovalue, (isovalue) => {
-      this.setIsovalue(isovalue);
-    });
-    element('second').value = String(low + 0.25 * (look.isovalue - low));
-    element('opacity').value = String(look.opacity);
+    this.player = new Player(header.window, () => view.look.isovalue, (isovalue) => {
+      view.look.isovalue = Math.min(high, Math.max(low, isovalue));
+      this.refresh();
+    }); // prettier-ignore
+    this.ruler = new Ruler(view, header.unit);
+    this.first = { look: { ...view.look }, viewpoint: view.orbit.viewpoint };
     this.bind();
-    this.bindKeys();
-    this.setIsovalue(look.isovalue);
+    bindKeys(this, view, header);
+    this.bindOverlays();
+    this.bindLink();
+    this.refresh();
   }
 
+  // The nearest that there is.
   setIsovalue(isovalue: number): void {
-    const [low, high] = this.header.window;
-    this.view.look.isovalue = Math.min(high, Math.max(low, isovalue));
+    this.view.look.isovalue = onGrid(isovalue, this.header);
     this.refresh();
   }
 
   // Shows the look in the elements and in the view.
   refresh(): void {
-    const { look } = this.view;
+    const { look, canvas } = this.view;
     const [low, high] = this.header.window;
-    const text = String(Number(look.isovalue.toPrecision(6)));
-    this.slider.value = String(look.isovalue);
-    this.slider.setAttribute('aria-valuetext', text);
-    if (document.activeElement !== this.number) this.number.value = text;
+    const text = textOf(look.isovalue, this.header);
+    element('isovalue').value = String(look.isovalue);
+    element('isovalue').setAttribute('aria-valuetext', text);
+    if (document.activeElement !== element('number')) element('number').value = text;
     const shown = look.second === null ? [look.isovalue] : [look.isovalue, look.second];
     this.histogram.show(shown.map((isovalue) => (isovalue - low) / (high - low)));
-    element('play').setAttribute('aria-pressed', String(this.player.isPlaying));
+    press('play', this.player.isPlaying);
     element('play').textContent = this.player.isPlaying ? 'Pause' : 'Play';
-    element('local').setAttribute('aria-pressed', String(look.isLocal));
+    press('local', look.isLocal);
+    press('ruler-open', this.ruler.isOn);
+    this.showPart('has-clip', 'clip', look.clip !== null);
+    this.showPart('has-second', 'other', look.second !== null);
+    if (look.clip) {
+      element('clip-from').value = String(look.clip.from);
+      element('clip-share').value = String(look.clip.share);
+    }
+    if (look.second !== null) element('second').value = String(look.second);
+    element('opacity').value = String(look.opacity);
+    element('walls').checked = look.showsWalls;
+    element('exposure').value = String(look.stops);
     const light = look.isLocal ? 'shaded locally' : 'with its baked light';
-    const label = `${this.header.title} at isovalue ${text}, ${light}`;
-    this.view.canvas.setAttribute('aria-label', label);
+    canvas.setAttribute('aria-label', `${this.header.title} at isovalue ${text}, ${light}`);
     this.view.changed();
   }
 
+  private showPart(box: string, part: string, isOn: boolean): void {
+    element(box).checked = isOn;
+    (document.getElementById(part) as HTMLFieldSetElement).disabled = !isOn;
+  }
+
   private bind(): void {
-    const { look } = this.view;
+    const { view, header } = this;
     const on = (id: string, event: string, act: (input: HTMLInputElement) => void) => {
       element(id).addEventListener(event, () => {
         act(element(id));
         this.refresh();
       });
     };
-    on('isovalue', 'input', (input) => (look.isovalue = input.valueAsNumber));
+    on('isovalue', 'input', (input) => {
+      this.setIsovalue(input.valueAsNumber);
+    });
     on('number', 'change', (input) => {
       if (Number.isFinite(input.valueAsNumber)) this.setIsovalue(input.valueAsNumber);
+      input.value = textOf(view.look.isovalue, header);
     });
     on('play', 'click', () => {
       this.player.toggle();
     });
-    on('local', 'click', () => (look.isLocal = !look.isLocal));
-    for (const id of ['has-clip', 'clip-axis', 'clip-distance']) {
+    on('local', 'click', () => (view.look.isLocal = !view.look.isLocal));
+    for (const id of ['has-clip', 'clip-from', 'clip-share']) {
       on(id, 'input', () => {
-        if (id !== 'has-clip') element('has-clip').checked = true;
-        look.clip = element('has-clip').checked ? this.chosenClip() : null;
+        const clip = {
+          from: Number(element('clip-from').value),
+          share: element('clip-share').valueAsNumber,
+        };
+        view.look.clip = element('has-clip').checked ? clip : null;
       });
     }
+    element('second').value = String(header.window[0] + 0.25 * (view.look.isovalue - header.window[0]));
     for (const id of ['has-second', 'second']) {
       on(id, 'input', () => {
-        if (id !== 'has-second') element('has-second').checked = true;
-        look.second = element('has-second').checked ? element('second').valueAsNumber : null;
+        const second = onGrid(element('second').valueAsNumber, header);
+        view.look.second = element('has-second').checked ? second : null;
       });
     }
-    on('opacity', 'input', (input) => (look.opacity = input.valueAsNumber));
-    on('walls', 'input', (input) => (look.showsWalls = input.checked));
-    on('exposure', 'input', (input) => (look.stops = input.valueAsNumber));
+    on('opacity', 'input', (input) => (view.look.opacity = input.valueAsNumber));
+    on('walls', 'input', (input) => (view.look.showsWalls = input.checked));
+    on('exposure', 'input', (input) => (view.look.stops = input.valueAsNumber));
     on('reset', 'click', () => {
-      this.view.resetCamera();
+      view.resetCamera();
+    });
+    on('roll', 'click', () => {
+      view.orbit.roll(90);
+    });
+    on('flip', 'click', () => {
+      view.orbit.roll(180);
+    });
+    on('full', 'click', () => {
+      void (document.fullscreenElement ? document.exitFullscreen() : document.body.requestFullscreen());
+    });
+    document.addEventListener('fullscreenchange', () => {
+      press('full', document.fullscreenElement !== null);
+    });
+    on('ruler-open', 'click', () => {
+      this.ruler.toggle();
     });
     on('save', 'click', () => {
       void this.save();
+    });
+    on('save-large', 'click', () => {
+      void this.save(LARGE);
     });
     on('about-open', 'click', () => {
       (document.getElementById('about') as HTMLDialogElement).showModal();
     });
   }
 
-  private bindKeys(): void {
-    const press = (id: string) => () => {
-      element(id).click();
-    };
-    const step = (count: number) => () => {
-      const [low, high] = this.header.window;
-      this.setIsovalue(this.view.look.isovalue + (count * (high - low)) / STEPS);
-    };
-    const anywhere: Keys = {
-      '[': step(-1), ']': step(1), '{': step(-10), '}': step(10),
-      ' ': press('play'), l: press('local'), c: press('has-clip'), t: press('has-second'),
-      w: press('walls'), s: press('save'), r: press('reset'), '?': press('about-open'),
-      h: () => {
-        element('panel').hidden = !element('panel').hidden;
-      },
-    }; // prettier-ignore
-    const onSlider: Keys = {
-      ArrowLeft: step(-1), ArrowDown: step(-1), ArrowRight: step(1), ArrowUp: step(1),
-      PageDown: step(-10), PageUp: step(10), Home: step(-STEPS), End: step(STEPS),
-    }; // prettier-ignore
-    const { view } = this;
-    const turn = (around: number, up: number, nearer?: number) => () => {
-      view.orbit(around, up, nearer);
-    };
-    const onView: Keys = {
-      ArrowLeft: turn(-5, 0), ArrowRight: turn(5, 0), ArrowUp: turn(0, 5), ArrowDown: turn(0, -5),
-      '+': turn(0, 0, 1.1), '=': turn(0, 0, 1.1), '-': turn(0, 0, 1 / 1.1),
-    }; // prettier-ignore
-    document.addEventListener('keydown', (event) => {
-      const { target } = event;
-      if (event.ctrlKey || event.altKey || event.metaKey || target === this.number) return;
-      // Native elements keep their own keys.
-      const natives = 'button, select, summary, dialog, [type=checkbox]';
-      if (event.key === ' ' && (target as Element).closest(natives)) return;
-      const own = target === this.slider ? onSlider : target === view.canvas ? onView : {};
-      const act = own[event.key] ?? anywhere[event.key.length === 1 ? event.key.toLowerCase() : ''];
-      if (!act) return;
-      event.preventDefault();
-      act();
+  private bindOverlays(): void {
+    const parts = [
+      new ScaleBar(this.view, this.header.unit),
+      new Cube(this.view, this.header.isPatient),
+      this.ruler,
+    ];
+    this.view.onDrawn(() => {
+      for (const part of parts) part.show();
     });
   }
 
-  // The half of the box's axis, from one end to the share that the slider tells, is left out.
-  private chosenClip(): { normal: Vector; distance: number } {
-    const choice = Number(element('clip-axis').value);
-    const share = element('clip-distance').valueAsNumber;
-    const axis = choice >> 1;
-    const sign = choice % 2 === 0 ? 1 : -1;
-    const [low, high] = this.header.bounds.map((point) => sign * point[axis]);
-    const normal: Vector = [0, 0, 0];
-    normal[axis] = sign;
-    const [near, far] = [Math.min(low, high), Math.max(low, high)];
-    return { normal, distance: near + share * (far - near) };
+  // The link follows what is shown, and what is shown follows a link that is entered.
+  private bindLink(): void {
+    const read = () => {
+      const { look, viewpoint } = fromLink(location.hash, this.first, this.header);
+      this.view.look = look;
+      this.view.orbit.viewpoint = viewpoint;
+      this.refresh();
+    };
+    this.written = toLink(this.first);
+    if (location.hash !== '') read();
+    addEventListener('hashchange', () => {
+      if (location.hash !== `#${this.written}`) read();
+    });
+    this.view.onDrawn((atRest) => {
+      const link = toLink({ look: this.view.look, viewpoint: this.view.orbit.viewpoint });
+      if (!atRest || link === this.written || this.player.isPlaying) return;
+      this.written = link;
+      history.replaceState(null, '', `#${link}`);
+    });
   }
 
-  private async save(): Promise<void> {
+  private async save(pixels?: number): Promise<void> {
     const link = document.createElement('a');
-    link.href = URL.createObjectURL(await this.view.picture());
-    link.download = `${this.header.title} ${this.number.value}.png`;
+    link.href = URL.createObjectURL(await this.view.picture(pixels));
+    link.download = `${this.header.title} ${textOf(this.view.look.isovalue, this.header)}.png`;
     link.click();
     URL.revokeObjectURL(link.href);
   }
+}
+
+function press(id: string, isPressed: boolean): void {
+  element(id).setAttribute('aria-pressed', String(isPressed));
 }

@@ -1,8 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-declare module '*.html' {
-  const text: string;
-  export default text;
-}
 declare module '*.glsl' {
   const text: string;
   export default text;

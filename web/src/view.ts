@@ -1,26 +1,31 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The canvas: draws a look from a camera that hand and keys turn.
+// The canvas: draws a look from the camera.
 
 import * as three from 'three';
-import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 
 import type { Header } from './bake';
 import { Failure, showFailure } from './failure';
-import type { Leaf, Rays } from './leaf';
+import { positionOf } from './framing';
+import { type Leaf, type Rays, Result } from './leaf';
+import type { Viewpoint } from './link';
 import type { Look } from './look';
+import { Orbit } from './orbit';
 import { Pace } from './pace';
 import type { Wall } from './walls';
 
 const REST_MS = 150; // without a change, after which the whole resolution is drawn
+const AHEAD = { width: 16, height: 9 }; // rays that look for what stops the camera
+const GAP = 0.05; // in sizes of the isosurface, that the camera keeps from it
 
 export class View {
-  readonly camera = new three.PerspectiveCamera();
+  readonly orbit: Orbit;
   private readonly renderer: three.WebGLRenderer;
-  private readonly controls: OrbitControls;
   private readonly scene = new three.Scene();
   private readonly pace = new Pace();
   private readonly sphere = new three.Sphere();
+  private readonly listeners: ((atRest: boolean) => void)[] = [];
   private asked = 0;
+  private isStarted = false;
   private resting: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
@@ -29,7 +34,7 @@ export class View {
     private readonly header: Header,
     private readonly leaves: Leaf[],
     private readonly walls: Wall[],
-    readonly look: Look,
+    public look: Look,
   ) {
     this.renderer = new three.WebGLRenderer({ canvas, context, alpha: true });
     this.renderer.debug.onShaderError = (gl, program) => {
@@ -46,24 +51,30 @@ export class View {
     for (const { mesh } of walls) box.expandByObject(mesh);
     for (const point of header.bounds) box.expandByPoint(new three.Vector3(...point));
     box.getBoundingSphere(this.sphere);
-    // The controls take their upright axis when they are made.
-    this.camera.up.set(...header.camera.up);
-    this.controls = new OrbitControls(this.camera, canvas);
+    const changed = () => { this.changed(); }; // prettier-ignore
+    this.orbit = new Orbit(canvas, Math.max(...header.camera.half), changed, () => this.ahead());
     this.resetCamera();
-    this.controls.addEventListener('change', () => {
-      this.changed();
-    });
-    new ResizeObserver(() => {
-      this.changed();
-    }).observe(canvas);
+    new ResizeObserver(changed).observe(canvas);
     canvas.addEventListener('webglcontextlost', () => {
       showFailure(new Failure('The graphics card has stopped: close other pages, then reload.'));
     });
   }
 
+  get camera(): three.PerspectiveCamera {
+    return this.orbit.camera;
+  }
+
+  // Is called after each picture.
+  onDrawn(listener: (atRest: boolean) => void): void {
+    this.listeners.push(listener);
+  }
+
   // Compiles and fills the card's memory; throws Failure where that is too small.
-  start(): void {
+  async start(): Promise<void> {
+    // Where the driver can, it compiles while the page stays alive.
+    await this.renderer.compileAsync(this.scene, this.camera);
     this.drawNow(1);
+    this.isStarted = true;
     const context = this.renderer.getContext();
     for (let error = context.getError(); error !== 0; error = context.getError()) {
       if (error === context.OUT_OF_MEMORY) {
@@ -72,22 +83,26 @@ export class View {
         );
       }
     }
+    this.changed();
   }
 
   // Something of the look, the camera or the size has changed.
   changed(): void {
+    if (!this.isStarted) return;
     this.canvas.dataset.state = 'moving';
     clearTimeout(this.resting);
     if (this.asked !== 0) return;
     this.asked = requestAnimationFrame((now) => {
       this.asked = 0;
       this.drawNow(this.pace.share);
+      for (const listener of this.listeners) listener(false);
       requestAnimationFrame((next) => {
         this.pace.took(next - now);
       });
       this.resting = setTimeout(() => {
         this.drawNow(1);
         this.canvas.dataset.state = 'rest';
+        for (const listener of this.listeners) listener(true);
       }, REST_MS);
     });
   }
@@ -98,57 +113,54 @@ export class View {
     if (width === 0 || height === 0) return;
     this.renderer.setPixelRatio(share * window.devicePixelRatio);
     this.renderer.setSize(width, height, false);
-    this.aim(width / height);
-    const rays = this.rays();
-    for (const leaf of this.leaves) leaf.show(this.look, this.camera, rays, this.header.exposure);
-    for (const wall of this.walls) wall.show(this.look, this.camera);
-    this.renderer.render(this.scene, this.camera);
+    this.draw();
   }
 
   resetCamera(): void {
-    const { position, target } = this.header.camera;
-    this.camera.position.set(...position);
-    this.controls.target.set(...target);
-    this.controls.update();
-    this.changed();
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    this.orbit.viewpoint = this.firstViewpoint(width || 1, height || 1);
   }
 
-  // By degrees around the upright axis and above the horizon, and how much nearer.
-  orbit(around: number, up: number, nearer = 1): void {
-    const upright = new three.Quaternion().setFromUnitVectors(
-      this.camera.up,
-      new three.Vector3(0, 1, 0),
-    );
-    const offset = this.camera.position.clone().sub(this.controls.target).applyQuaternion(upright);
-    const place = new three.Spherical().setFromVector3(offset);
-    place.theta += three.MathUtils.degToRad(around);
-    place.phi -= three.MathUtils.degToRad(up);
-    place.radius /= nearer;
-    offset.setFromSpherical(place.makeSafe()).applyQuaternion(upright.invert());
-    this.camera.position.copy(this.controls.target).add(offset);
-    this.controls.update();
-    this.changed();
+  // From which the isosurface fills a picture of a size.
+  firstViewpoint(width: number, height: number): Viewpoint {
+    const { camera } = this.header;
+    return { position: positionOf(camera, width, height), target: camera.target, up: camera.up };
   }
 
-  async picture(): Promise<Blob> {
-    this.drawNow(1);
-    return new Promise((resolve, reject) => {
-      this.canvas.toBlob((blob) => {
-        if (blob) resolve(blob);
-        else reject(new Failure('The browser could not save the picture.'));
-      });
+  // So many pixels wide, with the view's own aspect.
+  async picture(pixels = this.canvas.clientWidth * window.devicePixelRatio): Promise<Blob> {
+    this.drawNow(pixels / (this.canvas.clientWidth * window.devicePixelRatio));
+    const blob = await new Promise<Blob | null>((resolve) => {
+      this.canvas.toBlob(resolve);
     });
+    this.drawNow(1);
+    if (!blob) throw new Failure('The browser could not save the picture.');
+    return blob;
+  }
+
+  // What the isosurfaces have at a pixel of the page, in the world.
+  placeAt(x: number, y: number): three.Vector3 | null {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    this.aim(width / height);
+    const rays = this.rays(width, height);
+    const way = rays.corner
+      .clone()
+      .addScaledVector(rays.right, x)
+      .addScaledVector(rays.up, height - y);
+    this.camera.setViewOffset(width, height, x - 0.5, y - 0.5, 1, 1);
+    const none = new three.Vector3();
+    const [distance] = this.distances(1, 1, { corner: way, right: none, up: none });
+    this.camera.clearViewOffset();
+    return Number.isFinite(distance)
+      ? this.camera.position.clone().addScaledVector(way, distance)
+      : null;
   }
 
   // Of textures, a pixel on average: of the whole picture and of its pixels on the box.
   countFetches(): { ofPicture: number; ofBox: number } {
-    this.look.countsFetches = true;
     this.drawNow(1);
-    this.look.countsFetches = false;
-    const context = this.renderer.getContext();
-    const { drawingBufferWidth: width, drawingBufferHeight: height } = context;
-    const pixels = new Uint8Array(4 * width * height);
-    context.readPixels(0, 0, width, height, context.RGBA, context.UNSIGNED_BYTE, pixels);
+    const { drawingBufferWidth: width, drawingBufferHeight: height } = this.renderer.getContext();
+    const pixels = this.bytes(width, height, this.rays(width, height), Result.Fetches);
     let total = 0;
     let filled = 0;
     for (let i = 0; i < pixels.length; i += 4) {
@@ -156,12 +168,49 @@ export class View {
       total += pixels[i] + 256 * pixels[i + 1];
       ++filled;
     }
-    this.drawNow(1);
     return { ofPicture: total / (width * height), ofBox: total / Math.max(filled, 1) };
   }
 
-  private rays(): Rays {
+  // How far the camera may move towards what it sees.
+  private ahead(): number {
+    this.aim(this.canvas.clientWidth / Math.max(this.canvas.clientHeight, 1));
+    const { width, height } = AHEAD;
+    const nearest = Math.min(...this.distances(width, height, this.rays(width, height)));
+    return nearest - GAP * Math.max(...this.header.camera.half);
+  }
+
+  // To the isosurfaces along the line of sight, by pixels; infinite where there are none.
+  private distances(width: number, height: number, rays: Rays): Float32Array {
+    const pixels = this.bytes(width, height, rays, Result.Distances);
+    return new Float32Array(pixels.buffer).map((distance) => (distance > 0 ? distance : Infinity));
+  }
+
+  // What the shader of isosurfaces gives instead of a picture, four bytes a pixel.
+  private bytes(width: number, height: number, rays: Rays, result: Result): Uint8Array<ArrayBuffer> {
+    const target = new three.WebGLRenderTarget(width, height);
+    for (const wall of this.walls) wall.mesh.visible = false;
+    for (const leaf of this.leaves) leaf.show(this.look, this.camera, rays, result);
+    this.renderer.setRenderTarget(target);
+    this.renderer.clear();
+    this.renderer.render(this.scene, this.camera);
+    this.renderer.setRenderTarget(null);
+    const pixels = new Uint8Array(4 * width * height);
+    this.renderer.readRenderTargetPixels(target, 0, 0, width, height, pixels);
+    target.dispose();
+    return pixels;
+  }
+
+  private draw(): void {
     const { drawingBufferWidth: width, drawingBufferHeight: height } = this.renderer.getContext();
+    this.aim(width / height);
+    const rays = this.rays(width, height);
+    for (const leaf of this.leaves) leaf.show(this.look, this.camera, rays, Result.Picture);
+    for (const wall of this.walls) wall.show(this.look, this.camera);
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  // Of a picture with so many pixels.
+  private rays(width: number, height: number): Rays {
     const [right, up, back] = [new three.Vector3(), new three.Vector3(), new three.Vector3()];
     this.camera.matrixWorld.extractBasis(right, up, back);
     const half = Math.tan(three.MathUtils.degToRad(0.5 * this.camera.fov));

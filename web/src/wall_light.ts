@@ -2,7 +2,7 @@
 // The light of a wall at its vertices beside an isosurface: indirect light between nodes of the leaf
 // coordinate, and direct light as the core has it (core/src/bake/mesh_direct_light.cpp).
 
-import type { Bake, Header, WallData } from './bake';
+import type { Bake, Header, WallLightData } from './bake';
 import { addColors, colorWords } from './colors';
 
 interface Blocks {
@@ -23,7 +23,7 @@ export class WallLight {
   private readonly edges: Uint32Array; // pairs of vertices
   private readonly terms: Uint32Array; // of each vertex: itself and its neighbours
 
-  static async of(bake: Bake, data: WallData, triangles: Uint32Array): Promise<WallLight> {
+  static async of(bake: Bake, data: WallLightData, triangles: Uint32Array): Promise<WallLight> {
     const colors = async (number: number | null) =>
       number === null ? null : colorWords(await bake.block(number, 1));
     return new WallLight(bake.header, triangles, {

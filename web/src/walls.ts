@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The lit surroundings, as meshes with light at their vertices.
+// The walls, as meshes with light at their vertices, or shaded by lamps alone.
 
 import * as three from 'three';
 
 import type { Bake, Header, WallData } from './bake';
+import { lampUniforms } from './lamps';
 import type { Look } from './look';
 import display from './shaders/display.glsl';
+import lamps from './shaders/lamps.glsl';
 import precision from './shaders/precision.glsl';
 import fragment from './shaders/wall.frag.glsl';
 import vertex from './shaders/wall.vert.glsl';
@@ -19,16 +21,16 @@ export class Wall {
   static async of(bake: Bake, data: WallData): Promise<Wall> {
     const vertices = new Float32Array((await bake.block(data.vertices, 4)).buffer);
     const triangles = new Uint32Array((await bake.block(data.triangles, 4)).buffer);
-    const light = await WallLight.of(bake, data, triangles);
-    return new Wall(bake.header, data.isOfRoom, vertices, triangles, light);
+    const light = data.light && (await WallLight.of(bake, data.light, triangles));
+    return new Wall(bake.header, data, vertices, triangles, light);
   }
 
   private constructor(
     header: Header,
-    isOfRoom: boolean,
+    data: WallData,
     vertices: Float32Array,
     triangles: Uint32Array,
-    private readonly lights: WallLight,
+    private readonly lights: WallLight | null,
   ) {
     const geometry = new three.BufferGeometry();
     geometry.setAttribute('position', new three.BufferAttribute(vertices, 3));
@@ -39,14 +41,21 @@ export class Wall {
       return attribute;
     });
     const [low, high] = header.bounds;
+    geometry.computeBoundingBox();
+    const centre = geometry.boundingBox?.getCenter(new three.Vector3()) ?? new three.Vector3();
     const material = new three.RawShaderMaterial({
       glslVersion: three.GLSL3,
       vertexShader: vertex,
-      fragmentShader: [precision, display, fragment].join('\n'),
+      fragmentShader: [precision, display, lamps, fragment].join('\n'),
       side: three.DoubleSide,
       uniforms: {
-        isOfRoom: { value: isOfRoom },
+        ...lampUniforms(header),
+        isOfRoom: { value: data.isOfRoom },
+        isLocal: { value: data.light === null },
+        albedo: { value: data.albedo },
+        emission: { value: data.emission },
         middle: { value: low.map((x, a) => 0.5 * (x + high[a])) },
+        centre: { value: centre },
         worldEye: { value: null },
         worldToClip: { value: null },
         gain: { value: 1 },
@@ -58,18 +67,19 @@ export class Wall {
 
   show(look: Look, camera: three.Camera): void {
     const { uniforms } = this.mesh.material;
-    this.mesh.visible = look.showsWalls && !look.countsFetches;
+    this.mesh.visible = look.showsWalls;
     uniforms.worldEye.value = camera.getWorldPosition(new three.Vector3());
     uniforms.worldToClip.value = new three.Matrix4().multiplyMatrices(
       camera.projectionMatrix,
       camera.matrixWorldInverse,
     );
     uniforms.gain.value = 2 ** look.stops;
-    if (this.mesh.visible && look.isovalue !== this.shown) this.light(look.isovalue);
+    uniforms.isLocal.value = look.isLocal || this.lights === null;
+    if (look.showsWalls && !look.isLocal && look.isovalue !== this.shown) this.light(look.isovalue);
   }
 
   private light(c: number): void {
-    this.lights.at(
+    this.lights?.at(
       c,
       this.attributes.map(({ array }) => array as Float32Array),
     );

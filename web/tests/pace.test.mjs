@@ -2,15 +2,9 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
-import { build } from 'esbuild';
+import { load } from './load.mjs';
 
-const built = await build({
-  entryPoints: [new URL('../src/pace.ts', import.meta.url).pathname],
-  bundle: true,
-  write: false,
-  format: 'esm',
-});
-const { Pace } = await import(`data:text/javascript,${encodeURIComponent(built.outputFiles[0].text)}`);
+const { Pace } = await load('pace');
 
 // After so many frames on a card that takes so long to draw all, and a screen of 60 Hz.
 function shareAfter(frames, fullFrame, pace = new Pace()) {

@@ -10,6 +10,7 @@ import numpy as np
 from .._core import LeaflightError
 from ..io.scene_file import cornell_box
 from ..progress_bar import with_progress
+from ..scene.facing import faced
 from ..scene.scene import core_scene, fit_scene, match_leaves
 from ..volume.other_arrays import as_volumes
 from ..volume.setting_error import SettingError
@@ -34,7 +35,7 @@ def placed(volumes, scene, isovalues):
         volume.capped() if leaves.capped else volume
         for volume, leaves in zip(volumes, description.leaves)
     ]
-    description = fit_scene(description, volumes)
+    description = fit_scene(faced(description, volumes), volumes)
     # Not what the result depends on: the volumes themselves are stored.
     leaves = [replace(leaves, source=None) for leaves in description.leaves]
     return volumes, replace(description, leaves=leaves), leaf_window(isovalues, volumes, leaves)

@@ -33,6 +33,7 @@ def load_bake(path):
         records = json.loads(metadata["volumes"])
         names = [str(record["name"]) for record in records]
         units = [record["unit"] for record in records]
+        patients = [bool(record["patient"]) for record in records]
         if not len(names) == len(fields) == len(grids) == len(scene.leaves):
             raise ValueError("the number of volumes differs")
         if not {"", *METERS} >= set(units):
@@ -46,8 +47,8 @@ def load_bake(path):
             f"{path}: this .vdb lacks the metadata of a bake; bake the volume again."
         ) from None
     volumes = [
-        Volume(*field, name, str(path), unit=unit)
-        for field, name, unit in zip(fields, names, units)
+        Volume(*field, name, str(path), unit=unit, patient=patient)
+        for field, name, unit, patient in zip(fields, names, units, patients)
     ]
     for volume in volumes:
         volume.field()

@@ -27,8 +27,8 @@ RESEARCH = (
 )
 # What a bake depends on, as text; "name" would rename the grid that OpenVDB attaches it to.
 # "volumes" is a list of {"name", "source", "values_sha256", "index_to_world", "unit", "resolution",
-# "capped"}. "map_resolution": of the maps that lookups compute direct light from, empty where
-# texels hold it. Of bakes in rounds, empty where the amount of work was fixed: "error" in percent;
+# "capped", "patient"}. "map_resolution": of the maps that lookups compute direct light from, empty
+# where texels hold it. Of bakes in rounds, empty where the amount of work was fixed: "error" in percent;
 # "asked_resolution", zeros for none; "rounds"; "blocks", of indirect light, how many its averages
 # hold; "continued", the id of the bake that this one went on with.
 METADATA = (
@@ -65,6 +65,7 @@ def stamp(volumes, description, window, settings, fixed):
             "index_to_world": np.asarray(volume.index_to_world, np.float64).tolist(),
             "unit": volume.unit,
             "capped": look.capped,
+            "patient": volume.patient,
         }
         for volume, look in zip(volumes, description.leaves)
     ]

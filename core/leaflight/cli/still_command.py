@@ -8,11 +8,11 @@ import leaflight._core as _core
 
 from .._core import LeaflightError
 from ..bake.load_bake import load_bake
-from ..export.export import default_isovalue_of
-from ..export.notebook import displayed
 from ..io.images import write_png
 from ..io.output import check_writable
-from ..stills.camera import VIEW, camera_around_bake, load_camera
+from ..stills.camera import load_camera
+from ..stills.first_view import camera_around_bake, default_isovalue_of
+from ..stills.photograph import metered_stops, photographed
 from ..stills.still import still
 from ..volume.setting_error import SettingError
 from ..progress_bar import run_with_progress
@@ -29,7 +29,7 @@ def run_still(options):
     isovalue = options.isovalue
     if isovalue is None:
         isovalue = default_isovalue_of(baked)
-    camera = _camera(baked, options)
+    camera = _camera(baked, options, isovalue)
     start = time.perf_counter()
 
     def work(progress):
@@ -48,7 +48,8 @@ def run_still(options):
     if suffix == ".exr":
         _core.write_exr(options.out, picture)
     else:
-        write_png(options.out, displayed(picture, baked.scene.exposure))
+        exposure = baked.scene.exposure * 2.0 ** metered_stops(baked)
+        write_png(options.out, photographed(picture, exposure))
     seconds = time.perf_counter() - start
     result = {
         "out": options.out,
@@ -63,10 +64,11 @@ def run_still(options):
     ]
 
 
-def _camera(baked, options):
+def _camera(baked, options, isovalue):
     if options.camera is None:
         zoom = 1.0 if options.zoom is None else options.zoom
-        return camera_around_bake(baked, *(options.view or VIEW), zoom)
+        view = options.view or (None, None)
+        return camera_around_bake(baked, *view, zoom, isovalue, options.size)
     if options.zoom is not None:
         raise SettingError("A camera from a file stands where it stands: leave it out.", "zoom")
     return load_camera(options.camera)

@@ -9,8 +9,8 @@ import leaflight._core as _core
 from .._core import LeaflightError
 from ..io.output import check_writable
 from ..progress_bar import with_progress
+from ..stills.first_view import default_isovalue_of
 from ..volume.setting_error import SettingError
-from ..volume.volume import default_isovalue
 from .page import write_page
 
 # Suffix -> (module of this room or of io, its function): a page of all, of the whole volume, of one
@@ -140,13 +140,3 @@ def _writer(path, suffix):
             f"installed; install {_BROUGHT_BY.get(package, package)}."
         ) from None
     return getattr(loaded, function)
-
-
-def default_isovalue_of(bake, volume=0):
-    """The isovalue (leaf coordinate) of a Bake that is shown at first, within the window."""
-    low, high = bake.isovalues
-    middle = 0.5 * (low + high)
-    if len(bake.volumes) > 1:
-        return middle
-    isovalue = default_isovalue(bake.volumes[volume])
-    return isovalue if low < isovalue < high else middle

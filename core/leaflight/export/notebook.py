@@ -8,10 +8,8 @@ import webbrowser
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
-from ..io.images import display_colours
 from ..progress_bar import with_progress
+from ..stills.photograph import metered_stops, photographed
 from ..stills.still import still
 from .export import default_isovalue_of, export_page
 from .page import MOST_COARSER
@@ -21,23 +19,16 @@ from .page_volume import estimated_bytes
 LARGEST_IN_A_NOTEBOOK = 20e6
 
 
-def displayed(picture, exposure):
-    """The picture of still() as uint8 RGBA: exposed, encoded as sRGB, alpha not multiplied in."""
-    alpha = picture[..., 3:]
-    radiance = picture[..., :3] / np.maximum(alpha, 1e-6)
-    colors = display_colours(radiance, exposure)
-    return np.concatenate([colors, np.rint(255.0 * alpha).astype(np.uint8)], axis=-1)
-
-
 def picture(bake, isovalue=None, **options):
-    """still() as an image of Pillow, RGBA, exposed; a notebook shows it.
+    """still() as an image of Pillow, RGBA, exposed as the command and the page expose it.
 
     isovalue: None is the default one; options: those of still().
     """
     from PIL import Image
 
     isovalue = default_isovalue_of(bake) if isovalue is None else isovalue
-    return Image.fromarray(displayed(still(bake, isovalue, **options), bake.scene.exposure))
+    exposure = bake.scene.exposure * 2.0 ** metered_stops(bake, isovalue)
+    return Image.fromarray(photographed(still(bake, isovalue, **options), exposure))
 
 
 @with_progress("show")

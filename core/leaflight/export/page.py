@@ -9,16 +9,23 @@ from pathlib import Path
 import leaflight._core as _core
 
 from .._core import LeaflightError
+from ..io.images import png_bytes
 from ..io.output import check_writable, replaced, replaced_together
-from ..stills.still import check_diffuse
+from ..stills.photograph import photographed
+from ..stills.still import check_diffuse, still
 from .light_bricks import LARGEST_SIDE
 from .page_data import EVERY, page_data
 from .page_volume import dims_of, estimated_bytes, texels_of
 
 # Of package data: the page without a bake, made by web/bundle.mjs.
 TEMPLATE = Path(__file__).parent.parent / "page" / "page.html"
-# Where the page's data and its permissions go.
-_DATA, _POLICY = "<!--leaflight:data-->", "leaflight-connect-src"
+# Where the page's data, its first picture and its permissions go.
+_DATA, _POSTER = "<!--leaflight:data-->", "leaflight-poster"
+_POLICY = "leaflight-connect-src"
+# Of the picture that is shown while the data are opened.
+POSTER_SIZE = (480, 320)
+# A browser reads the data in elements of so many bytes, one after the other.
+PART_BYTES = 3 << 19
 
 # What a browser still takes well.
 LARGEST_BYTES = 200e6
@@ -42,14 +49,19 @@ def write_page(path, bake, isovalue, coarser=0, embed=False, progress=None):
     _check_size(path, bake, coarser)
     progress = progress or _core.Progress()
     data = page_data(bake, isovalue, coarser, progress)
-    header = _script("leaflight-header", "application/json", json.dumps(data.header))
+    header = _script("application/json", json.dumps(data.header), "leaflight-header")
     title = html.escape(f"{data.header['title']} - Leaflight")
     template = template.replace("<title></title>", f"<title>{title}</title>", 1)
+    template = template.replace(_POSTER, _poster(bake, isovalue, data.header["stops"]), 1)
     if embed:
         page = template.replace(_POLICY, "'self'", 1).replace(_DATA, header, 1)
         return _write_folder(path.with_suffix(""), page, data.body)
-    text = base64.b64encode(data.body).decode("ascii")
-    body = _script("leaflight-body", "text/plain", text)
+    parts = (
+        data.body[first : first + PART_BYTES] for first in range(0, len(data.body), PART_BYTES)
+    )
+    texts = (base64.b64encode(part).decode("ascii") for part in parts)
+    scripts = "\n".join(_script("text/plain", text) for text in texts)
+    body = f'<div id="leaflight-body" hidden>\n{scripts}\n</div>'
     page = template.replace(_POLICY, "'none'", 1).replace(_DATA, header + body, 1)
     with replaced(path) as temporary:
         temporary.write_text(page, encoding="utf-8")
@@ -96,10 +108,18 @@ def _too_large(bake, coarser):
     return f"take about {size / 1e6:.0f} MB" if size > LARGEST_BYTES else None
 
 
-def _script(name, kind, text):
+def _poster(bake, isovalue, stops):
+    """The first view, as an address that holds the picture itself."""
+    picture = still(bake, isovalue, size=POSTER_SIZE)
+    pixels = photographed(picture, bake.scene.exposure * 2.0**stops)
+    return "data:image/png;base64," + base64.b64encode(png_bytes(pixels)).decode("ascii")
+
+
+def _script(kind, text, name=None):
     # An end tag within a script element would end it.
     safe = text.replace("</", "<\\/")
-    return f'<script id="{name}" type="{kind}">{safe}</script>'
+    identity = f'id="{name}" ' if name else ""
+    return f'<script {identity}type="{kind}">{safe}</script>\n'
 
 
 def _write_folder(folder, page, body):

@@ -4,21 +4,25 @@
 The page reads it in web/src/bake.ts, which lists the names; the two change together.
 """
 
+import math
 import zlib
 from dataclasses import asdict, dataclass, field
 
 import numpy as np
 
-from ..stills.camera import bounds_of, camera_around_bake
+from ..stills.camera import bounds_of
+from ..stills.first_view import FILLED, framing
 from ..stills.lamps import lamps_of
+from ..stills.photograph import metered_stops
+from ..stills.still import UNBAKED, inner_side
 from ..version import __version__
+from .histogram import histogram
 from .page_volume import shown_volume, volume_data
 from .page_walls import walls_data
 from .shared_exponent import planes
 
 # Of the header and the blocks; the page refuses another one.
-FORMAT = 2
-HISTOGRAM_BINS = 256
+FORMAT = 3
 # How a coarser page is called, by how many times it was halved.
 EVERY = ("every", "every 2nd", "every 4th", "every 8th")
 # That are deflated before somebody may cancel.
@@ -76,7 +80,9 @@ def page_data(bake, isovalue, coarser, progress):
         window=list(bake.isovalues),
         isovalue=float(isovalue),
         exposure=bake.scene.exposure,
-        camera=asdict(camera_around_bake(bake)),
+        stops=metered_stops(bake),
+        unbaked=UNBAKED,
+        camera={**asdict(framing(bake, isovalue)), "filled": FILLED},
         bounds=[low.tolist(), high.tolist()],
         volumes=[volume_data(data, each) for each in shown],
         walls=walls_data(data, bake),
@@ -84,21 +90,26 @@ def page_data(bake, isovalue, coarser, progress):
         ambient=lamps.ambient.tolist(),
         headlight=lamps.headlight,
         histogram=histogram(bake),
+        step=step_of(bake),
+        unit=unit_of(bake),
+        isPatient=any(volume.patient for volume in bake.volumes),
         about=about(bake, coarser),
     )
     return data
 
 
-def histogram(bake):
-    """How many voxels of the first volume have which value, in even bins over the window."""
-    low, high = (bake.isovalue_of(0, c) for c in bake.isovalues)
-    values = bake.volume.data()
-    bins = HISTOGRAM_BINS
-    if values.dtype.kind in "iu":
-        # Narrower ones than a step of the values would be empty by turns.
-        bins = int(np.clip(np.floor(high - low), 1, bins))
-    counts, _ = np.histogram(values[np.isfinite(values)], bins, (low, high))
-    return counts.tolist()
+def step_of(bake):
+    """By how much isovalues differ at least that the page's controls choose: a power of ten, a
+    thousandth of the window or less; half-integers are among those of integers."""
+    low, high = bake.isovalues
+    step = 10.0 ** math.floor(math.log10((high - low) / 1000.0))
+    is_integer = len(bake.volumes) == 1 and bake.volume.values.dtype.kind in "iu"
+    return min(step, 0.1) if is_integer else step
+
+
+def unit_of(bake):
+    """What lengths in the world are measured in, "" where the file does not tell."""
+    return getattr(bake.volume, "unit", "")
 
 
 def about(bake, coarser):
@@ -115,6 +126,10 @@ def about(bake, coarser):
     lo, hi = bake.isovalues
     rows.append(("Isovalues lit", f"{lo:g} to {hi:g}"))
     rows.append(("Scene", bake.scene.name))
+    if bake.scene.meshes and bake.surroundings is None:
+        rows.append(("Walls", "shaded locally; a bake with surroundings lights them"))
+    if any(inner_side(bake, number) == "local" for number in range(len(bake.volumes))):
+        rows.append(("Inner sides", "not baked; a light at the camera shows their shape"))
     error = known.get("estimated_error_percent")
     if error:
         rows.append(("Error of the bake", f"{error:.2g} % of the displayable range, estimated"))

@@ -1,29 +1,40 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lit walls of a web page: indirect light at nodes of the leaf coordinate, and ways to light
-points, from which the page has direct light at any (web/src/wall_light.ts)."""
+"""The walls of a web page. Those with baked light have indirect light at nodes of the leaf
+coordinate, and ways to light points, from which the page has direct light at any
+(web/src/wall_light.ts); others are shaded by the page."""
 
 import numpy as np
 
-from ..stills.walls import lit_meshes
+from ..stills.walls import room_meshes
 from .shared_exponent import packed
 from .visibility_levels import code_of
 
 
 def walls_data(data, bake):
     """What the header of a page tells of a bake's walls; the blocks go into its PageData."""
-    meshes = lit_meshes(bake)
-    if not meshes:
-        return {"nodes": [], "tints": [], "meshes": []}
-    amounts = bake.surroundings.point_amounts
-    tints = amounts / np.maximum(amounts.max(axis=-1, keepdims=True), 1e-30)
+    nodes, tints, strengths = [], [], None
+    if bake.surroundings is not None and bake.scene.meshes:
+        nodes = list(bake.surroundings.nodes)
+        amounts = bake.surroundings.point_amounts
+        strengths = amounts.max(axis=-1)
+        tints = (amounts / np.maximum(strengths[..., None], 1e-30)).tolist()
+    meshes = [_wall(data, bake, strengths, mesh) for mesh in room_meshes(bake)]
+    return {"nodes": nodes, "tints": tints, "meshes": meshes}
+
+
+def _wall(data, bake, strengths, mesh):
     return {
-        "nodes": list(bake.surroundings.nodes),
-        "tints": tints.tolist(),
-        "meshes": [_wall(data, bake, amounts.max(axis=-1), *mesh) for mesh in meshes],
+        "name": bake.scene.meshes[mesh.number].name,
+        "isOfRoom": mesh.is_of_room,
+        "albedo": mesh.albedo.tolist(),
+        "emission": mesh.emission.tolist(),
+        "vertices": data.add(mesh.vertices.astype(np.float32)),
+        "triangles": data.add(mesh.triangles.astype(np.uint32)),
+        "light": _light(data, bake, strengths, mesh.number) if mesh.is_lit else None,
     }
 
 
-def _wall(data, bake, strengths, number, vertices, triangles, is_of_room):
+def _light(data, bake, strengths, number):
     lit, exposure = bake.surroundings, np.float32(bake.scene.exposure)
 
     def colors(light):
@@ -31,10 +42,6 @@ def _wall(data, bake, strengths, number, vertices, triangles, is_of_room):
 
     sets, greatest, shares, *unshadowed = lit.direct_ways(number)
     return {
-        "name": bake.scene.meshes[number].name,
-        "isOfRoom": is_of_room,
-        "vertices": data.add(vertices.astype(np.float32)),
-        "triangles": data.add(triangles.astype(np.uint32)),
         "between": data.add(lit.between(number)),
         "indirect": [colors(lit.indirect(number, back)) for back in (False, True)],
         "unshadowed": [colors(light) for light in unshadowed],

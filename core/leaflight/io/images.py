@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Images as arrays: PNG and JPEG through Pillow, TIFF through tifffile, EXR through OpenEXR."""
 
+import struct
 import warnings
+import zlib
 from pathlib import Path
 
 import leaflight._core as _core
@@ -69,6 +71,19 @@ def display_colours(radiance, exposure):
     curve = 1.055 * np.power(linear, 1.0 / 2.4) - 0.055
     encoded = np.where(linear <= 0.0031308, 12.92 * linear, curve)
     return np.rint(255.0 * encoded).astype(np.uint8)
+
+
+def png_bytes(pixels):
+    """uint8 [row, column, RGBA], top row first, as a PNG (ISO 15948); Blender has no Pillow."""
+    height, width, _ = pixels.shape
+    header = struct.pack(">IIBBBBB", width, height, 8, 6, 0, 0, 0)
+    rows = np.zeros((height, 1 + 4 * width), np.uint8)  # each begins with its filter: none
+    rows[:, 1:] = pixels.reshape(height, -1)
+    blocks = ((b"IHDR", header), (b"IDAT", zlib.compress(rows, 9)), (b"IEND", b""))
+    return b"\x89PNG\r\n\x1a\n" + b"".join(
+        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        for kind, data in blocks
+    )
 
 
 def write_png(path, pixels):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A camera, and where to put one."""
+"""A camera."""
 
 import json
 import math
@@ -13,8 +13,6 @@ from ..io.json_object import read_text
 
 # Of view, across the picture's shorter side: a portrait's lens, as of the add-on's stages.
 ANGLE = 26.0
-# From the front, a little from above.
-VIEW = (0.0, 20.0)
 
 
 @dataclass(frozen=True)
@@ -50,28 +48,6 @@ class Camera:
         y = 0.5 * height - (np.asarray(rows)[:, None] + step).ravel()
         directions = forward + scale * x[None, :, None] * right + scale * y[:, None, None] * up
         return directions / np.linalg.norm(directions, axis=-1, keepdims=True)
-
-
-def camera_around(low, high, azimuth=VIEW[0], elevation=VIEW[1], zoom=1.0):
-    """A Camera that sees all of a box, from degrees around +z, 0 from -y, and above the horizon.
-
-    zoom: how much larger than just whole the box is seen. Raises LeaflightError.
-    """
-    if not -90.0 < elevation < 90.0:
-        raise LeaflightError(f"The view is {elevation:g} degrees high: choose between -90 and 90.")
-    if not zoom > 0.0:
-        raise LeaflightError(f"The zoom is {zoom:g}: choose a positive number.")
-    low, high = np.asarray(low, np.float64), np.asarray(high, np.float64)
-    middle, radius = 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))
-    a, e = math.radians(azimuth), math.radians(elevation)
-    back = np.array([math.sin(a) * math.cos(e), -math.cos(a) * math.cos(e), math.sin(e)])
-    distance = radius / math.sin(math.radians(0.5 * ANGLE)) / zoom
-    return Camera(tuple((middle + distance * back).tolist()), tuple(middle.tolist()))
-
-
-def camera_around_bake(bake, azimuth=VIEW[0], elevation=VIEW[1], zoom=1.0):
-    """The same around all volumes of a Bake."""
-    return camera_around(*bounds_of(bake), azimuth, elevation, zoom)
 
 
 def bounds_of(bake):

@@ -33,9 +33,7 @@ class Lamps:
     def irradiance(self, points, normals, eye):
         """Over pi: what a white surface reflects, float64 (n, 3), at points with unit normals."""
         if self.headlight:
-            way = eye - points
-            cosine = (normals * way).sum(axis=1) / np.linalg.norm(way, axis=1)
-            return np.repeat(np.maximum(cosine, 0.0)[:, None], 3, axis=1)
+            return headlight(points, normals, eye)
         total = np.zeros((len(points), 3))
         for row in self.rows:
             position, kind, axis, end, intensity, bright = np.split(row, [3, 4, 7, 8, 11])
@@ -52,6 +50,13 @@ class Lamps:
                     share = share * np.maximum(abs(cosine) if kind == _TWO_SIDED else cosine, 0.0)
             total += share[:, None] * intensity
         return total / math.pi + self.ambient
+
+
+def headlight(points, normals, eye):
+    """What a white surface reflects of a light at the camera, float64 (n, 3)."""
+    way = eye - points
+    cosine = (normals * way).sum(axis=1) / np.linalg.norm(way, axis=1)
+    return np.repeat(np.maximum(cosine, 0.0)[:, None], 3, axis=1)
 
 
 def lamps_of(description):

@@ -10,13 +10,15 @@ from .._core import LeaflightError
 from ..progress_bar import with_progress
 from ..scene.scene import ramp_at
 from ..volume.setting_error import SettingError
-from .camera import camera_around_bake
-from .lamps import lamps_of
+from .first_view import camera_around_bake
+from .lamps import headlight, lamps_of
 from .walls import SeenWalls
 
 # Rays at a time, so that memory is bounded and a cancel is soon heard.
 _RAYS = 1 << 18
 _LARGEST = 16384
+# How bright a white inner side is shown that faces the viewer, where its light was not baked.
+UNBAKED = 0.3
 
 
 @with_progress("still")
@@ -34,13 +36,14 @@ def still(
     """A picture of a Bake, float32 [row, column, RGBA], top row first.
 
     RGB is linear radiance in W/(m^2 sr), times alpha, the share of a pixel that something fills.
-    Rays meet the isosurface itself, not a mesh of it, and look up the light there; what is seen of
-    an inner side that was not baked is shaded locally.
+    Rays meet the isosurface itself, not a mesh of it, and look up the light there. An inner side
+    that was not baked is shaded by a light at the camera, which shows its shape alone.
 
-    isovalue: the leaf coordinate (see Bake), of all volumes. camera: a Camera; None sees all of
-    the volumes from the front. size: (width, height); samples: rays along each side of a pixel.
-    walls: whether the lit surroundings are shown, those that would hide the volumes left out.
-    local: the isosurfaces by local shading (lamps.py) instead. progress: as of bake().
+    isovalue: the leaf coordinate (see Bake), of all volumes. camera: a Camera; None frames the
+    isosurface (first_view.py). size: (width, height); samples: rays along each side of a pixel.
+    walls: whether the scene's meshes are shown, those that would hide the volumes left out; without
+    baked light they are shaded locally. local: all by local shading (lamps.py) instead.
+    progress: as of bake().
     Raises LeaflightError, Cancelled.
     """
     width, height = size
@@ -53,9 +56,9 @@ def still(
         raise SettingError(f"{samples} rays a pixel's side: choose 1 to 16.", "samples")
     check_diffuse(bake)
     bake.check_isovalue(isovalue)
-    camera = camera or camera_around_bake(bake)
+    camera = camera or camera_around_bake(bake, isovalue=isovalue, size=size)
     progress = progress or _core.Progress()
-    seen = SeenWalls(bake, isovalue, np.asarray(camera.position)) if walls else None
+    seen = SeenWalls(bake, isovalue, np.asarray(camera.position), local) if walls else None
     leaves = [SeenLeaf(bake, number, isovalue, local) for number in range(len(bake.volumes))]
     picture = np.empty((height, width, 4), np.float32)
     rows = max(1, _RAYS // (width * samples * samples))
@@ -94,6 +97,7 @@ class SeenLeaf:
         self._field, self._grid = bake.volumes[volume].field(), bake.grids[volume]
         self._own = bake.isovalue_of(volume, isovalue)
         self._local, self._inner = local, inner_side(bake, volume)
+        self._exposure = bake.scene.exposure
         self._leaves, self._lamps = bake.scene.leaves[volume], lamps_of(bake.scene)
 
     def hits(self, origins, directions):
@@ -117,11 +121,15 @@ class SeenLeaf:
         if shaded.any():
             normals = _core.normals(self._field, points[shaded]).astype(np.float64)
             normals[is_inner[shaded]] *= -1.0
-            light = self._lamps.irradiance(points[shaded], normals, eyes[shaded])
             albedo, emission = (
                 ramp_at(ramp, self._own) for ramp in (self._leaves.albedo, self._leaves.emission)
             )
-            found[shaded] = albedo * light + emission
+            if self._local:
+                light = self._lamps.irradiance(points[shaded], normals, eyes[shaded])
+                found[shaded] = albedo * light + emission
+            else:
+                facing = headlight(points[shaded], normals, eyes[shaded])
+                found[shaded] = UNBAKED / self._exposure * albedo * facing
         return found
 
 

@@ -1,30 +1,51 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lit walls of a bake, without those that stand between the viewer and the volumes.
+"""The walls of a bake, without those that stand between the viewer and the volumes.
 
 Who goes around a box of walls would see them from behind; as of a doll's house, the walls in front
-are left out.
+are left out. Walls without baked light are shaded locally, so that one sees where their colours on
+the isosurface come from.
 """
+
+from dataclasses import dataclass
 
 import leaflight._core as _core
 import numpy as np
 
 from .camera import bounds_of
+from .lamps import lamps_of
 
 
-def lit_meshes(bake):
-    """[(number, vertices, triangles, whether it is of the room)] of the surroundings that are lit.
+@dataclass(frozen=True, eq=False)
+class RoomMesh:
+    """A mesh of the scene that is shown: its number there, vertices float32 (n, 3) and triangles.
 
-    A mesh is of the room if it is flat, as a wall is, or goes around the volumes' middle. None are
-    lit where the surroundings were not baked; mirrors and glass never are.
+    is_of_room: it is flat, as a wall is, or goes around the volumes' middle; is_lit: it has baked
+    light at its vertices. albedo, emission: colours.
     """
-    if bake.surroundings is None:
-        return []
+
+    number: int
+    vertices: np.ndarray
+    triangles: np.ndarray
+    is_of_room: bool
+    is_lit: bool
+    albedo: np.ndarray
+    emission: np.ndarray
+
+
+def room_meshes(bake):
+    """The RoomMesh of each diffuse mesh of a Bake's scene; mirrors and glass are left out."""
     middle = np.mean(bounds_of(bake), axis=0)
-    found = []
+    is_lit, found = bake.surroundings is not None, []
     for number, mesh in enumerate(bake.scene.meshes):
         if mesh.scattering == "diffuse":
-            vertices, triangles = bake.surroundings.mesh(number)
-            found.append((number, vertices, triangles, _is_of_room(vertices, middle)))
+            vertices, triangles = mesh.vertices, mesh.triangles
+            if is_lit:
+                vertices, triangles = bake.surroundings.mesh(number)
+            albedo = np.array(mesh.albedo, np.float64)
+            if mesh.texture is not None:
+                albedo = albedo * mesh.texture.mean(axis=(0, 1))
+            looks = _is_of_room(vertices, middle), is_lit, albedo, np.array(mesh.emission)
+            found.append(RoomMesh(number, vertices, triangles, *looks))
     return found
 
 
@@ -38,25 +59,32 @@ def _is_of_room(vertices, middle):
 
 
 class SeenWalls:
-    """The walls that are seen from a point, with the light of one isosurface (leaf coordinate)."""
+    """The walls that are seen from a point, with the light of one isosurface (leaf coordinate).
 
-    def __init__(self, bake, isovalue, eye):
+    local: by local shading, as if no light of them were baked.
+    """
+
+    def __init__(self, bake, isovalue, eye, local=False):
         middle = np.mean(bounds_of(bake), axis=0)
-        vertices, triangles, sides, count = [], [], ([], []), 0
-        for number, points, facets, is_of_room in lit_meshes(bake):
-            if is_of_room:
-                facets = facets[~_is_between(points, facets, eye, middle)]
-            vertices.append(points)
+        self._lamps, self._mesh = lamps_of(bake.scene), None
+        vertices, triangles, sides, looks, count = [], [], ([], []), [], 0
+        is_local = local or bake.surroundings is None
+        for mesh in room_meshes(bake):
+            facets = mesh.triangles.astype(np.int64)
+            if mesh.is_of_room:
+                facets = facets[~_is_between(mesh.vertices, facets, eye, middle)]
+            vertices.append(mesh.vertices)
             triangles.append(facets + count)
-            count += len(points)
-            for back in (False, True):
-                sides[back].append(bake.surroundings.radiance(number, isovalue, back=back))
-        self._triangles = np.concatenate(triangles) if triangles else np.zeros((0, 3), np.int32)
-        self._mesh = None
-        if len(self._triangles) == 0:
+            count += len(mesh.vertices)
+            looks += [np.concatenate([mesh.albedo, mesh.emission])] * len(facets)
+            for back in () if is_local else (False, True):
+                sides[back].append(bake.surroundings.radiance(mesh.number, isovalue, back=back))
+        if not looks:
             return
-        self._vertices = np.concatenate(vertices)
-        self._sides = [np.concatenate(side) for side in sides]
+        self._vertices = np.concatenate(vertices).astype(np.float32)
+        self._triangles = np.concatenate(triangles).astype(np.uint32)
+        self._looks = np.array(looks)
+        self._sides = None if is_local else [np.concatenate(side) for side in sides]
         self._mesh = _core.Mesh("walls", self._vertices, self._triangles, (0.0, 0.0, 0.0))
 
     def hits(self, origins, directions):
@@ -67,9 +95,18 @@ class SeenWalls:
         distances, facets, (u, v) = _transposed(_core.mesh_hits(self._mesh, origins, directions))
         hit = facets >= 0
         corners = self._triangles[facets[hit]]
-        weights = np.stack([1.0 - u - v, u, v], axis=1)[hit]
         a, b, c = (self._vertices[corners[:, k]].astype(np.float64) for k in range(3))
-        behind = (np.cross(b - a, c - a) * directions[hit]).sum(axis=1) > 0.0
+        normals = np.cross(b - a, c - a)
+        behind = (normals * directions[hit]).sum(axis=1) > 0.0
+        if self._sides is None:
+            normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-30)[:, None]
+            normals[behind] *= -1.0
+            points = origins[hit] + distances[hit, None] * directions[hit]
+            light = self._lamps.irradiance(points, normals, origins[hit])
+            looks = self._looks[facets[hit]]
+            radiance[hit] = looks[:, :3] * light + looks[:, 3:]
+            return distances, radiance
+        weights = np.stack([1.0 - u - v, u, v], axis=1)[hit]
         for back in (False, True):
             mixed = (self._sides[back][corners] * weights[..., None]).sum(axis=1)
             radiance[np.flatnonzero(hit)[behind == back]] = mixed[behind == back]

@@ -29,6 +29,7 @@ class Volume:
     index_to_world: float64, shape (4, 4), takes the node (i, j, k, 1) to world coordinates.
     name: short name for people; source: the file or the function the values came from.
     unit: what world coordinates measure in, a key of METERS, "" where nobody knows.
+    patient: whether world coordinates are a patient's: towards right, front and up.
     In flatland values has the shape (ny, nx) and index_to_world (3, 3).
 
     In place of index_to_world there may be spacing, the size of a voxel, one number or (x, y, z),
@@ -40,6 +41,7 @@ class Volume:
     name: str
     source: str
     unit: str
+    patient: bool
 
     def __init__(
         self,
@@ -48,6 +50,7 @@ class Volume:
         name="volume",
         source="",
         unit="",
+        patient=False,
         *,
         spacing=None,
         origin=None,
@@ -65,7 +68,7 @@ class Volume:
                 f"{name}: {unit!r} is no known unit: give one of {', '.join(METERS)}.", "unit"
             )
         fields = {"values": values, "index_to_world": index_to_world, "name": name}
-        self.__dict__.update(fields, source=source, unit=unit_of(unit))
+        self.__dict__.update(fields, source=source, unit=unit_of(unit), patient=patient)
 
     @cached_property
     def _field(self):

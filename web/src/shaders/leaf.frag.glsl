@@ -5,7 +5,8 @@
 uniform vec3 eye, corner, right, up;
 uniform mat4 indexToClip;
 uniform float isovalue, secondIsovalue;  // in codes
-uniform bool hasSecond, countsFetches;
+uniform bool hasSecond;
+uniform int result;  // 0: the picture, 1: fetches a pixel, 2: distances in lengths of the ray
 uniform float opacity;  // of the second
 uniform vec4 clip;      // index coordinates: what dot(clip, (p, 1)) < 0 is left out; 0 for none
 
@@ -61,12 +62,18 @@ void main() {
     float own = k == 0 ? isovalue : secondIsovalue;
     radiance[k] = light(eye + hits[k].t * direction, hits[k], own, k);
   }
-  if (countsFetches) {
+  if (result == 1) {
     color = vec4(float(fetches & 255) / 255.0, float(fetches >> 8) / 255.0, 0.0, 1.0);
     gl_FragDepth = 0.0;
     return;
   }
   if (first.t < 0.0 && second.t < 0.0) discard;
+  if (result == 2) {
+    float t = second.t >= 0.0 ? second.t : first.t;
+    color = vec4((uvec4(floatBitsToUint(t)) >> uvec4(0, 8, 16, 24)) & 255u) / 255.0;
+    gl_FragDepth = depthOf(eye + t * direction);
+    return;
+  }
   if (first.t < 0.0) color = vec4(0.0);
   if (first.t >= 0.0 && !isOnCut) color = shown(radiance[0], 1.0);
   if (second.t >= 0.0) {

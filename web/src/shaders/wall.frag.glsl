@@ -1,14 +1,20 @@
-// A lit wall, left out where it stands between the viewer and the volumes
-// (core/leaflight/still/walls.py).
+// A wall, left out where it stands between the viewer and the volumes
+// (core/leaflight/stills/walls.py).
 
-uniform bool isOfRoom;
-uniform vec3 worldEye, middle;
+uniform bool isOfRoom, isLocal;
+uniform vec3 middle, albedo, emission;
 
 in vec3 place, fromOuter, fromInner;
 out vec4 color;
 
 void main() {
   vec3 normal = cross(dFdx(place), dFdy(place));
-  if (isOfRoom && dot(normal, worldEye - place) * dot(normal, middle - place) < 0.0) discard;
-  color = vec4(displayed(gl_FrontFacing ? fromOuter : fromInner), 1.0);
+  float side = dot(normal, worldEye - place);
+  if (isOfRoom && side * dot(normal, middle - place) < 0.0) discard;
+  vec3 radiance = gl_FrontFacing ? fromOuter : fromInner;
+  if (isLocal) {
+    normal = normalize(side < 0.0 ? -normal : normal);
+    radiance = exposure * (albedo * irradianceOverPi(place, normal) + emission);
+  }
+  color = vec4(displayed(radiance), 1.0);
 }

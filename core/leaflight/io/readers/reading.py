@@ -110,9 +110,13 @@ def read_volume(
             values = downsampled(path, values, step, progress)
             matrix = matrix @ _from_downsampled(step)
         values = smoothed(values, smooth, progress) if smooth > 0 else _held(values, progress)
-        source = source_of(path, smooth)
         volume = replace(
-            volume, values=values, index_to_world=matrix, source=source, unit=stored.unit
+            volume,
+            values=values,
+            index_to_world=matrix,
+            source=source_of(path, smooth),
+            unit=stored.unit,
+            patient=stored.patient,
         )
     progress.begin("Looking at the values")
     progress.check()

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pictures for the screen: exposed, highlights compressed, encoded as sRGB."""
+
+import math
+
+import numpy as np
+
+from ..io.images import display_colours
+from .first_view import default_isovalue_of
+from .still import still
+
+# Khronos PBR Neutral (2024) without its offset for specular reflection: colours up to START stay
+# what they are, those beyond approach white and lose their colour by degrees.
+START = 0.8
+DESATURATION = 0.15
+# Where the brightest hundredth of a picture begins, the scene's exposure stays as it is within.
+DIMMEST, BRIGHTEST = 0.4, 1.25
+MOST_STOPS = 4.0
+
+
+def tone_mapped(linear):
+    """Exposed colours (..., 3) as they are shown, linear, below 1."""
+    linear = np.asarray(linear, np.float32)
+    peak = linear.max(axis=-1, keepdims=True)
+    rest = 1.0 - START
+    shown = 1.0 - rest * rest / np.maximum(peak + rest - START, rest)
+    white = 1.0 - 1.0 / (DESATURATION * np.maximum(peak - shown, 0.0) + 1.0)
+    mapped = linear * (shown / np.maximum(peak, START)) * (1.0 - white) + shown * white
+    return np.where(peak <= START, linear, mapped)
+
+
+def photographed(picture, exposure):
+    """The picture of still() as uint8 RGBA, alpha not multiplied in."""
+    alpha = picture[..., 3:]
+    radiance = picture[..., :3] / np.maximum(alpha, 1e-6)
+    colors = display_colours(tone_mapped(radiance * np.float32(exposure)), 1.0)
+    return np.concatenate([colors, np.rint(255.0 * alpha).astype(np.uint8)], axis=-1)
+
+
+def metered_stops(bake, isovalue=None):
+    """How many stops brighter than the scene's exposure a Bake is shown, to a tenth.
+
+    Zero where the first view of its isovalue, None is the default one, is neither dim nor burnt.
+    """
+    isovalue = default_isovalue_of(bake) if isovalue is None else isovalue
+    picture = still(bake, isovalue, size=(128, 72), samples=1)
+    seen = picture[picture[..., 3] > 0.0][:, :3].max(axis=1) * bake.scene.exposure
+    peak = float(np.quantile(seen, 0.99)) if len(seen) else 0.0
+    if not peak > 0.0:
+        return 0.0
+    stops = math.log2(min(max(peak, DIMMEST), BRIGHTEST) / peak)
+    return round(min(max(stops, -MOST_STOPS), MOST_STOPS), 1)

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The state of the page as the part of its link behind #, and back.
+
+import type { Header, Vector } from './bake';
+import { onGrid } from './isovalues';
+import type { Look } from './look';
+
+export interface Viewpoint {
+  position: Vector;
+  target: Vector;
+  up: Vector;
+}
+
+export interface State {
+  look: Look;
+  viewpoint: Viewpoint;
+}
+
+const DIGITS = 6;
+
+export function toLink({ look, viewpoint }: State): string {
+  const numbers = (...values: number[]) =>
+    values.map((value) => Number(value.toPrecision(DIGITS))).join(',');
+  const fields: [string, string | null][] = [
+    ['isovalue', numbers(look.isovalue)],
+    ['second', look.second === null ? null : numbers(look.second, look.opacity)],
+    ['local', look.isLocal ? '1' : null],
+    ['walls', look.showsWalls ? null : '0'],
+    ['clip', look.clip === null ? null : numbers(look.clip.from, look.clip.share)],
+    ['exposure', numbers(look.stops)],
+    ['camera', numbers(...viewpoint.position, ...viewpoint.target, ...viewpoint.up)],
+  ];
+  return fields.flatMap(([name, value]) => (value === null ? [] : [`${name}=${value}`])).join('&');
+}
+
+// What a link says of the state; all else, and what makes no sense, is as given.
+export function fromLink(link: string, { look, viewpoint }: State, header: Header): State {
+  const fields = new URLSearchParams(link.replace(/^#/, ''));
+  const numbers = (name: string, count: number): number[] | null => {
+    const found = (fields.get(name) ?? '').split(',').map((text) => (text === '' ? NaN : Number(text)));
+    return found.length === count && found.every(Number.isFinite) ? found : null;
+  };
+  const one = (name: string, low: number, high: number): number | null => {
+    const found = numbers(name, 1);
+    return found && Math.min(high, Math.max(low, found[0]));
+  };
+  const isovalue = one('isovalue', ...header.window);
+  const second = numbers('second', 2);
+  const clip = numbers('clip', 2);
+  const camera = numbers('camera', 9);
+  return {
+    look: {
+      isovalue: isovalue === null ? look.isovalue : onGrid(isovalue, header),
+      second: second && onGrid(second[0], header),
+      opacity: second ? share(second[1]) : look.opacity,
+      isLocal: fields.get('local') === '1',
+      showsWalls: fields.get('walls') !== '0',
+      clip: clip && [0, 1, 2, 3, 4, 5].includes(clip[0]) ? { from: clip[0], share: share(clip[1]) } : null,
+      stops: one('exposure', -4, 4) ?? look.stops,
+    },
+    viewpoint: camera && isViewpoint(camera) ? viewpointOf(camera) : viewpoint,
+  };
+}
+
+function share(value: number): number {
+  return Math.min(1, Math.max(0, value));
+}
+
+function viewpointOf(numbers: number[]): Viewpoint {
+  const [position, target, up] = [0, 3, 6].map((k) => numbers.slice(k, k + 3) as Vector);
+  return { position, target, up };
+}
+
+// The camera looks somewhere, and not along its upright axis.
+function isViewpoint(numbers: number[]): boolean {
+  const { position, target, up } = viewpointOf(numbers);
+  const [x, y, z] = position.map((place, a) => place - target[a]);
+  const across = Math.hypot(y * up[2] - z * up[1], z * up[0] - x * up[2], x * up[1] - y * up[0]);
+  return across > 1e-9 * Math.hypot(x, y, z) * Math.hypot(...up) && Math.hypot(...up) > 0;
+}

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Isovalues, links, lengths and the first place of the camera, as plain data.
+import assert from 'node:assert/strict';
+import test from 'node:test';
+
+import { load } from './load.mjs';
+
+const { onGrid, textOf } = await load('isovalues');
+const { fromLink, toLink } = await load('link');
+const { positionOf } = await load('framing');
+const { roundLength, lengthText } = await load('lengths');
+
+const CT = { window: [-1000.5, 2000.5], step: 0.1 };
+const MAP = { window: [-0.31234, 1.45678], step: 0.001 };
+
+test('isovalues have the digits of the data', () => {
+  assert.equal(textOf(onGrid(0.203044, MAP), MAP), '0.203');
+  assert.equal(textOf(onGrid(45.5, CT), CT), '45.5');
+  assert.equal(textOf(1234.5678, { window: [0, 9e6], step: 1000 }), '1235');
+});
+test('isovalues stay within the window', () => {
+  assert.equal(onGrid(99999, CT), 2000.5);
+  assert.equal(onGrid(-99999, CT), -1000.5);
+  assert.equal(onGrid(99999, MAP), 1.45678);
+});
+
+const LOOK = {
+  isovalue: 45.5, second: null, opacity: 0.35, isLocal: false, showsWalls: true, clip: null, stops: 0,
+}; // prettier-ignore
+const FIRST = { look: LOOK, viewpoint: { position: [0, -5, 1], target: [0, 0, 0], up: [0, 0, 1] } };
+
+test('a link holds the whole state', () => {
+  const state = {
+    look: {
+      isovalue: 120.3, second: 20.1, opacity: 0.5, isLocal: true, showsWalls: false,
+      clip: { from: 4, share: 0.25 }, stops: -1.2,
+    },
+    viewpoint: { position: [1.5, 2.25, -3], target: [0.5, 0, 1], up: [1, 0, 0] },
+  }; // prettier-ignore
+  assert.deepEqual(fromLink(`#${toLink(state)}`, FIRST, CT), state);
+  assert.deepEqual(fromLink(toLink(FIRST), FIRST, CT), FIRST);
+  assert.deepEqual(fromLink('', FIRST, CT), FIRST);
+});
+test('a link that makes no sense changes nothing', () => {
+  const wrong = '#isovalue=x&second=1&clip=7,0.5&exposure=&camera=0,0,0,0,0,0,0,0,1';
+  assert.deepEqual(fromLink(wrong, FIRST, CT), FIRST);
+  const along = '#camera=0,0,5,0,0,0,0,0,1'; // it looks along its upright axis
+  assert.deepEqual(fromLink(along, FIRST, CT).viewpoint, FIRST.viewpoint);
+  const beyond = fromLink('#isovalue=1e9&second=-1e9,7&clip=2,-1&exposure=99', FIRST, CT).look;
+  assert.deepEqual(beyond, {
+    ...LOOK, isovalue: 2000.5, second: -1000.5, opacity: 1, clip: { from: 2, share: 0 }, stops: 4,
+  }); // prettier-ignore
+});
+
+test('an isosurface fills its share of any picture', () => {
+  const framing = { target: [1, 2, 3], back: [0, -1, 0], up: [0, 0, 1], angle: 26, filled: 0.8 };
+  for (const [width, height] of [[1280, 720], [390, 844], [500, 500]]) {
+    for (const half of [[2, 1, 0.5], [0.1, 3, 1]]) {
+      const position = positionOf({ ...framing, half }, width, height);
+      const before = 2 - position[1] - half[2]; // to the side of the box towards the viewer
+      const pixels = Math.min(width, height) / (2 * Math.tan((13 * Math.PI) / 180)) / before;
+      const filled = [(2 * half[0] * pixels) / width, (2 * half[1] * pixels) / height];
+      assert.ok(Math.abs(Math.max(...filled) - 0.8) < 1e-9, String(filled));
+    }
+  }
+});
+
+test('lengths of scale bars are round', () => {
+  for (const [most, found] of [[1, 1], [1.9, 1], [2, 2], [4.99, 2], [73, 50], [0.0307, 0.02]]) {
+    assert.equal(roundLength(most), found);
+  }
+  assert.equal(lengthText(50, 'mm'), '50 mm');
+  assert.equal(lengthText(12.34567, 'Å'), '12.35 Å');
+  assert.equal(lengthText(5, ''), '5 units of the file');
+});
