@@ -12,6 +12,7 @@ from bpy.props import BoolProperty, EnumProperty, IntProperty
 from mathutils import Matrix
 
 from ..operators import background, checks
+from ..operators.active_volume import active_volume
 from ..show import isovalues, leaves
 
 AXES = {
@@ -134,7 +135,7 @@ class LEAFLIGHT_OT_turn_volume(checks.VolumeOperator, bpy.types.Operator):
         return background.is_free(cls) and super().poll(context)
 
     def execute(self, context):
-        obj = context.object
+        obj = active_volume(context)
         was_lit = bool(obj.leaflight.bake_id)
         orientation = obj.leaflight_orientation
         up, front = _axes_of(orientation)

@@ -131,7 +131,7 @@ class LEAFLIGHT_OT_frame_isosurface(checks.VolumeOperator, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     def execute(self, context):
-        scene, leaf = context.scene, context.object
+        scene, leaf = context.scene, active_volume(context)
         try:
             volumes = scene_export.volume_objects(context, leaf)
             if any(obj.leaflight.bake_id for obj in volumes) or not is_built(scene):
