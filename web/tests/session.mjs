@@ -8,7 +8,7 @@ import { launch } from 'puppeteer-core';
 const CHROMIUM = '/usr/bin/chromium';
 const SOFTWARE = ['--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
 
-let browser, page, requests;
+let browser, page, requests, opening;
 
 const calls = {
   async start(...options) {
@@ -23,7 +23,7 @@ const calls = {
     return browser.version();
   },
   // A page of its own, which remembers what it asked for and what it complained of.
-  async open(url, { width, height, touch = false, scheme = 'dark' }) {
+  async open(url, { width, height, touch = false, scheme = 'dark', waits = true }) {
     if (page) await page.close();
     page = await browser.newPage();
     page.setDefaultTimeout(0);
@@ -35,9 +35,15 @@ const calls = {
     });
     await page.setViewport({ width, height, hasTouch: touch, isMobile: touch });
     await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: scheme }]);
-    await page.goto(url);
+    // An answer that ends early is an error of its own, which the page tells.
+    opening = page.goto(url).catch(() => null);
+    if (waits) await calls.opened();
+  },
+  async opened() {
+    await opening;
     await page.waitForSelector('[data-state=rest], [role=alert]');
   },
+  awaits: (condition) => page.waitForFunction(condition),
   requests: () => requests,
   async resize(width, height) {
     await page.setViewport({ width, height });
@@ -55,6 +61,10 @@ const calls = {
     await page.mouse.down();
     await page.mouse.move(...to, { steps: 3 });
     await page.mouse.up();
+  },
+  async wheel(at, delta) {
+    await page.mouse.move(...at);
+    await page.mouse.wheel({ deltaY: delta });
   },
   async touchDrag(from, to) {
     await page.touchscreen.touchStart(...from);

@@ -1,0 +1,219 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What people expect of a viewer: its first view, its progress, its link, its controls."""
+
+import http.server
+import threading
+
+import leaflight._core as _core
+import numpy as np
+import pytest
+from browser import FRAMES
+from leaflight.still.first_view import camera_around_bake
+from waiting import HANG
+
+SIZE = {"width": 800, "height": 300}
+LOOK, VIEWPOINT = "leaflight.view.look", "leaflight.view.orbit.viewpoint"
+MIDDLE = (
+    "(r => [r.x + r.width / 2, r.y + r.height / 2])"
+    "(leaflight.view.canvas.getBoundingClientRect())"
+)
+
+
+@pytest.fixture
+def page(browser, pages):
+    browser.open(pages("box").as_uri(), SIZE)
+    return browser
+
+
+@pytest.mark.parametrize("size", [SIZE, {"width": 390, "height": 844, "touch": True}])
+def test_the_first_view_is_that_of_still(browser, bakes, pages, size):
+    bake = bakes("box")
+    browser.open(pages("box").as_uri(), size)
+    canvas = browser.evaluate(
+        "[leaflight.view.canvas.clientWidth, leaflight.view.canvas.clientHeight]"
+    )
+    expected = camera_around_bake(bake, size=canvas)
+    seen = browser.evaluate(VIEWPOINT)
+    np.testing.assert_allclose(seen["position"], expected.position, atol=1e-4)
+    np.testing.assert_allclose(seen["target"], expected.target, atol=1e-4)
+    colors = browser.picture()
+    assert (colors[..., 3] == 255).mean() > 0.5
+    assert (colors[..., :3].max(axis=-1) == 255).mean() < 0.01
+
+
+def test_walls_leave_no_pinholes(browser, pages):
+    browser.open(pages("box").as_uri(), {"width": 640, "height": 400})
+    alpha = browser.picture()[..., 3]
+    middle = alpha[150:250, 220:420]
+    assert (middle == 255).all()
+
+
+def test_progress_is_told_and_damage_only_when_it_is_there(browser, pages):
+    data = pages("box").read_bytes()
+    half = data.index(b"leaflight-body") + (len(data) - data.index(b"leaflight-body")) // 2
+    goes_on, ends = threading.Event(), {"at": len(data)}
+
+    class Slow(http.server.BaseHTTPRequestHandler):
+        def do_GET(self):
+            self.send_response(200)
+            self.send_header("Content-Type", "text/html")
+            self.end_headers()
+            self.wfile.write(data[:half])
+            self.wfile.flush()
+            goes_on.wait(HANG)
+            self.wfile.write(data[half : ends["at"]])
+
+        def log_message(self, *_):
+            pass
+
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), Slow) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        url = f"http://127.0.0.1:{server.server_address[1]}/"
+        for end, words in ((len(data), None), (half + 1000, "not whole")):
+            goes_on.clear()
+            ends["at"] = end
+            browser.open(url, {**SIZE, "waits": False})
+            browser.awaits(
+                "document.querySelector('#step')?.textContent === 'Reading the file'"
+                " && document.querySelector('#poster')?.naturalWidth > 100"
+            )
+            assert browser.evaluate("document.querySelector('#title').textContent") == "bump_box"
+            assert browser.evaluate("document.querySelector('#panel').inert")
+            assert "whole" not in browser.evaluate("document.body.innerText")
+            goes_on.set()
+            browser.opened()
+            told = browser.evaluate("document.querySelector('[role=alert]')?.textContent ?? null")
+            assert told is None if words is None else words in told
+            if words is None:
+                assert browser.evaluate("!document.querySelector('#poster, #opening')")
+        server.shutdown()
+
+
+def test_it_is_rolled_and_flipped_and_the_link_keeps_all(page, pages):
+    first = page.evaluate(VIEWPOINT)
+    ups = [first["up"]]
+    for _ in range(4):
+        page.click("#roll")
+        ups.append(page.evaluate(VIEWPOINT)["up"])
+    np.testing.assert_allclose(ups[1:], [[-1, 0, 0], [0, 0, -1], [1, 0, 0], [0, 0, 1]], atol=1e-6)
+    np.testing.assert_allclose(page.evaluate(VIEWPOINT)["position"], first["position"], atol=1e-6)
+    page.click("#flip")
+    page.click("#local")
+    page.click("#has-clip")
+    page.press(["ArrowLeft"], "#view")
+    page.atRest()
+    page.evaluate(FRAMES)
+    link, look = page.evaluate("location.hash"), page.evaluate(LOOK)
+    seen, picture = page.evaluate(VIEWPOINT), page.picture()
+    assert seen["up"] == [0, 0, -1] and look["isLocal"] and look["clip"]["from"] == 2
+    page.open(pages("box").as_uri() + link, SIZE)
+    assert page.evaluate(LOOK) == look
+    for name, vector in page.evaluate(VIEWPOINT).items():
+        np.testing.assert_allclose(vector, seen[name], atol=1e-4)
+    off = abs(page.picture().astype(int) - picture).max(axis=-1)
+    assert (off > 8).mean() < 0.01
+    assert page.evaluate("document.querySelector('#has-clip').checked")
+
+
+def test_numbers_are_those_that_are_shown(page, bakes):
+    low, high = bakes("box").isovalues
+    for typed, shown in (("99999", high), ("-5", low), ("80.123456", 80.1)):
+        page.evaluate(
+            "(i => { i.focus(); i.value = '%s'; i.dispatchEvent(new Event('change')); })"
+            "(document.querySelector('#number'))" % typed
+        )
+        assert page.evaluate(f"{LOOK}.isovalue") == pytest.approx(shown)
+        value = page.evaluate("document.querySelector('#number').value")
+        assert float(value) == pytest.approx(shown, abs=0.051) and len(value) <= 6
+    for key in ("ArrowRight", "PageDown"):
+        page.press([key], "#isovalue")
+        value = page.evaluate(f"{LOOK}.isovalue")
+        assert value == pytest.approx(round(value, 1), abs=1e-9)
+
+
+def test_controls_stay_in_place_and_look_like_what_they_are(page):
+    places = (
+        "[...document.querySelectorAll('#panel button, #panel input, #panel h1')]"
+        ".map(e => { const r = e.getBoundingClientRect(); return [r.x, r.y, r.width, r.height]; })"
+    )
+    before = page.evaluate(places)
+    page.click("#play")
+    page.evaluate(FRAMES)
+    assert page.evaluate(places) == before
+    page.click("#play")
+    for box, sliders in (("#has-clip", ["#clip-share", "#clip-from"]), ("#has-second", ["#second"])):
+        for is_on in (False, True):
+            for slider in sliders:
+                assert page.evaluate(f"document.querySelector('{slider}').matches(':disabled')") != is_on
+            page.click(box)
+
+
+def test_the_camera_stops_before_the_isosurface(page, bakes):
+    bake = bakes("box")
+
+    def before_it():
+        seen = page.evaluate(VIEWPOINT)
+        way = np.subtract(seen["target"], seen["position"])
+        way /= np.linalg.norm(way)
+        isovalue = page.evaluate(f"{LOOK}.isovalue")
+        hits = _core.leaf_hits(bake.volume.field(), [seen["position"]], [way], isovalue)
+        # From outside, a ray meets the outer side.
+        assert hits[1][0] == 0
+        return hits[0][0]
+
+    start = before_it()
+    at = page.evaluate(MIDDLE)
+    for _ in range(30):
+        page.wheel(at, -1000)
+    by_wheel = before_it()
+    page.press(["+"] * 40, "#view")
+    assert 0.005 < before_it() <= by_wheel + 1e-6 < 0.5 * start
+
+
+def test_lengths_are_those_of_the_world(page, bakes):
+    bake = bakes("box")
+    x, y = page.evaluate(MIDDLE)
+    page.click("#ruler-open")
+    left = page.evaluate("leaflight.view.canvas.getBoundingClientRect().x")
+    places = []
+    for dx in (-30, 30):
+        page.drag([x + dx, y], [x + dx, y])
+        place = page.evaluate(f"leaflight.view.placeAt({x + dx - left}, {y}).toArray()")
+        seen = page.evaluate(VIEWPOINT)["position"]
+        isovalue = page.evaluate(f"{LOOK}.isovalue")
+        way = np.subtract(place, seen)
+        distance = _core.leaf_hits(bake.volume.field(), [seen], [way], isovalue)[0][0]
+        assert distance == pytest.approx(1, abs=2e-3)
+        places.append(place)
+    page.atRest()
+    apart = np.linalg.norm(np.subtract(*places))
+    assert page.evaluate("leaflight.panel.ruler.distance") == pytest.approx(apart, rel=0.05)
+    told = page.evaluate("document.querySelector('#ruler-text').textContent")
+    assert float(told.split()[0]) == pytest.approx(apart, rel=0.05) and "units" in told
+    # The scale bar, at the depth of the middle.
+    bar = page.evaluate("document.querySelector('#scale-bar').getBoundingClientRect().width")
+    length = float(page.evaluate("document.querySelector('#scale-text').textContent").split()[0])
+    camera = page.evaluate(VIEWPOINT)
+    depth = np.linalg.norm(np.subtract(camera["position"], camera["target"]))
+    pixel = 2 * np.tan(np.radians(13)) * depth / SIZE["height"]
+    assert bar * pixel == pytest.approx(length, rel=0.06)
+
+
+def test_a_cube_shows_the_axes_and_looks_along_them(page):
+    face = "document.querySelector('#cube [aria-label=\"View from +X\"]')"
+    assert page.evaluate(f"{face}.textContent") == "+X"
+    page.evaluate(f"{face}.click()")
+    page.atRest()
+    seen = page.evaluate(VIEWPOINT)
+    way = np.subtract(seen["position"], seen["target"])
+    np.testing.assert_allclose(way / np.linalg.norm(way), [1, 0, 0], atol=1e-6)
+
+
+def test_full_screen_and_large_pictures(page):
+    page.click("#full")
+    page.awaits("document.fullscreenElement !== null")
+    page.evaluate("document.exitFullscreen()")
+    width = page.evaluate(
+        "leaflight.view.picture(1200).then(createImageBitmap).then(image => image.width)"
+    )
+    assert width == 1200
