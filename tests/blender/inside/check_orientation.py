@@ -88,6 +88,24 @@ def check_after_a_bake_the_light_goes_and_it_is_said(scan):
     assert not bpy.data.objects["backdrop"].hide_render
 
 
+def check_undo_brings_back_the_light_with_the_orientation(scan):
+    bpy.ops.leaflight.stage(preset="CORNELL")
+    bpy.ops.leaflight.bake()
+    bpy.ops.ed.undo_push(message="Bake")
+    name, baked = scan.name, scan.leaflight.bake_id
+    bpy.ops.leaflight.turn_volume(way="TIP")
+    bpy.ops.ed.undo_push(message="Turn 90 Degrees")
+    assert not bpy.data.objects[name].leaflight.bake_id
+    bpy.ops.ed.undo()
+    obj = bpy.data.objects[name]
+    assert obj.leaflight.bake_id == baked and "radiance" in obj.data.attributes
+    assert "floor Lit" in bpy.data.objects
+    assert _axes(obj) == ("POS_X", "POS_Y", "POS_Z")
+    bpy.ops.ed.redo()
+    obj = bpy.data.objects[name]
+    assert not obj.leaflight.bake_id and obj.leaflight_orientation.up == "POS_Y"
+
+
 def check_a_choice_survives_saving(scan, tmp_path):
     scan.leaflight_orientation.front = "POS_X"
     matrix = scan.matrix_world.copy()
