@@ -17,7 +17,7 @@ SIZES = ((320, 180), (180, 320))
 
 
 def block(x, y, z, **options):
-    """A volume with a block of so many voxels in its middle; isosurfaces of 0 to 1 are its sides."""
+    """A volume with a block of so many voxels in its middle, whose sides are isosurfaces 0 to 1."""
     values = np.zeros((32, 32, 32), np.float32)
     slices = (slice(16 - n // 2, 16 + n // 2) for n in (z, y, x))
     values[tuple(slices)] = 1.0
@@ -135,7 +135,7 @@ def test_less_than_a_hundredth_clips_whatever_the_lamps(times):
 
 
 def test_walls_without_baked_light_are_shaded_locally(cornell_patient):
-    """And so are baked ones by local shading: one sees where colours on the isosurface come from."""
+    """And so are baked ones by local shading: the picture shows where colours come from."""
     camera = camera_around_bake(cornell_patient, zoom=0.45)
     picture = leaflight.still(cornell_patient, 0.5, camera, (120, 120), samples=1)
     assert (picture[..., 3] == 1).mean() > 0.6

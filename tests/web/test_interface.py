@@ -8,7 +8,7 @@ import leaflight._core as _core
 import numpy as np
 import pytest
 from browser import FRAMES
-from leaflight.still.first_view import camera_around_bake
+from leaflight.stills.first_view import camera_around_bake
 from waiting import HANG
 
 SIZE = {"width": 800, "height": 300}
@@ -141,10 +141,12 @@ def test_controls_stay_in_place_and_look_like_what_they_are(page):
     page.evaluate(FRAMES)
     assert page.evaluate(places) == before
     page.click("#play")
-    for box, sliders in (("#has-clip", ["#clip-share", "#clip-from"]), ("#has-second", ["#second"])):
+    boxes = {"#has-clip": ["#clip-share", "#clip-from"], "#has-second": ["#second"]}
+    for box, sliders in boxes.items():
         for is_on in (False, True):
             for slider in sliders:
-                assert page.evaluate(f"document.querySelector('{slider}').matches(':disabled')") != is_on
+                disabled = page.evaluate(f"document.querySelector('{slider}').matches(':disabled')")
+                assert disabled != is_on
             page.click(box)
 
 

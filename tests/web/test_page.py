@@ -4,15 +4,13 @@
 import functools
 import http.server
 import threading
-from dataclasses import replace
 
 import leaflight
 import numpy as np
 import pytest
 from browser import FRAMES, Browser
 from leaflight.stills.camera import ANGLE, Camera
-from leaflight.stills.first_view import camera_around_bake
-from leaflight.stills.photograph import metered_stops, tone_mapped
+from leaflight.stills.photograph import tone_mapped
 
 SIZE = {"width": 320, "height": 200}
 ISOVALUE = "leaflight.view.look.isovalue"

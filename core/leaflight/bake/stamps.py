@@ -28,9 +28,9 @@ RESEARCH = (
 # What a bake depends on, as text; "name" would rename the grid that OpenVDB attaches it to.
 # "volumes" is a list of {"name", "source", "values_sha256", "index_to_world", "unit", "resolution",
 # "capped", "patient"}. "map_resolution": of the maps that lookups compute direct light from, empty
-# where texels hold it. Of bakes in rounds, empty where the amount of work was fixed: "error" in percent;
-# "asked_resolution", zeros for none; "rounds"; "blocks", of indirect light, how many its averages
-# hold; "continued", the id of the bake that this one went on with.
+# where texels hold it. Of bakes in rounds, empty where the amount of work was fixed: "error" in
+# percent; "asked_resolution", zeros for none; "rounds"; "blocks", of indirect light, how many its
+# averages hold; "continued", the id of the bake that this one went on with.
 METADATA = (
     "leaflight_version",
     "volumes",

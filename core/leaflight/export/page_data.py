@@ -91,7 +91,7 @@ def page_data(bake, isovalue, coarser, progress):
         headlight=lamps.headlight,
         histogram=histogram(bake),
         step=step_of(bake),
-        unit=unit_of(bake),
+        unit=bake.volumes[0].unit,
         isPatient=any(volume.patient for volume in bake.volumes),
         about=about(bake, coarser),
     )
@@ -105,11 +105,6 @@ def step_of(bake):
     step = 10.0 ** math.floor(math.log10((high - low) / 1000.0))
     is_integer = len(bake.volumes) == 1 and bake.volume.values.dtype.kind in "iu"
     return min(step, 0.1) if is_integer else step
-
-
-def unit_of(bake):
-    """What lengths in the world are measured in, "" where the file does not tell."""
-    return getattr(bake.volume, "unit", "")
 
 
 def about(bake, coarser):

@@ -33,11 +33,13 @@ def as_volume(data, spacing=None, name=None):
     if isinstance(data, Volume):
         found = data
     else:
-        values, index_to_world, unit, own = _reader(data)(data)
+        reader = _reader(data)
+        values, index_to_world, unit, own = reader(data)
         values = as_voxels(_scalars(values, own))
         if index_to_world is None:
             return Volume(values, None, name or own, spacing=spacing)
-        found = Volume(values, index_to_world, name or own, unit=unit)
+        is_patient = reader in (_of_nibabel, _of_itk)
+        found = Volume(values, index_to_world, name or own, unit=unit, patient=is_patient)
     if spacing is not None:
         raise SettingError(f"{found.name}: it has its own spacing: leave it out.", "spacing")
     return found

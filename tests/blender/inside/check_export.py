@@ -15,7 +15,6 @@ import numpy as np
 import pytest
 from leaflight.export.export import SUFFIXES
 from leaflight.stills.first_view import camera_around_bake
-from leaflight.stills.photograph import tone_mapped
 from leaflight_addon.compare.figures import rms_percent
 from leaflight_addon.export import export_bake
 from leaflight_addon.store import cache

@@ -22,15 +22,37 @@ vec3 ofTexels(vec3 place, bool isInner) {
   return isInner ? texture(inner, at).rgb : texture(outer, at).rgb;
 }
 
+#ifdef DIRECT
+// Whether a baked isosurface passes a place.
+bool isBaked(vec3 place) {
+  if (any(lessThan(place, vec3(0.0))) || any(greaterThan(place, vec3(dims - 1)))) return false;
+  float value = valueAt(place);
+  return value >= window.x && value <= window.y;
+}
+
+// Indirect light, extrapolated from texels in front (core/src/bake/radiance_grid.cpp).
+vec3 ofTexelsInFront(vec3 place, float isovalue, bool isInner) {
+  vec3 gradient = gradientAt(place, isovalue);
+  float perTexel = length(gradient * texelScale);
+  if (perTexel == 0.0) return ofTexels(place, isInner);
+  vec3 nearPlace = place + gradient * ((isInner ? 0.5 : -0.5) / perTexel);
+  vec3 farPlace = place + 3.0 * (nearPlace - place);
+  if (!isBaked(nearPlace) || !isBaked(farPlace)) return ofTexels(place, isInner);
+  vec3 close = ofTexels(nearPlace, isInner);
+  return clamp(1.5 * close - 0.5 * ofTexels(farPlace, isInner), 0.5 * close, 2.0 * close);
+}
+#endif
+
 // Of the first or the second isosurface.
 vec3 light(vec3 place, Hit hit, float isovalue, int number) {
   if (!isLocal && !(hit.fromInside && innerIs != 0)) {
-    vec3 radiance = ofTexels(place, hit.fromInside);
 #ifdef DIRECT
+    vec3 radiance = ofTexelsInFront(place, isovalue, hit.fromInside);
     vec3 irradiance = directIrradiance(place, isovalue, hit.fromInside);
-    radiance += exposure / PI * albedo[number] * irradiance;
+    return radiance + exposure / PI * albedo[number] * irradiance;
+#else
+    return ofTexels(place, hit.fromInside);
 #endif
-    return radiance;
   }
   if (!isLocal && innerIs == 1) return vec3(0.0);
   vec3 normal = -normalize(normalToWorld * gradientAt(place, isovalue));
