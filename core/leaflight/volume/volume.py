@@ -254,7 +254,7 @@ def default_window(volume):
 
 def default_isovalue(volume):
     """The isovalue that best parts the object from its background (Otsu 1979), in the window."""
-    isovalue = _best_split(*volume.distribution.histogram(256))
+    isovalue, _ = _best_splits(*volume.distribution.histogram(256))
     if _is_integer(volume):
         isovalue = np.floor(isovalue) + 0.5
     lo, hi = default_window(volume)
@@ -271,17 +271,23 @@ def inner_isovalue(volume, isovalue):
     if len(inside) < 2:
         return None
     first, last = inside[0], inside[-1] + 1
-    inner = _best_split(counts[first:last], edges[first : last + 1])
+    # In the middle of an empty part, away from the noise on both sides.
+    inner = np.mean(_best_splits(counts[first:last], edges[first : last + 1]))
     return float(np.floor(inner) + 0.5 if _is_integer(volume) else inner)
 
 
-def _best_split(counts, edges):
-    """The edge of a histogram that best parts its two sides; its first and last bin hold some."""
+def _best_splits(counts, edges):
+    """The first and last of the edges of a histogram that best part its two sides.
+
+    Its first and its last bin hold some; between two edges that part it alike none does.
+    """
     middles = 0.5 * (edges[1:] + edges[:-1])
     below, below_sum = np.cumsum(counts)[:-1], np.cumsum(counts * middles)
     above = counts.sum() - below
     distance = below_sum[:-1] / below - (below_sum[-1] - below_sum[:-1]) / above
-    return edges[np.argmax(below * above.astype(np.float64) * distance**2) + 1]
+    between = below * above.astype(np.float64) * distance**2
+    best = np.flatnonzero(between == between.max())
+    return edges[best[0] + 1], edges[best[-1] + 1]
 
 
 def _quantiles(volume, shares):
