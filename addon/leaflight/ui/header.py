@@ -43,7 +43,7 @@ def _draw_bake(row):
     work = background.running()
     button = row.row(align=True)
     if work is not None:
-        button.ui_units_x = 8
+        button.ui_units_x = 12
         button.label(text=work.status(), icon="TIME")
         row.operator(stopped.LEAFLIGHT_OT_stop_bake.bl_idname, text="", icon="CANCEL")
     elif stopped.offered() is not None:
