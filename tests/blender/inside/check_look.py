@@ -158,3 +158,25 @@ def check_a_cut_is_open_where_that_is_chosen_and_goes_with_its_volume(baked, tmp
     bpy.data.objects.remove(baked)
     bpy.context.view_layer.update()
     assert name not in bpy.data.objects
+
+
+def check_undo_brings_back_what_was_shown(baked):
+    baked.leaflight.shading = "ATTRIBUTE"
+    bpy.ops.leaflight.add_clip_box()
+    name, whole = baked.name, len(baked.data.vertices)
+    faces = len(cut_faces.faces_of(baked).data.vertices)
+    bpy.ops.ed.undo_push(message="before")
+    look = baked.leaflight_look
+    look.dust, look.gloss, look.roughness, look.cut_colors = 1e3, 0.7, 0.2, "NONE"
+    assert len(baked.data.vertices) == 0 == len(cut_faces.faces_of(baked).data.vertices)
+    bpy.ops.ed.undo_push(message="after")
+    bpy.ops.ed.undo()
+    obj = bpy.data.objects[name]
+    assert (obj.leaflight_look.dust, obj.leaflight_look.gloss) == (0.0, 0.0)
+    assert len(obj.data.vertices) == whole
+    assert len(cut_faces.faces_of(obj).data.vertices) == faces
+    assert "coat" not in obj.data.materials[0].node_tree.nodes
+    bpy.ops.ed.redo()
+    obj = bpy.data.objects[name]
+    assert obj.leaflight_look.cut_colors == "NONE" and len(obj.data.vertices) == 0
+    assert "coat" in obj.data.materials[0].node_tree.nodes
