@@ -17,6 +17,8 @@ from . import proposals
 
 # Of an isosurface around others, through which they show.
 _OPACITY = 0.3
+# Surfaces behind each other that are cut away.
+_LAYERS = 128
 
 
 class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
@@ -119,6 +121,10 @@ class LEAFLIGHT_OT_add_clip_box(checks.VolumeOperator, bpy.types.Operator):
             collection.objects.link(box)
         context.view_layer.update()
         volume.leaflight_look.box = box
+        # Rays pass all that is cut away, of which a scan has many layers.
+        cycles = getattr(context.scene, "cycles", None)
+        if cycles is not None:
+            cycles.transparent_max_bounces = max(cycles.transparent_max_bounces, _LAYERS)
         return {"FINISHED"}
 
 

@@ -18,8 +18,8 @@ from ..show import added, isovalues, leaves
 from .sidebar import VolumePanel
 
 _PIVOT = "leaflight_turntable"
-# Degrees between the places of the camera that are tried.
-_STEP = 5
+# Degrees between the places of the camera that are tried, and of view to both sides of the volume.
+_STEP, _BESIDE = 5, 28
 
 
 class LEAFLIGHT_OT_animate(checks.VolumeOperator, bpy.types.Operator):
@@ -84,21 +84,40 @@ def _turntable(context, volume, frames):
 
 
 def _free_degrees(context, volume, camera, pivot):
-    """How far to both sides the camera may run before something comes between it and the volume."""
+    """How far to both sides the camera may run: nothing comes between it and the volume, and what
+    is behind the volume at first, such as a backdrop, stays behind it.
+    """
     depsgraph = context.evaluated_depsgraph_get()
     middle = pivot.location
     arm = camera.matrix_world.translation - middle
+    low, high = leaves.world_box(volume)
+    radius = 0.5 * float(np.linalg.norm(high - low))
+
+    def cast(start, direction, **limit):
+        hit, _, _, _, obj, _ = context.scene.ray_cast(depsgraph, start, direction, **limit)
+        return hit and added.volume_object(obj) != volume
+
+    def is_free(degrees):
+        place = middle + _turned(arm, degrees)
+        return not cast(place, middle - place, distance=arm.length)
+
+    def is_before_something(degrees):
+        ways = [-_turned(arm, degrees + side) for side in (-_BESIDE, 0, _BESIDE)]
+        level = [mathutils.Vector((way.x, way.y, 0.0)).normalized() for way in ways]
+        return all(cast(middle + radius * way, way) for way in level)
+
+    has_backdrop = is_before_something(0)
     free = 0
     for degrees in range(_STEP, 180 + _STEP, _STEP):
-        for side in (degrees, -degrees):
-            place = middle + mathutils.Matrix.Rotation(math.radians(side), 3, "Z") @ arm
-            hit, _, _, _, obj, _ = context.scene.ray_cast(
-                depsgraph, place, middle - place, distance=arm.length
-            )
-            if hit and added.volume_object(obj) != volume:
+        for angle in (degrees, -degrees):
+            if not is_free(angle) or (has_backdrop and not is_before_something(angle)):
                 return free
         free = degrees
     return free
+
+
+def _turned(vector, degrees):
+    return mathutils.Matrix.Rotation(math.radians(degrees), 3, "Z") @ vector
 
 
 def _wipe(context, volume, frames):
