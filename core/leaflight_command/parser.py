@@ -182,11 +182,12 @@ def make_parser():
         type=float,
         nargs=2,
         metavar=("AROUND", "UP"),
-        help="degrees around the volumes, 0 from the front, -y, and above the horizon (0 20)",
+        help="degrees around the volumes, 0 from -y, and above the horizon (a patient's front, or "
+        "the largest silhouette, from slightly above)",
     )
     where.add_argument("--camera", metavar="FILE", help="JSON: position, target, up, angle")
     still.add_argument(
-        "--zoom", type=float, metavar="Z", help="how much larger than whole they are seen (1)"
+        "--zoom", type=float, metavar="Z", help="how much larger than framed the isosurface is (1)"
     )
     still.add_argument(
         "--size", type=int, nargs=2, default=(1280, 720), metavar=("W", "H"), help="pixels"
@@ -194,7 +195,7 @@ def make_parser():
     still.add_argument(
         "--samples", type=int, default=2, metavar="N", help="rays along a pixel's side (2)"
     )
-    still.add_argument("--no-walls", action="store_true", help="leave the lit surroundings out")
+    still.add_argument("--no-walls", action="store_true", help="leave the walls out")
     still.add_argument(
         "--local",
         action="store_true",

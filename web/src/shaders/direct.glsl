@@ -32,7 +32,7 @@ vec3 unshadowed(int point, vec3 place, vec3 normal, vec3 geometricNormal) {
 }
 
 // Of a leaf at index coordinates.
-vec3 directIrradiance(vec3 place, float isovalue, bool isInner) {
+vec3 directIrradiance(vec3 place, vec3 gradient, float isovalue, bool isInner) {
   vec3 texel = clamp(place * (vec3(mapTexels - 1) / vec3(dims - 1)), vec3(0.0), vec3(mapTexels - 1));
   ivec3 cell = min(ivec3(texel), mapTexels - 2);
   vec3 u = texel - vec3(cell);
@@ -54,7 +54,6 @@ vec3 directIrradiance(vec3 place, float isovalue, bool isInner) {
     range[corner] = vec2(isInner ? 254.0 - codes.y : codes.x, codes.y - codes.x);
   }
   fetches += 8;
-  vec3 gradient = gradientAt(place, isovalue);
   if (gradient == vec3(0.0)) return vec3(0.0);
   float side = isInner ? 1.0 : -1.0;
   vec3 normal = side * normalize(normalToWorld * gradient);

@@ -23,23 +23,22 @@ vec3 ofTexels(vec3 place, bool isInner) {
 }
 
 #ifdef DIRECT
-// Whether a baked isosurface passes a place.
-bool isBaked(vec3 place) {
+bool isLit(vec3 place) {
   if (any(lessThan(place, vec3(0.0))) || any(greaterThan(place, vec3(dims - 1)))) return false;
   float value = valueAt(place);
-  return value >= window.x && value <= window.y;
+  return value >= max(window.x, 0.0) && value <= window.y;
 }
 
-// Indirect light, extrapolated from texels in front (core/src/bake/radiance_grid.cpp).
-vec3 ofTexelsInFront(vec3 place, float isovalue, bool isInner) {
-  vec3 gradient = gradientAt(place, isovalue);
-  float perTexel = length(gradient * texelScale);
-  if (perTexel == 0.0) return ofTexels(place, isInner);
-  vec3 nearPlace = place + gradient * ((isInner ? 0.5 : -0.5) / perTexel);
-  vec3 farPlace = place + 3.0 * (nearPlace - place);
-  if (!isBaked(nearPlace) || !isBaked(farPlace)) return ofTexels(place, isInner);
-  vec3 close = ofTexels(nearPlace, isInner);
-  return clamp(1.5 * close - 0.5 * ofTexels(farPlace, isInner), 0.5 * close, 2.0 * close);
+// Indirect light, extrapolated from the texels in front (core/src/bake/radiance_grid.cpp). Texels
+// behind may belong to the other face of a thin shell.
+vec3 indirectLight(vec3 place, vec3 gradient, bool isInner) {
+  float size = length(gradient * texelScale);
+  if (size == 0.0) return ofTexels(place, isInner);
+  vec3 ahead = gradient * ((isInner ? 0.5 : -0.5) / size);
+  vec3 near = place + ahead, far = near + 2.0 * ahead;
+  if (!isLit(near) || !isLit(far)) return ofTexels(place, isInner);
+  vec3 close = ofTexels(near, isInner), distant = ofTexels(far, isInner);
+  return clamp(close + 0.5 * (close - distant), 0.5 * close, 2.0 * close);
 }
 #endif
 
@@ -47,9 +46,10 @@ vec3 ofTexelsInFront(vec3 place, float isovalue, bool isInner) {
 vec3 light(vec3 place, Hit hit, float isovalue, int number) {
   if (!isLocal && !(hit.fromInside && innerIs != 0)) {
 #ifdef DIRECT
-    vec3 radiance = ofTexelsInFront(place, isovalue, hit.fromInside);
-    vec3 irradiance = directIrradiance(place, isovalue, hit.fromInside);
-    return radiance + exposure / PI * albedo[number] * irradiance;
+    vec3 gradient = gradientAt(place, isovalue);
+    vec3 irradiance = directIrradiance(place, gradient, isovalue, hit.fromInside);
+    return indirectLight(place, gradient, hit.fromInside) +
+           exposure / PI * albedo[number] * irradiance;
 #else
     return ofTexels(place, hit.fromInside);
 #endif
