@@ -12,6 +12,8 @@ import { fillPage, Panel } from './panel';
 import { View } from './view';
 import { Wall } from './walls';
 
+const FIRST_PICTURE_MS = 500; // at most
+
 // The card is asked before the data are unpacked.
 function openCard(canvas: HTMLCanvasElement, header: Header): WebGL2RenderingContext {
   const context = canvas.getContext('webgl2', { alpha: true, antialias: false });
@@ -57,4 +59,12 @@ async function open(): Promise<void> {
   Object.assign(window, { leaflight: { view, panel } });
 }
 
-open().catch(showFailure);
+// The browser draws the first picture before the card is asked; a hidden page draws nothing.
+function drawn(): Promise<void> {
+  return new Promise((done) => {
+    requestAnimationFrame(() => setTimeout(done, 0));
+    setTimeout(done, FIRST_PICTURE_MS);
+  });
+}
+
+drawn().then(open).catch(showFailure);
