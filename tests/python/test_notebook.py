@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from leaflight import Volume
 from leaflight.export.page import TEMPLATE
+from leaflight.stills.photograph import metered_stops, tone_mapped
 from waiting import HANG
 
 
@@ -49,7 +50,8 @@ def test_a_bake_makes_a_picture(box_bake):
     pixels = np.asarray(image)
     assert image.mode == "RGBA" and pixels.shape == (48, 64, 4)
     np.testing.assert_array_equal(pixels[..., 3], np.rint(255 * linear[..., 3]))
-    exposed = np.clip(linear[..., :3] * box_bake.scene.exposure, 0, 1) ** (1 / 2.2)
+    exposure = box_bake.scene.exposure * 2.0 ** metered_stops(box_bake, 47.0)
+    exposed = tone_mapped(linear[..., :3] * exposure) ** (1 / 2.2)
     assert np.abs(pixels[..., :3] / 255 - exposed)[pixels[..., 3] == 255].max() < 0.04
     # Of the default isovalue.
     assert np.asarray(box_bake.still(size=(16, 9), samples=1)).max() > 50

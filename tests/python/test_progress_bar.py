@@ -64,7 +64,7 @@ from leaflight import progress_bar
 
 progress_bar.PATIENCE_SECONDS = 0.0
 try:
-    leaflight.bake(leaflight.bump_box(12), error=1e-3)
+    leaflight.bake(leaflight.bump_box(100), error=1e-3)
 except KeyboardInterrupt:
     print("interrupted")
 """
