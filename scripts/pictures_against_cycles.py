@@ -11,7 +11,7 @@ import numpy as np
 
 SIZE, CYCLES_SAMPLES, BAKED_SAMPLES = 480, 1024, 64
 # Of a crop, which is shown twice as large, and between pictures; pixels.
-CROP, GAP = 120, 8
+CROP, GAP = SIZE // 4, 8
 COLIN27 = Path("/usr/share/mricron/templates/ch2.nii.gz")
 # File, how it is read, and the isovalue that is shown.
 VOLUMES = (

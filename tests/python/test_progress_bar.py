@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What callers from Python see of long work, and how Ctrl-C ends it."""
 
+import contextlib
 import fcntl
 import os
 import pty
@@ -82,12 +83,18 @@ def test_ctrl_c_ends_a_bake_in_a_terminal(tmp_path):
         stderr=follower,
         env=environment,
         text=True,
+        # A shell ignores SIGINT for jobs in the background, and children inherit that.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
     os.close(follower)
     shown = b""
     while b"%" not in shown:
         shown += os.read(leader, 4096)
     process.send_signal(signal.SIGINT)
+    # A terminal that nobody reads would fill up; its end is an error.
+    with contextlib.suppress(OSError):
+        while os.read(leader, 4096):
+            pass
     out, _ = process.communicate(timeout=HANG)
     os.close(leader)
     assert out == "interrupted\n" and shown.strip().startswith(b"bake")
