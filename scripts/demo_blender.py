@@ -78,7 +78,7 @@ def build_scene(volume):
     scene = bpy.context.scene
     scene.render.resolution_x = scene.render.resolution_y = SIZE
     scene.render.resolution_percentage = 100
-    bpy.ops.leaflight.stage()
+    bpy.ops.leaflight.stage(preset="CORNELL")
     turn(leaf, -25)
     # As the comparison shows it.
     scene.view_settings.view_transform = "Standard"

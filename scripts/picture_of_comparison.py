@@ -12,7 +12,7 @@ from leaflight import blender
 volume, folder, picture = sys.argv[-3:]
 bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
 obj = blender.import_volume(volume)
-blender.stage(obj)
+blender.stage(obj, "CORNELL")
 low, high = obj.leaflight.low, obj.leaflight.high
 blender.bake(obj, error=2.0, light_surroundings=True, bake_folder=folder)
 blender.show(obj, low + 0.35 * (high - low))

@@ -22,7 +22,7 @@ def main():
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     bpy.ops.leaflight.import_volume(filepath=str(arguments.volume.resolve()))
     leaf = bpy.context.object
-    bpy.ops.leaflight.stage()
+    bpy.ops.leaflight.stage(preset="CORNELL")
     settings = leaf.leaflight
     settings.bake_folder = str(arguments.bakes.resolve())
     settings.fixed_samples = True

@@ -116,7 +116,7 @@ def render_sweep(path, folder, picture):
 
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
     head = blender.import_volume(path)
-    blender.stage(head)
+    blender.stage(head, "CORNELL")
     settings = {"light_surroundings": True, "error": ERROR, "bake_folder": str(folder)}
     blender.bake(head, isovalues=(15, 115), **settings)
     frames = []
