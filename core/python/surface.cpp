@@ -31,6 +31,10 @@ void check_polygons(const IndexArray& polygons, std::int32_t vertices) {
   }
 }
 
+const std::array<std::int32_t, 3>* triangles_of(const IndexArray& polygons) {
+  return reinterpret_cast<const std::array<std::int32_t, 3>*>(polygons.data());
+}
+
 }  // namespace
 
 void bind_surface(py::module_& module) {
@@ -117,6 +121,22 @@ void bind_surface(py::module_& module) {
       "uint8 (n,): 1 where one of `directions` random rays from the leaf's outer side leaves the\n"
       "domain, so that the world point can be seen from outside.");
   module.def(
+      "connected_parts",
+      [](const IndexArray& triangles, std::int32_t vertices) {
+        rows(triangles, 3, "triangles");
+        check_polygons(triangles, vertices);
+        std::vector<std::int32_t> parts;
+        {
+          const py::gil_scoped_release unlocked;
+          parts =
+              connected_parts(triangles_of(triangles), static_cast<std::size_t>(triangles.shape(0)),
+                              static_cast<std::size_t>(vertices));
+        }
+        return adopt<std::int32_t>(std::move(parts), {static_cast<py::ssize_t>(vertices)});
+      },
+      py::arg("triangles"), py::arg("vertices"),
+      "The least vertex of the connected part that each of so many vertices is in, int32 (n,).");
+  module.def(
       "large_parts",
       [](const FloatArray& vertices, const IndexArray& triangles, float smallest) {
         const auto count = static_cast<std::size_t>(rows(vertices, 3, "vertices"));
@@ -125,10 +145,9 @@ void bind_surface(py::module_& module) {
         LargeParts parts;
         {
           const py::gil_scoped_release unlocked;
-          parts =
-              large_parts(reinterpret_cast<const Vec<3, float>*>(vertices.data()), count,
-                          reinterpret_cast<const std::array<std::int32_t, 3>*>(triangles.data()),
-                          static_cast<std::size_t>(triangles.shape(0)), smallest);
+          parts = large_parts(reinterpret_cast<const Vec<3, float>*>(vertices.data()), count,
+                              triangles_of(triangles), static_cast<std::size_t>(triangles.shape(0)),
+                              smallest);
         }
         const auto n = static_cast<py::ssize_t>(parts.vertices.size());
         const auto m = static_cast<py::ssize_t>(parts.triangles.size());

@@ -30,7 +30,6 @@ from . import placing, stored_facts
 # Which files the browser lists; Blender takes 255 characters.
 _BY_SUFFIX = ";".join(f"*{suffix}" for suffix in readers.SUFFIXES)
 
-
 _OF_THE_FILE = ("FILE", "As in the File", "The file's own, or +Z up and -Y to the front")
 
 
@@ -71,12 +70,12 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
     )
     up: EnumProperty(
         name="Up",
-        description="Axis of the volume that points up",
+        description=orientation.UP_TEXT,
         items=[_OF_THE_FILE, *orientation.ITEMS],
     )
     front: EnumProperty(
         name="Front",
-        description="Axis of the volume that points to the viewer of a stage",
+        description=orientation.FRONT_TEXT,
         items=[_OF_THE_FILE, *orientation.ITEMS],
     )
     resolution: EnumProperty(

@@ -69,6 +69,12 @@ def update(volume, depsgraph=None):
     _shade(obj, volume)
 
 
+def follow(volumes, depsgraph):
+    """update() of volume objects, as an evaluated animation has them."""
+    for volume in volumes:
+        update(volume, depsgraph)
+
+
 def left_alone():
     """Those whose volumes are gone."""
     found = (bpy.data.objects.get((name, None)) for name in _seen)

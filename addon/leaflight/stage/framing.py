@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The points that a stage and its camera are fitted to: isosurfaces as shown, without dust."""
 
+import leaflight._core as _core
 import numpy as np
 
 from ..show import added, leaves
@@ -43,22 +44,6 @@ def in_large_parts(count, triangles):
     """Whether each of so many vertices is in a large part of a mesh; triangles: (m, 3)."""
     if not len(triangles):
         return np.zeros(count, bool)
-    part = _parts(count, triangles)
+    part = _core.connected_parts(triangles, count)
     sizes = np.bincount(part[triangles[:, 0]], minlength=count)
     return sizes[part] >= _SHARE * sizes.max()
-
-
-def _parts(count, triangles):
-    """The lowest vertex of the connected part that each vertex is in."""
-    lowest = np.arange(count)
-    a, b = np.concatenate([triangles[:, :2], triangles[:, 1:]]).T
-    while len(a):
-        lowest[np.maximum(a, b)] = np.minimum(a, b)
-        further = lowest[lowest]
-        while not np.array_equal(lowest, further):
-            lowest, further = further, further[further]
-        # What edges are left join parts; each round joins some of those that touch.
-        a, b = lowest[a], lowest[b]
-        apart = a != b
-        a, b = a[apart], b[apart]
-    return lowest

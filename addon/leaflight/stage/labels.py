@@ -46,7 +46,7 @@ def add_scale_bar(context, volume):
 
 def add_letters(context, volume):
     """R, L, A, P, S and I beside the volume. Raises LeaflightError."""
-    if not _is_patient(volume.leaflight):
+    if not source_files.is_patient(volume.leaflight):
         raise LeaflightError(
             f"{volume.leaflight.source or volume.name}: the file does not say where a patient's "
             "right, front and up are."
@@ -63,15 +63,6 @@ def round_length(length):
     """The greatest of 1, 2 or 5 times a power of ten that is not longer."""
     power = 10.0 ** np.floor(np.log10(length))
     return float(max(n * power for n in (1, 2, 5) if n * power <= length * (1 + 1e-9)))
-
-
-def _is_patient(settings):
-    """Whether the file says so; one that is gone does not."""
-    try:
-        path = source_files.path_of(settings)
-        return source_files.probe(path, **source_files.choices_of(settings)).patient
-    except LeaflightError:
-        return False
 
 
 def _box(volume):

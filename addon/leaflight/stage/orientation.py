@@ -37,8 +37,8 @@ _NAMES = list(AXES)
 FRONT, PATIENTS_FRONT = "NEG_Y", "POS_Y"
 
 _OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}
-_UP_TEXT = "Axis of the volume that points up"
-_FRONT_TEXT = "Axis of the volume that points to the viewer of a stage"
+UP_TEXT = "Axis of the volume that points up"
+FRONT_TEXT = "Axis of the volume that points to the viewer of a stage"
 
 
 def _up(group):
@@ -98,9 +98,9 @@ def _scaled(axis, factor):
 
 
 class LeaflightOrientation(bpy.types.PropertyGroup):
-    up: EnumProperty(name="Up", description=_UP_TEXT, items=ITEMS, get=_up, set=_set_up)
+    up: EnumProperty(name="Up", description=UP_TEXT, items=ITEMS, get=_up, set=_set_up)
     front: EnumProperty(
-        name="Front", description=_FRONT_TEXT, items=ITEMS, get=_front, set=_set_front
+        name="Front", description=FRONT_TEXT, items=ITEMS, get=_front, set=_set_front
     )
     front_axis: IntProperty(
         name="Number of the Front", default=_NAMES.index(FRONT), override=_OVERRIDABLE

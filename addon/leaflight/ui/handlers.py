@@ -32,8 +32,7 @@ def _follow(scene, depsgraph, by_hand):
     Lamps are taken to be as strong as when follow() of lamp_strengths was called last.
     """
     moved = isovalues.update(scene, depsgraph, by_hand)
-    for obj in isovalues.volumes(scene):
-        cut_faces.update(obj, depsgraph)
+    cut_faces.follow(isovalues.volumes(scene), depsgraph)
     whole_detail.watch(isovalues.isosurfaces(scene))
     return moved
 
@@ -73,9 +72,8 @@ def _after_change(scene, depsgraph):
     relit = may_shine and lamp_strengths.follow(scene, depsgraph)
     if shown_anew or relit or isovalues.any_is_behind(depsgraph):
         moved += _follow(scene, depsgraph, whole_detail.may_follow(depsgraph))
-    elif any(_is_clip_box(scene, changed) for changed, _ in changes):
-        for obj in isovalues.volumes(scene):
-            cut_faces.update(obj, depsgraph)
+    elif {changed for changed, _ in changes} & _clip_boxes(scene):
+        cut_faces.follow(isovalues.volumes(scene), depsgraph)
     if shown_anew or relit or moved:
         # Blender draws anew where the isovalue was moved; it stands in two places.
         background.redraw_panels()
@@ -96,10 +94,8 @@ def _is_isosurface(changed):
     return isinstance(changed, bpy.types.Object) and added.is_isosurface(changed)
 
 
-def _is_clip_box(scene, changed):
-    if not isinstance(changed, bpy.types.Object):
-        return False
-    return any(obj.leaflight_look.box == changed for obj in scene.objects)
+def _clip_boxes(scene):
+    return {obj.leaflight_look.box for obj in scene.objects} - {None}
 
 
 def _concerns_bakes(scene, changed, update, moved):

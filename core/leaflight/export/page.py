@@ -52,7 +52,7 @@ def write_page(path, bake, isovalue, coarser=0, embed=False, progress=None):
     header = _script("application/json", json.dumps(data.header), "leaflight-header")
     title = html.escape(f"{data.header['title']} - Leaflight")
     template = template.replace("<title></title>", f"<title>{title}</title>", 1)
-    template = template.replace(_POSTER, _poster(bake, isovalue, data.header["stops"]), 1)
+    template = template.replace(_POSTER, _poster(path, bake, isovalue, data.header["stops"]), 1)
     if embed:
         page = template.replace(_POLICY, "'self'", 1).replace(_DATA, header, 1)
         return _write_folder(path.with_suffix(""), page, data.body)
@@ -108,11 +108,11 @@ def _too_large(bake, coarser):
     return f"take about {size / 1e6:.0f} MB" if size > LARGEST_BYTES else None
 
 
-def _poster(bake, isovalue, stops):
+def _poster(path, bake, isovalue, stops):
     """The first view, as an address that holds the picture itself."""
     picture = still(bake, isovalue, size=POSTER_SIZE)
     pixels = photographed(picture, bake.scene.exposure * 2.0**stops)
-    return "data:image/png;base64," + base64.b64encode(png_bytes(pixels)).decode("ascii")
+    return "data:image/png;base64," + base64.b64encode(png_bytes(path, pixels)).decode("ascii")
 
 
 def _script(kind, text, name=None):

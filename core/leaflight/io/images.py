@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Images as arrays: PNG and JPEG through Pillow, TIFF through tifffile, EXR through OpenEXR."""
 
-import struct
+import io
 import warnings
-import zlib
 from pathlib import Path
 
 import leaflight._core as _core
@@ -73,24 +72,18 @@ def display_colours(radiance, exposure):
     return np.rint(255.0 * encoded).astype(np.uint8)
 
 
-def png_bytes(pixels):
-    """uint8 [row, column, RGBA], top row first, as a PNG (ISO 15948); Blender has no Pillow."""
-    height, width, _ = pixels.shape
-    header = struct.pack(">IIBBBBB", width, height, 8, 6, 0, 0, 0)
-    rows = np.zeros((height, 1 + 4 * width), np.uint8)  # each begins with its filter: none
-    rows[:, 1:] = pixels.reshape(height, -1)
-    blocks = ((b"IHDR", header), (b"IDAT", zlib.compress(rows, 9)), (b"IEND", b""))
-    return b"\x89PNG\r\n\x1a\n" + b"".join(
-        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-        for kind, data in blocks
-    )
+def png_bytes(path, pixels):
+    """uint8 [row, column, RGB or RGBA], top row first, as PNG; path: of the file that holds it."""
+    buffer = io.BytesIO()
+    _pillow(path).fromarray(pixels).save(buffer, "PNG")
+    return buffer.getvalue()
 
 
 def write_png(path, pixels):
-    """Writes uint8 [row, column, RGB], top row first, as a whole or not at all."""
-    image = _pillow(path).fromarray(pixels)
+    """Writes png_bytes() as a whole or not at all."""
+    content = png_bytes(path, pixels)
     with replaced(path) as temporary:
-        image.save(temporary)
+        temporary.write_bytes(content)
 
 
 def _read_tiff(path):

@@ -33,6 +33,13 @@ Vec<D> surface_gradient(const CellCorners<D>& corners, const Vec<D>& local, cons
 }  // namespace
 
 template <int D>
+IsosurfacePoint<D> isosurface_point(const Field<D>& field, const Vec<D>& index_position) {
+  const CellPoint<D> at = locate(field, index_position);
+  const CellCorners<D> corners = load_corners(field, at.cell);
+  return {index_position, at, corners, interpolate(corners, at.local), shading_gradient(field, at)};
+}
+
+template <int D>
 Index<D> map_resolution(const Field<D>& field, const IsovalueWindow& window, const Index<D>& texels,
                         std::size_t points) {
   Index<D> found;
@@ -128,24 +135,21 @@ void DirectLight<D>::fill_blocks() {
 }
 
 template <int D>
-Rgb DirectLight<D>::radiance(const Field<D>& field, const Vec<D>& index_position,
-                             bool inner) const {
-  const CellPoint<D> at = locate(field, index_position);
-  const CellCorners<D> corners = load_corners(field, at.cell);
-  const double h = interpolate(corners, at.local);
+Rgb DirectLight<D>::radiance(const IsosurfacePoint<D>& point, bool inner) const {
+  const double h = point.value;
   if (std::isnan(h)) return Rgb(0);
   // Towards higher values, the inner side.
-  const Vec<D> shading = shading_gradient(field, at);
-  const Vec<D> gradient = to_index_.pull_back_gradient(shading);
+  const Vec<D> gradient = to_index_.pull_back_gradient(point.gradient);
   const double length = gradient.length();
   if (!(length > 0)) return Rgb(0);
   const double outward = (inner ? 1 : -1) / length;
   const Vec<D, float> normal(gradient * outward);
-  const Vec<D, float> geometric(
-      to_index_.pull_back_gradient(surface_gradient(corners, at.local, shading)) * outward);
-  const Vec<D> place = to_frame_.point(index_position);
+  const Vec<D, float> geometric(to_index_.pull_back_gradient(surface_gradient(
+                                    point.corners, point.at.local, point.gradient)) *
+                                outward);
+  const Vec<D> place = to_frame_.point(point.position);
   const Vec<D, float> x(place);
-  const TexelWeights<D> near = linear_weights(maps_->lattice, index_position);
+  const TexelWeights<D> near = linear_weights(maps_->lattice, point.position);
   const std::uint8_t* maps = maps_->codes[inner].data();
   const bool has_dark = maps_->has_dark;
   const float own = VisibilityCode{window_, inner}(h);
@@ -211,6 +215,8 @@ Rgb DirectLight<D>::emission(const Field<D>& field, const Vec<D>& index_position
   return std::isnan(h) ? Rgb(0) : emission_.at((h - offset_) / scale_);
 }
 
+template IsosurfacePoint<2> isosurface_point<2>(const Field<2>&, const Vec<2>&);
+template IsosurfacePoint<3> isosurface_point<3>(const Field<3>&, const Vec<3>&);
 template Index<2> map_resolution<2>(const Field<2>&, const IsovalueWindow&, const Index<2>&,
                                     std::size_t);
 template Index<3> map_resolution<3>(const Field<3>&, const IsovalueWindow&, const Index<3>&,

@@ -139,28 +139,49 @@ double value_at(const Field<D>& field, const Vec<D>& index_position) {
   return interpolate(load_corners(field, at.cell), at.local);
 }
 
-// The texels in front of an isosurface, from which its indirect light is extrapolated: half a texel
-// away and three halves. Texels behind it may belong to the other face of a thin shell. Where no
-// baked isosurface passes in front, the texels around the point itself serve.
+// What lookups of one point read. Where direct light is exact, indirect light is extrapolated from
+// texels in front of the isosurface: half a texel away and three halves. Texels behind it may
+// belong to the other face of a thin shell. Where no baked isosurface passes in front, and where
+// texels hold all light, those around the point itself serve.
 template <int D>
-class TexelsInFront {
+class PointLookup {
  public:
-  void find(const TexelLattice<D>& lattice, const Field<D>& field, const IsovalueWindow& window,
+  void find(const ShownGrid<D>& shown, const RadianceLevel<D>& level, const Field<D>& field,
             const Vec<D>& index_position, bool back) {
-    const Vec<D> gradient = shading_gradient(field, locate(field, index_position));
-    const double length = (gradient / lattice.voxels_per_texel).length();
-    const Vec<D> half = gradient * (length > 0 ? (back ? 0.5 : -0.5) / length : 0);
-    const Vec<D> near = index_position + half, far = near + half * 2;
-    is_extrapolated_ = length > 0 && window.contains(value_at(field, near)) &&
-                       window.contains(value_at(field, far));
-    near_.find(lattice, is_extrapolated_ ? near : index_position);
-    if (is_extrapolated_) far_.find(lattice, far);
+    is_extrapolated_ = false;
+    if (shown.direct) {
+      point_ = isosurface_point(field, index_position);
+      const Vec<D>& gradient = point_.gradient;
+      const double length = (gradient / level.lattice.voxels_per_texel).length();
+      const Vec<D> half = gradient * (length > 0 ? (back ? 0.5 : -0.5) / length : 0);
+      const Vec<D> near = index_position + half, far = near + half * 2;
+      const IsovalueWindow& window = shown.direct->window();
+      is_extrapolated_ = length > 0 && window.contains(value_at(field, near)) &&
+                         window.contains(value_at(field, far));
+      if (is_extrapolated_) {
+        near_.find(level.lattice, near);
+        far_.find(level.lattice, far);
+      }
+    }
+    if (!is_extrapolated_) near_.find(level.lattice, index_position);
   }
   void fetch(const Colours& values) const {
     near_.fetch(values);
     if (is_extrapolated_) far_.fetch(values);
   }
-  Vec<3, float> light(const Colours& values) const {
+  Vec<3, float> radiance(const ShownGrid<D>& shown, const Field<D>& field, const Colours& values,
+                         bool back) const {
+    const Vec<3, float> light = of_texels(values);
+    if (!shown.direct) return light;
+    return shown.scaled(light, field, point_.position) +
+           Vec<3, float>(shown.direct->radiance(point_, back));
+  }
+
+ private:
+  // The factor by which extrapolated light may differ.
+  static constexpr float most = 2;
+
+  Vec<3, float> of_texels(const Colours& values) const {
     const Vec<3, float> near = near_.mean(values);
     if (!is_extrapolated_) return near;
     const Vec<3, float> far = far_.mean(values);
@@ -171,9 +192,7 @@ class TexelsInFront {
     return light;
   }
 
- private:
-  // The factor by which extrapolated light may differ.
-  static constexpr float most = 2;
+  IsosurfacePoint<D> point_;
   UsedTexels<D> near_, far_;
   bool is_extrapolated_ = false;
 };
@@ -201,13 +220,9 @@ template <int D>
 Vec<3, float> radiance_at(const ShownGrid<D>& shown, const Field<D>& field,
                           const Vec<D>& index_position, bool back) {
   const RadianceLevel<D>& level = shown.grid.at(index_position);
-  const DirectLight<D>* direct = shown.direct;
-  const Colours& values = texels_of(level, direct != nullptr, back);
-  if (!direct) return lookup(level.lattice, values, index_position);
-  TexelsInFront<D> texels;
-  texels.find(level.lattice, field, direct->window(), index_position, back);
-  return shown.scaled(texels.light(values), field, index_position) +
-         Vec<3, float>(direct->radiance(field, index_position, back));
+  PointLookup<D> lookup;
+  lookup.find(shown, level, field, index_position, back);
+  return lookup.radiance(shown, field, texels_of(level, shown.direct != nullptr, back), back);
 }
 
 template <int D>
@@ -215,24 +230,16 @@ void radiance_at(const ShownGrid<D>& shown, const Field<D>& field,
                  const std::vector<Vec<D>>& index_positions, bool back, Vec<3, float>* found) {
   constexpr std::size_t ahead = 16;
   const RadianceGrid<D>& grid = shown.grid;
-  if (!shown.direct) {
-    for (const Vec<D>& position : index_positions) {
-      *found++ = lookup(grid.lattice, texels_of(grid, false, back), position);
-    }
-    return;
-  }
-  const Colours& values = texels_of(grid, true, back);
-  std::array<TexelsInFront<D>, ahead> texels;
+  const Colours& values = texels_of(grid, shown.direct != nullptr, back);
+  std::array<PointLookup<D>, ahead> lookups;
   for (std::size_t first = 0; first < index_positions.size(); first += ahead) {
     const std::size_t count = std::min(ahead, index_positions.size() - first);
     for (std::size_t n = 0; n < count; ++n) {
-      texels[n].find(grid.lattice, field, shown.direct->window(), index_positions[first + n], back);
-      texels[n].fetch(values);
+      lookups[n].find(shown, grid, field, index_positions[first + n], back);
+      lookups[n].fetch(values);
     }
     for (std::size_t n = 0; n < count; ++n) {
-      const Vec<D>& position = index_positions[first + n];
-      found[first + n] = shown.scaled(texels[n].light(values), field, position) +
-                         Vec<3, float>(shown.direct->radiance(field, position, back));
+      found[first + n] = lookups[n].radiance(shown, field, values, back);
     }
   }
 }

@@ -8,6 +8,18 @@
 
 namespace leaflight {
 
+// A point of the isosurface through it, which the texels and the direct light there both need.
+template <int D>
+struct IsosurfacePoint {
+  Vec<D> position;  // in index coordinates
+  CellPoint<D> at;
+  CellCorners<D> corners;
+  double value;     // of the field, NaN where there is no data
+  Vec<D> gradient;  // of shading, in index coordinates
+};
+template <int D>
+IsosurfacePoint<D> isosurface_point(const Field<D>& field, const Vec<D>& index_position);
+
 // Direct light of a scene's light points at any point of any leaf of a volume, computed where it is
 // shown: the cosine and the distance are those of the point itself. For each texel and light point
 // it keeps the greatest value of the field on the way, which tells whether the leaf of any isovalue
@@ -38,7 +50,10 @@ class DirectLight {
 
   // Radiance [W/(m^2 sr)] that the leaf through an index position of the field, which must be that
   // of the volume, reflects on one of its sides; zero where no leaf passes.
-  Rgb radiance(const Field<D>& field, const Vec<D>& index_position, bool inner) const;
+  Rgb radiance(const IsosurfacePoint<D>& point, bool inner) const;
+  Rgb radiance(const Field<D>& field, const Vec<D>& index_position, bool inner) const {
+    return radiance(isosurface_point(field, index_position), inner);
+  }
   // What the leaf emits by itself, [W/(m^2 sr)].
   Rgb emission(const Field<D>& field, const Vec<D>& index_position) const;
   // The greatest code on the way to a point from where a position has these weights in lattice().
