@@ -4,7 +4,6 @@
 import argparse
 import contextlib
 import json
-import math
 import os
 import re
 import shutil
@@ -14,7 +13,6 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from mathutils import Matrix, Vector
 
 ISOVALUES = (24.5, 45.5, 70.5)
 COMPARED = 45.5
@@ -71,7 +69,7 @@ def show_on_terminal():
 
 
 def build_scene(volume):
-    """The volume on the stage, the face turned a little to the side."""
+    """The volume in a Cornell box, seen at three quarters."""
     bpy.ops.leaflight.import_volume(filepath=str(volume))
     leaf = bpy.context.object
     leaf.name = "colin27"
@@ -79,7 +77,6 @@ def build_scene(volume):
     scene.render.resolution_x = scene.render.resolution_y = SIZE
     scene.render.resolution_percentage = 100
     bpy.ops.leaflight.stage(preset="CORNELL")
-    turn(leaf, -25)
     # As the comparison shows it.
     scene.view_settings.view_transform = "Standard"
     scene.view_settings.look = "None"
@@ -89,15 +86,6 @@ def build_scene(volume):
     settings.low, settings.high = WINDOW
     bpy.context.view_layer.update()
     return leaf
-
-
-def turn(leaf, degrees):
-    """Turns the volume about the vertical through its middle."""
-    corners = [leaf.matrix_world @ Vector(corner) for corner in leaf.bound_box]
-    middle = Matrix.Translation(sum(corners, Vector()) / 8)
-    rotation = Matrix.Rotation(math.radians(degrees), 4, "Z")
-    leaf.matrix_world = middle @ rotation @ middle.inverted() @ leaf.matrix_world
-    bpy.context.view_layer.update()
 
 
 def render_still(path, label):
