@@ -145,7 +145,8 @@ void bind_baking(py::module_& module, const std::string& suffix) {
       ("bake" + suffix).c_str(),
       [](const Scene<D>& scene, const BakeSettings<D>& settings, Progress& progress,
          const py::object& on_round,
-         std::optional<std::tuple<std::shared_ptr<GridObject<D>>, int, int>> kept,
+         const std::optional<std::tuple<std::vector<std::shared_ptr<GridObject<D>>>, int, int>>&
+             kept,
          const std::optional<std::tuple<fs::path, std::string, double>>& checkpoint,
          const std::optional<fs::path>& resumed, const py::object& workers) {
         BakeHooks<D> hooks;
@@ -158,12 +159,12 @@ void bind_baking(py::module_& module, const std::string& suffix) {
         Baked<D> baked;
         {
           const py::gil_scoped_release unlocked;
-          std::optional<KeptLight<D>> light;
+          std::vector<KeptLight<D>> light;
           if (kept) {
-            const auto& [grid, rounds, blocks] = *kept;
-            light.emplace(*grid->baked, rounds, blocks);
+            const auto& [grids, rounds, blocks] = *kept;
+            for (const auto& grid : grids) light.emplace_back(*grid->baked, rounds, blocks);
+            hooks.kept = &light;
           }
-          if (light) hooks.kept = &*light;
           BlockWorkers block_workers;
           if (!workers.is_none()) {
             block_workers = workers_of(workers);
@@ -198,7 +199,7 @@ void bind_baking(py::module_& module, const std::string& suffix) {
       py::arg("kept") = py::none(), py::arg("checkpoint") = py::none(),
       py::arg("resumed") = py::none(), py::arg("workers") = py::none(),
       "Lights all leaves of the scene's window. `on_round` is given what is baked after each\n"
-      "round but the last, from the thread that bakes. `kept`: (grid, rounds, blocks) of a\n"
+      "round but the last, from the thread that bakes. `kept`: (grids, rounds, blocks) of a\n"
       "bake to go on with. `checkpoint`: (file, text, seconds): the bake leaves\n"
       "its state there, with the text, so many seconds apart. `resumed`: such a file, of a bake "
       "of\n"

@@ -81,6 +81,12 @@ py::array_t<float> dense(const GridObject<D>& grid, const std::string& name, int
               "radiance_error.");
 }
 
+// Whether no direct light of points is in the texels that lookups read.
+template <int D>
+bool scales(const RadianceGrid<D>& grid) {
+  return grid.direct && (!grid.has_back() || grid.direct->has_inner());
+}
+
 template <int D>
 Vec<3, float> indirect_at(const ShownGrid<D>& shown, const Field<D>& field,
                           const Vec<D>& index_position, bool back) {
@@ -182,11 +188,14 @@ void bind_grid(py::module_& module, const std::string& suffix) {
           },
           "Of the maps from which lookups compute direct light where they are, beside indirect\n"
           "light of texels; None: texels hold all light.")
+      .def_property_readonly(
+          "can_be_relit", [](const Grid& g) { return scales(*g.baked); },
+          "Whether the direct light of all sides is known exactly.")
       .def(
           "relit",
           [](const Grid& g, const std::shared_ptr<Field<D>>& field,
              const std::vector<Tuple<3>>& lights, const Tuple<3>& indirect) {
-            if (!g.baked->direct) throw Error("Texels hold all light; it cannot be scaled.");
+            if (!scales(*g.baked)) throw Error("Texels hold direct light; it cannot be scaled.");
             Grid relit = g;
             relit.field = field;
             relit.direct =
@@ -197,7 +206,7 @@ void bind_grid(py::module_& module, const std::string& suffix) {
           py::arg("field"), py::arg("lights"), py::arg("indirect"),
           "The same, of the field that was lit, with the lights of its scene at other strengths:\n"
           "for each, factors (r, g, b) against those that were baked; `indirect`: of all else but\n"
-          "what leaves emit. Texels are shared. Needs map_resolution.")
+          "what leaves emit. Texels are shared. Needs can_be_relit.")
       .def_property_readonly(
           "has_back", [](const Grid& g) { return g.baked->has_back(); },
           "Whether the inner side was baked.")

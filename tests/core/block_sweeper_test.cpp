@@ -69,7 +69,7 @@ TEST(BlockSweeper, AreTheSameWhoeverSweepsTheirBlocks) {
   EXPECT_EQ(bakes[0].statistics.rays, bakes[1].statistics.rays);
   EXPECT_GT(others.lost(), 0);
   // One that goes on with another: its blocks have other numbers.
-  const KeptLight<3> kept = kept_of(stopped_after(1, scene, settings));
+  const std::vector<KeptLight<3>> kept = kept_of(stopped_after(1, scene, settings));
   TwoSweepers again(scene, settings);
   bakes = {bake<3>(scene, settings, progress, {{}, &kept})};
   bakes.push_back(bake<3>(scene, settings, progress, {{}, &kept, nullptr, &again.calls()}));

@@ -64,7 +64,7 @@ TEST(Rounds, ContinuedAreTheSameForAnyNumberOfThreads) {
   std::vector<Baked<3>> bakes;
   for (const int threads : {1, 2, 5}) {
     settings.threads = threads;
-    const KeptLight<3> kept = kept_of(stopped_after(1, scene, settings));
+    const std::vector<KeptLight<3>> kept = kept_of(stopped_after(1, scene, settings));
     bakes.push_back(bake<3>(scene, settings, progress, {{}, &kept}));
     EXPECT_EQ(bakes.back().statistics.rounds, 2);
   }
@@ -117,7 +117,7 @@ TEST(Rounds, ContinuedErrAsIfTheyHadNeverBeenStopped) {
     for (int seed = 0; seed < seeds; ++seed) {
       settings.seed = seed;
       const Baked<3> uninterrupted = stopped_after(2, scene, settings);
-      const KeptLight<3> kept = kept_of(stopped_after(1, scene, settings));
+      const std::vector<KeptLight<3>> kept = kept_of(stopped_after(1, scene, settings));
       const Baked<3> continued = stopped_after(1, scene, settings, &kept);
       const Difference one(continued.grids[0], truth.grids[0]);
       const Difference other(uninterrupted.grids[0], truth.grids[0]);
@@ -155,10 +155,10 @@ TEST(Rounds, ContinuedKnowTheirError) {
   constexpr int seeds = 4;
   for (int seed = 0; seed < seeds; ++seed) {
     settings.seed = seed;
-    const KeptLight<3> kept = kept_of(stopped_after(1, scene, settings));
+    const std::vector<KeptLight<3>> kept = kept_of(stopped_after(1, scene, settings));
     const Baked<3> continued = stopped_after(1, scene, settings, &kept);
     // Once more.
-    const KeptLight<3> again = kept_of(continued);
+    const std::vector<KeptLight<3>> again = kept_of(continued);
     const double twice = coverage(stopped_after(1, scene, settings, &again));
     sum += (coverage(continued) + twice) / 2;
   }
@@ -172,7 +172,7 @@ TEST(Rounds, GoOnWithTheirOwnTexelsAlone) {
   BakeSettings<3> coarse = settings;
   coarse.resolution = {9, 9, 9};
   Progress progress;
-  const KeptLight<3> other = kept_of(bake(scene, coarse, progress));
+  const std::vector<KeptLight<3>> other = kept_of(bake(scene, coarse, progress));
   // A first picture has other texels, too: the bake begins anew.
   EXPECT_TRUE(same_bits(bake(scene, settings, progress).grids[0],
                         bake<3>(scene, settings, progress, {{}, &other}).grids[0]));

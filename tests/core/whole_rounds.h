@@ -57,13 +57,15 @@ inline void expect_same_light(const std::vector<Baked<3>>& bakes) {
 inline Scene<3> small_scene() { return cornell(ball<3>(17), {0.6, 0.9}); }
 
 // What a bake that goes on is given of one that was stopped.
-inline KeptLight<3> kept_of(const Baked<3>& baked) {
+inline std::vector<KeptLight<3>> kept_of(const Baked<3>& baked) {
   const BakeStatistics& s = baked.statistics;
-  return KeptLight<3>(baked.grids[0], s.rounds, s.blocks);
+  std::vector<KeptLight<3>> kept;
+  for (const auto& grid : baked.grids) kept.emplace_back(grid, s.rounds, s.blocks);
+  return kept;
 }
 
 inline Baked<3> stopped_after(int rounds, const Scene<3>& scene, const BakeSettings<3>& settings,
-                              const KeptLight<3>* kept = nullptr) {
+                              const std::vector<KeptLight<3>>* kept = nullptr) {
   Progress progress;
   const auto look = [&](Baked<3>&&) {
     if (--rounds == 0) progress.stop();

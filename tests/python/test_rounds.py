@@ -12,7 +12,6 @@ from leaflight import Cancelled, LeaflightError, Progress, _core, load_bake
 from leaflight.bake.estimate import extrapolated
 from leaflight.bake.outcome import outcome
 from leaflight.bake.settings import FIXED_WORK
-from leaflight.volume.particles import lapr
 from leaflight.volume.setting_error import SettingError
 from waiting import HANG
 
@@ -140,16 +139,6 @@ def test_metadata_tell_the_ways_apart(box, fixed_work):
     assert fixed.metadata["photons"] == str(fixed_work["photons"])
     assert fixed.metadata["estimator"] == "gather"
     assert fixed.statistics["estimated_error_percent"] is None
-
-
-def test_what_cannot_be_baked_in_rounds_has_an_estimated_error_too(lapr_scene):
-    """Several volumes, and mirrors and glass."""
-    baked = leaflight.bake(list(lapr(8)), lapr_scene, error=100.0)
-    assert 0 < baked.statistics["estimated_error_percent"] < 100
-    assert "100 % was asked for" in outcome(baked)
-    # The same that went for less.
-    metadata = {**baked.metadata, "error": "0.001"}
-    assert "was not reached by so much work" in outcome(replace(baked, metadata=metadata))
 
 
 def test_what_to_do_where_the_error_was_not_reached(box):

@@ -36,7 +36,7 @@ def record(bake, lights):
     It is empty where their strengths cannot be changed.
     """
     names = [light.name for light in bake.scene.lights]
-    exact = all(grid.map_resolution is not None for grid in bake.grids)
+    exact = all(grid.can_be_relit for grid in bake.grids)
     if not exact or len(set(names)) < len(names) or len(lights) != len(names):
         return ""
     rows = [

@@ -225,7 +225,7 @@ def lit(
 
     light = None
     if kept is not None:
-        light = (kept.grid, int(kept.metadata["rounds"]), int(kept.metadata["blocks"]))
+        light = (kept.grids, int(kept.metadata["rounds"]), int(kept.metadata["blocks"]))
     core = core_scene(description, [volume.field() for volume in volumes], window)
     look = None if on_round is None else lambda baked: on_round(whole(baked))
     progress = progress or _core.Progress()
@@ -238,7 +238,4 @@ def lit(
     result = whole(baked)
     noise = estimated_rms_percent(result.grids, description.exposure)
     result.statistics["estimated_rms_percent"] = noise
-    if in_rounds and not result.statistics["estimated_error_percent"]:
-        # What cannot be baked in rounds gets a fixed amount of work, and no estimate but this.
-        result.statistics["estimated_error_percent"] = noise
     return result

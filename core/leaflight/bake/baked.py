@@ -144,7 +144,8 @@ class Bake:
         alike, are changed. What meshes and isosurfaces emit by themselves stays. Texels are shared
         with this bake.
         Raises LeaflightError for a name that no lamp has, and where the bake has no exact direct
-        light: those with mirrors, with glass, of several volumes, or of a fixed amount of work.
+        light: those of mirrors, of glass, of inner sides of several volumes, or of a fixed amount
+        of work.
         """
         return relit(self, lamps)
 

@@ -42,6 +42,7 @@ def load_bake(path):
             raise LeaflightError(f"{path}: {EARLIER}.")
         # OpenVDB adds text of its own.
         metadata = {key: metadata[key] for key in METADATA}
+        maps = json.loads(metadata["map_resolution"] or "[]")
     except (KeyError, TypeError, ValueError, OverflowError, RecursionError):
         raise LeaflightError(
             f"{path}: this .vdb lacks the metadata of a bake; bake the volume again."
@@ -58,11 +59,11 @@ def load_bake(path):
     bake = Bake(volumes, scene, (lo, hi), grids, surroundings, statistics, metadata)
     if bake.id != identifier:
         raise LeaflightError(f"{path}: its metadata were changed; bake the volume again.")
-    if metadata["map_resolution"]:
-        resolution = json.loads(metadata["map_resolution"])
-        for number, grid in enumerate(grids):
-            progress = _core.Progress()
-            grid.direct = _core.DirectLight(core, number, resolution, grid.has_back, progress)
+    for number, (grid, resolution) in enumerate(zip(grids, maps)):
+        if resolution:
+            grid.direct = _core.DirectLight(
+                core, number, resolution, grid.has_back and len(grids) == 1, _core.Progress()
+            )
     return bake
 
 

@@ -22,10 +22,11 @@ def relit(bake, lamps):
     """The Bake with the lamps, {name: factor or (r, g, b)}, brighter by factors; see Bake.relit."""
     original = bake.original or bake
     factors = _factors(bake, lamps)
-    if any(grid.map_resolution is None for grid in original.grids):
+    if not can_be_relit(original):
         raise LeaflightError(
-            "The direct light of this bake is not exact, so its lamps cannot be changed: bake one "
-            "volume in rounds without mirrors or glass, or bake again with the lamps as they are."
+            "The direct light of this bake is not exact, so its lamps cannot be changed: bake "
+            "diffuse volumes to an error, several of them on outer sides alone, or bake again with "
+            "the lamps as they are."
         )
     if factors == _as_baked(original):
         return original
@@ -48,6 +49,11 @@ def relit(bake, lamps):
         original=original,
         factors=factors,
     )
+
+
+def can_be_relit(bake):
+    """Whether lamps of the bake can be given other strengths: all direct light is exact."""
+    return all(grid.can_be_relit for grid in bake.grids)
 
 
 def strengths_of(light):

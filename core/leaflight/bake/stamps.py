@@ -27,10 +27,11 @@ RESEARCH = (
 )
 # What a bake depends on, as text; "name" would rename the grid that OpenVDB attaches it to.
 # "volumes" is a list of {"name", "source", "values_sha256", "index_to_world", "unit", "resolution",
-# "capped", "patient"}. "map_resolution": of the maps that lookups compute direct light from, empty
-# where texels hold it. Of bakes in rounds, empty where the amount of work was fixed: "error" in
-# percent; "asked_resolution", zeros for none; "rounds"; "blocks", of indirect light, how many its
-# averages hold; "continued", the id of the bake that this one went on with.
+# "capped", "patient"}. "map_resolution": of the maps that lookups compute direct light from, a list
+# with null for a volume without, empty where there are none. Of bakes in rounds, empty where the
+# amount of work was fixed: "error" in percent; "asked_resolution", zeros for none; "rounds";
+# "blocks", of indirect light, how many its averages hold; "continued", the id of the bake that this
+# one went on with.
 METADATA = (
     "leaflight_version",
     "volumes",
@@ -99,8 +100,8 @@ def stamp_after(metadata, grids, rounds, blocks, continued=""):
         for volume, grid in zip(json.loads(metadata["volumes"]), grids)
     ]
     changed = {"volumes": json.dumps(volumes)}
-    maps = grids[0].map_resolution
-    changed["map_resolution"] = json.dumps(maps) if maps else ""
+    maps = [grid.map_resolution for grid in grids]
+    changed["map_resolution"] = json.dumps(maps) if any(maps) else ""
     if metadata["error"]:
         changed["rounds"] = str(rounds)
         changed["blocks"] = str(blocks) if blocks else ""

@@ -11,13 +11,6 @@
 #include "leaflight/math/platform.h"
 
 namespace leaflight {
-namespace {
-
-// What a bake takes that was to be in rounds and cannot be.
-constexpr int default_samples = 32;
-
-}  // namespace
-
 template <int D>
 Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, Progress& progress,
               const BakeHooks<D>& hooks) {
@@ -45,18 +38,11 @@ Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan
   }
   tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
   Baked<D> baked = arena.execute([&] {
-    if (fits_rounds(scene, settings, plan)) {
-      return bake_in_rounds(scene, settings, plan, progress, timed);
+    if (settings.samples == 0) return bake_in_rounds(scene, settings, plan, progress, timed);
+    if (hooks.workers || hooks.kept) {
+      throw Error("Only a bake in rounds can be shared or continued; bake the volume anew.");
     }
-    if (hooks.workers) {
-      throw Error(
-          "Workers share bakes in rounds, of one volume without mirrors or glass; bake without "
-          "them.");
-    }
-    if (hooks.kept) throw Error("Only a bake in rounds can be continued; bake the volume anew.");
-    BakeSettings<D> fixed = settings;
-    if (fixed.samples == 0) fixed.samples = default_samples;
-    return bake_with_fixed_samples(scene, fixed, plan, progress);
+    return bake_with_fixed_samples(scene, settings, plan, progress);
   });
   finish(baked);
   return baked;

@@ -5,6 +5,7 @@
 
 #include "leaflight/bake/rounds.h"
 #include "leaflight/bake/rounds_texels.h"
+#include "leaflight/bake/swept_bake.h"
 #include "leaflight/math/error.h"
 
 namespace leaflight {
@@ -12,34 +13,20 @@ namespace leaflight {
 struct BlockSweeper::Parts {
   BakeSettings<3> settings;
   Plan plan;
-  SceneTracer<3> tracer;
-  LightSampler<3> lights;
-  SplitLight<3> split;
-  EmptySpace<3> empty;
-  SweptVolume<3> volume;
-  std::atomic<std::uint64_t> rays{0};
+  LitScene<3> lit;
   tbb::task_arena arena;
   std::unique_ptr<SweptBake<3>> bake;
 
   Parts(const Scene<3>& scene, const BakeSettings<3>& of, Progress& progress)
       : settings(of),
         plan(make_plan(scene, of)),
-        tracer(scene),
-        lights(tracer),
-        split(split_light(tracer)),
-        empty(scene.volumes[0].field, scene.volumes[0].isovalues(scene.window).min),
-        volume{tracer, 0, empty},
+        lit(scene, settings, plan, progress),
         arena(of.threads > 0 ? of.threads : tbb::task_arena::automatic) {
     arena.execute([&] {
-      SweptTexels<3> texels = rounds_texels(volume, settings);
+      SweptTexels<3> texels = rounds_texels(lit.volumes[0], settings);
       texels.photon_count = 0;
-      auto direct = std::make_shared<const DirectLight<3>>(
-          tracer, 0, split.points,
-          map_resolution(volume.volume().field, volume.window(), texels.shown.lattice.resolution,
-                         split.points.size()),
-          plan.back, progress);
-      bake = std::make_unique<SweptBake<3>>(volume, lights, split, std::move(direct), settings,
-                                            plan, progress, rays, std::move(texels));
+      lit.learn_direct({texels.shown.lattice.resolution});
+      bake = std::make_unique<SweptBake<3>>(lit, 0, std::move(texels));
     });
   }
 };
@@ -48,10 +35,10 @@ BlockSweeper::BlockSweeper(const Scene<3>& scene, const BakeSettings<3>& setting
                            Progress& progress) {
   validate(scene);
   validate(settings);
-  if (!fits_rounds(scene, settings, make_plan(scene, settings))) {
-    throw Error("Only bakes in rounds have blocks that others can sweep.");
-  }
   parts_ = std::make_unique<Parts>(scene, settings, progress);
+  if (settings.samples != 0 || !parts_->lit.takes_lines()) {
+    throw Error("Only bakes in rounds by lines have blocks that others can sweep.");
+  }
 }
 
 BlockSweeper::~BlockSweeper() = default;

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "leaflight/bake/visibility_through.h"
 #include "leaflight/math/parallel.h"
 #include "leaflight/math/sampling.h"
 
@@ -67,6 +68,11 @@ DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
   std::atomic<bool> any_dark{false};
   const std::size_t count = points_.size(), active = maps->lattice.active.size();
   const VisibilitySweep<D> sweep(tracer, volume, maps->lattice);
+  std::vector<std::unique_ptr<VisibilityThrough<D>>> others;
+  for (int other = 0; other < static_cast<int>(tracer.scene().volumes.size()); ++other) {
+    if (other == volume) continue;
+    others.push_back(std::make_unique<VisibilityThrough<D>>(tracer, other, volume, maps->lattice));
+  }
   for (int side = 0; side < (inner ? 2 : 1); ++side) {
     maps->codes[side].resize(active * count + block);  // whole blocks are read
     const VisibilityCode code{window_, side != 0};
@@ -76,7 +82,9 @@ DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
       parallel_range(some, 1, static_cast<double>(maps->lattice.texels()), progress,
                      [&](std::size_t begin, std::size_t end) {
                        for (std::size_t i = begin; i < end; ++i) {
-                         sweep.run(points_[first + i].source, code, found[i], progress);
+                         const LightSource<D>& source = points_[first + i].source;
+                         sweep.run(source, code, found[i], progress);
+                         for (const auto& other : others) other->run(source, found[i], progress);
                        }
                      });
       parallel_range(active, 4096, 0, progress, [&](std::size_t begin, std::size_t end) {

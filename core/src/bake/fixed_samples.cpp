@@ -139,10 +139,9 @@ Baked<D> bake_with_fixed_samples(const Scene<D>& scene, const BakeSettings<D>& s
   }
   if (plan.surroundings) {
     progress.begin("Radiance of the surroundings");
-    SurroundingsWork<D> work{std::move(walls), surroundings_share * settings.samples,
-                             1 + bake.soft_rays(), settings.seed};
     baked.surroundings = light_surroundings(tracer, bake.sampler(), estimator.get(),
-                                            std::move(work), progress, bake.rays);
+                                            surroundings_share * settings.samples, settings.seed,
+                                            progress, bake.rays);
   }
   for (std::size_t v = 0; v < baked.grids.size(); ++v) {
     baked.grids[v].lattice = std::move(bake.lattices[v]);

@@ -49,12 +49,18 @@ void IndirectLight<D>::add_block(const GatheredRadiance<D>& from, Progress& prog
 }
 
 template <int D>
+void IndirectLight<D>::add_block_by(const std::function<void(SideMoments&)>& fill,
+                                    Progress& progress) {
+  for (TexelMoments& side : moments_) side.open();
+  fill(moments_);
+  close_block(progress);
+}
+
+template <int D>
 void IndirectLight<D>::add_block_of_others(const std::string& bytes, Progress& progress,
                                            std::atomic<std::uint64_t>& lines) {
-  for (TexelMoments& side : moments_) side.open();
-  lines += take_block(bytes, moments_);
+  add_block_by([&](SideMoments& moments) { lines += take_block(bytes, moments); }, progress);
   progress.advance(cost());
-  close_block(progress);
 }
 
 template <int D>

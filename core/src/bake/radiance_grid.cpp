@@ -149,13 +149,14 @@ class PointLookup {
   void find(const ShownGrid<D>& shown, const RadianceLevel<D>& level, const Field<D>& field,
             const Vec<D>& index_position, bool back) {
     is_extrapolated_ = false;
-    if (shown.direct) {
+    direct_ = shown.direct_of(back);
+    if (direct_) {
       point_ = isosurface_point(field, index_position);
       const Vec<D>& gradient = point_.gradient;
       const double length = (gradient / level.lattice.voxels_per_texel).length();
       const Vec<D> half = gradient * (length > 0 ? (back ? 0.5 : -0.5) / length : 0);
       const Vec<D> near = index_position + half, far = near + half * 2;
-      const IsovalueWindow& window = shown.direct->window();
+      const IsovalueWindow& window = direct_->window();
       is_extrapolated_ = length > 0 && window.contains(value_at(field, near)) &&
                          window.contains(value_at(field, far));
       if (is_extrapolated_) {
@@ -172,9 +173,9 @@ class PointLookup {
   Vec<3, float> radiance(const ShownGrid<D>& shown, const Field<D>& field, const Colours& values,
                          bool back) const {
     const Vec<3, float> light = of_texels(values);
-    if (!shown.direct) return light;
+    if (!direct_) return light;
     return shown.scaled(light, field, point_.position) +
-           Vec<3, float>(shown.direct->radiance(point_, back));
+           Vec<3, float>(direct_->radiance(point_, back));
   }
 
  private:
@@ -192,6 +193,7 @@ class PointLookup {
     return light;
   }
 
+  const DirectLight<D>* direct_ = nullptr;
   IsosurfacePoint<D> point_;
   UsedTexels<D> near_, far_;
   bool is_extrapolated_ = false;
@@ -199,8 +201,8 @@ class PointLookup {
 
 // The texels that are looked up.
 template <int D>
-const Colours& texels_of(const RadianceLevel<D>& level, bool exact, bool back) {
-  if (exact) return back ? level.radiance_back_indirect : level.radiance_indirect;
+const Colours& texels_of(const RadianceLevel<D>& level, const DirectLight<D>* direct, bool back) {
+  if (direct) return back ? level.radiance_back_indirect : level.radiance_indirect;
   return back ? level.radiance_back : level.radiance;
 }
 
@@ -222,7 +224,7 @@ Vec<3, float> radiance_at(const ShownGrid<D>& shown, const Field<D>& field,
   const RadianceLevel<D>& level = shown.grid.at(index_position);
   PointLookup<D> lookup;
   lookup.find(shown, level, field, index_position, back);
-  return lookup.radiance(shown, field, texels_of(level, shown.direct != nullptr, back), back);
+  return lookup.radiance(shown, field, texels_of(level, shown.direct_of(back), back), back);
 }
 
 template <int D>
@@ -230,7 +232,7 @@ void radiance_at(const ShownGrid<D>& shown, const Field<D>& field,
                  const std::vector<Vec<D>>& index_positions, bool back, Vec<3, float>* found) {
   constexpr std::size_t ahead = 16;
   const RadianceGrid<D>& grid = shown.grid;
-  const Colours& values = texels_of(grid, shown.direct != nullptr, back);
+  const Colours& values = texels_of(grid, shown.direct_of(back), back);
   std::array<PointLookup<D>, ahead> lookups;
   for (std::size_t first = 0; first < index_positions.size(); first += ahead) {
     const std::size_t count = std::min(ahead, index_positions.size() - first);

@@ -4,9 +4,10 @@
 #include <chrono>
 #include <cmath>
 
+#include "leaflight/bake/ray_bake.h"
 #include "leaflight/bake/rounds_texels.h"
+#include "leaflight/bake/texels_to_bake.h"
 #include "leaflight/math/error.h"
-#include "leaflight/transport/placement.h"
 
 namespace leaflight {
 namespace {
@@ -22,10 +23,16 @@ constexpr int least_blocks = 2;
 // these shares; and of what texels miss, where that alone is more, as sweeps do not mend it.
 constexpr double least_noise = 0.25, most_noise = 0.8, out_of_reach_noise = 0.5;
 
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point then) {
+  return std::chrono::duration<double>(Clock::now() - then).count();
+}
+
 // The blocks after the next round: as many as leave the noise `target`, a variance, by what was
 // found so far; at most twice as many as now.
 template <int D>
-int next_blocks(const SweptBake<D>& bake, double target) {
+int next_blocks(const Integrator<D>& bake, double target) {
   const int now = bake.blocks();
   if (now == 0) return 0;
   const double wanted = bake.errors().all().noise * now / target;
@@ -34,6 +41,208 @@ int next_blocks(const SweptBake<D>& bake, double target) {
   const double grown = wanted > now ? std::max(std::ceil(wanted), std::ceil(1.25 * now)) : now;
   return static_cast<int>(std::clamp<double>(grown, now, most));
 }
+
+template <int D>
+class Rounds {
+ public:
+  Rounds(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
+         Progress& progress, const BakeHooks<D>& hooks)
+      : hooks_(hooks), scene_(scene, settings, plan, progress), progress_(progress) {}
+
+  Baked<D> run() {
+    progress_.check();
+    if (hooks_.workers && !scene_.takes_lines()) {
+      throw Error(
+          "Workers share the lines through one volume without mirrors or glass; bake without "
+          "them.");
+    }
+    std::vector<SweptTexels<D>> texels;
+    for (const SweptVolume<D>& volume : scene_.volumes) {
+      texels.push_back(scene_.takes_lines() ? rounds_texels(volume, scene_.settings)
+                                            : ray_texels(volume, scene_.settings));
+    }
+    std::vector<Index<D>> shown;
+    for (const SweptTexels<D>& one : texels) {
+      shown.push_back(one.shown.lattice.resolution);
+      count_ += one.shown.lattice.active.size();
+    }
+    progress_.check();
+    if (count_ == 0 && !scene_.plan.surroundings) throw nothing_to_bake(scene_.tracer.scene());
+    const Kept* kept = kept_light(texels);
+    learn_direct(texels, shown);
+    rounds_ = kept ? kept->front().rounds() : 0;
+    if (!kept && count_ > most_without_preview) {
+      ++rounds_;
+      if ((hooks_.on_round || scene_.settings.seconds > 0) && !resumes()) {
+        preview_ = preview(shown);
+        preview_->add(preview_blocks);
+        Baked<D> first = whole(*preview_);
+        if (hooks_.on_round) hooks_.on_round(std::move(first));
+        if (over(0)) return last(*preview_, whole(*preview_), true);
+      }
+    }
+    bake_ = integrator(std::move(texels), kept, hooks_.workers);
+    return refine();
+  }
+
+ private:
+  using Kept = std::vector<KeptLight<D>>;
+
+  bool resumes() const { return hooks_.checkpoints && hooks_.checkpoints->from; }
+
+  std::unique_ptr<Integrator<D>> integrator(std::vector<SweptTexels<D>> texels, const Kept* kept,
+                                            const BlockWorkers* workers) {
+    if (!scene_.takes_lines()) {
+      return std::make_unique<RayBake<D>>(scene_, std::move(texels), kept);
+    }
+    const KeptLight<D>* light = kept ? &kept->front() : nullptr;
+    return std::make_unique<SweptBake<D>>(scene_, 0, std::move(texels[0]), light, workers);
+  }
+
+  std::unique_ptr<Integrator<D>> preview(const std::vector<Index<D>>& shown) {
+    std::vector<SweptTexels<D>> texels;
+    for (std::size_t v = 0; v < shown.size(); ++v) {
+      texels.push_back(preview_texels(scene_.volumes[v], shown[v]));
+    }
+    return integrator(std::move(texels), nullptr, nullptr);
+  }
+
+  // What the bake goes on with; null where it has texels of another width.
+  const Kept* kept_light(const std::vector<SweptTexels<D>>& texels) const {
+    const Kept* kept = hooks_.kept;
+    if (!kept) return nullptr;
+    bool fits = kept->size() == texels.size();
+    for (std::size_t v = 0; v < texels.size() && fits; ++v) {
+      if (!scene_.stores_light_of(v)) continue;
+      const TexelLattice<D>& shown = texels[v].shown.lattice;
+      if ((*kept)[v].resolution() != shown.resolution) return nullptr;
+      fits =
+          !scene_.plan.indirect || (*kept)[v].fits(shown, texels[v].soft.lattice, scene_.plan.back);
+    }
+    if (fits) return kept;
+    throw Error(
+        "The bake to continue is of another volume, window or other sides; bake the volume anew.");
+  }
+
+  void learn_direct(const std::vector<SweptTexels<D>>& texels, const std::vector<Index<D>>& shown) {
+    const auto points = static_cast<double>(scene_.split.points.size());
+    double maps = 0, blocks = 0;
+    for (const SweptTexels<D>& one : texels) {
+      const auto all = static_cast<double>(one.shown.lattice.texels());
+      maps += scene_.sides() * all * points;
+      blocks += first_blocks * all * IndirectLight<D>::directions_per_block /
+                std::pow(one.spacing, D - 1);
+    }
+    // Until blocks know what they cost.
+    progress_.expect(maps + blocks);
+    scene_.learn_direct(shown);
+    for (const auto& direct : scene_.direct) {
+      if (!direct) continue;
+      work_ += scene_.sides() * static_cast<double>(direct->lattice().texels()) * points;
+    }
+  }
+
+  // Round by round.
+  Baked<D> refine() {
+    const int before = before_ = bake_->blocks();
+    blocks_ = scene_.plan.indirect ? before + first_blocks : 0;
+    if (resumes()) keep(Keeper(*hooks_.checkpoints->from));
+    const std::function<bool()> proceed = [this] { return go_on(); };
+    for (;;) {
+      // The steps before count, too, and the radiance of the texels afterwards.
+      progress_.expect(work_ + bake_->cost() * (blocks_ - before + 2));
+      bake_->add(blocks_ - bake_->blocks(), proceed);
+      const bool cut = bake_->blocks() < blocks_;
+      if (cut && bake_->blocks() == before) return last(*preview_, whole(*preview_), true);
+      preview_.reset();
+      ++rounds_;
+      Baked<D> baked = whole(*bake_);
+      const LeafError error = bake_->errors().all();
+      const double noise = noise_to_reach(scene_.settings.error, 100 * std::sqrt(error.texture));
+      const double target = std::pow(noise / 100, 2);
+      if (error.noise <= target) return last(*bake_, std::move(baked), false);
+      if (cut || over(0)) return last(*bake_, std::move(baked), true);
+      const int next = next_blocks(*bake_, target);
+      if (next <= blocks_) return last(*bake_, std::move(baked), false);
+      if (hooks_.on_round) hooks_.on_round(std::move(baked));
+      // What was shown is what is left.
+      if (over(0)) return last(*bake_, whole(*bake_), true);
+      blocks_ = next;
+    }
+  }
+
+  // After each block: leaves a checkpoint where one is due. Whether time is left for another.
+  bool go_on() {
+    const double block_seconds = seconds_since(block_began_);
+    block_began_ = Clock::now();
+    const Checkpoints* checkpoints = hooks_.checkpoints;
+    // The next block takes about as long as the one before.
+    if (checkpoints && checkpoints->save &&
+        seconds_since(saved_) + block_seconds >= checkpoints->seconds) {
+      checkpoints->save([this](std::ostream& stream) { keep(Keeper(stream)); });
+      saved_ = Clock::now();
+    }
+    const int done = bake_->blocks() - before_;
+    const bool can_end = done >= least_blocks || (done == 0 && preview_);
+    return !can_end || !over(seconds_a_texel_ * static_cast<double>(count_));
+  }
+
+  void keep(Keeper keeper) {
+    // Numbers are kept as this build has them in memory.
+    int layout = sizeof(Real) * 256 + D;
+    const int own_layout = layout;
+    keeper(layout);
+    if (layout != own_layout) throw Error("The checkpoint is of another Leaflight; bake anew.");
+    std::uint64_t traced = scene_.rays;
+    keeper(traced);
+    keeper(rounds_);
+    keeper(blocks_);
+    bake_->keep(keeper);
+    scene_.rays = traced;
+  }
+
+  bool over(double to_come) const {
+    const double seconds = scene_.settings.seconds;
+    return progress_.stopped() || (seconds > 0 && seconds_since(start_) + to_come > seconds);
+  }
+
+  Baked<D> whole(Integrator<D>& bake) {
+    const auto begin = Clock::now();
+    Baked<D> baked;
+    baked.grids = bake.grids();
+    std::size_t texels = 0;
+    for (const RadianceGrid<D>& grid : baked.grids) texels += grid.texels();
+    seconds_a_texel_ = seconds_since(begin) / static_cast<double>(std::max<std::size_t>(1, texels));
+    baked.statistics.rays = scene_.rays;
+    baked.statistics.rounds = rounds_;
+    baked.statistics.blocks = bake.blocks();
+    const LeafError error = bake.errors().all();
+    baked.statistics.noise_percent = 100 * std::sqrt(error.noise);
+    baked.statistics.error_percent = error.percent();
+    baked.statistics.worst = bake.errors().worst();
+    return baked;
+  }
+
+  // A bake's last round, which has the surroundings, too.
+  Baked<D> last(Integrator<D>& bake, Baked<D> baked, bool stopped) {
+    if (scene_.plan.surroundings) baked.surroundings = bake.surroundings();
+    baked.statistics.rays = scene_.rays;
+    baked.statistics.stopped = stopped;
+    return baked;
+  }
+
+  const Clock::time_point start_ = Clock::now();
+  const BakeHooks<D>& hooks_;
+  LitScene<D> scene_;
+  Progress& progress_;
+  std::size_t count_ = 0;  // of all texels
+  double work_ = 0;        // of direct light
+  int rounds_ = 0;
+  int before_ = 0, blocks_ = 0;  // blocks that were kept, and those after the round
+  double seconds_a_texel_ = 0;   // that whole() takes
+  Clock::time_point saved_ = start_, block_began_ = start_;
+  std::unique_ptr<Integrator<D>> preview_, bake_;
+};
 
 }  // namespace
 
@@ -44,153 +253,11 @@ double noise_to_reach(double error, double texture) {
 }
 
 template <int D>
-bool fits_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan) {
-  return settings.samples == 0 && settings.estimator == EstimatorName::gather && !settings.thesis &&
-         settings.only_at.empty() && scene.volumes.size() == 1 &&
-         scene.volumes[0].scattering == Scattering::diffuse && !plan.specular;
-}
-
-template <int D>
 Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
                         Progress& progress, const BakeHooks<D>& hooks) {
-  const KeptLight<D>* kept = hooks.kept;
-  const Checkpoints* checkpoints = hooks.checkpoints;
-  const auto& on_round = hooks.on_round;
-  const auto start = std::chrono::steady_clock::now();
-  const SceneTracer<D> tracer(scene);
-  check_placement(tracer);
-  const LightSampler<D> lights(tracer);
-  const SplitLight<D> split = split_light(tracer);
-  const EmptySpace<D> empty(scene.volumes[0].field, scene.volumes[0].isovalues(scene.window).min);
-  const SweptVolume<D> volume{tracer, 0, empty};
-  progress.check();
-  SweptTexels<D> texels = rounds_texels(volume, settings);
-  progress.check();
-  const std::size_t count = texels.shown.lattice.active.size();
-  if (count == 0) {
-    throw Error(
-        "No isosurface of the isovalue window passes through the volume; widen the window.");
-  }
-  if (kept && kept->resolution() != texels.shown.lattice.resolution) kept = nullptr;
-  if (kept && plan.indirect && !kept->fits(texels.shown.lattice, texels.soft.lattice, plan.back)) {
-    throw Error(
-        "The bake to continue is of another volume, window or other sides; bake the volume anew.");
-  }
-  // Until sweeps know what they cost.
-  const double sides = plan.back ? 2 : 1;
-  double work = sides * static_cast<double>(texels.shown.lattice.texels() * split.points.size());
-  progress.expect(work + first_blocks * static_cast<double>(texels.shown.lattice.texels()) *
-                             IndirectLight<D>::directions_per_block /
-                             std::pow(texels.spacing, D - 1));
-  progress.begin("Direct light");
-  const auto direct = std::make_shared<const DirectLight<D>>(
-      tracer, 0, split.points,
-      map_resolution(volume.volume().field, volume.window(), texels.shown.lattice.resolution,
-                     split.points.size()),
-      plan.back, progress);
-  work = sides * static_cast<double>(direct->lattice().texels() * split.points.size());
-  std::atomic<std::uint64_t> rays{0};
-  int rounds = kept ? kept->rounds() : 0;
-  const auto seconds_since = [](std::chrono::steady_clock::time_point then) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
-  };
-  double seconds_a_texel = 0;  // that whole() takes
-  const auto whole = [&](SweptBake<D>& bake) {
-    const auto begin = std::chrono::steady_clock::now();
-    Baked<D> baked;
-    baked.grids.push_back(bake.grid());
-    seconds_a_texel = seconds_since(begin) / static_cast<double>(baked.grids[0].texels());
-    baked.statistics.rays = rays;
-    baked.statistics.rounds = rounds;
-    baked.statistics.blocks = bake.blocks();
-    const LeafError error = bake.errors().all();
-    baked.statistics.noise_percent = 100 * std::sqrt(error.noise);
-    baked.statistics.error_percent = error.percent();
-    baked.statistics.worst = bake.errors().worst();
-    return baked;
-  };
-  const auto over = [&](double to_come) {
-    return progress.stopped() ||
-           (settings.seconds > 0 && seconds_since(start) + to_come > settings.seconds);
-  };
-  // A bake's last round, which has the surroundings, too.
-  const auto last = [&](SweptBake<D>& bake, Baked<D> baked, bool stopped) {
-    if (plan.surroundings) baked.surroundings = bake.surroundings();
-    baked.statistics.rays = rays;
-    baked.statistics.stopped = stopped;
-    return baked;
-  };
-  const bool resumes = checkpoints && checkpoints->from;
-  std::unique_ptr<SweptBake<D>> preview;
-  if (!kept && count > most_without_preview) {
-    ++rounds;
-    if ((on_round || settings.seconds > 0) && !resumes) {
-      preview = std::make_unique<SweptBake<D>>(
-          volume, lights, split, direct, settings, plan, progress, rays,
-          preview_texels(volume, texels.shown.lattice.resolution));
-      preview->add(preview_blocks);
-      Baked<D> first = whole(*preview);
-      if (on_round) on_round(std::move(first));
-      if (over(0)) return last(*preview, whole(*preview), true);
-    }
-  }
-  SweptBake<D> bake(volume, lights, split, direct, settings, plan, progress, rays,
-                    std::move(texels), kept, hooks.workers);
-  const int before = bake.blocks();
-  int blocks = plan.indirect ? before + first_blocks : 0;
-  const auto keep = [&](Keeper keeper) {
-    // Numbers are kept as this build has them in memory.
-    int layout = sizeof(Real) * 256 + D;
-    const int own_layout = layout;
-    keeper(layout);
-    if (layout != own_layout) throw Error("The checkpoint is of another Leaflight; bake anew.");
-    std::uint64_t traced = rays;
-    keeper(traced);
-    keeper(rounds);
-    keeper(blocks);
-    bake.keep(keeper);
-    rays = traced;
-  };
-  if (resumes) keep(Keeper(*checkpoints->from));
-  auto saved = start, block_began = start;
-  const std::function<bool()> go_on = [&] {
-    const double block_seconds = seconds_since(block_began);
-    block_began = std::chrono::steady_clock::now();
-    // The next block takes about as long as the one before.
-    if (checkpoints && checkpoints->save &&
-        seconds_since(saved) + block_seconds >= checkpoints->seconds) {
-      checkpoints->save([&](std::ostream& stream) { keep(Keeper(stream)); });
-      saved = std::chrono::steady_clock::now();
-    }
-    const int done = bake.blocks() - before;
-    const bool can_end = done >= least_blocks || (done == 0 && preview);
-    return !can_end || !over(seconds_a_texel * static_cast<double>(count));
-  };
-  for (;;) {
-    // The bounces before count, too, and the radiance of the texels afterwards.
-    progress.expect(work + bake.cost() * (blocks - before + 2));
-    bake.add(blocks - bake.blocks(), go_on);
-    const bool cut = bake.blocks() < blocks;
-    if (cut && bake.blocks() == before) return last(*preview, whole(*preview), true);
-    preview.reset();
-    ++rounds;
-    Baked<D> baked = whole(bake);
-    const LeafError error = bake.errors().all();
-    const double noise = noise_to_reach(settings.error, 100 * std::sqrt(error.texture));
-    const double target = std::pow(noise / 100, 2);
-    if (error.noise <= target) return last(bake, std::move(baked), false);
-    if (cut || over(0)) return last(bake, std::move(baked), true);
-    const int next = next_blocks(bake, target);
-    if (next <= blocks) return last(bake, std::move(baked), false);
-    if (on_round) on_round(std::move(baked));
-    // What was shown is what is left.
-    if (over(0)) return last(bake, whole(bake), true);
-    blocks = next;
-  }
+  return Rounds<D>(scene, settings, plan, progress, hooks).run();
 }
 
-template bool fits_rounds<2>(const Scene<2>&, const BakeSettings<2>&, const Plan&);
-template bool fits_rounds<3>(const Scene<3>&, const BakeSettings<3>&, const Plan&);
 template Baked<2> bake_in_rounds(const Scene<2>&, const BakeSettings<2>&, const Plan&, Progress&,
                                  const BakeHooks<2>&);
 template Baked<3> bake_in_rounds(const Scene<3>&, const BakeSettings<3>&, const Plan&, Progress&,

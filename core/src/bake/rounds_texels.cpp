@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "leaflight/bake/rounds_texels.h"
 
+#include <algorithm>
 #include <functional>
 
 namespace leaflight {
@@ -14,6 +15,10 @@ constexpr int most_halvings = 2;
 constexpr std::size_t most_dense_voxels = 200'000, most_soft_voxels = 20'000'000,
                       most_photon_voxels = 300'000;
 constexpr int widest_texel = 8;
+// Of a block of rays, which has photons of its own.
+constexpr std::uint64_t ray_photons = 100'000;
+// Of soft light where each texel takes rays of its own.
+constexpr std::size_t most_ray_texels = 150'000;
 // Of soft light where a resolution is given; or as many as are given.
 constexpr std::size_t most_given_soft_texels = 500'000;
 // Those of a first picture are so many voxels wide.
@@ -45,6 +50,17 @@ int width_for(std::size_t voxels, std::size_t most, int dimension) {
     voxels >>= dimension;
   }
   return width;
+}
+
+// Without active texels where mirrors and glass show what depends on the view.
+template <int D>
+TexelLattice<D> lattice_of(const SweptVolume<D>& volume, const Index<D>& resolution) {
+  const Field<D>& field = volume.volume().field;
+  if (volume.volume().scattering != Scattering::diffuse) {
+    return inactive_lattice<D>(field.dims, resolution);
+  }
+  const IsovalueWindow window = volume.window();
+  return make_lattice(field, resolution, window.min, window.max);
 }
 
 }  // namespace
@@ -81,31 +97,41 @@ RoundsResolutions<D> rounds_resolutions(const Field<D>& field, const IsovalueWin
 
 template <int D>
 SweptTexels<D> rounds_texels(const SweptVolume<D>& volume, const BakeSettings<D>& settings) {
-  const Field<D>& field = volume.volume().field;
-  const IsovalueWindow window = volume.window();
-  const RoundsResolutions<D> chosen = rounds_resolutions(field, window, settings);
-  const auto lattice = [&](const Index<D>& resolution) {
-    return make_lattice(field, resolution, window.min, window.max);
-  };
+  const RoundsResolutions<D> chosen =
+      rounds_resolutions(volume.volume().field, volume.window(), settings);
   SweptTexels<D> texels;
-  texels.shown = SweptLattice<D>(lattice(chosen.shown));
-  texels.soft = SweptLattice<D>(lattice(chosen.soft));
+  texels.shown = SweptLattice<D>(lattice_of(volume, chosen.shown));
+  texels.soft = SweptLattice<D>(lattice_of(volume, chosen.soft));
   texels.spacing = chosen.spacing;
-  texels.photons = lattice(chosen.photons);
+  texels.photons = lattice_of(volume, chosen.photons);
   texels.photon_count = photons;
   return texels;
 }
 
 template <int D>
-SweptTexels<D> preview_texels(const SweptVolume<D>& volume, const Index<D>& resolution) {
+SweptTexels<D> ray_texels(const SweptVolume<D>& volume, const BakeSettings<D>& settings) {
+  SweptTexels<D> texels = rounds_texels(volume, settings);
   const Field<D>& field = volume.volume().field;
   const IsovalueWindow window = volume.window();
-  const Index<D> of_voxels = coarser_resolution<D>(field.dims, preview_width);
+  Index<D> soft = field.dims;
+  for (int a = 0; a < D; ++a) soft[a] = std::min(soft[a], texels.shown.lattice.resolution[a]);
+  while (active_texels(field, soft, window.min, window.max) > most_ray_texels &&
+         *std::min_element(soft.begin(), soft.end()) > 2 * widest_texel) {
+    soft = coarser_resolution<D>(soft, 2);
+  }
+  texels.soft = SweptLattice<D>(lattice_of(volume, soft));
+  texels.photon_count = ray_photons;
+  return texels;
+}
+
+template <int D>
+SweptTexels<D> preview_texels(const SweptVolume<D>& volume, const Index<D>& resolution) {
+  const Index<D> of_voxels = coarser_resolution<D>(volume.volume().field.dims, preview_width);
   const Index<D> of_texels = coarser_resolution<D>(resolution, preview_width);
   Index<D> coarser;
   for (int a = 0; a < D; ++a) coarser[a] = std::min(of_voxels[a], of_texels[a]);
   SweptTexels<D> texels;
-  texels.photons = make_lattice(field, coarser, window.min, window.max);
+  texels.photons = lattice_of(volume, coarser);
   texels.shown = texels.soft = SweptLattice<D>(texels.photons);
   texels.photon_count = preview_photons;
   return texels;
@@ -117,6 +143,8 @@ template RoundsResolutions<3> rounds_resolutions(const Field<3>&, const Isovalue
                                                  const BakeSettings<3>&);
 template SweptTexels<2> rounds_texels(const SweptVolume<2>&, const BakeSettings<2>&);
 template SweptTexels<3> rounds_texels(const SweptVolume<3>&, const BakeSettings<3>&);
+template SweptTexels<2> ray_texels(const SweptVolume<2>&, const BakeSettings<2>&);
+template SweptTexels<3> ray_texels(const SweptVolume<3>&, const BakeSettings<3>&);
 template SweptTexels<2> preview_texels(const SweptVolume<2>&, const Index<2>&);
 template SweptTexels<3> preview_texels(const SweptVolume<3>&, const Index<3>&);
 

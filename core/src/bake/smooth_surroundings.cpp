@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "leaflight/bake/smooth_surroundings.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "leaflight/bake/mesh_neighbours.h"
@@ -55,12 +56,16 @@ struct Layer {
 
 }  // namespace
 
+std::vector<Vec<3, float>> mean(const Halves& halves) {
+  std::vector<Vec<3, float>> mean(halves[0].size());
+  for (std::size_t e = 0; e < mean.size(); ++e) mean[e] = (halves[0][e] + halves[1][e]) * 0.5f;
+  return mean;
+}
+
 template <int D>
-std::vector<Vec<3, float>> smooth(const FineMesh<D>& mesh, Halves halves, int passes,
-                                  Progress& progress) {
+Halves smooth(const FineMesh<D>& mesh, Halves halves, int passes, Progress& progress) {
   const MeshNeighbours neighbours(mesh.vertices.size(), mesh.facets);
   const std::size_t n = mesh.vertices.size(), nodes = halves[0].size() / n;
-  std::vector<Vec<3, float>> smoothed(halves[0].size());
   parallel_range(nodes, 1, 0, progress, [&](std::size_t begin, std::size_t end) {
     for (std::size_t node = begin; node < end; ++node) {
       Layer layer;
@@ -69,15 +74,16 @@ std::vector<Vec<3, float>> smooth(const FineMesh<D>& mesh, Halves halves, int pa
         layer.means[half].assign(first, first + static_cast<std::ptrdiff_t>(n));
       }
       for (int i = 0; i < passes; ++i) layer.pass(neighbours);
-      for (std::size_t v = 0; v < n; ++v) {
-        smoothed[node * n + v] = (layer.means[0][v] + layer.means[1][v]) * 0.5f;
+      for (int half = 0; half < 2; ++half) {
+        const auto first = halves[half].begin() + static_cast<std::ptrdiff_t>(node * n);
+        std::copy(layer.means[half].begin(), layer.means[half].end(), first);
       }
     }
   });
-  return smoothed;
+  return halves;
 }
 
-template std::vector<Vec<3, float>> smooth(const FineMesh<2>&, Halves, int, Progress&);
-template std::vector<Vec<3, float>> smooth(const FineMesh<3>&, Halves, int, Progress&);
+template Halves smooth(const FineMesh<2>&, Halves, int, Progress&);
+template Halves smooth(const FineMesh<3>&, Halves, int, Progress&);
 
 }  // namespace leaflight

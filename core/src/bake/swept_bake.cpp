@@ -57,28 +57,25 @@ void add_later_bounces(std::vector<Rgb>& light, const Rgb& before) {
 }  // namespace
 
 template <int D>
-SweptBake<D>::SweptBake(const SweptVolume<D>& volume, const LightSampler<D>& lights,
-                        const SplitLight<D>& split, std::shared_ptr<const DirectLight<D>> direct,
-                        const BakeSettings<D>& settings, const Plan& plan, Progress& progress,
-                        std::atomic<std::uint64_t>& rays, SweptTexels<D> texels,
+SweptBake<D>::SweptBake(LitScene<D>& scene, std::size_t volume, SweptTexels<D> texels,
                         const KeptLight<D>* kept, const BlockWorkers* workers)
-    : volume_(volume),
-      lights_(lights),
-      split_(split),
-      direct_(std::move(direct)),
-      settings_(settings),
-      plan_(plan),
-      progress_(progress),
-      rays_(rays),
+    : volume_(scene.volumes[volume]),
+      lights_(scene.lights),
+      split_(scene.split),
+      direct_(scene.direct[volume]),
+      settings_(scene.settings),
+      plan_(scene.plan),
+      progress_(scene.progress),
+      rays_(scene.rays),
       kept_(kept),
       workers_(workers),
       texels_(std::move(texels.shown)),
-      errors_(volume.tracer.scene().window) {
-  if (split.wide) sky_.emplace(*split.wide);
-  if (!plan.indirect) return;
+      errors_(volume_.tracer.scene().window) {
+  if (split_.wide) sky_.emplace(*split_.wide);
+  if (!plan_.indirect) return;
   indirect_ =
-      std::make_unique<IndirectLight<D>>(volume, std::move(texels.soft), texels.spacing, plan.back,
-                                         settings.seed, kept ? 1 + kept->blocks() : 0);
+      std::make_unique<IndirectLight<D>>(volume_, std::move(texels.soft), texels.spacing,
+                                         plan_.back, settings_.seed, kept ? 1 + kept->blocks() : 0);
   if (texels.photon_count > 0) trace_photons(texels.photons, texels.photon_count);
 }
 
@@ -123,8 +120,18 @@ void SweptBake<D>::add(int blocks, const std::function<bool()>& go_on) {
     }
     stopped = ended();
   }
+  release();
+}
+
+template <int D>
+void SweptBake<D>::add_block(const std::function<void(SideMoments&)>& fill) {
+  indirect_->add_block_by(fill, progress_);
+}
+
+// What only lines look up takes as much memory as the result does.
+template <int D>
+void SweptBake<D>::release() {
   indirect_->release();
-  // What only lines look up takes as much memory as the result does.
   inner_direct_ = {};
   soft_ = {};
   leaf_light_ = {};
@@ -168,6 +175,13 @@ std::string SweptBake<D>::sweep_for_others(int number) {
     throw Error("A block of indirect light needs what its lines look up.");
   }
   return indirect_->sweep_for_others(number, gathered(), progress_);
+}
+
+template <int D>
+std::vector<RadianceGrid<D>> SweptBake<D>::grids() {
+  std::vector<RadianceGrid<D>> grids;
+  grids.push_back(grid());
+  return grids;
 }
 
 template <int D>
@@ -246,10 +260,8 @@ SurroundingsRadiance<D> SweptBake<D>::surroundings() {
     estimator = make_gather_estimator(volume_.tracer, lights_, leaves, *photons_.surroundings);
   }
   const PointSampler<D> sampler{lights_, leaves, photons_.surroundings.get(), false};
-  SurroundingsWork<D> work{refine(volume_.tracer.scene()), surroundings_samples,
-                           indirect_ ? 2.0 : 1.0, settings_.seed};
-  return light_surroundings(volume_.tracer, sampler, estimator.get(), std::move(work), progress_,
-                            rays_);
+  return light_surroundings(volume_.tracer, sampler, estimator.get(), surroundings_samples,
+                            settings_.seed, progress_, rays_);
 }
 
 template <int D>
@@ -277,7 +289,8 @@ std::vector<Rgb> SweptBake<D>::soft_of_photons(bool inner) const {
 
 template <int D>
 std::vector<Rgb> SweptBake<D>::direct_at(const TexelLattice<D>& lattice, bool inner) const {
-  std::vector<Rgb> found(lattice.active.size());
+  std::vector<Rgb> found(lattice.active.size(), Rgb(0));
+  if (inner && !direct_->has_inner()) return found;
   const Field<D>& field = volume_.volume().field;
   parallel_range(found.size(), 1024, 0, progress_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) {
@@ -422,7 +435,8 @@ void SweptBake<D>::measure_errors(const std::vector<Average>& direct,
     error.noise = exposure2 * deviation * deviation;
     // What is beyond white does not count.
     if (colour * settings_.exposure > 1) error = {};
-    errors_.add(of.leaf_coordinate(h), shading_gradient(of.field, at).length(), error);
+    const double area = static_cast<double>(step) * shading_gradient(of.field, at).length();
+    errors_.add(of.leaf_coordinate(h), area, error);
   }
 }
 

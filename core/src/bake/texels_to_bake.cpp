@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "leaflight/bake/texels_to_bake.h"
 
-#include "leaflight/math/error.h"
-
 namespace leaflight {
 namespace {
 
@@ -28,6 +26,8 @@ TexelLattice<D> lattice_of(const Volume<D>& volume, const IsovalueWindow& leaves
   return make_lattice(field, resolution, window.min, window.max, &considered);
 }
 
+}  // namespace
+
 template <int D>
 Error nothing_to_bake(const Scene<D>& scene) {
   for (const Volume<D>& volume : scene.volumes) {
@@ -39,8 +39,6 @@ Error nothing_to_bake(const Scene<D>& scene) {
   }
   return Error("No isosurface of the isovalue window passes through the volume; widen the window.");
 }
-
-}  // namespace
 
 template <int D>
 std::vector<TexelLattice<D>> texels_to_bake(const Scene<D>& scene, const BakeSettings<D>& settings,
@@ -71,6 +69,8 @@ std::optional<StrewnSamples<D>> strewn_samples(const Scene<D>& scene,
   return strewn;
 }
 
+template Error nothing_to_bake(const Scene<2>&);
+template Error nothing_to_bake(const Scene<3>&);
 template std::vector<TexelLattice<2>> texels_to_bake(const Scene<2>&, const BakeSettings<2>&,
                                                      const Plan&);
 template std::vector<TexelLattice<3>> texels_to_bake(const Scene<3>&, const BakeSettings<3>&,

@@ -380,8 +380,8 @@ LargeArray<Value> turned(const Field<D>& field, const Value* values) {
 
 template <int D>
 VisibilitySweep<D>::VisibilitySweep(const SceneTracer<D>& tracer, int volume,
-                                    const TexelLattice<D>& nodes)
-    : tracer_(tracer), volume_(volume), nodes_(nodes) {
+                                    const TexelLattice<D>& nodes, bool meshes)
+    : tracer_(tracer), volume_(volume), nodes_(nodes), meshes_(meshes) {
   const Field<D>& field = tracer.scene().volumes[volume].field;
   std::visit([&](const auto* values) { turned_ = turned(field, values); }, field.values);
 }
@@ -391,7 +391,8 @@ void VisibilitySweep<D>::run(const LightSource<D>& source, const VisibilityCode&
                              std::vector<std::uint8_t>& found, Progress& progress) const {
   found.assign(nodes_.texels(), 0);
   const bool meshes =
-      source.infinite ? !tracer_.meshes().empty() : meshes_near(tracer_, volume_, &source.position);
+      meshes_ && (source.infinite ? !tracer_.meshes().empty()
+                                  : meshes_near(tracer_, volume_, &source.position));
   const Voxels turned =
       std::visit([](const auto& values) -> Voxels { return values.data(); }, turned_);
   const auto run_along = [&](int axis, int sense) {

@@ -39,8 +39,9 @@ template <int D>
 struct BakeHooks {
   // Is given a whole bake after each round but the last.
   std::function<void(Baked<D>&&)> on_round;
-  // What the bake goes on with, of the same scene and settings but for the error and the time.
-  const KeptLight<D>* kept = nullptr;
+  // What the bake goes on with, of each volume, of the same scene and settings but for the error
+  // and the time.
+  const std::vector<KeptLight<D>>* kept = nullptr;
   const Checkpoints* checkpoints = nullptr;
   const BlockWorkers* workers = nullptr;
 };

@@ -22,13 +22,14 @@ IsosurfacePoint<D> isosurface_point(const Field<D>& field, const Vec<D>& index_p
 
 // Direct light of a scene's light points at any point of any leaf of a volume, computed where it is
 // shown: the cosine and the distance are those of the point itself. For each texel and light point
-// it keeps the greatest value of the field on the way, which tells whether the leaf of any isovalue
+// it keeps the greatest value on the way, which tells whether the leaf of any isovalue
 // throws a shadow there (for inner sides the least value). Nothing of it is averaged or random.
 template <int D>
 class DirectLight {
  public:
-  // Of a volume by its number; `resolution`: of the maps; `inner`: of the inner sides, too. The
-  // result is the same for any number of threads. Throws Cancelled.
+  // Of a volume by its number; `resolution`: of the maps; `inner`: of the inner sides, too, which
+  // needs the scene's only volume. The result is the same for any number of threads. Throws
+  // Cancelled.
   DirectLight(const SceneTracer<D>& tracer, int volume, const std::vector<LightPoint<D>>& points,
               const Index<D>& resolution, bool inner, Progress& progress);
 

@@ -24,6 +24,8 @@ class IndirectLight {
   // One block of directions, given what lines meet; all blocks that are averaged have as many.
   void add_block(const GatheredRadiance<D>& from, Progress& progress,
                  std::atomic<std::uint64_t>& lines, int directions = directions_per_block);
+  // One of which fill() makes the open sums.
+  void add_block_by(const std::function<void(SideMoments&)>& fill, Progress& progress);
   // One that a sweeper has swept, as block_bytes(); its number is next_block().
   void add_block_of_others(const std::string& bytes, Progress& progress,
                            std::atomic<std::uint64_t>& lines);

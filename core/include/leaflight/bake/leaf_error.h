@@ -36,6 +36,12 @@ class LeafErrors {
     }
   }
 
+  // Those of the same window.
+  void add(const LeafErrors& other) {
+    all_.add(other.all_);
+    for (int i = 0; i < parts; ++i) parts_[i].add(other.parts_[i]);
+  }
+
   LeafError all() const { return all_.mean(); }
   // Of the parts that hold enough area to tell.
   WorstLeaf worst() const {
@@ -56,6 +62,11 @@ class LeafErrors {
     LeafError error;
     double area = 0;
 
+    void add(const Sum& other) {
+      area += other.area;
+      error.noise += other.error.noise;
+      error.texture += other.error.texture;
+    }
     LeafError mean() const {
       if (!(area > 0)) return {};
       // Products of independent halves may be negative, even on average.

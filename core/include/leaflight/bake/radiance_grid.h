@@ -75,6 +75,10 @@ struct ShownGrid {
   ShownGrid(const RadianceGrid<D>& baked, const DirectLight<D>* scaled, const Vec<3, float>& factor)
       : grid(baked), direct(scaled), indirect(factor) {}
 
+  // Of one side; null: its texels hold all that is known.
+  const DirectLight<D>* direct_of(bool back) const {
+    return direct && (!back || direct->has_inner()) ? direct : nullptr;
+  }
   // What radiance_indirect says, at these strengths.
   Vec<3, float> scaled(const Vec<3, float>& light, const Field<D>& field,
                        const Vec<D>& index_position) const;

@@ -17,9 +17,11 @@ template <int D>
 RoundsResolutions<D> rounds_resolutions(const Field<D>& field, const IsovalueWindow& window,
                                         const BakeSettings<D>& settings);
 
-// Where it does.
+// Where it does, by lines or by rays.
 template <int D>
 SweptTexels<D> rounds_texels(const SweptVolume<D>& volume, const BakeSettings<D>& settings);
+template <int D>
+SweptTexels<D> ray_texels(const SweptVolume<D>& volume, const BakeSettings<D>& settings);
 
 // Where its first picture does; resolution: of the texels of the result.
 template <int D>

@@ -3,15 +3,13 @@
 
 #include <memory>
 
-#include "leaflight/bake/direct_light.h"
 #include "leaflight/bake/filtered_light.h"
 #include "leaflight/bake/indirect_light.h"
+#include "leaflight/bake/integrator.h"
 #include "leaflight/bake/kept_light.h"
-#include "leaflight/bake/leaf_error.h"
 #include "leaflight/bake/leaf_light.h"
+#include "leaflight/bake/lit_scene.h"
 #include "leaflight/bake/photon_caches.h"
-#include "leaflight/bake/radiance_grid.h"
-#include "leaflight/bake/surroundings_radiance.h"
 
 namespace leaflight {
 
@@ -26,45 +24,42 @@ struct SweptTexels {
 };
 
 // One volume's bake by sweeps, from nothing, or from what others have kept, to any number of blocks
-// of indirect light, beside direct light, which is exact. What is asked for at any time is a whole
-// bake.
+// of indirect light, beside direct light, which is exact.
 template <int D>
-class SweptBake {
+class SweptBake final : public Integrator<D> {
  public:
-  // `direct`: of the points of `split`. `kept`: of the same texels and settings; null: nothing.
-  // `workers`: who sweeps blocks; null: nobody else.
-  SweptBake(const SweptVolume<D>& volume, const LightSampler<D>& lights, const SplitLight<D>& split,
-            std::shared_ptr<const DirectLight<D>> direct, const BakeSettings<D>& settings,
-            const Plan& plan, Progress& progress, std::atomic<std::uint64_t>& rays,
-            SweptTexels<D> texels, const KeptLight<D>* kept = nullptr,
-            const BlockWorkers* workers = nullptr);
+  // `volume`: its number. `kept`: of the same texels and settings; null: nothing. `workers`: who
+  // sweeps blocks; null: nobody else.
+  SweptBake(LitScene<D>& scene, std::size_t volume, SweptTexels<D> texels,
+            const KeptLight<D>* kept = nullptr, const BlockWorkers* workers = nullptr);
 
-  // Sweeps more blocks, at most so many: go_on(), if given, is called after each of them, and after
-  // each bounce before them.
-  void add(int blocks, const std::function<bool()>& go_on = {});
-  // Its state, as it is whenever go_on() is called. An add() that was interrupted goes on with one
-  // of the blocks that are missing then.
-  void keep(Keeper& keeper);
+  void add(int blocks, const std::function<bool()>& go_on = {}) override;
+  void keep(Keeper& keeper) override;
   // What lines of indirect light look up, from a bake to the one of a sweeper (block_sweeper.h).
   void keep_looked_up(Keeper& keeper);
+  // Another block, of which fill() makes the open sums, instead of lines.
+  void add_block(const std::function<void(SideMoments&)>& fill);
+  // Frees what only blocks need.
+  void release();
+  // Exact direct light at the texels of a lattice; none of a side whose maps are not known.
+  std::vector<Rgb> direct_at(const TexelLattice<D>& lattice, bool inner) const;
   // A block for another bake that has asked for it, as block_bytes().
   std::string sweep_for_others(int number);
-  // With those that were kept.
-  int blocks() const { return indirect_ ? indirect_->blocks() + (kept_ ? kept_->blocks() : 0) : 0; }
-  // Of a block, in points of lines.
-  double cost() const { return indirect_ ? indirect_->cost() : 0; }
+  int blocks() const override {
+    return indirect_ ? indirect_->blocks() + (kept_ ? kept_->blocks() : 0) : 0;
+  }
+  // In points of lines.
+  double cost() const override { return indirect_ ? indirect_->cost() : 0; }
 
   RadianceGrid<D> grid();
-  // Of what grid() found: noise by the standard errors of the texels, what they miss estimated from
-  // their neighbours.
-  const LeafErrors& errors() const { return errors_; }
+  std::vector<RadianceGrid<D>> grids() override;
+  const LeafErrors& errors() const override { return errors_; }
 
-  SurroundingsRadiance<D> surroundings();
+  SurroundingsRadiance<D> surroundings() override;
 
  private:
   void trace_photons(const TexelLattice<D>& texels, std::uint64_t count);
   void keep_soft(Keeper& keeper);
-  std::vector<Rgb> direct_at(const TexelLattice<D>& lattice, bool inner) const;
   std::vector<Average> direct_averages(bool inner);
   std::vector<Rgb> soft_of_photons(bool inner) const;
   void learn_soft();

@@ -35,8 +35,9 @@ struct VisibilityCode {
 template <int D>
 class VisibilitySweep {
  public:
-  // All that is given must outlive it.
-  VisibilitySweep(const SceneTracer<D>& tracer, int volume, const TexelLattice<D>& nodes);
+  // `meshes`: whether the surroundings end the way. All that is given must outlive it.
+  VisibilitySweep(const SceneTracer<D>& tracer, int volume, const TexelLattice<D>& nodes,
+                  bool meshes = true);
 
   // From a point of light, into as many codes as there are nodes.
   void run(const LightSource<D>& source, const VisibilityCode& code,
@@ -46,6 +47,7 @@ class VisibilitySweep {
   const SceneTracer<D>& tracer_;
   int volume_;
   const TexelLattice<D>& nodes_;
+  bool meshes_;
   // The field's values, axis 0 slowest, so that its planes lie together.
   std::variant<LargeArray<float>, LargeArray<std::uint8_t>, LargeArray<std::int16_t>,
                LargeArray<std::uint16_t>>

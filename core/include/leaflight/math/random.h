@@ -44,7 +44,8 @@ enum class Purpose : std::uint64_t {
   sample_position,
   scattered,
   gather_sweep = 10,  // no number is used again
-  noise
+  noise,
+  ray_block
 };
 
 inline Random random_for(std::uint64_t seed, Purpose purpose, std::uint64_t index) {

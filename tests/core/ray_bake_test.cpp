@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Bakes in rounds of rays: of several volumes, beside mirrors, of glass.
+#include "leaflight/bake/ray_bake.h"
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "leaflight/math/error.h"
+#include "whole_rounds.h"
+
+namespace leaflight {
+namespace {
+
+using test::kept_of;
+using test::same_bits;
+using test::stopped_after;
+
+// Two balls that overlap, of which the upper one throws a shadow on the lower one.
+Scene<3> two_balls() {
+  Scene<3> scene = test::cornell(test::ball<3>(17), {0.6, 0.9});
+  scene.volumes.push_back(scene.volumes[0]);
+  scene.volumes[1].name = "other";
+  scene.volumes[1].field.index_to_world.origin += Vec3(0.3, 0, 0.3);
+  scene.volumes[1].field.world_to_index = inverse(scene.volumes[1].field.index_to_world);
+  return scene;
+}
+
+Scene<3> beside_a_mirror() {
+  Scene<3> scene = test::cornell(test::ball<3>(17), {0.6, 0.9});
+  scene.meshes[0].scattering = Scattering::mirror;
+  return scene;
+}
+
+Scene<3> of_glass() {
+  Scene<3> scene = test::cornell(test::ball<3>(17), {0.6, 0.9});
+  scene.volumes[0].scattering = Scattering::glass;
+  return scene;
+}
+
+BakeSettings<3> by_rays(double error = 3) {
+  BakeSettings<3> settings = test::in_rounds(error);
+  settings.resolution = {17, 17, 17};
+  return settings;
+}
+
+void expect_same(const Baked<3>& a, const Baked<3>& b) {
+  ASSERT_EQ(a.grids.size(), b.grids.size());
+  for (std::size_t v = 0; v < a.grids.size(); ++v) {
+    EXPECT_TRUE(same_bits(a.grids[v], b.grids[v]));
+  }
+  ASSERT_EQ(a.surroundings.radiance.size(), b.surroundings.radiance.size());
+  for (std::size_t m = 0; m < a.surroundings.radiance.size(); ++m) {
+    EXPECT_TRUE(same_bits(a.surroundings.radiance[m][0], b.surroundings.radiance[m][0]));
+  }
+}
+
+TEST(RayBake, IsTheSameForAnyNumberOfThreads) {
+  for (const Scene<3>& scene : {two_balls(), beside_a_mirror()}) {
+    BakeSettings<3> settings = by_rays(20);
+    settings.both_sides = true;
+    std::vector<Baked<3>> bakes;
+    for (const int threads : {1, 3}) {
+      settings.threads = threads;
+      Progress progress;
+      bakes.push_back(bake(scene, settings, progress));
+    }
+    expect_same(bakes[0], bakes[1]);
+    EXPECT_GT(bakes[0].statistics.blocks, 0);
+    EXPECT_GT(bakes[0].statistics.error_percent, 0);
+  }
+}
+
+TEST(RayBake, GoesOnFromACheckpointWithTheSameBits) {
+  for (const Scene<3>& scene : {two_balls(), of_glass()}) {
+    BakeSettings<3> settings = by_rays(20);
+    settings.surroundings = true;
+    settings.resolution = {9, 9, 9};
+    std::string state;
+    Checkpoints leaves{0, [&](const Checkpoints::Write& write) {
+                         std::ostringstream stream;
+                         write(stream);
+                         if (state.empty()) state = stream.str();
+                       }};
+    BakeHooks<3> hooks;
+    hooks.checkpoints = &leaves;
+    Progress progress;
+    const Baked<3> whole = bake<3>(scene, settings, progress, hooks);
+    ASSERT_FALSE(state.empty());
+    std::istringstream stream(state);
+    Checkpoints from;
+    from.from = &stream;
+    hooks.checkpoints = &from;
+    const Baked<3> resumed = bake<3>(scene, settings, progress, hooks);
+    expect_same(whole, resumed);
+    EXPECT_EQ(whole.statistics.blocks, resumed.statistics.blocks);
+    EXPECT_EQ(whole.statistics.rounds, resumed.statistics.rounds);
+  }
+}
+
+TEST(RayBake, ContinuesSeveralVolumes) {
+  const Scene<3> scene = two_balls();
+  BakeSettings<3> settings = by_rays(1e-3);
+  const Baked<3> first = stopped_after(1, scene, settings);
+  EXPECT_TRUE(first.statistics.stopped);
+  const std::vector<KeptLight<3>> kept = kept_of(first);
+  const Baked<3> continued = stopped_after(1, scene, settings, &kept);
+  EXPECT_EQ(continued.statistics.rounds, 2);
+  EXPECT_EQ(continued.statistics.blocks, 2 * first.statistics.blocks);
+  EXPECT_LT(continued.statistics.noise_percent, first.statistics.noise_percent);
+}
+
+TEST(RayBake, ShadowsOfOtherVolumesAreThoseOfRays) {
+  const Scene<3> scene = two_balls();
+  const SceneTracer<3> tracer(scene);
+  const SplitLight<3> split = split_light(tracer);
+  Progress progress;
+  int dark = 0, agree = 0, all = 0;
+  for (const int volume : {0, 1}) {
+    const Field<3>& field = scene.volumes[volume].field;
+    const DirectLight<3> direct(tracer, volume, split.points, field.dims, false, progress);
+    const double c = 0.7;
+    for (const Vec3& x : test::leaf_points(field, c, 10)) {
+      const Vec3 index = field.world_to_index.point(x);
+      const SurfacePoint<3> point = tracer.leaf_point(volume, locate(field, index), c, false);
+      const TexelWeights<3> near = linear_weights(direct.lattice(), index);
+      const VisibilityCode code{scene.window, false};
+      for (std::size_t i = 0; i < direct.points(); ++i) {
+        const LightSource<3>& source = direct.point(i).source;
+        if ((source.position - point.position).dot(point.geometric_normal) <= 0) continue;
+        const bool hidden = tracer.occluded(point, source.position, source.normal);
+        dark += hidden;
+        agree += hidden == (direct.greatest(i, near, false) >= code(c));
+        ++all;
+      }
+    }
+  }
+  EXPECT_GT(dark, all / 50);
+  EXPECT_GT(agree, 0.95 * all);
+}
+
+TEST(RayBake, AgreesWithThePathTracer) {
+  if (test::sanitized) GTEST_SKIP() << "statistics are for other builds";
+  const struct {
+    const char* name;
+    Scene<3> scene;
+  } cases[] = {{"two balls", two_balls()}, {"beside a mirror", beside_a_mirror()}};
+  for (const auto& [name, scene] : cases) {
+    const std::vector<Vec3> points = test::leaf_points(scene.volumes[0].field, 0.7, 40);
+    Progress progress;
+    const auto truth =
+        reference_radiance(scene, points, test::reference_settings(0.7, 1024, 5), progress);
+    const Baked<3> baked = bake(scene, by_rays(1.5), progress);
+    const test::Agreement agreement = test::compare(points.size(), truth, [&](std::size_t i) {
+      return test::lookup_world(scene, baked, points[i]);
+    });
+    EXPECT_NEAR(agreement.mean_ratio, 1, 0.03) << name;
+    EXPECT_LT(agreement.relative_rms, 0.1) << name;
+  }
+}
+
+}  // namespace
+}  // namespace leaflight

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Several volumes, mirrors and glass, baked by rays: to an error, in a time, and on from there."""
+
+from dataclasses import replace
+
+import leaflight
+import numpy as np
+import pytest
+from leaflight import Cancelled, Progress, lapr, load_bake, resume
+from leaflight.bake.checkpoint import Checkpoint
+from leaflight.bake.outcome import outcome
+
+UNREACHED = 1e-3
+
+
+@pytest.fixture
+def two(lapr_scene):
+    """bake(**settings) of two volumes of 10^3 nodes."""
+
+    def bake(**settings):
+        return leaflight.bake(list(lapr(10)), lapr_scene, **settings)
+
+    return bake
+
+
+@pytest.fixture
+def mirror(root):
+    """bake(**settings) of the bump box with 8^3 nodes beside a mirror."""
+    scene = leaflight.load_scene(root / "scenes" / "mirror.json")
+
+    def bake(**settings):
+        return leaflight.bake(leaflight.bump_box(8), scene, isovalues=(30.0, 70.0), **settings)
+
+    return bake
+
+
+@pytest.fixture
+def glass(root):
+    """bake(**settings) of the light that glass throws on a floor."""
+    scene = leaflight.load_scene(root / "scenes" / "glass_leaf.json")
+
+    def bake(**settings):
+        settings = {"surroundings": True, **settings}
+        return leaflight.bake(leaflight.bump_box(8), scene, isovalues=(30.0, 70.0), **settings)
+
+    return bake
+
+
+def assert_same_light(one, other):
+    assert one.id == other.id
+    for a, b in zip(one.grids, other.grids):
+        for name in ("radiance", "radiance_indirect", "radiance_error"):
+            assert a.dense(name).tobytes() == b.dense(name).tobytes()
+
+
+def test_an_error_is_reached_in_rounds(two, mirror):
+    for bake in (two, mirror):
+        seen = []
+        baked = bake(error=4.0, on_round=seen.append)
+        assert 0 < baked.statistics["estimated_error_percent"] < 4.0
+        assert not baked.statistics["stopped"] and int(baked.metadata["blocks"]) >= 4
+        assert len(seen) == baked.statistics["rounds"] - 1
+        assert "4 % was asked for" in outcome(baked)
+
+
+def test_a_glass_isosurface_has_the_error_of_its_surroundings(glass):
+    baked = glass(error=20.0)
+    assert 0 < baked.statistics["estimated_error_percent"] < 20
+    assert baked.surroundings.radiance(0, 50.0).mean() > 0.01
+    late = glass(error=UNREACHED, time=1e-9)
+    assert late.statistics["stopped"] and "was not reached" in outcome(late)
+
+
+def test_the_time_ends_it(two):
+    baked = two(error=UNREACHED, time=1e-9)
+    assert baked.statistics["stopped"] and baked.statistics["rounds"] == 1
+    assert baked.surface(0.5).radiance.mean() > 0.01
+
+
+def test_an_interrupted_bake_goes_on_with_the_same_bits(mirror, two, tmp_path):
+    for number, bake in enumerate((two, mirror)):
+        checkpoint = Checkpoint(tmp_path / str(number), seconds=0.0)
+        progress = Progress()
+        with pytest.raises(Cancelled):
+            bake(
+                error=2.0,
+                threads=1,
+                checkpoint=checkpoint,
+                on_round=lambda _: progress.cancel(),
+                progress=progress,
+            )
+        resumed = bake(error=2.0, threads=2, checkpoint=replace(checkpoint, resume=True))
+        assert_same_light(resumed, bake(error=2.0))
+
+
+def test_it_is_continued_from_its_file(two, tmp_path):
+    first = two(error=UNREACHED, time=1e-9)
+    first.save(tmp_path / "first.vdb")
+    loaded = load_bake(tmp_path / "first.vdb")
+    points = first.surface(0.5, 1).vertices
+    np.testing.assert_allclose(
+        loaded.radiance(points, 1), first.radiance(points, 1), rtol=2**-9, atol=1e-5
+    )
+    more = [resume(one, error=2.0) for one in (first, loaded)]
+    assert_same_light(*more)
+    was, now = (one.statistics["estimated_error_percent"] for one in (first, more[0]))
+    assert now < was and int(more[0].metadata["blocks"]) > int(first.metadata["blocks"])
+
+
+def test_lamps_of_several_volumes_are_relit(two):
+    baked = two(error=20.0)
+    lamp = baked.scene.lights[0].name
+    points = baked.surface(0.5).vertices
+    np.testing.assert_allclose(
+        baked.relit({lamp: 2}).radiance(points), 2 * baked.radiance(points), rtol=1e-3
+    )
