@@ -13,7 +13,8 @@ SurroundingsRadiance<D> light_surroundings(const SceneTracer<D>& tracer,
                                            const IndirectEstimator<D>* estimator, int samples,
                                            std::uint64_t seed, Progress& progress,
                                            std::atomic<std::uint64_t>& rays) {
-  const LightSampler<D> wide(tracer, split_light(tracer));
+  const SplitLight<D> split = split_light(tracer);  // the sampler refers to it
+  const LightSampler<D> wide(tracer, split);
   const PointSampler<D> but_points{wide, sampler.leaves, sampler.surroundings, sampler.caustics};
   WallLight<D> walls(tracer);
   const int half = std::max(1, samples / 2);
