@@ -14,7 +14,7 @@ using test::ball;
 using test::noise;
 
 template <int D>
-double value_at(const Field<D>& field, const Vec<D>& index) {
+double clamped_value(const Field<D>& field, const Vec<D>& index) {
   const CellPoint<D> p = locate(field, index);
   return interpolate(load_corners(field, p.cell), p.local);
 }
@@ -38,7 +38,7 @@ double marched(const Field<D>& field, const LeafRay<D>& ray, double step) {
       if (known) return -1;
       continue;
     }
-    const bool now = value_at(field, p) >= ray.isovalue;
+    const bool now = clamped_value(field, p) >= ray.isovalue;
     if (known && now != above) return t;
     known = true;
     above = now;
@@ -60,7 +60,7 @@ void expect_agreement_with_marching(const Field<D>& field, double c, double step
     if (hit) {
       ++hits;
       // The hit lies on the leaf, wherever it is.
-      EXPECT_NEAR(value_at(field, ray.position + ray.direction * hit->t), c, 1e-9);
+      EXPECT_NEAR(clamped_value(field, ray.position + ray.direction * hit->t), c, 1e-9);
     }
     // Marching may step over a sliver; it never sees a crossing that is not there.
     const bool agrees = expected < 0 ? !hit || marched(field, ray, step / 64) >= 0
@@ -86,7 +86,7 @@ TEST(LeafRay, AgreesWithMarchingOnSmoothField) {
 template <int D>
 void expect_watertight(const Field<D>& field, double c, const Vec<D>& from, int rays) {
   Random random(3);
-  const bool above = value_at(field, from) >= c;
+  const bool above = clamped_value(field, from) >= c;
   ASSERT_TRUE(above);
   for (int i = 0; i < rays; ++i) {
     LeafRay<D> ray;
@@ -113,7 +113,7 @@ TEST(LeafRay, NoisyClosedLeafHoldsRays) {
     for (int a = 0; a < 3; ++a) ray.position[a] = 11 * random.uniform();
     ray.isovalue = 0.5;
     ray.direction = test::random_direction(random);
-    if (value_at(field, ray.position) < 0.5) continue;
+    if (clamped_value(field, ray.position) < 0.5) continue;
     ++started;
     ASSERT_TRUE(intersect(field, ray));
   }

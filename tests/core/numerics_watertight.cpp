@@ -12,11 +12,6 @@ Scene<3> displaced(Field<3> field) {
                         Rgb(1), {0, 1});
 }
 
-double value_at(const Field<3>& field, const Vec3& index) {
-  const CellPoint<3> p = locate(field, index);
-  return interpolate(load_corners(field, p.cell), p.local);
-}
-
 // To anywhere, a point of a face, an edge or a corner of the grid: where cells meet, rays leak
 // through cracks.
 Vec3 target(Random& random, int voxels) {

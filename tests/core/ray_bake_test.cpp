@@ -16,13 +16,22 @@ using test::kept_of;
 using test::same_bits;
 using test::stopped_after;
 
-// Two balls that overlap, of which the upper one throws a shadow on the lower one.
-Scene<3> two_balls() {
-  Scene<3> scene = test::cornell(test::ball<3>(17), {0.6, 0.9});
+// Two balls in boxes that overlap. The upper ball throws a shadow on the lower one.
+Scene<3> two_balls(int voxels = 17) {
+  Scene<3> scene = test::cornell(test::ball<3>(voxels), {0.6, 0.9});
   scene.volumes.push_back(scene.volumes[0]);
   scene.volumes[1].name = "other";
   scene.volumes[1].field.index_to_world.origin += Vec3(0.3, 0, 0.3);
   scene.volumes[1].field.world_to_index = inverse(scene.volumes[1].field.index_to_world);
+  return scene;
+}
+
+// Of which neither is whole.
+Scene<3> merged_balls() {
+  Scene<3> scene = two_balls(33);
+  Field<3>& field = scene.volumes[1].field;
+  field.index_to_world.origin -= Vec3(0.2, 0, 0.2);
+  field.world_to_index = inverse(field.index_to_world);
   return scene;
 }
 
@@ -35,6 +44,12 @@ Scene<3> beside_a_mirror() {
 Scene<3> of_glass() {
   Scene<3> scene = test::cornell(test::ball<3>(17), {0.6, 0.9});
   scene.volumes[0].scattering = Scattering::glass;
+  return scene;
+}
+
+// Lighting walls at all nodes takes most of the time.
+Scene<3> with_one_wall(Scene<3> scene) {
+  scene.meshes.resize(1);
   return scene;
 }
 
@@ -72,7 +87,7 @@ TEST(RayBake, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(RayBake, GoesOnFromACheckpointWithTheSameBits) {
-  for (const Scene<3>& scene : {two_balls(), of_glass()}) {
+  for (const Scene<3>& scene : {with_one_wall(two_balls()), with_one_wall(of_glass())}) {
     BakeSettings<3> settings = by_rays(20);
     settings.surroundings = true;
     settings.resolution = {9, 9, 9};
@@ -110,6 +125,36 @@ TEST(RayBake, ContinuesSeveralVolumes) {
   EXPECT_LT(continued.statistics.noise_percent, first.statistics.noise_percent);
 }
 
+TEST(RayBake, ContinuesWallsAsOneBake) {
+  const Scene<3> scene = with_one_wall(two_balls());
+  BakeSettings<3> settings = by_rays(1e-3);
+  settings.surroundings = true;
+  settings.resolution = {9, 9, 9};
+  const Baked<3> first = stopped_after(1, scene, settings);
+  const std::vector<KeptLight<3>> kept = kept_of(first);
+  const Baked<3> continued = stopped_after(1, scene, settings, &kept);
+  const Baked<3> whole = stopped_after(2, scene, settings);
+  ASSERT_EQ(continued.statistics.blocks, whole.statistics.blocks);
+  const auto& walls = whole.surroundings.radiance;
+  EXPECT_TRUE(same_bits(continued.surroundings.radiance[0][0], walls[0][0]));
+}
+
+TEST(RayBake, PointsWithinAnotherVolumeAreCovered) {
+  const Scene<3> scene = merged_balls();
+  const SceneTracer<3> tracer(scene);
+  const Field<3>& field = scene.volumes[0].field;
+  const Field<3>& other = scene.volumes[1].field;
+  int covered = 0, all = 0;
+  for (const Vec3& x : test::leaf_points(field, 0.7, 200)) {
+    const bool inside = value_at(other, other.world_to_index.point(x)) >= 0.7;
+    EXPECT_EQ(tracer.is_covered(0, tracer.frame().point(x), 0.7), inside);
+    covered += inside;
+    ++all;
+  }
+  EXPECT_GT(covered, all / 20);
+  EXPECT_LT(covered, all / 2);
+}
+
 TEST(RayBake, ShadowsOfOtherVolumesAreThoseOfRays) {
   const Scene<3> scene = two_balls();
   const SceneTracer<3> tracer(scene);
@@ -144,13 +189,23 @@ TEST(RayBake, AgreesWithThePathTracer) {
   const struct {
     const char* name;
     Scene<3> scene;
-  } cases[] = {{"two balls", two_balls()}, {"beside a mirror", beside_a_mirror()}};
-  for (const auto& [name, scene] : cases) {
-    const std::vector<Vec3> points = test::leaf_points(scene.volumes[0].field, 0.7, 40);
+    double error;
+  } cases[] = {{"two balls", two_balls(), 1.5},
+               {"merged balls", merged_balls(), 0.7},
+               {"beside a mirror", beside_a_mirror(), 1.5}};
+  for (const auto& [name, scene, error] : cases) {
+    const SceneTracer<3> tracer(scene);
+    const Field<3>& field = scene.volumes[0].field;
+    std::vector<Vec3> points;
+    for (const Vec3& x : test::leaf_points(field, 0.7, 60)) {
+      if (!tracer.is_covered(0, tracer.frame().point(x), 0.7)) points.push_back(x);
+    }
     Progress progress;
     const auto truth =
         reference_radiance(scene, points, test::reference_settings(0.7, 1024, 5), progress);
-    const Baked<3> baked = bake(scene, by_rays(1.5), progress);
+    BakeSettings<3> settings = by_rays(error);
+    settings.resolution = field.dims;
+    const Baked<3> baked = bake(scene, settings, progress);
     const test::Agreement agreement = test::compare(points.size(), truth, [&](std::size_t i) {
       return test::lookup_world(scene, baked, points[i]);
     });

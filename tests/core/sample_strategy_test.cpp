@@ -28,12 +28,6 @@ Field<D> bumps(int n) {
 }
 
 template <int D>
-double value_at(const Field<D>& field, const Vec<D>& position) {
-  const CellPoint<D> point = locate(field, position);
-  return interpolate(load_corners(field, point.cell), point.local);
-}
-
-template <int D>
 std::vector<Vec<D>> positions(const Field<D>& field, SampleStrategy strategy, std::size_t n,
                               std::uint64_t seed = 1) {
   SampleSettings settings;

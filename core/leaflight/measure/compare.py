@@ -31,7 +31,8 @@ def compare(
     `isovalue` is the leaf coordinate, as everywhere in a Bake.
 
     The points are distributed by area over the marching-cubes triangles; the bake is looked up
-    where the mesh is, the core's reference is traced from the leaf itself. Returns a dict with
+    where the mesh is, the core's reference is traced from the leaf itself. Points inside another
+    volume's isosurface do not count. Returns a dict with
 
     rms_percent              RMS error of the colours in percent (thesis Eq. 4.11, corrected: a
                              colour is radiance times exposure, clamped to 0..1)

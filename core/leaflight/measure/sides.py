@@ -4,6 +4,8 @@
 isovalue always is the leaf coordinate. spp: paths a point; seed, threads, progress: see bake.py.
 """
 
+from dataclasses import replace
+
 import leaflight._core as _core
 import numpy as np
 
@@ -52,12 +54,27 @@ class LeafSide:
         radiance, _ = self.bake.reference(
             on_leaf, self.isovalue, -(-spp // passes), seed, threads, progress, **self.where
         )
-        return _of_passes(on_mesh, radiance, passes)
+        return self._of_visible(_of_passes(on_mesh, radiance, passes))
 
     def by_cycles(self, count, spp, seed, threads, progress):
         """The Truth of Cycles at about so many random points."""
         work = {"seed": seed, "threads": threads, "progress": progress}
-        return _by_cycles(self.bake, self.isovalue, count, spp, **self.where, **work)
+        return self._of_visible(
+            _by_cycles(self.bake, self.isovalue, count, spp, **self.where, **work)
+        )
+
+    def _of_visible(self, truth):
+        """The same; points inside another volume's isosurface, which nobody sees, have no weight."""
+        weights = truth.weights.copy()
+        for other, look in enumerate(self.bake.scene.leaves):
+            if other != self.where["volume"] and look.scattering != "glass":
+                values = self.bake.volumes[other].field().sample(truth.points)
+                weights[values >= self.bake.isovalue_of(other, self.isovalue)] = 0
+        if not weights.any():
+            raise LeaflightError(
+                f"Isovalue {self.isovalue:g} lies inside another volume; choose another one."
+            )
+        return replace(truth, weights=weights)
 
     def baked(self, points):
         return self.bake.radiance(points, **self.where)

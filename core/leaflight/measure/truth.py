@@ -104,8 +104,8 @@ def errors_of(radiance, truth, exposure, mask=None):
 
     A dict of points and the six figures that compare() documents, None where there are no points.
     """
-    if mask is None:
-        mask = np.ones(len(radiance), dtype=bool)
+    counted = truth.weights > 0
+    mask = counted if mask is None else mask & counted
     if not mask.any():
         return {"points": 0, **dict.fromkeys(FIGURES)}
     own, true = radiance[mask].astype(np.float64), truth.radiance[mask]

@@ -127,18 +127,6 @@ Vec<3, float> lookup(const TexelLattice<D>& lattice, const std::vector<Vec<3, fl
 
 namespace {
 
-// The value of a field at an index position, or NaN outside it.
-template <int D>
-double value_at(const Field<D>& field, const Vec<D>& index_position) {
-  for (int a = 0; a < D; ++a) {
-    if (!(index_position[a] >= 0 && index_position[a] <= field.dims[a] - 1)) {
-      return std::numeric_limits<double>::quiet_NaN();
-    }
-  }
-  const CellPoint<D> at = locate(field, index_position);
-  return interpolate(load_corners(field, at.cell), at.local);
-}
-
 // What lookups of one point read. Where direct light is exact, indirect light is extrapolated from
 // texels in front of the isosurface: half a texel away and three halves. Texels behind it may
 // belong to the other face of a thin shell. Where no baked isosurface passes in front, and where

@@ -6,10 +6,8 @@
 namespace leaflight {
 namespace {
 
-// Of a texel, and of a vertex of the surroundings at a node, in a block.
-constexpr int texel_samples = 4, vertex_samples = 4;
-// Shadow rays of a patch of the surroundings.
-constexpr int wall_samples = 1;
+// Paths of a texel, and of a vertex of the surroundings at a node, in a block.
+constexpr int texel_samples = 1, vertex_samples = 2;
 
 }  // namespace
 
@@ -18,7 +16,6 @@ RayBake<D>::RayBake(LitScene<D>& scene, std::vector<SweptTexels<D>> texels,
                     const std::vector<KeptLight<D>>* kept)
     : scene_(scene),
       wide_(scene.tracer, scene.split),
-      direct_(texels.size()),
       photons_(texels[0].photon_count),
       kept_blocks_(kept ? kept->front().blocks() : 0),
       errors_(scene.tracer.scene().window) {
@@ -45,7 +42,7 @@ double RayBake<D>::cost() const {
   for (std::size_t v = 0; v < stored_.size(); ++v) {
     if (stored_[v]) texels += scene_.sides() * static_cast<double>(lattices_[v].active.size());
   }
-  const double photons = static_cast<double>(photons_) * (scene_.plan.caustics ? 2 : 1);
+  const double photons = scene_.plan.caustics ? static_cast<double>(photons_) : 0;
   return rays_per_photon * photons + texel_samples * texels +
          (walls_ ? vertex_samples * walls_->entries() : 0);
 }
@@ -53,30 +50,37 @@ double RayBake<D>::cost() const {
 template <int D>
 void RayBake<D>::add(int blocks, const std::function<bool()>& go_on) {
   if (!scene_.plan.indirect) return;
+  // A bake that is continued has texels in its file, but no walls.
+  while (walls_ && walls_->blocks() < kept_blocks_) add_block(walls_->blocks(), false);
   for (int i = 0; i < blocks; ++i) {
-    add_block();
+    add_block(kept_blocks_ + blocks_, true);
+    ++blocks_;
     if (go_on && !go_on()) break;
   }
   for (const auto& one : stored_) {
     if (one) one->release();
   }
-  direct_.assign(direct_.size(), {});
 }
 
 template <int D>
-void RayBake<D>::add_block() {
-  const std::uint64_t seed =
-      random_for(scene_.settings.seed, Purpose::ray_block, kept_blocks_ + blocks_).bits();
-  const PhotonCaches<D> photons = trace_photons(seed);
-  const std::vector<LeafRadiance<D>> leaves = looked_up(photons, seed);
+void RayBake<D>::add_block(int number, bool texels) {
+  const std::uint64_t seed = random_for(scene_.settings.seed, Purpose::ray_block, number).bits();
+  PhotonCaches<D> photons;
+  std::vector<LeafRadiance<D>> leaves(stored_.size());
+  if (scene_.plan.caustics) {
+    photons = trace_caustics(seed);
+    for (std::size_t v = 0; v < leaves.size(); ++v) {
+      leaves[v] = {&lattices_[v], photons.leaves[v].get()};
+    }
+  }
+  const CausticPhotons<D> caustics{leaves, photons.surroundings.get()};
   const auto estimator =
-      make_gather_estimator(scene_.tracer, scene_.lights, leaves, *photons.surroundings);
+      make_path_estimator(scene_.tracer, scene_.lights, scene_.plan.caustics ? &caustics : nullptr);
   const auto from = [&](bool inner) {
-    return PointSampler<D>{sampled(inner), leaves, photons.surroundings.get(),
-                           scene_.plan.caustics};
+    return PointSampler<D>{sampled(inner), leaves, caustics.surroundings, scene_.plan.caustics};
   };
   scene_.progress.begin("Indirect light");
-  for (std::size_t v = 0; v < stored_.size(); ++v) {
+  for (std::size_t v = 0; texels && v < stored_.size(); ++v) {
     if (!stored_[v]) continue;
     stored_[v]->add_block([&](SideMoments& moments) {
       for (int side = 0; side < scene_.sides(); ++side) {
@@ -88,54 +92,19 @@ void RayBake<D>::add_block() {
     walls_->add(from(false), estimator.get(), {seed, 0, vertex_samples}, scene_.progress,
                 scene_.rays);
   }
-  ++blocks_;
 }
 
 template <int D>
-PhotonCaches<D> RayBake<D>::trace_photons(std::uint64_t seed) const {
+PhotonCaches<D> RayBake<D>::trace_caustics(std::uint64_t seed) const {
   BakeSettings<D> settings = scene_.settings;
+  settings.estimator = EstimatorName::path;
   settings.seed = seed;
-  settings.photons = settings.caustic_photons = photons_;
-  return trace_into_caches(scene_.tracer, scene_.lights, lattices_, settings, scene_.plan,
-                           wall_samples, scene_.progress, scene_.rays);
-}
-
-template <int D>
-std::vector<LeafRadiance<D>> RayBake<D>::looked_up(const PhotonCaches<D>& photons,
-                                                   std::uint64_t seed) {
-  std::vector<LeafRadiance<D>> leaves(stored_.size());
-  for (std::size_t v = 0; v < stored_.size(); ++v) {
-    leaves[v].lattice = &lattices_[v];
-    leaves[v].photons = photons.leaves[v].get();
-    for (int side = 0; side < scene_.sides() && stored_[v]; ++side) {
-      leaves[v].direct[side] = direct_at_texels(v, side != 0, seed);
-    }
-  }
-  return leaves;
-}
-
-template <int D>
-std::vector<Rgb> RayBake<D>::direct_at_texels(std::size_t volume, bool inner, std::uint64_t seed) {
-  std::vector<Rgb>& exact = direct_[volume][inner];
-  const TexelLattice<D>& lattice = lattices_[volume];
-  if (exact.empty()) exact = stored_[volume]->direct_at(lattice, inner);
-  const LightSampler<D>& lights = sampled(inner);
-  std::vector<Rgb> direct = exact;
-  if (!lights.can_light()) return direct;
-  const PointSampler<D> from{lights, {}, nullptr, false};
-  parallel_range(direct.size(), 256, 0, scene_.progress, [&](std::size_t begin, std::size_t end) {
-    std::uint64_t rays = 0;
-    for (std::size_t s = begin; s < end; ++s) {
-      const std::uint32_t texel = lattice.active[s];
-      const SampleKeys keys = sample_keys(~seed, Purpose::texel, 2 * volume + inner, texel);
-      for_each_texel_sample(scene_.tracer, static_cast<int>(volume), inner, lattice, texel, 1,
-                            keys.position, [&](const SurfacePoint<D>& point, int i) {
-                              direct[s] += from.direct(point, keys, i, rays);
-                            });
-    }
-    scene_.rays += rays;
-  });
-  return direct;
+  settings.caustic_photons = photons_;
+  Plan plan = scene_.plan;
+  plan.photons = false;
+  plan.surroundings_cache = !scene_.tracer.meshes().empty();
+  return trace_into_caches(scene_.tracer, scene_.lights, lattices_, settings, plan, 0,
+                           scene_.progress, scene_.rays);
 }
 
 // Of leaves as if they were white.

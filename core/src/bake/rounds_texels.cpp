@@ -18,7 +18,7 @@ constexpr int widest_texel = 8;
 // Of a block of rays, which has photons of its own.
 constexpr std::uint64_t ray_photons = 100'000;
 // Of soft light where each texel takes rays of its own.
-constexpr std::size_t most_ray_texels = 150'000;
+constexpr std::size_t most_ray_texels = 500'000;
 // Of soft light where a resolution is given; or as many as are given.
 constexpr std::size_t most_given_soft_texels = 500'000;
 // Those of a first picture are so many voxels wide.

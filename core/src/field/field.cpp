@@ -199,6 +199,17 @@ double interpolate(const CellCorners<D>& corners, const Vec<D>& local) {
 }
 
 template <int D>
+double value_at(const Field<D>& field, const Vec<D>& index_position) {
+  for (int a = 0; a < D; ++a) {
+    if (!(index_position[a] >= 0 && index_position[a] <= field.dims[a] - 1)) {
+      return std::numeric_limits<double>::quiet_NaN();
+    }
+  }
+  const CellPoint<D> at = locate(field, index_position);
+  return interpolate(load_corners(field, at.cell), at.local);
+}
+
+template <int D>
 Vec<D> geometric_gradient(const CellCorners<D>& corners, const Vec<D>& local) {
   Vec<D> gradient;
   for (int axis = 0; axis < D; ++axis) {
@@ -246,6 +257,8 @@ template CellPoint<2> locate<2>(const Field<2>&, const Vec<2>&);
 template CellPoint<3> locate<3>(const Field<3>&, const Vec<3>&);
 template double interpolate<2>(const CellCorners<2>&, const Vec<2>&);
 template double interpolate<3>(const CellCorners<3>&, const Vec<3>&);
+template double value_at<2>(const Field<2>&, const Vec<2>&);
+template double value_at<3>(const Field<3>&, const Vec<3>&);
 template Vec<2> geometric_gradient<2>(const CellCorners<2>&, const Vec<2>&);
 template Vec<3> geometric_gradient<3>(const CellCorners<3>&, const Vec<3>&);
 template Vec<2> shading_normal<2>(const Field<2>&, const Vec<2>&);

@@ -131,6 +131,17 @@ SurfacePoint<D> SceneTracer<D>::leaf_point(int volume, const CellPoint<D>& point
 }
 
 template <int D>
+bool SceneTracer<D>::is_covered(int volume, const Vec<D>& position, double c) const {
+  for (std::size_t v = 0; v < fields_.size(); ++v) {
+    const Volume<D>& other = scene_.volumes[v];
+    if (static_cast<int>(v) == volume || other.scattering == Scattering::glass) continue;
+    const double h = value_at(other.field, fields_[v].frame_to_index.point(position));
+    if (h >= other.isovalue(c)) return true;
+  }
+  return false;
+}
+
+template <int D>
 SurfacePoint<D> SceneTracer<D>::facet_point(int mesh_index, int facet, double u, double v,
                                             bool front, double c) const {
   const Mesh<D>& mesh = meshes_[mesh_index];

@@ -65,8 +65,9 @@ Sight<D> look(const SceneTracer<D>& tracer, const SurfacePoint<D>& start, const 
 template <int D>
 class PathEstimator final : public IndirectEstimator<D> {
  public:
-  PathEstimator(const SceneTracer<D>& tracer, const LightSampler<D>& lights)
-      : tracer_(tracer), lights_(lights) {}
+  PathEstimator(const SceneTracer<D>& tracer, const LightSampler<D>& lights,
+                const CausticPhotons<D>* photons)
+      : tracer_(tracer), lights_(lights), photons_(photons) {}
 
   Rgb indirect_radiance(const SurfacePoint<D>& start, const std::array<double, 2>& u,
                         Random& random, std::uint64_t& rays) const override {
@@ -83,13 +84,13 @@ class PathEstimator final : public IndirectEstimator<D> {
       const Sight<D> sight = look<D>(
           tracer_, point, direction, random, rays,
           // Lights are sampled at the diffuse surface, save those seen in mirrors and through
-          // glass.
+          // glass, whose light photons may carry.
           [&](const Vec<D>& origin, const Vec<D>& along, double t, const Sight<D>& way) {
-            if (!way.specular) return;
+            if (!way.specular || photons_) return;
             radiance += throughput * way.throughput * lights_.visible_radiance(origin, along, t);
           },
           [&](const Sight<D>& way) {
-            if (way.point.kind() == HitKind::leaf || way.specular) {
+            if (way.point.kind() == HitKind::leaf || (way.specular && !photons_)) {
               radiance += throughput * way.throughput * way.point.emission;
             }
           });
@@ -100,6 +101,9 @@ class PathEstimator final : public IndirectEstimator<D> {
       const double light_u = random.uniform();
       const std::array<double, 2> on_light{light_u, random.uniform()};
       radiance += throughput * lights_.direct_radiance(point, choice, on_light, rays);
+      if (photons_) {
+        radiance += throughput * caustic_radiance(photons_->leaves, photons_->surroundings, point);
+      }
       sample[0] = random.uniform();
       sample[1] = random.uniform();
     }
@@ -108,6 +112,7 @@ class PathEstimator final : public IndirectEstimator<D> {
  private:
   const SceneTracer<D>& tracer_;
   const LightSampler<D>& lights_;
+  const CausticPhotons<D>* photons_;  // may be null
 };
 
 // Of the radiance that a photons' density of a texel means.
@@ -307,8 +312,9 @@ Rgb albedo_near(const Volume<D>& volume, const Vec<D>& index_position) {
 
 template <int D>
 std::unique_ptr<IndirectEstimator<D>> make_path_estimator(const SceneTracer<D>& tracer,
-                                                          const LightSampler<D>& lights) {
-  return std::make_unique<PathEstimator<D>>(tracer, lights);
+                                                          const LightSampler<D>& lights,
+                                                          const CausticPhotons<D>* photons) {
+  return std::make_unique<PathEstimator<D>>(tracer, lights, photons);
 }
 
 template <int D>
@@ -343,9 +349,11 @@ float caustic_variance(const std::vector<LeafRadiance<D>>& leaves, const LeafTex
 template Rgb albedo_near<2>(const Volume<2>&, const Vec<2>&);
 template Rgb albedo_near<3>(const Volume<3>&, const Vec<3>&);
 template std::unique_ptr<IndirectEstimator<2>> make_path_estimator(const SceneTracer<2>&,
-                                                                   const LightSampler<2>&);
+                                                                   const LightSampler<2>&,
+                                                                   const CausticPhotons<2>*);
 template std::unique_ptr<IndirectEstimator<3>> make_path_estimator(const SceneTracer<3>&,
-                                                                   const LightSampler<3>&);
+                                                                   const LightSampler<3>&,
+                                                                   const CausticPhotons<3>*);
 template std::unique_ptr<IndirectEstimator<2>> make_volumetric_estimator(
     const std::vector<LeafRadiance<2>>&, const SurfaceCache<2>*);
 template std::unique_ptr<IndirectEstimator<3>> make_volumetric_estimator(

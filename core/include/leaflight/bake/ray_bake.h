@@ -7,10 +7,10 @@
 
 namespace leaflight {
 
-// Light of any scene by rays: of several volumes, beside mirrors and glass. Each block traces
-// photons of its own, and a few rays from each texel that look them up, so that blocks are
-// independent in all that is random (progressive photon mapping, Hachisuka et al. 2008). Direct
-// light of points is exact on outer sides; rays sample the rest of it.
+// Light of any scene by paths: of several volumes, beside mirrors and glass. Each block has paths
+// from each texel. Photons carry caustics; each block traces its own, so that blocks are
+// independent (progressive photon mapping, Hachisuka et al. 2008). Direct light of light points is
+// exact on front sides; shadow rays sample the rest.
 template <int D>
 class RayBake final : public Integrator<D> {
  public:
@@ -28,10 +28,8 @@ class RayBake final : public Integrator<D> {
   SurroundingsRadiance<D> surroundings() override { return walls_->radiance(scene_.progress); }
 
  private:
-  void add_block();
-  PhotonCaches<D> trace_photons(std::uint64_t seed) const;
-  std::vector<LeafRadiance<D>> looked_up(const PhotonCaches<D>& photons, std::uint64_t seed);
-  std::vector<Rgb> direct_at_texels(std::size_t volume, bool inner, std::uint64_t seed);
+  void add_block(int number, bool texels);
+  PhotonCaches<D> trace_caustics(std::uint64_t seed) const;
   void gather(std::size_t volume, bool inner, const PointSampler<D>& from,
               const IndirectEstimator<D>& estimator, std::uint64_t seed, TexelMoments& moments);
   // What direct light of a side its maps lack.
@@ -42,9 +40,7 @@ class RayBake final : public Integrator<D> {
   std::vector<Index<D>> shown_;
   std::vector<TexelLattice<D>> lattices_;              // of indirect light, of each volume
   std::vector<std::unique_ptr<SweptBake<D>>> stored_;  // of each volume; null: none
-  // Exact direct light at the texels, by volume and side, while rays look it up.
-  std::vector<std::array<std::vector<Rgb>, 2>> direct_;
-  std::uint64_t photons_;  // of a block
+  std::uint64_t photons_;                              // of a block
   std::optional<WallLight<D>> walls_;
   int blocks_ = 0, kept_blocks_;
   LeafErrors errors_;

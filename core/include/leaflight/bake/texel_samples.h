@@ -56,10 +56,10 @@ Vec<D> moved_to_leaf(const Field<D>& field, Vec<D> position, double isovalue) {
 // Calls visit(SurfacePoint, i) for up to `samples` points i = 0, 1, ... of a texel, seen from the
 // given side, uniform in the volume: a point x lies on the leaf c = h(x), so this samples the graph
 // of h (thesis 4.5), and all leaves through the texel at once. Points whose leaf is outside the
-// window, in a masked cell or without a gradient are passed over. Where the texel's own box holds
-// too few, the neighbourhood that a trilinear lookup can reach is searched; where that holds none,
-// because the window is narrow, its points are moved to the leaf in the middle of the window.
-// Returns the number of points visited.
+// window, in a masked cell, without a gradient or inside another volume's leaf are passed over.
+// Where the texel's own box holds too few, the neighbourhood that a trilinear lookup can reach is
+// searched; where that holds none, because the window is narrow, its points are moved to the leaf
+// in the middle of the window. Returns the number of points visited.
 template <int D, class Visit>
 int for_each_texel_sample(const SceneTracer<D>& tracer, int volume, bool above,
                           const TexelLattice<D>& lattice, std::uint32_t texel, int samples,
@@ -80,6 +80,7 @@ int for_each_texel_sample(const SceneTracer<D>& tracer, int volume, bool above,
     if (!window.contains(c)) return;
     const SurfacePoint<D> surface = tracer.leaf_point(volume, point, c, above);
     if (surface.kind() == HitKind::none) return;
+    if (tracer.is_covered(volume, surface.position, c)) return;
     visit(surface, visited++);
   };
   for (const double half_width : {own_half_width, 1.0}) {

@@ -32,6 +32,8 @@ class WallLight {
   // where there is no soft light. Adds the rays traced to `rays`.
   void add(const PointSampler<D>& from, const IndirectEstimator<D>* estimator,
            const WallSamples& samples, Progress& progress, std::atomic<std::uint64_t>& rays);
+  // How often samples were added.
+  int blocks() const { return added_; }
   // Its state.
   void keep(Keeper& keeper);
 

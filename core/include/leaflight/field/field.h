@@ -94,6 +94,10 @@ CellCorners<D> load_corners(const Field<D>& field, const Index<D>& cell) {
 template <int D>
 double interpolate(const CellCorners<D>& corners, const Vec<D>& local);
 
+// The same at an index position; NaN outside the field, too.
+template <int D>
+double value_at(const Field<D>& field, const Vec<D>& index_position);
+
 // Derivative of the trilinear interpolant with respect to the index coordinates: the normal of the
 // traced surface. It jumps at the faces of cells.
 template <int D>

@@ -91,6 +91,10 @@ class SceneTracer {
   // given side. Its kind is none where |grad h| = 0: no leaf passes there.
   SurfacePoint<D> leaf_point(int volume, const CellPoint<D>& point, double c, bool above) const;
 
+  // Whether a point of a volume's leaf c lies inside another volume's, where nobody sees it. Glass
+  // covers nothing.
+  bool is_covered(int volume, const Vec<D>& position, double c) const;
+
   // The point of a facet of the surroundings, seen from the side of its normal, or from the other.
   SurfacePoint<D> facet_point(int mesh, int facet, double u, double v, bool front, double c) const;
 

@@ -37,13 +37,6 @@ class IndirectEstimator {
   virtual float shared_variance(const LeafTexel<D>&, const Rgb& /*radiance*/) const { return 0; }
 };
 
-// Unbiased: follows the path until Russian roulette ends it, with a shadow ray at each diffuse
-// bounce. Caustics are included, since a path may meet a light by way of mirrors and glass; not
-// those of lights without extent, which no path can meet.
-template <int D>
-std::unique_ptr<IndirectEstimator<D>> make_path_estimator(const SceneTracer<D>& tracer,
-                                                          const LightSampler<D>& lights);
-
 // What is known of each volume's leaves when photons are traced; `photons` may be null for leaves
 // that nothing looks up.
 template <int D>
@@ -55,6 +48,22 @@ struct LeafRadiance {
   // All radiance of them, where it is known already: photons are not looked at then.
   std::array<std::vector<Rgb>, 2> radiance{};
 };
+
+// Photons that came by mirrors and glass, which estimators look up at points.
+template <int D>
+struct CausticPhotons {
+  const std::vector<LeafRadiance<D>>& leaves;
+  const SurfaceCache<D>* surroundings;  // null: no point lies on them
+};
+
+// Unbiased: follows the path until Russian roulette ends it, with a shadow ray at each diffuse
+// bounce. Without photons, caustics are included, since a path may meet a light by way of mirrors
+// and glass; not those of lights without extent, which no path can meet. With them, photons light
+// all diffuse surfaces after the first.
+template <int D>
+std::unique_ptr<IndirectEstimator<D>> make_path_estimator(
+    const SceneTracer<D>& tracer, const LightSampler<D>& lights,
+    const CausticPhotons<D>* photons = nullptr);
 
 // The albedo of the leaf through an index position; of any leaf where there is none.
 template <int D>
