@@ -55,7 +55,9 @@ def shown_volume(bake, number, coarser, progress):
         dims = volume.field().dims
         progress.begin("Direct light")
         progress.expect(float(math.prod(dims) * len(direct.light_points)))
-        scene = core_scene(bake.scene, [volume.field()], bake.isovalues)
+        fields = [each.field() for each in bake.volumes]
+        fields[number] = volume.field()
+        scene = core_scene(bake.scene, fields, bake.isovalues)
         direct = _core.DirectLight(scene, number, dims, bake.grids[number].has_back, progress)
     return ShownVolume(bake, number, volume, texels_of(bake, number, coarser), direct)
 
