@@ -26,7 +26,7 @@ template <int D>
 py::tuple direct_ways(const SurroundingsRadiance<D>& surroundings, std::size_t mesh) {
   static_cast<void>(surroundings.meshes.at(mesh));
   const auto& of = surroundings.direct->ways(static_cast<int>(mesh));
-  std::vector<float> greatest, shares;
+  std::vector<float> greatest, shares, least = of.least;
   for (const auto& way : of.ways) {
     greatest.push_back(way.greatest);
     shares.push_back(way.share);
@@ -36,11 +36,13 @@ py::tuple direct_ways(const SurroundingsRadiance<D>& surroundings, std::size_t m
   const auto colors = [&](std::vector<Vec<3, float>> values) {
     return adopt<float>(std::move(values), {vertices, 3});
   };
-  return py::make_tuple(adopt<std::uint8_t>(std::vector(of.sets), {vertices}),
-                        adopt<float>(std::move(greatest), {vertices, points}),
-                        adopt<float>(std::move(shares), {vertices, points}),
-                        colors(surroundings.direct->unshadowed(static_cast<int>(mesh), false)),
-                        colors(surroundings.direct->unshadowed(static_cast<int>(mesh), true)));
+  return py::make_tuple(
+      adopt<std::uint8_t>(std::vector(of.sets), {vertices}),
+      least.empty() ? py::object(py::none()) : adopt<float>(std::move(least), {vertices, points}),
+      adopt<float>(std::move(greatest), {vertices, points}),
+      adopt<float>(std::move(shares), {vertices, points}),
+      colors(surroundings.direct->unshadowed(static_cast<int>(mesh), false)),
+      colors(surroundings.direct->unshadowed(static_cast<int>(mesh), true)));
 }
 
 template <int D>
@@ -129,14 +131,16 @@ void bind_radiance(py::module_& module, const std::string& suffix) {
       .def(
           "direct_ways", &direct_ways<D>, py::arg("mesh"),
           "Of the vertices of a fine mesh, each of which has one of several sets of light points:\n"
-          "the number of its set, uint8 (n,); for each point the greatest leaf coordinate on the "
-          "way\n"
-          "to it, infinite behind a mesh, float32 (n, points); the irradiance if nothing stood in\n"
+          "the number of its set, uint8 (n,); for each point the least and the greatest leaf\n"
+          "coordinate on the way to it, between which leaves block it, float32 (n, points), the\n"
+          "least None where leaves are closed, the greatest infinite behind a mesh; the "
+          "irradiance\n"
+          "if nothing stood in\n"
           "the way over the amount of the point, negative behind the vertex, float32 (n, points);\n"
           "and the radiance by all sets if nothing did, of the front and of the back, float32\n"
           "(n, 3). A side reflects that radiance times the mean over each vertex and its "
           "neighbours\n"
-          "of the share of their sets' light that comes by ways below the leaf.")
+          "of the share of their sets' light that no leaf blocks.")
       .def_property_readonly("point_amounts", &point_amounts<D>,
                              "float32 (sets, points, 3): linear RGB of the light points.");
 }

@@ -54,6 +54,10 @@ double marched(const Field<D>& field, const Way<D>& way, double least) {
 
 template <int D>
 void expect_samples_beneath(const Field<D>& field, int ways) {
+  std::vector<float> values = test::values_of(field);
+  for (float& value : values) value = -value;
+  const Field<D> negative =
+      test::field_from<D>(std::move(values), field.dims, field.index_to_world);
   Random random(5);
   double missed = 0;
   int greater = 0;
@@ -62,6 +66,7 @@ void expect_samples_beneath(const Field<D>& field, int ways) {
     const double least = field.min + 0.2 * (field.max - field.min);
     const double found = greatest_value(field, way.from, way.direction, way.t_max, least);
     const double sampled = marched(field, way, least);
+    EXPECT_NEAR(least_value(negative, way.from, way.direction, way.t_max, -least), -found, 1e-6);
     EXPECT_GE(found, sampled - 1e-9) << i;
     missed = std::max(missed, found - sampled);
     greater += found > least;

@@ -130,6 +130,18 @@ TEST(MeshDirectLight, KnowsShadowsOfAllVolumes) {
   expect_agreement<3>("two volumes", scene);
 }
 
+// Isosurfaces that end at the border let light in at one end and out at the other.
+TEST(MeshDirectLight, LightPassesThroughOpenIsosurfaces) {
+  const auto tube = test::sampled<3>(41, [](const Vec3& x) {
+    return 1 - std::hypot(x.x - 0.5, x.y - 0.5);  // open at the floor and at the ceiling
+  });
+  Scene<3> scene = over_floor<3>(
+      AreaLight<3>{"lamp", {0.4, 0.4, 1.5}, {Vec3(0, 0.2, 0), Vec3(0.2, 0, 0)}, Rgb(3.0f)});
+  scene.volumes[0] = test::scene_of(tube, Rgb(0.7f), {0.6, 0.9}).volumes[0];
+  EXPECT_TRUE(SceneTracer<3>(scene).has_openings());
+  expect_agreement("tube", scene);
+}
+
 TEST(MeshDirectLight, LiesBetweenTheVerticesOfIndirectLight) {
   Scene<3> scene = test::cornell(test::ball<3>(9), {0.6, 0.9});
   for (const RefinedMesh<3>& mesh : refine(scene)) {

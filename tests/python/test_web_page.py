@@ -98,7 +98,8 @@ def test_the_page_holds_the_bake(lapr_bake, tmp_path):
 
 def check_wall(header, body, wall, lit, number, bake):
     """Returns how many ways are in the shadow of some isosurfaces alone."""
-    sets, greatest, shares, *unshadowed = lit.direct_ways(number)
+    sets, least, greatest, shares, *unshadowed = lit.direct_ways(number)
+    assert (least is None) == (wall["least"] is None)
     exposed = [(wall["unshadowed"], unshadowed)]
     exposed.append((wall["indirect"], [lit.indirect(number, back) for back in (False, True)]))
     for blocks, sides in exposed:

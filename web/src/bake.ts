@@ -63,9 +63,11 @@ export interface WallLightData {
   // at each node, and direct light if nothing stood in its way.
   indirect: (number | null)[];
   unshadowed: (number | null)[];
-  // Of each vertex its set of light points, and by point and vertex the greatest code on the way
-  // and how much light comes by it, negative on the back.
+  // Of each vertex its set of light points, and by point and vertex the least and the greatest code
+  // on the way, between which isosurfaces block it, and how much light comes by it, negative on the
+  // back. Closed isosurfaces have no least one.
   sets: number;
+  least: number | null;
   greatest: number;
   weights: number;
 }

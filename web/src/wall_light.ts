@@ -10,6 +10,7 @@ interface Blocks {
   indirect: (Uint32Array | null)[];
   unshadowed: (Uint32Array | null)[];
   sets: Uint8Array;
+  least: Uint8Array | null; // null: isosurfaces are closed
   greatest: Uint8Array;
   weights: Int8Array;
 }
@@ -31,6 +32,7 @@ export class WallLight {
       indirect: [await colors(data.indirect[0]), await colors(data.indirect[1])],
       unshadowed: [await colors(data.unshadowed[0]), await colors(data.unshadowed[1])],
       sets: await bake.block(data.sets, 1),
+      least: data.least === null ? null : await bake.block(data.least, 1),
       greatest: await bake.block(data.greatest, 1),
       weights: new Int8Array((await bake.block(data.weights, 1)).buffer),
     });
@@ -72,15 +74,16 @@ export class WallLight {
     return 1 + (252 * (c - low)) / (high - low);
   }
 
-  // By side: the light that comes by ways below a code.
+  // By side: the light that comes by ways that an isosurface does not block.
   private lit(code: number): Float32Array[] {
-    const { sets, greatest, weights } = this.blocks;
+    const { sets, least, greatest, weights } = this.blocks;
     const { tints, points, count } = this;
     const sides = [0, 1].map(() => new Float32Array(3 * count));
     for (let point = 0, way = 0; point < points; ++point) {
       for (let v = 0; v < count; ++v, ++way) {
         const weight = weights[way];
-        if (weight === 0 || greatest[way] + 0.5 >= code) continue;
+        const passes = least !== null && code <= least[way] + 0.5;
+        if (weight === 0 || (greatest[way] + 0.5 >= code && !passes)) continue;
         const light = sides[weight < 0 ? 1 : 0];
         const tint = 3 * (sets[v] * points + point);
         const at = 3 * v;

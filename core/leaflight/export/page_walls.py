@@ -40,12 +40,13 @@ def _light(data, bake, strengths, number):
     def colors(light):
         return data.add_colors(packed(light * exposure)) if light.any() else None
 
-    sets, greatest, shares, *unshadowed = lit.direct_ways(number)
+    sets, least, greatest, shares, *unshadowed = lit.direct_ways(number)
     return {
         "between": data.add(lit.between(number)),
         "indirect": [colors(lit.indirect(number, back)) for back in (False, True)],
         "unshadowed": [colors(light) for light in unshadowed],
         "sets": data.add(sets),
+        "least": None if least is None else data.add(codes(least, bake.isovalues).T),
         "greatest": data.add(codes(greatest, bake.isovalues).T),
         "weights": data.add(weights(shares * strengths[sets]).T),
     }
@@ -55,7 +56,7 @@ def codes(greatest, window):
     """Leaf coordinates as bytes: 1 to 253 over the window, rounded down, 0 below it, 254 above it,
     255 where they are infinite."""
     found = np.clip(np.floor(code_of(greatest, window)), 0, 254)
-    return np.where(np.isinf(greatest), 255, found).astype(np.uint8)
+    return np.where(np.isposinf(greatest), 255, found).astype(np.uint8)
 
 
 def weights(lights):

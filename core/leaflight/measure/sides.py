@@ -64,7 +64,7 @@ class LeafSide:
         )
 
     def _of_visible(self, truth):
-        """The same; points inside another volume's isosurface, which nobody sees, have no weight."""
+        """The same; points inside another volume's isosurface, which are hidden, have no weight."""
         weights = truth.weights.copy()
         for other, look in enumerate(self.bake.scene.leaves):
             if other != self.where["volume"] and look.scattering != "glass":

@@ -35,13 +35,13 @@ struct WayTo {
 };
 
 template <int D>
-double greatest_on(const WayTo<D>& way, const LightSource<D>& source, SurfacePoint<D> from,
-                   const SceneTracer<D>& tracer) {
+BlockingLeaves blocking(const WayTo<D>& way, const LightSource<D>& source, SurfacePoint<D> from,
+                        const SceneTracer<D>& tracer) {
+  if (way.share == 0) return {0, 0};
   if (way.share < 0) from.geometric_normal = -from.geometric_normal;
-  if (source.infinite) return tracer.greatest_between(from, way.direction);
+  if (source.infinite) return tracer.blocking(from, way.direction);
   const bool faces_away = source.normal.dot(way.direction) > 0;
-  return tracer.greatest_between(from, source.position,
-                                 faces_away ? -source.normal : source.normal);
+  return tracer.blocking(from, source.position, faces_away ? -source.normal : source.normal);
 }
 
 }  // namespace
@@ -71,9 +71,10 @@ typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTra
                                                                   const FineMesh<D>& mesh,
                                                                   Progress& progress) const {
   const std::size_t vertices = mesh.vertices.size(), points = sets_[0].size();
-  MeshWays of{MeshNeighbours(vertices, mesh.facets), {}, {}, {}};
+  MeshWays of{MeshNeighbours(vertices, mesh.facets), {}, {}, {}, {}};
   of.sets.resize(vertices);
   of.ways.resize(vertices * points);
+  if (tracer.has_openings()) of.least.resize(of.ways.size());
   const std::size_t lights = scales_.size();
   for (auto& side : of.unshadowed) side.assign(lights * vertices, Vec<3, float>(0));
   parallel_range(
@@ -90,9 +91,12 @@ typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTra
               of.unshadowed[way.share < 0][(light < 0 ? lights - 1 : light) * vertices + v] +=
                   Vec<3, float>(source.amount) * static_cast<float>(std::abs(way.share));
               if (set != of.sets[v]) continue;
-              const double greatest = way.share == 0 ? 0 : greatest_on(way, source, from, tracer);
-              of.ways[v * points + i] = {static_cast<float>(greatest),
+              const BlockingLeaves leaves = blocking(way, source, from, tracer);
+              of.ways[v * points + i] = {static_cast<float>(leaves.greatest),
                                          static_cast<float>(way.share)};
+              if (!of.least.empty()) {
+                of.least[v * points + i] = static_cast<float>(leaves.least);
+              }
             }
           }
           const Vec<3, float> brdf(from.albedo / static_cast<Real>(projected_hemisphere<D>));
@@ -132,7 +136,8 @@ std::vector<Vec<3, float>> MeshDirectLight<D>::radiance(int mesh, double c, bool
       const Vec<3, float> light =
           Vec<3, float>(sets_[of.sets[v]][i].source.amount) * std::max(0.0f, side * way.share);
       all += light;
-      if (way.greatest < own) lit += light;
+      const bool passes = !of.least.empty() && own <= of.least[v * points + i];
+      if (way.greatest < own || passes) lit += light;
     }
     for (int k = 0; k < 3; ++k) reaching[v][k] = all[k] > 0 ? lit[k] / all[k] : 0;
   }

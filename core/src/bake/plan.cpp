@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "leaflight/scene/open_leaves.h"
+
 namespace leaflight {
 namespace {
 
@@ -12,27 +14,6 @@ bool anything_reflects(const Scene<D>& scene) {
                      [](const Volume<D>& volume) { return volume.albedo.largest() > 0; }) ||
          std::any_of(scene.meshes.begin(), scene.meshes.end(),
                      [](const Mesh<D>& mesh) { return largest(mesh.albedo) > 0; });
-}
-
-// Whether a leaf of the window meets the border of the domain or a masked cell, where light can
-// reach its inside.
-template <int D>
-bool leaves_are_open(const Volume<D>& volume, const IsovalueWindow& window) {
-  const Field<D>& field = volume.field;
-  if (field.masked) return true;
-  for (int axis = 0; axis < D; ++axis) {
-    for (const int end : {0, field.dims[axis] - 1}) {
-      Index<D> low{}, high = field.dims;
-      low[axis] = end;
-      high[axis] = end + 1;
-      bool reaches = false;
-      for_each_index<D>(low, high, [&](const Index<D>& voxel) {
-        reaches |= field.value(voxel) >= volume.isovalue(window.min);
-      });
-      if (reaches) return true;
-    }
-  }
-  return false;
 }
 
 template <int D>
@@ -150,6 +131,20 @@ Plan make_plan(const Scene<D>& scene, const BakeSettings<D>& settings) {
   return plan;
 }
 
+template <int D>
+Error nothing_to_bake(const Scene<D>& scene) {
+  for (const Volume<D>& volume : scene.volumes) {
+    if (volume.scattering == Scattering::diffuse) continue;
+    return Error("What the isosurfaces of the volume '" + volume.name +
+                 "' show depends on the view, since they are " +
+                 (volume.scattering == Scattering::mirror ? "mirrors" : "glass") +
+                 ", and nothing else is to be baked; bake the surroundings too.");
+  }
+  return Error("No isosurface of the isovalue window passes through the volume; widen the window.");
+}
+
+template Error nothing_to_bake(const Scene<2>&);
+template Error nothing_to_bake(const Scene<3>&);
 template Plan make_plan<2>(const Scene<2>&, const BakeSettings<2>&);
 template Plan make_plan<3>(const Scene<3>&, const BakeSettings<3>&);
 

@@ -6,7 +6,6 @@
 
 #include "leaflight/bake/ray_bake.h"
 #include "leaflight/bake/rounds_texels.h"
-#include "leaflight/bake/texels_to_bake.h"
 #include "leaflight/math/error.h"
 
 namespace leaflight {

@@ -29,18 +29,6 @@ TexelLattice<D> lattice_of(const Volume<D>& volume, const IsovalueWindow& leaves
 }  // namespace
 
 template <int D>
-Error nothing_to_bake(const Scene<D>& scene) {
-  for (const Volume<D>& volume : scene.volumes) {
-    if (is_stored(volume)) continue;
-    return Error("What the isosurfaces of the volume '" + volume.name +
-                 "' show depends on the view, since they are " +
-                 (volume.scattering == Scattering::mirror ? "mirrors" : "glass") +
-                 ", and nothing else is to be baked; bake the surroundings too.");
-  }
-  return Error("No isosurface of the isovalue window passes through the volume; widen the window.");
-}
-
-template <int D>
 std::vector<TexelLattice<D>> texels_to_bake(const Scene<D>& scene, const BakeSettings<D>& settings,
                                             const Plan& plan) {
   std::vector<TexelLattice<D>> lattices;
@@ -69,8 +57,6 @@ std::optional<StrewnSamples<D>> strewn_samples(const Scene<D>& scene,
   return strewn;
 }
 
-template Error nothing_to_bake(const Scene<2>&);
-template Error nothing_to_bake(const Scene<3>&);
 template std::vector<TexelLattice<2>> texels_to_bake(const Scene<2>&, const BakeSettings<2>&,
                                                      const Plan&);
 template std::vector<TexelLattice<3>> texels_to_bake(const Scene<3>&, const BakeSettings<3>&,

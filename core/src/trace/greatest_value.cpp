@@ -27,9 +27,9 @@ double greatest_of(const SegmentPolynomial& p, double least) {
   return most;
 }
 
-// A walk over the children of a brick (Amanatides and Woo 1987) for each level of the field's
-// bounds.
-template <int D>
+// The greatest value times `sign`, by a walk over the children of a brick (Amanatides and Woo 1987)
+// for each level of the field's bounds.
+template <int D, int sign>
 class Walk {
  public:
   Walk(const Field<D>& field, const Vec<D>& position, const Vec<D>& direction, double least)
@@ -38,7 +38,7 @@ class Walk {
         position_(position),
         direction_(direction),
         greatest_(least),
-        steps_(bounds_.steps_at(least)) {
+        steps_(bounds_.steps_at(sign * least)) {
     for (int a = 0; a < D; ++a) {
       const double reciprocal = 1 / direction[a];
       moves_[a] = std::isfinite(reciprocal);
@@ -66,9 +66,10 @@ class Walk {
   static constexpr int log2_side = CellBounds<D>::log2_side, side = CellBounds<D>::side;
   static constexpr int top = CellBounds<D>::levels;
 
-  // Whether a value is greater within what reaches so many steps.
-  bool may_be_greater(std::uint8_t high) const {
-    return high + (bounds_.is_exact ? 0 : 1) > steps_;
+  // Whether a value may be greater within a child. Bounds are rounded down.
+  bool may_be_greater(const typename CellBounds<D>::Bricks& children, int number) const {
+    if (sign < 0) return children.low[number] < steps_;
+    return children.high[number] + (bounds_.is_exact ? 0 : 1) > steps_;
   }
 
   // The children of a brick that the way passes from t to end. Level 0: cells.
@@ -100,7 +101,7 @@ class Walk {
       } else {
         int number = 0;
         for (int a = D - 1; a >= 0; --a) number = number * side + (child[a] - low[a]);
-        if (level == top || may_be_greater(children->high[number])) {
+        if (level == top || may_be_greater(*children, number)) {
           visit<level - 1>(child, t, out);
         }
       }
@@ -119,10 +120,11 @@ class Walk {
   }
 
   void cell(const Index<D>& cell, double t, double out) {
-    const CellCorners<D> corners = load_corners(field_, cell);
+    CellCorners<D> corners = load_corners(field_, cell);
     double most = -infinity;
-    for (const double h : corners.h) {
+    for (double& h : corners.h) {
       if (std::isnan(h)) return;
+      h *= sign;
       most = std::max(most, h);
     }
     if (!(most > greatest_)) return;
@@ -134,7 +136,7 @@ class Walk {
     const double found = greatest_of(along_segment<D>(corners, 0, from, to), greatest_);
     if (!(found > greatest_)) return;
     greatest_ = found;
-    steps_ = bounds_.steps_at(found);
+    steps_ = bounds_.steps_at(sign * found);
   }
 
   const Field<D>& field_;
@@ -153,10 +155,19 @@ double greatest_value(const Field<D>& field, const Vec<D>& position, const Vec<D
                       double t_max, double least) {
   // Through a field of one value passes no isosurface.
   if (!(field.max > least && field.min < field.max)) return least;
-  return Walk<D>(field, position, direction, least).run(t_max);
+  return Walk<D, 1>(field, position, direction, least).run(t_max);
+}
+
+template <int D>
+double least_value(const Field<D>& field, const Vec<D>& position, const Vec<D>& direction,
+                   double t_max, double most) {
+  if (!(field.min < most && field.min < field.max)) return most;
+  return -Walk<D, -1>(field, position, direction, -most).run(t_max);
 }
 
 template double greatest_value<2>(const Field<2>&, const Vec<2>&, const Vec<2>&, double, double);
 template double greatest_value<3>(const Field<3>&, const Vec<3>&, const Vec<3>&, double, double);
+template double least_value<2>(const Field<2>&, const Vec<2>&, const Vec<2>&, double, double);
+template double least_value<3>(const Field<3>&, const Vec<3>&, const Vec<3>&, double, double);
 
 }  // namespace leaflight

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "leaflight/math/sampling.h"
+#include "leaflight/scene/open_leaves.h"
 #include "leaflight/trace/greatest_value.h"
 
 namespace leaflight {
@@ -97,7 +98,8 @@ SceneTracer<D>::SceneTracer(const Scene<D>& scene)
       meshes_(in_frame(scene.meshes, frame_)),
       lights_(in_frame(scene.lights, frame_)),
       bounds_(bounds_of(scene, frame_, meshes_)),
-      surroundings_(meshes_) {
+      surroundings_(meshes_),
+      has_openings_(scene.volumes.size() == 1 && leaves_are_open(scene.volumes[0], scene.window)) {
   for (const Volume<D>& volume : scene.volumes) {
     const Affine<D> index_to_frame = frame_.index_to_frame(volume.field);
     fields_.push_back({index_to_frame, inverse(index_to_frame)});
@@ -263,8 +265,10 @@ bool SceneTracer<D>::occluded(const SurfacePoint<D>& from, const Vec<D>& directi
 }
 
 template <int D>
-double SceneTracer<D>::greatest(const Vec<D>& origin, const Vec<D>& way, double t_max) const {
-  if (surroundings_.occluded(origin, way, t_max)) return std::numeric_limits<double>::infinity();
+BlockingLeaves SceneTracer<D>::blocking(const Vec<D>& origin, const Vec<D>& way,
+                                        double t_max) const {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  if (surroundings_.occluded(origin, way, t_max)) return {-infinity, infinity};
   double c = scene_.window.min;
   for (std::size_t v = 0; v < fields_.size(); ++v) {
     const Volume<D>& volume = scene_.volumes[v];
@@ -273,20 +277,25 @@ double SceneTracer<D>::greatest(const Vec<D>& origin, const Vec<D>& way, double 
         c, volume.leaf_coordinate(greatest_value(volume.field, to_index.point(origin),
                                                  to_index.vector(way), t_max, volume.isovalue(c))));
   }
-  return c;
+  if (!has_openings_ || c == scene_.window.min) return {-infinity, c};
+  const Volume<D>& volume = scene_.volumes[0];
+  const Affine<D>& to_index = fields_[0].frame_to_index;
+  const double least = least_value(volume.field, to_index.point(origin), to_index.vector(way),
+                                   t_max, volume.isovalue(c));
+  return {volume.leaf_coordinate(least), c};
 }
 
 template <int D>
-double SceneTracer<D>::greatest_between(const SurfacePoint<D>& from, const Vec<D>& light_point,
+BlockingLeaves SceneTracer<D>::blocking(const SurfacePoint<D>& from, const Vec<D>& light_point,
                                         const Vec<D>& light_normal) const {
   const Vec<D> origin = ray_origin(from);
-  return greatest(origin, leave_plane<D>(light_point, light_normal) - origin, 1);
+  return blocking(origin, leave_plane<D>(light_point, light_normal) - origin, 1);
 }
 
 template <int D>
-double SceneTracer<D>::greatest_between(const SurfacePoint<D>& from,
+BlockingLeaves SceneTracer<D>::blocking(const SurfacePoint<D>& from,
                                         const Vec<D>& direction) const {
-  return greatest(ray_origin(from), direction, std::numeric_limits<double>::infinity());
+  return blocking(ray_origin(from), direction, std::numeric_limits<double>::infinity());
 }
 
 template Vec<2> leave_plane<2>(const Vec<2>&, const Vec<2>&);

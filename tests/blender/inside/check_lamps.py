@@ -160,8 +160,10 @@ def check_undo_files_frames_and_renders(lit, tmp_path):
     lit_pixels = dim.max(axis=-1) > 0.02
     assert lit_pixels.sum() > 100
     ratio = bright[lit_pixels].sum(axis=-1) / dim[lit_pixels].sum(axis=-1)
-    # All but where an edge goes through a pixel.
-    assert np.quantile(np.abs(ratio - 3.0), 0.99) < 0.01
+    # Edges go through pixels, and brighter light splits the mesh at edges of shadows once more.
+    assert np.quantile(np.abs(ratio - 3.0), 0.98) < 0.005
+    off = (bright - 3 * dim)[lit_pixels]
+    assert np.sqrt((off**2).mean()) < 0.002 * bright.max()
 
 
 def check_exports_show_it_and_continue_does_not_go_on(uncut, lit, tmp_path):

@@ -11,11 +11,11 @@
 namespace leaflight {
 
 // Direct light of a scene's light points at the vertices of its diffuse meshes. For each vertex and
-// point it keeps the greatest leaf coordinate on the way, which tells the shadow of every
-// isosurface there. Neighbouring vertices use other sets of points, and the part of the light that
-// reaches a vertex is the mean over it and its neighbours (interleaved sampling, Keller and
-// Heidrich 2001): shadows are as smooth as by all sets, and their edges as wide as an edge of the
-// mesh. The result is the same for any number of threads.
+// point it keeps which leaves block the way, and so the shadow of every isosurface there.
+// Neighbouring vertices use other sets of points, and the part of the light that reaches a vertex
+// is the mean over it and its neighbours (interleaved sampling, Keller and Heidrich 2001): shadows
+// are as smooth as by all sets, and their edges as wide as an edge of the mesh. The result is the
+// same for any number of threads.
 template <int D>
 class MeshDirectLight {
  public:
@@ -42,6 +42,7 @@ class MeshDirectLight {
     MeshNeighbours neighbours;
     std::vector<std::uint8_t> sets;  // of the vertices
     std::vector<Way> ways;           // [vertex * points + point]
+    std::vector<float> least;        // as BlockingLeaves has it; empty where nothing has openings
     // By side: radiance if nothing stood in the way of a light, by all sets; [light * vertices +
     // vertex], last of all that is no light.
     std::array<std::vector<Vec<3, float>>, 2> unshadowed;

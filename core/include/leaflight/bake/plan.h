@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "leaflight/bake/settings.h"
+#include "leaflight/math/error.h"
 #include "leaflight/scene/scene.h"
 
 namespace leaflight {
@@ -28,5 +29,9 @@ struct Plan {
 
 template <int D>
 Plan make_plan(const Scene<D>& scene, const BakeSettings<D>& settings);
+
+// Why a scene without texels and lit meshes has nothing to bake.
+template <int D>
+Error nothing_to_bake(const Scene<D>& scene);
 
 }  // namespace leaflight

@@ -5,7 +5,6 @@
 
 #include "leaflight/bake/plan.h"
 #include "leaflight/field/texel_lattice.h"
-#include "leaflight/math/error.h"
 #include "leaflight/thesis/thesis.h"
 
 namespace leaflight {
@@ -15,10 +14,6 @@ namespace leaflight {
 template <int D>
 std::vector<TexelLattice<D>> texels_to_bake(const Scene<D>& scene, const BakeSettings<D>& settings,
                                             const Plan& plan);
-
-// Why there are none.
-template <int D>
-Error nothing_to_bake(const Scene<D>& scene);
 
 // Samples strewn over the volumes, and how they are interpolated into texels.
 template <int D>

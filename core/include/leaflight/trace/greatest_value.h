@@ -13,4 +13,9 @@ template <int D>
 double greatest_value(const Field<D>& field, const Vec<D>& position, const Vec<D>& direction,
                       double t_max, double least);
 
+// The same of the least one, or `most`.
+template <int D>
+double least_value(const Field<D>& field, const Vec<D>& position, const Vec<D>& direction,
+                   double t_max, double most);
+
 }  // namespace leaflight

@@ -70,6 +70,14 @@ struct BoundingSphere {
   double radius = 0;
 };
 
+// The leaves that block a way: those of least < c <= greatest. The greatest leaf coordinate on the
+// way is at least the window's least one, and infinite where the surroundings block the way. The
+// least one on it is minus infinity in a scene without openings, where every way comes from outside
+// of the leaves.
+struct BlockingLeaves {
+  double least, greatest;
+};
+
 // The scene made ready for rays. All positions are in the frame: world coordinates translated and
 // scaled uniformly so that the box about the volumes is centred at 0 with longest side 1, which
 // keeps single-precision intersections accurate wherever the scene stands. Radiance does not depend
@@ -108,11 +116,12 @@ class SceneTracer {
                 const Vec<D>& light_normal) const;
   bool occluded(const SurfacePoint<D>& from, const Vec<D>& direction) const;
 
-  // The greatest leaf coordinate on such a way: leaves of greater ones do not block it. At least
-  // the window's least one; infinite where the surroundings block the way.
-  double greatest_between(const SurfacePoint<D>& from, const Vec<D>& light_point,
+  // Which leaves block such a way.
+  BlockingLeaves blocking(const SurfacePoint<D>& from, const Vec<D>& light_point,
                           const Vec<D>& light_normal) const;
-  double greatest_between(const SurfacePoint<D>& from, const Vec<D>& direction) const;
+  BlockingLeaves blocking(const SurfacePoint<D>& from, const Vec<D>& direction) const;
+  // Whether a way may pass through the leaves' openings: of the scene's only volume.
+  bool has_openings() const { return has_openings_; }
 
  private:
   struct FieldFrame {
@@ -123,7 +132,7 @@ class SceneTracer {
   Hit<D> nearest(const SurfacePoint<D>& from, const Vec<D>& origin, const Vec<D>& direction) const;
   bool blocked(const SurfacePoint<D>& from, const Vec<D>& origin, const Vec<D>& way,
                double t_max) const;
-  double greatest(const Vec<D>& origin, const Vec<D>& way, double t_max) const;
+  BlockingLeaves blocking(const Vec<D>& origin, const Vec<D>& way, double t_max) const;
 
   const Scene<D>& scene_;
   Frame<D> frame_;
@@ -132,6 +141,7 @@ class SceneTracer {
   std::vector<Light<D>> lights_;
   BoundingSphere<D> bounds_;
   Surroundings<D> surroundings_;
+  bool has_openings_;
 };
 
 }  // namespace leaflight
