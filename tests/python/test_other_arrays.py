@@ -146,7 +146,7 @@ def test_vtk_and_pyvista(values):
 
 def test_zarr_and_others_that_become_arrays(values, tmp_path):
     zarr = pytest.importorskip("zarr", reason="zarr (python3-zarr) is not installed")
-    array = zarr.open(str(tmp_path / "x.zarr"), "w", shape=values.shape, dtype="f4", chunks=2)
+    array = zarr.open(str(tmp_path / "x.zarr"), mode="w", shape=values.shape, dtype="f4", chunks=2)
     array[:] = values
     check(as_volume(array, (1, 2, 3)), values, [4, 2, 6], "array")
     h5py = pytest.importorskip("h5py", reason="h5py (python3-h5py) is not installed")
