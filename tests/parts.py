@@ -6,7 +6,7 @@ from dataclasses import dataclass
 # Markers of pytest and labels of ctest (tests/README.md).
 SHORT = "-m 'not slow and not machine'"
 SLOW = "-m 'slow and not machine'"
-CODE = "core addon tests scripts examples docs"
+CODE = "python addon tests scripts examples docs"
 PYTEST = "/usr/bin/python3 -m pytest"
 # Most of the Python tests keep one processor busy; the tests of a file share their bakes.
 PARALLEL = "--numprocesses 2 --dist loadfile"
@@ -35,7 +35,8 @@ def in_blender(version):
 SHORT_PARTS = (
     Part(
         "lint",
-        "find core tests -name '*.h' -o -name '*.cpp' | xargs clang-format --dry-run --Werror"
+        "find core python tests -name '*.h' -o -name '*.cpp'"
+        " | xargs clang-format --dry-run --Werror"
         f" && black --check --quiet --diff {CODE} && flake8 {CODE}"
         " && npm --prefix web run --silent check",
     ),

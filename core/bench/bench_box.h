@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "leaflight/field/bump_box.h"
+#include "field/bump_box.h"
 #include "scenes.h"
 
 namespace leaflight::bench {

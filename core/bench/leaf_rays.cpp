@@ -3,7 +3,7 @@
 #include <benchmark/benchmark.h>
 
 #include "bench_box.h"
-#include "leaflight/trace/scene_tracer.h"
+#include "trace/scene_tracer.h"
 
 namespace leaflight {
 namespace {

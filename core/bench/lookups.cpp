@@ -2,8 +2,8 @@
 // Lookups of a radiance grid at random points, on one thread.
 #include <benchmark/benchmark.h>
 
+#include "bake/output/radiance_grid.h"
 #include "bench_box.h"
-#include "leaflight/bake/radiance_grid.h"
 
 namespace leaflight {
 namespace {

@@ -14,10 +14,10 @@
 #include <string>
 #include <vector>
 
-#include "leaflight/math/random.h"
-#include "leaflight/surface/marching_cubes.h"
-#include "leaflight/trace/embree_query.h"
-#include "leaflight/trace/leaf_ray.h"
+#include "math/random.h"
+#include "surface/marching_cubes.h"
+#include "trace/embree_query.h"
+#include "trace/leaf_ray.h"
 
 namespace leaflight {
 namespace {

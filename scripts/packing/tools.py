@@ -18,7 +18,7 @@ class PackageError(Exception):
 
 
 def version():
-    text = (ROOT / "core" / "leaflight" / "version.py").read_text()
+    text = (ROOT / "python" / "leaflight" / "version.py").read_text()
     return re.search(r'__version__ = "(.+)"', text)[1]
 
 

@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "leaflight/bake/bake.h"
-#include "leaflight/surface/marching_cubes.h"
-#include "leaflight/surface/project.h"
-#include "leaflight/transport/reference.h"
+#include "bake/driver/bake.h"
 #include "scenes.h"
+#include "surface/marching_cubes.h"
+#include "surface/project.h"
+#include "transport/reference.h"
 
 namespace leaflight::test {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/bake/bake.h"
+#include "bake/driver/bake.h"
 
 #include <gtest/gtest.h>
 
 #include <cstring>
 
+#include "bake/output/atlas.h"
 #include "cancelling.h"
-#include "leaflight/bake/atlas.h"
-#include "leaflight/math/error.h"
+#include "math/error.h"
 #include "scenes.h"
 
 namespace leaflight {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Bakes in rounds whose blocks are swept elsewhere.
-#include "leaflight/bake/block_sweeper.h"
+#include "bake/driver/block_sweeper.h"
 
 #include <gtest/gtest.h>
 
 #include <sstream>
 
-#include "leaflight/math/error.h"
+#include "math/error.h"
 #include "whole_rounds.h"
 
 namespace leaflight {

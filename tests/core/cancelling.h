@@ -7,7 +7,7 @@
 #include <chrono>
 #include <thread>
 
-#include "leaflight/math/progress.h"
+#include "math/progress.h"
 
 namespace leaflight::test {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/field/cell_bounds.h"
+#include "field/cell_bounds.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "fields.h"
-#include "leaflight/trace/leaf_ray.h"
+#include "trace/leaf_ray.h"
 
 namespace leaflight {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/trace/cell_crossing.h"
+#include "trace/cell_crossing.h"
 
 #include <gtest/gtest.h>
 

@@ -7,10 +7,10 @@
 #include <cstring>
 
 #include "fields.h"
-#include "leaflight/surface/cell_polygons.h"
-#include "leaflight/surface/cell_tunnels.h"
-#include "leaflight/surface/marching_cubes.h"
 #include "meshes.h"
+#include "surface/cell_polygons.h"
+#include "surface/cell_tunnels.h"
+#include "surface/marching_cubes.h"
 
 namespace leaflight {
 namespace {

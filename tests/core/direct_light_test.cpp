@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Direct light of every isosurface from one number a texel and light point, against shadow rays.
-#include "leaflight/bake/direct_light.h"
+#include "bake/direct/direct_light.h"
 
 #include <gtest/gtest.h>
 

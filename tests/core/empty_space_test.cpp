@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/field/empty_space.h"
+#include "field/empty_space.h"
 
 #include <gtest/gtest.h>
 

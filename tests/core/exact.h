@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "leaflight/field/field.h"
+#include "field/field.h"
 
 namespace leaflight::test {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "exact.h"
-#include "leaflight/trace/leaf_ray.h"
+#include "trace/leaf_ray.h"
 
 namespace leaflight::test {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/field/field.h"
+#include "field/field.h"
 
 #include <gtest/gtest.h>
 
+#include "field/bump_box.h"
+#include "field/coarser_values.h"
+#include "field/texel_lattice.h"
 #include "fields.h"
-#include "leaflight/field/bump_box.h"
-#include "leaflight/field/coarser_values.h"
-#include "leaflight/field/texel_lattice.h"
-#include "leaflight/math/error.h"
+#include "math/error.h"
 
 namespace leaflight {
 namespace {

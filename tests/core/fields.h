@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "leaflight/field/field.h"
-#include "leaflight/math/random.h"
+#include "field/field.h"
+#include "math/random.h"
 
 namespace leaflight::test {
 

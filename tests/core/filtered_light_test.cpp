@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Noise taken from indirect light along isosurfaces.
-#include "leaflight/bake/filtered_light.h"
+#include "bake/indirect/filtered_light.h"
 
 #include <gtest/gtest.h>
 

@@ -5,12 +5,12 @@
 #include <cmath>
 
 #include "agreement.h"
+#include "bake/driver/bake.h"
 #include "fields.h"
-#include "leaflight/bake/bake.h"
-#include "leaflight/math/sampling.h"
-#include "leaflight/surface/project.h"
-#include "leaflight/transport/reference.h"
+#include "math/sampling.h"
 #include "statistics.h"
+#include "surface/project.h"
+#include "transport/reference.h"
 
 namespace leaflight {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/trace/greatest_value.h"
+#include "trace/greatest_value.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "fields.h"
-#include "leaflight/trace/leaf_ray.h"
+#include "trace/leaf_ray.h"
 
 namespace leaflight {
 namespace {

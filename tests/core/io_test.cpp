@@ -7,14 +7,14 @@
 #include <filesystem>
 #include <fstream>
 
-#include "leaflight/bake/bake.h"
-#include "leaflight/io/exr.h"
-#include "leaflight/io/files.h"
-#include "leaflight/io/replaced_files.h"
-#include "leaflight/io/seal.h"
-#include "leaflight/io/vdb.h"
-#include "leaflight/math/error.h"
-#include "leaflight/math/platform.h"
+#include "bake/driver/bake.h"
+#include "io/exr.h"
+#include "io/files.h"
+#include "io/replaced_files.h"
+#include "io/seal.h"
+#include "io/vdb.h"
+#include "math/error.h"
+#include "math/platform.h"
 #include "scenes.h"
 
 namespace leaflight {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/surface/islands.h"
+#include "surface/islands.h"
 
 #include <gtest/gtest.h>
 
 #include "fields.h"
-#include "leaflight/surface/marching_cubes.h"
 #include "meshes.h"
+#include "surface/marching_cubes.h"
 
 namespace leaflight {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/trace/leaf_ray.h"
+#include "trace/leaf_ray.h"
 
 #include <gtest/gtest.h>
 

@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "agreement.h"
-#include "leaflight/math/sampling.h"
-#include "leaflight/transport/photon_tracer.h"
+#include "math/sampling.h"
 #include "scenes.h"
 #include "statistics.h"
+#include "transport/photon_tracer.h"
 
 namespace leaflight {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/surface/marching_cubes.h"
+#include "surface/marching_cubes.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <set>
 
 #include "fields.h"
-#include "leaflight/math/sampling.h"
-#include "leaflight/surface/split_edges.h"
+#include "math/sampling.h"
 #include "meshes.h"
+#include "surface/split_edges.h"
 
 namespace leaflight {
 namespace {

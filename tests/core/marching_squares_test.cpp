@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/surface/marching_squares.h"
+#include "surface/marching_squares.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "fields.h"
-#include "leaflight/math/sampling.h"
+#include "math/sampling.h"
 
 namespace leaflight {
 namespace {

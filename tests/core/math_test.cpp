@@ -5,10 +5,10 @@
 #include <set>
 
 #include "fields.h"
-#include "leaflight/math/error.h"
-#include "leaflight/math/low_discrepancy.h"
-#include "leaflight/math/ranked_set.h"
-#include "leaflight/math/sampling.h"
+#include "math/error.h"
+#include "math/low_discrepancy.h"
+#include "math/ranked_set.h"
+#include "math/sampling.h"
 #include "statistics.h"
 
 namespace leaflight {

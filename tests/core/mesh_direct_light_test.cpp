@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/bake/mesh_direct_light.h"
+#include "bake/walls/mesh_direct_light.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 
 #include "agreement.h"
 #include "exact.h"
-#include "leaflight/math/low_discrepancy.h"
-#include "leaflight/transport/light_sampler.h"
+#include "math/low_discrepancy.h"
 #include "scenes.h"
+#include "transport/light_sampler.h"
 
 namespace leaflight {
 namespace {

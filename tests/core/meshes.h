@@ -9,7 +9,7 @@
 #include <set>
 #include <vector>
 
-#include "leaflight/surface/marching_cubes.h"
+#include "surface/marching_cubes.h"
 
 namespace leaflight::test {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "exact.h"
 #include "figures.h"
-#include "leaflight/trace/cell_crossing.h"
+#include "trace/cell_crossing.h"
 
 namespace leaflight {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "figures.h"
-#include "leaflight/math/sampling.h"
-#include "leaflight/trace/scene_tracer.h"
+#include "math/sampling.h"
+#include "trace/scene_tracer.h"
 
 namespace leaflight {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "figures.h"
-#include "leaflight/math/error.h"
-#include "leaflight/math/sampling.h"
+#include "math/error.h"
+#include "math/sampling.h"
 
 namespace leaflight {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "figures.h"
-#include "leaflight/trace/scene_tracer.h"
+#include "trace/scene_tracer.h"
 
 namespace leaflight {
 namespace {

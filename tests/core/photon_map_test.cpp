@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/thesis/photon_map.h"
+#include "thesis/photon_map.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
@@ -7,11 +7,11 @@
 #include <cmath>
 
 #include "agreement.h"
-#include "leaflight/math/error.h"
-#include "leaflight/math/sampling.h"
-#include "leaflight/surface/project.h"
-#include "leaflight/thesis/thesis_estimator.h"
-#include "leaflight/transport/leaf_cache.h"
+#include "math/error.h"
+#include "math/sampling.h"
+#include "surface/project.h"
+#include "thesis/thesis_estimator.h"
+#include "transport/leaf_cache.h"
 
 namespace leaflight {
 namespace {

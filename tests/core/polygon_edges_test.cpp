@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/surface/polygon_edges.h"
+#include "surface/polygon_edges.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 
 #include "fields.h"
-#include "leaflight/surface/marching_cubes.h"
+#include "surface/marching_cubes.h"
 
 namespace leaflight {
 namespace {

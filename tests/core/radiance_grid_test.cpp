@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Indirect light of isosurfaces, from texels in front of them.
-#include "leaflight/bake/radiance_grid.h"
+#include "bake/output/radiance_grid.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Bakes in rounds of rays: of several volumes, beside mirrors, of glass.
-#include "leaflight/bake/ray_bake.h"
+#include "bake/driver/ray_bake.h"
 
 #include <gtest/gtest.h>
 
 #include <sstream>
 
-#include "leaflight/math/error.h"
+#include "math/error.h"
 #include "whole_rounds.h"
 
 namespace leaflight {

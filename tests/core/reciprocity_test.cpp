@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "agreement.h"
-#include "leaflight/transport/photon_tracer.h"
 #include "statistics.h"
+#include "transport/photon_tracer.h"
 
 namespace leaflight {
 namespace {

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/bake/refinement.h"
+#include "bake/fixed/refinement.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "leaflight/bake/bake.h"
-#include "leaflight/bake/texel_samples.h"
-#include "leaflight/math/error.h"
-#include "leaflight/math/progress.h"
-#include "leaflight/thesis/thesis.h"
-#include "leaflight/transport/reference.h"
+#include "bake/driver/bake.h"
+#include "bake/texels/texel_samples.h"
+#include "math/error.h"
+#include "math/progress.h"
 #include "scenes.h"
+#include "thesis/thesis.h"
+#include "transport/reference.h"
 
 namespace leaflight {
 namespace {

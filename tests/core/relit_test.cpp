@@ -2,8 +2,8 @@
 // Lights at other strengths than those that were baked, against scenes that were baked with them.
 #include <gtest/gtest.h>
 
-#include "leaflight/transport/indirect_shares.h"
 #include "scenes.h"
+#include "transport/indirect_shares.h"
 #include "whole_rounds.h"
 
 namespace leaflight {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Bakes in rounds of lines through the volume.
-#include "leaflight/bake/rounds.h"
+#include "bake/driver/rounds.h"
 
 #include <gtest/gtest.h>
 
 #include "cancelling.h"
-#include "leaflight/math/error.h"
-#include "leaflight/math/sampling.h"
+#include "math/error.h"
+#include "math/sampling.h"
 #include "whole_rounds.h"
 
 namespace leaflight {

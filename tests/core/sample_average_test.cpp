@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The variance that averages report against the one that they have over many keys.
-#include "leaflight/math/sample_average.h"
+#include "math/sample_average.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "agreement.h"
-#include "leaflight/bake/pooled_variance.h"
-#include "leaflight/math/low_discrepancy.h"
-#include "leaflight/transport/flux_accumulator.h"
+#include "bake/texels/pooled_variance.h"
+#include "math/low_discrepancy.h"
 #include "statistics.h"
+#include "transport/flux_accumulator.h"
 
 namespace leaflight {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/thesis/sample_strategy.h"
+#include "thesis/sample_strategy.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
@@ -7,10 +7,10 @@
 #include <cmath>
 #include <map>
 
+#include "field/bump_box.h"
 #include "fields.h"
-#include "leaflight/field/bump_box.h"
-#include "leaflight/math/error.h"
-#include "leaflight/thesis/adaptive_isovalues.h"
+#include "math/error.h"
+#include "thesis/adaptive_isovalues.h"
 
 namespace leaflight {
 namespace {

@@ -9,10 +9,10 @@
 #include <type_traits>
 
 #include "agreement.h"
-#include "leaflight/bake/texel_samples.h"
-#include "leaflight/transport/light_sampler.h"
+#include "bake/texels/texel_samples.h"
 #include "scenes.h"
 #include "statistics.h"
+#include "transport/light_sampler.h"
 
 namespace leaflight {
 namespace {

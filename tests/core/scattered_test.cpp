@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/thesis/scattered.h"
+#include "thesis/scattered.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "fields.h"
-#include "leaflight/math/error.h"
+#include "math/error.h"
 
 namespace leaflight {
 namespace {

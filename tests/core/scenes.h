@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bake/driver/bake.h"
 #include "fields.h"
-#include "leaflight/bake/bake.h"
 
 namespace leaflight::test {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/bake/smooth_surroundings.h"
+#include "bake/walls/smooth_surroundings.h"
 
 #include <gtest/gtest.h>
 

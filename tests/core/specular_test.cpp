@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Mirrors and glass, as surroundings and as leaves (thesis Eq. 1.5: specular light and caustics).
-#include "leaflight/transport/specular.h"
+#include "transport/specular.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "agreement.h"
-#include "leaflight/math/sampling.h"
-#include "leaflight/transport/photon_tracer.h"
+#include "math/sampling.h"
 #include "scenes.h"
+#include "transport/photon_tracer.h"
 
 namespace leaflight {
 namespace {

@@ -6,11 +6,11 @@
 #include <filesystem>
 
 #include "agreement.h"
-#include "leaflight/io/exr.h"
-#include "leaflight/math/parallel.h"
-#include "leaflight/transport/indirect_estimator.h"
-#include "leaflight/transport/light_sampler.h"
+#include "io/exr.h"
+#include "math/parallel.h"
 #include "statistics.h"
+#include "transport/indirect_estimator.h"
+#include "transport/light_sampler.h"
 
 namespace leaflight {
 namespace {

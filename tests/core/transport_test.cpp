@@ -4,13 +4,13 @@
 #include <cmath>
 
 #include "agreement.h"
-#include "leaflight/bake/bake.h"
-#include "leaflight/math/sampling.h"
-#include "leaflight/surface/marching_cubes.h"
-#include "leaflight/surface/project.h"
-#include "leaflight/transport/reference.h"
+#include "bake/driver/bake.h"
+#include "math/sampling.h"
 #include "scenes.h"
 #include "statistics.h"
+#include "surface/marching_cubes.h"
+#include "surface/project.h"
+#include "transport/reference.h"
 
 namespace leaflight {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "agreement.h"
-#include "leaflight/math/error.h"
+#include "math/error.h"
 #include "scenes.h"
 
 namespace leaflight {

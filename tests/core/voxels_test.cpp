@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/field/voxels.h"
+#include "field/voxels.h"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <limits>
 
 #include "agreement.h"
-#include "leaflight/field/empty_space.h"
-#include "leaflight/surface/marching_cubes.h"
-#include "leaflight/trace/leaf_ray.h"
+#include "field/empty_space.h"
 #include "scenes.h"
+#include "surface/marching_cubes.h"
+#include "trace/leaf_ray.h"
 
 namespace leaflight {
 namespace {

@@ -7,8 +7,8 @@
 #include <cstring>
 
 #include "agreement.h"
-#include "leaflight/bake/bake.h"
-#include "leaflight/bake/settings.h"
+#include "bake/driver/bake.h"
+#include "bake/plan/settings.h"
 
 namespace leaflight::test {
 

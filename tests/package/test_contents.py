@@ -31,7 +31,7 @@ def top(name):
 
 @pytest.fixture(scope="module")
 def version(root):
-    text = (root / "core" / "leaflight" / "version.py").read_text()
+    text = (root / "python" / "leaflight" / "version.py").read_text()
     return re.search('__version__ = "(.+)"', text)[1]
 
 
@@ -66,7 +66,7 @@ def test_one_version_everywhere(made, version, extension, root):
 
 def test_the_wheel_holds_the_package_and_its_libraries(made, root):
     found = names(made["wheel"])
-    sources = root / "core" / "leaflight"
+    sources = root / "python" / "leaflight"
     for source in sources.rglob("*.py"):
         assert f"leaflight/{source.relative_to(sources).as_posix()}" in found
     for scene in (root / "scenes").iterdir():
@@ -147,7 +147,8 @@ def test_the_sdist_has_the_sources_alone(made):
     with tarfile.open(made["sdist"]) as archive:
         members = archive.getmembers()
     found = {member.name.partition("/")[2] for member in members}
-    for name in ("CMakeLists.txt", "core/src/bake/bake.cpp", "core/leaflight/bake/bake.py"):
+    sources = ("core/src/bake/driver/bake.cpp", "python/leaflight/bake/bake.py")
+    for name in ("CMakeLists.txt", *sources):
         assert name in found
     assert {"LICENSE", "README.md", "PKG-INFO", "scenes/cornell.json"} <= found
     assert not [name for name in found if name.startswith(("build/", "addon/", "docs/", "."))]

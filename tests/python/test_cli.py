@@ -279,7 +279,7 @@ def test_bake_goes_on_until_its_error(cli, tmp_path):
     assert result["stopped"] is False
     error, rounds = result["estimated_error_percent"], result["rounds"]
     assert f"estimated error {error:.2f} %" in outcome.out
-    assert f" after {rounds} round" in outcome.out
+    assert f" after {rounds} pass" in outcome.out
     assert "4 % was asked for" in outcome.out
     outcome = cli(*arguments, "--error", "0.001", "--time", "1e-9")
     assert outcome.status == 0

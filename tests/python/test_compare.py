@@ -116,7 +116,7 @@ def test_compare_on_a_wall(lapr_bake):
 
 
 def test_compare_on_walls_needs_them(box_bake, lapr_bake):
-    with pytest.raises(LeaflightError, match="bake again with them"):
+    with pytest.raises(LeaflightError, match="bake again with surroundings"):
         leaflight.compare(box_bake, 47.0, points=10, spp=4, mesh="far wall")
     with pytest.raises(LeaflightError, match="choose one of floor, ceiling"):
         leaflight.compare(lapr_bake, 0.5, points=10, spp=4, mesh="moon")

@@ -12,7 +12,7 @@ OF_THE_COMMAND_LINE = {"cli", "report"}
 
 
 def test_no_error_outside_the_command_line_names_a_flag():
-    package = ROOT / "core/leaflight"
+    package = ROOT / "python/leaflight"
     paths = [
         path
         for path in sorted(package.rglob("*.py"))

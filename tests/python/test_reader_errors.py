@@ -141,7 +141,7 @@ def one_slice(path):
     nifti(path, NOISE[:, :, :1])
 
 
-@case(".raw", r"does not tell its layout.*\(--dims, --type\)\.")
+@case(".raw", r"has no header.*\(--dims, --type\)\.")
 def raw_without_layout(path):
     raw(path, NOISE)
 

@@ -26,22 +26,32 @@ PACKAGE = (
 )
 ADDON = ("store", "operators", "show", "stage", "bake", "compare", "export", "importing", "ui")
 FACES = ("__init__.py", "__main__.py", "blender.py")
-CORE = ("math", "field", "surface", "scene", "trace", "transport", "thesis", "bake", "io")
+CORE = (
+    "math",
+    "field",
+    "surface",
+    "scene",
+    "trace",
+    "transport",
+    "thesis",
+    "bake/plan",
+    "bake/texels",
+    "bake/direct",
+    "bake/walls",
+    "bake/output",
+    "bake/indirect",
+    "bake/fixed",
+    "bake/driver",
+    "io",
+)
 
-# What belongs to bakes with fixed samples alone, and the check of their settings.
-PASS_THE_DOOR = {
-    "fixed_bake",
-    "fixed_samples",
-    "finer_levels",
-    "leaf_passes",
-    "scattered_averages",
-    "settings",
-    "soft_records",
-    "texels_to_bake",
-}
+# Bakes with fixed samples, and the check of their settings.
+PASS_THE_DOOR = ("bake/fixed", "bake/plan")
 
 
-@pytest.mark.parametrize("folder, rooms", [("core/leaflight", PACKAGE), ("addon/leaflight", ADDON)])
+@pytest.mark.parametrize(
+    "folder, rooms", [("python/leaflight", PACKAGE), ("addon/leaflight", ADDON)]
+)
 def test_no_import_runs_back_up(folder, rooms):
     found = imports(ROOT / folder)
     assert all((ROOT / folder / room).is_dir() for room in rooms) and found
@@ -55,11 +65,11 @@ def test_no_import_runs_back_up(folder, rooms):
 
 def test_no_include_runs_back_up():
     found = [(path, target) for path in core_sources() for target in includes(path)]
-    assert {target.parent.name for _, target in found} == set(CORE)
+    assert {room(target) for _, target in found} == set(CORE)
     wrong = [
-        f"{path.relative_to(ROOT)} includes {target.relative_to(INCLUDE)}"
+        f"{path.relative_to(SOURCES)} includes {target.relative_to(SOURCES)}"
         for path, target in found
-        if CORE.index(target.parent.name) > CORE.index(path.parent.name)
+        if CORE.index(room(target)) > CORE.index(room(path))
     ]
     assert not wrong, "\n".join(wrong)
 
@@ -68,11 +78,11 @@ def test_the_thesis_has_one_door():
     """Above it only bakes with fixed samples use the thesis's ways, and by one header."""
     above = CORE[CORE.index("thesis") + 1 :]
     for path in core_sources():
-        if path.parent.name not in above:
+        if room(path) not in above:
             continue
-        entered = {target.name for target in reached(path) if target.parent.name == "thesis"}
-        assert not entered or path.stem in PASS_THE_DOOR, path
-        direct = {target.name for target in includes(path) if target.parent.name == "thesis"}
+        entered = {target.name for target in reached(path) if room(target) == "thesis"}
+        assert not entered or room(path) in PASS_THE_DOOR, path
+        direct = {target.name for target in includes(path) if room(target) == "thesis"}
         assert direct <= {"thesis.h"}, path
 
 
@@ -82,17 +92,20 @@ def test_the_addon_ships_without(room):
     assert not [path for path in sources if f"leaflight.{room}" in path.read_text()]
 
 
-INCLUDE = ROOT / "core/include/leaflight"
+SOURCES = ROOT / "core/src"
 
 
 def core_sources():
-    return [*sorted(INCLUDE.rglob("*.h")), *sorted((ROOT / "core/src").rglob("*.cpp"))]
+    return [*sorted(SOURCES.rglob("*.h")), *sorted(SOURCES.rglob("*.cpp"))]
+
+
+def room(path):
+    return path.parent.relative_to(SOURCES).as_posix()
 
 
 def includes(path):
     """Our headers that a file of the core includes."""
-    names = re.findall(r'#include "leaflight/(.+)"', path.read_text())
-    return [INCLUDE / name for name in names]
+    return [SOURCES / name for name in re.findall(r'#include "(.+)"', path.read_text())]
 
 
 def reached(path):

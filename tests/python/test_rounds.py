@@ -145,7 +145,7 @@ def test_what_to_do_where_the_error_was_not_reached(box):
     """As rounds ended by themselves, by what is most of the error."""
     baked = box(error=20.0)
     metadata = {**baked.metadata, "error": "1.0"}
-    for noise, sentence in ((1.2, "detail finer than the texels"), (4.0, "does: continue it")):
+    for noise, sentence in ((1.2, "detail finer than the texels"), (4.0, "has: continue it")):
         statistics = {
             **baked.statistics,
             "estimated_error_percent": 5.0,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The bake in the page, as core/leaflight/export/page_data.py wrote it.
+// The bake in the page, as python/leaflight/export/page_data.py wrote it.
 
 import { arrived, DAMAGED, pause, readBody } from './body';
 import { Failure } from './failure';

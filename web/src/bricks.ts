@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The active texels of a grid in a texture of bricks, which share layers of texels, without those
-// bricks that have none (core/leaflight/export/light_bricks.py).
+// bricks that have none (python/leaflight/export/light_bricks.py).
 
 import * as three from 'three';
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Colors with a shared exponent, as core/leaflight/export/shared_exponent.py parts them.
+// Colors with a shared exponent, as python/leaflight/export/shared_exponent.py parts them.
 
 export function colorWords(planes: Uint8Array): Uint32Array<ArrayBuffer> {
   const count = planes.length / 4;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where the camera stands at first (core/leaflight/stills/first_view.py).
+// Where the camera stands at first (python/leaflight/stills/first_view.py).
 
 import type { Vector } from './bake';
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The maps of direct light as textures (core/leaflight/export/visibility_levels.py).
+// The maps of direct light as textures (python/leaflight/export/visibility_levels.py).
 
 import * as three from 'three';
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The light of a wall at its vertices beside an isosurface: indirect light between nodes of the leaf
-// coordinate, and direct light as the core has it (core/src/bake/mesh_direct_light.cpp).
+// coordinate, and direct light as the core has it (core/src/bake/walls/mesh_direct_light.cpp).
 
 import type { Bake, Header, WallLightData } from './bake';
 import { addColors, colorWords } from './colors';

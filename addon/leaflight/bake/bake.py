@@ -197,8 +197,8 @@ class LEAFLIGHT_OT_bake(background.BackgroundOperator, bpy.types.Operator):
     bl_idname = "leaflight.bake"
     bl_label = "Bake Flattened Illumination"
     bl_description = (
-        "Compute the light on every isosurface of the window at once, in the surroundings of the "
-        "scene, until its error is small enough. Esc stops it: what there is then may be kept"
+        "Compute the light on every isosurface of the isovalue range at once, until its error is "
+        "small enough. Esc stops it, and the light that is finished can be kept"
     )
     bl_options = {"REGISTER", "UNDO"}
 

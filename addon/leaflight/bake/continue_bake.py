@@ -40,7 +40,7 @@ class LEAFLIGHT_OT_continue_bake(background.BackgroundOperator, bpy.types.Operat
     bl_label = "Continue"
     bl_description = (
         "Go on with the bake that lights the volume, until its error is the present one or the "
-        "time is over. Esc stops it: what there is then may be kept"
+        "time is over. Esc stops it, and the light that is finished can be kept"
     )
     bl_options = {"REGISTER", "UNDO"}
 

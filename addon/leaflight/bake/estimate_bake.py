@@ -97,8 +97,8 @@ class LEAFLIGHT_OT_estimate_bake(background.BackgroundOperator, bpy.types.Operat
     bl_idname = "leaflight.estimate_bake"
     bl_label = "Estimate"
     bl_description = (
-        "Tell the seconds and the memory that Draft, Good and Final will take, by the first rounds "
-        "of the bake. Esc cancels"
+        "Estimate the seconds and the memory of Draft, Good and Final from the first passes of the "
+        "bake. Esc cancels"
     )
 
     @classmethod
@@ -106,7 +106,7 @@ class LEAFLIGHT_OT_estimate_bake(background.BackgroundOperator, bpy.types.Operat
         if not (cls.is_free() and checks.has_volume(cls, context)):
             return False
         if active_volume(context).leaflight.fixed_samples:
-            cls.poll_message_set("Only of bakes that go by their error is there an estimate")
+            cls.poll_message_set("There is no estimate for fixed samples")
             return False
         return True
 

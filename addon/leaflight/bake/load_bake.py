@@ -35,7 +35,7 @@ class LEAFLIGHT_OT_load_bake(bpy.types.Operator, ImportHelper):
 
     filter_glob: StringProperty(default="*.vdb", options={"HIDDEN"})
     surroundings: BoolProperty(
-        name="Surroundings",
+        name="Scene",
         description="Bring in the objects and lights that the volumes were baked with",
         default=True,
     )

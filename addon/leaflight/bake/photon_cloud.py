@@ -121,7 +121,7 @@ class PhotonJob(background.Job):
         scene = bpy.data.scenes.get(self._scene_name)
         if scene is None or not len(self.positions):
             raise LeaflightError(
-                "No photon met an isosurface of the band: widen it, or emit more photons."
+                "No photon hit an isosurface of the band: widen it, or emit more photons."
             )
         name = f"{self._object_name} Photons"
         for old in [obj for obj in scene.objects if obj.get(_PHOTONS) == self._object_name]:

@@ -48,7 +48,7 @@ def save_offered():
 class LEAFLIGHT_OT_stop_bake(bpy.types.Operator):
     bl_idname = "leaflight.stop_bake"
     bl_label = "Stop"
-    bl_description = "End the work in progress, as Esc does. The last round of a bake may be kept"
+    bl_description = "End the work in progress, as Esc does. The light that is finished can be kept"
 
     @classmethod
     def poll(cls, _context):
@@ -80,13 +80,13 @@ class KeepJob(background.Job):
         return self._job.apply()
 
     def ended(self):
-        return "The bake was not kept; it still may be"
+        return "The bake was not kept; you can keep it yet"
 
 
 class LEAFLIGHT_OT_keep_bake(background.BackgroundOperator, bpy.types.Operator):
     bl_idname = "leaflight.keep_bake"
     bl_label = "Keep Bake"
-    bl_description = "Write the last round of the bake that was stopped, and light the volume by it"
+    bl_description = "Save the light of the bake that was stopped, and show it"
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod

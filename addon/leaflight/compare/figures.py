@@ -41,9 +41,9 @@ def _mean(halves, mask):
 def summary(result):
     off, within = result["leaf_mean_off_percent"], result["leaf_mean_off_within"]
     return (
-        f"Isovalue {result['isovalue']:g}: RMS {result['leaf_rms_percent']:.2f} % on the leaf, of "
-        f"which noise {result['leaf_noise_percent']:.2f} %; mean off by {off:+.2f} +- "
-        f"{within:.2f} %"
+        f"Isovalue {result['isovalue']:g}: RMS {result['leaf_rms_percent']:.2f} % on the "
+        f"isosurface, of which noise {result['leaf_noise_percent']:.2f} %; mean off by "
+        f"{off:+.2f} +- {within:.2f} %"
         + (", more than noise explains" if abs(off) > within else "")
         + f"; FLIP {result['flip_mean']:.3f}"
     )

@@ -137,8 +137,8 @@ def check_lit(leaf, isovalue):
     if settings.leaf_scattering != "DIFFUSE":
         if not settings.bake_surroundings:
             raise LeaflightError(
-                f'"{leaf.name}" is a mirror or glass, which only shows its surroundings: bake with '
-                "Light the Surroundings, or select a diffuse volume."
+                f'"{leaf.name}" is a mirror or glass, which shows the walls alone: bake with '
+                "Light the Walls, or select a diffuse volume."
             )
     elif not isosurface.is_lit(leaf, isovalue):
         raise LeaflightError(

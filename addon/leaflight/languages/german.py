@@ -59,7 +59,7 @@ MESSAGES = {
     "Bake All Frames": "Alle Bilder beleuchten",
     "Lowest": "Niedrigster",
     "Highest": "Höchster",
-    "Light the Surroundings": "Umgebung beleuchten",
+    "Light the Walls": "Wände beleuchten",
     "Both Sides": "Beide Seiten",
     "Draft": "Entwurf",
     "Good": "Gut",

@@ -97,7 +97,7 @@ def rebuild(obj):
         bake = _bakes.get(settings.bake_id)
         if settings.bake_id and bake is None:
             raise LeaflightError(
-                f'The bake of "{obj.name}" was not kept with the file: bake again to light it.'
+                f'The bake of "{obj.name}" was not saved with the file: bake again to light it.'
             )
     except LeaflightError as error:
         surface_object.problems[obj.name] = str(error)

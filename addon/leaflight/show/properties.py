@@ -238,7 +238,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     linked: BoolProperty(
         name="Linked",
         description="Move with the isovalues of the other volumes in the scene, so that all show "
-        "the same leaf of the bake",
+        "the same coordinate c of the bake",
         default=True,
         override=_OVERRIDABLE,
     )
@@ -297,8 +297,8 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     )
     fixed_samples: BoolProperty(
         name="Fixed Samples",
-        description="Do the amount of work below, whatever error it leaves: to compare ways of baking. "
-        "Pictures want Draft, Good or Final",
+        description="Take the samples below, whatever their error: to compare methods. Use Draft, Good "
+        "or Final for pictures",
         override=_OVERRIDABLE,
     )
     samples: IntProperty(
@@ -339,21 +339,21 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     )
     seed: IntProperty(
         name="Seed",
-        description="Where the random numbers begin: another seed gives other grain, to tell "
-        "grain from detail",
+        description="Start of the random numbers. Another seed gives other noise, which shows "
+        "noise from detail",
         min=0,
         override=_OVERRIDABLE,
     )
     both_sides: BoolProperty(
         name="Both Sides",
-        description="Bake the inner side of the isosurfaces too: where a volume is cut open and its inside "
-        "shows. Nearly doubles the time",
+        description="Bake the backs of the isosurfaces, too: for volumes that are cut open. Nearly doubles "
+        "the time",
         override=_OVERRIDABLE,
     )
     light_surroundings: BoolProperty(
-        name="Light the Surroundings",
-        description="Bake the light on the surroundings for every isovalue too: shadows and color "
-        "bleeding on the walls then follow the isosurface",
+        name="Light the Walls",
+        description="Bake the light on the walls for every isovalue, too: their shadows and color "
+        "bleeding then follow the isosurface",
         override=_OVERRIDABLE,
     )
     bake_folder: StringProperty(
@@ -392,7 +392,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     bake_index: IntProperty(name="Place Among the Volumes Baked Together", override=_OVERRIDABLE)
     bake_low: FloatProperty(name="Lowest Isovalue of the Bake", override=_OVERRIDABLE)
     bake_high: FloatProperty(name="Highest Isovalue of the Bake", override=_OVERRIDABLE)
-    bake_surroundings: BoolProperty(name="Surroundings Lit by the Bake", override=_OVERRIDABLE)
+    bake_surroundings: BoolProperty(name="Walls Lit by the Bake", override=_OVERRIDABLE)
     bake_refined: BoolProperty(name="Finer Texels in the Bake", override=_OVERRIDABLE)
     bake_seconds: FloatProperty(name="Bake Time", override=_OVERRIDABLE)
     bake_outcome: StringProperty(name="Error That the Bake Reached", override=_OVERRIDABLE)
@@ -439,8 +439,8 @@ class LeaflightSceneSettings(bpy.types.PropertyGroup):
     """What concerns all volumes of a scene: Scene.leaflight."""
 
     show_walls: BoolProperty(
-        name="Show Lit Surroundings",
-        description="Show the surroundings with the light of the present isosurface in place of "
+        name="Show Lit Walls",
+        description="Show the walls with the light of the present isosurface in place of "
         "the objects that were baked. Turn it off to edit these",
         default=True,
         update=_walls_changed,

@@ -62,7 +62,7 @@ def _check(what, image):
     if not image.is_float and space != "sRGB" and space not in _LINEAR:
         raise LeaflightError(
             f'{what} uses the image "{image.name}" in the color space {space}, which the bake does '
-            "not know: set it to sRGB or Non-Color."
+            "not support: set it to sRGB or Non-Color."
         )
 
 

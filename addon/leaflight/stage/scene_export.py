@@ -62,7 +62,7 @@ def export_scene(context, leaf):
         if versions.links_light(obj):
             warnings.append(
                 f'"{obj.name}" lights or shades only the objects of its light linking, but is '
-                "baked as if it met all: clear its light linking for a match"
+                "baked as if it lit all: clear its light linking for a match"
             )
     warnings += [sentence for obj in volumes for sentence in _warnings_of(obj)]
     if luminaires and not versions.lights_are_checked():

@@ -162,8 +162,8 @@ def locate(obj):
                 "relocate the bake, or bake again."
             )
     raise LeaflightError(
-        f'{looks[0]}: the bake of "{obj.name}" is neither there nor in another folder that '
-        "Leaflight knows: relocate the bake, or bake again."
+        f'{looks[0]}: the bake of "{obj.name}" is neither there nor in a folder of another '
+        "bake: relocate the bake, or bake again."
     )
 
 

@@ -72,7 +72,7 @@ class LEAFLIGHT_PT_volume(SidebarPanel, bpy.types.Panel):
         settings = obj.leaflight
         row = self.layout.row()
         c = isovalues.leaf_coordinate(settings, settings.isovalue)
-        row.label(text=iface_("Leaf c = %s") % f"{c:.3f}")
+        row.label(text=iface_("Coordinate c = %s") % f"{c:.3f}")
         row.prop(settings, "linked", icon="LINKED" if settings.linked else "UNLINKED")
         column = self.layout.column(align=True)
         for other in isovalues.partners(obj, context.scene):

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/field/bump_box.h"
+#include "field/bump_box.h"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 
-#include "leaflight/math/error.h"
-#include "leaflight/math/sampling.h"
+#include "math/error.h"
+#include "math/sampling.h"
 
 namespace leaflight {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/field/cell_bounds.h"
+#include "field/cell_bounds.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-#include "leaflight/field/least_squares_slab.h"
+#include "field/least_squares_slab.h"
 
 namespace leaflight {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/field/coarser_values.h"
+#include "field/coarser_values.h"
 
 #include <tbb/parallel_for.h>
 

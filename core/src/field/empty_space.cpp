@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/field/empty_space.h"
+#include "field/empty_space.h"
 
 #include <tbb/parallel_for.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "leaflight/math/index_range.h"
+#include "math/index_range.h"
 
 namespace leaflight {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/field/field.h"
+#include "field/field.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
@@ -9,8 +9,8 @@
 #include <sstream>
 #include <string>
 
-#include "leaflight/math/bounds.h"
-#include "leaflight/math/error.h"
+#include "math/bounds.h"
+#include "math/error.h"
 
 namespace leaflight {
 namespace {

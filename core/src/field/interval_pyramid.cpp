@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/field/interval_pyramid.h"
+#include "field/interval_pyramid.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/field/least_squares_slab.h"
+#include "field/least_squares_slab.h"
 
 #include <cmath>
 

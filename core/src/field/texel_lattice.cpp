@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/field/texel_lattice.h"
+#include "field/texel_lattice.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -11,7 +11,7 @@
 #include <limits>
 #include <string>
 
-#include "leaflight/math/error.h"
+#include "math/error.h"
 
 namespace leaflight {
 namespace {

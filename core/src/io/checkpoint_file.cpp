@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/io/checkpoint_file.h"
+#include "io/checkpoint_file.h"
 
 #include <fstream>
 
-#include "leaflight/io/files.h"
-#include "leaflight/io/replaced_files.h"
-#include "leaflight/io/seal.h"
+#include "io/files.h"
+#include "io/replaced_files.h"
+#include "io/seal.h"
 
 namespace leaflight {
 namespace {

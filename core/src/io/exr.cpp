@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/io/exr.h"
+#include "io/exr.h"
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
@@ -13,9 +13,9 @@
 #include <array>
 #include <fstream>
 
-#include "leaflight/io/files.h"
-#include "leaflight/io/replaced_files.h"
-#include "leaflight/math/error.h"
+#include "io/files.h"
+#include "io/replaced_files.h"
+#include "math/error.h"
 
 namespace leaflight {
 namespace {

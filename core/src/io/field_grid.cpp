@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/io/field_grid.h"
+#include "io/field_grid.h"
 
 #include <openvdb/tools/Prune.h>
 #include <tbb/blocked_range.h>

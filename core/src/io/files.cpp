@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/io/files.h"
+#include "io/files.h"
 
 #include <filesystem>
 #include <fstream>
 
-#include "leaflight/math/error.h"
+#include "math/error.h"
 
 namespace leaflight {
 namespace fs = std::filesystem;

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/io/replaced_files.h"
+#include "io/replaced_files.h"
 
 #include <cerrno>
 #include <fstream>
 #include <random>
 #include <set>
 
-#include "leaflight/io/files.h"
-#include "leaflight/io/seal.h"
-#include "leaflight/math/error.h"
-#include "leaflight/math/platform.h"
+#include "io/files.h"
+#include "io/seal.h"
+#include "math/error.h"
+#include "math/platform.h"
 
 namespace leaflight {
 namespace fs = std::filesystem;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/io/seal.h"
+#include "io/seal.h"
 
 #include <zlib.h>
 
@@ -9,8 +9,8 @@
 #include <fstream>
 #include <vector>
 
-#include "leaflight/io/files.h"
-#include "leaflight/math/error.h"
+#include "io/files.h"
+#include "math/error.h"
 
 namespace leaflight {
 namespace {

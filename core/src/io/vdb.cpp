@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/io/vdb.h"
+#include "io/vdb.h"
 
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>
@@ -15,13 +15,13 @@
 #include <type_traits>
 #include <vector>
 
-#include "leaflight/io/field_grid.h"
-#include "leaflight/io/files.h"
-#include "leaflight/io/replaced_files.h"
-#include "leaflight/io/seal.h"
-#include "leaflight/io/vdb_header.h"
-#include "leaflight/math/error.h"
-#include "leaflight/math/platform.h"
+#include "io/field_grid.h"
+#include "io/files.h"
+#include "io/replaced_files.h"
+#include "io/seal.h"
+#include "io/vdb_header.h"
+#include "math/error.h"
+#include "math/platform.h"
 
 namespace leaflight {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/io/vdb_header.h"
+#include "io/vdb_header.h"
 
 #include <fstream>
 
-#include "leaflight/io/files.h"
-#include "leaflight/math/error.h"
+#include "io/files.h"
+#include "math/error.h"
 
 namespace leaflight {
 namespace {

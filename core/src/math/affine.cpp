@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/math/affine.h"
+#include "math/affine.h"
 
 namespace leaflight {
 

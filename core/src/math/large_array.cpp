@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/math/large_array.h"
+#include "math/large_array.h"
 
 #include <mutex>
 #include <new>
 #include <unordered_set>
 
-#include "leaflight/math/platform.h"
+#include "math/platform.h"
 
 namespace leaflight {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/math/platform.h"
+#include "math/platform.h"
 
 #ifdef _WIN32
 #include <windows.h>
@@ -20,7 +20,7 @@
 #include <fstream>
 #include <string>
 
-#include "leaflight/math/error.h"
+#include "math/error.h"
 
 namespace leaflight {
 namespace {

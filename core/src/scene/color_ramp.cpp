@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/scene/color_ramp.h"
+#include "scene/color_ramp.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/scene/leaf_nodes.h"
+#include "scene/leaf_nodes.h"
 
 #include <algorithm>
 #include <vector>

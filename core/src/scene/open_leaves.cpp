@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/scene/open_leaves.h"
+#include "scene/open_leaves.h"
 
 namespace leaflight {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/scene/scene.h"
+#include "scene/scene.h"
 
 #include <algorithm>
 #include <cmath>
 #include <sstream>
 
-#include "leaflight/math/bounds.h"
-#include "leaflight/math/error.h"
-#include "leaflight/math/sampling.h"
+#include "math/bounds.h"
+#include "math/error.h"
+#include "math/sampling.h"
 
 namespace leaflight {
 namespace {

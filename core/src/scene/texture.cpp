@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/scene/texture.h"
+#include "scene/texture.h"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/surface/brick_values.h"
+#include "surface/brick_values.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/surface/cell_polygons.h"
+#include "surface/cell_polygons.h"
 
 namespace leaflight {
 namespace {

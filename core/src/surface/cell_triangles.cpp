@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/surface/cell_triangles.h"
+#include "surface/cell_triangles.h"
 
 #include <algorithm>
 #include <deque>
 #include <limits>
 #include <vector>
 
-#include "leaflight/surface/cell_polygons.h"
-#include "leaflight/surface/cell_tunnels.h"
+#include "surface/cell_polygons.h"
+#include "surface/cell_tunnels.h"
 
 namespace leaflight {
 namespace {

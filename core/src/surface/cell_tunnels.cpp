@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/surface/cell_tunnels.h"
+#include "surface/cell_tunnels.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "leaflight/surface/cell_polygons.h"
+#include "surface/cell_polygons.h"
 
 namespace leaflight {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/surface/crossed_edges.h"
+#include "surface/crossed_edges.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -8,7 +8,7 @@
 #include <limits>
 #include <string>
 
-#include "leaflight/math/error.h"
+#include "math/error.h"
 
 namespace leaflight {
 namespace {

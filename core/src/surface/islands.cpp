@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/surface/islands.h"
+#include "surface/islands.h"
 
 #include <algorithm>
 #include <numeric>

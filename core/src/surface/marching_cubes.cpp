@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/surface/marching_cubes.h"
+#include "surface/marching_cubes.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -7,10 +7,10 @@
 #include <limits>
 #include <string>
 
-#include "leaflight/math/error.h"
-#include "leaflight/surface/cell_polygons.h"
-#include "leaflight/surface/cell_triangles.h"
-#include "leaflight/surface/points_inside.h"
+#include "math/error.h"
+#include "surface/cell_polygons.h"
+#include "surface/cell_triangles.h"
+#include "surface/points_inside.h"
 
 namespace leaflight {
 namespace {

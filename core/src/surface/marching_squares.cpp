@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/surface/marching_squares.h"
+#include "surface/marching_squares.h"
 
 #include <tbb/parallel_for.h>
 
-#include "leaflight/surface/crossed_edges.h"
+#include "surface/crossed_edges.h"
 
 namespace leaflight {
 namespace {

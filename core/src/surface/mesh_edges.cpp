@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/surface/mesh_edges.h"
+#include "surface/mesh_edges.h"
 
 #include <tbb/parallel_for.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/surface/points_inside.h"
+#include "surface/points_inside.h"
 
 #include <algorithm>
 #include <optional>
 
-#include "leaflight/field/field.h"
-#include "leaflight/surface/cell_polygons.h"
+#include "field/field.h"
+#include "surface/cell_polygons.h"
 
 namespace leaflight {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/surface/polygon_edges.h"
+#include "surface/polygon_edges.h"
 
 #include <algorithm>
 #include <numeric>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/surface/project.h"
+#include "surface/project.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "leaflight/field/given_point.h"
+#include "field/given_point.h"
 
 namespace leaflight {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/surface/split_edges.h"
+#include "surface/split_edges.h"
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <numeric>
 
-#include "leaflight/surface/mesh_edges.h"
-#include "leaflight/surface/project.h"
+#include "surface/mesh_edges.h"
+#include "surface/project.h"
 
 namespace leaflight {
 namespace {

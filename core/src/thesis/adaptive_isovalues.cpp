@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/thesis/adaptive_isovalues.h"
+#include "thesis/adaptive_isovalues.h"
 
 #include <tbb/parallel_for.h>
 
@@ -9,7 +9,7 @@
 #include <map>
 #include <string>
 
-#include "leaflight/math/error.h"
+#include "math/error.h"
 
 namespace leaflight {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/thesis/bad_regions.h"
+#include "thesis/bad_regions.h"
 
 #include <algorithm>
 #include <array>

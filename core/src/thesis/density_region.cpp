@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/thesis/density_region.h"
+#include "thesis/density_region.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "leaflight/math/error.h"
-#include "leaflight/math/sampling.h"
+#include "math/error.h"
+#include "math/sampling.h"
 
 namespace leaflight {
 

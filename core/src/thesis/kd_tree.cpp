@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/thesis/kd_tree.h"
+#include "thesis/kd_tree.h"
 
 #include <algorithm>
 #include <nanoflann.hpp>

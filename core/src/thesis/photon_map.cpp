@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/thesis/photon_map.h"
+#include "thesis/photon_map.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
 
-#include "leaflight/math/error.h"
-#include "leaflight/math/parallel.h"
+#include "math/error.h"
+#include "math/parallel.h"
 
 namespace leaflight {
 namespace {

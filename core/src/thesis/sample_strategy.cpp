@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/thesis/sample_strategy.h"
+#include "thesis/sample_strategy.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -8,13 +8,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "leaflight/math/error.h"
-#include "leaflight/math/random.h"
-#include "leaflight/surface/marching_cubes.h"
-#include "leaflight/surface/marching_squares.h"
-#include "leaflight/surface/project.h"
-#include "leaflight/thesis/adaptive_isovalues.h"
-#include "leaflight/thesis/bad_regions.h"
+#include "math/error.h"
+#include "math/random.h"
+#include "surface/marching_cubes.h"
+#include "surface/marching_squares.h"
+#include "surface/project.h"
+#include "thesis/adaptive_isovalues.h"
+#include "thesis/bad_regions.h"
 
 namespace leaflight {
 namespace {

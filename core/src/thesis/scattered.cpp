@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/thesis/scattered.h"
+#include "thesis/scattered.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "leaflight/math/error.h"
-#include "leaflight/math/parallel.h"
-#include "leaflight/math/sample_average.h"
-#include "leaflight/thesis/kd_tree.h"
+#include "math/error.h"
+#include "math/parallel.h"
+#include "math/sample_average.h"
+#include "thesis/kd_tree.h"
 
 namespace leaflight {
 namespace {

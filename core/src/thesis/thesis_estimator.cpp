@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/thesis/thesis_estimator.h"
+#include "thesis/thesis_estimator.h"
 
-#include "leaflight/math/sampling.h"
+#include "math/sampling.h"
 
 namespace leaflight {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/trace/greatest_value.h"
+#include "trace/greatest_value.h"
 
 #include <cmath>
 #include <limits>
 
-#include "leaflight/trace/cell_crossing.h"
+#include "trace/cell_crossing.h"
 
 namespace leaflight {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/trace/leaf_ray.h"
+#include "trace/leaf_ray.h"
 
 #include <cmath>
 
-#include "leaflight/trace/cell_crossing.h"
+#include "trace/cell_crossing.h"
 
 namespace leaflight {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/trace/line_bundle.h"
+#include "trace/line_bundle.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/trace/line_set.h"
+#include "trace/line_set.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/trace/scene_tracer.h"
+#include "trace/scene_tracer.h"
 
 #include <cmath>
 
-#include "leaflight/math/sampling.h"
-#include "leaflight/scene/open_leaves.h"
-#include "leaflight/trace/greatest_value.h"
+#include "math/sampling.h"
+#include "scene/open_leaves.h"
+#include "trace/greatest_value.h"
 
 namespace leaflight {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/trace/surroundings.h"
+#include "trace/surroundings.h"
 
 #include <cstring>
 
-#include "leaflight/math/error.h"
-#include "leaflight/trace/embree_query.h"
+#include "math/error.h"
+#include "trace/embree_query.h"
 
 namespace leaflight {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/transport/environment_sampler.h"
+#include "transport/environment_sampler.h"
 
 #include <algorithm>
 #include <cmath>

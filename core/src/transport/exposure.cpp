@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/transport/exposure.h"
+#include "transport/exposure.h"
 
 #include <tbb/parallel_for.h>
 
-#include "leaflight/field/given_point.h"
-#include "leaflight/math/low_discrepancy.h"
-#include "leaflight/math/random.h"
-#include "leaflight/math/sampling.h"
-#include "leaflight/trace/leaf_ray.h"
+#include "field/given_point.h"
+#include "math/low_discrepancy.h"
+#include "math/random.h"
+#include "math/sampling.h"
+#include "trace/leaf_ray.h"
 
 namespace leaflight {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/transport/indirect_estimator.h"
+#include "transport/indirect_estimator.h"
 
 #include <cmath>
 #include <limits>
 
-#include "leaflight/math/sampling.h"
+#include "math/sampling.h"
 
 namespace leaflight {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/transport/indirect_shares.h"
+#include "transport/indirect_shares.h"
 
-#include "leaflight/math/error.h"
-#include "leaflight/transport/environment_sampler.h"
-#include "leaflight/transport/leaf_emitter.h"
-#include "leaflight/transport/light_points.h"
-#include "leaflight/transport/mesh_emitter.h"
+#include "math/error.h"
+#include "transport/environment_sampler.h"
+#include "transport/leaf_emitter.h"
+#include "transport/light_points.h"
+#include "transport/mesh_emitter.h"
 
 namespace leaflight {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/transport/leaf_cache.h"
+#include "transport/leaf_cache.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "leaflight/math/parallel.h"
+#include "math/parallel.h"
 
 namespace leaflight {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/transport/leaf_emitter.h"
+#include "transport/leaf_emitter.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "leaflight/math/sampling.h"
+#include "math/sampling.h"
 
 namespace leaflight {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/transport/light_points.h"
+#include "transport/light_points.h"
 
 #include <cmath>
 
-#include "leaflight/math/low_discrepancy.h"
-#include "leaflight/math/sampling.h"
+#include "math/low_discrepancy.h"
+#include "math/sampling.h"
 
 namespace leaflight {
 namespace {

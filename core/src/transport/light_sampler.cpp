@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/transport/light_sampler.h"
+#include "transport/light_sampler.h"
 
 #include <algorithm>
 #include <limits>
 
-#include "leaflight/math/sampling.h"
+#include "math/sampling.h"
 
 namespace leaflight {
 namespace {

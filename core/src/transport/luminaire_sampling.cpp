@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/transport/luminaire_sampling.h"
+#include "transport/luminaire_sampling.h"
 
 #include <cmath>
 #include <limits>

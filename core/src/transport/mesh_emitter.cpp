@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/transport/mesh_emitter.h"
+#include "transport/mesh_emitter.h"
 
 #include <cmath>
 

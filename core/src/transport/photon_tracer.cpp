@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/transport/photon_tracer.h"
+#include "transport/photon_tracer.h"
 
 #include <cmath>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/transport/placement.h"
+#include "transport/placement.h"
 
 #include <optional>
 
-#include "leaflight/math/error.h"
-#include "leaflight/math/low_discrepancy.h"
-#include "leaflight/transport/luminaire_sampling.h"
+#include "math/error.h"
+#include "math/low_discrepancy.h"
+#include "transport/luminaire_sampling.h"
 
 namespace leaflight {
 namespace {

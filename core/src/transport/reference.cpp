@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/transport/reference.h"
+#include "transport/reference.h"
 
 #include <cmath>
 
-#include "leaflight/field/given_point.h"
-#include "leaflight/math/error.h"
-#include "leaflight/math/low_discrepancy.h"
-#include "leaflight/math/parallel.h"
-#include "leaflight/transport/indirect_estimator.h"
+#include "field/given_point.h"
+#include "math/error.h"
+#include "math/low_discrepancy.h"
+#include "math/parallel.h"
+#include "transport/indirect_estimator.h"
 
 namespace leaflight {
 namespace {

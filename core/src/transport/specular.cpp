@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/transport/specular.h"
+#include "transport/specular.h"
 
 #include <cmath>
 
-#include "leaflight/math/sampling.h"
+#include "math/sampling.h"
 
 namespace leaflight {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "leaflight/transport/surface_cache.h"
+#include "transport/surface_cache.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "leaflight/math/error.h"
-#include "leaflight/math/low_discrepancy.h"
-#include "leaflight/math/sampling.h"
+#include "math/error.h"
+#include "math/low_discrepancy.h"
+#include "math/sampling.h"
 
 namespace leaflight {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Files of checkpoints, and of those whose seal is right the text and the numbers of the state.
 // What a bake does with the numbers is not tried: whoever can write the seal writes them.
-#include "leaflight/bake/checkpoint.h"
+#include "bake/texels/checkpoint.h"
 
 #include "input_file.h"
-#include "leaflight/io/checkpoint_file.h"
-#include "leaflight/io/seal.h"
-#include "leaflight/math/sample_average.h"
+#include "io/checkpoint_file.h"
+#include "io/seal.h"
+#include "math/sample_average.h"
 #include "said.h"
 
 namespace {

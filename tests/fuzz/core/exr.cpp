@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Images that others made: read, and their comments.
-#include "leaflight/io/exr.h"
+#include "io/exr.h"
 
 #include "input_file.h"
 #include "said.h"

@@ -3,8 +3,8 @@
 #include <map>
 
 #include "hostile_field.h"
-#include "leaflight/surface/marching_cubes.h"
 #include "one_thread.h"
+#include "surface/marching_cubes.h"
 
 namespace {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // As field.cpp, of an image.
 #include "hostile_field.h"
-#include "leaflight/surface/marching_squares.h"
 #include "one_thread.h"
+#include "surface/marching_squares.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace leaflight;

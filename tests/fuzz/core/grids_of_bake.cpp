@@ -4,10 +4,10 @@
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 
+#include "bake/output/lit_contour.h"
 #include "bytes.h"
 #include "input_file.h"
-#include "leaflight/bake/lit_contour.h"
-#include "leaflight/io/vdb.h"
+#include "io/vdb.h"
 #include "one_thread.h"
 #include "said.h"
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "bytes.h"
-#include "leaflight/trace/leaf_ray.h"
 #include "said.h"
+#include "trace/leaf_ray.h"
 
 namespace leaflight::fuzz {
 

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "leaflight/math/error.h"
+#include "math/error.h"
 
 namespace leaflight::fuzz {
 

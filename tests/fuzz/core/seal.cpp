@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The seal of any file, and that it tells every change of a byte.
-#include "leaflight/io/seal.h"
+#include "io/seal.h"
 
 #include "bytes.h"
 #include "input_file.h"

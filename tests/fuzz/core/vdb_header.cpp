@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The header of any .vdb, which is read without OpenVDB.
-#include "leaflight/io/vdb_header.h"
+#include "io/vdb_header.h"
 
 #include "input_file.h"
-#include "leaflight/io/vdb.h"
+#include "io/vdb.h"
 #include "said.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,4 +1,4 @@
-// Direct light, computed at the very point (core/src/bake/direct_light.cpp).
+// Direct light, computed at the very point (core/src/bake/direct/direct_light.cpp).
 
 uniform usampler3D maps;       // levels of eight light points a texel, in bricks: layers along z
 uniform usampler3D mapTable;   // where in these each brick is
@@ -8,7 +8,7 @@ uniform ivec3 mapTexels, mapBrick, mapBricks;
 uniform int mapDepth;  // texels of a layer along z
 uniform mat4 indexToFrame;
 
-const float PARTS = 13.0;  // into which ranges are cut (core/leaflight/export/visibility_levels.py)
+const float PARTS = 13.0;  // into which ranges are cut (python/leaflight/export/visibility_levels.py)
 const uint DARK = 15u;
 
 // The irradiance that a light point would bring to a surface if nothing stood in the way.

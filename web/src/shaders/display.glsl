@@ -1,5 +1,5 @@
 // The view transform: exposed, highlights compressed, encoded as sRGB
-// (core/leaflight/stills/photograph.py).
+// (python/leaflight/stills/photograph.py).
 uniform float gain;
 
 // Khronos PBR Neutral without its offset for specular reflection.

@@ -29,7 +29,7 @@ bool isLit(vec3 place) {
   return value >= max(window.x, 0.0) && value <= window.y;
 }
 
-// Indirect light, extrapolated from the texels in front (core/src/bake/radiance_grid.cpp). Texels
+// Indirect light, extrapolated from the texels in front (core/src/bake/output/radiance_grid.cpp). Texels
 // behind may belong to the other face of a thin shell.
 vec3 indirectLight(vec3 place, vec3 gradient, bool isInner) {
   float size = length(gradient * texelScale);

@@ -1,5 +1,5 @@
 // A wall, left out where it stands between the viewer and the volumes
-// (core/leaflight/stills/walls.py).
+// (python/leaflight/stills/walls.py).
 
 uniform bool isOfRoom, isLocal;
 uniform vec3 middle, albedo, emission;

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/direct/direct_light.h"
+
+#include <atomic>
+#include <cmath>
+
+#include "bake/direct/visibility_through.h"
+#include "math/parallel.h"
+#include "math/sampling.h"
+
+namespace leaflight {
+namespace {
+
+// Points whose maps are swept at once.
+constexpr std::size_t points_at_once = 8;
+// Of the maps of one side.
+constexpr std::size_t most_bytes = std::size_t{512} << 20;
+
+// The gradient of the surface itself jumps at the faces of cells, on which meshes have their
+// vertices. This near to one, in voxels, it goes over to that of shading, which there is the mean
+// of both cells' across the face.
+constexpr double near_face = 0.05;
+
+template <int D>
+Vec<D> surface_gradient(const CellCorners<D>& corners, const Vec<D>& local, const Vec<D>& shading) {
+  Vec<D> gradient = geometric_gradient(corners, local);
+  for (int a = 0; a < D; ++a) {
+    const double own = std::min(1.0, std::min(local[a], 1 - local[a]) / near_face);
+    gradient[a] = shading[a] + (gradient[a] - shading[a]) * own;
+  }
+  return gradient;
+}
+
+}  // namespace
+
+template <int D>
+IsosurfacePoint<D> isosurface_point(const Field<D>& field, const Vec<D>& index_position) {
+  const CellPoint<D> at = locate(field, index_position);
+  const CellCorners<D> corners = load_corners(field, at.cell);
+  return {index_position, at, corners, interpolate(corners, at.local), shading_gradient(field, at)};
+}
+
+template <int D>
+Index<D> map_resolution(const Field<D>& field, const IsovalueWindow& window, const Index<D>& texels,
+                        std::size_t points) {
+  Index<D> found;
+  for (int a = 0; a < D; ++a) found[a] = std::min(field.dims[a], texels[a]);
+  if (active_texels(field, found, window.min, window.max) * points <= most_bytes) return found;
+  return coarser_resolution<D>(found, 2);
+}
+
+template <int D>
+DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
+                            const std::vector<LightPoint<D>>& points, const Index<D>& resolution,
+                            bool inner, Progress& progress)
+    : window_(tracer.scene().volumes[volume].isovalues(tracer.scene().window)),
+      albedo_(tracer.scene().volumes[volume].albedo),
+      emission_(tracer.scene().volumes[volume].emission),
+      offset_(tracer.scene().volumes[volume].offset),
+      scale_(tracer.scene().volumes[volume].scale),
+      to_frame_(tracer.index_to_frame(volume)),
+      to_index_(inverse(to_frame_)),
+      points_(points) {
+  fill_blocks();
+  auto maps = std::make_shared<Maps>();
+  maps->lattice =
+      make_lattice(tracer.scene().volumes[volume].field, resolution, window_.min, window_.max);
+  std::atomic<bool> any_dark{false};
+  const std::size_t count = points_.size(), active = maps->lattice.active.size();
+  const VisibilitySweep<D> sweep(tracer, volume, maps->lattice);
+  std::vector<std::unique_ptr<VisibilityThrough<D>>> others;
+  for (int other = 0; other < static_cast<int>(tracer.scene().volumes.size()); ++other) {
+    if (other == volume) continue;
+    others.push_back(std::make_unique<VisibilityThrough<D>>(tracer, other, volume, maps->lattice));
+  }
+  for (int side = 0; side < (inner ? 2 : 1); ++side) {
+    maps->codes[side].resize(active * count + block);  // whole blocks are read
+    const VisibilityCode code{window_, side != 0};
+    for (std::size_t first = 0; first < count; first += points_at_once) {
+      const std::size_t some = std::min(points_at_once, count - first);
+      std::vector<std::vector<std::uint8_t>> found(some);
+      parallel_range(some, 1, static_cast<double>(maps->lattice.texels()), progress,
+                     [&](std::size_t begin, std::size_t end) {
+                       for (std::size_t i = begin; i < end; ++i) {
+                         const LightSource<D>& source = points_[first + i].source;
+                         sweep.run(source, code, found[i], progress);
+                         for (const auto& other : others) other->run(source, found[i], progress);
+                       }
+                     });
+      parallel_range(active, 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t s = begin; s < end; ++s) {
+          std::uint8_t* to = &maps->codes[side][s * count + first];
+          for (std::size_t i = 0; i < some; ++i) {
+            to[i] = found[i][maps->lattice.active[s]];
+            if (to[i] == VisibilityCode::dark) any_dark = true;
+          }
+        }
+      });
+    }
+  }
+  maps->has_dark = any_dark;
+  maps_ = std::move(maps);
+}
+
+template <int D>
+DirectLight<D> DirectLight<D>::scaled(const std::vector<Rgb>& lights) const {
+  DirectLight<D> result = *this;
+  scale_points(lights, result.points_);
+  result.fill_blocks();
+  return result;
+}
+
+template <int D>
+float DirectLight<D>::greatest(std::size_t point, const TexelWeights<D>& near, bool inner) const {
+  float sum = 0;
+  for (int i = 0; i < (1 << D); ++i) {
+    if (!(near.weight[i] > 0)) continue;
+    sum += near.weight[i] * maps_->codes[inner][near.slot[i] * points_.size() + point];
+  }
+  return sum;
+}
+
+template <int D>
+void DirectLight<D>::fill_blocks() {
+  blocks_.assign((points_.size() + block - 1) / block, Block{});
+  for (Block& of : blocks_) {
+    for (Row& row : of.at) row.fill(1);
+  }
+  for (std::size_t n = 0; n < points_.size(); ++n) {
+    const LightSource<D>& source = points_[n].source;
+    Block& of = blocks_[n / block];
+    const std::size_t k = n % block;
+    of.near[k] = source.infinite ? 0 : 1;
+    const bool even = source.infinite || source.sphere;
+    (even ? of.even : source.both_sides ? of.both : of.front)[k] = 1;
+    for (int a = 0; a < D; ++a) {
+      of.at[a][k] = static_cast<float>(source.infinite ? -source.direction[a] : source.position[a]);
+      if (!even) of.normal[a][k] = static_cast<float>(source.normal[a]);
+    }
+    for (int i = 0; i < 3; ++i) of.amount[i][k] = static_cast<float>(source.amount[i]);
+    if (source.cone) of.cones.push_back(static_cast<int>(k));
+  }
+}
+
+template <int D>
+Rgb DirectLight<D>::radiance(const IsosurfacePoint<D>& point, bool inner) const {
+  const double h = point.value;
+  if (std::isnan(h)) return Rgb(0);
+  // Towards higher values, the inner side.
+  const Vec<D> gradient = to_index_.pull_back_gradient(point.gradient);
+  const double length = gradient.length();
+  if (!(length > 0)) return Rgb(0);
+  const double outward = (inner ? 1 : -1) / length;
+  const Vec<D, float> normal(gradient * outward);
+  const Vec<D, float> geometric(to_index_.pull_back_gradient(surface_gradient(
+                                    point.corners, point.at.local, point.gradient)) *
+                                outward);
+  const Vec<D> place = to_frame_.point(point.position);
+  const Vec<D, float> x(place);
+  const TexelWeights<D> near = linear_weights(maps_->lattice, point.position);
+  const std::uint8_t* maps = maps_->codes[inner].data();
+  const bool has_dark = maps_->has_dark;
+  const float own = VisibilityCode{window_, inner}(h);
+  std::array<float, 3> irradiance{};
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    const Block& of = blocks_[b];
+    Row greatest{}, dark{};
+    for (int i = 0; i < (1 << D); ++i) {
+      const float w = near.weight[i];
+      if (!(w > 0)) continue;
+      const std::uint8_t* codes = maps + near.slot[i] * points_.size() + b * block;
+      if (!has_dark) {
+        for (int k = 0; k < block; ++k) greatest[k] += w * static_cast<float>(codes[k]);
+        continue;
+      }
+      for (int k = 0; k < block; ++k) {
+        // A mesh's shadow ends half way between the texels on either side of its edge.
+        const float is_dark = codes[k] == VisibilityCode::dark ? w : 0.0f;
+        dark[k] += is_dark;
+        greatest[k] += (w - is_dark) * static_cast<float>(codes[k]);
+      }
+    }
+    Row distance2{}, cosine{}, facing{}, leaving{}, share;
+    for (int a = 0; a < D; ++a) {
+      const float from = x[a], own_normal = normal[a], own_geometric = geometric[a];
+      for (int k = 0; k < block; ++k) {
+        const float way = from * of.near[k] - of.at[a][k];
+        distance2[k] += way * way;
+        cosine[k] -= way * own_normal;
+        facing[k] -= way * own_geometric;
+        leaving[k] += way * of.normal[a][k];
+      }
+    }
+    for (int k = 0; k < block; ++k) {
+      const float per_distance = 1 / std::sqrt(distance2[k]);
+      const float from_light = leaving[k] * per_distance;
+      const float front = from_light > 0 ? from_light : 0.0f;
+      const float strength = of.even[k] + of.front[k] * front + of.both[k] * std::abs(from_light);
+      const float spreads = D == 3 ? per_distance * per_distance : per_distance;
+      const float light = strength * spreads * cosine[k] * per_distance;
+      const float shown = greatest[k] < own * (1 - dark[k]) ? light : 0.0f;
+      const float unhidden = dark[k] < 0.5f ? shown : 0.0f;
+      const float faced = facing[k] > 0 ? unhidden : 0.0f;
+      share[k] = cosine[k] > 0 ? faced : 0.0f;
+    }
+    for (const int k : of.cones) {
+      if (!(share[k] > 0)) continue;
+      const LightSource<D>& source = points_[b * block + k].source;
+      share[k] *= static_cast<float>(source.cone_share((place - source.position).normalized()));
+    }
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < block; ++k) irradiance[i] += share[k] * of.amount[i][k];
+    }
+  }
+  const Rgb sum(irradiance[0], irradiance[1], irradiance[2]);
+  return sum * albedo_.at((h - offset_) / scale_) / static_cast<Real>(projected_hemisphere<D>);
+}
+
+template <int D>
+Rgb DirectLight<D>::emission(const Field<D>& field, const Vec<D>& index_position) const {
+  const CellPoint<D> at = locate(field, index_position);
+  const double h = interpolate(load_corners(field, at.cell), at.local);
+  return std::isnan(h) ? Rgb(0) : emission_.at((h - offset_) / scale_);
+}
+
+template IsosurfacePoint<2> isosurface_point<2>(const Field<2>&, const Vec<2>&);
+template IsosurfacePoint<3> isosurface_point<3>(const Field<3>&, const Vec<3>&);
+template Index<2> map_resolution<2>(const Field<2>&, const IsovalueWindow&, const Index<2>&,
+                                    std::size_t);
+template Index<3> map_resolution<3>(const Field<3>&, const IsovalueWindow&, const Index<3>&,
+                                    std::size_t);
+template class DirectLight<2>;
+template class DirectLight<3>;
+
+}  // namespace leaflight

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+
+#include "bake/direct/visibility_sweep.h"
+#include "transport/light_points.h"
+
+namespace leaflight {
+
+// A point of the isosurface through it, which the texels and the direct light there both need.
+template <int D>
+struct IsosurfacePoint {
+  Vec<D> position;  // in index coordinates
+  CellPoint<D> at;
+  CellCorners<D> corners;
+  double value;     // of the field, NaN where there is no data
+  Vec<D> gradient;  // of shading, in index coordinates
+};
+template <int D>
+IsosurfacePoint<D> isosurface_point(const Field<D>& field, const Vec<D>& index_position);
+
+// Direct light of a scene's light points at any point of any leaf of a volume, computed where it is
+// shown: the cosine and the distance are those of the point itself. For each texel and light point
+// it keeps the greatest value on the way, which tells whether the leaf of any isovalue
+// throws a shadow there (for inner sides the least value). Nothing of it is averaged or random.
+template <int D>
+class DirectLight {
+ public:
+  // Of a volume by its number; `resolution`: of the maps; `inner`: of the inner sides, too, which
+  // needs the scene's only volume. The result is the same for any number of threads. Throws
+  // Cancelled.
+  DirectLight(const SceneTracer<D>& tracer, int volume, const std::vector<LightPoint<D>>& points,
+              const Index<D>& resolution, bool inner, Progress& progress);
+
+  // With other strengths of the scene's lights: a factor per channel for each. Shares the maps.
+  DirectLight scaled(const std::vector<Rgb>& lights) const;
+
+  // Texels of the maps.
+  const TexelLattice<D>& lattice() const { return maps_->lattice; }
+  std::size_t points() const { return points_.size(); }
+  const LightPoint<D>& point(std::size_t number) const { return points_[number]; }
+  const Affine<D>& index_to_frame() const { return to_frame_; }
+  // Of the field's values.
+  const IsovalueWindow& window() const { return window_; }
+  bool has_inner() const { return !maps_->codes[1].empty(); }
+  // VisibilityCode of the way from an active texel to a point.
+  std::uint8_t code(std::size_t point, std::size_t slot, bool inner) const {
+    return maps_->codes[inner][slot * points_.size() + point];
+  }
+
+  // Radiance [W/(m^2 sr)] that the leaf through an index position of the field, which must be that
+  // of the volume, reflects on one of its sides; zero where no leaf passes.
+  Rgb radiance(const IsosurfacePoint<D>& point, bool inner) const;
+  Rgb radiance(const Field<D>& field, const Vec<D>& index_position, bool inner) const {
+    return radiance(isosurface_point(field, index_position), inner);
+  }
+  // What the leaf emits by itself, [W/(m^2 sr)].
+  Rgb emission(const Field<D>& field, const Vec<D>& index_position) const;
+  // The greatest code on the way to a point from where a position has these weights in lattice().
+  float greatest(std::size_t point, const TexelWeights<D>& near, bool inner) const;
+
+ private:
+  // Points are taken so many at a time, by instructions that do the same for several.
+  static constexpr int block = 16;
+  using Row = std::array<float, static_cast<std::size_t>(block)>;
+  // A block of points as numbers, filled up with dark ones. From a position x of the frame the way
+  // from a point is x * near - at; its strength is the sum of `even`, of `front` times the cosine
+  // to `normal` where that is positive, and of `both` times its absolute value.
+  struct Block {
+    std::array<Row, D> at{}, normal{};
+    Row near{}, even{}, front{}, both{};
+    std::array<Row, 3> amount{};
+    std::vector<int> cones;  // points with one
+  };
+  void fill_blocks();
+
+  IsovalueWindow window_;  // of the field's values
+  ColorRamp albedo_, emission_;
+  double offset_, scale_;  // isovalue = offset + scale c
+  Affine<D> to_frame_, to_index_;
+  std::vector<LightPoint<D>> points_;
+  std::vector<Block> blocks_;
+  struct Maps {
+    TexelLattice<D> lattice;
+    // By side; [slot * points + point].
+    std::array<std::vector<std::uint8_t>, 2> codes;
+    bool has_dark = false;  // a mesh throws shadows into the volume
+  };
+  std::shared_ptr<const Maps> maps_;
+};
+
+// The resolution of the maps of so many light points for a bake of so many texels along each axis:
+// that of the field or of the bake, whichever is coarser, or half of it where maps would take
+// more memory than 512 MB. `window`: of the field's values.
+template <int D>
+Index<D> map_resolution(const Field<D>& field, const IsovalueWindow& window, const Index<D>& texels,
+                        std::size_t points);
+
+// What the maps of one side take.
+template <int D>
+std::size_t map_bytes(const Field<D>& field, const IsovalueWindow& window, const Index<D>& texels,
+                      std::size_t points) {
+  const Index<D> resolution = map_resolution(field, window, texels, points);
+  return active_texels(field, resolution, window.min, window.max) * points;
+}
+
+}  // namespace leaflight

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/driver/bake.h"
+
+#include <tbb/task_arena.h>
+
+#include <chrono>
+
+#include "bake/driver/rounds.h"
+#include "bake/fixed/fixed_samples.h"
+#include "math/error.h"
+#include "math/platform.h"
+
+namespace leaflight {
+template <int D>
+Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, Progress& progress,
+              const BakeHooks<D>& hooks) {
+  return bake(scene, settings, make_plan(scene, settings), progress, hooks);
+}
+
+template <int D>
+Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
+              Progress& progress, const BakeHooks<D>& hooks) {
+  validate(scene);
+  validate(settings);
+  const auto start = std::chrono::steady_clock::now();
+  const auto finish = [&](Baked<D>& baked) {
+    baked.statistics.seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    baked.statistics.peak_memory_bytes = peak_memory();
+    baked.statistics.skipped = plan.skipped;
+  };
+  BakeHooks<D> timed = hooks;
+  if (hooks.on_round) {
+    timed.on_round = [&](Baked<D>&& baked) {
+      finish(baked);
+      hooks.on_round(std::move(baked));
+    };
+  }
+  tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
+  Baked<D> baked = arena.execute([&] {
+    if (settings.samples == 0) return bake_in_rounds(scene, settings, plan, progress, timed);
+    if (hooks.workers || hooks.kept) {
+      throw Error("Only a bake in rounds can be shared or continued; bake the volume anew.");
+    }
+    return bake_with_fixed_samples(scene, settings, plan, progress);
+  });
+  finish(baked);
+  return baked;
+}
+
+template Baked<2> bake(const Scene<2>&, const BakeSettings<2>&, Progress&, const BakeHooks<2>&);
+template Baked<2> bake(const Scene<2>&, const BakeSettings<2>&, const Plan&, Progress&,
+                       const BakeHooks<2>&);
+template Baked<3> bake(const Scene<3>&, const BakeSettings<3>&, Progress&, const BakeHooks<3>&);
+template Baked<3> bake(const Scene<3>&, const BakeSettings<3>&, const Plan&, Progress&,
+                       const BakeHooks<3>&);
+
+}  // namespace leaflight

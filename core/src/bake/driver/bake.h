@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+
+#include "bake/indirect/block_workers.h"
+#include "bake/indirect/kept_light.h"
+#include "bake/output/baked.h"
+#include "bake/texels/checkpoint.h"
+#include "math/progress.h"
+
+namespace leaflight {
+
+// What a bake in rounds has to do with others; bakes with fixed samples have nothing of it.
+template <int D>
+struct BakeHooks {
+  // Is given a whole bake after each round but the last.
+  std::function<void(Baked<D>&&)> on_round;
+  // What the bake goes on with, of each volume, of the same scene and settings but for the error
+  // and the time.
+  const std::vector<KeptLight<D>>* kept = nullptr;
+  const Checkpoints* checkpoints = nullptr;
+  const BlockWorkers* workers = nullptr;
+};
+
+// Lights every leaf of the scene's window at once. The result is the same, bit for bit, for any
+// number of threads, and of workers. Throws Error for a bad scene or settings, Cancelled within
+// half a second of progress.cancel().
+template <int D>
+Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, Progress& progress,
+              const BakeHooks<D>& hooks = {});
+
+// The same with a plan of the caller's.
+template <int D>
+Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
+              Progress& progress, const BakeHooks<D>& hooks = {});
+
+}  // namespace leaflight

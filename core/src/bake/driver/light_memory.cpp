@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/driver/light_memory.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bake/direct/direct_light.h"
+#include "bake/driver/rounds_texels.h"
+#include "bake/plan/plan.h"
+#include "math/error.h"
+
+namespace leaflight {
+namespace {
+
+// Bytes, as measured (docs/clusters.md): of texels of the result and of soft light at the end of a
+// round, when most is held; of the file's grids beside what they are made of; and of a voxel in the
+// nodes of the grid of values.
+struct TexelBytes {
+  double direct, soft;
+};
+constexpr TexelBytes outer_side{150, 100}, both_sides{265, 160}, surroundings{30, 30};
+constexpr double saved_texel = 100, saved_voxel = 0.27, photon_texel = 90, fixed = 16 << 20;
+// Resolutions are tried until one is this much finer than what fits.
+constexpr double step = 1.05;
+constexpr int coarsest = 8;
+
+class LightMemory {
+ public:
+  LightMemory(const Scene<3>& scene, const BakeSettings<3>& settings)
+      : field_(scene.volumes[0].field),
+        window_(scene.volumes[0].isovalues(scene.window)),
+        settings_(settings) {
+    const Plan plan = make_plan(scene, settings);
+    points_ = split_light(SceneTracer<3>(scene)).points.size();
+    sides_ = plan.back ? 2 : 1;
+    a_texel_ = plan.back ? both_sides : outer_side;
+    if (plan.surroundings) {
+      a_texel_.direct += surroundings.direct;
+      a_texel_.soft += surroundings.soft;
+    }
+    if (!plan.indirect) a_texel_.soft = 0;
+  }
+
+  std::uint64_t bytes(const Index<3>& resolution) const {
+    BakeSettings<3> settings = settings_;
+    settings.resolution = resolution;
+    const RoundsResolutions<3> chosen = rounds_resolutions(field_, window_, settings);
+    const double direct = texels(chosen.shown);
+    const double lit = direct * a_texel_.direct + texels(chosen.soft) * a_texel_.soft +
+                       texels(chosen.photons) * photon_texel;
+    const double maps =
+        sides_ * static_cast<double>(map_bytes(field_, window_, chosen.shown, points_));
+    const double saved = direct * saved_texel + saved_voxel * static_cast<double>(field_.voxels());
+    return static_cast<std::uint64_t>(fixed + maps + std::max(lit, saved));
+  }
+
+  // So many times as wide as voxels.
+  Index<3> resolution(double width) const {
+    Index<3> coarser;
+    for (int a = 0; a < 3; ++a) {
+      coarser[a] = std::max(2, static_cast<int>(std::ceil((field_.dims[a] - 1) / width)) + 1);
+    }
+    return coarser;
+  }
+
+ private:
+  double texels(const Index<3>& resolution) const {
+    return static_cast<double>(active_texels(field_, resolution, window_.min, window_.max));
+  }
+
+  const Field<3>& field_;
+  IsovalueWindow window_;
+  const BakeSettings<3>& settings_;
+  TexelBytes a_texel_;
+  std::size_t points_;
+  double sides_;
+};
+
+}  // namespace
+
+std::uint64_t light_memory(const Scene<3>& scene, const BakeSettings<3>& settings) {
+  return LightMemory(scene, settings).bytes(settings.resolution);
+}
+
+Index<3> fitting_resolution(const Scene<3>& scene, const BakeSettings<3>& settings,
+                            std::uint64_t bytes) {
+  const LightMemory memory(scene, settings);
+  std::uint64_t needed = memory.bytes({});
+  if (needed <= bytes) return {};
+  double width = 1;
+  for (;;) {
+    const double times = static_cast<double>(needed) / static_cast<double>(bytes);
+    width *= std::max(step, 0.95 * std::cbrt(times));
+    const Index<3> resolution = memory.resolution(width);
+    needed = memory.bytes(resolution);
+    if (needed <= bytes) return resolution;
+    if (*std::max_element(resolution.begin(), resolution.end()) <= coarsest) {
+      throw Error("The light of the volume does not fit into " + std::to_string(bytes >> 20) +
+                  " MiB, however coarse; give more memory, or downsample the volume.");
+    }
+  }
+}
+
+}  // namespace leaflight

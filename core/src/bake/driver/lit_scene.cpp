@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/driver/lit_scene.h"
+
+#include "transport/placement.h"
+
+namespace leaflight {
+
+template <int D>
+LitScene<D>::LitScene(const Scene<D>& scene, const BakeSettings<D>& settings_, const Plan& plan_,
+                      Progress& progress_)
+    : settings(settings_),
+      plan(plan_),
+      progress(progress_),
+      tracer(scene),
+      lights(tracer),
+      split(split_light(tracer)),
+      direct(scene.volumes.size()) {
+  check_placement(tracer);
+  empty_.reserve(scene.volumes.size());
+  for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
+    const Volume<D>& volume = scene.volumes[v];
+    empty_.emplace_back(volume.field, volume.isovalues(scene.window).min);
+    volumes.push_back({tracer, static_cast<int>(v), empty_[v]});
+  }
+}
+
+template <int D>
+void LitScene<D>::learn_direct(const std::vector<Index<D>>& texels) {
+  progress.begin("Direct light");
+  // The light of inner sides would take two maps where other volumes stand in its way.
+  const bool inner = plan.back && volumes.size() == 1;
+  for (std::size_t v = 0; v < volumes.size(); ++v) {
+    if (!stores_light_of(v)) continue;
+    const Index<D> resolution = map_resolution(volumes[v].volume().field, volumes[v].window(),
+                                               texels[v], split.points.size());
+    direct[v] = std::make_shared<const DirectLight<D>>(tracer, static_cast<int>(v), split.points,
+                                                       resolution, inner, progress);
+  }
+}
+
+template struct LitScene<2>;
+template struct LitScene<3>;
+
+}  // namespace leaflight

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <atomic>
+#include <memory>
+
+#include "bake/direct/direct_light.h"
+#include "bake/plan/plan.h"
+#include "bake/texels/swept_volume.h"
+#include "transport/light_sampler.h"
+
+namespace leaflight {
+
+// A scene made ready for light: what its integrators share. All that it is given must outlive it.
+template <int D>
+struct LitScene {
+  const BakeSettings<D>& settings;
+  const Plan& plan;
+  Progress& progress;
+  SceneTracer<D> tracer;
+  LightSampler<D> lights;
+  SplitLight<D> split;
+  std::vector<SweptVolume<D>> volumes;
+  // Of each volume, once it is known; null where no texel stores light.
+  std::vector<std::shared_ptr<const DirectLight<D>>> direct;
+  std::atomic<std::uint64_t> rays{0};
+
+  // Throws Error where lights are walled in.
+  LitScene(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
+           Progress& progress);
+  LitScene(const LitScene&) = delete;
+
+  int sides() const { return plan.back ? 2 : 1; }
+  // What mirrors and glass show depends on the view, so that no texel can hold it.
+  bool stores_light_of(std::size_t volume) const {
+    return tracer.scene().volumes[volume].scattering == Scattering::diffuse;
+  }
+  // Whether lines through the volume can light it: one volume, and nothing specular.
+  bool takes_lines() const { return volumes.size() == 1 && !plan.specular && stores_light_of(0); }
+  // Sweeps the maps of the points of `split`; `texels`: the resolution of each volume's.
+  void learn_direct(const std::vector<Index<D>>& texels);
+
+ private:
+  std::vector<EmptySpace<D>> empty_;  // of each volume, below the window
+};
+
+}  // namespace leaflight

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/driver/ray_bake.h"
+
+#include "bake/texels/texel_samples.h"
+
+namespace leaflight {
+namespace {
+
+// Paths of a texel, and of a vertex of the surroundings at a node, in a block.
+constexpr int texel_samples = 1, vertex_samples = 2;
+
+}  // namespace
+
+template <int D>
+RayBake<D>::RayBake(LitScene<D>& scene, std::vector<SweptTexels<D>> texels,
+                    const std::vector<KeptLight<D>>* kept)
+    : scene_(scene),
+      wide_(scene.tracer, scene.split),
+      photons_(texels[0].photon_count),
+      kept_blocks_(kept ? kept->front().blocks() : 0),
+      errors_(scene.tracer.scene().window) {
+  for (std::size_t v = 0; v < texels.size(); ++v) {
+    shown_.push_back(texels[v].shown.lattice.resolution);
+    lattices_.push_back(texels[v].soft.lattice);
+    stored_.emplace_back();
+    if (!scene.stores_light_of(v)) continue;
+    texels[v].photon_count = 0;
+    stored_[v] = std::make_unique<SweptBake<D>>(scene, v, std::move(texels[v]),
+                                                kept ? &(*kept)[v] : nullptr);
+  }
+  if (scene.plan.surroundings) walls_.emplace(scene.tracer);
+}
+
+template <int D>
+const LightSampler<D>& RayBake<D>::sampled(bool inner) const {
+  return inner && stored_.size() > 1 ? scene_.lights : wide_;
+}
+
+template <int D>
+double RayBake<D>::cost() const {
+  double texels = 0;
+  for (std::size_t v = 0; v < stored_.size(); ++v) {
+    if (stored_[v]) texels += scene_.sides() * static_cast<double>(lattices_[v].active.size());
+  }
+  const double photons = scene_.plan.caustics ? static_cast<double>(photons_) : 0;
+  return rays_per_photon * photons + texel_samples * texels +
+         (walls_ ? vertex_samples * walls_->entries() : 0);
+}
+
+template <int D>
+void RayBake<D>::add(int blocks, const std::function<bool()>& go_on) {
+  if (!scene_.plan.indirect) return;
+  // A bake that is continued has texels in its file, but no walls.
+  while (walls_ && walls_->blocks() < kept_blocks_) add_block(walls_->blocks(), false);
+  for (int i = 0; i < blocks; ++i) {
+    add_block(kept_blocks_ + blocks_, true);
+    ++blocks_;
+    if (go_on && !go_on()) break;
+  }
+  for (const auto& one : stored_) {
+    if (one) one->release();
+  }
+}
+
+template <int D>
+void RayBake<D>::add_block(int number, bool texels) {
+  const std::uint64_t seed = random_for(scene_.settings.seed, Purpose::ray_block, number).bits();
+  PhotonCaches<D> photons;
+  std::vector<LeafRadiance<D>> leaves(stored_.size());
+  if (scene_.plan.caustics) {
+    photons = trace_caustics(seed);
+    for (std::size_t v = 0; v < leaves.size(); ++v) {
+      leaves[v] = {&lattices_[v], photons.leaves[v].get()};
+    }
+  }
+  const CausticPhotons<D> caustics{leaves, photons.surroundings.get()};
+  const auto estimator =
+      make_path_estimator(scene_.tracer, scene_.lights, scene_.plan.caustics ? &caustics : nullptr);
+  const auto from = [&](bool inner) {
+    return PointSampler<D>{sampled(inner), leaves, caustics.surroundings, scene_.plan.caustics};
+  };
+  scene_.progress.begin("Indirect light");
+  for (std::size_t v = 0; texels && v < stored_.size(); ++v) {
+    if (!stored_[v]) continue;
+    stored_[v]->add_block([&](SideMoments& moments) {
+      for (int side = 0; side < scene_.sides(); ++side) {
+        gather(v, side != 0, from(side != 0), *estimator, seed, moments[side]);
+      }
+    });
+  }
+  if (walls_) {
+    walls_->add(from(false), estimator.get(), {seed, 0, vertex_samples}, scene_.progress,
+                scene_.rays);
+  }
+}
+
+template <int D>
+PhotonCaches<D> RayBake<D>::trace_caustics(std::uint64_t seed) const {
+  BakeSettings<D> settings = scene_.settings;
+  settings.estimator = EstimatorName::path;
+  settings.seed = seed;
+  settings.caustic_photons = photons_;
+  Plan plan = scene_.plan;
+  plan.photons = false;
+  plan.surroundings_cache = !scene_.tracer.meshes().empty();
+  return trace_into_caches(scene_.tracer, scene_.lights, lattices_, settings, plan, 0,
+                           scene_.progress, scene_.rays);
+}
+
+// Of leaves as if they were white.
+template <int D>
+void RayBake<D>::gather(std::size_t volume, bool inner, const PointSampler<D>& from,
+                        const IndirectEstimator<D>& estimator, std::uint64_t seed,
+                        TexelMoments& moments) {
+  const TexelLattice<D>& lattice = lattices_[volume];
+  const bool direct = from.lights.can_light();
+  parallel_range(
+      lattice.active.size(), 64, texel_samples, scene_.progress,
+      [&](std::size_t begin, std::size_t end) {
+        std::uint64_t rays = 0;
+        for (std::size_t s = begin; s < end && !scene_.progress.cancelled(); ++s) {
+          const std::uint32_t texel = lattice.active[s];
+          const SampleKeys keys = sample_keys(seed, Purpose::texel, 2 * volume + inner, texel);
+          for_each_texel_sample(scene_.tracer, static_cast<int>(volume), inner, lattice, texel,
+                                texel_samples, keys.position, [&](SurfacePoint<D> point, int i) {
+                                  point.albedo = Rgb(1);
+                                  point.emission = Rgb(0);
+                                  Rgb radiance = from.indirect(point, &estimator, keys, i, rays);
+                                  if (direct) radiance += from.direct(point, keys, i, rays);
+                                  moments.sums[s].add(Imath::V3f(radiance), 1);
+                                });
+        }
+        scene_.rays += rays;
+      });
+}
+
+template <int D>
+void RayBake<D>::keep(Keeper& keeper) {
+  keeper(blocks_);
+  for (const auto& one : stored_) {
+    if (one) one->keep(keeper);
+  }
+  if (walls_) walls_->keep(keeper);
+}
+
+template <int D>
+std::vector<RadianceGrid<D>> RayBake<D>::grids() {
+  std::vector<RadianceGrid<D>> grids;
+  errors_ = LeafErrors(scene_.tracer.scene().window);
+  bool any = false;
+  for (std::size_t v = 0; v < stored_.size(); ++v) {
+    if (stored_[v]) {
+      grids.push_back(stored_[v]->grid());
+      errors_.add(stored_[v]->errors());
+      any = any || !lattices_[v].active.empty();
+    } else {
+      const Field<D>& field = scene_.volumes[v].volume().field;
+      grids.emplace_back().lattice = inactive_lattice<D>(field.dims, shown_[v]);
+    }
+  }
+  // Where isosurfaces store no light, the noise of the surroundings is all that there is.
+  if (!any && walls_) walls_->add_noise(scene_.settings.exposure, errors_, scene_.progress);
+  return grids;
+}
+
+template class RayBake<2>;
+template class RayBake<3>;
+
+}  // namespace leaflight

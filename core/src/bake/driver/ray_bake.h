@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "bake/driver/swept_bake.h"
+#include "bake/texels/point_sampler.h"
+#include "bake/walls/wall_light.h"
+
+namespace leaflight {
+
+// Light of any scene by paths: of several volumes, beside mirrors and glass. Each block has paths
+// from each texel. Photons carry caustics; each block traces its own, so that blocks are
+// independent (progressive photon mapping, Hachisuka et al. 2008). Direct light of light points is
+// exact on front sides; shadow rays sample the rest.
+template <int D>
+class RayBake final : public Integrator<D> {
+ public:
+  // `kept`: of each volume, of the same texels and settings; null: nothing.
+  RayBake(LitScene<D>& scene, std::vector<SweptTexels<D>> texels,
+          const std::vector<KeptLight<D>>* kept = nullptr);
+
+  void add(int blocks, const std::function<bool()>& go_on = {}) override;
+  void keep(Keeper& keeper) override;
+  int blocks() const override { return kept_blocks_ + blocks_; }
+  double cost() const override;
+
+  std::vector<RadianceGrid<D>> grids() override;
+  const LeafErrors& errors() const override { return errors_; }
+  SurroundingsRadiance<D> surroundings() override { return walls_->radiance(scene_.progress); }
+
+ private:
+  void add_block(int number, bool texels);
+  PhotonCaches<D> trace_caustics(std::uint64_t seed) const;
+  void gather(std::size_t volume, bool inner, const PointSampler<D>& from,
+              const IndirectEstimator<D>& estimator, std::uint64_t seed, TexelMoments& moments);
+  // What direct light of a side its maps lack.
+  const LightSampler<D>& sampled(bool inner) const;
+
+  LitScene<D>& scene_;
+  LightSampler<D> wide_;  // without the lights' points
+  std::vector<Index<D>> shown_;
+  std::vector<TexelLattice<D>> lattices_;              // of indirect light, of each volume
+  std::vector<std::unique_ptr<SweptBake<D>>> stored_;  // of each volume; null: none
+  std::uint64_t photons_;                              // of a block
+  std::optional<WallLight<D>> walls_;
+  int blocks_ = 0, kept_blocks_;
+  LeafErrors errors_;
+};
+
+}  // namespace leaflight

@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/driver/rounds.h"
+
+#include <chrono>
+#include <cmath>
+
+#include "bake/driver/ray_bake.h"
+#include "bake/driver/rounds_texels.h"
+#include "math/error.h"
+
+namespace leaflight {
+namespace {
+
+// Bakes of fewer texels do without a first picture.
+constexpr std::size_t most_without_preview = 200'000;
+// Blocks of a first picture, of the first round, since their differences tell the error, and of all
+// rounds at most.
+constexpr int preview_blocks = 2, first_blocks = 4, most_blocks = 32;
+// A round that is out of time ends after so many.
+constexpr int least_blocks = 2;
+// What noise may be of the error that is asked for: what the texels' width leaves of it, within
+// these shares; and of what texels miss, where that alone is more, as sweeps do not mend it.
+constexpr double least_noise = 0.25, most_noise = 0.8, out_of_reach_noise = 0.5;
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point then) {
+  return std::chrono::duration<double>(Clock::now() - then).count();
+}
+
+// The blocks after the next round: as many as leave the noise `target`, a variance, by what was
+// found so far; at most twice as many as now.
+template <int D>
+int next_blocks(const Integrator<D>& bake, double target) {
+  const int now = bake.blocks();
+  if (now == 0) return 0;
+  const double wanted = bake.errors().all().noise * now / target;
+  const int most = std::max(now, std::min(2 * now, most_blocks));
+  // A round that adds little costs as much to look at as one that adds more.
+  const double grown = wanted > now ? std::max(std::ceil(wanted), std::ceil(1.25 * now)) : now;
+  return static_cast<int>(std::clamp<double>(grown, now, most));
+}
+
+template <int D>
+class Rounds {
+ public:
+  Rounds(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
+         Progress& progress, const BakeHooks<D>& hooks)
+      : hooks_(hooks), scene_(scene, settings, plan, progress), progress_(progress) {}
+
+  Baked<D> run() {
+    progress_.check();
+    if (hooks_.workers && !scene_.takes_lines()) {
+      throw Error(
+          "Workers share the lines through one volume without mirrors or glass; bake without "
+          "them.");
+    }
+    std::vector<SweptTexels<D>> texels;
+    for (const SweptVolume<D>& volume : scene_.volumes) {
+      texels.push_back(scene_.takes_lines() ? rounds_texels(volume, scene_.settings)
+                                            : ray_texels(volume, scene_.settings));
+    }
+    std::vector<Index<D>> shown;
+    for (const SweptTexels<D>& one : texels) {
+      shown.push_back(one.shown.lattice.resolution);
+      count_ += one.shown.lattice.active.size();
+    }
+    progress_.check();
+    if (count_ == 0 && !scene_.plan.surroundings) throw nothing_to_bake(scene_.tracer.scene());
+    const Kept* kept = kept_light(texels);
+    learn_direct(texels, shown);
+    rounds_ = kept ? kept->front().rounds() : 0;
+    if (!kept && count_ > most_without_preview) {
+      ++rounds_;
+      if ((hooks_.on_round || scene_.settings.seconds > 0) && !resumes()) {
+        preview_ = preview(shown);
+        preview_->add(preview_blocks);
+        Baked<D> first = whole(*preview_);
+        if (hooks_.on_round) hooks_.on_round(std::move(first));
+        if (over(0)) return last(*preview_, whole(*preview_), true);
+      }
+    }
+    bake_ = integrator(std::move(texels), kept, hooks_.workers);
+    return refine();
+  }
+
+ private:
+  using Kept = std::vector<KeptLight<D>>;
+
+  bool resumes() const { return hooks_.checkpoints && hooks_.checkpoints->from; }
+
+  std::unique_ptr<Integrator<D>> integrator(std::vector<SweptTexels<D>> texels, const Kept* kept,
+                                            const BlockWorkers* workers) {
+    if (!scene_.takes_lines()) {
+      return std::make_unique<RayBake<D>>(scene_, std::move(texels), kept);
+    }
+    const KeptLight<D>* light = kept ? &kept->front() : nullptr;
+    return std::make_unique<SweptBake<D>>(scene_, 0, std::move(texels[0]), light, workers);
+  }
+
+  std::unique_ptr<Integrator<D>> preview(const std::vector<Index<D>>& shown) {
+    std::vector<SweptTexels<D>> texels;
+    for (std::size_t v = 0; v < shown.size(); ++v) {
+      texels.push_back(preview_texels(scene_.volumes[v], shown[v]));
+    }
+    return integrator(std::move(texels), nullptr, nullptr);
+  }
+
+  // What the bake goes on with; null where it has texels of another width.
+  const Kept* kept_light(const std::vector<SweptTexels<D>>& texels) const {
+    const Kept* kept = hooks_.kept;
+    if (!kept) return nullptr;
+    bool fits = kept->size() == texels.size();
+    for (std::size_t v = 0; v < texels.size() && fits; ++v) {
+      if (!scene_.stores_light_of(v)) continue;
+      const TexelLattice<D>& shown = texels[v].shown.lattice;
+      if ((*kept)[v].resolution() != shown.resolution) return nullptr;
+      fits =
+          !scene_.plan.indirect || (*kept)[v].fits(shown, texels[v].soft.lattice, scene_.plan.back);
+    }
+    if (fits) return kept;
+    throw Error(
+        "The bake to continue is of another volume, window or other sides; bake the volume anew.");
+  }
+
+  void learn_direct(const std::vector<SweptTexels<D>>& texels, const std::vector<Index<D>>& shown) {
+    const auto points = static_cast<double>(scene_.split.points.size());
+    double maps = 0, blocks = 0;
+    for (const SweptTexels<D>& one : texels) {
+      const auto all = static_cast<double>(one.shown.lattice.texels());
+      maps += scene_.sides() * all * points;
+      blocks += first_blocks * all * IndirectLight<D>::directions_per_block /
+                std::pow(one.spacing, D - 1);
+    }
+    // Until blocks know what they cost.
+    progress_.expect(maps + blocks);
+    scene_.learn_direct(shown);
+    for (const auto& direct : scene_.direct) {
+      if (!direct) continue;
+      work_ += scene_.sides() * static_cast<double>(direct->lattice().texels()) * points;
+    }
+  }
+
+  // Round by round.
+  Baked<D> refine() {
+    const int before = before_ = bake_->blocks();
+    blocks_ = scene_.plan.indirect ? before + first_blocks : 0;
+    if (resumes()) keep(Keeper(*hooks_.checkpoints->from));
+    const std::function<bool()> proceed = [this] { return go_on(); };
+    for (;;) {
+      // The steps before count, too, and the radiance of the texels afterwards.
+      progress_.expect(work_ + bake_->cost() * (blocks_ - before + 2));
+      bake_->add(blocks_ - bake_->blocks(), proceed);
+      const bool cut = bake_->blocks() < blocks_;
+      if (cut && bake_->blocks() == before) return last(*preview_, whole(*preview_), true);
+      preview_.reset();
+      ++rounds_;
+      Baked<D> baked = whole(*bake_);
+      const LeafError error = bake_->errors().all();
+      const double noise = noise_to_reach(scene_.settings.error, 100 * std::sqrt(error.texture));
+      const double target = std::pow(noise / 100, 2);
+      if (error.noise <= target) return last(*bake_, std::move(baked), false);
+      if (cut || over(0)) return last(*bake_, std::move(baked), true);
+      const int next = next_blocks(*bake_, target);
+      if (next <= blocks_) return last(*bake_, std::move(baked), false);
+      if (hooks_.on_round) hooks_.on_round(std::move(baked));
+      // What was shown is what is left.
+      if (over(0)) return last(*bake_, whole(*bake_), true);
+      blocks_ = next;
+    }
+  }
+
+  // After each block: leaves a checkpoint where one is due. Whether time is left for another.
+  bool go_on() {
+    const double block_seconds = seconds_since(block_began_);
+    block_began_ = Clock::now();
+    const Checkpoints* checkpoints = hooks_.checkpoints;
+    // The next block takes about as long as the one before.
+    if (checkpoints && checkpoints->save &&
+        seconds_since(saved_) + block_seconds >= checkpoints->seconds) {
+      checkpoints->save([this](std::ostream& stream) { keep(Keeper(stream)); });
+      saved_ = Clock::now();
+    }
+    const int done = bake_->blocks() - before_;
+    const bool can_end = done >= least_blocks || (done == 0 && preview_);
+    return !can_end || !over(seconds_a_texel_ * static_cast<double>(count_));
+  }
+
+  void keep(Keeper keeper) {
+    // Numbers are kept as this build has them in memory.
+    int layout = sizeof(Real) * 256 + D;
+    const int own_layout = layout;
+    keeper(layout);
+    if (layout != own_layout) throw Error("The checkpoint is of another Leaflight; bake anew.");
+    std::uint64_t traced = scene_.rays;
+    keeper(traced);
+    keeper(rounds_);
+    keeper(blocks_);
+    bake_->keep(keeper);
+    scene_.rays = traced;
+  }
+
+  bool over(double to_come) const {
+    const double seconds = scene_.settings.seconds;
+    return progress_.stopped() || (seconds > 0 && seconds_since(start_) + to_come > seconds);
+  }
+
+  Baked<D> whole(Integrator<D>& bake) {
+    const auto begin = Clock::now();
+    Baked<D> baked;
+    baked.grids = bake.grids();
+    std::size_t texels = 0;
+    for (const RadianceGrid<D>& grid : baked.grids) texels += grid.texels();
+    seconds_a_texel_ = seconds_since(begin) / static_cast<double>(std::max<std::size_t>(1, texels));
+    baked.statistics.rays = scene_.rays;
+    baked.statistics.rounds = rounds_;
+    baked.statistics.blocks = bake.blocks();
+    const LeafError error = bake.errors().all();
+    baked.statistics.noise_percent = 100 * std::sqrt(error.noise);
+    baked.statistics.error_percent = error.percent();
+    baked.statistics.worst = bake.errors().worst();
+    return baked;
+  }
+
+  // A bake's last round, which has the surroundings, too.
+  Baked<D> last(Integrator<D>& bake, Baked<D> baked, bool stopped) {
+    if (scene_.plan.surroundings) baked.surroundings = bake.surroundings();
+    baked.statistics.rays = scene_.rays;
+    baked.statistics.stopped = stopped;
+    return baked;
+  }
+
+  const Clock::time_point start_ = Clock::now();
+  const BakeHooks<D>& hooks_;
+  LitScene<D> scene_;
+  Progress& progress_;
+  std::size_t count_ = 0;  // of all texels
+  double work_ = 0;        // of direct light
+  int rounds_ = 0;
+  int before_ = 0, blocks_ = 0;  // blocks that were kept, and those after the round
+  double seconds_a_texel_ = 0;   // that whole() takes
+  Clock::time_point saved_ = start_, block_began_ = start_;
+  std::unique_ptr<Integrator<D>> preview_, bake_;
+};
+
+}  // namespace
+
+double noise_to_reach(double error, double texture) {
+  const double least = texture < error ? least_noise * error : out_of_reach_noise * texture;
+  const double wanted = std::sqrt(std::max(0.0, error * error - texture * texture));
+  return std::clamp(wanted, least, std::max(least, most_noise * error));
+}
+
+template <int D>
+Baked<D> bake_in_rounds(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
+                        Progress& progress, const BakeHooks<D>& hooks) {
+  return Rounds<D>(scene, settings, plan, progress, hooks).run();
+}
+
+template Baked<2> bake_in_rounds(const Scene<2>&, const BakeSettings<2>&, const Plan&, Progress&,
+                                 const BakeHooks<2>&);
+template Baked<3> bake_in_rounds(const Scene<3>&, const BakeSettings<3>&, const Plan&, Progress&,
+                                 const BakeHooks<3>&);
+
+}  // namespace leaflight

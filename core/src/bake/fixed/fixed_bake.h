@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <atomic>
+
+#include "bake/fixed/texels_to_bake.h"
+#include "bake/indirect/photon_caches.h"
+#include "bake/texels/point_sampler.h"
+
+namespace leaflight {
+
+// What the passes of a bake with fixed samples share, and what they know of each other's light.
+template <int D>
+struct FixedBake {
+  const SceneTracer<D>& tracer;
+  const LightSampler<D>& lights;
+  const BakeSettings<D>& settings;
+  const Plan& plan;
+  Progress& progress;
+  std::vector<TexelLattice<D>> lattices;   // per volume
+  std::optional<StrewnSamples<D>> strewn;  // nothing: samples in each texel
+  PhotonCaches<D> photons{};
+  std::vector<LeafRadiance<D>> leaves{};  // per volume; once direct light is known
+  std::atomic<std::uint64_t> rays{0};
+
+  int sides() const { return plan.back ? 2 : 1; }
+  PointSampler<D> sampler() const {
+    return {lights, leaves, photons.surroundings.get(), plan.caustics};
+  }
+  // Of a sample of soft light, on average.
+  double soft_rays() const {
+    return plan.indirect ? traits_of(settings.estimator).rays_per_sample : 0;
+  }
+};
+
+// Some texels of a side of a volume's leaves, in a lattice whose texels were halved `level` times.
+template <int D>
+struct LeafTexels {
+  int volume;
+  bool above;
+  const TexelLattice<D>& lattice;
+  int level;
+};
+
+}  // namespace leaflight

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/fixed/fixed_samples.h"
+
+#include "bake/fixed/finer_levels.h"
+#include "bake/fixed/leaf_passes.h"
+#include "bake/walls/light_surroundings.h"
+#include "transport/placement.h"
+
+namespace leaflight {
+namespace {
+
+constexpr int wall_samples = 8;
+
+template <int D>
+double expected_rays(const FixedBake<D>& bake, const std::vector<RefinedMesh<D>>& walls) {
+  const BakeSettings<D>& settings = bake.settings;
+  double points = 0;
+  for (std::size_t v = 0; v < bake.lattices.size(); ++v) {
+    const std::size_t places =
+        bake.strewn ? bake.strewn->positions[v].size() : bake.lattices[v].active.size();
+    points += bake.sides() * static_cast<double>(places);
+  }
+  // About as many finer texels are sampled as there are others.
+  points *= 1 + settings.refine;
+  for (const RefinedMesh<D>& mesh : walls) {
+    points += 1.0 * surroundings_share * LeafNodes::count * mesh.coarse.vertices.size();
+  }
+  const double photons = (bake.plan.photons ? settings.photons : 0) +
+                         (bake.plan.caustics ? settings.caustic_photons : 0);
+  return rays_per_photon * photons + points * settings.samples * (1 + bake.soft_rays());
+}
+
+template <int D>
+std::vector<PhotonMap<D>> trace_into_maps(FixedBake<D>& bake) {
+  const BakeSettings<D>& settings = bake.settings;
+  bake.progress.begin("Tracing photons");
+  std::uint64_t rays = 0;
+  const auto photons = collect_photons(bake.tracer, bake.lights, settings.seed, settings.photons,
+                                       bake.progress, rays);
+  bake.rays += rays;
+  return make_photon_maps(bake.tracer, photons,
+                          settings.thesis ? settings.thesis->photon_map : PhotonMapSettings{});
+}
+
+// Null where there is no soft light. What it looks up is the bake's.
+template <int D>
+std::unique_ptr<IndirectEstimator<D>> make_estimator(FixedBake<D>& bake) {
+  if (!bake.plan.indirect) return nullptr;
+  const SurfaceCache<D>* surroundings = bake.photons.surroundings.get();
+  switch (bake.settings.estimator) {
+    case EstimatorName::path:
+      return make_path_estimator(bake.tracer, bake.lights);
+    case EstimatorName::volumetric:
+      return make_volumetric_estimator(bake.leaves, surroundings);
+    case EstimatorName::thesis:
+      return make_thesis_estimator(trace_into_maps(bake), surroundings);
+    default:
+      return make_gather_estimator(bake.tracer, bake.lights, bake.leaves, *surroundings);
+  }
+}
+
+// The side of a volume's leaves, at the texels of its own lattice.
+template <int D>
+LeafTexels<D> texels_of(const FixedBake<D>& bake, std::size_t volume, int side) {
+  return {static_cast<int>(volume), side != 0, bake.lattices[volume], 0};
+}
+
+// Direct light of all volumes comes first, since gather rays look it up. Returns it, and leaves
+// what is known of the leaves in the bake.
+template <int D>
+std::vector<SideAverages> light_directly(FixedBake<D>& bake) {
+  const std::size_t volumes = bake.lattices.size();
+  bake.leaves.resize(volumes);
+  std::vector<SideAverages> direct(volumes);
+  for (int side = 0; side < bake.sides(); ++side) {
+    bake.progress.begin(side == 0 ? "Direct light" : "Direct light of the inner side");
+    for (std::size_t v = 0; v < volumes; ++v) {
+      direct[v][side] = direct_pass(bake, texels_of(bake, v, side));
+    }
+  }
+  for (std::size_t v = 0; v < volumes; ++v) {
+    LeafRadiance<D>& leaf = bake.leaves[v];
+    leaf.lattice = &bake.lattices[v];
+    leaf.photons = bake.photons.leaves.empty() ? nullptr : bake.photons.leaves[v].get();
+    for (int side = 0; side < bake.sides(); ++side) {
+      for (const Average& a : direct[v][side]) leaf.direct[side].push_back(a.mean);
+    }
+  }
+  return direct;
+}
+
+template <int D>
+SideAverages light_indirectly(FixedBake<D>& bake, std::size_t volume,
+                              const IndirectEstimator<D>* estimator) {
+  SideAverages indirect;
+  for (int side = 0; side < bake.sides(); ++side) {
+    bake.progress.begin(side == 0 ? "Indirect light" : "Indirect light of the inner side");
+    indirect[side] = indirect_pass(bake, texels_of(bake, volume, side), estimator);
+  }
+  return indirect;
+}
+
+}  // namespace
+
+template <int D>
+Baked<D> bake_with_fixed_samples(const Scene<D>& scene, const BakeSettings<D>& settings,
+                                 const Plan& plan, Progress& progress) {
+  const SceneTracer<D> tracer(scene);
+  const LightSampler<D> lights(tracer);
+  check_placement(tracer);
+  FixedBake<D> bake{tracer,
+                    lights,
+                    settings,
+                    plan,
+                    progress,
+                    texels_to_bake(scene, settings, plan),
+                    strewn_samples(scene, settings)};
+  std::vector<RefinedMesh<D>> walls;
+  if (plan.surroundings) walls = refine(scene);
+  progress.expect(expected_rays(bake, walls));
+  const bool into_leaves = plan.photons && traits_of(settings.estimator).caches;
+  if (into_leaves || plan.caustics || plan.surroundings_cache) {
+    bake.photons = trace_into_caches(tracer, lights, bake.lattices, settings, plan, wall_samples,
+                                     progress, bake.rays);
+  }
+  std::vector<SideAverages> direct = light_directly(bake);
+  const std::unique_ptr<IndirectEstimator<D>> estimator = make_estimator(bake);
+  Baked<D> baked;
+  for (std::size_t v = 0; v < direct.size(); ++v) {
+    baked.grids.push_back(
+        make_grid<D>(std::move(direct[v]), light_indirectly(bake, v, estimator.get())));
+  }
+  if (settings.refine > 0) {
+    progress.begin("Finer texels");
+    for (std::size_t v = 0; v < baked.grids.size(); ++v) {
+      baked.grids[v].lattice = bake.lattices[v];
+      add_finer_levels(bake, static_cast<int>(v), estimator.get(), baked.grids[v]);
+    }
+  }
+  if (plan.surroundings) {
+    progress.begin("Radiance of the surroundings");
+    baked.surroundings = light_surroundings(tracer, bake.sampler(), estimator.get(),
+                                            surroundings_share * settings.samples, settings.seed,
+                                            progress, bake.rays);
+  }
+  for (std::size_t v = 0; v < baked.grids.size(); ++v) {
+    baked.grids[v].lattice = std::move(bake.lattices[v]);
+  }
+  baked.statistics.rays = bake.rays;
+  baked.statistics.skipped = plan.skipped;
+  return baked;
+}
+
+template Baked<2> bake_with_fixed_samples<2>(const Scene<2>&, const BakeSettings<2>&, const Plan&,
+                                             Progress&);
+template Baked<3> bake_with_fixed_samples<3>(const Scene<3>&, const BakeSettings<3>&, const Plan&,
+                                             Progress&);
+
+}  // namespace leaflight

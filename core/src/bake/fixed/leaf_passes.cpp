@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/fixed/leaf_passes.h"
+
+#include "bake/fixed/scattered_averages.h"
+#include "bake/fixed/soft_records.h"
+
+namespace leaflight {
+namespace {
+
+// Averages radiance(point, keys, i, rays) over the samples of each texel, or over scattered ones;
+// where it is not random, one estimate at each of those is enough.
+template <int D, class Radiance>
+std::vector<Average> average_leaves(FixedBake<D>& bake, const LeafTexels<D>& texels,
+                                    double rays_per_sample, bool is_random, Radiance radiance) {
+  LeafSamples samples{texels.volume,   texels.above,       bake.settings.samples,
+                      rays_per_sample, bake.settings.seed, texels.level};
+  if (!bake.strewn || texels.lattice.active.empty()) {
+    return average_texels(bake.tracer, texels.lattice, samples, bake.progress, bake.rays, radiance);
+  }
+  if (!is_random) samples.count = 1;
+  return average_scattered(bake.tracer, texels.lattice, samples,
+                           bake.strewn->positions[texels.volume], bake.strewn->filter,
+                           bake.progress, bake.rays, radiance);
+}
+
+// What all samples of a texel have in common, and so do not show.
+template <int D>
+void add_shared_variance(const FixedBake<D>& bake, const LeafTexels<D>& texels,
+                         const IndirectEstimator<D>* estimator, std::vector<Average>& averages) {
+  const Volume<D>& of = bake.tracer.scene().volumes[texels.volume];
+  for (std::size_t s = 0; s < averages.size(); ++s) {
+    const Vec<D> centre = texels.lattice.centre(texels.lattice.active[s]);
+    const LeafTexel<D> texel{texels.volume, texels.above, centre, albedo_near(of, centre)};
+    if (estimator) averages[s].variance += estimator->shared_variance(texel, averages[s].mean);
+    if (bake.plan.caustics) averages[s].variance += caustic_variance(bake.leaves, texel);
+  }
+}
+
+}  // namespace
+
+template <int D>
+std::vector<Average> direct_pass(FixedBake<D>& bake, const LeafTexels<D>& texels) {
+  const PointSampler<D> from = bake.sampler();
+  return average_leaves(bake, texels, 1, true,
+                        [&](const SurfacePoint<D>& point, const SampleKeys& keys, int i,
+                            std::uint64_t& rays) { return from.direct(point, keys, i, rays); });
+}
+
+template <int D>
+std::vector<Average> indirect_pass(FixedBake<D>& bake, const LeafTexels<D>& texels,
+                                   const IndirectEstimator<D>* estimator) {
+  // Where light varies, records of a coarser lattice would not do.
+  const bool records =
+      estimator && bake.settings.soft_spacing > 1 && !bake.strewn && texels.level == 0;
+  const IndirectEstimator<D>* per_texel = records ? nullptr : estimator;
+  const PointSampler<D> from = bake.sampler();
+  std::vector<Average> averages(texels.lattice.active.size());
+  const bool glows = bake.tracer.scene().volumes[texels.volume].emission.largest() > 0;
+  if (per_texel || bake.plan.caustics || glows) {
+    averages = average_leaves(
+        bake, texels, per_texel ? bake.soft_rays() : 0, per_texel && per_texel->is_random(),
+        [&](const SurfacePoint<D>& point, const SampleKeys& keys, int i, std::uint64_t& rays) {
+          return from.indirect(point, per_texel, keys, i, rays);
+        });
+  }
+  add_shared_variance(bake, texels, estimator, averages);
+  if (!records) return averages;
+  const std::vector<Average> soft = soft_from_records(bake, texels, *estimator);
+  for (std::size_t s = 0; s < soft.size(); ++s) {
+    averages[s].mean += soft[s].mean;
+    averages[s].variance += soft[s].variance;
+  }
+  return averages;
+}
+
+template std::vector<Average> direct_pass(FixedBake<2>&, const LeafTexels<2>&);
+template std::vector<Average> direct_pass(FixedBake<3>&, const LeafTexels<3>&);
+template std::vector<Average> indirect_pass(FixedBake<2>&, const LeafTexels<2>&,
+                                            const IndirectEstimator<2>*);
+template std::vector<Average> indirect_pass(FixedBake<3>&, const LeafTexels<3>&,
+                                            const IndirectEstimator<3>*);
+
+}  // namespace leaflight

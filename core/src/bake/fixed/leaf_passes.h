@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "bake/fixed/fixed_bake.h"
+#include "math/sample_average.h"
+
+namespace leaflight {
+
+// The lights' direct light on some texels, averages of each.
+template <int D>
+std::vector<Average> direct_pass(FixedBake<D>& bake, const LeafTexels<D>& texels);
+
+// All other light on them. The estimator may be null where there is no soft light.
+template <int D>
+std::vector<Average> indirect_pass(FixedBake<D>& bake, const LeafTexels<D>& texels,
+                                   const IndirectEstimator<D>* estimator);
+
+}  // namespace leaflight

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/fixed/texels_to_bake.h"
+
+namespace leaflight {
+namespace {
+
+// What a mirror or glass shows depends on the view, so that no texel can hold it.
+template <int D>
+bool is_stored(const Volume<D>& volume) {
+  return volume.scattering == Scattering::diffuse;
+}
+
+template <int D>
+TexelLattice<D> lattice_of(const Volume<D>& volume, const IsovalueWindow& leaves,
+                           const BakeSettings<D>& settings) {
+  const Field<D>& field = volume.field;
+  const Index<D> resolution = settings.resolution == Index<D>{} ? field.dims : settings.resolution;
+  if (!is_stored(volume)) return inactive_lattice<D>(field.dims, resolution);
+  const IsovalueWindow window = volume.isovalues(leaves);
+  if (settings.only_at.empty()) return make_lattice(field, resolution, window.min, window.max);
+  std::vector<Vec<D>> positions;
+  for (const Vec<D>& point : settings.only_at) {
+    positions.push_back(field.world_to_index.point(point));
+  }
+  const std::vector<bool> considered = texels_around<D>(field.dims, resolution, positions);
+  return make_lattice(field, resolution, window.min, window.max, &considered);
+}
+
+}  // namespace
+
+template <int D>
+std::vector<TexelLattice<D>> texels_to_bake(const Scene<D>& scene, const BakeSettings<D>& settings,
+                                            const Plan& plan) {
+  std::vector<TexelLattice<D>> lattices;
+  bool any = plan.surroundings;
+  for (const Volume<D>& volume : scene.volumes) {
+    lattices.push_back(lattice_of(volume, scene.window, settings));
+    any = any || !lattices.back().active.empty();
+  }
+  if (!any) throw nothing_to_bake(scene);
+  return lattices;
+}
+
+template <int D>
+std::optional<StrewnSamples<D>> strewn_samples(const Scene<D>& scene,
+                                               const BakeSettings<D>& settings) {
+  if (!settings.thesis || !settings.thesis->scattered) return {};
+  const ScatteredBake& scattered = *settings.thesis->scattered;
+  SampleSettings samples = scattered.samples;
+  samples.seed = settings.seed;
+  StrewnSamples<D> strewn{{}, scattered.filter};
+  for (const Volume<D>& volume : scene.volumes) {
+    auto& positions = strewn.positions.emplace_back();
+    if (!is_stored(volume)) continue;
+    positions = sample_positions(volume.field, volume.isovalues(scene.window), samples);
+  }
+  return strewn;
+}
+
+template std::vector<TexelLattice<2>> texels_to_bake(const Scene<2>&, const BakeSettings<2>&,
+                                                     const Plan&);
+template std::vector<TexelLattice<3>> texels_to_bake(const Scene<3>&, const BakeSettings<3>&,
+                                                     const Plan&);
+template std::optional<StrewnSamples<2>> strewn_samples(const Scene<2>&, const BakeSettings<2>&);
+template std::optional<StrewnSamples<3>> strewn_samples(const Scene<3>&, const BakeSettings<3>&);
+
+}  // namespace leaflight

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+
+#include "bake/plan/plan.h"
+#include "field/texel_lattice.h"
+#include "thesis/thesis.h"
+
+namespace leaflight {
+
+// The texels of each volume's leaves. Throws Error where there are none, and no surroundings to
+// light either.
+template <int D>
+std::vector<TexelLattice<D>> texels_to_bake(const Scene<D>& scene, const BakeSettings<D>& settings,
+                                            const Plan& plan);
+
+// Samples strewn over the volumes, and how they are interpolated into texels.
+template <int D>
+struct StrewnSamples {
+  std::vector<std::vector<Vec<D>>> positions;  // index coordinates, per volume
+  ScatteredSettings filter;
+};
+
+// Nothing where the settings ask for samples in each texel.
+template <int D>
+std::optional<StrewnSamples<D>> strewn_samples(const Scene<D>& scene,
+                                               const BakeSettings<D>& settings);
+
+}  // namespace leaflight

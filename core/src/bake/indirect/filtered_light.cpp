@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/indirect/filtered_light.h"
+
+#include <cmath>
+
+#include "math/parallel.h"
+
+namespace leaflight {
+namespace {
+
+constexpr std::size_t grain = 2048;
+// The neighbours of a step are so many texels away (a trous, Dammertz et al. 2010), on about the
+// same isosurface or across to the next.
+struct Step {
+  int reach;
+  bool across;
+};
+constexpr std::array<Step, 3> steps{{{1, false}, {2, false}, {1, true}}};
+// The weight of a neighbour a step away along one axis, against the texel itself.
+constexpr float beside = 0.6f;
+// Isosurfaces that are so many texels apart weigh a quarter of the same one.
+constexpr float apart = 0.75f;
+
+// The neighbours of texels that are `reach` texels away along some axes.
+template <int D>
+class Neighbours {
+ public:
+  Neighbours(const SweptLattice<D>& texels, int reach) : texels_(texels), reach_(reach) {
+    Index<D> low, high;
+    low.fill(-1);
+    high.fill(2);
+    for_each_index<D>(low, high, [&](const Index<D>& step) {
+      Neighbour one{step, 0, 1};
+      for (int a = D; a-- > 0;) {
+        one.offset = one.offset * texels.lattice.resolution[a] + step[a] * reach;
+        if (step[a] != 0) one.weight *= beside;
+      }
+      if (one.weight < 1) all_.push_back(one);
+    });
+  }
+
+  // Calls visit(slot, weight) for those of a texel that are active.
+  template <class Visit>
+  void of(std::size_t slot, Visit visit) const {
+    const TexelLattice<D>& lattice = texels_.lattice;
+    const std::uint32_t number = lattice.active[slot];
+    const Index<D> texel = lattice.texel(number);
+    bool within = true;
+    for (int a = 0; a < D; ++a) {
+      within = within && texel[a] >= reach_ && texel[a] + reach_ < lattice.resolution[a];
+    }
+    for (const Neighbour& one : all_) {
+      if (!within && outside(texel, one.step)) continue;
+      const std::int32_t s = texels_.slots[number + one.offset];
+      if (s != TexelLattice<D>::inactive) visit(static_cast<std::size_t>(s), one.weight);
+    }
+  }
+
+ private:
+  struct Neighbour {
+    Index<D> step;
+    std::ptrdiff_t offset;
+    float weight;
+  };
+  bool outside(const Index<D>& texel, const Index<D>& step) const {
+    for (int a = 0; a < D; ++a) {
+      const int n = texel[a] + step[a] * reach_;
+      if (n < 0 || n >= texels_.lattice.resolution[a]) return true;
+    }
+    return false;
+  }
+
+  const SweptLattice<D>& texels_;
+  int reach_;
+  std::vector<Neighbour> all_;
+};
+
+// How far a texel is from the mean of its neighbours, and its halves' difference from theirs.
+struct Offset {
+  Imath::V3f light{0}, halves{0};
+};
+using SideOffsets = std::array<std::vector<Offset>, 2>;
+
+template <int D>
+float likeness(const TexelSurface<D>& a, const TexelSurface<D>& b, bool across) {
+  const float cosine = a.normal.dot(b.normal);
+  if (!(cosine > 0)) return 0;
+  const float square = cosine * cosine;
+  if (across) return square * square;
+  const float distance = (a.value - b.value) / (0.5f * (a.steepness + b.steepness) * apart);
+  const float far = 1 + distance * distance;
+  return square * square / (far * far);
+}
+
+template <int D>
+void find_offsets(const Neighbours<D>& neighbours, const std::vector<TexelSurface<D>>& surfaces,
+                  bool across, const std::array<NoisyLight, 2>& sides, std::size_t slot,
+                  SideOffsets& offsets) {
+  std::array<Offset, 2> sums;
+  std::array<float, 2> weights{};
+  for (std::size_t side = 0; side < 2; ++side) {
+    if (!sides[side].halves.empty()) weights[side] = sides[side].halves[slot].weight;
+  }
+  neighbours.of(slot, [&](std::size_t s, float weight) {
+    const float alike = weight * likeness(surfaces[slot], surfaces[s], across);
+    for (std::size_t side = 0; side < 2; ++side) {
+      const NoisyLight& light = sides[side];
+      if (light.averages.empty()) continue;
+      const float w = alike * light.halves[s].weight;
+      weights[side] += w;
+      sums[side].light += Imath::V3f(light.averages[s].mean - light.averages[slot].mean) * w;
+      sums[side].halves +=
+          (light.halves[s].first_less_second - light.halves[slot].first_less_second) * w;
+    }
+  });
+  for (std::size_t side = 0; side < 2; ++side) {
+    if (sides[side].averages.empty()) continue;
+    const float weight = weights[side] > 0 ? weights[side] : 1;
+    offsets[side][slot] = {sums[side].light / weight, sums[side].halves / weight};
+  }
+}
+
+// The mean square of three channels.
+float square(const Imath::V3f& x) { return x.length2() / 3; }
+
+// The variance of the mean of two halves, from their difference.
+float noise_of(const Imath::V3f& difference, float first_share) {
+  return square(difference) * first_share * (1 - first_share);
+}
+
+// Two numbers of a texel, and their sums about it.
+struct Pair {
+  float first, second;
+};
+template <int D>
+Pair sums_about(const Neighbours<D>& neighbours, const std::vector<Pair>& of, std::size_t slot) {
+  Pair sum = of[slot];
+  neighbours.of(slot, [&](std::size_t s, float weight) {
+    sum.first += weight * of[s].first;
+    sum.second += weight * of[s].second;
+  });
+  return sum;
+}
+
+// Calls body(slot) for all texels, in parallel.
+template <class Body>
+void for_each_texel(std::size_t count, Progress& progress, Body body) {
+  parallel_range(count, grain, 0, progress, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s) body(s);
+  });
+}
+
+// Texels go towards the mean of their neighbours.
+template <int D>
+void shrink(const Neighbours<D>& neighbours, const std::vector<Offset>& offsets, NoisyLight& light,
+            Progress& progress) {
+  const std::size_t count = light.averages.size();
+  // Squares of the offsets, and of what of them is noise; the noise of texels before and after.
+  std::vector<Pair> changes(count), noise(count);
+  for_each_texel(count, progress, [&](std::size_t s) {
+    const HalfDifference& own = light.halves[s];
+    changes[s] = {square(offsets[s].light), noise_of(offsets[s].halves, own.first_share)};
+    noise[s].first = noise_of(own.first_less_second, own.first_share);
+  });
+  std::vector<float> of_light(count);
+  for_each_texel(count, progress, [&](std::size_t s) {
+    const auto [all, by_noise] = sums_about(neighbours, changes, s);
+    const float by_light = std::max(0.0f, all - by_noise);
+    const float share = by_noise > 0 ? by_noise / (by_noise + by_light) : 0;
+    if (all > 0) of_light[s] = share * share * by_light / all * changes[s].first;
+    HalfDifference& own = light.halves[s];
+    own.first_less_second += offsets[s].halves * share;
+    noise[s].second = noise_of(own.first_less_second, own.first_share);
+    light.averages[s].mean += Rgb(offsets[s].light * share);
+  });
+  for_each_texel(count, progress, [&](std::size_t s) {
+    float& variance = light.averages[s].variance;
+    const auto [before, after] = sums_about(neighbours, noise, s);
+    if (before > 0) variance *= std::min(1.0f, after / before);
+    variance += of_light[s];
+  });
+}
+
+}  // namespace
+
+template <int D>
+std::vector<TexelSurface<D>> texel_surfaces(const SweptVolume<D>& volume,
+                                            const TexelLattice<D>& lattice, Progress& progress) {
+  const Field<D>& field = volume.volume().field;
+  const Affine<D> to_index = inverse(volume.tracer.index_to_frame(volume.number));
+  std::vector<TexelSurface<D>> surfaces(lattice.active.size());
+  parallel_range(surfaces.size(), grain, 0, progress, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s) {
+      // About the centre, where a texel is wider than a voxel: isosurfaces may pass it elsewhere.
+      const Vec<D> centre = lattice.centre(lattice.active[s]);
+      Vec<D> per_voxel(0.0);
+      for (int i = 0; i < 1 << D; ++i) {
+        Vec<D> position = centre;
+        for (int a = 0; a < D; ++a) {
+          const double width = std::max(0.0, lattice.voxels_per_texel[a] - 1);
+          position[a] += (i >> a & 1 ? 0.25 : -0.25) * width;
+        }
+        per_voxel += shading_gradient(field, locate(field, position)) / (1 << D);
+      }
+      const CellPoint<D> at = locate(field, centre);
+      const Vec<D> gradient = to_index.pull_back_gradient(per_voxel);
+      const double length = gradient.length();
+      const double h = interpolate(load_corners(field, at.cell), at.local);
+      if (!(length > 0) || std::isnan(h)) continue;
+      surfaces[s] = {Vec<D, float>(gradient / -length), static_cast<float>(h),
+                     static_cast<float>((per_voxel * lattice.voxels_per_texel).length())};
+    }
+  });
+  return surfaces;
+}
+
+template <int D>
+void filter_along_isosurfaces(const SweptLattice<D>& texels,
+                              const std::vector<TexelSurface<D>>& surfaces,
+                              std::array<NoisyLight, 2>& sides, Progress& progress) {
+  SideOffsets offsets;
+  for (std::size_t side = 0; side < 2; ++side) offsets[side].resize(sides[side].averages.size());
+  for (const Step& step : steps) {
+    const Neighbours<D> neighbours(texels, step.reach);
+    for_each_texel(surfaces.size(), progress, [&](std::size_t s) {
+      find_offsets(neighbours, surfaces, step.across, sides, s, offsets);
+    });
+    for (std::size_t side = 0; side < 2; ++side) {
+      if (!offsets[side].empty()) shrink(neighbours, offsets[side], sides[side], progress);
+    }
+  }
+}
+
+template std::vector<TexelSurface<2>> texel_surfaces<2>(const SweptVolume<2>&,
+                                                        const TexelLattice<2>&, Progress&);
+template std::vector<TexelSurface<3>> texel_surfaces<3>(const SweptVolume<3>&,
+                                                        const TexelLattice<3>&, Progress&);
+template void filter_along_isosurfaces<2>(const SweptLattice<2>&,
+                                          const std::vector<TexelSurface<2>>&,
+                                          std::array<NoisyLight, 2>&, Progress&);
+template void filter_along_isosurfaces<3>(const SweptLattice<3>&,
+                                          const std::vector<TexelSurface<3>>&,
+                                          std::array<NoisyLight, 2>&, Progress&);
+
+}  // namespace leaflight

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "bake/texels/swept_volume.h"
+#include "math/sample_average.h"
+
+namespace leaflight {
+
+// Indirect light at the texels of a lattice: averages with pooled variances (pooled_variance.h),
+// and how their halves differ.
+struct NoisyLight {
+  std::vector<Average> averages;
+  std::vector<HalfDifference> halves;
+};
+
+// The isosurface through the centre of a texel.
+template <int D>
+struct TexelSurface {
+  Vec<D, float> normal{0.0f};      // unit length, towards lower values; zero where there is none
+  float value = 0, steepness = 1;  // of the field; its gradient in a texel's width, above zero
+};
+
+template <int D>
+std::vector<TexelSurface<D>> texel_surfaces(const SweptVolume<D>& volume,
+                                            const TexelLattice<D>& lattice, Progress& progress);
+
+// Takes noise from indirect light: each texel moves towards the mean of its neighbours on about the
+// same isosurface, if it faces the same way there. How far, two halves of the blocks decide, whose
+// noise is independent (Rousselle et al. 2012): what both halves would change alike is light, the
+// rest is noise, and the step is the longer, the more of it is noise (shrinkage, James and Stein
+// 1961). So more blocks mean less filtering, and the result goes to the truth. Variances become
+// those of the results, with what the step changes of the light itself counted as error. `sides`:
+// the outer and the inner one, which is empty where it is not baked.
+template <int D>
+void filter_along_isosurfaces(const SweptLattice<D>& texels,
+                              const std::vector<TexelSurface<D>>& surfaces,
+                              std::array<NoisyLight, 2>& sides, Progress& progress);
+
+}  // namespace leaflight

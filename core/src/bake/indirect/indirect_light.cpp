@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/indirect/indirect_light.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "math/low_discrepancy.h"
+#include "math/sampling.h"
+
+namespace leaflight {
+namespace {
+
+// Uniform over half of all directions: lines have two.
+template <int D>
+Vec<D> line_direction(const std::array<double, 2>& u) {
+  Vec<D> axis(0.0);
+  axis[D - 1] = 1;
+  return sample_cone<D>(axis, 1, u);
+}
+
+}  // namespace
+
+template <int D>
+IndirectLight<D>::IndirectLight(const SweptVolume<D>& volume, SweptLattice<D> texels, int spacing,
+                                bool inner, std::uint64_t seed, int first_block)
+    : volume_(volume),
+      texels_(std::move(texels)),
+      spacing_(spacing),
+      seed_(seed),
+      sides_(inner ? 2 : 1),
+      drawn_(first_block) {
+  clear();
+}
+
+template <int D>
+void IndirectLight<D>::clear(bool again) {
+  blocks_ = 0;
+  if (again) --drawn_;
+  for (int side = 0; side < sides_; ++side) {
+    moments_[side] = TexelMoments(texels_.lattice.active.size());
+  }
+}
+
+template <int D>
+void IndirectLight<D>::add_block(const GatheredRadiance<D>& from, Progress& progress,
+                                 std::atomic<std::uint64_t>& lines, int directions) {
+  sweep(drawn_, from, progress, lines, directions);
+  close_block(progress);
+}
+
+template <int D>
+void IndirectLight<D>::add_block_by(const std::function<void(SideMoments&)>& fill,
+                                    Progress& progress) {
+  for (TexelMoments& side : moments_) side.open();
+  fill(moments_);
+  close_block(progress);
+}
+
+template <int D>
+void IndirectLight<D>::add_block_of_others(const std::string& bytes, Progress& progress,
+                                           std::atomic<std::uint64_t>& lines) {
+  add_block_by([&](SideMoments& moments) { lines += take_block(bytes, moments); }, progress);
+  progress.advance(cost());
+}
+
+template <int D>
+std::string IndirectLight<D>::sweep_for_others(int number, const GatheredRadiance<D>& from,
+                                               Progress& progress) {
+  std::atomic<std::uint64_t> lines{0};
+  sweep(number, from, progress, lines, directions_per_block);
+  std::string bytes = block_bytes(moments_, lines);
+  release();
+  return bytes;
+}
+
+template <int D>
+void IndirectLight<D>::release() {
+  for (TexelMoments& side : moments_) side.release();
+}
+
+template <int D>
+void IndirectLight<D>::sweep(int number, const GatheredRadiance<D>& from, Progress& progress,
+                             std::atomic<std::uint64_t>& lines, int directions) {
+  for (TexelMoments& side : moments_) side.open();
+  Random random = random_for(seed_, Purpose::gather_sweep, number);
+  const std::uint64_t direction_key = random.bits(), offset_key = random.bits();
+  for (int i = 0; i < directions; ++i) {
+    sweep_gather(volume_, texels_, from, line_direction<D>(sobol_point(i, direction_key)), spacing_,
+                 sobol_point(i, offset_key), random.bits(), progress, lines, moments_);
+    progress.advance(cost() / directions_per_block);
+  }
+}
+
+template <int D>
+void IndirectLight<D>::close_block(Progress& progress) {
+  for (TexelMoments& side : moments_) side.close_block(blocks_, progress);
+  ++blocks_;
+  ++drawn_;
+}
+
+template <int D>
+void IndirectLight<D>::keep(Keeper& keeper) {
+  keeper(blocks_);
+  keeper(drawn_);
+  for (TexelMoments& side : moments_) side.keep(keeper);
+}
+
+template <int D>
+double IndirectLight<D>::cost() const {
+  // Lines are as wide apart as texels; along them each plane of voxels counts.
+  const double planes = std::max(1.0, texels_.lattice.voxels_per_texel[0]);
+  return static_cast<double>(texels_.lattice.texels()) * planes * directions_per_block /
+         std::pow(spacing_, D - 1);
+}
+
+template <int D>
+std::vector<Average> IndirectLight<D>::averages(bool inner) const {
+  return moments_[inner].averages();
+}
+
+template <int D>
+std::vector<HalfDifference> IndirectLight<D>::halves(bool inner) const {
+  return moments_[inner].halves();
+}
+
+template <int D>
+std::vector<Average> interpolated(const TexelLattice<D>& from, const std::vector<Average>& averages,
+                                  const TexelLattice<D>& to, Progress& progress) {
+  if (from.resolution == to.resolution) return averages;
+  std::vector<Average> result(to.active.size());
+  parallel_range(result.size(), 1024, 0, progress, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s) {
+      const TexelWeights<D> near = linear_weights(from, to.centre(to.active[s]));
+      float error = 0;
+      for (int i = 0; i < (1 << D); ++i) {
+        if (!(near.weight[i] > 0)) continue;
+        const Average& there = averages[near.slot[i]];
+        result[s].mean += there.mean * near.weight[i];
+        // Texels that are swept along the same lines err alike.
+        error += near.weight[i] * std::sqrt(there.variance);
+        result[s].samples = std::max(result[s].samples, there.samples);
+      }
+      result[s].variance = error * error;
+    }
+  });
+  return result;
+}
+
+template class IndirectLight<2>;
+template class IndirectLight<3>;
+template std::vector<Average> interpolated<2>(const TexelLattice<2>&, const std::vector<Average>&,
+                                              const TexelLattice<2>&, Progress&);
+template std::vector<Average> interpolated<3>(const TexelLattice<3>&, const std::vector<Average>&,
+                                              const TexelLattice<3>&, Progress&);
+
+}  // namespace leaflight

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "bake/indirect/block_workers.h"
+#include "bake/indirect/gather_sweep.h"
+
+namespace leaflight {
+
+// Soft light on the leaves of one volume as if they were white, at the texels of a lattice, by
+// sweeps along directions, in blocks. Its lattice may be coarser than that of direct light: soft
+// light varies less, and each direction then costs less.
+template <int D>
+class IndirectLight {
+ public:
+  static constexpr int directions_per_block = 32;
+
+  // `spacing`: of the lines, in texels; each texel then takes one of spacing^(D - 1) directions.
+  // `first_block`: how many blocks of the seed others have drawn.
+  IndirectLight(const SweptVolume<D>& volume, SweptLattice<D> texels, int spacing, bool inner,
+                std::uint64_t seed, int first_block = 0);
+
+  const SweptLattice<D>& texels() const { return texels_; }
+
+  // One block of directions, given what lines meet; all blocks that are averaged have as many.
+  void add_block(const GatheredRadiance<D>& from, Progress& progress,
+                 std::atomic<std::uint64_t>& lines, int directions = directions_per_block);
+  // One of which fill() makes the open sums.
+  void add_block_by(const std::function<void(SideMoments&)>& fill, Progress& progress);
+  // One that a sweeper has swept, as block_bytes(); its number is next_block().
+  void add_block_of_others(const std::string& bytes, Progress& progress,
+                           std::atomic<std::uint64_t>& lines);
+  int next_block() const { return drawn_; }
+  // A block of this number for another that has asked for it.
+  std::string sweep_for_others(int number, const GatheredRadiance<D>& from, Progress& progress);
+  // Frees what only blocks need, until the next.
+  void release();
+  // Its state between two blocks.
+  void keep(Keeper& keeper);
+  int blocks() const { return blocks_; }
+  // What a block costs, in points of lines.
+  double cost() const;
+  // Begins anew, with other directions, or again with those of the last block.
+  void clear(bool again = false);
+
+  std::vector<Average> averages(bool inner) const;
+  std::vector<HalfDifference> halves(bool inner) const;
+
+ private:
+  void sweep(int number, const GatheredRadiance<D>& from, Progress& progress,
+             std::atomic<std::uint64_t>& lines, int directions);
+  void close_block(Progress& progress);
+
+  SweptVolume<D> volume_;
+  SweptLattice<D> texels_;
+  int spacing_;
+  std::uint64_t seed_;
+  int sides_;
+  SideMoments moments_;
+  int blocks_ = 0, drawn_;
+};
+
+// Averages known at the texels of one lattice, interpolated at those of another.
+template <int D>
+std::vector<Average> interpolated(const TexelLattice<D>& from, const std::vector<Average>& averages,
+                                  const TexelLattice<D>& to, Progress& progress);
+
+}  // namespace leaflight

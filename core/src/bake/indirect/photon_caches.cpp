@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/indirect/photon_caches.h"
+
+#include <algorithm>
+
+#include "math/parallel.h"
+#include "transport/photon_tracer.h"
+
+namespace leaflight {
+namespace {
+
+constexpr std::size_t photons_per_piece = 4096;
+
+}  // namespace
+
+template <int D>
+PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampler<D>& lights,
+                                  const std::vector<TexelLattice<D>>& lattices,
+                                  const BakeSettings<D>& settings, const Plan& plan,
+                                  int wall_samples, Progress& progress,
+                                  std::atomic<std::uint64_t>& rays) {
+  const EstimatorTraits& estimator = traits_of(settings.estimator);
+  // The largest flux-height with which any photon starts (thesis Eq. 4.4).
+  std::uint64_t photons = plan.photons ? settings.photons : 0;
+  std::uint64_t fewest = plan.photons ? settings.photons : settings.caustic_photons;
+  if (plan.caustics) {
+    photons += settings.caustic_photons;
+    fewest = std::min(fewest, settings.caustic_photons);
+  }
+  const double photon_flux = lights.largest_flux_height() / static_cast<double>(fewest);
+  const SideContents inner = plan.back         ? SideContents::indirect
+                             : plan.inner_side ? SideContents::all
+                                               : SideContents::nothing;
+  PhotonCaches<D> caches;
+  for (std::size_t v = 0; v < lattices.size(); ++v) {
+    caches.leaves.push_back(std::make_unique<LeafCache<D>>(tracer, static_cast<int>(v), lattices[v],
+                                                           inner, estimator.density, plan.caustics,
+                                                           photon_flux, photons));
+  }
+  if (plan.surroundings_cache || estimator.surroundings) {
+    caches.surroundings =
+        std::make_unique<SurfaceCache<D>>(tracer, plan.caustics, photon_flux, photons);
+  }
+  const auto trace = [&](PhotonPaths paths, std::uint64_t count) {
+    const auto store = [&](const PhotonHit<D>& photon) {
+      // Caustic photons bring these.
+      const bool caustic = photon.arrival == Arrival::caustic;
+      if (paths == PhotonPaths::all && plan.caustics && caustic) return;
+      if (photon.point.kind() == HitKind::leaf) {
+        caches.leaves[photon.point.leaf().volume]->deposit(photon);
+      } else if (plan.surroundings_cache) {
+        caches.surroundings->deposit(photon);
+      }
+    };
+    parallel_range(count, photons_per_piece, rays_per_photon, progress,
+                   [&](std::size_t begin, std::size_t end) {
+                     rays += trace_photons(tracer, lights, paths, settings.seed, begin, end, count,
+                                           store);
+                   });
+  };
+  if (plan.photons) {
+    progress.begin("Tracing photons");
+    trace(PhotonPaths::all, settings.photons);
+  }
+  if (plan.caustics) {
+    progress.begin("Tracing caustics");
+    trace(PhotonPaths::caustics, settings.caustic_photons);
+  }
+  for (const auto& cache : caches.leaves) cache->finish(progress);
+  if (!plan.surroundings_cache || !estimator.surroundings) return caches;
+  progress.begin("Lighting the surroundings");
+  SurfaceCache<D>& surroundings = *caches.surroundings;
+  parallel_range(surroundings.entries(), 256, 0, progress, [&](std::size_t begin, std::size_t end) {
+    std::uint64_t traced = 0;
+    for (std::size_t e = begin; e < end; ++e) {
+      surroundings.finish(e, lights, wall_samples, settings.seed, traced);
+    }
+    rays += traced;
+  });
+  return caches;
+}
+
+template PhotonCaches<2> trace_into_caches(const SceneTracer<2>&, const LightSampler<2>&,
+                                           const std::vector<TexelLattice<2>>&,
+                                           const BakeSettings<2>&, const Plan&, int, Progress&,
+                                           std::atomic<std::uint64_t>&);
+template PhotonCaches<3> trace_into_caches(const SceneTracer<3>&, const LightSampler<3>&,
+                                           const std::vector<TexelLattice<3>>&,
+                                           const BakeSettings<3>&, const Plan&, int, Progress&,
+                                           std::atomic<std::uint64_t>&);
+
+}  // namespace leaflight

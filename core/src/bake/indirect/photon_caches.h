@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <atomic>
+#include <memory>
+
+#include "bake/plan/plan.h"
+#include "bake/plan/settings.h"
+#include "math/progress.h"
+#include "transport/leaf_cache.h"
+#include "transport/surface_cache.h"
+
+namespace leaflight {
+
+// Rays that a photon takes on average, for the progress of a bake.
+inline constexpr double rays_per_photon = 3;
+
+// What photons tell of the light on leaves and surroundings; empty where a bake needs none.
+template <int D>
+struct PhotonCaches {
+  std::vector<std::unique_ptr<LeafCache<D>>> leaves;  // per volume
+  std::unique_ptr<SurfaceCache<D>> surroundings;
+};
+
+// Traces the photons, and the caustic photons, that the plan asks for. The lattices, one per
+// volume, must live as long as the caches. `wall_samples`: shadow rays of each entry of the cache
+// of the surroundings. Adds the rays traced to `rays`.
+template <int D>
+PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampler<D>& lights,
+                                  const std::vector<TexelLattice<D>>& lattices,
+                                  const BakeSettings<D>& settings, const Plan& plan,
+                                  int wall_samples, Progress& progress,
+                                  std::atomic<std::uint64_t>& rays);
+
+}  // namespace leaflight

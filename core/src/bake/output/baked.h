@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "bake/output/radiance_grid.h"
+#include "bake/plan/plan.h"
+#include "bake/texels/leaf_error.h"
+#include "bake/walls/surroundings_radiance.h"
+
+namespace leaflight {
+
+struct BakeStatistics {
+  double seconds = 0;
+  std::uint64_t rays = 0;
+  std::uint64_t peak_memory_bytes = 0;
+  std::vector<SkippedPass> skipped;
+  int rounds = 1;
+  // Of indirect light, in the averages of a bake in rounds; 0 of one with fixed samples.
+  int blocks = 0;
+  double noise_percent = 0, error_percent = 0;
+  WorstLeaf worst;       // of the isosurfaces, where there are rounds
+  bool stopped = false;  // by time or by the caller, before the error was reached
+};
+
+template <int D>
+struct Baked {
+  std::vector<RadianceGrid<D>> grids;  // one per volume
+  SurroundingsRadiance<D> surroundings;
+  BakeStatistics statistics;
+};
+
+}  // namespace leaflight

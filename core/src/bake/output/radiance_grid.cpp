@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/output/radiance_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace leaflight {
+
+template <int D>
+std::size_t RadianceGrid<D>::texels() const {
+  std::size_t sum = 0;
+  for (int l = 0; l < levels(); ++l) sum += level(l).lattice.active.size();
+  return sum;
+}
+
+template <int D>
+int RadianceGrid<D>::level_at(const Vec<D>& index_position) const {
+  int found = 0;
+  for (; found + 1 < levels(); ++found) {
+    Index<D> middle = level(found).lattice.cell_point(index_position).cell;
+    for (int& n : middle) n = 2 * n + 1;
+    // All leaves through the cell reach the texel in its middle, so that it tells for the cell.
+    const TexelLattice<D>& fine = level(found + 1).lattice;
+    if (fine.slot[fine.linear(middle)] == TexelLattice<D>::inactive) break;
+  }
+  return found;
+}
+
+namespace {
+
+using Colours = std::vector<Vec<3, float>>;
+
+Colours sums(const std::vector<Average>& direct, const std::vector<Average>& indirect) {
+  Colours sums;
+  sums.reserve(direct.size());
+  for (std::size_t s = 0; s < direct.size(); ++s) {
+    sums.emplace_back(direct[s].mean + indirect[s].mean);
+  }
+  return sums;
+}
+
+Colours means(const std::vector<Average>& averages) {
+  Colours means;
+  means.reserve(averages.size());
+  for (const Average& average : averages) means.emplace_back(average.mean);
+  return means;
+}
+
+}  // namespace
+
+template <int D>
+RadianceGrid<D> make_grid(SideAverages direct, SideAverages indirect) {
+  RadianceGrid<D> grid;
+  grid.radiance = sums(direct[0], indirect[0]);
+  grid.radiance_back = sums(direct[1], indirect[1]);
+  grid.radiance_error.reserve(direct[0].size());
+  for (std::size_t s = 0; s < direct[0].size(); ++s) {
+    grid.radiance_error.push_back(std::sqrt(direct[0][s].variance + indirect[0][s].variance));
+  }
+  // Averages take more memory than all else that large bakes hold at this time.
+  direct = {};
+  grid.radiance_indirect = means(indirect[0]);
+  indirect[0] = {};
+  grid.radiance_back_indirect = means(indirect[1]);
+  return grid;
+}
+
+namespace {
+
+// The texels that a lookup reads, as linear_weights() has them, without those of no weight: on an
+// edge of the grid six of eight, where texels are as wide as voxels.
+template <int D>
+class UsedTexels {
+ public:
+  void find(const TexelLattice<D>& lattice, const Vec<D>& index_position) {
+    const CellPoint<D> at = lattice.cell_point(index_position);
+    std::array<double, 1 << D> weights;
+    double sum = 0;
+    int between = 0;  // axes along which the upper texels have weight
+    for (int a = 0; a < D; ++a) between |= (at.local[a] > 0) << a;
+    count_ = 0;
+    for (int corner = 0; corner < (1 << D); ++corner) {
+      if ((corner & ~between) != 0) continue;
+      Index<D> texel;
+      double weight = 1;
+      for (int a = 0; a < D; ++a) {
+        const int bit = (corner >> a) & 1;
+        texel[a] = at.cell[a] + bit;
+        weight *= bit ? at.local[a] : 1 - at.local[a];
+      }
+      if (!(weight > 0)) continue;
+      const std::int32_t slot = lattice.slot[lattice.linear(texel)];
+      if (slot == TexelLattice<D>::inactive) continue;
+      slot_[count_] = slot;
+      weights[count_++] = weight;
+      sum += weight;
+    }
+    for (int i = 0; i < count_; ++i) {
+      weight_[i] = static_cast<float>(sum == 1 ? weights[i] : weights[i] / sum);
+    }
+  }
+  void fetch(const std::vector<Vec<3, float>>& values) const {
+    for (int i = 0; i < count_; ++i) __builtin_prefetch(&values[slot_[i]]);
+  }
+  Vec<3, float> mean(const std::vector<Vec<3, float>>& values) const {
+    Vec<3, float> mean(0);
+    for (int i = 0; i < count_; ++i) mean += values[slot_[i]] * weight_[i];
+    return mean;
+  }
+
+ private:
+  int count_ = 0;
+  std::array<std::int32_t, 1 << D> slot_;
+  std::array<float, 1 << D> weight_;
+};
+
+}  // namespace
+
+template <int D>
+Vec<3, float> lookup(const TexelLattice<D>& lattice, const std::vector<Vec<3, float>>& values,
+                     const Vec<D>& index_position) {
+  UsedTexels<D> texels;
+  texels.find(lattice, index_position);
+  return texels.mean(values);
+}
+
+namespace {
+
+// What lookups of one point read. Where direct light is exact, indirect light is extrapolated from
+// texels in front of the isosurface: half a texel away and three halves. Texels behind it may
+// belong to the other face of a thin shell. Where no baked isosurface passes in front, and where
+// texels hold all light, those around the point itself serve.
+template <int D>
+class PointLookup {
+ public:
+  void find(const ShownGrid<D>& shown, const RadianceLevel<D>& level, const Field<D>& field,
+            const Vec<D>& index_position, bool back) {
+    is_extrapolated_ = false;
+    direct_ = shown.direct_of(back);
+    if (direct_) {
+      point_ = isosurface_point(field, index_position);
+      const Vec<D>& gradient = point_.gradient;
+      const double length = (gradient / level.lattice.voxels_per_texel).length();
+      const Vec<D> half = gradient * (length > 0 ? (back ? 0.5 : -0.5) / length : 0);
+      const Vec<D> near = index_position + half, far = near + half * 2;
+      const IsovalueWindow& window = direct_->window();
+      is_extrapolated_ = length > 0 && window.contains(value_at(field, near)) &&
+                         window.contains(value_at(field, far));
+      if (is_extrapolated_) {
+        near_.find(level.lattice, near);
+        far_.find(level.lattice, far);
+      }
+    }
+    if (!is_extrapolated_) near_.find(level.lattice, index_position);
+  }
+  void fetch(const Colours& values) const {
+    near_.fetch(values);
+    if (is_extrapolated_) far_.fetch(values);
+  }
+  Vec<3, float> radiance(const ShownGrid<D>& shown, const Field<D>& field, const Colours& values,
+                         bool back) const {
+    const Vec<3, float> light = of_texels(values);
+    if (!direct_) return light;
+    return shown.scaled(light, field, point_.position) +
+           Vec<3, float>(direct_->radiance(point_, back));
+  }
+
+ private:
+  // The factor by which extrapolated light may differ.
+  static constexpr float most = 2;
+
+  Vec<3, float> of_texels(const Colours& values) const {
+    const Vec<3, float> near = near_.mean(values);
+    if (!is_extrapolated_) return near;
+    const Vec<3, float> far = far_.mean(values);
+    Vec<3, float> light;
+    for (int i = 0; i < 3; ++i) {
+      light[i] = std::clamp(near[i] + 0.5f * (near[i] - far[i]), near[i] / most, near[i] * most);
+    }
+    return light;
+  }
+
+  const DirectLight<D>* direct_ = nullptr;
+  IsosurfacePoint<D> point_;
+  UsedTexels<D> near_, far_;
+  bool is_extrapolated_ = false;
+};
+
+// The texels that are looked up.
+template <int D>
+const Colours& texels_of(const RadianceLevel<D>& level, const DirectLight<D>* direct, bool back) {
+  if (direct) return back ? level.radiance_back_indirect : level.radiance_indirect;
+  return back ? level.radiance_back : level.radiance;
+}
+
+}  // namespace
+
+template <int D>
+Vec<3, float> ShownGrid<D>::scaled(const Vec<3, float>& light, const Field<D>& field,
+                                   const Vec<D>& index_position) const {
+  if (indirect == Vec<3, float>(1)) return light;
+  const Vec<3, float> own(direct->emission(field, index_position));
+  Vec<3, float> scaled = own + (light - own) * indirect;
+  for (int i = 0; i < 3; ++i) scaled[i] = std::max(0.0f, scaled[i]);
+  return scaled;
+}
+
+template <int D>
+Vec<3, float> radiance_at(const ShownGrid<D>& shown, const Field<D>& field,
+                          const Vec<D>& index_position, bool back) {
+  const RadianceLevel<D>& level = shown.grid.at(index_position);
+  PointLookup<D> lookup;
+  lookup.find(shown, level, field, index_position, back);
+  return lookup.radiance(shown, field, texels_of(level, shown.direct_of(back), back), back);
+}
+
+template <int D>
+void radiance_at(const ShownGrid<D>& shown, const Field<D>& field,
+                 const std::vector<Vec<D>>& index_positions, bool back, Vec<3, float>* found) {
+  constexpr std::size_t ahead = 16;
+  const RadianceGrid<D>& grid = shown.grid;
+  const Colours& values = texels_of(grid, shown.direct_of(back), back);
+  std::array<PointLookup<D>, ahead> lookups;
+  for (std::size_t first = 0; first < index_positions.size(); first += ahead) {
+    const std::size_t count = std::min(ahead, index_positions.size() - first);
+    for (std::size_t n = 0; n < count; ++n) {
+      lookups[n].find(shown, grid, field, index_positions[first + n], back);
+      lookups[n].fetch(values);
+    }
+    for (std::size_t n = 0; n < count; ++n) {
+      found[first + n] = lookups[n].radiance(shown, field, values, back);
+    }
+  }
+}
+
+template <int D>
+float lookup_error(const TexelLattice<D>& lattice, const std::vector<float>& errors,
+                   const Vec<D>& index_position) {
+  const TexelWeights<D> weights = linear_weights(lattice, index_position);
+  float variance = 0;
+  for (int i = 0; i < (1 << D); ++i) {
+    if (!(weights.weight[i] > 0)) continue;
+    const float error = errors[weights.slot[i]] * weights.weight[i];
+    variance += error * error;
+  }
+  return std::sqrt(variance);
+}
+
+template struct RadianceGrid<2>;
+template struct RadianceGrid<3>;
+template RadianceGrid<2> make_grid<2>(SideAverages, SideAverages);
+template RadianceGrid<3> make_grid<3>(SideAverages, SideAverages);
+template Vec<3, float> lookup<2>(const TexelLattice<2>&, const std::vector<Vec<3, float>>&,
+                                 const Vec<2>&);
+template Vec<3, float> lookup<3>(const TexelLattice<3>&, const std::vector<Vec<3, float>>&,
+                                 const Vec<3>&);
+template struct ShownGrid<2>;
+template struct ShownGrid<3>;
+template Vec<3, float> radiance_at<2>(const ShownGrid<2>&, const Field<2>&, const Vec<2>&, bool);
+template Vec<3, float> radiance_at<3>(const ShownGrid<3>&, const Field<3>&, const Vec<3>&, bool);
+template void radiance_at<2>(const ShownGrid<2>&, const Field<2>&, const std::vector<Vec<2>>&, bool,
+                             Vec<3, float>*);
+template void radiance_at<3>(const ShownGrid<3>&, const Field<3>&, const std::vector<Vec<3>>&, bool,
+                             Vec<3, float>*);
+template float lookup_error<2>(const TexelLattice<2>&, const std::vector<float>&, const Vec<2>&);
+template float lookup_error<3>(const TexelLattice<3>&, const std::vector<float>&, const Vec<3>&);
+
+}  // namespace leaflight

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/plan/plan.h"
+
+#include <algorithm>
+
+#include "scene/open_leaves.h"
+
+namespace leaflight {
+namespace {
+
+template <int D>
+bool anything_reflects(const Scene<D>& scene) {
+  return std::any_of(scene.volumes.begin(), scene.volumes.end(),
+                     [](const Volume<D>& volume) { return volume.albedo.largest() > 0; }) ||
+         std::any_of(scene.meshes.begin(), scene.meshes.end(),
+                     [](const Mesh<D>& mesh) { return largest(mesh.albedo) > 0; });
+}
+
+template <int D>
+std::vector<Vec<D>> corners(const Box<D>& box) {
+  std::vector<Vec<D>> points;
+  for (int i = 0; i < 1 << D; ++i) {
+    Vec<D> p;
+    for (int a = 0; a < D; ++a) p[a] = (i >> a & 1) ? box.high[a] : box.low[a];
+    points.push_back(p);
+  }
+  return points;
+}
+
+// Points that a light with a place may shine from lie between these.
+template <int D>
+std::vector<Vec<D>> corners(const AreaLight<D>& light) {
+  std::vector<Vec<D>> points{light.corner};
+  for (const Vec<D>& edge : light.edges) {
+    for (std::size_t i = points.size(); i-- > 0;) points.push_back(points[i] + edge);
+  }
+  return points;
+}
+template <int D>
+std::vector<Vec<D>> corners(const PointLight<D>& light) {
+  return corners(
+      Box<D>{light.position - Vec<D>(light.radius), light.position + Vec<D>(light.radius)});
+}
+template <int D>
+std::vector<Vec<D>> corners(const SunLight<D>&) {
+  return {};
+}
+
+// Whether the box about some points, in index coordinates, overlaps the field's domain.
+template <int D>
+bool overlaps_domain(const Field<D>& field, const std::vector<Vec<D>>& points) {
+  Box<D> box, domain{Vec<D>(0.0), Vec<D>(0.0)};
+  for (const Vec<D>& point : points) box.extend(field.world_to_index.point(point));
+  for (int a = 0; a < D; ++a) domain.high[a] = field.dims[a] - 1;
+  return box.overlaps(domain);
+}
+
+// A light or an emissive mesh in the domain may stand inside a leaf. Leaves that glow light each
+// other from inside, those of other volumes, too.
+template <int D>
+bool light_in_domain(const Scene<D>& scene, const Volume<D>& volume) {
+  if (volume.emission.largest() > 0) return true;
+  for (const Light<D>& light : scene.lights) {
+    const auto points = std::visit([](const auto& l) { return corners<D>(l); }, light);
+    if (overlaps_domain<D>(volume.field, points)) return true;
+  }
+  for (const Mesh<D>& mesh : scene.meshes) {
+    if (!(largest(mesh.emission) > 0)) continue;
+    const std::vector<Vec<D>> points(mesh.vertices.begin(), mesh.vertices.end());
+    if (overlaps_domain<D>(volume.field, points)) return true;
+  }
+  return volume.scattering == Scattering::glass;
+}
+
+}  // namespace
+
+template <int D>
+Plan make_plan(const Scene<D>& scene, const BakeSettings<D>& settings) {
+  Plan plan;
+  const auto skip = [&](bool Plan::*pass, const std::string& name, const std::string& reason) {
+    plan.*pass = false;
+    plan.skipped.push_back({name, reason});
+  };
+  const EstimatorTraits& estimator = traits_of(settings.estimator);
+  if (!anything_reflects(scene)) {
+    skip(&Plan::indirect, "indirect light", "nothing in the scene reflects light");
+  }
+  if (!has_specular(scene)) {
+    const std::string reason = "there is no mirror and no glass in the scene";
+    skip(&Plan::specular, "specular light", reason);
+    skip(&Plan::caustics, "caustics", reason);
+  } else if (estimator.caustics) {
+    skip(&Plan::caustics, "caustic photons",
+         "caustics are part of the " + estimator.name + " estimator's light");
+  }
+  if (!plan.indirect) {
+    skip(&Plan::photons, "photons", "there is no indirect light");
+  } else if (!estimator.photons) {
+    skip(&Plan::photons, "photons", "the " + estimator.name + " estimator needs none");
+  }
+  if (!settings.surroundings) {
+    skip(&Plan::surroundings, "radiance of the surroundings", "it was not asked for");
+  } else if (scene.meshes.empty()) {
+    skip(&Plan::surroundings, "radiance of the surroundings", "nothing surrounds the volume");
+  }
+  if (!plan.photons && !(plan.caustics && plan.surroundings)) {
+    skip(&Plan::surroundings_cache, "surroundings cache", "no photons are traced");
+  } else if (scene.meshes.empty()) {
+    skip(&Plan::surroundings_cache, "surroundings cache", "nothing surrounds the volume");
+  } else if (!estimator.surroundings && !plan.surroundings) {
+    skip(&Plan::surroundings_cache, "surroundings cache",
+         "the " + estimator.name + " estimator needs none");
+  }
+  bool inside = false, open = false;
+  for (const Volume<D>& volume : scene.volumes) {
+    open = open || leaves_are_open(volume, scene.window);
+    inside = inside || light_in_domain(scene, volume);
+  }
+  const std::string dark =
+      "every isosurface of the window is closed and no light stands within the volume";
+  if (!plan.photons) {
+    skip(&Plan::inner_side, "inner side", "no photons are traced");
+  } else if (!open && !inside) {
+    skip(&Plan::inner_side, "inner side", dark);
+  }
+  if (!open && !inside) {
+    skip(&Plan::back, "radiance of the inner side", dark);
+  } else if (!settings.both_sides) {
+    skip(&Plan::back, "radiance of the inner side", "it was not asked for");
+  }
+  return plan;
+}
+
+template <int D>
+Error nothing_to_bake(const Scene<D>& scene) {
+  for (const Volume<D>& volume : scene.volumes) {
+    if (volume.scattering == Scattering::diffuse) continue;
+    return Error("What the isosurfaces of the volume '" + volume.name +
+                 "' show depends on the view, since they are " +
+                 (volume.scattering == Scattering::mirror ? "mirrors" : "glass") +
+                 ", and nothing else is to be baked; bake the surroundings too.");
+  }
+  return Error("No isosurface of the isovalue window passes through the volume; widen the window.");
+}
+
+template Error nothing_to_bake(const Scene<2>&);
+template Error nothing_to_bake(const Scene<3>&);
+template Plan make_plan<2>(const Scene<2>&, const BakeSettings<2>&);
+template Plan make_plan<3>(const Scene<3>&, const BakeSettings<3>&);
+
+}  // namespace leaflight

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "bake/plan/settings.h"
+#include "math/error.h"
+#include "scene/scene.h"
+
+namespace leaflight {
+
+struct SkippedPass {
+  std::string pass;
+  std::string reason;
+};
+
+// Which passes a bake needs. Each pass that is left out is listed with its reason.
+struct Plan {
+  bool indirect = true;            // soft light that has bounced before it reaches the texel
+  bool specular = true;            // rays go on after mirrors and glass
+  bool caustics = true;            // photons that come by mirrors and glass
+  bool photons = true;             // photon tracing into the caches
+  bool surroundings_cache = true;  // radiance of the surroundings over (u, v, c), for gather rays
+  bool inner_side = true;          // photons on the inside of leaves
+  bool back = true;                // the inner side's radiance is stored
+  bool surroundings = true;        // the radiance of the surroundings is stored
+  std::vector<SkippedPass> skipped;
+};
+
+template <int D>
+Plan make_plan(const Scene<D>& scene, const BakeSettings<D>& settings);
+
+// Why a scene without texels and lit meshes has nothing to bake.
+template <int D>
+Error nothing_to_bake(const Scene<D>& scene);
+
+}  // namespace leaflight

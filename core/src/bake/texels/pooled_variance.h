@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "field/texel_lattice.h"
+#include "math/progress.h"
+#include "math/sample_average.h"
+
+namespace leaflight {
+
+// Samples of a texel are averaged in so many blocks (see Moments).
+inline constexpr int blocks_per_texel = 4;
+
+// Gives each active texel the variance that a sample has in it and in its neighbours, 3^D in all,
+// over its own number of samples. Four blocks alone would make a Student's t of three degrees of
+// freedom, and a texel whose few samples all missed the light would claim to be certain; next to
+// each other, texels are lit alike.
+//
+// A texel that leaves reach somewhere, but in which no sample was found, takes its neighbours' mean
+// and the variance among them.
+template <int D>
+void pool_variances(const TexelLattice<D>& lattice, std::vector<Average>& averages,
+                    Progress& progress);
+
+}  // namespace leaflight

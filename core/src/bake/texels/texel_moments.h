@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "bake/texels/checkpoint.h"
+#include "math/parallel.h"
+#include "math/sample_average.h"
+
+namespace leaflight {
+
+// Sums of the weighted samples of a texel's radiance.
+struct TexelSum {
+  Imath::V3f radiance{0};
+  float weight = 0;
+
+  void add(const Imath::V3f& sample, float w) {
+    radiance += sample * w;
+    weight += w;
+  }
+  void add(const TexelSum& other) {
+    radiance += other.radiance;
+    weight += other.weight;
+  }
+  float mean() const { return (radiance.x + radiance.y + radiance.z) / 3; }
+};
+
+// How two halves of a texel's samples differ, which are independent of each other: the difference
+// of their means, the first one's share of the weight, and the weight of both.
+struct HalfDifference {
+  Imath::V3f first_less_second{0};
+  float first_share = 0.5f, weight = 0;
+  bool is_known = false;  // both have samples
+};
+
+// The samples of all texels of a lattice, on one side. They come in blocks, each of which is a net
+// of well distributed directions or sources of light; blocks are independent of each other, so that
+// the differences between them tell the variance (replicated quasi-Monte Carlo, Owen 1997).
+class TexelMoments {
+ public:
+  explicit TexelMoments(std::size_t texels = 0) : blocks_(texels) {}
+
+  std::vector<TexelSum> sums;  // of the block that is swept, from open() to release()
+
+  bool empty() const { return blocks_.empty(); }
+  // Blocks can be swept from now on.
+  void open() { sums.resize(blocks_.size()); }
+  // None are for a while, and the memory of their sums is free. A block that is not closed is
+  // forgotten.
+  void release() { sums = {}; }
+  // `number`: of the block, from 0; even and odd ones are the halves.
+  void close_block(int number, Progress& progress) {
+    parallel_range(sums.size(), 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) blocks_[i].close(sums[i], number % 2);
+    });
+  }
+  // Between blocks.
+  void keep(Keeper& keeper) {
+    const std::size_t texels = blocks_.size();
+    keeper(blocks_, texels);
+    if (blocks_.size() != texels) {
+      throw Error("The checkpoint is of another bake; bake the volume anew.");
+    }
+  }
+  std::vector<Average> averages() const {
+    std::vector<Average> result(blocks_.size());
+    for (std::size_t i = 0; i < result.size(); ++i) result[i] = blocks_[i].average();
+    return result;
+  }
+  std::vector<HalfDifference> halves() const {
+    std::vector<HalfDifference> result(blocks_.size());
+    for (std::size_t i = 0; i < result.size(); ++i) result[i] = blocks_[i].difference();
+    return result;
+  }
+
+ private:
+  // Those that are closed.
+  struct Blocks {
+    std::array<TexelSum, 2> halves;
+    float weight2 = 0, mixed = 0, sum2 = 0;
+
+    void close(TexelSum& block, int half) {
+      const float mean = block.mean(), w = block.weight;
+      halves[half].add(block);
+      weight2 += w * w;
+      mixed += w * mean;
+      sum2 += mean * mean;
+      block = {};
+    }
+    Average average() const {
+      TexelSum all = halves[0];
+      all.add(halves[1]);
+      if (!(all.weight > 0 && weight2 > 0)) return {};
+      const float m = all.mean() / all.weight, all2 = all.weight * all.weight;
+      // The residuals about the ratio of sums (Cochran 1977, 6.4), see Moments.
+      const float residuals = sum2 - 2 * m * mixed + m * m * weight2, left = 1 - weight2 / all2;
+      const float variance = left > 1e-3f ? std::max(0.0f, residuals) / (all2 * left) : 0;
+      return {Rgb(all.radiance / all.weight), variance, all2 / weight2};
+    }
+    HalfDifference difference() const {
+      const TexelSum &a = halves[0], &b = halves[1];
+      const float weight = a.weight + b.weight;
+      if (a.weight > 0 && b.weight > 0) {
+        return {a.radiance / a.weight - b.radiance / b.weight, a.weight / weight, weight, true};
+      }
+      // What one half alone has found may be all noise.
+      if (!(weight > 0)) return {};
+      return {(a.radiance - b.radiance) / (0.5f * weight), 0.5f, weight};
+    }
+  };
+  std::vector<Blocks> blocks_;
+
+ public:
+  static constexpr std::size_t bytes_a_texel = sizeof(TexelSum) + sizeof(Blocks);
+};
+
+// Of the outer and the inner side; the latter is empty where it is not baked.
+using SideMoments = std::array<TexelMoments, 2>;
+
+}  // namespace leaflight

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+
+#include "field/texel_lattice.h"
+#include "math/low_discrepancy.h"
+#include "math/random.h"
+#include "trace/scene_tracer.h"
+
+namespace leaflight {
+
+// The points of a field within some texels of a texel of its lattice.
+template <int D>
+struct TexelBox {
+  Vec<D> low, high;  // index coordinates
+
+  TexelBox(const TexelLattice<D>& lattice, std::uint32_t number, double half_width) {
+    const Index<D> texel = lattice.texel(number);
+    for (int a = 0; a < D; ++a) {
+      const double step = lattice.voxels_per_texel[a];
+      low[a] = std::max(texel[a] - half_width, 0.0) * step;
+      high[a] = std::min(texel[a] + half_width, lattice.resolution[a] - 1.0) * step;
+    }
+  }
+  Vec<D> point(std::uint32_t i, std::uint64_t key) const {
+    const auto xy = sobol_point(i, key);
+    const auto z = sobol_point(i, ~key);
+    Vec<D> position;
+    for (int a = 0; a < D; ++a) position[a] = low[a] + (high[a] - low[a]) * (a < 2 ? xy[a] : z[0]);
+    return position;
+  }
+  bool contains(const Vec<D>& position) const {
+    for (int a = 0; a < D; ++a) {
+      if (!(low[a] <= position[a] && position[a] <= high[a])) return false;
+    }
+    return true;
+  }
+};
+
+// A position moved along the gradient to the leaf of an isovalue, nearly, by Newton's method.
+template <int D>
+Vec<D> moved_to_leaf(const Field<D>& field, Vec<D> position, double isovalue) {
+  constexpr int steps = 8;
+  for (int i = 0; i < steps; ++i) {
+    const CellPoint<D> point = locate(field, position);
+    const CellCorners<D> corners = load_corners(field, point.cell);
+    const Vec<D> gradient = geometric_gradient(corners, point.local);
+    const double length = gradient.length();
+    if (!(length > 0)) break;  // flat or masked
+    position += gradient / length * ((isovalue - interpolate(corners, point.local)) / length);
+  }
+  return position;
+}
+
+// Calls visit(SurfacePoint, i) for up to `samples` points i = 0, 1, ... of a texel, seen from the
+// given side, uniform in the volume: a point x lies on the leaf c = h(x), so this samples the graph
+// of h (thesis 4.5), and all leaves through the texel at once. Points whose leaf is outside the
+// window, in a masked cell, without a gradient or inside another volume's leaf are passed over.
+// Where the texel's own box holds too few, the neighbourhood that a trilinear lookup can reach is
+// searched; where that holds none, because the window is narrow, its points are moved to the leaf
+// in the middle of the window. Returns the number of points visited.
+template <int D, class Visit>
+int for_each_texel_sample(const SceneTracer<D>& tracer, int volume, bool above,
+                          const TexelLattice<D>& lattice, std::uint32_t texel, int samples,
+                          std::uint64_t key, Visit visit) {
+  constexpr int tries_per_sample = 16;
+  // The lookup's interpolation blurs once more, so a texel averages over less than its own box;
+  // 0.25 to 0.5 measure alike on smooth surfaces, and less is better on thin shells
+  // (docs/decisions/2026-11-21-texel-samples.md).
+  constexpr double own_half_width = 0.35;
+  const Volume<D>& of = tracer.scene().volumes[volume];
+  const Field<D>& field = of.field;
+  const IsovalueWindow& window = tracer.scene().window;
+  int visited = 0;
+  const auto try_point = [&](const Vec<D>& position) {
+    const CellPoint<D> point = locate(field, position);
+    const double h = interpolate(load_corners(field, point.cell), point.local);
+    const double c = of.leaf_coordinate(h);
+    if (!window.contains(c)) return;
+    const SurfacePoint<D> surface = tracer.leaf_point(volume, point, c, above);
+    if (surface.kind() == HitKind::none) return;
+    if (tracer.is_covered(volume, surface.position, c)) return;
+    visit(surface, visited++);
+  };
+  for (const double half_width : {own_half_width, 1.0}) {
+    const TexelBox<D> box(lattice, texel, half_width);
+    for (int i = 0; i < tries_per_sample * samples && visited < samples; ++i) {
+      try_point(box.point(i, key));
+    }
+  }
+  if (visited > 0) return visited;
+  const TexelBox<D> box(lattice, texel, 1);
+  const double middle = of.isovalue(0.5 * (window.min + window.max));
+  for (int i = 0; i < samples; ++i) {
+    const Vec<D> position = moved_to_leaf(field, box.point(i, key), middle);
+    if (box.contains(position)) try_point(position);
+  }
+  return visited;
+}
+
+}  // namespace leaflight

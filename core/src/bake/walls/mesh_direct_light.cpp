@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/walls/mesh_direct_light.h"
+
+#include <cmath>
+#include <limits>
+
+#include "math/parallel.h"
+#include "math/sampling.h"
+
+namespace leaflight {
+namespace {
+
+constexpr std::size_t vertices_per_piece = 256;
+
+// The sets of a vertex and its neighbours, whose numbers along a facet differ by (1, 0), (0, 1) or
+// (1, -1), all differ.
+int set_of(const std::array<int, 2>& numbers) {
+  static_assert(light_point_sets == 7);
+  return (numbers[0] + 3 * numbers[1]) % light_point_sets;
+}
+
+// The way from a point, seen from the front of its facet, to a source.
+template <int D>
+struct WayTo {
+  Vec<D> direction{0.0};  // unit
+  double share = 0;       // of the source's amount
+
+  WayTo(const LightSource<D>& source, const SurfacePoint<D>& from) {
+    const Vec<D> whole = source.infinite ? -source.direction : source.position - from.position;
+    const double distance = whole.length();
+    if (!(distance > 0)) return;
+    direction = whole / distance;
+    share = direction.dot(from.geometric_normal) * source.strength(-direction, distance);
+  }
+};
+
+template <int D>
+BlockingLeaves blocking(const WayTo<D>& way, const LightSource<D>& source, SurfacePoint<D> from,
+                        const SceneTracer<D>& tracer) {
+  if (way.share == 0) return {0, 0};
+  if (way.share < 0) from.geometric_normal = -from.geometric_normal;
+  if (source.infinite) return tracer.blocking(from, way.direction);
+  const bool faces_away = source.normal.dot(way.direction) > 0;
+  return tracer.blocking(from, source.position, faces_away ? -source.normal : source.normal);
+}
+
+}  // namespace
+
+template <int D>
+MeshDirectLight<D>::MeshDirectLight(const SceneTracer<D>& tracer,
+                                    const std::vector<RefinedMesh<D>>& meshes, Progress& progress)
+    : sets_(interleaved_points(tracer)), scales_(tracer.lights().size() + 1, Rgb(1)) {
+  auto ways = std::make_shared<std::vector<MeshWays>>(meshes.size());
+  for (std::size_t m = 0; m < meshes.size(); ++m) {
+    if (tracer.meshes()[m].scattering != Scattering::diffuse) continue;
+    (*ways)[m] = ways_of(tracer, meshes[m].fine, progress);
+  }
+  meshes_ = std::move(ways);
+}
+
+template <int D>
+MeshDirectLight<D> MeshDirectLight<D>::scaled(const std::vector<Rgb>& lights) const {
+  MeshDirectLight<D> result = *this;
+  for (auto& set : result.sets_) scale_points(lights, set);
+  for (std::size_t l = 0; l < lights.size(); ++l) result.scales_.at(l) *= lights[l];
+  return result;
+}
+
+template <int D>
+typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTracer<D>& tracer,
+                                                                  const FineMesh<D>& mesh,
+                                                                  Progress& progress) const {
+  const std::size_t vertices = mesh.vertices.size(), points = sets_[0].size();
+  MeshWays of{MeshNeighbours(vertices, mesh.facets), {}, {}, {}, {}};
+  of.sets.resize(vertices);
+  of.ways.resize(vertices * points);
+  if (tracer.has_openings()) of.least.resize(of.ways.size());
+  const std::size_t lights = scales_.size();
+  for (auto& side : of.unshadowed) side.assign(lights * vertices, Vec<3, float>(0));
+  parallel_range(
+      vertices, vertices_per_piece, static_cast<double>(points), progress,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end && !progress.cancelled(); ++v) {
+          const SurfacePoint<D> from = vertex_point(tracer, mesh, v, true, 0);
+          of.sets[v] = static_cast<std::uint8_t>(set_of(mesh.numbers[v]));
+          for (std::size_t set = 0; set < sets_.size(); ++set) {
+            for (std::size_t i = 0; i < points; ++i) {
+              const LightSource<D>& source = sets_[set][i].source;
+              const int light = sets_[set][i].light;
+              const WayTo<D> way(source, from);
+              of.unshadowed[way.share < 0][(light < 0 ? lights - 1 : light) * vertices + v] +=
+                  Vec<3, float>(source.amount) * static_cast<float>(std::abs(way.share));
+              if (set != of.sets[v]) continue;
+              const BlockingLeaves leaves = blocking(way, source, from, tracer);
+              of.ways[v * points + i] = {static_cast<float>(leaves.greatest),
+                                         static_cast<float>(way.share)};
+              if (!of.least.empty()) {
+                of.least[v * points + i] = static_cast<float>(leaves.least);
+              }
+            }
+          }
+          const Vec<3, float> brdf(from.albedo / static_cast<Real>(projected_hemisphere<D>));
+          for (auto& side : of.unshadowed) {
+            for (std::size_t l = 0; l < lights; ++l) {
+              side[l * vertices + v] *= brdf / static_cast<float>(light_point_sets);
+            }
+          }
+        }
+      });
+  return of;
+}
+
+template <int D>
+std::vector<Vec<3, float>> MeshDirectLight<D>::unshadowed(int mesh, bool back) const {
+  const MeshWays& of = (*meshes_)[mesh];
+  const std::size_t vertices = of.sets.size();
+  std::vector<Vec<3, float>> sums(vertices, Vec<3, float>(0));
+  for (std::size_t l = 0; vertices > 0 && l < scales_.size(); ++l) {
+    const Vec<3, float>* light = &of.unshadowed[back][l * vertices];
+    for (std::size_t v = 0; v < vertices; ++v) sums[v] += light[v] * Vec<3, float>(scales_[l]);
+  }
+  return sums;
+}
+
+template <int D>
+std::vector<Vec<3, float>> MeshDirectLight<D>::radiance(int mesh, double c, bool back) const {
+  const MeshWays& of = (*meshes_)[mesh];
+  const std::size_t vertices = of.sets.size(), points = sets_[0].size();
+  const auto own = static_cast<float>(c);
+  const float side = back ? -1 : 1;
+  std::vector<Vec<3, float>> reaching(vertices);  // the share of the light that does
+  for (std::size_t v = 0; v < vertices; ++v) {
+    Vec<3, float> all(0), lit(0);
+    for (std::size_t i = 0; i < points; ++i) {
+      const Way& way = of.ways[v * points + i];
+      const Vec<3, float> light =
+          Vec<3, float>(sets_[of.sets[v]][i].source.amount) * std::max(0.0f, side * way.share);
+      all += light;
+      const bool passes = !of.least.empty() && own <= of.least[v * points + i];
+      if (way.greatest < own || passes) lit += light;
+    }
+    for (int k = 0; k < 3; ++k) reaching[v][k] = all[k] > 0 ? lit[k] / all[k] : 0;
+  }
+  std::vector<Vec<3, float>> radiance = unshadowed(mesh, back);
+  for (std::size_t v = 0; v < vertices; ++v) {
+    const std::uint32_t *begin = of.neighbours.begin(v), *end = of.neighbours.end(v);
+    Vec<3, float> sum(0);
+    for (const std::uint32_t* u = begin; u != end; ++u) sum += reaching[*u];
+    radiance[v] *= sum / static_cast<float>(end - begin);
+  }
+  return radiance;
+}
+
+template class MeshDirectLight<2>;
+template class MeshDirectLight<3>;
+
+}  // namespace leaflight

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+
+#include "bake/walls/mesh_neighbours.h"
+#include "bake/walls/refined_mesh.h"
+#include "math/progress.h"
+#include "transport/light_points.h"
+
+namespace leaflight {
+
+// Direct light of a scene's light points at the vertices of its diffuse meshes. For each vertex and
+// point it keeps which leaves block the way, and so the shadow of every isosurface there.
+// Neighbouring vertices use other sets of points, and the part of the light that reaches a vertex
+// is the mean over it and its neighbours (interleaved sampling, Keller and Heidrich 2001): shadows
+// are as smooth as by all sets, and their edges as wide as an edge of the mesh. The result is the
+// same for any number of threads.
+template <int D>
+class MeshDirectLight {
+ public:
+  // Throws Cancelled.
+  MeshDirectLight(const SceneTracer<D>& tracer, const std::vector<RefinedMesh<D>>& meshes,
+                  Progress& progress);
+
+  // With other strengths of the scene's lights: a factor per channel for each. Shares the ways.
+  MeshDirectLight scaled(const std::vector<Rgb>& lights) const;
+
+  // Radiance [W/(m^2 sr)] that one side of a mesh reflects at its fine vertices beside the leaf c.
+  std::vector<Vec<3, float>> radiance(int mesh, double c, bool back) const;
+  // The same if nothing stood in the way of the light.
+  std::vector<Vec<3, float>> unshadowed(int mesh, bool back) const;
+
+  // From one vertex to one point of its set.
+  struct Way {
+    float greatest;  // the leaf coordinate; infinite where a mesh stands in the way
+    // Irradiance over the point's amount if nothing did: positive on the mesh's front, negative on
+    // its back.
+    float share;
+  };
+  struct MeshWays {
+    MeshNeighbours neighbours;
+    std::vector<std::uint8_t> sets;  // of the vertices
+    std::vector<Way> ways;           // [vertex * points + point]
+    std::vector<float> least;        // as BlockingLeaves has it; empty where nothing has openings
+    // By side: radiance if nothing stood in the way of a light, by all sets; [light * vertices +
+    // vertex], last of all that is no light.
+    std::array<std::vector<Vec<3, float>>, 2> unshadowed;
+  };
+  const MeshWays& ways(int mesh) const { return (*meshes_)[mesh]; }
+  const std::vector<std::vector<LightPoint<D>>>& sets() const { return sets_; }
+
+ private:
+  MeshWays ways_of(const SceneTracer<D>& tracer, const FineMesh<D>& mesh, Progress& progress) const;
+
+  std::vector<std::vector<LightPoint<D>>> sets_;
+  std::vector<Rgb> scales_;                              // of the lights, and 1
+  std::shared_ptr<const std::vector<MeshWays>> meshes_;  // those of mirrors and glass are empty
+};
+
+}  // namespace leaflight

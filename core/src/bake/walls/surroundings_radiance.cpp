@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/walls/surroundings_radiance.h"
+
+#include <algorithm>
+
+#include "math/error.h"
+
+namespace leaflight {
+
+template <int D>
+std::vector<Vec<3, float>> radiance_at(const SurroundingsRadiance<D>& surroundings, int mesh,
+                                       double c, bool back) {
+  const RefinedMesh<D>& refined = surroundings.meshes[mesh];
+  std::vector<Vec<3, float>> radiance = surroundings.direct->radiance(mesh, c, back);
+  radiance.resize(refined.fine.vertices.size(), Vec<3, float>(0));
+  const auto& values = surroundings.radiance[mesh][back];
+  if (values.empty()) return radiance;
+  const std::size_t n = refined.coarse.vertices.size();
+  const LeafNodes::Place at = surroundings.nodes.place(c);
+  const Vec<3, float>*low = &values[at.low * n], *high = low + n;
+  const float t = 0.5f * static_cast<float>(at.t), rest = 0.5f - t;
+  for (std::size_t v = 0; v < radiance.size(); ++v) {
+    const auto [a, b] = refined.between[v];
+    radiance[v] += (low[a] + low[b]) * rest + (high[a] + high[b]) * t;
+  }
+  return radiance;
+}
+
+template <int D>
+SurroundingsRadiance<D> relit(const SurroundingsRadiance<D>& surroundings,
+                              const std::vector<Mesh<D>>& meshes, const std::vector<Rgb>& lights,
+                              const Vec<3, float>& indirect) {
+  SurroundingsRadiance<D> result = surroundings;
+  for (std::size_t m = 0; m < meshes.size(); ++m) {
+    const Vec<3, float> own(meshes[m].emission);
+    for (auto& side : result.radiance[m]) {
+      for (Vec<3, float>& light : side) {
+        light = own + (light - own) * indirect;
+        for (int i = 0; i < 3; ++i) light[i] = std::max(0.0f, light[i]);
+      }
+    }
+  }
+  result.direct = std::make_shared<const MeshDirectLight<D>>(surroundings.direct->scaled(lights));
+  return result;
+}
+
+template <int D>
+void attach(SurroundingsRadiance<D>& radiance, const Scene<D>& scene, Progress& progress) {
+  radiance.meshes = refine(scene);
+  radiance.nodes = LeafNodes(scene);
+  bool fits = radiance.meshes.size() == radiance.radiance.size();
+  for (std::size_t m = 0; fits && m < scene.meshes.size(); ++m) {
+    const std::size_t entries = radiance.meshes[m].coarse.vertices.size() * LeafNodes::count;
+    for (const auto& side : radiance.radiance[m]) {
+      fits = fits && (side.empty() || side.size() == entries);
+    }
+  }
+  if (!fits) {
+    throw Error(
+        "The radiance of the surroundings does not belong to the meshes of its scene; bake again.");
+  }
+  const SceneTracer<D> tracer(scene);
+  radiance.direct = std::make_shared<const MeshDirectLight<D>>(tracer, radiance.meshes, progress);
+}
+
+template SurroundingsRadiance<2> relit(const SurroundingsRadiance<2>&, const std::vector<Mesh<2>>&,
+                                       const std::vector<Rgb>&, const Vec<3, float>&);
+template SurroundingsRadiance<3> relit(const SurroundingsRadiance<3>&, const std::vector<Mesh<3>>&,
+                                       const std::vector<Rgb>&, const Vec<3, float>&);
+template void attach<2>(SurroundingsRadiance<2>&, const Scene<2>&, Progress&);
+template void attach<3>(SurroundingsRadiance<3>&, const Scene<3>&, Progress&);
+template std::vector<Vec<3, float>> radiance_at<2>(const SurroundingsRadiance<2>&, int, double,
+                                                   bool);
+template std::vector<Vec<3, float>> radiance_at<3>(const SurroundingsRadiance<3>&, int, double,
+                                                   bool);
+
+}  // namespace leaflight

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+
+#include "bake/walls/mesh_direct_light.h"
+#include "scene/leaf_nodes.h"
+
+namespace leaflight {
+
+// Walls are prisms over (u, v, c): their radiance [W/(m^2 sr)], all but the direct light of points,
+// at the vertices of the coarse meshes and at nodes of the leaf coordinate.
+template <int D>
+struct SurroundingsRadiance {
+  LeafNodes nodes;
+  std::vector<RefinedMesh<D>> meshes;
+  // Per mesh; [front or back][node * vertices + vertex], a side that is dark for all c is empty.
+  std::vector<std::array<std::vector<Vec<3, float>>, 2>> radiance;
+  std::shared_ptr<const MeshDirectLight<D>> direct;  // of points, for all c
+
+  bool empty() const { return radiance.empty(); }
+};
+
+// All radiance at the fine vertices of a mesh.
+template <int D>
+std::vector<Vec<3, float>> radiance_at(const SurroundingsRadiance<D>& surroundings, int mesh,
+                                       double c, bool back);
+
+// The same with other strengths of the scene's lights: direct light by a factor per channel for
+// each, all else but the meshes' own emission by one.
+template <int D>
+SurroundingsRadiance<D> relit(const SurroundingsRadiance<D>& surroundings,
+                              const std::vector<Mesh<D>>& meshes, const std::vector<Rgb>& lights,
+                              const Vec<3, float>& indirect);
+
+// Gives a radiance that was read from a file the scene it belongs to, and its direct light. Throws
+// Error if its surroundings are others, Cancelled.
+template <int D>
+void attach(SurroundingsRadiance<D>& radiance, const Scene<D>& scene, Progress& progress);
+
+}  // namespace leaflight

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/walls/wall_light.h"
+
+#include <algorithm>
+
+#include "math/parallel.h"
+
+namespace leaflight {
+namespace {
+
+constexpr std::size_t vertices_per_piece = 64;
+// Of smooth(): with few of them indirect light has streaks that the eye sees on walls, though they
+// hardly count into the error.
+constexpr int smoothing_passes = 9;
+
+// A side of the surroundings is tried at every so many vertices before it is lit.
+constexpr std::size_t probe_stride = 16;
+// For the progress.
+constexpr double rays_per_sample = 2;
+
+bool is_dark(const std::vector<Vec<3, float>>& radiance) {
+  return std::all_of(radiance.begin(), radiance.end(),
+                     [](const auto& one) { return one == Vec<3, float>(0); });
+}
+
+}  // namespace
+
+template <int D>
+WallLight<D>::WallLight(const SceneTracer<D>& tracer)
+    : tracer_(tracer),
+      nodes_(tracer.scene()),
+      meshes_(refine(tracer.scene())),
+      sums_(meshes_.size()) {
+  for (std::size_t m = 0; m < meshes_.size(); ++m) {
+    const std::size_t count =
+        is_diffuse(m) ? meshes_[m].coarse.places.size() * LeafNodes::count : 0;
+    for (Halves& side : sums_[m]) side.fill(std::vector<Vec<3, float>>(count, Vec<3, float>(0)));
+  }
+}
+
+template <int D>
+double WallLight<D>::entries() const {
+  double count = 0;
+  for (const auto& sides : sums_) count += 2 * static_cast<double>(sides[0][0].size());
+  return count;
+}
+
+// Their means at every so many vertices of one side, for all nodes.
+template <int D>
+std::vector<Vec<3, float>> WallLight<D>::means(std::size_t mesh, bool back, std::size_t stride,
+                                               const PointSampler<D>& from,
+                                               const IndirectEstimator<D>* estimator,
+                                               const WallSamples& samples, Progress& progress,
+                                               std::atomic<std::uint64_t>& rays) const {
+  const FineMesh<D>& lit = meshes_[mesh].coarse;
+  const std::size_t n = (lit.places.size() + stride - 1) / stride;
+  std::vector<Vec<3, float>> means(n * LeafNodes::count);
+  parallel_range(means.size(), vertices_per_piece, rays_per_sample * samples.count, progress,
+                 [&](std::size_t begin, std::size_t end) {
+                   std::uint64_t traced = 0;
+                   for (std::size_t e = begin; e < end && !progress.cancelled(); ++e) {
+                     const std::size_t vertex = e % n * stride;
+                     const double c = nodes_.node(static_cast<int>(e / n));
+                     const SurfacePoint<D> point = vertex_point(tracer_, lit, vertex, !back, c);
+                     // All nodes of a vertex share their random numbers: what noise is left stands
+                     // still while the isovalue moves.
+                     const SampleKeys keys =
+                         sample_keys(samples.seed, Purpose::surroundings, 2 * mesh + back,
+                                     static_cast<std::uint32_t>(vertex));
+                     Imath::V3d sum(0);
+                     for (int i = samples.first; i < samples.first + samples.count; ++i) {
+                       sum += Imath::V3d(from.direct(point, keys, i, traced) +
+                                         from.indirect(point, estimator, keys, i, traced));
+                     }
+                     means[e] = Vec<3, float>(sum / samples.count);
+                   }
+                   rays += traced;
+                 });
+  return means;
+}
+
+template <int D>
+void WallLight<D>::add(const PointSampler<D>& from, const IndirectEstimator<D>* estimator,
+                       const WallSamples& samples, Progress& progress,
+                       std::atomic<std::uint64_t>& rays) {
+  progress.begin("Radiance of the surroundings");
+  for (std::size_t m = 0; m < meshes_.size(); ++m) {
+    for (const bool back : {false, true}) {
+      Halves& sums = sums_[m][back];
+      if (sums[0].empty()) continue;
+      // A side that is dark at some of its points for all c is taken to be dark.
+      if (added_ == 0 &&
+          is_dark(means(m, back, probe_stride, from, estimator, samples, progress, rays))) {
+        sums = {};
+        continue;
+      }
+      const auto found = means(m, back, 1, from, estimator, samples, progress, rays);
+      std::vector<Vec<3, float>>& half = sums[added_ % 2];
+      for (std::size_t e = 0; e < half.size(); ++e) half[e] += found[e];
+    }
+  }
+  ++added_;
+}
+
+template <int D>
+void WallLight<D>::keep(Keeper& keeper) {
+  keeper(added_);
+  for (auto& sides : sums_) {
+    for (Halves& side : sides) {
+      for (auto& half : side) keeper(half, half.size());
+    }
+  }
+}
+
+// Empty where it is dark for all c.
+template <int D>
+Halves WallLight<D>::smoothed(std::size_t mesh, bool back, Progress& progress) const {
+  Halves halves = sums_[mesh][back];
+  if (halves[0].empty() || (is_dark(halves[0]) && is_dark(halves[1]))) return {};
+  for (int half = 0; half < 2; ++half) {
+    const int count = (added_ + 1 - half) / 2;
+    for (auto& radiance : halves[half]) radiance /= static_cast<float>(std::max(1, count));
+  }
+  return smooth(meshes_[mesh].coarse, std::move(halves), smoothing_passes, progress);
+}
+
+template <int D>
+SurroundingsRadiance<D> WallLight<D>::radiance(Progress& progress) {
+  if (!direct_) {
+    direct_ = std::make_shared<const MeshDirectLight<D>>(tracer_, meshes_, progress);
+  }
+  SurroundingsRadiance<D> result;
+  result.direct = direct_;
+  result.nodes = nodes_;
+  result.meshes = meshes_;
+  result.radiance.resize(meshes_.size());
+  for (std::size_t m = 0; m < meshes_.size(); ++m) {
+    for (const bool back : {false, true}) {
+      result.radiance[m][back] = mean(smoothed(m, back, progress));
+    }
+  }
+  return result;
+}
+
+template <int D>
+void WallLight<D>::add_noise(double exposure, LeafErrors& errors, Progress& progress) {
+  for (std::size_t m = 0; m < meshes_.size(); ++m) {
+    for (const bool back : {false, true}) {
+      const Halves halves = smoothed(m, back, progress);
+      const std::size_t vertices = meshes_[m].coarse.places.size();
+      for (std::size_t e = 0; e < halves[0].size(); ++e) {
+        // Half of what the halves differ by is the mean's.
+        const Vec<3, float> off = (halves[0][e] - halves[1][e]) * static_cast<float>(exposure / 2);
+        errors.add(nodes_.node(static_cast<int>(e / vertices)), 1, {off.length2() / 3, 0});
+      }
+    }
+  }
+}
+
+template class WallLight<2>;
+template class WallLight<3>;
+
+}  // namespace leaflight

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <atomic>
+
+#include "bake/texels/checkpoint.h"
+#include "bake/texels/leaf_error.h"
+#include "bake/texels/point_sampler.h"
+#include "bake/walls/smooth_surroundings.h"
+#include "bake/walls/surroundings_radiance.h"
+
+namespace leaflight {
+
+// Of each vertex at each node: numbers [first, first + count) of a seed's.
+struct WallSamples {
+  std::uint64_t seed;
+  int first, count;
+};
+
+// The radiance of both sides of the diffuse surroundings from any number of samples: the direct
+// light of points for all c, all else at every node of c. Samples come in two halves, by which
+// noise is known and taken out.
+template <int D>
+class WallLight {
+ public:
+  // Refers to the tracer.
+  explicit WallLight(const SceneTracer<D>& tracer);
+
+  // Vertices at nodes, of both sides.
+  double entries() const;
+  // For one half, in turns. `from`: of all light but that of points. The estimator may be null
+  // where there is no soft light. Adds the rays traced to `rays`.
+  void add(const PointSampler<D>& from, const IndirectEstimator<D>* estimator,
+           const WallSamples& samples, Progress& progress, std::atomic<std::uint64_t>& rays);
+  // How often samples were added.
+  int blocks() const { return added_; }
+  // Its state.
+  void keep(Keeper& keeper);
+
+  SurroundingsRadiance<D> radiance(Progress& progress);
+  // The noise of that, each vertex alike.
+  void add_noise(double exposure, LeafErrors& errors, Progress& progress);
+
+ private:
+  std::vector<Vec<3, float>> means(std::size_t mesh, bool back, std::size_t stride,
+                                   const PointSampler<D>& from,
+                                   const IndirectEstimator<D>* estimator,
+                                   const WallSamples& samples, Progress& progress,
+                                   std::atomic<std::uint64_t>& rays) const;
+  Halves smoothed(std::size_t mesh, bool back, Progress& progress) const;
+  bool is_diffuse(std::size_t mesh) const {
+    return tracer_.scene().meshes[mesh].scattering == Scattering::diffuse;
+  }
+
+  const SceneTracer<D>& tracer_;
+  LeafNodes nodes_;
+  std::vector<RefinedMesh<D>> meshes_;
+  // Sums of means, by mesh and side; [node * vertices + vertex]. Empty where it is dark.
+  std::vector<std::array<Halves, 2>> sums_;
+  int added_ = 0;
+  std::shared_ptr<const MeshDirectLight<D>> direct_;  // once it is asked for
+};
+
+}  // namespace leaflight

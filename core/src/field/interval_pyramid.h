@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "field/voxels.h"
+#include "math/index_range.h"
+#include "math/large_array.h"
+
+namespace leaflight {
+
+// The range of h over a brick of cells, masked cells left out; empty (min > max) if none is left.
+struct Interval {
+  float min;
+  float max;
+
+  // A value equal to the isovalue counts as above it, so a leaf passes only where both sides exist.
+  bool crossed_by(double isovalue) const { return min < isovalue && isovalue <= max; }
+};
+
+// Min and max of h over bricks of 4^D, 16^D, ... cells: the interval tree of Wilhelms and Van
+// Gelder (1992) as a pyramid. The cells of a brick are those whose lowest voxel lies in it.
+template <int D>
+struct IntervalPyramid {
+  struct Level {
+    Index<D> dims;
+    LargeArray<Interval> bricks;
+
+    const Interval& at(const Index<D>& brick) const {
+      return bricks[linear_number<D>(brick, dims)];
+    }
+  };
+  static constexpr int log2_brick = 2;
+  std::vector<Level> levels;  // levels[0]: bricks of 4^D cells
+};
+
+template <int D>
+IntervalPyramid<D> build_pyramid(const Voxels& values, const Index<D>& dims);
+
+}  // namespace leaflight

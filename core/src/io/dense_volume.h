@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "field/voxels.h"
+#include "math/affine.h"
+
+namespace leaflight {
+
+// A volume as it comes from a file, not yet checked as a field.
+struct DenseVolume {
+  Index<3> dims{};
+  VoxelBuffer values;  // axis 0 fastest
+  Affine<3> index_to_world;
+  std::string name;
+};
+
+}  // namespace leaflight

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "math/progress.h"
+
+namespace leaflight {
+
+// body(begin, end) over pieces of [0, n), until the progress is cancelled; `work` is what one item
+// adds to the progress. Throws Cancelled.
+template <class Body>
+void parallel_range(std::size_t n, std::size_t grain, double work, Progress& progress, Body body) {
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, n, grain),
+      [&](const auto& range) {
+        if (progress.cancelled()) return;
+        body(range.begin(), range.end());
+        progress.advance(work * static_cast<double>(range.size()));
+      },
+      tbb::simple_partitioner{});
+  progress.check();
+}
+
+}  // namespace leaflight

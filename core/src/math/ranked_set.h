@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "math/platform.h"
+
+namespace leaflight {
+
+// A set of numbers below a bound, each of which knows its rank among them, in 12 bytes for 64
+// numbers whether or not they are in the set.
+class RankedSet {
+ public:
+  static constexpr std::int32_t absent = -1;
+  static constexpr std::size_t word_bits = 64;
+
+  RankedSet() = default;
+  // From ascending numbers below the bound.
+  RankedSet(std::size_t bound, const std::vector<std::uint32_t>& numbers) : bound_(bound) {
+    words_.resize((bound + word_bits - 1) / word_bits);
+    before_.resize(words_.size());
+    for (const std::uint32_t n : numbers) words_[n / word_bits] |= bit(n);
+    std::uint32_t rank = 0;
+    for (std::size_t w = 0; w < words_.size(); ++w) {
+      before_[w] = rank;
+      rank += count(words_[w]);
+    }
+  }
+
+  std::size_t bound() const { return bound_; }
+  // The rank of a number, or absent.
+  std::int32_t operator[](std::size_t number) const {
+    const std::uint64_t word = words_[number / word_bits], own = bit(number);
+    if (!(word & own)) return absent;
+    return static_cast<std::int32_t>(before_[number / word_bits] + count(word & (own - 1)));
+  }
+
+ private:
+  static std::uint64_t bit(std::size_t number) { return std::uint64_t{1} << (number % word_bits); }
+  static std::uint32_t count(std::uint64_t word) {
+    return static_cast<std::uint32_t>(count_ones(word));
+  }
+
+  std::size_t bound_ = 0;
+  std::vector<std::uint64_t> words_;
+  std::vector<std::uint32_t> before_;  // how many numbers of the set lie before each word
+};
+
+}  // namespace leaflight

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "field/field.h"
+#include "scene/color_ramp.h"
+#include "scene/luminaire.h"
+
+namespace leaflight {
+
+enum class Scattering { diffuse, mirror, glass };
+
+// A mesh of the surroundings, alike on both sides. It stands in every leaf: the thesis's prism over
+// the range of h (4.3.3).
+template <int D>
+struct Mesh {
+  using Facet = std::array<std::uint32_t, static_cast<std::size_t>(D)>;
+  using FacetUv = std::array<Imath::V2f, static_cast<std::size_t>(D)>;
+
+  std::string name;
+  std::vector<Vec<D, float>> vertices;  // world
+  std::vector<Facet> facets;            // triangles; segments in the plane
+  Rgb albedo;                           // in [0,1]; the colour of a mirror or of glass
+  Scattering scattering = Scattering::diffuse;
+  double ior = 1.5;                        // of glass, against the side from which normals point
+  Rgb emission{0};                         // radiance [W/(m^2 sr)], from both sides
+  std::shared_ptr<const Texture> texture;  // multiplies the albedo; null: none
+  std::vector<FacetUv> uv;                 // per corner of each facet, where there is a texture
+
+  // u, v: barycentric coordinates of the facet's second and third vertex.
+  Rgb albedo_at(std::size_t facet, double u, double v) const;
+};
+
+struct IsovalueWindow {
+  double min = 0;
+  double max = 0;
+
+  double height() const { return max - min; }
+  bool contains(double c) const { return min <= c && c <= max; }
+};
+
+// A field whose leaves are lit. The leaves of the same leaf coordinate c in all volumes see each
+// other; c is the isovalue itself where there is one volume.
+template <int D>
+struct Volume {
+  std::string name = "volume";
+  Field<D> field;
+  ColorRamp albedo;    // over c, in [0,1]; the colour of a mirror or of glass
+  ColorRamp emission;  // over c, radiance [W/(m^2 sr)], from both sides
+  Scattering scattering = Scattering::diffuse;
+  double ior = 1.5;  // of the inside of glass against the outside
+  // isovalue = offset + scale c
+  double offset = 0, scale = 1;
+
+  double isovalue(double c) const { return offset + scale * c; }
+  IsovalueWindow isovalues(const IsovalueWindow& window) const {
+    return {isovalue(window.min), isovalue(window.max)};
+  }
+  double leaf_coordinate(double h) const { return (h - offset) / scale; }
+};
+
+// What is lit: the leaves of volumes within a window, and what surrounds them.
+template <int D>
+struct Scene {
+  std::vector<Volume<D>> volumes;
+  std::vector<Mesh<D>> meshes;
+  std::vector<Light<D>> lights;
+  std::optional<Environment<D>> environment;
+  IsovalueWindow window;  // of the leaf coordinate
+};
+
+// Whether anything is a mirror or glass.
+template <int D>
+bool has_specular(const Scene<D>& scene);
+
+// Throws Error with one sentence that names the offending object.
+template <int D>
+void validate(const Scene<D>& scene);
+
+}  // namespace leaflight

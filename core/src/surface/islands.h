@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "math/vector.h"
+
+namespace leaflight {
+
+// The least vertex of the connected part that each vertex is in. Triangles are connected where they
+// share a vertex.
+std::vector<std::int32_t> connected_parts(const std::array<std::int32_t, 3>* triangles,
+                                          std::size_t triangle_count, std::size_t vertex_count);
+
+// The connected parts of a mesh that are at least as long as `smallest` along one of the axes.
+struct LargeParts {
+  std::vector<std::int32_t> vertices;                  // of the mesh, in its order
+  std::vector<std::array<std::int32_t, 3>> triangles;  // by places in `vertices`
+};
+
+LargeParts large_parts(const Vec<3, float>* vertices, std::size_t vertex_count,
+                       const std::array<std::int32_t, 3>* triangles, std::size_t triangle_count,
+                       float smallest);
+
+}  // namespace leaflight

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "field/field.h"
+
+namespace leaflight {
+
+// The nearest point of the leaf along its gradient, world to world, found by bracketed search
+// within two voxels; the point itself where there is none.
+template <int D>
+Vec<D> project_to_leaf(const Field<D>& field, const Vec<D>& point, double isovalue);
+
+}  // namespace leaflight

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "math/progress.h"
+#include "thesis/density_region.h"
+#include "thesis/kd_tree.h"
+#include "transport/photon_tracer.h"
+
+namespace leaflight {
+
+// A photon where it met a leaf. Its projection into space is the cloud of points of thesis 4.3.5.
+template <int D>
+struct StoredPhoton {
+  Vec<D, float> position;  // frame
+  double c;
+  Rgb flux_height;
+  int volume;   // whose leaf it met
+  bool above;   // it came from the side h >= c, the inside
+  bool direct;  // it came straight from a light
+};
+
+// Traces `count` photons and stores all that meet leaves, by photon number whatever the threads.
+// Adds the rays traced to `rays`.
+template <int D>
+std::vector<StoredPhoton<D>> collect_photons(const SceneTracer<D>& tracer,
+                                             const LightSampler<D>& lights, std::uint64_t seed,
+                                             std::uint64_t count, Progress& progress,
+                                             std::uint64_t& rays);
+
+struct PhotonMapSettings {
+  int k = 200;        // photons of an estimate
+  double radius = 0;  // most that the search reaches, frame; 0: no limit
+  double g = 10;      // how much longer a unit of the range counts than one of the domain
+  DensityRegion region = DensityRegion::clipped_sphere;
+  bool direct = false;  // also count photons that come straight from a light
+};
+
+// Throws Error for numbers that make no sense.
+void validate(const PhotonMapSettings& settings);
+
+// The thesis's own estimator (4.3.5), the baseline of every comparison: photons at (x, c) in a
+// kd-tree of D + 1 dimensions; E = sum of F_p / dV (Eq. 4.8) over the k that are nearest by
+// |dx|^2 + (kappa dc)^2, with kappa = g * extent of the domain / extent of the range.
+//
+// All k count, as in Jensen's photon map, though the region just reaches the last: spheres and
+// graph are too high by 1 / (k - 1). Box and cylinder leave out the last, and this bias with it.
+template <int D>
+class PhotonMap {
+ public:
+  // The photons of one volume. `domain_extent`: the longest side of its box in the frame;
+  // `range_extent`: of the leaf coordinate over its data; `height`: the unit of flux-heights.
+  PhotonMap(std::vector<StoredPhoton<D>> photons, double domain_extent, double range_extent,
+            const PhotonMapSettings& settings, double height = 1);
+
+  // At a point of the leaf, on its side `above`, from the photons that came from that side.
+  // `gradient` is that of c in the frame, of either sign; the spheres do not need it.
+  Rgb irradiance(const Vec<D>& position, double c, bool above, const Vec<D>& gradient) const;
+
+  std::size_t size() const { return photons_.size(); }
+  const std::vector<StoredPhoton<D>>& photons() const { return photons_; }
+  const PhotonMapSettings& settings() const { return settings_; }
+  double kappa() const { return kappa_; }
+
+ private:
+  // The photons that count on one side of the leaves.
+  struct Side {
+    std::vector<std::uint32_t> photon;  // of the tree's points
+    KdTree<D + 1> tree;
+  };
+  Side make_side(bool above) const;
+
+  std::vector<StoredPhoton<D>> photons_;
+  PhotonMapSettings settings_;
+  double kappa_, height_;
+  double lowest_ = 0;  // of c; the tree's last coordinate is kappa (c - lowest)
+  std::vector<Side> sides_;
+};
+
+}  // namespace leaflight

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace leaflight {
+
+// Where the radiance is sampled; a sample at x lies on the leaf c = h(x).
+//   uniform     at random over the domain (thesis 3.4.1 and 4.5)
+//   stratified  one at random in each cell of a grid with the domain's proportions (thesis 4.7)
+//   importance  more in data cells whose values span more of the window (thesis Eq. 4.12)
+//   level_set   uniform over the isosurfaces of a few isovalues (thesis 3.4.1)
+//   letters     within the letters B, A, D, the domain's bottom left out: the thesis's bad example
+//               in the plane, extruded along z in space
+//   slabs       within five thin diagonal slabs: the thesis's bad example in space
+//   regular     in the middle of each cell of the grid of `stratified`
+enum class SampleStrategy { uniform, stratified, importance, level_set, letters, slabs, regular };
+
+// Throws Error, with the choices, for an unknown name.
+SampleStrategy sample_strategy_from(const std::string& name);
+std::string name_of(SampleStrategy strategy);
+
+struct SampleSettings {
+  SampleStrategy strategy = SampleStrategy::stratified;
+  std::size_t samples = 1'000'000;
+  // Of level_set: how many adaptive ones, or which, in data units.
+  std::variant<int, std::vector<double>> isovalues = 9;
+  std::uint64_t seed = 0;
+};
+
+// Index positions of the samples, all on leaves of the window; a function of the settings alone.
+// Strata that reach no leaf of the window, and what a grid leaves over, are made up for by uniform
+// samples; `regular` has fewer instead. Throws Error for settings that make no sense and when
+// hardly any of the domain lies in the window.
+template <int D>
+std::vector<Vec<D>> sample_positions(const Field<D>& field, const IsovalueWindow& window,
+                                     const SampleSettings& settings);
+
+}  // namespace leaflight

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <limits>
+#include <optional>
+
+#include "field/field.h"
+
+namespace leaflight {
+
+// A ray that stays in the leaf of its isovalue (thesis Table 4.1), in index coordinates.
+template <int D>
+struct LeafRay {
+  CellPoint<D> origin;  // ignored unless it starts on its leaf
+  Vec<D> position;      // index coordinates, anywhere
+  Vec<D> direction;     // index coordinates per unit of t
+  double isovalue = 0;
+  double t_max = std::numeric_limits<double>::infinity();
+  bool starts_on_leaf = false;
+  bool starts_above = false;  // the side into which a ray that starts on its leaf departs
+};
+
+template <int D>
+struct LeafHit {
+  double t = 0;
+  CellPoint<D> point;
+  bool from_above = false;  // the ray arrived from the side h >= c, the inside
+};
+
+// The first point in (0, t_max] where the sign of h - c changes along the ray; h == c counts as
+// above. There is no surface where the ray enters or leaves the domain or a masked cell.
+template <int D>
+std::optional<LeafHit<D>> intersect(const Field<D>& field, const LeafRay<D>& ray);
+
+// Whether there is such a point.
+template <int D>
+bool occluded(const Field<D>& field, const LeafRay<D>& ray);
+
+}  // namespace leaflight

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "math/discrete_distribution.h"
+#include "transport/luminaire_sampling.h"
+
+namespace leaflight {
+
+// The emission of a mesh of the surroundings, from both sides of each of its faces.
+template <int D>
+class MeshEmitter {
+ public:
+  explicit MeshEmitter(const Mesh<D>& mesh);  // frame; must outlive the emitter
+
+  const Rgb& radiance() const { return mesh_->emission; }
+  double area() const { return by_area_.total(); }
+  // Both sides', averaged over the channels.
+  double power() const { return 2 * projected_hemisphere<D> * area() * average(radiance()); }
+
+  // `choice` in [0,1) picks a face in proportion to its area; in emit(), also the side.
+  LightSample<D> sample(const Vec<D>& from, double choice, const std::array<double, 2>& u) const;
+  EmittedPhoton<D> emit(double choice, const std::array<double, 2>& u_position,
+                        const std::array<double, 2>& u_direction) const;
+  LightSource<D> source(double choice, const std::array<double, 2>& u) const;
+
+ private:
+  struct PointOn {
+    Vec<D> position, normal;
+  };
+  PointOn point(double choice, const std::array<double, 2>& u) const;
+
+  const Mesh<D>* mesh_;
+  DiscreteDistribution by_area_;  // of the faces
+};
+
+}  // namespace leaflight

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "trace/scene_tracer.h"
+
+namespace leaflight {
+
+// Finds what only rays can find of a bad scene: a light that a mesh encloses while the volumes are
+// outside it, and a volume outside the surroundings that no light reaches. Throws Error with one
+// sentence that names the object.
+template <int D>
+void check_placement(const SceneTracer<D>& tracer);
+
+}  // namespace leaflight

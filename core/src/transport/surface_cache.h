@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cmath>
+
+#include "scene/leaf_nodes.h"
+#include "transport/flux_accumulator.h"
+#include "transport/photon_tracer.h"
+
+namespace leaflight {
+
+// Radiance of the surroundings over (u, v, c): each triangle is cut into n x n equal patches, each
+// segment of the plane into n, c has nodes, and both sides are kept. It answers rays of the final
+// gather.
+template <int D>
+class SurfaceCache {
+ public:
+  SurfaceCache(const SceneTracer<D>& tracer, bool caustics, double photon_flux,
+               std::uint64_t photons);
+
+  // Photons that did not come straight from a light: direct light is sampled by finish().
+  void deposit(const PhotonHit<D>& photon);
+
+  // The finished radiance, to or from another cache of the same scene; of no other use is a cache
+  // then than to answer rays.
+  std::vector<Rgb>& finished() { return radiance_; }
+
+  std::size_t entries() const { return radiance_.size(); }
+  // Turns the photons of one entry into radiance and adds direct light by `samples` shadow rays.
+  void finish(std::size_t entry, const LightSampler<D>& lights, int samples, std::uint64_t seed,
+              std::uint64_t& rays);
+
+  // Of the side that a ray of the given direction meets. `u` uniform in [0,1) chooses between two
+  // nodes, so that the mean is linear in c at the cost of one lookup.
+  Rgb radiance(const SurroundingsHit& hit, const Vec<D>& direction, double c, double u) const;
+  // Of the patch that a ray meets: the side of a square of its size.
+  double patch_width(const SurroundingsHit& hit) const {
+    const double area = facets_[first_facet_[hit.mesh] + hit.facet].patch_area;
+    return D == 3 ? std::sqrt(area) : area;
+  }
+  // Light of mirrors and glass, which no path from here finds.
+  bool holds_caustics() const { return !caustic_.empty(); }
+  // Irradiance from photons at a point of the surroundings, linear in c.
+  Rgb soft_irradiance(const SurfacePoint<D>& point) const { return between_nodes(soft_, point); }
+  Rgb caustic_irradiance(const SurfacePoint<D>& point) const {
+    return between_nodes(caustic_, point);
+  }
+
+ private:
+  struct Facet {
+    int mesh, facet;
+    int cuts;           // patches along each edge
+    std::size_t first;  // its first patch
+    double patch_area;
+    Vec<D> normal;
+  };
+  std::size_t entry(const SurroundingsHit& hit, const Vec<D>& direction, int node) const;
+  // The point's normal faces the side from which it is seen.
+  std::size_t entry(const SurfacePoint<D>& point, int node) const {
+    return entry(point.facet(), -point.geometric_normal, node);
+  }
+  Rgb between_nodes(const FluxAccumulator& flux, const SurfacePoint<D>& point) const;
+  Rgb density(const FluxAccumulator& flux, std::size_t entry) const;
+  const Facet& facet_of(std::size_t entry) const;
+
+  const SceneTracer<D>& tracer_;
+  std::vector<std::size_t> first_facet_;  // of each mesh, in facets_
+  std::vector<Facet> facets_;
+  LeafNodes nodes_;
+  std::vector<Rgb> radiance_;  // patch, side, node
+  FluxAccumulator soft_, caustic_;
+};
+
+}  // namespace leaflight

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "field/field.h"
+
+#include <limits>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "field/bump_box.h"
+#include "field/coarser_values.h"
+
+namespace leaflight::python {
+namespace {
+
+// Of voxels of one type.
+template <class Value>
+using VoxelArray = py::array_t<Value, py::array::c_style>;
+
+template <int D, class Value>
+Field<D> field_from(const VoxelArray<Value>& values, const DoubleArray& index_to_world) {
+  if (values.ndim() != D) {
+    throw Error(D == 2 ? "The values of a field in the plane must be an array [y, x]."
+                       : "The values of a field must be an array [z, y, x].");
+  }
+  Index<D> dims;
+  for (int a = 0; a < D; ++a) {
+    const py::ssize_t n = values.shape(D - 1 - a);
+    if (n > std::numeric_limits<int>::max()) {
+      throw Error("The volume is too large; crop or resample it.");
+    }
+    dims[a] = static_cast<int>(n);
+  }
+  // The array lives as long as the field; it must be released with the interpreter's lock held.
+  std::shared_ptr<const void> owner(new VoxelArray<Value>(values), [](const void* p) {
+    const py::gil_scoped_acquire lock;
+    delete static_cast<const VoxelArray<Value>*>(p);
+  });
+  const Value* data = values.data();
+  const Affine<D> transform = to_affine<D>(index_to_world);
+  const py::gil_scoped_release unlocked;
+  return make_field<D>(data, dims, transform, std::move(owner));
+}
+
+template <int D>
+py::array_t<double> bounds(const Field<D>& field) {
+  const Box<D> box = world_box(field);
+  py::array_t<double> result({2, D});
+  auto out = result.mutable_unchecked<2>();
+  for (int a = 0; a < D; ++a) {
+    out(0, a) = box.low[a];
+    out(1, a) = box.high[a];
+  }
+  return result;
+}
+
+template <int D>
+py::array_t<float> sample(const Field<D>& field, const DoubleArray& array) {
+  const std::vector<Vec<D>> points = to_points<D>(array);
+  std::vector<float> values;
+  for (const Vec<D>& p : points) {
+    const Vec<D> index = field.world_to_index.point(p);
+    if (!inside(field, index)) {
+      values.push_back(std::numeric_limits<float>::quiet_NaN());
+      continue;
+    }
+    const CellPoint<D> point = locate(field, index);
+    values.push_back(static_cast<float>(interpolate(load_corners(field, point.cell), point.local)));
+  }
+  const auto n = static_cast<py::ssize_t>(values.size());
+  return adopt<float>(std::move(values), {n});
+}
+
+template <int D>
+using FieldClass = py::class_<Field<D>, std::shared_ptr<Field<D>>>;
+
+template <int D, class Value>
+void bind_voxels(FieldClass<D>& field) {
+  field.def(py::init([](const VoxelArray<Value>& values, const DoubleArray& index_to_world) {
+              return std::make_shared<Field<D>>(field_from<D, Value>(values, index_to_world));
+            }),
+            py::arg("values").noconvert(), py::arg("index_to_world"),
+            "values: float32, uint8, int16 or uint16 [z, y, x], C-contiguous, kept by reference;\n"
+            "NaN marks missing data.\n"
+            "index_to_world: 4 x 4, maps (x, y, z) indices of voxels to world positions.\n"
+            "In the plane [y, x] and 3 x 3.\n"
+            "Raises LeaflightError for constant, all-NaN or infinite values, fewer than two "
+            "voxels\nalong an axis, or a transform that cannot be inverted.");
+}
+
+template <int D>
+void bind_field_of(py::module_& module, const char* name, const char* doc) {
+  FieldClass<D> field(module, name, doc);
+  bind_voxels<D, float>(field);
+  bind_voxels<D, std::uint8_t>(field);
+  bind_voxels<D, std::int16_t>(field);
+  bind_voxels<D, std::uint16_t>(field);
+  field.def_readonly("dims", &Field<D>::dims, "Voxels along x, y, z.")
+      .def_property_readonly(
+          "range", [](const Field<D>& f) { return std::pair(f.min, f.max); },
+          "Least and greatest value, in data units.")
+      .def_readonly("masked", &Field<D>::masked, "Whether some voxels are NaN.")
+      .def_property_readonly("values",
+                             [](const std::shared_ptr<Field<D>>& f) {
+                               const auto array = [&](const auto* values) -> py::array {
+                                 return py::array(array_shape(f->dims), values, py::cast(f));
+                               };
+                               return std::visit(array, f->values);
+                             })
+      .def_property_readonly("index_to_world",
+                             [](const Field<D>& f) { return from_affine(f.index_to_world); })
+      .def_property_readonly("bounds", &bounds<D>, "World box of the voxels, (2, D).")
+      .def("sample", &sample<D>, py::arg("points"),
+           "Interpolated values (n,) at world points (n, D); NaN outside and where masked.");
+}
+
+template <int D>
+void bind_bump_box(py::module_& module, const char* name, const char* doc) {
+  module.def(
+      name,
+      [](int n) {
+        std::vector<float> values;
+        {
+          const py::gil_scoped_release unlocked;
+          values = bump_box<D>(n);
+        }
+        return adopt<float>(std::move(values), std::vector<py::ssize_t>(D, n));
+      },
+      py::arg("n"), doc);
+}
+
+}  // namespace
+
+void bind_field(py::module_& module) {
+  bind_field_of<3>(module, "Field",
+                   "A scalar volume with its transform to the world, checked and indexed for ray "
+                   "tracing.");
+  bind_field_of<2>(module, "Field2", "A scalar field in the plane.");
+  bind_bump_box<3>(module, "bump_box",
+                   "The thesis's reference data set (Eq. 2.1, Table 2.1) as float32 [z, y, x], "
+                   "0..255, on the\n"
+                   "unit cube with n voxels along each axis.");
+  bind_bump_box<2>(module, "bump_box2", "The same in the plane, float32 [y, x].");
+  module.def(
+      "coarser_values",
+      [](const Field<3>& field) {
+        std::vector<float> values;
+        {
+          const py::gil_scoped_release unlocked;
+          values = coarser_values(field);
+        }
+        return adopt<float>(std::move(values),
+                            {field.dims[2] / 2, field.dims[1] / 2, field.dims[0] / 2});
+      },
+      py::arg("field"),
+      "The means over blocks of 2^3 voxels, float32 [z, y, x]; NaN where one of a block is. A\n"
+      "block of index i lies at index 2 i + 1/2 of the field.");
+}
+
+}  // namespace leaflight::python

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+
+#include "bake/output/radiance_grid.h"
+
+namespace leaflight::python {
+
+// A grid as Python has it: as it was baked, or a view of it with other strengths of the lights.
+template <int D>
+struct GridObject {
+  std::shared_ptr<RadianceGrid<D>> baked;
+  std::shared_ptr<const Field<D>> field;         // that was lit; null: as it was baked
+  std::shared_ptr<const DirectLight<D>> direct;  // where there is a field
+  Vec<3, float> indirect{1, 1, 1};
+
+  explicit GridObject(RadianceGrid<D>&& grid)
+      : baked(std::make_shared<RadianceGrid<D>>(std::move(grid))) {}
+
+  ShownGrid<D> shown() const {
+    return field ? ShownGrid<D>(*baked, direct.get(), indirect) : ShownGrid<D>(*baked);
+  }
+};
+
+}  // namespace leaflight::python

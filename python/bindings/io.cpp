@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <pybind11/stl/filesystem.h>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "grid_object.h"
+#include "io/checkpoint_file.h"
+#include "io/exr.h"
+#include "io/replaced_files.h"
+#include "io/seal.h"
+#include "io/vdb.h"
+
+namespace leaflight::python {
+namespace {
+
+namespace fs = std::filesystem;
+
+py::tuple to_python(DenseVolume&& volume) {
+  return py::make_tuple(adopt(std::move(volume.values), array_shape(volume.dims)),
+                        from_affine(volume.index_to_world), volume.name);
+}
+
+}  // namespace
+
+void bind_io(py::module_& module) {
+  py::class_<ReplacedFiles>(module, "ReplacedFiles",
+                            "Files written beside their targets, which take their places at once.")
+      .def(py::init<const std::vector<fs::path>&>(), py::arg("targets"), "Raises LeaflightError.")
+      .def("temporary", &ReplacedFiles::temporary, py::arg("target"),
+           "The path to write the file of a target, by its number, to.")
+      .def("commit", &ReplacedFiles::commit, py::call_guard<py::gil_scoped_release>(),
+           "Returns when all are on the disk and under their names. Raises LeaflightError.")
+      .def("discard", &ReplacedFiles::discard, "Removes what was not committed.");
+  module.def(
+      "write_bake",
+      [](const fs::path& path, const std::vector<std::shared_ptr<Field<3>>>& fields,
+         const std::vector<std::shared_ptr<GridObject<3>>>& grids,
+         const std::shared_ptr<SurroundingsRadiance<3>>& surroundings, const Metadata& metadata,
+         const Progress* progress) {
+        const py::gil_scoped_release unlocked;
+        std::vector<const Field<3>*> field_pointers;
+        for (const auto& field : fields) field_pointers.push_back(field.get());
+        Baked<3> baked;
+        for (const auto& grid : grids) baked.grids.push_back(*grid->baked);
+        if (surroundings) baked.surroundings = *surroundings;
+        write_bake(path, field_pointers, baked, metadata, progress);
+      },
+      py::arg("path"), py::arg("fields"), py::arg("grids"), py::arg("surroundings").none(true),
+      py::arg("metadata"), py::arg("progress") = nullptr,
+      "Replaces one .vdb as a whole. Raises LeaflightError, and Cancelled with the file as it "
+      "was.");
+  module.def(
+      "read_bake",
+      [](const fs::path& path) {
+        StoredBake bake;
+        {
+          const py::gil_scoped_release unlocked;
+          bake = read_bake(path);
+        }
+        py::list fields, grids;
+        for (DenseVolume& field : bake.fields) {
+          fields.append(py::make_tuple(adopt(std::move(field.values), array_shape(field.dims)),
+                                       from_affine(field.index_to_world)));
+        }
+        for (RadianceGrid<3>& grid : bake.baked.grids) {
+          grids.append(std::make_shared<GridObject<3>>(std::move(grid)));
+        }
+        std::shared_ptr<SurroundingsRadiance<3>> surroundings;
+        if (!bake.baked.surroundings.empty()) {
+          surroundings =
+              std::make_shared<SurroundingsRadiance<3>>(std::move(bake.baked.surroundings));
+        }
+        return py::make_tuple(fields, grids, surroundings, bake.metadata);
+      },
+      py::arg("path"),
+      "([(values [z, y, x], index_to_world), ...], [RadianceGrid, ...], SurroundingsRadiance or\n"
+      "None, metadata) of a bake. The surroundings need attach_surroundings() before use.");
+  module.def(
+      "has_seal", &has_seal, py::arg("path"),
+      "Whether a file ends with a checksum, which read_bake() looks at. Raises LeaflightError.");
+  module.def(
+      "read_checkpoint", [](const fs::path& path) { return py::bytes(read_checkpoint(path)); },
+      py::arg("path"), "The text, bytes, of a checkpoint that bake() left. Raises LeaflightError.");
+  module.def("read_bake_header", &read_bake_header, py::arg("path"),
+             "The metadata of the file itself, by key: nothing else of it is read.");
+  module.def(
+      "attach_surroundings",
+      [](SurroundingsRadiance<3>& surroundings, const Scene<3>& scene, Progress& progress) {
+        const py::gil_scoped_release unlocked;
+        attach(surroundings, scene, progress);
+      },
+      py::arg("surroundings"), py::arg("scene"), py::arg("progress"),
+      "Gives a radiance that was read from a file the meshes of its scene and its direct light.\n"
+      "Raises LeaflightError, Cancelled.");
+  module.def(
+      "read_vdb_volume",
+      [](const fs::path& path, const std::string& grid) {
+        DenseVolume volume;
+        {
+          const py::gil_scoped_release unlocked;
+          volume = read_vdb_volume(path, grid);
+        }
+        return to_python(std::move(volume));
+      },
+      py::arg("path"), py::arg("grid") = "",
+      "(values float32 [z, y, x], index_to_world, name) of a scalar grid's active box.");
+  module.def(
+      "write_exr",
+      [](const fs::path& path,
+         const py::array_t<float, py::array::c_style | py::array::forcecast>& pixels,
+         const std::string& comments) {
+        if (pixels.ndim() != 3) throw Error("An image must be an array [row, column, channel].");
+        for (int a = 0; a < 2; ++a) {
+          if (pixels.shape(a) > 65535) throw Error("An image may have 65535 pixels a side.");
+        }
+        write_exr(path, pixels.data(), static_cast<int>(pixels.shape(1)),
+                  static_cast<int>(pixels.shape(0)), static_cast<int>(pixels.shape(2)), comments);
+      },
+      py::arg("path"), py::arg("pixels"), py::arg("comments") = "",
+      "float32 [row, column, RGB or RGBA], top row first.");
+  module.def(
+      "read_exr",
+      [](const fs::path& path) {
+        Image image = read_exr(path);
+        return adopt<float>(std::move(image.pixels), {image.height, image.width, image.channels});
+      },
+      py::arg("path"), "float32 [row, column, RGB or RGBA], top row first.");
+  module.def("read_exr_comments", &read_exr_comments, py::arg("path"),
+             "The comments that write_exr() wrote; reads the header alone.");
+}
+
+}  // namespace leaflight::python

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bindings.h"
+#include "math/error.h"
+#include "math/progress.h"
+
+namespace py = pybind11;
+using namespace leaflight;
+
+namespace {
+
+// One bad_alloc for all: a sentence, not a traceback. Sentences hold names of files, and these need
+// not be UTF-8.
+void translate(std::exception_ptr thrown, const py::object& error_type) {
+  try {
+    std::rethrow_exception(thrown);
+  } catch (const Error& error) {
+    const std::string sentence = error.what();
+    const auto text = py::reinterpret_steal<py::object>(PyUnicode_DecodeUTF8(
+        sentence.data(), static_cast<py::ssize_t>(sentence.size()), "surrogateescape"));
+    PyErr_SetObject(error_type.ptr(), text.ptr());
+  } catch (const std::bad_alloc&) {
+    PyErr_SetString(error_type.ptr(),
+                    "There is not enough memory; choose a lower resolution or a smaller volume.");
+  }
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_core, module) {
+  module.doc() = "Leaflight's compiled core. Arrays are indexed [z, y, x]; points are (x, y, z).";
+  static py::object error_type = py::register_exception<Error>(module, "LeaflightError");
+  py::register_exception<Cancelled>(module, "Cancelled");
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    if (thrown) translate(thrown, error_type);
+  });
+
+  py::class_<Progress>(module, "Progress",
+                       "Shared between work that runs, as a bake or the reading of a file, and "
+                       "whoever watches it from another thread.")
+      .def(py::init<>())
+      .def("begin", &Progress::begin, py::arg("stage"), "Names what is done from now on.")
+      .def("expect", &Progress::expect, py::arg("total"), "How much there is to do, in any unit.")
+      .def("advance", &Progress::advance, py::arg("work"), "Adds what was done, in the same unit.")
+      .def("check", &Progress::check, "Raises Cancelled after cancel().")
+      .def_property_readonly("fraction", &Progress::fraction, "Work done, 0..1.")
+      .def_property_readonly("stage", &Progress::stage, "What is being done, for the user.")
+      .def_property_readonly("cancelled", &Progress::cancelled)
+      .def("cancel", &Progress::cancel, "The bake raises Cancelled within half a second.")
+      .def("stop", &Progress::stop,
+           "A bake in rounds ends after the round under way, with what it has.")
+      .def_property_readonly("stopped", &Progress::stopped);
+
+  python::bind_memory(module);
+  python::bind_field(module);
+  python::bind_scene(module);
+  python::bind_direct_light(module);
+  python::bind_radiance_grid(module);
+  python::bind_surroundings(module);
+  python::bind_bake(module);
+  python::bind_workers(module);
+  python::bind_photons(module);
+  python::bind_rays(module);
+  python::bind_reference(module);
+  python::bind_surface(module);
+  python::bind_io(module);
+  python::bind_self_check(module);
+}

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "arrays.h"
+#include "bindings.h"
+#include "thesis/photon_map.h"
+
+namespace leaflight::python {
+namespace {
+
+// The photons as points, for a look at them (thesis 4.3.5).
+template <int D>
+py::tuple photon_points(const Scene<D>& scene, std::uint64_t count, std::uint64_t seed,
+                        Progress* progress) {
+  Progress own;
+  std::vector<Vec<D>> positions;
+  std::vector<Vec<3, float>> flux;
+  std::vector<float> c;
+  std::vector<std::uint8_t> direct;
+  {
+    const py::gil_scoped_release unlocked;
+    const SceneTracer<D> tracer(scene);
+    const LightSampler<D> lights(tracer);
+    std::uint64_t rays = 0;
+    Progress& watched = progress ? *progress : own;
+    watched.expect(static_cast<double>(count));
+    watched.begin("Tracing photons");
+    for (const auto& photon : collect_photons(tracer, lights, seed, count, watched, rays)) {
+      positions.push_back(Vec<D>(photon.position) / tracer.frame().scale + tracer.frame().centre);
+      flux.emplace_back(photon.flux_height * static_cast<Real>(scene.window.height()));
+      c.push_back(static_cast<float>(photon.c));
+      direct.push_back(photon.direct);
+    }
+  }
+  const auto n = static_cast<py::ssize_t>(c.size());
+  return py::make_tuple(adopt<double>(std::move(positions), {n, D}),
+                        adopt<float>(std::move(flux), {n, 3}), adopt<float>(std::move(c), {n}),
+                        adopt<std::uint8_t>(std::move(direct), {n}));
+}
+
+// Photons from lights to surfaces and out of the scene.
+template <int D>
+py::dict photon_balance(const Scene<D>& scene, std::uint64_t count, std::uint64_t seed) {
+  PhotonBalance balance;
+  {
+    const py::gil_scoped_release unlocked;
+    const SceneTracer<D> tracer(scene);
+    const LightSampler<D> lights(tracer);
+    trace_photons(
+        tracer, lights, PhotonPaths::all, seed, 0, count, count, [](const PhotonHit<D>&) {},
+        &balance);
+  }
+  const auto triple = [&](const Imath::V3d& v) {
+    const Imath::V3d flux_height = v * scene.window.height();
+    return std::array<double, 3>{flux_height.x, flux_height.y, flux_height.z};
+  };
+  py::dict result;
+  result["emitted"] = triple(balance.emitted);
+  result["absorbed"] = triple(balance.absorbed);
+  result["escaped"] = triple(balance.escaped);
+  return result;
+}
+
+template <int D>
+void bind_photon_functions(py::module_& module, const std::string& suffix) {
+  module.def(("photon_points" + suffix).c_str(), &photon_points<D>, py::arg("scene"),
+             py::arg("count"), py::arg("seed") = 0, py::arg("progress") = nullptr,
+             "Where `count` emitted photons met leaves: (world positions (n, D), flux-height\n"
+             "(n, 3), leaf coordinate (n,), 1 where they came straight from a light (n,)).");
+  module.def(("photon_balance" + suffix).c_str(), &photon_balance<D>, py::arg("scene"),
+             py::arg("count"), py::arg("seed") = 0,
+             "Flux-height (r, g, b) that `count` photons emitted, lost at surfaces and took out\n"
+             "of the scene.");
+}
+
+}  // namespace
+
+void bind_photons(py::module_& module) {
+  bind_photon_functions<3>(module, "");
+  bind_photon_functions<2>(module, "2");
+}
+
+}  // namespace leaflight::python

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/output/radiance_grid.h"
+
+#include <tbb/parallel_for.h>
+
+#include "arrays.h"
+#include "bake/output/atlas.h"
+#include "bake/output/lit_contour.h"
+#include "bindings.h"
+#include "grid_object.h"
+#include "mesh_arrays.h"
+#include "transport/indirect_shares.h"
+
+namespace leaflight::python {
+namespace {
+
+template <int D, class Value>
+py::array_t<float> spread(const TexelLattice<D>& lattice, const std::vector<Value>& values,
+                          std::vector<py::ssize_t> shape) {
+  std::vector<Value> dense(lattice.texels(), Value(0));
+  for (std::size_t s = 0; s < values.size(); ++s) dense[lattice.active[s]] = values[s];
+  return adopt<float>(std::move(dense), std::move(shape));
+}
+
+template <int D>
+const std::vector<Vec<3, float>>& side_of(const RadianceLevel<D>& grid, bool back) {
+  if (back && !grid.has_back()) {
+    throw Error("This bake does not hold the inner side of its isosurfaces; bake both sides.");
+  }
+  return back ? grid.radiance_back : grid.radiance;
+}
+
+template <int D>
+const RadianceLevel<D>& level_of(const RadianceGrid<D>& grid, int level) {
+  if (level < 0 || level >= grid.levels()) {
+    throw Error("The grid has no level " + std::to_string(level) + "; it has " +
+                std::to_string(grid.levels()) + ", numbered from 0.");
+  }
+  return grid.level(level);
+}
+
+// The radiance of one side's texels, or what of it is not direct light.
+template <int D>
+std::vector<Vec<3, float>> texels_of(const GridObject<D>& grid, int level, bool back,
+                                     bool indirect) {
+  const RadianceLevel<D>& from = level_of(*grid.baked, level);
+  const std::vector<Vec<3, float>>& all = side_of(from, back);
+  const std::vector<Vec<3, float>>& soft =
+      back ? from.radiance_back_indirect : from.radiance_indirect;
+  if (!grid.field) return indirect ? soft : all;
+  const ShownGrid<D> shown = grid.shown();
+  std::vector<Vec<3, float>> texels(soft.size());
+  const py::gil_scoped_release unlocked;
+  tbb::parallel_for(std::size_t{0}, texels.size(), [&](std::size_t s) {
+    const Vec<D> centre = from.lattice.centre(from.lattice.active[s]);
+    texels[s] = shown.scaled(soft[s], *grid.field, centre);
+    if (!indirect) texels[s] += Vec<3, float>(grid.direct->radiance(*grid.field, centre, back));
+  });
+  return texels;
+}
+
+template <int D>
+py::array_t<float> dense(const GridObject<D>& grid, const std::string& name, int level) {
+  const RadianceLevel<D>& from = level_of(*grid.baked, level);
+  std::vector<py::ssize_t> shape = array_shape(from.lattice.resolution);
+  if (name == "radiance_error") {
+    std::vector<float> errors = from.radiance_error;
+    for (float& error : errors) error *= average(Rgb(grid.indirect));
+    return spread(from.lattice, errors, shape);
+  }
+  shape.push_back(3);
+  for (const bool back : {false, true}) {
+    for (const bool indirect : {false, true}) {
+      const std::string of = std::string("radiance") + (back ? "_back" : "");
+      if (name != of + (indirect ? "_indirect" : "")) continue;
+      return spread(from.lattice, texels_of(grid, level, back, indirect), shape);
+    }
+  }
+  throw Error("A bake has no grid '" + name +
+              "'; choose radiance, radiance_indirect, radiance_back, radiance_back_indirect or "
+              "radiance_error.");
+}
+
+// Whether no direct light of points is in the texels that lookups read.
+template <int D>
+bool scales(const RadianceGrid<D>& grid) {
+  return grid.direct && (!grid.has_back() || grid.direct->has_inner());
+}
+
+template <int D>
+Vec<3, float> indirect_at(const ShownGrid<D>& shown, const Field<D>& field,
+                          const Vec<D>& index_position, bool back) {
+  const RadianceLevel<D>& level = shown.grid.at(index_position);
+  const auto& texels = back ? level.radiance_back_indirect : level.radiance_indirect;
+  return shown.scaled(lookup(level.lattice, texels, index_position), field, index_position);
+}
+
+template <int D, class Array>
+py::array_t<float> lookup_of(const GridObject<D>& grid, const Field<D>& field, const Array& points,
+                             bool back, bool indirect) {
+  const py::ssize_t n = rows(points, D, "points");
+  static_cast<void>(side_of<D>(*grid.baked, back));
+  const ShownGrid<D> shown = grid.shown();
+  std::vector<Vec<3, float>> radiance(n);
+  {
+    const auto* coordinates = points.data();
+    const py::gil_scoped_release unlocked;
+    tbb::parallel_for(py::ssize_t{0}, n, [&](py::ssize_t i) {
+      Vec<D> point;
+      for (int a = 0; a < D; ++a) point[a] = coordinates[D * i + a];
+      check_point(point);
+      const Vec<D> position = field.world_to_index.point(point);
+      radiance[i] = indirect ? indirect_at(shown, field, position, back)
+                             : radiance_at(shown, field, position, back);
+    });
+  }
+  return adopt<float>(std::move(radiance), {n, 3});
+}
+
+// The vertices of a mesh are read where they are, anything else as numbers of double precision.
+template <int D>
+py::array_t<float> lookup_at(const GridObject<D>& grid, const Field<D>& field,
+                             const py::object& points, bool back, bool indirect) {
+  if (py::isinstance<FloatArray>(points)) {
+    return lookup_of(grid, field, py::reinterpret_borrow<FloatArray>(points), back, indirect);
+  }
+  const auto numbers = DoubleArray::ensure(points);
+  if (!numbers) throw Error("The points must be an array of numbers, one row for each.");
+  return lookup_of(grid, field, numbers, back, indirect);
+}
+
+py::tuple lit_contour_of(const GridObject<3>& grid, const Field<3>& field, double isovalue,
+                         bool normals, bool front, bool back, float largest_step) {
+  const std::shared_ptr<LitMesh> mesh = mesh_to_fill();
+  {
+    const py::gil_scoped_release unlocked;
+    lit_contour(grid.shown(), field, isovalue, {normals, front, back, largest_step}, *mesh);
+  }
+  return mesh_arrays(mesh) + py::make_tuple(rows_of<float>(mesh, mesh->radiance),
+                                            rows_of<float>(mesh, mesh->radiance_back),
+                                            mesh->contoured);
+}
+
+template <int D>
+py::array_t<float> lookup_error_at(const GridObject<D>& grid, const Field<D>& field,
+                                   const DoubleArray& array) {
+  const std::vector<Vec<D>> points = to_points<D>(array);
+  std::vector<float> error;
+  for (const Vec<D>& point : points) {
+    const Vec<D> position = field.world_to_index.point(point);
+    const RadianceLevel<D>& from = grid.baked->at(position);
+    error.push_back(lookup_error(from.lattice, from.radiance_error, position) *
+                    average(Rgb(grid.indirect)));
+  }
+  return adopt<float>(std::move(error), {static_cast<py::ssize_t>(points.size())});
+}
+
+py::tuple atlas(const GridObject<3>& grid, bool back) {
+  const std::vector<Vec<3, float>> values = texels_of(grid, 0, back, false);
+  Atlas result;
+  {
+    const py::gil_scoped_release unlocked;
+    result = make_atlas(grid.baked->lattice, values);
+  }
+  const int columns = result.columns, rows = result.rows;
+  return py::make_tuple(adopt<float>(std::move(result.pixels), {result.height, result.width, 4}),
+                        columns, rows);
+}
+
+template <int D>
+void bind_grid(py::module_& module, const std::string& suffix) {
+  using Grid = GridObject<D>;
+  py::class_<Grid, std::shared_ptr<Grid>> grid(
+      module, ("RadianceGrid" + suffix).c_str(),
+      "The radiance [W/(m^2 sr)] of every leaf of one volume within a window.");
+  grid.def_property_readonly("resolution",
+                             [](const Grid& g) { return g.baked->lattice.resolution; })
+      .def_property_readonly(
+          "texels", [](const Grid& g) { return g.baked->texels(); }, "Active texels of all levels.")
+      .def_property_readonly(
+          "levels", [](const Grid& g) { return g.baked->levels(); },
+          "1, and one for each time that texels were halved somewhere.")
+      .def_property_readonly(
+          "map_resolution",
+          [](const Grid& g) -> std::optional<Index<D>> {
+            if (!g.baked->direct) return std::nullopt;
+            return g.baked->direct->lattice().resolution;
+          },
+          "Of the maps from which lookups compute direct light where they are, beside indirect\n"
+          "light of texels; None: texels hold all light.")
+      .def_property_readonly(
+          "can_be_relit", [](const Grid& g) { return scales(*g.baked); },
+          "Whether the direct light of all sides is known exactly.")
+      .def(
+          "relit",
+          [](const Grid& g, const std::shared_ptr<Field<D>>& field,
+             const std::vector<Tuple<3>>& lights, const Tuple<3>& indirect) {
+            if (!scales(*g.baked)) throw Error("Texels hold direct light; it cannot be scaled.");
+            Grid relit = g;
+            relit.field = field;
+            relit.direct =
+                std::make_shared<const DirectLight<D>>(g.baked->direct->scaled(to_colors(lights)));
+            relit.indirect = Vec<3, float>(to_color(indirect));
+            return relit;
+          },
+          py::arg("field"), py::arg("lights"), py::arg("indirect"),
+          "The same, of the field that was lit, with the lights of its scene at other strengths:\n"
+          "for each, factors (r, g, b) against those that were baked; `indirect`: of all else but\n"
+          "what leaves emit. Texels are shared. Needs can_be_relit.")
+      .def_property_readonly(
+          "has_back", [](const Grid& g) { return g.baked->has_back(); },
+          "Whether the inner side was baked.")
+      .def("dense", &dense<D>, py::arg("name"), py::arg("level") = 0,
+           "radiance, radiance_indirect (all but the lights' direct light), radiance_back or\n"
+           "radiance_back_indirect (the inner side): float32 [z, y, x, 3]; radiance_error, the "
+           "standard error of the mean\n"
+           "over the channels: float32 [z, y, x]. Zero at inactive texels. Those of level 1 and\n"
+           "above are half as wide, serve some cells alone and have 2 n - 1 where n were.")
+      .def(
+          "mask",
+          [](const Grid& g, int level) { return active_mask(level_of(*g.baked, level).lattice); },
+          py::arg("level") = 0, "uint8 [z, y, x], 1 at active texels.")
+      .def("lookup", &lookup_at<D>, py::arg("field"), py::arg("points"), py::arg("back") = false,
+           py::arg("indirect") = false,
+           "Radiance (n, 3) of the leaves through world points (n, D); indirect: the part of it "
+           "that\n"
+           "radiance_indirect holds.")
+      .def("lookup_error", &lookup_error_at<D>, py::arg("field"), py::arg("points"),
+           "Standard error (n,) of the outer side's radiance at world points (n, D), of the mean\n"
+           "over the channels: that of independent texels.");
+  if constexpr (D == 3) {
+    grid.def_property(
+        "direct",
+        [](const Grid& g) {
+          return std::const_pointer_cast<DirectLight<D>>(g.field ? g.direct : g.baked->direct);
+        },
+        [](Grid& g, const std::shared_ptr<DirectLight<D>>& direct) { g.baked->direct = direct; },
+        "The DirectLight that lookups add; None: texels hold all light. A bake in rounds has it, "
+        "a\n"
+        "grid that was read from a file is given it.");
+    grid.def(
+        "lit_contour", &lit_contour_of, py::arg("field"), py::arg("isovalue"),
+        py::arg("normals") = false, py::arg("front") = true, py::arg("back") = false,
+        py::arg("largest_step") = LitContourSettings{}.largest_step,
+        "(vertices, normals, triangles, radiance, radiance of the inner side, triangles before\n"
+        "edges were cut): contour() and lookup() at its vertices at once, float32 (n, 3) each\n"
+        "and int32 (m, 3). What is not asked for is None. Edges are cut in two as often as\n"
+        "texels are narrower than voxels there, so that vertices show them; where the mesh is\n"
+        "small twice at most more, if the radiance of their ends differs by more than\n"
+        "largest_step. Fastest if the arrays of the call before are all let go.");
+    grid.def("atlas", &atlas, py::arg("back") = false,
+             "(pixels float32 [row, column, RGBA] bottom row first, columns, rows): slice k of "
+             "the\ntexture is the tile in column k % columns and row k // columns, without "
+             "padding.");
+  }
+}
+
+}  // namespace
+
+void bind_radiance_grid(py::module_& module) {
+  py::class_<IndirectShares>(module, "IndirectShares",
+                             "How much indirect light comes from which lights of a scene.")
+      .def(py::init([](const Scene<3>& scene) {
+             const py::gil_scoped_release unlocked;
+             return indirect_shares(SceneTracer<3>(scene));
+           }),
+           py::arg("scene"))
+      .def(
+          "factor",
+          [](const IndirectShares& shares, const std::vector<Tuple<3>>& lights) {
+            const Rgb factor = shares.factor(to_colors(lights));
+            return py::make_tuple(factor.x, factor.y, factor.z);
+          },
+          py::arg("lights"),
+          "How much more light there is, (r, g, b), if each light of the scene is brighter by its\n"
+          "factors (r, g, b).");
+  bind_grid<3>(module, "");
+  bind_grid<2>(module, "2");
+}
+
+}  // namespace leaflight::python

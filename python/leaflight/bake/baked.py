@@ -1,0 +1,300 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake, one radiance grid for every isosurface of a volume, and what to do with it."""
+
+import json
+import time
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Callable, ClassVar
+
+import leaflight._core as _core
+import numpy as np
+
+from .._core import LeaflightError
+from ..io.output import check_writable
+from ..words import by, html_table
+from ..scene.on_mesh import interpolated
+from ..scene.scene import SceneDescription, core_scene, isovalue_at
+from ..volume.setting_error import SettingError
+from .relit import relit
+from .stamps import id_of
+
+# How much colours at the ends of a small mesh's edge may differ: light is linear in between.
+LARGEST_STEP = 0.05
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Surface:
+    """One lit isosurface in world coordinates.
+
+    vertices, normals (unit, away from the side that is lit), radiance (W/(m^2 sr), linear RGB):
+    float32 (n, 3); triangles: int32 (m, 3); seconds: the time contouring and lookup took; unit: of
+    the world, as of a Volume.
+    """
+
+    vertices: np.ndarray
+    normals: np.ndarray
+    triangles: np.ndarray
+    radiance: np.ndarray
+    seconds: float
+    unit: str = ""
+
+    def __repr__(self):
+        return f"<Surface: {len(self.vertices)} vertices, {len(self.triangles)} triangles>"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Bake:
+    """Volumes, the scene in world coordinates they were lit in, and the radiance of all leaves.
+
+    `isovalue` always is the leaf coordinate (see scene.py): the isovalue of a single volume, and
+    0..1 with several. isovalues: (lo, hi), the baked window of it.
+    grids: one _core.RadianceGrid for each volume; surroundings: _core.SurroundingsRadiance or None.
+    statistics: seconds, rays, rays_per_second, texels, peak_memory_bytes, skipped_passes;
+        rounds, 0 where the work was fixed; estimated_error_percent, of what compare calls
+        rms_percent, worst_error_percent and worst_isovalue, the same of the isosurfaces that err
+        most, all None where the work was fixed; stopped, whether a stop or the time ended the
+        bake before it reached its error; and estimated_rms_percent, the RMS of the noise that the
+        texels report, in the units of compare.
+    metadata: text by key, everything the result depends on; equal bakes have equal metadata.
+    original: of a bake that relit() made, the one with its lamps as they were baked; else None.
+    factors: of a bake that relit() made, (r, g, b) of each lamp of the scene: how much brighter it
+        is than it was baked; else None.
+    """
+
+    volumes: list
+    scene: SceneDescription
+    isovalues: tuple
+    grids: list
+    surroundings: object
+    statistics: dict
+    metadata: dict
+    original: "Bake" = None
+    factors: tuple = None
+    # Of rooms above: __init__.py sets them.
+    export_page: ClassVar[Callable]
+    show: ClassVar[Callable]
+    still: ClassVar[Callable]
+
+    def __repr__(self):
+        return f"<Bake: {', '.join(f'{what} {text}' for what, text in self._facts())}>"
+
+    def _repr_html_(self):
+        return html_table("Bake", self._facts())
+
+    def _facts(self):
+        lo, hi = self.isovalues
+        known = self.statistics
+        error = known.get("estimated_error_percent") or known.get("estimated_rms_percent")
+        return [
+            ("of", " and ".join(volume.name for volume in self.volumes)),
+            ("in", self.scene.name),
+            ("isovalues", f"{lo:g}..{hi:g}"),
+            ("texels", by(self.grid.resolution)),
+            *([("error", f"{error:.2g} %")] if error else []),
+            ("seconds", f"{known['seconds']:.3g}"),
+        ]
+
+    @property
+    def volume(self):
+        return self.volumes[0]
+
+    @property
+    def grid(self):
+        return self.grids[0]
+
+    @property
+    def unit(self):
+        """What world coordinates measure in: a key of METERS, "" where nobody knows."""
+        return self.volume.unit
+
+    @property
+    def id(self):
+        """Tells bakes apart, 32 digits: equal bakes have equal ones, on any machine."""
+        return id_of(self.metadata)
+
+    @property
+    def largest_step(self):
+        """In radiance, along an edge of a small mesh that is made to be looked at."""
+        return LARGEST_STEP / self.scene.exposure
+
+    def save(self, path, progress=None):
+        """Writes the bake as one .vdb under its final name or not at all.
+
+        Raises LeaflightError, and Cancelled where progress, a _core.Progress, is cancelled before
+        the file is whole. A bake that relit() made is not saved.
+        """
+        if self.original is not None:
+            raise LeaflightError(
+                "A bake with its lamps at other strengths is not saved: save its original, which "
+                "can be relit at any time, or bake again with these strengths."
+            )
+        check_writable(path, ".vdb")
+        metadata = dict(self.metadata, id=self.id, statistics=json.dumps(self.statistics))
+        fields = [volume.field() for volume in self.volumes]
+        _core.write_bake(path, fields, self.grids, self.surroundings, metadata, progress)
+
+    def relit(self, lamps):
+        """The Bake with lamps of its scene at other strengths or of other colours, at once.
+
+        lamps: {name: factor}, against the strengths that this bake has: a number of at least 0, or
+        (r, g, b), linear. Direct light is exact. Indirect light, and the direct light of wide
+        sources, are scaled by one factor per channel, the growth of what comes back to isosurfaces
+        after one reflection: this is exact where nothing else emits and one lamp, or all lamps
+        alike, are changed. What meshes and isosurfaces emit by themselves stays. Texels are shared
+        with this bake.
+        Raises LeaflightError for a name that no lamp has, and where the bake has no exact direct
+        light: those of mirrors, of glass, of inner sides of several volumes, or of a fixed amount
+        of work.
+        """
+        return relit(self, lamps)
+
+    @cached_property
+    def indirect_shares(self):
+        """How much indirect light comes from which lamps, a _core.IndirectShares."""
+        return _core.IndirectShares(self.core_scene())
+
+    def isovalue_of(self, volume, isovalue):
+        """The isovalue, in data units, that a volume (its number) shows at a leaf coordinate."""
+        return isovalue_at(self.scene, volume, isovalue)
+
+    def surface(self, isovalue, volume=0, back=False):
+        """The isosurface of a volume with its radiance, a Surface.
+
+        It is finer where texels are and, if it is small, where its light varies most. back: its
+        inner side, towards higher values. Raises LeaflightError outside the window.
+        """
+        self.check_isovalue(isovalue, volume)
+        start = time.perf_counter()
+        dark = self._is_dark(volume, back)
+        vertices, normals, triangles, *sides, _ = self.grids[volume].lit_contour(
+            self.volumes[volume].field(),
+            self.isovalue_of(volume, isovalue),
+            normals=True,
+            front=not back,
+            back=back and not dark,
+            largest_step=self.largest_step,
+        )
+        radiance = np.zeros((len(vertices), 3), np.float32) if dark else sides[back]
+        if back:
+            normals, triangles = -normals, np.ascontiguousarray(triangles[:, ::-1])
+        seconds = time.perf_counter() - start
+        return Surface(vertices, normals, triangles, radiance, seconds, self.unit)
+
+    def radiance(self, points, volume=0, back=False):
+        """Baked radiance of a volume's leaves, float32 (n, 3), at world points (n, 3).
+
+        It is zero where no leaf passes. back: of the inner sides. Raises LeaflightError.
+        """
+        self._check_volume(volume)
+        if self._is_dark(volume, back):
+            return np.zeros((len(points), 3), dtype=np.float32)
+        return self.grids[volume].lookup(self.volumes[volume].field(), points, back)
+
+    def _is_dark(self, volume, back):
+        """Whether the bake left the inner side out because no light can reach it.
+
+        Raises SettingError where it was not baked.
+        """
+        if not back or self.grids[volume].has_back:
+            return False
+        if not json.loads(self.metadata["both_sides"]):
+            raise SettingError("The back was not baked: bake again with both sides.", "both-sides")
+        return True
+
+    def radiance_error(self, points, volume=0):
+        """The standard error of radiance(), of its mean over the channels: float32 (n,)."""
+        self._check_volume(volume)
+        return self.grids[volume].lookup_error(self.volumes[volume].field(), points)
+
+    def reference(
+        self, points, isovalue, spp=1024, seed=0, threads=0, progress=None, volume=0, back=False
+    ):
+        """Path-traced radiance at points (n, 3) of an isosurface, on its outer or inner side.
+
+        Returns (radiance, standard_error), float32 (n, 3) each. Raises LeaflightError, Cancelled.
+        """
+        self.check_isovalue(isovalue, volume)
+        scene = self.core_scene()
+        progress = progress or _core.Progress()
+        return _core.reference(
+            scene, points, isovalue, spp, seed, threads, progress, volume=volume, back=back
+        )
+
+    def mesh_number(self, name):
+        """The number of the mesh of the surroundings of that name. Raises LeaflightError."""
+        names = [mesh.name for mesh in self.scene.meshes]
+        if name not in names:
+            raise LeaflightError(
+                f'There is no mesh "{name}" around the volumes: choose one of {", ".join(names)}.'
+            )
+        return names.index(name)
+
+    def mesh_radiance(self, mesh, points, isovalue, back=False):
+        """Baked radiance, float64 (n, 3), at points (n, 3) of a mesh of the surroundings.
+
+        mesh: its number; back: seen from where its normals point away. Raises LeaflightError.
+        """
+        self._check_window(isovalue)
+        if self.surroundings is None:
+            raise SettingError(
+                "The walls were not baked: bake again with surroundings.", "surroundings"
+            )
+        vertices, triangles = self.surroundings.mesh(mesh)
+        radiance = self.surroundings.radiance(mesh, isovalue, back)
+        return interpolated(vertices, triangles, radiance, points)
+
+    def mesh_reference(
+        self,
+        mesh,
+        facets,
+        coordinates,
+        isovalue,
+        spp=1024,
+        seed=0,
+        threads=0,
+        progress=None,
+        back=False,
+    ):
+        """Path-traced radiance at points of a mesh (see on_mesh.py), as reference()."""
+        self._check_window(isovalue)
+        scene = self.core_scene()
+        progress = progress or _core.Progress()
+        return _core.reference_surroundings(
+            scene, mesh, facets, coordinates, isovalue, spp, seed, threads, progress, back
+        )
+
+    def check_isovalue(self, isovalue, volume=0):
+        """Raises LeaflightError unless the baked window and the volume's data hold the isovalue."""
+        self._check_volume(volume)
+        self._check_window(isovalue)
+        low, high = self.volumes[volume].field().range
+        own = self.isovalue_of(volume, isovalue)
+        if not low < own <= high:
+            low, high = self.volumes[volume].data_range()
+            raise LeaflightError(
+                f"Isovalue {own:g} lies outside the data, whose values are {low:g}..{high:g}: "
+                "no isosurface exists there, choose one inside."
+            )
+
+    def core_scene(self):
+        """The scene as the core has it, a _core.Scene."""
+        fields = [volume.field() for volume in self.volumes]
+        return core_scene(self.scene, fields, self.isovalues)
+
+    def _check_window(self, isovalue):
+        lo, hi = self.isovalues
+        if not lo <= isovalue <= hi:
+            raise SettingError(
+                f"Isovalue {isovalue:g} lies outside the baked window {lo:g}..{hi:g}: choose one "
+                "inside or bake again with a wider window.",
+                "isovalues",
+            )
+
+    def _check_volume(self, volume):
+        if not 0 <= volume < len(self.volumes):
+            raise SettingError(
+                f"There is no volume {volume}: the bake holds {len(self.volumes)}, "
+                "numbered from 0.",
+                "volume",
+            )

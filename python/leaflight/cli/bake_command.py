@@ -1,0 +1,235 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command bake: volumes lit anew, a bake that is continued, and what a bake would cost."""
+
+import os
+from argparse import Namespace
+from dataclasses import asdict
+
+from .._core import Cancelled, LeaflightError
+from ..bake.bake import bake, worker_memory
+from ..bake.checkpoint import Checkpoint, checkpoint_for, read_recipe
+from ..bake.estimate import estimate
+from ..bake.fit_memory import FINER_TEXELS
+from ..bake.load_bake import load_bake
+from ..bake.outcome import outcome
+from ..bake.resume import resume
+from ..io.output import check_writable
+from ..io.sources import is_generated
+from .lighting import given_options, to_light, work_options
+from ..progress_bar import run_with_progress
+from .workers import workers_of
+
+# Those that any bake may be given: they change nothing of what it ends with.
+_WHO_WORKS = {"threads", "workers", "scheduler"}
+_AT_WILL = {"command", "json", "verbose", *_WHO_WORKS}
+# The options that a continued bake has of its own; all others it has from the bake before.
+_OF_CONTINUED = {"kept", "out", "error", "time", "surroundings"}
+# The options that a bake depends on, by which it is baked again.
+_RECIPE = {
+    *("volumes", "scene", "kept", "capped", "isovalues", "both_sides", "surroundings", "seed"),
+    *("error", "time", "resolution", "dims", "type", "endian", "spacing", "grid", "frame"),
+    *("channel", "level", "dataset", "downsample", "smooth", "memory"),
+}
+
+
+def run_bake(options):
+    if options.resume is not None:
+        return run_bake(_interrupted(options))
+    if options.kept is not None:
+        return _told(_continued(options), options)
+    volumes, scene = to_light(options, ".vdb")
+    settings = bake_settings(options)
+    if options.estimate:
+        return _estimate(volumes, scene, settings, options)
+
+    def work(progress):
+        checkpoint = checkpoint_of(options, resumed=getattr(options, "resumed", False))
+        with workers_of(options, progress) as workers:
+            baked = bake(
+                volumes,
+                scene,
+                progress=progress,
+                checkpoint=checkpoint,
+                workers=workers,
+                **settings,
+            )
+        return _saved(baked, options, progress, checkpoint)
+
+    return _told(_worked(work, options), options)
+
+
+def bake_settings(options):
+    """Those that bake() is given."""
+    names = ("error", "time", "caustic_photons", "soft_spacing", "refine")
+    return {
+        **work_options(options),
+        **given_options(options, **{name: name for name in names}),
+        "both_sides": options.both_sides,
+        "surroundings": options.surroundings,
+    }
+
+
+def _continued(options):
+    given = _given(options, _OF_CONTINUED | _AT_WILL)
+    if given:
+        raise LeaflightError(
+            f"{options.kept}: a bake is continued in its own scene, with its own settings but the "
+            f"error and the time: leave out {', '.join(given)}."
+        )
+    check_writable(options.out, ".vdb")
+    kept = load_bake(options.kept)
+
+    def work(progress):
+        checkpoint = checkpoint_of(options, resumed=getattr(options, "resumed", False))
+        with workers_of(options, progress) as workers:
+            baked = resume(
+                kept,
+                error=options.error,
+                time=options.time,
+                surroundings=options.surroundings or None,
+                threads=options.threads,
+                progress=progress,
+                checkpoint=checkpoint,
+                workers=workers,
+            )
+        return _saved(baked, options, progress, checkpoint)
+
+    return _worked(work, options)
+
+
+def _interrupted(options):
+    """The options of the bake that left a checkpoint."""
+    given = _given(options, {"resume"} | _AT_WILL)
+    if given:
+        raise LeaflightError(
+            f"{options.resume}: a bake is resumed with the settings that it had: leave out "
+            f"{', '.join(given)}."
+        )
+    path = checkpoint_for(options.resume)
+    if not path.is_file():
+        raise LeaflightError(
+            f"{path}: there is no such checkpoint: the bake to {options.resume} is complete, or "
+            "ended within its first half minute; bake anew."
+        )
+    recipe = read_recipe(path)
+    if not _RECIPE <= recipe.keys():
+        raise LeaflightError(f"{path}: this checkpoint is Blender's; resume the bake there.")
+    own = {name: getattr(options, name) for name in ("json", "verbose", *_WHO_WORKS)}
+    recipe.update(out=options.resume, **own)
+    return Namespace(**{**vars(options), **recipe, "resume": None, "resumed": True})
+
+
+def checkpoint_of(options, resumed):
+    """Its recipe are the options, with paths that mean the same in any folder."""
+    recipe = {name: value for name, value in vars(options).items() if name in _RECIPE}
+    recipe["volumes"] = [path_anywhere(volume) for volume in options.volumes]
+    for name in ("scene", "kept"):
+        recipe[name] = recipe[name] and os.path.abspath(recipe[name])
+    return Checkpoint(checkpoint_for(options.out), recipe, resumed)
+
+
+def path_anywhere(volume):
+    """What names the same volume in any folder."""
+    return volume if is_generated(volume) else os.path.abspath(volume)
+
+
+def _worked(work, options):
+    before = _checkpoint_time(options)
+    goes_on = f"leaflight bake --resume {options.out} goes on."
+    try:
+        return run_with_progress(work, "bake", writes=True)
+    except Cancelled:
+        if _checkpoint_time(options) is not None:
+            raise Cancelled(f"cancelled; {goes_on}") from None
+        raise
+    except LeaflightError as error:
+        # One of before this bake may be of another one.
+        if _checkpoint_time(options) != before:
+            raise LeaflightError(f"{str(error).rstrip('.')}; after that, {goes_on}") from None
+        raise
+
+
+def _checkpoint_time(options):
+    """When a checkpoint of the output was written, None where there is none."""
+    try:
+        return os.stat(checkpoint_for(options.out)).st_mtime_ns
+    except (OSError, ValueError):
+        return None
+
+
+def _given(options, own):
+    """The flags that were given but for a command's own."""
+    return [
+        "VOLUME" if name == "volumes" else f"--{name.replace('_', '-')}"
+        for name, value in vars(options).items()
+        if name not in own and value not in (None, False, 0, [])
+    ]
+
+
+def _saved(baked, options, progress, checkpoint):
+    baked.save(options.out, progress)
+    checkpoint.remove()
+    return baked
+
+
+def _told(baked, options):
+    result = {
+        "out": options.out,
+        "scene": baked.scene.name,
+        "isovalues": list(baked.isovalues),
+        "volumes": [
+            {"name": leaves.name, "isovalues": list(leaves.isovalues or baked.isovalues)}
+            for leaves in baked.scene.leaves
+        ],
+        "resolution": list(baked.grid.resolution),
+        "levels": baked.grid.levels,
+        **baked.statistics,
+    }
+    lo, hi = baked.isovalues
+    end = outcome(baked, why=f"the {options.time or 0:g} s are over")
+    return result, [
+        f"{options.out}: isovalues {lo:g}..{hi:g} in {baked.scene.name}, "
+        f"{result['texels']} texels, {result['seconds']:.1f} s, "
+        f"{result['rays_per_second'] / 1e6:.2f} million rays/s, "
+        f"{result['peak_memory_bytes'] / 2**20:.0f} MiB, "
+        f"noise about {result['estimated_rms_percent']:.2f} %",
+        *([end] if end else []),
+        *_leaf_map(baked),
+        # What memory had no room for stands in the outcome.
+        *(
+            f"skipped: {name} ({reason})"
+            for name, reason in result["skipped_passes"]
+            if options.verbose and name != FINER_TEXELS
+        ),
+    ]
+
+
+def _estimate(volumes, scene, settings, options):
+    def work(progress):
+        return estimate(volumes, scene, progress=progress, **settings)
+
+    cost = run_with_progress(work, "estimate")
+    return asdict(cost), [
+        f"about {cost.seconds:.0f} s and {cost.memory_bytes / 2**20:.0f} MiB to an error of "
+        f"{cost.error:.2g} %, from {cost.pilot_rounds} of {cost.rounds} passes in "
+        f"{cost.pilot_seconds:.1f} s",
+        *_worker_estimate(volumes, scene, settings, options),
+    ]
+
+
+def _worker_estimate(volumes, scene, settings, options):
+    if options.workers is None and options.scheduler is None:
+        return []
+    mebibytes = worker_memory(volumes, scene, **settings) / 2**20
+    return [f"each worker would hold about {mebibytes:.0f} MiB of light and values"]
+
+
+def _leaf_map(baked):
+    """What the volumes show at the leaf coordinates 0..1, where there are several."""
+    if len(baked.volumes) == 1:
+        return []
+    return [
+        f"--isovalue 0..1 shows volume {k} ({leaves.name}) at {leaves.isovalues[0]:g}.."
+        f"{leaves.isovalues[1]:g}"
+        for k, leaves in enumerate(baked.scene.leaves)
+    ]

@@ -1,0 +1,284 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command line: info, bake, batch, surface, still, export, render, compare, flatland, report
+and bench.
+
+Results go to stdout, with --json as one JSON object on the last line; progress goes to stderr.
+Exit status: 0; 1 when a report found an error that is not what it must be; 2 after an error, told
+in one line on stderr; 130 after Ctrl-C; after the last two nothing is written.
+"""
+
+from pathlib import Path
+
+import leaflight._core as _core
+import numpy as np
+
+from .._core import Cancelled, LeaflightError
+from ..bake.load_bake import load_bake
+from ..bake.photons import trace_photons
+from ..flatland.flat_scene import load_flat_scene
+from ..flatland.flatland import (
+    bake_flatland,
+    bump_box_2d,
+    picture,
+    read_image,
+)
+from ..io.images import write_png
+from ..io.output import check_writable, replaced_together
+from ..io.ply import write_photons, write_ply
+from ..measure.compare import compare
+from ..volume.volume import default_isovalue, default_window
+from ..words import by
+from .bake_command import run_bake
+from .batch_command import run_batch
+from .export_command import run_export
+from .lighting import open_with, to_light, work_options
+from ..progress_bar import run_with_progress
+from .render_command import run_render
+from .still_command import run_still
+from .telling import json_line, tell, tell_error
+
+
+def run(options):
+    """Runs the command of the options; returns the exit status."""
+    try:
+        result, sentences = COMMANDS[options.command](options)
+    except Cancelled as end:
+        tell_error(str(end))
+        return 130
+    except KeyboardInterrupt:
+        tell_error("cancelled.")
+        return 130
+    except LeaflightError as error:
+        tell_error(_in_flags(error))
+        return 2
+    except MemoryError:
+        tell_error("There is not enough memory: give a smaller volume, or --downsample it.")
+        return 2
+    if not tell([*sentences, json_line(result)] if options.json else sentences):
+        return 2
+    return 0 if result.get("passed", True) else 1
+
+
+def _info(options):
+    volume = open_with(options.volume, options)
+    field = volume.field()
+    low, high = field.range
+    lo, hi = default_window(volume)
+    result = {
+        "source": volume.source,
+        "name": volume.name,
+        "dims": list(field.dims),
+        "range": [low, high],
+        "masked": field.masked,
+        "spacing": list(volume.spacing),
+        "unit": volume.unit,
+        "bounds": np.asarray(field.bounds).tolist(),
+        "index_to_world": volume.index_to_world.tolist(),
+        "isovalues": [lo, hi],
+        "isovalue": default_isovalue(volume),
+    }
+    return result, [
+        f"{volume.source}: {by(result['dims'])} voxels of {by(result['spacing'])}"
+        f" {volume.unit or '(no unit)'}" + (", some without data" if field.masked else ""),
+        f"values {low:g}..{high:g}; by default isovalues {lo:g}..{hi:g} are baked "
+        f"and {result['isovalue']:g} is shown",
+    ]
+
+
+def _photons(options):
+    volumes, scene = to_light(options, ".ply")
+
+    def work(progress):
+        photons = trace_photons(
+            volumes,
+            scene,
+            count=options.photons,
+            isovalues=options.isovalues,
+            seed=options.seed,
+            progress=progress,
+        )
+        progress.check()
+        write_photons(options.out, photons)
+        return photons
+
+    photons = run_with_progress(work, "photons", writes=True)
+    direct = int(photons.direct.sum())
+    result = {"out": options.out, "points": len(photons.direct), "direct": direct}
+    return result, [
+        f"{options.out}: {result['points']} arrivals of {photons.count} photons at isosurfaces, "
+        f"{direct} of them straight from a light"
+    ]
+
+
+def _in_flags(error):
+    """The sentence of an error on one line, with the flags of the settings that it speaks of."""
+    sentence = " ".join(str(error).split())
+    flags = ", ".join(f"--{setting}" for setting in getattr(error, "settings", ()))
+    return f"{sentence.removesuffix('.')} ({flags})." if flags else sentence
+
+
+def _surface(options):
+    check_writable(options.out, ".ply", options.bake)
+    baked = load_bake(options.bake)
+
+    def work(progress):
+        surface = baked.surface(options.isovalue, options.volume, options.back)
+        progress.check()
+        write_ply(options.out, surface, baked.scene.exposure)
+        return surface
+
+    surface = run_with_progress(work, "surface", writes=True)
+    result = {
+        "out": options.out,
+        "isovalue": options.isovalue,
+        "volume": options.volume,
+        "vertices": len(surface.vertices),
+        "triangles": len(surface.triangles),
+        "seconds": surface.seconds,
+    }
+    return result, [
+        f"{options.out}: isovalue {_isovalue(baked, options)}, {result['triangles']} triangles in "
+        f"{surface.seconds:.3f} s"
+    ]
+
+
+def _compare(options):
+    baked = load_bake(options.bake)
+
+    def work(progress):
+        return compare(
+            baked,
+            options.isovalue,
+            points=options.points,
+            spp=options.spp,
+            seed=options.seed,
+            threads=options.threads,
+            progress=progress,
+            volume=options.volume,
+            back=options.back,
+            mesh=options.mesh,
+            reference=options.reference,
+        )
+
+    result = run_with_progress(work, "compare")
+    isovalue = _isovalue(baked, options)
+    exposed = result["exposed"]
+    return result, [
+        f"isovalue {isovalue}, all points: {_errors(result)}",
+        *([f"isovalue {isovalue}, seen from outside: {_errors(exposed)}"] if exposed else []),
+        *([_parts(result["parts"])] if result["parts"] else []),
+        f"bake {result['bake_seconds']:.1f} s, reference {result['reference_seconds']:.1f} s at "
+        f"{result['points']} points with {result['spp']} paths each",
+    ]
+
+
+def _parts(parts):
+    mesh = parts["mesh_percent"]
+    return (
+        f"of which noise of the bake {parts['noise_percent']:.2f} %, texture "
+        f"{parts['texture_percent']:.2f} %"
+        + ("" if mesh is None else f", mesh instead of the isosurface {mesh:.2f} %")
+        + " (squares add up)"
+    )
+
+
+def _isovalue(baked, options):
+    """The leaf coordinate asked for, and with several volumes what it shows of the one."""
+    if len(baked.volumes) == 1:
+        return f"{options.isovalue:g}"
+    own = baked.isovalue_of(options.volume, options.isovalue)
+    return f"{options.isovalue:g} ({own:g} of {baked.scene.leaves[options.volume].name})"
+
+
+def _flatland(options):
+    check_writable(options.out, ".exr", options.image)
+    png = Path(options.out).with_suffix(".png")
+    check_writable(png, ".png", options.image)
+    scene = load_flat_scene(options.scene) if options.scene else None
+    if options.image == "bump_box":
+        volume = bump_box_2d(*([] if options.dims is None else [options.dims]))
+    elif options.dims is not None:
+        raise LeaflightError(f"{options.image}: --dims has no meaning here; leave it out.")
+    else:
+        volume = read_image(options.image)
+
+    # A bake of space takes as many by default.
+    settings = {"samples": 32, **work_options(options)}
+
+    def work(progress):
+        baked = bake_flatland(volume, scene, progress=progress, **settings)
+        pixels = picture(baked, isolines)
+        texture = np.ascontiguousarray(baked.texture()[::-1])
+        progress.check()
+        with replaced_together(options.out, png) as (texture_file, picture_file):
+            _core.write_exr(texture_file, texture)
+            write_png(picture_file, pixels)
+        return baked
+
+    isolines = options.isolines or [default_isovalue(volume)]
+    baked = run_with_progress(work, "flatland", writes=True)
+    result = {
+        "out": options.out,
+        "picture": str(png),
+        "isovalues": list(baked.isovalues),
+        "isolines": isolines,
+        "resolution": list(baked.grid.resolution),
+        **baked.statistics,
+    }
+    lo, hi = baked.isovalues
+    return result, [
+        f"{options.out}: isovalues {lo:g}..{hi:g} in {baked.scene.name}, "
+        f"{by(result['resolution'])} texels, {result['seconds']:.1f} s",
+        f"{png}: isolines {', '.join(f'{isovalue:g}' for isovalue in isolines)}",
+    ]
+
+
+def _report(options):
+    try:
+        # Not everywhere is the report installed, and only this command needs it.
+        from ..report.command import run_report
+    except ModuleNotFoundError:
+        raise LeaflightError(
+            "The report is not part of this installation: pip install 'leaflight[report]'."
+        ) from None
+    return run_report(options, run_with_progress)
+
+
+def _bench(options):
+    try:
+        # As the report.
+        from ..bench.command import run_bench
+    except ModuleNotFoundError:
+        raise LeaflightError(
+            "The benchmarks are not part of this installation: pip install leaflight."
+        ) from None
+    return run_bench(options, run_with_progress)
+
+
+def _errors(result):
+    if result["points"] == 0:
+        return "none"
+    noise = f"(of which the reference's noise {result['reference_noise_percent']:.2f} %)"
+    relative = "all dark"
+    if result["relative_rms"] is not None:
+        relative = (
+            f"{100 * result['relative_rms']:.2f} % of the mean radiance, mean ratio "
+            f"{result['mean_ratio']:.4f} +- {result['mean_ratio_error']:.4f}"
+        )
+    return f"RMS error {result['rms_percent']:.2f} % {noise}, {relative}"
+
+
+COMMANDS = {
+    "info": _info,
+    "bake": run_bake,
+    "batch": run_batch,
+    "surface": _surface,
+    "still": run_still,
+    "export": run_export,
+    "photons": _photons,
+    "render": run_render,
+    "compare": _compare,
+    "flatland": _flatland,
+    "report": _report,
+    "bench": _bench,
+}

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a web page shows of a bake: numbers in blocks of bytes, and a header that tells of them.
+
+The page reads it in web/src/bake.ts, which lists the names; the two change together.
+"""
+
+import math
+import zlib
+from dataclasses import asdict, dataclass, field
+
+import numpy as np
+
+from ..stills.camera import bounds_of
+from ..stills.first_view import FILLED, framing
+from ..stills.lamps import lamps_of
+from ..stills.photograph import metered_stops
+from ..stills.still import UNBAKED, inner_side
+from ..version import __version__
+from .histogram import histogram
+from .page_volume import shown_volume, volume_data
+from .page_walls import walls_data
+from .shared_exponent import planes
+
+# Of the header and the blocks; the page refuses another one.
+FORMAT = 3
+# How a coarser page is called, by how many times it was halved.
+EVERY = ("every", "every 2nd", "every 4th", "every 8th")
+# That are deflated before somebody may cancel.
+STEP_BYTES = 1 << 22
+
+
+@dataclass
+class PageData:
+    """header: a JSON object; its "blocks": [first byte, bytes, bytes when inflated] of body.
+
+    progress: _core.Progress, which counts bytes before they are deflated.
+    """
+
+    progress: object
+    header: dict = field(default_factory=dict)
+    body: bytearray = field(default_factory=bytearray)
+
+    def add(self, numbers):
+        """Appends an array, deflated; returns the number of its block. Raises Cancelled."""
+        # Bytes of like significance side by side deflate better.
+        raw = np.ascontiguousarray(numbers)
+        parted = np.ascontiguousarray(raw.reshape(-1).view(np.uint8).reshape(-1, raw.itemsize).T)
+        first, deflate = len(self.body), zlib.compressobj(6)
+        for begin in range(0, parted.nbytes, STEP_BYTES):
+            self.progress.check()
+            part = parted.data.cast("B")[begin : begin + STEP_BYTES]
+            self.body += deflate.compress(part)
+            self.progress.advance(len(part))
+        self.body += deflate.flush()
+        blocks = self.header.setdefault("blocks", [])
+        blocks.append([first, len(self.body) - first, raw.nbytes])
+        return len(blocks) - 1
+
+    def add_colors(self, words):
+        """The same of packed() colors."""
+        return self.add(planes(words))
+
+
+def page_data(bake, isovalue, coarser, progress):
+    """The PageData of a Bake; isovalue: the leaf coordinate that is shown at first.
+
+    coarser: how many times voxels and texels are halved along each axis. progress:
+    _core.Progress. Raises Cancelled.
+    """
+    data = PageData(progress)
+    numbers = range(len(bake.volumes))
+    shown = [shown_volume(bake, number, coarser, progress) for number in numbers]
+    progress.begin("Values and light")
+    progress.expect(sum(each.raw_bytes for each in shown))
+    lamps = lamps_of(bake.scene)
+    low, high = bounds_of(bake)
+    data.header.update(
+        format=FORMAT,
+        title=" and ".join(volume.name for volume in bake.volumes),
+        window=list(bake.isovalues),
+        isovalue=float(isovalue),
+        exposure=bake.scene.exposure,
+        stops=metered_stops(bake),
+        unbaked=UNBAKED,
+        camera={**asdict(framing(bake, isovalue)), "filled": FILLED},
+        bounds=[low.tolist(), high.tolist()],
+        volumes=[volume_data(data, each) for each in shown],
+        walls=walls_data(data, bake),
+        lamps=lamps.rows.tolist(),
+        ambient=lamps.ambient.tolist(),
+        headlight=lamps.headlight,
+        histogram=histogram(bake),
+        step=step_of(bake),
+        unit=bake.volumes[0].unit,
+        isPatient=any(volume.patient for volume in bake.volumes),
+        about=about(bake, coarser),
+    )
+    return data
+
+
+def step_of(bake):
+    """By how much isovalues differ at least that the page's controls choose: a power of ten, a
+    thousandth of the window or less; half-integers are among those of integers."""
+    low, high = bake.isovalues
+    step = 10.0 ** math.floor(math.log10((high - low) / 1000.0))
+    is_integer = len(bake.volumes) == 1 and bake.volume.values.dtype.kind in "iu"
+    return min(step, 0.1) if is_integer else step
+
+
+def about(bake, coarser):
+    """[(what, its value as text)] of a bake."""
+    known = bake.statistics
+    rows = []
+    for volume in bake.volumes:
+        nx, ny, nz = volume.field().dims
+        rows.append(("Volume", f"{volume.name}, {nx} x {ny} x {nz} voxels"))
+    for grid in bake.grids:
+        rows.append(("Texels", f"{' x '.join(map(str, grid.resolution))}, {grid.texels} lit"))
+    if coarser:
+        rows.append(("Shown here", f"{EVERY[coarser]} voxel along each axis"))
+    lo, hi = bake.isovalues
+    rows.append(("Isovalues lit", f"{lo:g} to {hi:g}"))
+    rows.append(("Scene", bake.scene.name))
+    if bake.scene.meshes and bake.surroundings is None:
+        rows.append(("Walls", "shaded locally; a bake with --surroundings lights them"))
+    if any(inner_side(bake, number) == "local" for number in range(len(bake.volumes))):
+        rows.append(("Inner sides", "not baked; a light at the camera shows their shape"))
+    error = known.get("estimated_error_percent")
+    if error:
+        rows.append(("Error of the bake", f"{error:.2g} % of the displayable range, estimated"))
+    worst = known.get("worst_error_percent")
+    if worst:
+        rows.append(("Greatest error", f"{worst:.2g} %, at isovalue {known['worst_isovalue']:g}"))
+    rows.append(("Bake", f"{known['seconds']:.3g} s, {known['rays']:.3g} rays"))
+    rows.append(("Bake's id", bake.id))
+    rows.append(("Made with", f"Leaflight {__version__}"))
+    return rows

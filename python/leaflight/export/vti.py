@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake as a VTK image (.vti), for ParaView."""
+
+import numpy as np
+from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.vtkCommonDataModel import vtkImageData
+from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
+
+from .._core import LeaflightError
+from ..io.images import display_colours
+from ..io.output import check_writable, replaced
+from .point_grid import point_grid
+from .vtk_arrays import add_text_and_numbers, write
+
+
+def write_vti(path, bake, volume=0):
+    """Writes a volume (its number) of a Bake with its radiance. Raises LeaflightError.
+
+    Point data: value (float, data units), radiance (W/(m^2 sr), linear RGB, of the isosurface
+    through the point, 0 where none of the window passes), radiance_error (the standard error of its
+    mean over the channels), radiance_back where inner sides were baked, and color (uchar, sRGB at
+    the scene's exposure). Field data: isovalues, exposure, bake_id, unit (of
+    lengths).
+    """
+    check_writable(path, ".vti")
+    grid = point_grid(bake, volume)
+    exposure = bake.scene.exposure
+    image = vtkImageData()
+    _place(path, image, grid.index_to_world)
+    nz, ny, nx = grid.values.shape
+    image.SetDimensions(nx, ny, nz)
+    arrays = {
+        "value": grid.values,
+        "radiance": grid.radiance,
+        "radiance_error": grid.error,
+        "color": display_colours(grid.radiance, exposure),
+    }
+    if grid.radiance_back is not None:
+        arrays["radiance_back"] = grid.radiance_back
+    for name, values in arrays.items():
+        rows = np.ascontiguousarray(values).reshape(nx * ny * nz, -1)
+        array = numpy_to_vtk(rows, deep=True)
+        array.SetName(name)
+        image.GetPointData().AddArray(array)
+    image.GetPointData().SetActiveScalars("value")
+    add_text_and_numbers(
+        image, isovalues=bake.isovalues, exposure=exposure, bake_id=bake.id, unit=bake.unit
+    )
+    with replaced(path) as temporary:
+        write(vtkXMLImageDataWriter(), image, temporary)
+
+
+def _place(path, image, index_to_world):
+    """VTK has an origin, a spacing and a rotation; raises LeaflightError where these do not do."""
+    axes = index_to_world[:3, :3]
+    spacing = np.linalg.norm(axes, axis=0)
+    directions = axes / spacing
+    if np.abs(directions.T @ directions - np.eye(3)).max() > 1e-5:
+        raise LeaflightError(
+            f"{path}: the volume is sheared, which .vti cannot hold: write an isosurface as .vtp, "
+            "or bake the volume unsheared."
+        )
+    image.SetOrigin(index_to_world[:3, 3])
+    image.SetSpacing(spacing)
+    image.SetDirectionMatrix(directions.ravel())
