@@ -6,7 +6,8 @@ from dataclasses import dataclass
 # Markers of pytest and labels of ctest (tests/README.md).
 SHORT = "-m 'not slow and not machine'"
 SLOW = "-m 'slow and not machine'"
-CODE = "python addon tests scripts examples docs"
+RUFF = "build/tools-venv/bin/ruff"
+CODE = "python addon tests scripts examples docs $(grep -sl '^#!/usr/bin/python3' scripts/*)"
 PYTEST = "/usr/bin/python3 -m pytest"
 # Most of the Python tests keep one processor busy; the tests of a file share their bakes.
 PARALLEL = "--numprocesses 2 --dist loadfile"
@@ -37,7 +38,7 @@ SHORT_PARTS = (
         "lint",
         "find core python tests -name '*.h' -o -name '*.cpp'"
         " | xargs clang-format --dry-run --Werror"
-        f" && black --check --quiet --diff {CODE} && flake8 {CODE}"
+        f" && {RUFF} format --diff --quiet {CODE} && {RUFF} check --quiet {CODE}"
         " && npm --prefix web run --silent check",
     ),
     Part("core", f"{BUILD_CORE} && ctest --preset short {{select}}"),

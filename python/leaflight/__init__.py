@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Global illumination for every isosurface of a scalar volume, baked once.
 
-    import leaflight
+import leaflight
 
-    volume = leaflight.read_volume("brain.nii.gz")  # or any array of three axes
-    bake = leaflight.bake(volume)
-    surface = bake.surface(45.5)       # vertices, triangles and their radiance
-    bake.save("brain.vdb")
+volume = leaflight.read_volume("brain.nii.gz")  # or any array of three axes
+bake = leaflight.bake(volume)
+surface = bake.surface(45.5)       # vertices, triangles and their radiance
+bake.save("brain.vdb")
 """
 
 from . import self_check  # noqa: F401 - first: it refuses what cannot be right

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Atheris on one target: libFuzzer guided by which lines of our Python a file reaches.
 
-    guided.py TARGET FOLDER [OPTION OF LIBFUZZER...]
+guided.py TARGET FOLDER [OPTION OF LIBFUZZER...]
 """
 
 import sys

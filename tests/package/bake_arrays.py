@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bakes the bump box with all that a bake can hold, saves it, and writes every array to an .npz.
 
-    python bake_arrays.py SCENE OUT.npz
+python bake_arrays.py SCENE OUT.npz
 """
 
 import sys

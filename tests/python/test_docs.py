@@ -13,7 +13,7 @@ import pytest
 from waiting import HANG
 
 ROOT = Path(__file__).resolve().parents[2]
-SITE_PYTHON = ROOT / "build" / "docs-venv" / "bin" / "python"
+SITE_PYTHON = ROOT / "build" / "tools-venv" / "bin" / "python"
 
 
 PAGES = [

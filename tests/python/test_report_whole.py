@@ -83,9 +83,7 @@ def curves(short):
 def with_cycles(curves):
     """The same with Cycles, which takes a tenth of the seconds for one isosurface."""
     points = [
-        Point(
-            n, [Cost(0.05 + 0.01 * n, None, 2**28, None)] * 2, np.sqrt(1 + 100 / n), 10 / n**0.5
-        )
+        Point(n, [Cost(0.05 + 0.01 * n, None, 2**28, None)] * 2, np.sqrt(1 + 100 / n), 10 / n**0.5)
         for n in (1, 2, 4, 8, 16)
     ]
     return replace(curves, curves=[*curves.curves, Curve(CYCLES, "Cycles", points)])
@@ -322,8 +320,9 @@ def test_efforts():
     assert set(QUICK_REPORT.curves.rays) < set(full.curves.rays)
     assert QUICK_REPORT.data.texels < full.data.texels == 1 == full.data.fineness
     assert QUICK_DATA.fineness == 1
-    assert "against Cycles: cases (bump box, 48^3, hydrogen, 32^3) instead of (" in (
-        report_module._reductions(QUICK_REPORT)[1]
+    assert (
+        "against Cycles: cases (bump box, 48^3, hydrogen, 32^3) instead of ("
+        in (report_module._reductions(QUICK_REPORT)[1])
     )
 
 

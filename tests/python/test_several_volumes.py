@@ -81,9 +81,7 @@ def test_saved_and_loaded(lapr_bake, lapr_file):
         np.testing.assert_array_equal(ours.values, theirs.values)
     for name in ("radiance", "radiance_indirect", "radiance_back"):
         for ours, theirs in zip(loaded.grids, lapr_bake.grids):
-            np.testing.assert_allclose(
-                ours.dense(name), theirs.dense(name), rtol=2**-11, atol=1e-6
-            )
+            np.testing.assert_allclose(ours.dense(name), theirs.dense(name), rtol=2**-11, atol=1e-6)
     ours, theirs = loaded.surroundings, lapr_bake.surroundings
     assert ours.count == theirs.count == len(lapr_bake.scene.meshes)
     for mesh in range(ours.count):

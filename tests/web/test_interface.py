@@ -14,8 +14,7 @@ from waiting import HANG
 SIZE = {"width": 800, "height": 300}
 LOOK, VIEWPOINT = "leaflight.view.look", "leaflight.view.orbit.viewpoint"
 MIDDLE = (
-    "(r => [r.x + r.width / 2, r.y + r.height / 2])"
-    "(leaflight.view.canvas.getBoundingClientRect())"
+    "(r => [r.x + r.width / 2, r.y + r.height / 2])(leaflight.view.canvas.getBoundingClientRect())"
 )
 
 

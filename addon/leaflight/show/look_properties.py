@@ -57,7 +57,7 @@ class LeaflightLook(bpy.types.PropertyGroup):
     )
     color: FloatVectorProperty(
         name="Color",
-        description="Share of the light that this isosurface reflects. The light that falls upon it "
+        description="Share of the light that this isosurface reflects. The light that falls on it "
         "stays that of the bake; for light of its own color, add a stop to the volume's color ramp "
         "here, and bake",
         subtype="COLOR",

@@ -146,8 +146,8 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     )
     shown_frame: IntProperty(
         name="Frame",
-        description="Which volume of the file's series over time is shown, counted from 0. Keyframes "
-        "play them. Each frame has a bake of its own",
+        description="Which volume of the file's series over time is shown, counted from 0. "
+        "Keyframes play them. Each frame has a bake of its own",
         min=0,
         update=_frame_changed,
         override=_OVERRIDABLE,
@@ -159,7 +159,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     downsample: IntProperty(name="Downsample", default=1, min=1, max=8, override=_OVERRIDABLE)
     smooth: FloatProperty(
         name="Smooth",
-        description="Standard deviation, in voxels, of the Gaussian that the values are smoothed by",
+        description="Standard deviation, in voxels, of the Gaussian that smooths the values",
         default=0.0,
         min=0.0,
         max=10.0,
@@ -297,13 +297,13 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     )
     fixed_samples: BoolProperty(
         name="Fixed Samples",
-        description="Take the samples below, whatever their error: to compare methods. Use Draft, Good "
-        "or Final for pictures",
+        description="Take the samples below, whatever their error: to compare methods. Use Draft, "
+        "Good or Final for pictures",
         override=_OVERRIDABLE,
     )
     samples: IntProperty(
         name="Samples",
-        description="Rays per texel for the direct light and for the final gather: more is less grain",
+        description="Rays per texel for direct light and for the final gather: more is less noise",
         default=32,
         min=1,
         soft_max=1024,
@@ -346,8 +346,8 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     )
     both_sides: BoolProperty(
         name="Both Sides",
-        description="Bake the backs of the isosurfaces, too: for volumes that are cut open. Nearly doubles "
-        "the time",
+        description="Bake the backs of the isosurfaces, too: for volumes that are cut open. Nearly "
+        "doubles the time",
         override=_OVERRIDABLE,
     )
     light_surroundings: BoolProperty(

@@ -125,8 +125,8 @@ class LEAFLIGHT_OT_frame_isosurface(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.frame_isosurface"
     bl_label = "Frame Isosurface"
     bl_description = (
-        "Move the camera so that the isosurfaces fill its frame as they are shown now. Before a bake "
-        "the stage is fitted to them, too"
+        "Move the camera so that the isosurfaces fill its frame as they are shown now. Before a "
+        "bake the stage is fitted to them, too"
     )
     bl_options = {"REGISTER", "UNDO"}
 

@@ -29,9 +29,9 @@ def move_along(objects):
                 path = _move(path, obj)
             except (OSError, LeaflightError) as error:
                 why = getattr(error, "strerror", None) or str(error).rstrip(".")
-                problems[
-                    obj.name_full
-                ] = f"{path}: the bake could not be moved beside the .blend and stays there: {why}."
+                problems[obj.name_full] = (
+                    f"{path}: the bake could not be moved beside the .blend and stays there: {why}."
+                )
         before = obj.leaflight.bake_path, obj.leaflight.bake_home
         bake_files.remember(obj, path)
         changed |= before != (obj.leaflight.bake_path, obj.leaflight.bake_home)

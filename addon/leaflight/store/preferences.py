@@ -39,8 +39,8 @@ class LeaflightPreferences(bpy.types.AddonPreferences):
     )
     limit_memory: BoolProperty(
         name="Limit Memory",
-        description="Let volumes and bakes leave memory to others: larger volumes lie in a file, and "
-        "texels become as coarse as their light has room",
+        description="Let volumes and bakes leave memory to others: larger volumes lie in a file, "
+        "and texels become as coarse as their light has room",
         update=lambda self, _context: _limit_memory(self),
     )
     memory: FloatProperty(

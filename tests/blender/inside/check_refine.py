@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Finer texels where light varies most: baked, kept, and shown by vertex attribute."""
 
-
 import bpy
 import leaflight
 import mathutils

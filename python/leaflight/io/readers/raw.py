@@ -16,8 +16,7 @@ def open_volume(path, dims=None, type=None, endian="little", spacing=1.0):
     """x-fastest values; the file must hold exactly dims (nx, ny, nz) of them."""
     if dims is None or type is None:
         raise SettingError(
-            f"{path}: a .raw file has no header; give its dimensions and the type of "
-            "its values.",
+            f"{path}: a .raw file has no header; give its dimensions and the type of its values.",
             "dims",
             "type",
         )

@@ -182,8 +182,7 @@ def _sentences(path):
         # On damaged files libraries fail with whatever comes first.
         name = kinds[0].name if kinds else "file"
         raise LeaflightError(
-            f"{path}: this is not a readable {name}, or it is truncated or damaged; "
-            "fetch it again."
+            f"{path}: this is not a readable {name}, or it is truncated or damaged; fetch it again."
         ) from error
 
 
