@@ -7,7 +7,8 @@ from dataclasses import dataclass
 SHORT = "-m 'not slow and not machine'"
 SLOW = "-m 'slow and not machine'"
 RUFF = "build/tools-venv/bin/ruff"
-CODE = "python addon tests scripts examples docs $(grep -sl '^#!/usr/bin/python3' scripts/*)"
+SCRIPTS = "$(grep -sl '^#!/usr/bin/python3' scripts/* validation/*)"
+CODE = f"python addon tests scripts validation examples docs {SCRIPTS}"
 PYTEST = "/usr/bin/python3 -m pytest"
 # Most of the Python tests keep one processor busy; the tests of a file share their bakes.
 PARALLEL = "--numprocesses 2 --dist loadfile"
@@ -82,10 +83,10 @@ LONG_PARTS = (
     Part("package", f"{PYTEST} tests/package {{select}}"),
     # As a user installs it, beside the newest NumPy.
     Part("wheel", f"tests/wheel {PARALLEL} {{select}}", SHORT),
-    Part("fuzz", "scripts/fuzz --minutes 1 --jobs 2 --seed 1 --no-atheris --no-core {select}"),
-    Part("faults", "scripts/faults --seed 1 {select}", "--tries 20"),
-    Part("races", "scripts/races {select}"),
-    Part("mutations", "scripts/mutations {select}"),
+    Part("fuzz", "validation/fuzz --minutes 1 --jobs 2 --seed 1 --no-atheris --no-core {select}"),
+    Part("faults", "validation/faults --seed 1 {select}", "--tries 20"),
+    Part("races", "validation/races {select}"),
+    Part("mutations", "validation/mutations {select}"),
     Part("cycles", "scripts/leaflight report --cycles --quick --out build/test/cycles {select}"),
     Part("tables", "scripts/leaflight report --tables --quick --out build/test/tables {select}"),
 )

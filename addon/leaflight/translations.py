@@ -2,7 +2,7 @@
 """The words of the interface in other languages, through Blender's own message catalogs.
 
 Blender looks up names, descriptions and labels by itself where they are constants. A label with
-numbers in it is made of a template that iface_() translates. scripts/messages lists all messages.
+numbers in it is made of a template that iface_() translates. validation/messages lists all of them.
 """
 
 import bpy

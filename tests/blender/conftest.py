@@ -170,7 +170,7 @@ def ball(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def results(blender):
-    """The folder of what came of the checks in this Blender, for scripts/compatibility.
+    """The folder of what came of the checks in this Blender, for validation/compatibility.
 
     Of several runs together, as long as package and checks are the same.
     """

@@ -9,8 +9,8 @@
 
 namespace leaflight::fuzz {
 
-// What libFuzzer gives, taken piece by piece from the front, as scripts/fuzz packs its seeds; zeros
-// when it is used up.
+// What libFuzzer gives, taken piece by piece from the front, as validation/fuzz packs its seeds;
+// zeros when it is used up.
 class Bytes {
  public:
   Bytes(const std::uint8_t* data, std::size_t size) : data_(data), left_(size) {}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Inside Blender, for scripts/messages: writes the template of the add-on's messages."""
+"""Inside Blender, for validation/messages: writes the template of the add-on's messages."""
 
 import ast
 import importlib.util

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""blender --background --python scripts/picture_of_isosurfaces.py -- FOLDER PICTURE.png: Colin27's
-gray matter over his white matter, seen through and cut by a box, for the guide. Needs the add-on to
-be enabled, and Debian's mricron-data."""
+"""Makes a picture of the guide: gray matter over white matter, seen through and cut by a box.
+
+    blender --background --python validation/picture_of_isosurfaces.py -- FOLDER PICTURE.png
+
+The volume is Colin27 of Debian's mricron-data. Needs the add-on to be enabled.
+"""
 
 import sys
 from pathlib import Path

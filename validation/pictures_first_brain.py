@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The part of scripts/pictures_first_brain that runs within Blender: ... -- ADDON.zip FOLDER."""
+"""The part of validation/pictures_first_brain that runs within Blender: ... -- ADDON.zip FOLDER."""
 
 import os
 import sys

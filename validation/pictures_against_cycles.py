@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The part of scripts/pictures_against_cycles that runs within Blender."""
+"""The part of validation/pictures_against_cycles that runs within Blender."""
 
 import argparse
 import os

@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""blender --background --python scripts/picture_of_comparison.py -- VOLUME FOLDER PICTURE.png: what
-Render Comparison writes, for the guide. Needs the add-on to be enabled."""
+"""Makes a picture of the guide: what Render Comparison writes.
+
+    blender --background --python validation/picture_of_comparison.py -- VOLUME FOLDER PICTURE.png
+
+Needs the add-on to be enabled.
+"""
 
 import shutil
 import sys

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The part of scripts/pictures that runs within Blender."""
+"""The part of validation/pictures that runs within Blender."""
 
 import argparse
 import sys
