@@ -7,7 +7,7 @@ namespace leaflight {
 namespace {
 
 // Paths of a texel, and of a vertex of the surroundings at a node, in a block.
-constexpr int texel_samples = 1, vertex_samples = 2;
+constexpr int texel_samples = 1, vertex_samples = 4;
 
 }  // namespace
 
