@@ -74,8 +74,7 @@ void VisibilityThrough<D>::run(const LightSource<D>& source, std::vector<std::ui
     const auto at = entry(field_, from, source.infinite ? light : light - from, length);
     if (!at) continue;
     // The sweep leaves out what is nearer than a voxel.
-    const CellPoint<D> here = locate(field_, *at);
-    const double h = interpolate(load_corners(field_, here.cell), here.local);
+    const double h = value_at(field_, *at);
     const float own = std::isnan(h) ? 0 : std::clamp(code_(h), 0.0f, VisibilityCode::most);
     const auto code = static_cast<std::uint8_t>(std::max(own, interpolated(lattice_, codes, *at)));
     found[node] = std::max(found[node], code);

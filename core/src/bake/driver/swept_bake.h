@@ -41,8 +41,6 @@ class SweptBake final : public Integrator<D> {
   void add_block(const std::function<void(SideMoments&)>& fill);
   // Frees what only blocks need.
   void release();
-  // Exact direct light at the texels of a lattice; none of a side whose maps are not known.
-  std::vector<Rgb> direct_at(const TexelLattice<D>& lattice, bool inner) const;
   // A block for another bake that has asked for it, as block_bytes().
   std::string sweep_for_others(int number);
   int blocks() const override {
@@ -58,6 +56,8 @@ class SweptBake final : public Integrator<D> {
   SurroundingsRadiance<D> surroundings() override;
 
  private:
+  // Exact direct light at the texels of a lattice; none of a side whose maps are not known.
+  std::vector<Rgb> direct_at(const TexelLattice<D>& lattice, bool inner) const;
   void trace_photons(const TexelLattice<D>& texels, std::uint64_t count);
   void keep_soft(Keeper& keeper);
   std::vector<Average> direct_averages(bool inner);
