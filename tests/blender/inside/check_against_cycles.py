@@ -119,4 +119,4 @@ def check_a_glass_leaf_without_lit_surroundings_has_nothing_to_compare(scene):
     scene.leaflight.light_surroundings = False
     bpy.ops.leaflight.bake()
     scene.leaflight.leaf_scattering = "GLASS"
-    assert "surroundings" in error_of(bpy.ops.leaflight.render_comparison).lower()
+    assert "light the walls" in error_of(bpy.ops.leaflight.render_comparison).lower()

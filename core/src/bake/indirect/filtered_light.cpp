@@ -150,6 +150,22 @@ void for_each_texel(std::size_t count, Progress& progress, Body body) {
   });
 }
 
+// The gradient of shading about a texel's centre: isosurfaces pass a texel that is wider than a voxel
+// elsewhere, too.
+template <int D>
+Vec<D> mean_gradient(const Field<D>& field, const Vec<D>& width, const Vec<D>& centre) {
+  Vec<D> reach;
+  for (int a = 0; a < D; ++a) reach[a] = 0.25 * std::max(0.0, width[a] - 1);
+  if (!(reach.length() > 0)) return shading_gradient(field, locate(field, centre));
+  Vec<D> sum(0.0);
+  for (int i = 0; i < 1 << D; ++i) {
+    Vec<D> position = centre;
+    for (int a = 0; a < D; ++a) position[a] += i >> a & 1 ? reach[a] : -reach[a];
+    sum += shading_gradient(field, locate(field, position));
+  }
+  return sum / (1 << D);
+}
+
 // Texels go towards the mean of their neighbours.
 template <int D>
 void shrink(const Neighbours<D>& neighbours, const std::vector<Offset>& offsets, NoisyLight& light,
@@ -191,17 +207,8 @@ std::vector<TexelSurface<D>> texel_surfaces(const SweptVolume<D>& volume,
   std::vector<TexelSurface<D>> surfaces(lattice.active.size());
   parallel_range(surfaces.size(), grain, 0, progress, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) {
-      // About the centre, where a texel is wider than a voxel: isosurfaces may pass it elsewhere.
       const Vec<D> centre = lattice.centre(lattice.active[s]);
-      Vec<D> per_voxel(0.0);
-      for (int i = 0; i < 1 << D; ++i) {
-        Vec<D> position = centre;
-        for (int a = 0; a < D; ++a) {
-          const double width = std::max(0.0, lattice.voxels_per_texel[a] - 1);
-          position[a] += (i >> a & 1 ? 0.25 : -0.25) * width;
-        }
-        per_voxel += shading_gradient(field, locate(field, position)) / (1 << D);
-      }
+      const Vec<D> per_voxel = mean_gradient(field, lattice.voxels_per_texel, centre);
       const CellPoint<D> at = locate(field, centre);
       const Vec<D> gradient = to_index.pull_back_gradient(per_voxel);
       const double length = gradient.length();
