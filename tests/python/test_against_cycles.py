@@ -162,7 +162,9 @@ def test_more_paths_where_cycles_is_noisy(coarsely):
 def test_each_volume_is_judged(coarsely):
     def two(folder, fineness):
         box = bump_box(8)
-        return [box, replace(box, name="other")]
+        beside = box.index_to_world.copy()
+        beside[0, 3] += 10 * beside[0, 0]
+        return [box, replace(box, name="other", index_to_world=beside)]
 
     effort = replace(TINY, cases=(Case("box", two, (0.5,)),), points=20, paths=16)
     rows, _ = measure_against_cycles(effort, quietly)

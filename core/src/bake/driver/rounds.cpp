@@ -13,9 +13,10 @@ namespace {
 
 // Bakes of fewer texels do without a first picture.
 constexpr std::size_t most_without_preview = 200'000;
-// Blocks of a first picture, of the first round, since their differences tell the error, and of all
-// rounds at most.
-constexpr int preview_blocks = 2, first_blocks = 4, most_blocks = 32;
+// Blocks of a first picture, and of all rounds at most.
+constexpr int preview_blocks = 2, most_blocks = 32;
+// Bakes of fewer texels begin with four blocks, which take little time there.
+constexpr std::size_t few_texels = 1'500'000;
 // A round that is out of time ends after so many.
 constexpr int least_blocks = 2;
 // What noise may be of the error that is asked for: what the texels' width leaves of it, within
@@ -28,14 +29,17 @@ double seconds_since(Clock::time_point then) {
   return std::chrono::duration<double>(Clock::now() - then).count();
 }
 
+// Blocks of the first round. The difference of two shows the error.
+int first_blocks(std::size_t texels) { return texels < few_texels ? 4 : 2; }
+
 // The blocks after the next round: as many as leave the noise `target`, a variance, by what was
-// found so far; at most twice as many as now.
+// found so far; at most twice as many as now, or eight.
 template <int D>
 int next_blocks(const Integrator<D>& bake, double target) {
   const int now = bake.blocks();
   if (now == 0) return 0;
   const double wanted = bake.errors().all().noise * now / target;
-  const int most = std::max(now, std::min(2 * now, most_blocks));
+  const int most = std::max(now, std::min(std::max(2 * now, 8), most_blocks));
   // A round that adds little costs as much to look at as one that adds more.
   const double grown = wanted > now ? std::max(std::ceil(wanted), std::ceil(1.25 * now)) : now;
   return static_cast<int>(std::clamp<double>(grown, now, most));
@@ -129,7 +133,7 @@ class Rounds {
     for (const SweptTexels<D>& one : texels) {
       const auto all = static_cast<double>(one.shown.lattice.texels());
       maps += scene_.sides() * all * points;
-      blocks += first_blocks * all * IndirectLight<D>::directions_per_block /
+      blocks += first_blocks(count_) * all * IndirectLight<D>::directions_per_block /
                 std::pow(one.spacing, D - 1);
     }
     // Until blocks know what they cost.
@@ -144,7 +148,7 @@ class Rounds {
   // Round by round.
   Baked<D> refine() {
     const int before = before_ = bake_->blocks();
-    blocks_ = scene_.plan.indirect ? before + first_blocks : 0;
+    blocks_ = scene_.plan.indirect ? before + first_blocks(count_) : 0;
     if (resumes()) keep(Keeper(*hooks_.checkpoints->from));
     const std::function<bool()> proceed = [this] { return go_on(); };
     for (;;) {

@@ -16,7 +16,7 @@ constexpr int wall_samples = 2, surroundings_samples = 16;
 // How often the soft light that lines meet is gathered anew before it counts, each time along so
 // many directions. It begins as none: what photons tell of it is too coarse, and what leaks through
 // a wall stays in a closed cavity for many bounces.
-constexpr int bounces = 3, bounce_directions = 16;
+constexpr int bounces = 2, bounce_directions = 8;
 // The light of a bounce over that of the one before, at most: of what reflects all, it may be more
 // by chance.
 constexpr Real most_bounced = Real(0.8);
@@ -37,19 +37,17 @@ Rgb mean_of(const std::vector<Rgb>& light) {
   return light.empty() ? Rgb(0) : Rgb(sum / static_cast<double>(light.size()));
 }
 
-// Adds the bounces that are yet to come, as if all were a geometric series. `before`: the mean
-// light of all bounces but the last.
-void add_later_bounces(std::vector<Rgb>& light, const Rgb& before) {
+// Adds the bounces that are yet to come, as if all were a geometric series. `first`: the mean light
+// of the first bounce; `light` has two.
+void add_later_bounces(std::vector<Rgb>& light, const Rgb& first) {
+  static_assert(bounces == 2);
   const Rgb mean = mean_of(light);
   Rgb scale(1);
   for (int i = 0; i < 3; ++i) {
-    const Real last = std::max(Real(0), mean[i] - before[i]);
-    if (!(before[i] > 0 && last > 0)) continue;
-    // Of 1 + r and r^2.
-    static_assert(bounces == 3);
-    const Real q = last / before[i];
-    const Real ratio = std::min((q + std::sqrt(q * q + 4 * q)) / 2, most_bounced);
-    scale[i] += last / mean[i] * ratio / (1 - ratio);
+    const Real second = std::max(Real(0), mean[i] - first[i]);
+    if (!(first[i] > 0 && second > 0)) continue;
+    const Real ratio = std::min(second / first[i], most_bounced);
+    scale[i] += second / mean[i] * ratio / (1 - ratio);
   }
   for (Rgb& one : light) one *= scale;
 }
@@ -329,10 +327,7 @@ void SweptBake<D>::learn_soft() {
     }
     NoisyLight light{indirect_->averages(side != 0), {}};
     if (kept_) kept_->blend(light, indirect_->blocks(), side != 0);
-    soft_[side].resize(light.averages.size());
-    for (std::size_t s = 0; s < light.averages.size(); ++s) {
-      soft_[side][s] = light.averages[s].mean;
-    }
+    soft_[side] = filled_means(indirect_->texels().lattice, light.averages, progress_);
   }
 }
 

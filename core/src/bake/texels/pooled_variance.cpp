@@ -72,6 +72,23 @@ void pool_variances(const TexelLattice<D>& lattice, std::vector<Average>& averag
   averages = std::move(result);
 }
 
+template <int D>
+std::vector<Rgb> filled_means(const TexelLattice<D>& lattice, const std::vector<Average>& averages,
+                              Progress& progress) {
+  std::vector<Rgb> means(averages.size());
+  parallel_range(averages.size(), 1024, 0, progress, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s) {
+      const bool sampled = averages[s].samples > 0;
+      means[s] = sampled ? averages[s].mean : filled(lattice, averages, s).mean;
+    }
+  });
+  return means;
+}
+
+template std::vector<Rgb> filled_means<2>(const TexelLattice<2>&, const std::vector<Average>&,
+                                          Progress&);
+template std::vector<Rgb> filled_means<3>(const TexelLattice<3>&, const std::vector<Average>&,
+                                          Progress&);
 template void pool_variances<2>(const TexelLattice<2>&, std::vector<Average>&, Progress&);
 template void pool_variances<3>(const TexelLattice<3>&, std::vector<Average>&, Progress&);
 

@@ -23,4 +23,9 @@ template <int D>
 void pool_variances(const TexelLattice<D>& lattice, std::vector<Average>& averages,
                     Progress& progress);
 
+// The means of texels. One without samples has the mean of its neighbours.
+template <int D>
+std::vector<Rgb> filled_means(const TexelLattice<D>& lattice, const std::vector<Average>& averages,
+                              Progress& progress);
+
 }  // namespace leaflight
