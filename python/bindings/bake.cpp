@@ -67,12 +67,7 @@ void bind_settings(py::module_& module, const std::string& suffix) {
           "gather, volumetric, path or thesis.")
       .def_readwrite("seed", &Settings::seed)
       .def_readwrite("threads", &Settings::threads, "0: all.")
-      .def_readwrite("soft_spacing", &Settings::soft_spacing,
-                     "Texels between the points that soft light is gathered at, 1: each texel.")
-      .def_readwrite("refine", &Settings::refine,
-                     "How many times texels are halved where light varies most.")
-      .def_readwrite("exposure", &Settings::exposure,
-                     "Radiance times this is a displayed colour; `refine` goes by colours.")
+      .def_readwrite("exposure", &Settings::exposure, "Radiance times this is a displayed colour.")
       .def_readwrite("both_sides", &Settings::both_sides,
                      "Bake the inner side too, where light can reach it.")
       .def_readwrite("surroundings", &Settings::surroundings,

@@ -121,18 +121,6 @@ def make_parser():
         metavar="N",
         help="photons by way of mirrors and glass (as many as photons)",
     )
-    research.add_argument(
-        "--soft-spacing",
-        type=integer,
-        metavar="N",
-        help="texels between the points that soft light is gathered at (1)",
-    )
-    research.add_argument(
-        "--refine",
-        type=integer,
-        metavar="N",
-        help="how many times to halve texels where light varies most; once doubles the time (0)",
-    )
     thesis_options(research)
 
     batch = subparsers.add_parser("batch", help="many bakes, resumed where they stopped")

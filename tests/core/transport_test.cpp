@@ -109,30 +109,6 @@ TEST(Estimators, AgreeWithThePathTracer) {
   test::expect_agreement(scene, c, EstimatorName::path, 64, 1, 0.01, 0.08);
 }
 
-// An irradiance cache: records of soft light at every third texel, interpolated.
-TEST(Estimators, SoftLightFromRecordsAgreesWithThePathTracer) {
-  Scene<3> scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
-  scene.volumes[0].albedo = ColorRamp({{0.6, Rgb(0.9f, 0.3f, 0.5f)}, {0.9, Rgb(0.4f, 0.8f, 0.5f)}});
-  const std::vector<Vec3> points = test::leaf_points(test::field_of(scene), c, 17);
-  Progress progress;
-  const auto reference = reference_radiance(
-      scene, points, test::reference_settings(c, test::fewer(1024), 3), progress);
-  std::array<std::uint64_t, 2> rays;
-  for (const int spacing : {1, 3}) {
-    BakeSettings<3> settings;
-    settings.soft_spacing = spacing;
-    settings.photons = 500'000;
-    const Baked<3> baked = bake(scene, settings, progress);
-    rays[spacing / 3] = baked.statistics.rays;
-    const test::Agreement found = test::compare(points.size(), reference, [&](std::size_t i) {
-      return test::lookup_world(scene, baked, points[i]);
-    });
-    EXPECT_NEAR(found.mean_ratio, 1, test::sanitized ? 0.1 : 0.01);
-    EXPECT_LT(found.relative_rms, test::sanitized ? 1 : 0.06);
-  }
-  EXPECT_LT(rays[1], rays[0]);
-}
-
 TEST(Estimators, PhotonDensityAgreesWithThePathTracer) {
   const Scene<3> scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
   test::expect_agreement(scene, c, EstimatorName::volumetric, 64, 4'000'000, 0.01, 0.06);

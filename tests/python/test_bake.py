@@ -23,11 +23,9 @@ def assert_same_payload(path, other):
         for array, other_array in zip(field, other_field):
             assert array.tobytes() == other_array.tobytes()
     for grid, other_grid in zip(grids, other_grids, strict=True):
-        assert grid.levels == other_grid.levels
-        for level in range(grid.levels):
-            assert grid.mask(level).tobytes() == other_grid.mask(level).tobytes()
-            for name in GRIDS + (("radiance_back",) if grid.has_back else ()):
-                assert grid.dense(name, level).tobytes() == other_grid.dense(name, level).tobytes()
+        assert grid.mask().tobytes() == other_grid.mask().tobytes()
+        for name in GRIDS + (("radiance_back",) if grid.has_back else ()):
+            assert grid.dense(name).tobytes() == other_grid.dense(name).tobytes()
     assert (surroundings is None) == (other_surroundings is None)
     # The statistics are times and the like.
     metadata.pop("statistics"), other_metadata.pop("statistics")
@@ -35,7 +33,7 @@ def assert_same_payload(path, other):
 
 
 @pytest.mark.parametrize(
-    "settings", [{"estimator": name} for name in ("gather", "volumetric", "path")] + [{"refine": 2}]
+    "settings", [{"estimator": name} for name in ("gather", "volumetric", "path")]
 )
 def test_threads_do_not_matter(tmp_path, bump_scene, fixed_work, settings):
     paths = [tmp_path / "one.vdb", tmp_path / "two.vdb"]
@@ -80,47 +78,6 @@ def test_saved_and_loaded(box_bake, box_file):
     assert loaded.statistics == box_bake.statistics
     assert loaded.scene.exposure == box_bake.scene.exposure
     assert [mesh.name for mesh in loaded.scene.meshes] == [m.name for m in box_bake.scene.meshes]
-
-
-def test_finer_texels(tmp_path, bump_scene, fixed_work):
-    """They are looked up where they are, count as texels and survive the file, on both sides."""
-    volume, settings = leaflight.bump_box(16), {**fixed_work, "both_sides": True}
-    plain = leaflight.bake(volume, bump_scene, **settings)
-    fine = leaflight.bake(volume, bump_scene, refine=1, **settings)
-    assert (plain.grid.levels, fine.grid.levels) == (1, 2)
-    np.testing.assert_array_equal(fine.grid.dense("radiance"), plain.grid.dense("radiance"))
-    masks = [fine.grid.mask(level).astype(bool) for level in range(2)]
-    assert masks[1].shape == tuple(2 * n - 1 for n in masks[0].shape)
-    assert fine.statistics["texels"] == fine.grid.texels == sum(mask.sum() for mask in masks)
-    assert 0.2 * masks[0].sum() < masks[1].sum() < 4 * masks[0].sum()
-    # The mesh is finer where texels are.
-    coarse, finer = (bake.grid.lit_contour(volume.field(), 47.0)[0] for bake in (plain, fine))
-    assert 1.1 * len(coarse) < len(finer) < 4 * len(coarse)
-    np.testing.assert_array_equal(finer[: len(coarse)], coarse)
-    np.testing.assert_allclose(volume.field().sample(finer), 47.0, atol=0.01)
-    ours, other = fine.radiance(finer), plain.radiance(finer)
-    changed = np.abs(ours - other).max(axis=1) > 0
-    assert 0.1 < changed.mean() < 0.95
-    assert np.abs(ours.mean() / other.mean() - 1) < 0.1
-
-    fine.save(tmp_path / "fine.vdb")
-    loaded = load_bake(tmp_path / "fine.vdb")
-    assert loaded.grid.levels == 2 and loaded.metadata["refine"] == "1"
-    for back in (False, True):
-        np.testing.assert_allclose(
-            loaded.radiance(finer, back=back),
-            fine.radiance(finer, back=back),
-            rtol=2**-10,
-            atol=1e-6,
-        )
-    np.testing.assert_allclose(
-        loaded.radiance_error(finer),
-        fine.radiance_error(finer),
-        rtol=2**-10,
-        atol=1e-6,
-    )
-    with pytest.raises(LeaflightError, match="no level 2; it has 2"):
-        fine.grid.mask(2)
 
 
 def test_saved_metadata(box_bake):

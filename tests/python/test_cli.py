@@ -32,7 +32,7 @@ def test_help_of_bake_fits_a_screen(script):
     everyday, research = script("bake", "--help-all").out.split("research:\n")
     for option in ("--out", "--dims", "--threads", "--scheduler"):
         assert f"  {option} " in everyday and f"  {option} " not in research
-    for option in ("--samples", "--photons", "--refine", "--soft-spacing", "--k", "--strategy"):
+    for option in ("--samples", "--photons", "--k", "--strategy"):
         assert f"  {option} " in research and option not in "\n".join(short)
     assert "--help-all" not in script("surface", "--help").out
 
@@ -185,7 +185,10 @@ def test_plain_text(cli, box_file, tmp_path):
         (["bake", "bump_box", "--out", "OUT/x.vdb", "--estimator", "magic"], "magic"),
         (["bake", "bump_box", "--out", "OUT/x.vdb", "--samples", "0"], "samples"),
         (["bake", "bump_box", "--out", "OUT/x.vdb", "--error", "0"], "(--error)."),
-        (["bake", "bump_box", "--out", "OUT/x.vdb", "--error", "1", "--refine", "1"], "(--error)."),
+        (
+            ["bake", "bump_box", "--out", "OUT/x.vdb", "--error", "1", "--photons", "1"],
+            "(--error).",
+        ),
         (["bake", "bump_box", "--out", "OUT/x.vdb", "--estimate"], "--estimate"),
         (["bake", "bump_box", "--estimate", "--samples", "4"], "leave out samples"),
         (["bake", "bump_box", "--out", "OUT/x.vdb", "--scene", "OUT/no.json"], "no.json"),

@@ -207,8 +207,8 @@ def test_an_estimate_is_what_the_bake_takes(estimated):
 
 
 def test_an_estimate_is_of_rounds_alone(bump_scene):
-    with pytest.raises(LeaflightError, match="leave out samples, soft spacing"):
-        leaflight.estimate(leaflight.bump_box(8), bump_scene, soft_spacing=2, samples=8)
+    with pytest.raises(LeaflightError, match="leave out samples, photons"):
+        leaflight.estimate(leaflight.bump_box(8), bump_scene, photons=2, samples=8)
 
 
 def rounds_of(count, power, coarse=0, texture=0.0):

@@ -234,14 +234,6 @@ def test_a_coarser_page(box_bake, tmp_path):
     assert ["Shown here", "every 2nd voxel along each axis"] in header["about"]
 
 
-def test_finer_texels_where_they_are_not_too_many(bump_scene, fixed_work, tmp_path, monkeypatch):
-    fine = leaflight.bake(leaflight.bump_box(12), bump_scene, refine=1, **fixed_work)
-    assert page_volume.texels_of(fine, 0, 0) == (23, 23, 23)
-    fine.export_page(tmp_path / "fine.html")
-    monkeypatch.setattr(page_volume, "MOST_FINER_TEXELS", 1000)
-    assert page_volume.texels_of(fine, 0, 0) == (12, 12, 12)
-
-
 def test_a_folder_to_embed(cli, box_file, tmp_path):
     out = tmp_path / "box.html"
     for _ in range(2):  # it may be written again

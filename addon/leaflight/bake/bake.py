@@ -41,7 +41,7 @@ def arguments_of(obj, volumes, scene):
         "threads": preferences.threads(),
     }
     if settings.fixed_samples:
-        names = ("samples", "photons", "refine", "estimator")
+        names = ("samples", "photons", "estimator")
         return {**arguments, **{name: getattr(settings, name) for name in names}}
     return {**arguments, "error": settings.error, "time": time_limit(settings)}
 

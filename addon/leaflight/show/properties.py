@@ -317,17 +317,6 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         soft_max=100_000_000,
         override=_OVERRIDABLE,
     )
-    refine: IntProperty(
-        name="Refine",
-        description="How many times texels are halved where light varies most, in a fifth of the "
-        "cells each time, against the error of coarse texels. Once doubles the time of the bake, "
-        "twice triples it. The surface is then shown by vertex attribute",
-        default=0,
-        min=0,
-        max=4,
-        soft_max=2,
-        override=_OVERRIDABLE,
-    )
     estimator: EnumProperty(
         name="Estimator",
         items=[
@@ -393,7 +382,6 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     bake_low: FloatProperty(name="Lowest Isovalue of the Bake", override=_OVERRIDABLE)
     bake_high: FloatProperty(name="Highest Isovalue of the Bake", override=_OVERRIDABLE)
     bake_surroundings: BoolProperty(name="Walls Lit by the Bake", override=_OVERRIDABLE)
-    bake_refined: BoolProperty(name="Finer Texels in the Bake", override=_OVERRIDABLE)
     bake_seconds: FloatProperty(name="Bake Time", override=_OVERRIDABLE)
     bake_outcome: StringProperty(name="Error That the Bake Reached", override=_OVERRIDABLE)
     bake_error: FloatProperty(name="Estimated Error of the Bake", override=_OVERRIDABLE)

@@ -42,7 +42,7 @@ class LEAFLIGHT_PT_research(_AdvancedPanel, bpy.types.Panel):
         layout.prop(settings, "fixed_samples")
         column = layout.column(align=True)
         column.active = settings.fixed_samples
-        for name in ("samples", "photons", "refine", "estimator"):
+        for name in ("samples", "photons", "estimator"):
             column.prop(settings, name)
         layout.operator(photon_cloud.LEAFLIGHT_OT_photon_cloud.bl_idname, icon="POINTCLOUD_DATA")
 

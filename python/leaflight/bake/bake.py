@@ -54,8 +54,6 @@ def bake(
     samples=None,
     photons=None,
     caustic_photons=None,
-    soft_spacing=None,
-    refine=None,
     estimator=None,
     photon_map=None,
     scattered=None,
@@ -103,10 +101,6 @@ def bake(
     estimator: "gather" (the default), "volumetric", "path" or "thesis"; photon_map: PhotonMap of
         the last (the thesis's); scattered: Scattered, for samples strewn over the domain instead of
         in each texel, with `samples` rays each.
-    soft_spacing: texels between the points that soft light is gathered at (1); more is faster where
-        the light is smooth, see docs/validation.md.
-    refine: how many times texels are halved where light varies most, in a fifth of the cells each
-        time (0); once doubles the time.
     only_at: world points (n, 3), to bake only the texels that lookups there use, with the estimator
         "path"; for measuring.
     Returns a Bake. Raises LeaflightError for input that cannot be baked, Cancelled.
@@ -115,8 +109,6 @@ def bake(
         "samples": samples,
         "photons": photons,
         "caustic_photons": caustic_photons,
-        "soft_spacing": soft_spacing,
-        "refine": refine,
         "estimator": estimator,
         "photon_map": photon_map,
         "scattered": scattered,

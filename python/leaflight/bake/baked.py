@@ -161,8 +161,8 @@ class Bake:
     def surface(self, isovalue, volume=0, back=False):
         """The isosurface of a volume with its radiance, a Surface.
 
-        It is finer where texels are and, if it is small, where its light varies most. back: its
-        inner side, towards higher values. Raises LeaflightError outside the window.
+        It is finer where texels are narrower than voxels and, if it is small, where light steps.
+        back: its inner side, towards higher values. Raises LeaflightError outside the window.
         """
         self.check_isovalue(isovalue, volume)
         start = time.perf_counter()

@@ -21,8 +21,6 @@ FIXED_WORK = {
     "samples": 32,
     "photons": 2_000_000,
     "caustic_photons": None,
-    "soft_spacing": 1,
-    "refine": 0,
     "estimator": "gather",
     "photon_map": None,
     "scattered": None,
@@ -135,8 +133,6 @@ def fixed_settings(
     samples,
     photons,
     caustic_photons=None,
-    soft_spacing=1,
-    refine=0,
     estimator="gather",
     photon_map=None,
     scattered=None,
@@ -155,8 +151,6 @@ def fixed_settings(
     caustic_photons = photons if caustic_photons is None else caustic_photons
     settings.caustic_photons = whole("caustic_photons", caustic_photons, 0)
     settings.estimator = estimator
-    settings.soft_spacing = whole("soft_spacing", soft_spacing, 1)
-    settings.refine = whole("refine", refine, 0)
     if only_at is not None:
         if len(only_at) == 0:
             raise LeaflightError("only_at holds no points: give some, or None for all texels.")

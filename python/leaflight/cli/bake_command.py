@@ -60,7 +60,7 @@ def run_bake(options):
 
 def bake_settings(options):
     """Those that bake() is given."""
-    names = ("error", "time", "caustic_photons", "soft_spacing", "refine")
+    names = ("error", "time", "caustic_photons")
     return {
         **work_options(options),
         **given_options(options, **{name: name for name in names}),
@@ -182,7 +182,6 @@ def _told(baked, options):
             for leaves in baked.scene.leaves
         ],
         "resolution": list(baked.grid.resolution),
-        "levels": baked.grid.levels,
         **baked.statistics,
     }
     lo, hi = baked.isovalues

@@ -13,8 +13,6 @@ from .light_bricks import light_bricks
 from .shared_exponent import packed
 from .visibility_levels import POINTS_A_TEXEL, code_of, pairs, ranges
 
-# Finer levels are shown with texels of their width everywhere, up to so many.
-MOST_FINER_TEXELS = 20_000_000
 # Of 16 bits, where there are no data.
 NO_DATA = 65535
 
@@ -68,16 +66,8 @@ def dims_of(bake, number, coarser):
 
 
 def texels_of(bake, number, coarser):
-    """Texels along x, y and z of the light that a page shows: of the finest level of the bake that
-    is not too much for a browser."""
-    if coarser:
-        return dims_of(bake, number, coarser)
-    grid = bake.grids[number]
-    for level in range(grid.levels - 1, 0, -1):
-        finer = tuple((n - 1) * 2**level + 1 for n in grid.resolution)
-        if math.prod(finer) <= MOST_FINER_TEXELS:
-            return finer
-    return tuple(grid.resolution)
+    """Texels along x, y and z of the light that a page shows."""
+    return dims_of(bake, number, coarser) if coarser else tuple(bake.grids[number].resolution)
 
 
 def volume_data(data, shown):
@@ -174,7 +164,7 @@ def _light(shown, back, progress):
     """Radiance float32 (nz, ny, nx, 3) at texels evenly spaced from the first voxel to the last."""
     grid, field = shown.bake.grids[shown.number], shown.bake.volumes[shown.number].field()
     is_indirect = shown.direct is not None
-    if not shown.is_coarser and tuple(grid.resolution) == tuple(shown.texels):
+    if not shown.is_coarser:
         name = "radiance_back" if back else "radiance"
         return grid.dense(f"{name}_indirect" if is_indirect else name)
     step = (np.array(shown.volume.field().dims) - 1.0) / (np.array(shown.texels) - 1.0)
@@ -189,7 +179,7 @@ def _light(shown, back, progress):
         planes.append(grid.lookup(field, points, back, is_indirect))
     light = np.stack(planes).reshape(nz, ny, nx, 3)
     # A coarser isosurface is not quite where the one that was lit is.
-    return spread(light) if shown.is_coarser else light
+    return spread(light)
 
 
 def spread(light):

@@ -63,15 +63,12 @@ class Kind:
     name: str
     group: str
     estimator: str = "gather"
-    soft_spacing: int = 1
     strategy: str = None
     slow: bool = False
 
 
 KINDS = (
     Kind("gather", "estimators"),
-    Kind("gather, spacing 2", "estimators", soft_spacing=2),
-    Kind("gather, spacing 3", "estimators", soft_spacing=3),
     Kind("path", "estimators", "path"),
     Kind("volumetric", "estimators", "volumetric"),
     Kind("thesis", "estimators", "thesis", slow=True),
@@ -176,7 +173,6 @@ def _baked(volume, scene, kind, rays, seed, threads, run):
             samples=RAYS if scattered else rays,
             photons=rays * PHOTONS,
             estimator=kind.estimator,
-            soft_spacing=kind.soft_spacing,
             scattered=scattered,
             seed=seed,
             threads=threads,

@@ -334,7 +334,7 @@ def check_the_panel_has_a_quality_and_keeps_the_rest_out_of_sight(endless):
     assert {"DRAFT", "GOOD", "FINAL", "leaflight.bake", "leaflight.estimate_bake"} <= set(everyday)
     settings = {"error", "time_limit", "resolution", "bake_folder"}
     assert settings <= set(advanced) and not settings & set(everyday)
-    settings = {"fixed_samples", "samples", "photons", "refine", "estimator", "seed"}
+    settings = {"fixed_samples", "samples", "photons", "estimator", "seed"}
     assert settings <= set(research) and not settings & {*everyday, *advanced}
     assert all("DEFAULT_CLOSED" in panel.bl_options for panel in closed)
     assert "leaflight.keep_bake" not in everyday

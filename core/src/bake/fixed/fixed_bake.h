@@ -33,13 +33,12 @@ struct FixedBake {
   }
 };
 
-// Some texels of a side of a volume's leaves, in a lattice whose texels were halved `level` times.
+// The texels of a side of a volume's leaves.
 template <int D>
 struct LeafTexels {
   int volume;
   bool above;
   const TexelLattice<D>& lattice;
-  int level;
 };
 
 }  // namespace leaflight

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bake/fixed/fixed_samples.h"
 
-#include "bake/fixed/finer_levels.h"
 #include "bake/fixed/leaf_passes.h"
 #include "bake/walls/light_surroundings.h"
 #include "transport/placement.h"
@@ -20,8 +19,6 @@ double expected_rays(const FixedBake<D>& bake, const std::vector<RefinedMesh<D>>
         bake.strewn ? bake.strewn->positions[v].size() : bake.lattices[v].active.size();
     points += bake.sides() * static_cast<double>(places);
   }
-  // About as many finer texels are sampled as there are others.
-  points *= 1 + settings.refine;
   for (const RefinedMesh<D>& mesh : walls) {
     points += 1.0 * surroundings_share * LeafNodes::count * mesh.coarse.vertices.size();
   }
@@ -62,7 +59,7 @@ std::unique_ptr<IndirectEstimator<D>> make_estimator(FixedBake<D>& bake) {
 // The side of a volume's leaves, at the texels of its own lattice.
 template <int D>
 LeafTexels<D> texels_of(const FixedBake<D>& bake, std::size_t volume, int side) {
-  return {static_cast<int>(volume), side != 0, bake.lattices[volume], 0};
+  return {static_cast<int>(volume), side != 0, bake.lattices[volume]};
 }
 
 // Direct light of all volumes comes first, since gather rays look it up. Returns it, and leaves
@@ -129,13 +126,6 @@ Baked<D> bake_with_fixed_samples(const Scene<D>& scene, const BakeSettings<D>& s
   for (std::size_t v = 0; v < direct.size(); ++v) {
     baked.grids.push_back(
         make_grid<D>(std::move(direct[v]), light_indirectly(bake, v, estimator.get())));
-  }
-  if (settings.refine > 0) {
-    progress.begin("Finer texels");
-    for (std::size_t v = 0; v < baked.grids.size(); ++v) {
-      baked.grids[v].lattice = bake.lattices[v];
-      add_finer_levels(bake, static_cast<int>(v), estimator.get(), baked.grids[v]);
-    }
   }
   if (plan.surroundings) {
     progress.begin("Radiance of the surroundings");

@@ -26,20 +26,7 @@ void validate(const BakeSettings<D>& settings) {
                   "; choose between 1 and 4294967296.");
     }
   }
-  if (!(settings.soft_spacing >= 1 && settings.soft_spacing <= 64)) {
-    throw Error("The spacing of soft light is " + std::to_string(settings.soft_spacing) +
-                " texels; choose between 1 and 64.");
-  }
   if (settings.thesis) validate(settings.thesis->photon_map);
-  if (!(settings.refine >= 0 && settings.refine <= 4)) {
-    throw Error("Texels cannot be refined " + std::to_string(settings.refine) +
-                " times; choose between 0 and 4.");
-  }
-  const bool scattered = settings.thesis && settings.thesis->scattered;
-  if (settings.refine > 0 && (scattered || !settings.only_at.empty())) {
-    throw Error("Finer texels need samples in each texel; leave out " +
-                std::string(scattered ? "the strategy" : "the points") + " or the refinement.");
-  }
   const EstimatorTraits& estimator = traits_of(settings.estimator);
   if (!settings.only_at.empty() && estimator.photons) {
     throw Error("The estimator " + estimator.name +

@@ -24,11 +24,7 @@ struct BakeSettings {
   std::uint64_t caustic_photons = 2'000'000;
   EstimatorName estimator = EstimatorName::gather;
   std::uint64_t seed = 0;
-  int threads = 0;  // 0: all
-  // Texels between the points that soft light is gathered at; between them irradiance is
-  // interpolated (an irradiance cache after Ward et al. 1988, with records on a lattice).
-  int soft_spacing = 1;
-  int refine = 0;       // how many times texels are halved where light varies most (refinement.h)
+  int threads = 0;      // 0: all
   double exposure = 1;  // radiance times this is a displayed colour, whose differences count there
   bool both_sides = false;    // the inner side's radiance too, where light can reach it
   bool surroundings = false;  // the radiance of the surroundings too, per leaf coordinate
