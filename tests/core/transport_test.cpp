@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "agreement.h"
-#include "bake/driver/bake.h"
 #include "math/sampling.h"
 #include "scenes.h"
 #include "statistics.h"
@@ -42,12 +41,12 @@ TEST_P(Furnace, BakesAreExact) {
   const Scene<3> scene =
       test::furnace(test::ball<3>(33), {0.55, 0.9}, 1, static_cast<Real>(albedo));
   for (const EstimatorName estimator : {EstimatorName::gather, EstimatorName::volumetric}) {
-    BakeSettings<3> settings;
+    FixedSettings<3> settings;
     settings.samples = 64;
     settings.photons = 1'000'000;
     settings.estimator = estimator;
     Progress progress;
-    const Baked<3> baked_scene = bake(scene, settings, progress);
+    const Baked<3> baked_scene = bake_with_fixed_samples(scene, settings, progress);
     double sum = 0;
     const std::vector<Vec3> points = test::leaf_points(test::field_of(scene), c, 7);
     for (const Vec3& p : points) {
@@ -78,10 +77,10 @@ TEST(DirectLight, RectangleOverPlaneHasTheClosedForm) {
   const AreaLight<3> lamp{
       "lamp", {0.1, 0.3, -0.4}, {Vec3(0.5, 0, 0), Vec3(0, 0.3, 0)}, Rgb(2, 1, 4)};
   scene.lights = {lamp};
-  BakeSettings<3> settings;
+  FixedSettings<3> settings;
   settings.samples = 256;
   Progress progress;
-  const Baked<3> baked_scene = bake(scene, settings, progress);
+  const Baked<3> baked_scene = bake_with_fixed_samples(scene, settings, progress);
   const std::vector<Vec3> polygon{lamp.point({0, 0}), lamp.point({1, 0}), lamp.point({1, 1}),
                                   lamp.point({0, 1})};
   Random random(5);

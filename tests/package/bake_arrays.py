@@ -18,8 +18,8 @@ def main():
     baked = leaflight.bake(
         leaflight.bump_box(32),
         leaflight.load_scene(scene),
-        samples=8,
-        photons=100_000,
+        error=5.0,
+        resolution=32,
         both_sides=True,
         surroundings=True,
     )

@@ -81,8 +81,9 @@ def test_the_page_holds_the_bake(lapr_bake, tmp_path):
         grid = lapr_bake.grids[number]
         light = volume["light"]
         active = active_texels(header, body, light)
-        assert volume["direct"] is None  # of two volumes texels hold all light
-        for side, name in (("outer", "radiance"), ("inner", "radiance_back")):
+        # Backs of two volumes hold all light.
+        assert volume["direct"]["outer"] and volume["direct"]["inner"] is None
+        for side, name in (("outer", "radiance_indirect"), ("inner", "radiance_back")):
             dense = grid.dense(name) * lapr_bake.scene.exposure
             assert (dense[~active] < LEAST).all()
             got, expected = colors(header, body, light[side]), dense[active]

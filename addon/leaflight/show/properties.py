@@ -295,37 +295,6 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         update=_switches_on("use_time_limit"),
         override=_OVERRIDABLE,
     )
-    fixed_samples: BoolProperty(
-        name="Fixed Samples",
-        description="Take the samples below, whatever their error: to compare methods. Use Draft, "
-        "Good or Final for pictures",
-        override=_OVERRIDABLE,
-    )
-    samples: IntProperty(
-        name="Samples",
-        description="Rays per texel for direct light and for the final gather: more is less noise",
-        default=32,
-        min=1,
-        soft_max=1024,
-        override=_OVERRIDABLE,
-    )
-    photons: IntProperty(
-        name="Photons",
-        description="Photons that carry the indirect light: more where it is blotchy",
-        default=2_000_000,
-        min=1,
-        soft_max=100_000_000,
-        override=_OVERRIDABLE,
-    )
-    estimator: EnumProperty(
-        name="Estimator",
-        items=[
-            ("gather", "Final Gather", "Photon density, smoothed by one final gather"),
-            ("volumetric", "Photon Density", "Photon density alone: faster, with more noise"),
-            ("path", "Path Tracing", "Unbiased path tracing per texel: slow, the reference"),
-        ],
-        override=_OVERRIDABLE,
-    )
     seed: IntProperty(
         name="Seed",
         description="Start of the random numbers. Another seed gives other noise, which shows "

@@ -37,6 +37,10 @@ class ShownVolume:
         """Of isosurfaces, False the outer one, that the page has light for."""
         return (False, True) if inner_side(self.bake, self.number) == "baked" else (False,)
 
+    def has_maps(self, back):
+        """Whether direct light is added to the texels of a side; or they hold all light."""
+        return self.direct is not None and (not back or self.direct.has_inner)
+
     @property
     def raw_bytes(self):
         """About how many there are to deflate."""
@@ -56,7 +60,8 @@ def shown_volume(bake, number, coarser, progress):
         fields = [each.field() for each in bake.volumes]
         fields[number] = volume.field()
         scene = core_scene(bake.scene, fields, bake.isovalues)
-        direct = _core.DirectLight(scene, number, dims, bake.grids[number].has_back, progress)
+        inner = bake.grids[number].has_back and len(bake.grids) == 1
+        direct = _core.DirectLight(scene, number, dims, inner, progress)
     return ShownVolume(bake, number, volume, texels_of(bake, number, coarser), direct)
 
 
@@ -134,7 +139,7 @@ def _direct_data(data, shown, codes, offset, scale):
     active = direct.mask() != 0
     least, greatest = (each[active] for each in ranges(codes, missing, direct.resolution, code))
     sides = []
-    for is_inner in shown.sides:
+    for is_inner in filter(shown.has_maps, shown.sides):
         about = (254 - greatest, 254 - least) if is_inner else (least, greatest)
         sides.append([data.add(each) for each in pairs(direct, is_inner, *about)])
     layers = len(sides) * -(-len(direct.light_points) // POINTS_A_TEXEL)
@@ -163,7 +168,7 @@ def _texture(data, active, layers, sides):
 def _light(shown, back, progress):
     """Radiance float32 (nz, ny, nx, 3) at texels evenly spaced from the first voxel to the last."""
     grid, field = shown.bake.grids[shown.number], shown.bake.volumes[shown.number].field()
-    is_indirect = shown.direct is not None
+    is_indirect = shown.has_maps(back)
     if not shown.is_coarser:
         name = "radiance_back" if back else "radiance"
         return grid.dense(f"{name}_indirect" if is_indirect else name)

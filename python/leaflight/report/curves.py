@@ -11,22 +11,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..bake.bake import bake
-from ..bake.settings import Scattered
 from ..io.scene_file import packaged_scene
 from ..measure.cycles import bake_vertices
 from ..scene.scene import fit_scene, match_leaves
+from ..thesis import Scattered, bake
 from ..volume.volume import bump_box
 from .isosurfaces import isosurfaces
 from .memory import Cost, measured
 
 ISOVALUES = (20.0, 47.0, 100.0)
-# Photons a ray of a texel: what `bake` takes by default.
+# Photons a ray of a texel: what `thesis.bake` takes by default.
 PHOTONS = 2_000_000 // 32
 # Rays of each scattered sample.
 RAYS = 32
 CYCLES = "Cycles, one isosurface"
-# The curve of what bake does by default.
+# The curve of what thesis.bake does by default.
 DEFAULT = "gather"
 
 

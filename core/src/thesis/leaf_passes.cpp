@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bake/fixed/leaf_passes.h"
+#include "thesis/leaf_passes.h"
 
-#include "bake/fixed/scattered_averages.h"
+#include "thesis/scattered_averages.h"
 
 namespace leaflight {
 namespace {

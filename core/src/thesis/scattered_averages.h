@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "bake/texels/leaf_averages.h"
-#include "thesis/thesis.h"
+#include "thesis/fixed_settings.h"
+#include "thesis/leaf_averages.h"
 
 namespace leaflight {
 
