@@ -25,8 +25,6 @@ def main():
     bpy.ops.leaflight.stage(preset="CORNELL")
     settings = leaf.leaflight
     settings.bake_folder = str(arguments.bakes.resolve())
-    settings.fixed_samples = True
-    settings.samples = 32
     settings.light_surroundings = True
     bpy.ops.leaflight.bake()
 

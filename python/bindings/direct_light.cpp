@@ -78,6 +78,7 @@ void bind_direct_light(py::module_& module) {
       .def_property_readonly(
           "index_to_frame", [](const Direct& d) { return from_affine(d.index_to_frame()); },
           "float64 (4, 4): the frame is the world, moved and scaled uniformly.")
+      .def_property_readonly("has_inner", &Direct::has_inner, "Whether inner sides have maps.")
       .def("codes", &codes, py::arg("point"), py::arg("inner") = false,
            "uint8 (n,) of the active texels, in the order of mask(), for a light point. A leaf is\n"
            "lit at a texel if the code of its isovalue h is greater: 1 + 252 (h - lo) / (hi - lo)\n"

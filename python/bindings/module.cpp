@@ -57,6 +57,7 @@ PYBIND11_MODULE(_core, module) {
   python::bind_radiance_grid(module);
   python::bind_surroundings(module);
   python::bind_bake(module);
+  python::bind_thesis(module);
   python::bind_workers(module);
   python::bind_photons(module);
   python::bind_rays(module);

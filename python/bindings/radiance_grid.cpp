@@ -23,27 +23,17 @@ py::array_t<float> spread(const TexelLattice<D>& lattice, const std::vector<Valu
 }
 
 template <int D>
-const std::vector<Vec<3, float>>& side_of(const RadianceLevel<D>& grid, bool back) {
+const std::vector<Vec<3, float>>& side_of(const RadianceGrid<D>& grid, bool back) {
   if (back && !grid.has_back()) {
     throw Error("This bake does not hold the inner side of its isosurfaces; bake both sides.");
   }
   return back ? grid.radiance_back : grid.radiance;
 }
 
-template <int D>
-const RadianceLevel<D>& level_of(const RadianceGrid<D>& grid, int level) {
-  if (level < 0 || level >= grid.levels()) {
-    throw Error("The grid has no level " + std::to_string(level) + "; it has " +
-                std::to_string(grid.levels()) + ", numbered from 0.");
-  }
-  return grid.level(level);
-}
-
 // The radiance of one side's texels, or what of it is not direct light.
 template <int D>
-std::vector<Vec<3, float>> texels_of(const GridObject<D>& grid, int level, bool back,
-                                     bool indirect) {
-  const RadianceLevel<D>& from = level_of(*grid.baked, level);
+std::vector<Vec<3, float>> texels_of(const GridObject<D>& grid, bool back, bool indirect) {
+  const RadianceGrid<D>& from = *grid.baked;
   const std::vector<Vec<3, float>>& all = side_of(from, back);
   const std::vector<Vec<3, float>>& soft =
       back ? from.radiance_back_indirect : from.radiance_indirect;
@@ -60,8 +50,8 @@ std::vector<Vec<3, float>> texels_of(const GridObject<D>& grid, int level, bool 
 }
 
 template <int D>
-py::array_t<float> dense(const GridObject<D>& grid, const std::string& name, int level) {
-  const RadianceLevel<D>& from = level_of(*grid.baked, level);
+py::array_t<float> dense(const GridObject<D>& grid, const std::string& name) {
+  const RadianceGrid<D>& from = *grid.baked;
   std::vector<py::ssize_t> shape = array_shape(from.lattice.resolution);
   if (name == "radiance_error") {
     std::vector<float> errors = from.radiance_error;
@@ -73,7 +63,7 @@ py::array_t<float> dense(const GridObject<D>& grid, const std::string& name, int
     for (const bool indirect : {false, true}) {
       const std::string of = std::string("radiance") + (back ? "_back" : "");
       if (name != of + (indirect ? "_indirect" : "")) continue;
-      return spread(from.lattice, texels_of(grid, level, back, indirect), shape);
+      return spread(from.lattice, texels_of(grid, back, indirect), shape);
     }
   }
   throw Error("A bake has no grid '" + name +
@@ -90,9 +80,9 @@ bool scales(const RadianceGrid<D>& grid) {
 template <int D>
 Vec<3, float> indirect_at(const ShownGrid<D>& shown, const Field<D>& field,
                           const Vec<D>& index_position, bool back) {
-  const RadianceLevel<D>& level = shown.grid.at(index_position);
-  const auto& texels = back ? level.radiance_back_indirect : level.radiance_indirect;
-  return shown.scaled(lookup(level.lattice, texels, index_position), field, index_position);
+  const RadianceGrid<D>& grid = shown.grid;
+  const auto& texels = back ? grid.radiance_back_indirect : grid.radiance_indirect;
+  return shown.scaled(lookup(grid.lattice, texels, index_position), field, index_position);
 }
 
 template <int D, class Array>
@@ -145,10 +135,10 @@ template <int D>
 py::array_t<float> lookup_error_at(const GridObject<D>& grid, const Field<D>& field,
                                    const DoubleArray& array) {
   const std::vector<Vec<D>> points = to_points<D>(array);
+  const RadianceGrid<D>& from = *grid.baked;
   std::vector<float> error;
   for (const Vec<D>& point : points) {
     const Vec<D> position = field.world_to_index.point(point);
-    const RadianceLevel<D>& from = grid.baked->at(position);
     error.push_back(lookup_error(from.lattice, from.radiance_error, position) *
                     average(Rgb(grid.indirect)));
   }
@@ -156,7 +146,7 @@ py::array_t<float> lookup_error_at(const GridObject<D>& grid, const Field<D>& fi
 }
 
 py::tuple atlas(const GridObject<3>& grid, bool back) {
-  const std::vector<Vec<3, float>> values = texels_of(grid, 0, back, false);
+  const std::vector<Vec<3, float>> values = texels_of(grid, back, false);
   Atlas result;
   {
     const py::gil_scoped_release unlocked;
@@ -176,10 +166,7 @@ void bind_grid(py::module_& module, const std::string& suffix) {
   grid.def_property_readonly("resolution",
                              [](const Grid& g) { return g.baked->lattice.resolution; })
       .def_property_readonly(
-          "texels", [](const Grid& g) { return g.baked->texels(); }, "Active texels of all levels.")
-      .def_property_readonly(
-          "levels", [](const Grid& g) { return g.baked->levels(); },
-          "1, and one for each time that texels were halved somewhere.")
+          "texels", [](const Grid& g) { return g.baked->texels(); }, "Active texels.")
       .def_property_readonly(
           "map_resolution",
           [](const Grid& g) -> std::optional<Index<D>> {
@@ -210,16 +197,14 @@ void bind_grid(py::module_& module, const std::string& suffix) {
       .def_property_readonly(
           "has_back", [](const Grid& g) { return g.baked->has_back(); },
           "Whether the inner side was baked.")
-      .def("dense", &dense<D>, py::arg("name"), py::arg("level") = 0,
+      .def("dense", &dense<D>, py::arg("name"),
            "radiance, radiance_indirect (all but the lights' direct light), radiance_back or\n"
            "radiance_back_indirect (the inner side): float32 [z, y, x, 3]; radiance_error, the "
            "standard error of the mean\n"
-           "over the channels: float32 [z, y, x]. Zero at inactive texels. Those of level 1 and\n"
-           "above are half as wide, serve some cells alone and have 2 n - 1 where n were.")
+           "over the channels: float32 [z, y, x]. Zero at inactive texels.")
       .def(
-          "mask",
-          [](const Grid& g, int level) { return active_mask(level_of(*g.baked, level).lattice); },
-          py::arg("level") = 0, "uint8 [z, y, x], 1 at active texels.")
+          "mask", [](const Grid& g) { return active_mask(g.baked->lattice); },
+          "uint8 [z, y, x], 1 at active texels.")
       .def("lookup", &lookup_at<D>, py::arg("field"), py::arg("points"), py::arg("back") = false,
            py::arg("indirect") = false,
            "Radiance (n, 3) of the leaves through world points (n, D); indirect: the part of it "

@@ -10,7 +10,7 @@ bake.save("brain.vdb")
 """
 
 from . import self_check  # noqa: F401 - first: it refuses what cannot be right
-from . import flatland
+from . import flatland, thesis
 from ._core import Cancelled, LeaflightError, Progress
 from .bake.bake import bake
 from .bake.baked import Bake, Surface
@@ -18,7 +18,6 @@ from .bake.checkpoint import Checkpoint
 from .bake.estimate import Estimate, estimate
 from .bake.load_bake import load_bake
 from .bake.resume import resume
-from .bake.settings import PhotonMap, Scattered
 from .export.export import export, export_page
 from .export.notebook import picture, show
 from .io.readers import read_volume
@@ -38,9 +37,7 @@ __all__ = [
     "Checkpoint",
     "Estimate",
     "LeaflightError",
-    "PhotonMap",
     "Progress",
-    "Scattered",
     "Surface",
     "Volume",
     "__version__",
@@ -65,6 +62,7 @@ __all__ = [
     "read_volume",
     "resume",
     "still",
+    "thesis",
 ]
 
 # Pages and pictures stand above bakes.

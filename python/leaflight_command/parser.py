@@ -9,18 +9,16 @@ import argparse
 from .numbers import integer, number
 from .shared_options import (
     MACHINES,
-    RESEARCH,
     Parser,
     layout_options,
     leaf_options,
+    limit_options,
     lit_options,
     memory_options,
     resolution_options,
     scene_options,
     side_options,
-    thesis_options,
     threads_options,
-    work_options,
     workers_options,
 )
 
@@ -88,15 +86,7 @@ def make_parser():
         action="store_true",
         help="print the seconds and the memory that it would take",
     )
-    bake.add_argument(
-        "--error",
-        type=number,
-        metavar="PCT",
-        help="go on until the error is this, in percent (1.5)",
-    )
-    bake.add_argument(
-        "--time", type=number, metavar="S", help="or until so many seconds are over (no limit)"
-    )
+    limit_options(bake)
     bake.add_argument(
         "--continue",
         dest="kept",
@@ -113,28 +103,6 @@ def make_parser():
     machines = bake.group(MACHINES)
     memory_options(machines)
     workers_options(machines, "sweep light in so many processes here, by Dask; the same bake")
-    research = bake.group(RESEARCH)
-    work_options(research)
-    research.add_argument(
-        "--caustic-photons",
-        type=integer,
-        metavar="N",
-        help="photons by way of mirrors and glass (as many as photons)",
-    )
-    research.add_argument(
-        "--soft-spacing",
-        type=integer,
-        metavar="N",
-        help="texels between the points that soft light is gathered at (1)",
-    )
-    research.add_argument(
-        "--refine",
-        type=integer,
-        metavar="N",
-        help="how many times to halve texels where light varies most; once doubles the time (0)",
-    )
-    thesis_options(research)
-
     batch = subparsers.add_parser("batch", help="many bakes, resumed where they stopped")
     batch.add_argument(
         "list", metavar="LIST.txt", help="a file with the arguments of one bake on each line"
@@ -274,10 +242,8 @@ def make_parser():
     flatland.add_argument(
         "--isolines", type=number, nargs="+", metavar="C", help="isolines of the picture (one)"
     )
+    limit_options(flatland)
     resolution_options(flatland)
-    research = flatland.group(RESEARCH)
-    work_options(research)
-    thesis_options(research)
 
     report = subparsers.add_parser(
         "report", parents=[threads], help="measure errors and seconds, and write a report of them"

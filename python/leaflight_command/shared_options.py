@@ -10,9 +10,8 @@ from .numbers import integer, memory, number
 
 # What the package knows by these names.
 ENDIANS = ("little", "big")
-ESTIMATORS = ("gather", "volumetric", "path", "thesis")
-# Of groups of options.
-MACHINES, RESEARCH = "machines", "research"
+# Of a group of options.
+MACHINES = "machines"
 TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")
 
 
@@ -176,61 +175,23 @@ def memory_options(parser):
 
 def resolution_options(parser):
     parser.add_argument(
-        "--resolution", type=integer, metavar="N", help="texels on the longest axis (one a voxel)"
-    )
-
-
-def work_options(parser):
-    """How much is done, where the amount is fixed, in place of --error and --time."""
-    parser.add_argument(
-        "--samples", type=integer, metavar="N", help="rays a texel, whatever the error (32)"
-    )
-    parser.add_argument("--photons", type=integer, metavar="N", help="photons (2000000)")
-    parser.add_argument("--estimator", choices=ESTIMATORS, help="(gather)")
-
-
-def thesis_options(parser):
-    """The thesis's own ways: its estimator, and samples strewn over the domain."""
-    parser.add_argument(
-        "--k", type=integer, metavar="N", help="--estimator thesis: photons of an estimate (200)"
-    )
-    parser.add_argument(
-        "--photon-radius",
-        type=number,
-        metavar="R",
-        help="the same: reach of an estimate, in longest sides of the volume (no limit)",
-    )
-    parser.add_argument(
-        "--g",
-        type=number,
-        metavar="G",
-        help="the same: weight of isovalues against distances (10)",
-    )
-    parser.add_argument(
-        "--region",
-        metavar="NAME",
-        help="the same: sphere, clipped_sphere (default), box, cylinder, graph",
-    )
-    parser.add_argument(
-        "--strategy",
-        metavar="NAME",
-        help="samples over the domain in place of texels: uniform, stratified, importance, "
-        "level_set, letters, slabs, regular",
-    )
-    parser.add_argument(
-        "--count", type=integer, metavar="N", help="of --strategy: samples, of --samples rays each"
-    )
-    parser.add_argument(
-        "--isovalue-count", type=integer, metavar="N", help="of level_set: isovalues (9)"
-    )
-    parser.add_argument(
-        "--filter", metavar="NAME", help="of --strategy: shepard (default), tent, box"
-    )
-    parser.add_argument(
-        "--filter-radius",
+        "--resolution",
         type=integer,
-        metavar="D",
-        help="of --strategy: reach of a sample in texels (3)",
+        metavar="N",
+        help="texels on the longest axis (as the data need)",
+    )
+
+
+def limit_options(parser):
+    """When a bake ends."""
+    parser.add_argument(
+        "--error",
+        type=number,
+        metavar="PCT",
+        help="go on until the error is this, in percent (1.5)",
+    )
+    parser.add_argument(
+        "--time", type=number, metavar="S", help="or until so many seconds are over (no limit)"
     )
 
 

@@ -29,7 +29,7 @@ def baked(scene, sources, n, **settings):
     volumes = [open_volume(source, dims=[n]) for source in sources]
     scene = leaflight.load_scene(SCENES / scene)
     settings = {"samples": 16, "photons": 500_000, "surroundings": True, **settings}
-    return leaflight.bake(volumes, scene, **settings)
+    return leaflight.thesis.bake(volumes, scene, **settings)
 
 
 def assert_agrees(bake, c, most, **where):

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bake/driver/bake.h"
 #include "scenes.h"
 #include "surface/marching_cubes.h"
 #include "surface/project.h"
+#include "thesis/fixed_samples.h"
 #include "transport/reference.h"
 
 namespace leaflight::test {
@@ -55,12 +55,12 @@ template <int D>
 Agreement agreement(const Scene<D>& scene, const std::vector<Vec<D>>& points,
                     const std::vector<ReferenceRadiance>& reference, EstimatorName estimator,
                     int samples, int photons) {
-  BakeSettings<D> settings;
+  FixedSettings<D> settings;
   settings.samples = fewer(samples);
   settings.photons = settings.caustic_photons = fewer(photons);
   settings.estimator = estimator;
   Progress progress;
-  const Baked<D> baked = bake(scene, settings, progress);
+  const Baked<D> baked = bake_with_fixed_samples(scene, settings, progress);
   return compare(points.size(), reference,
                  [&](std::size_t i) { return lookup_world(scene, baked, points[i]); });
 }

@@ -84,9 +84,9 @@ TEST(BlockSweeper, RefuseABlockOfAnotherBake) {
   strange.take = [](int) { return std::string("a block"); };
   Progress progress;
   EXPECT_THROW(bake<3>(scene, in_rounds(), progress, {{}, nullptr, nullptr, &strange}), Error);
-  BakeSettings<3> fixed = in_rounds();
-  fixed.samples = 4;
-  EXPECT_THROW(BlockSweeper(scene, fixed, progress), Error);
+  Scene<3> mirror = scene;
+  mirror.volumes[0].scattering = Scattering::mirror;
+  EXPECT_THROW(BlockSweeper(mirror, in_rounds(), progress), Error);
 }
 
 }  // namespace

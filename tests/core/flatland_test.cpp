@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "agreement.h"
-#include "bake/driver/bake.h"
 #include "fields.h"
 #include "math/sampling.h"
 #include "statistics.h"
@@ -80,11 +79,11 @@ TEST(Flatland, FurnaceIsExact) {
                     (1 - albedo),
                 1, 0.01);
     for (const EstimatorName estimator : {EstimatorName::gather, EstimatorName::volumetric}) {
-      BakeSettings<2> settings;
+      FixedSettings<2> settings;
       settings.samples = 64;
       settings.photons = 1'000'000;
       settings.estimator = estimator;
-      const Baked<2> baked_scene = bake(scene, settings, progress);
+      const Baked<2> baked_scene = bake_with_fixed_samples(scene, settings, progress);
       double sum = 0;
       for (const Point& p : points) sum += test::lookup_world(scene, baked_scene, p).x;
       EXPECT_NEAR(sum / static_cast<double>(points.size()) * (1 - albedo), 1, 0.01);
@@ -103,9 +102,9 @@ TEST(Flatland, DirectLightOfASegmentHasTheClosedForm) {
   Progress progress;
   const auto reference =
       reference_radiance(scene, points, test::reference_settings(0.5, 2048, 1), progress);
-  BakeSettings<2> settings;
+  FixedSettings<2> settings;
   settings.samples = 256;
-  const Baked<2> baked_scene = bake(scene, settings, progress);
+  const Baked<2> baked_scene = bake_with_fixed_samples(scene, settings, progress);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto sine = [&](double x) {
       return (x - points[i].x) / std::hypot(x - points[i].x, 0.9);

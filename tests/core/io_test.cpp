@@ -59,8 +59,7 @@ std::string message_of(Call call) {
 
 Baked<3> small_bake(const Scene<3>& scene) {
   BakeSettings<3> settings;
-  settings.samples = 4;
-  settings.photons = 10'000;
+  settings.error = 20;
   settings.resolution = {15, 20, 17};
   Progress progress;
   return bake(scene, settings, progress);

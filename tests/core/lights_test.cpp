@@ -142,9 +142,9 @@ TEST(Lights, ConstantEnvironmentIsAFurnace) {
       test::scene_of(test::ball<3>(33), Rgb(0.5f, 0.7f, 0.9f), IsovalueWindow{0.55, 0.9});
   scene.environment = Environment<3>{};
   scene.environment->radiance = Rgb(2);
-  BakeSettings<3> settings;
+  FixedSettings<3> settings;
   Progress progress;
-  const Baked<3> baked = bake(scene, settings, progress);
+  const Baked<3> baked = bake_with_fixed_samples(scene, settings, progress);
   // A convex body sees nothing but the environment: radiance is albedo times 2.
   const auto radiance = test::lookup_world<3>(scene, baked, Vec3(0.5, 0.5, 0.78));
   EXPECT_NEAR(radiance.x, 1.0, 1e-3);

@@ -53,13 +53,13 @@ Scene<3> scene_in(const Units& units, bool glowing = false) {
 }
 
 RadianceGrid<3> baked(const Scene<3>& scene, EstimatorName estimator) {
-  BakeSettings<3> settings;
+  FixedSettings<3> settings;
   settings.samples = 2;
   settings.photons = settings.caustic_photons = test::fewer(20'000);
   settings.estimator = estimator;
   settings.both_sides = true;
   Progress progress;
-  return bake(scene, settings, progress).grids[0];
+  return bake_with_fixed_samples(scene, settings, progress).grids[0];
 }
 
 struct Difference {

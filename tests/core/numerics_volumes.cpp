@@ -95,8 +95,8 @@ Scene<3> lit(const Field<3>& field, const IsovalueWindow& window) {
   return scene;
 }
 
-BakeSettings<3> quick(EstimatorName estimator) {
-  BakeSettings<3> settings;
+FixedSettings<3> quick(EstimatorName estimator) {
+  FixedSettings<3> settings;
   settings.samples = 2;
   settings.photons = settings.caustic_photons = test::fewer(5000);
   settings.estimator = estimator;
@@ -117,7 +117,8 @@ bool is_light(const std::vector<Vec<3, float>>& radiance) {
 void expect_light(const Scene<3>& scene, const std::string& name) {
   for (const EstimatorName estimator : estimators) {
     Progress progress;
-    const RadianceGrid<3> grid = bake(scene, quick(estimator), progress).grids[0];
+    const RadianceGrid<3> grid =
+        bake_with_fixed_samples(scene, quick(estimator), progress).grids[0];
     const std::string what = name + ", " + traits_of(estimator).name;
     EXPECT_TRUE(is_light(grid.radiance)) << what;
     EXPECT_TRUE(is_light(grid.radiance_indirect)) << what;
@@ -218,10 +219,10 @@ Scene<3> furnace_of_planes(const Affine<3>& transform) {
 TEST(NumericsVolumes, FurnaceInAnyTransform) {
   for (const auto& [name, transform] : any_transform()) {
     const Scene<3> scene = furnace_of_planes(transform);
-    BakeSettings<3> settings = quick(EstimatorName::path);
+    FixedSettings<3> settings = quick(EstimatorName::path);
     settings.samples = static_cast<int>(test::trials(64, 1024));
     Progress progress;
-    const RadianceGrid<3> grid = bake(scene, settings, progress).grids[0];
+    const RadianceGrid<3> grid = bake_with_fixed_samples(scene, settings, progress).grids[0];
     double sum = 0, variance = 0, texels = 0;
     for (std::size_t s = 0; s < grid.radiance.size(); ++s) {
       // Black texels are corners of the window's bounds that no leaf of it reaches.
@@ -247,11 +248,12 @@ TEST(NumericsVolumes, PhotonsInAnyTransform) {
   for (const auto& [name, transform] : any_transform()) {
     double sum = 0, texels = 0;
     for (int seed = 0; seed < seeds; ++seed) {
-      BakeSettings<3> settings = quick(EstimatorName::volumetric);
+      FixedSettings<3> settings = quick(EstimatorName::volumetric);
       settings.photons = test::fewer(400'000);
       settings.seed = seed;
       Progress progress;
-      const RadianceGrid<3> grid = bake(furnace_of_planes(transform), settings, progress).grids[0];
+      const RadianceGrid<3> grid =
+          bake_with_fixed_samples(furnace_of_planes(transform), settings, progress).grids[0];
       for (const auto& radiance : grid.radiance) {
         texels += radiance.x > 0;
         sum += radiance.x;
@@ -271,12 +273,12 @@ TEST(NumericsVolumes, FurnaceInNarrowWindows) {
     for (const EstimatorName estimator : estimators) {
       const Scene<3> scene = test::furnace(
           test::ball<3>(25), {0.72 - height / 2, 0.72 + height / 2}, 1, static_cast<Real>(0.5));
-      BakeSettings<3> settings = quick(estimator);
+      FixedSettings<3> settings = quick(estimator);
       settings.samples = test::fewer(16);
       settings.photons = test::fewer(100'000);
       settings.both_sides = false;
       Progress progress;
-      const Baked<3> baked = bake(scene, settings, progress);
+      const Baked<3> baked = bake_with_fixed_samples(scene, settings, progress);
       const std::vector<Vec3> points = test::leaf_points(test::field_of(scene), 0.72, 5);
       double sum = 0, square = 0;
       for (const Vec3& point : points) {
@@ -304,13 +306,16 @@ TEST(NumericsVolumes, StoredTheOtherWayRound) {
   Affine<3> mirror{{Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}};
   const auto off_centre = [](int i, int j, int k) { return ball(i + 2, j, k - 1); };
   const auto reversed = [&](int i, int j, int k) { return off_centre(12 - i, j, k); };
-  BakeSettings<3> settings = quick(EstimatorName::path);
+  FixedSettings<3> settings = quick(EstimatorName::path);
   settings.samples = test::fewer(64);
   Progress first, second;
   const RadianceGrid<3> a =
-      bake(test::cornell(field_of({13, 13, 13}, off_centre), {0.6, 0.9}), settings, first).grids[0];
+      bake_with_fixed_samples(test::cornell(field_of({13, 13, 13}, off_centre), {0.6, 0.9}),
+                              settings, first)
+          .grids[0];
   const RadianceGrid<3> b =
-      bake(test::cornell(field_of({13, 13, 13}, reversed, mirror), {0.6, 0.9}), settings, second)
+      bake_with_fixed_samples(test::cornell(field_of({13, 13, 13}, reversed, mirror), {0.6, 0.9}),
+                              settings, second)
           .grids[0];
   ASSERT_EQ(a.radiance.size(), b.radiance.size());
   double difference = 0, variance = 0, sum = 0;

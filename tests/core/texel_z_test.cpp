@@ -69,12 +69,12 @@ Estimate texel_truth(const SceneTracer<D>& tracer, const LightSampler<D>& lights
 
 // Bakes that differ in their seed: their mean and its variance, whatever the estimator.
 template <int D>
-std::vector<Estimate> over_seeds(const Scene<D>& scene, BakeSettings<D> settings, int seeds) {
+std::vector<Estimate> over_seeds(const Scene<D>& scene, FixedSettings<D> settings, int seeds) {
   std::vector<std::vector<Vec<3, float>>> radiance;
   Progress progress;
   for (int seed = 0; seed < seeds; ++seed) {
     settings.seed = 1 + seed;
-    radiance.push_back(bake(scene, settings, progress).grids[0].radiance);
+    radiance.push_back(bake_with_fixed_samples(scene, settings, progress).grids[0].radiance);
   }
   std::vector<Estimate> estimates(radiance[0].size());
   for (std::size_t s = 0; s < estimates.size(); ++s) {
@@ -159,7 +159,7 @@ class TexelZ {
 
   testing::AssertionResult agrees(EstimatorName estimator, int samples, int photons, int seeds,
                                   const Bias& bias, const std::string& name) const {
-    BakeSettings<D> settings;
+    FixedSettings<D> settings;
     settings.resolution = resolution_;
     settings.samples = samples;
     settings.photons = settings.caustic_photons = photons;

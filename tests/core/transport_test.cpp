@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "agreement.h"
-#include "bake/driver/bake.h"
 #include "math/sampling.h"
 #include "scenes.h"
 #include "statistics.h"
@@ -42,12 +41,12 @@ TEST_P(Furnace, BakesAreExact) {
   const Scene<3> scene =
       test::furnace(test::ball<3>(33), {0.55, 0.9}, 1, static_cast<Real>(albedo));
   for (const EstimatorName estimator : {EstimatorName::gather, EstimatorName::volumetric}) {
-    BakeSettings<3> settings;
+    FixedSettings<3> settings;
     settings.samples = 64;
     settings.photons = 1'000'000;
     settings.estimator = estimator;
     Progress progress;
-    const Baked<3> baked_scene = bake(scene, settings, progress);
+    const Baked<3> baked_scene = bake_with_fixed_samples(scene, settings, progress);
     double sum = 0;
     const std::vector<Vec3> points = test::leaf_points(test::field_of(scene), c, 7);
     for (const Vec3& p : points) {
@@ -78,10 +77,10 @@ TEST(DirectLight, RectangleOverPlaneHasTheClosedForm) {
   const AreaLight<3> lamp{
       "lamp", {0.1, 0.3, -0.4}, {Vec3(0.5, 0, 0), Vec3(0, 0.3, 0)}, Rgb(2, 1, 4)};
   scene.lights = {lamp};
-  BakeSettings<3> settings;
+  FixedSettings<3> settings;
   settings.samples = 256;
   Progress progress;
-  const Baked<3> baked_scene = bake(scene, settings, progress);
+  const Baked<3> baked_scene = bake_with_fixed_samples(scene, settings, progress);
   const std::vector<Vec3> polygon{lamp.point({0, 0}), lamp.point({1, 0}), lamp.point({1, 1}),
                                   lamp.point({0, 1})};
   Random random(5);
@@ -107,30 +106,6 @@ TEST(Estimators, AgreeWithThePathTracer) {
   const Scene<3> scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
   test::expect_agreement(scene, c, EstimatorName::gather, 64, 500'000, 0.01, 0.06);
   test::expect_agreement(scene, c, EstimatorName::path, 64, 1, 0.01, 0.08);
-}
-
-// An irradiance cache: records of soft light at every third texel, interpolated.
-TEST(Estimators, SoftLightFromRecordsAgreesWithThePathTracer) {
-  Scene<3> scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
-  scene.volumes[0].albedo = ColorRamp({{0.6, Rgb(0.9f, 0.3f, 0.5f)}, {0.9, Rgb(0.4f, 0.8f, 0.5f)}});
-  const std::vector<Vec3> points = test::leaf_points(test::field_of(scene), c, 17);
-  Progress progress;
-  const auto reference = reference_radiance(
-      scene, points, test::reference_settings(c, test::fewer(1024), 3), progress);
-  std::array<std::uint64_t, 2> rays;
-  for (const int spacing : {1, 3}) {
-    BakeSettings<3> settings;
-    settings.soft_spacing = spacing;
-    settings.photons = 500'000;
-    const Baked<3> baked = bake(scene, settings, progress);
-    rays[spacing / 3] = baked.statistics.rays;
-    const test::Agreement found = test::compare(points.size(), reference, [&](std::size_t i) {
-      return test::lookup_world(scene, baked, points[i]);
-    });
-    EXPECT_NEAR(found.mean_ratio, 1, test::sanitized ? 0.1 : 0.01);
-    EXPECT_LT(found.relative_rms, test::sanitized ? 1 : 0.06);
-  }
-  EXPECT_LT(rays[1], rays[0]);
 }
 
 TEST(Estimators, PhotonDensityAgreesWithThePathTracer) {

@@ -47,11 +47,11 @@ test::Agreement side_agreement(const Scene<3>& scene, const Baked<3>& baked, int
 TEST(Volumes, OfOneSceneSeeEachOther) {
   const Scene<3> scene = two_balls();
   for (const EstimatorName estimator : {EstimatorName::gather, EstimatorName::volumetric}) {
-    BakeSettings<3> settings;
+    FixedSettings<3> settings;
     settings.samples = test::fewer(64);
     settings.photons = test::fewer(4'000'000);
     settings.estimator = estimator;
-    const Baked<3> baked = bake(scene, settings, ignored);
+    const Baked<3> baked = bake_with_fixed_samples(scene, settings, ignored);
     ASSERT_EQ(baked.grids.size(), 2u);
     for (const int volume : {0, 1}) {
       SCOPED_TRACE(volume);
@@ -79,10 +79,11 @@ TEST(Volumes, LeafCoordinateIsAffine) {
       test::sampled<3>(25, [](const Vec3& x) { return 2 * (1 - (x - Vec3(0.5)).length()) + 3; });
   doubled.volumes[0].offset = 3;
   doubled.volumes[0].scale = 2;
-  BakeSettings<3> settings;
+  FixedSettings<3> settings;
   settings.samples = 16;
   settings.photons = 200'000;
-  const Baked<3> a = bake(scene, settings, ignored), b = bake(doubled, settings, ignored);
+  const Baked<3> a = bake_with_fixed_samples(scene, settings, ignored),
+                 b = bake_with_fixed_samples(doubled, settings, ignored);
   ASSERT_EQ(a.grids[0].lattice.active.size(), b.grids[0].lattice.active.size());
   double difference = 0, sum = 0;
   for (std::size_t s = 0; s < a.grids[0].radiance.size(); ++s) {
@@ -118,12 +119,12 @@ TEST(Leaves, HaveTwoSides) {
   for (const EstimatorName estimator :
        {EstimatorName::gather, EstimatorName::volumetric, EstimatorName::path}) {
     SCOPED_TRACE(static_cast<int>(estimator));
-    BakeSettings<3> settings;
+    FixedSettings<3> settings;
     settings.samples = test::fewer(64);
     settings.photons = test::fewer(4'000'000);
     settings.estimator = estimator;
     settings.both_sides = true;
-    const Baked<3> baked = bake(scene, settings, ignored);
+    const Baked<3> baked = bake_with_fixed_samples(scene, settings, ignored);
     ASSERT_TRUE(baked.grids[0].has_back());
     for (const bool above : {false, true}) {
       const test::Agreement found = side_agreement(scene, baked, 0, above, 0.5);
@@ -164,10 +165,10 @@ WallRadiance wall_radiance(const Scene<3>& scene, const Baked<3>& baked, double 
 
 TEST(Surroundings, AreLitPerIsovalue) {
   const Scene<3> scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
-  BakeSettings<3> settings;
+  FixedSettings<3> settings;
   settings.surroundings = true;
   settings.samples = test::fewer(64);
-  const Baked<3> baked = bake(scene, settings, ignored);
+  const Baked<3> baked = bake_with_fixed_samples(scene, settings, ignored);
   ASSERT_EQ(baked.surroundings.radiance.size(), scene.meshes.size());
   for (const double c : {0.62, 0.75, 0.88}) {
     const WallRadiance walls = wall_radiance(scene, baked, c, test::fewer(1024));
@@ -182,14 +183,14 @@ TEST(Surroundings, ShowTheCausticOfAGlassLeaf) {
   Scene<3> scene = test::cornell(test::ball<3>(41), {0.75, 0.85});
   scene.volumes[0].scattering = Scattering::glass;
   scene.volumes[0].albedo = Rgb(1);
-  BakeSettings<3> settings;
-  EXPECT_THROW(bake(scene, settings, ignored), Error);
+  FixedSettings<3> settings;
+  EXPECT_THROW(bake_with_fixed_samples(scene, settings, ignored), Error);
   settings.surroundings = true;
   settings.samples = test::fewer(64);
   settings.photons = test::fewer(2'000'000);
   settings.caustic_photons = test::fewer(8'000'000);
-  const WallRadiance walls =
-      wall_radiance(scene, bake(scene, settings, ignored), 0.8, test::fewer(4096));
+  const WallRadiance walls = wall_radiance(scene, bake_with_fixed_samples(scene, settings, ignored),
+                                           0.8, test::fewer(4096));
   EXPECT_NEAR(walls.baked / walls.truth, 1, test::sanitized ? 0.3 : 0.02);
 }
 

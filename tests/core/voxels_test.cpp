@@ -101,19 +101,21 @@ TYPED_TEST(VoxelsOf, BoundTheSameLeaves) {
   EXPECT_EQ(mesh.triangles, same.triangles);
 }
 
-// In rounds, which follow lines, and with fixed samples by rays.
+// In passes, which follow lines, and with fixed samples by rays.
 TYPED_TEST(VoxelsOf, BakeToTheSameBits) {
   const Pair<TypeParam> pair(test::sanitized ? 8 : 15);
-  for (const int samples : {0, 2}) {
+  BakeSettings<3> passes;
+  passes.error = 20;
+  FixedSettings<3> fixed;
+  fixed.samples = 2;
+  fixed.photons = 20'000;
+  for (const bool in_passes : {true, false}) {
     std::vector<Baked<3>> bakes;
     for (const Field<3>& field : {pair.own, pair.floats}) {
-      BakeSettings<3> settings;
-      settings.samples = samples;
-      settings.photons = 20'000;
-      if (samples == 0) settings.error = 20;
+      const Scene<3> scene = test::cornell(field, {pair.isovalue(0.6), pair.isovalue(0.9)});
       Progress progress;
-      bakes.push_back(
-          bake(test::cornell(field, {pair.isovalue(0.6), pair.isovalue(0.9)}), settings, progress));
+      bakes.push_back(in_passes ? bake(scene, passes, progress)
+                                : bake_with_fixed_samples(scene, fixed, progress));
     }
     const RadianceGrid<3>&own = bakes[0].grids[0], &floats = bakes[1].grids[0];
     EXPECT_GT(own.lattice.active.size(), test::sanitized ? 50u : 1000u);

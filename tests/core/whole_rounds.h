@@ -14,7 +14,6 @@ namespace leaflight::test {
 
 inline BakeSettings<3> in_rounds(double error = 1.5) {
   BakeSettings<3> settings;
-  settings.samples = 0;
   settings.error = sanitized ? 20 * error : error;
   if (sanitized) settings.resolution = {17, 17, 17};
   return settings;

@@ -57,7 +57,7 @@ def _fields(axes):
 
 
 def _bake_of_grids(_folder):
-    """Fields of 2^3 voxels with texels at each, of one level and of two."""
+    """Fields of 2^3 voxels with texels at each."""
     corners = [(x, y, z) for z in range(2) for y in range(2) for x in range(2)]
 
     def number(n):
@@ -75,10 +75,8 @@ def _bake_of_grids(_folder):
 
     coarse = grid(0, 2, False, corners)
     coarse += grid(1, 2, True, corners) + grid(2, 2, True, corners) + grid(3, 2, False, corners)
-    fine = [(x, y, 1) for x in range(3) for y in range(3)]
-    finer = grid(5, 3, True, fine) + grid(10, 3, True, fine) + grid(11, 3, False, fine)
     back = grid(4, 2, True, corners) + grid(6, 2, True, corners)
-    return [coarse, coarse + finer, coarse + back, coarse + grid(7, 2, True, corners)]
+    return [coarse, coarse + back, coarse + grid(7, 2, True, corners)]
 
 
 CORE_TARGETS = (

@@ -135,7 +135,7 @@ def _bake(folder):
     import leaflight
     from same_bytes import saved_alike
 
-    settings = {"samples": 1, "photons": 1000, "isovalues": (30.0, 70.0)}
+    settings = {"error": 50.0, "resolution": 9, "isovalues": (30.0, 70.0)}
     bake = leaflight.bake(leaflight.bump_box(9), both_sides=True, **settings)
     return [saved_alike(bake, folder / "seed.vdb")]
 
@@ -182,8 +182,8 @@ def _pictures(kind):
 
 _INFO = ("info", "FILE", "--json")
 _POINTS = (*_INFO, "--dims", "8")
-_FLAT = ("--samples", "1", "--photons", "100", "--resolution", "4", "--out", "TEXTURE")
-_TINY = ("bump_box", "--dims", "4", "--samples", "1", "--photons", "100")
+_FLAT = ("--error", "50", "--resolution", "4", "--out", "TEXTURE")
+_TINY = ("bump_box", "--dims", "4", "--error", "50", "--resolution", "4")
 
 TARGETS = (
     Target("nifti", ".nii", _of_tests("x.nii"), _INFO),

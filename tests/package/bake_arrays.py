@@ -18,9 +18,8 @@ def main():
     baked = leaflight.bake(
         leaflight.bump_box(32),
         leaflight.load_scene(scene),
-        samples=8,
-        photons=100_000,
-        refine=1,
+        error=5.0,
+        resolution=32,
         both_sides=True,
         surroundings=True,
     )
@@ -28,10 +27,9 @@ def main():
     read = leaflight.load_bake(out.with_suffix(".vdb"))
     arrays = {}
     for origin, bake in (("baked", baked), ("read", read)):
-        for level in range(bake.grid.levels):
-            arrays[f"{origin}/mask/{level}"] = bake.grid.mask(level)
-            for name in NAMES:
-                arrays[f"{origin}/{name}/{level}"] = bake.grid.dense(name, level)
+        arrays[f"{origin}/mask"] = bake.grid.mask()
+        for name in NAMES:
+            arrays[f"{origin}/{name}"] = bake.grid.dense(name)
         for mesh in range(bake.surroundings.count):
             for back in (False, True):
                 values = [

@@ -26,7 +26,7 @@ BAKE = """
 import sys
 sys.path.insert(0, sys.argv[-1])
 import leaflight
-bake = leaflight.bake(leaflight.bump_box(12), samples=2, photons=5000)
+bake = leaflight.bake(leaflight.bump_box(12), error=20.0)
 bake.save(sys.argv[-1] + "/bake.vdb")
 assert leaflight.load_bake(sys.argv[-1] + "/bake.vdb").grid.texels == bake.grid.texels
 print("done with", leaflight.__file__)

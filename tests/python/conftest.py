@@ -36,8 +36,7 @@ SHIPPED = sorted(
 )
 COLIN27 = Path("/usr/share/mricron/templates/ch2.nii.gz")
 
-# Bakes of well below a second, of 20^3 nodes and fewer: in rounds, as by default, and with a fixed
-# amount of work.
+# Bakes of well below a second, of 20^3 nodes and fewer, and the same by thesis.bake().
 SMALL = {"error": 5.0, "isovalues": (30.0, 70.0)}
 FIXED = {"samples": 4, "photons": 20_000, "isovalues": (30.0, 70.0)}
 
@@ -115,9 +114,7 @@ def lapr_scene():
 def lapr_bake(lapr_scene):
     """Two volumes, both sides and the surroundings; open at the border, so that light gets in."""
     volumes = [replace(one, values=one.values[:, :, :20].copy()) for one in lapr(30)]
-    return leaflight.bake(
-        volumes, lapr_scene, samples=4, photons=50_000, both_sides=True, surroundings=True
-    )
+    return leaflight.bake(volumes, lapr_scene, error=2.0, both_sides=True, surroundings=True)
 
 
 @pytest.fixture(scope="session")

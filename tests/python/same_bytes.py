@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes as files of the same bytes in every run, for damage to do the same to them."""
+"""Files of bakes: of the same bytes in every run, and compared bit by bit."""
 
 from dataclasses import replace
 from uuid import UUID
+
+from leaflight import _core
+
+GRIDS = ("radiance", "radiance_indirect", "radiance_error")
 
 # Where OpenVDB writes an identifier that it draws anew for each file.
 _IDENTIFIER = slice(21, 57)
@@ -18,3 +22,20 @@ def saved_alike(bake, path):
     assert data[_IDENTIFIER].count(b"-") == 4
     data[_IDENTIFIER] = str(UUID(int=0)).encode()
     return bytes(data)
+
+
+def assert_same_bake(path, other):
+    """Compares grids bit by bit and the metadata; a VDB header holds a random UUID besides."""
+    fields, grids, surroundings, metadata = _core.read_bake(str(path))
+    other_fields, other_grids, other_surroundings, other_metadata = _core.read_bake(str(other))
+    for field, other_field in zip(fields, other_fields, strict=True):
+        for array, other_array in zip(field, other_field):
+            assert array.tobytes() == other_array.tobytes()
+    for grid, other_grid in zip(grids, other_grids, strict=True):
+        assert grid.mask().tobytes() == other_grid.mask().tobytes()
+        for name in GRIDS + (("radiance_back",) if grid.has_back else ()):
+            assert grid.dense(name).tobytes() == other_grid.dense(name).tobytes()
+    assert (surroundings is None) == (other_surroundings is None)
+    # The statistics are times and the like.
+    metadata.pop("statistics"), other_metadata.pop("statistics")
+    assert metadata == other_metadata

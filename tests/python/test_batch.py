@@ -73,7 +73,7 @@ def test_a_batch_that_was_interrupted_goes_on(cli, tmp_path):
     """What was baked stays as it is, and the rest is baked."""
     lines = [f"bump_box --dims 10 --error 5 --out {tmp_path}/short.vdb"]
     # Of days.
-    long = f"bump_box --dims 60 --samples 1000000 --out {tmp_path}/long.vdb"
+    long = f"bump_box --dims 200 --error 0.01 --out {tmp_path}/long.vdb"
     path = listed(tmp_path, *lines, long)
     with started(
         [sys.executable, "-c", PROGRAM, "batch", path, "--workers", "2"],

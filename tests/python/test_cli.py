@@ -14,8 +14,8 @@ from leaflight import _core
 from PIL import Image
 from waiting import HANG, started
 
-FLAT = ["--out", "OUT/x.exr", "--samples", "1", "--photons", "1000"]
-BAKE = ["--isovalues", "30", "70", "--samples", "4", "--photons", "20000"]
+FLAT = ["--out", "OUT/x.exr", "--error", "50"]
+BAKE = ["--isovalues", "30", "70", "--error", "5", "--resolution", "20"]
 
 
 def last_json(outcome):
@@ -29,11 +29,10 @@ def test_help_of_bake_fits_a_screen(script):
     assert len(short) <= 24 and max(map(len, short)) <= 80
     for option in ("--out", "--error", "--time", "--estimate", "--resolution", "--both-sides"):
         assert f"  {option} " in "\n".join(short)
-    everyday, research = script("bake", "--help-all").out.split("research:\n")
-    for option in ("--out", "--dims", "--threads", "--scheduler"):
-        assert f"  {option} " in everyday and f"  {option} " not in research
-    for option in ("--samples", "--photons", "--refine", "--soft-spacing", "--k", "--strategy"):
-        assert f"  {option} " in research and option not in "\n".join(short)
+    whole = script("bake", "--help-all").out
+    assert "files:\n" in whole and "machines:\n" in whole
+    for option in ("--dims", "--threads", "--scheduler", "--seed", "--memory"):
+        assert f"  {option} " in whole and option not in "\n".join(short)
     assert "--help-all" not in script("surface", "--help").out
 
 
@@ -96,7 +95,7 @@ def test_pipeline_of_several_volumes(cli, root, tmp_path):
     """The volumes come from the scene file; each shows its own isovalue at a leaf coordinate."""
     bake, mesh = tmp_path / "lapr.vdb", tmp_path / "water.ply"
     scene = root / "scenes" / "lapr.json"
-    options = ["--samples", "2", "--photons", "5000", "--caustic-photons", "1000", "--capped"]
+    options = ["--error", "20", "--capped"]
     outcome = cli(
         *("bake", "--scene", scene, "--dims", "16", "--out", bake, "--both-sides"),
         *("--surroundings", *options, "--json"),
@@ -126,7 +125,7 @@ def test_volumes_on_the_command_line_win(cli, root, tmp_path):
     result = last_json(
         cli(
             *("bake", "bump_box", "bump_box", "--dims", "8", "--scene", scene, "--out", out),
-            *("--samples", "1", "--photons", "1000", "--isovalues", "0.2", "0.8", "--json"),
+            *("--error", "50", "--isovalues", "0.2", "0.8", "--json"),
         )
     )
     assert result["isovalues"] == [0.2, 0.8] and len(result["volumes"]) == 2
@@ -135,8 +134,9 @@ def test_volumes_on_the_command_line_win(cli, root, tmp_path):
 def test_flatland(script, tmp_path):
     out = tmp_path / "texture.exr"
     arguments = ["bump_box", "--dims", "40", "--out", out, "--isolines", "10", "50", "100"]
-    options = ["--samples", "4", "--photons", "10000"]
-    result = last_json(script("flatland", *arguments, *options, "--json"))
+    options = ["--error", "10"]
+    sized = ["--resolution", "40", "--json"]
+    result = last_json(script("flatland", *arguments, *options, *sized))
     assert result["resolution"] == [40, 40] and result["isolines"] == [10, 50, 100]
     texture = _core.read_exr(str(out))
     # The top row is first, and the lamp at the bottom.
@@ -148,15 +148,12 @@ def test_flatland(script, tmp_path):
     outcome = script("flatland", image, "--out", tmp_path / "image.exr", *options)
     assert outcome.status == 2 and "overwrite the input" in outcome.err
     outcome = script("flatland", image, "--out", tmp_path / "other.exr", *options)
-    assert outcome.status == 0 and "12 x 9 texels" in outcome.out
+    assert outcome.status == 0 and "45 x 33 texels" in outcome.out
 
 
 def test_defaults_bake_a_cornell_box(cli, tmp_path):
     out = tmp_path / "box.vdb"
-    outcome = cli(
-        "bake", "bump_box", "--dims", 8, "--out", out, "--samples", 2, "--photons", 1000, "--json"
-    )
-    result = last_json(outcome)
+    result = last_json(cli("bake", "bump_box", "--dims", 8, "--out", out, "--json"))
     assert result["scene"] == "Cornell box" and out.exists()
 
 
@@ -182,12 +179,9 @@ def test_plain_text(cli, box_file, tmp_path):
         (["bake", "bump_box"], "--out"),
         (["bake", "bump_box", "--out", "OUT/x.vdb", "--isovalues", "9", "3"], "empty"),
         (["bake", "bump_box", "--out", "OUT/x.vdb", "--isovalues", "900", "901"], "outside"),
-        (["bake", "bump_box", "--out", "OUT/x.vdb", "--estimator", "magic"], "magic"),
-        (["bake", "bump_box", "--out", "OUT/x.vdb", "--samples", "0"], "samples"),
+        (["bake", "bump_box", "--out", "OUT/x.vdb", "--samples", "4"], "--samples"),
         (["bake", "bump_box", "--out", "OUT/x.vdb", "--error", "0"], "(--error)."),
-        (["bake", "bump_box", "--out", "OUT/x.vdb", "--error", "1", "--refine", "1"], "(--error)."),
         (["bake", "bump_box", "--out", "OUT/x.vdb", "--estimate"], "--estimate"),
-        (["bake", "bump_box", "--estimate", "--samples", "4"], "leave out samples"),
         (["bake", "bump_box", "--out", "OUT/x.vdb", "--scene", "OUT/no.json"], "no.json"),
         (["bake", "bump_box", "--out", "OUT/x.txt"], "must end in .vdb"),
         (["bake", "bump_box", "--out", "OUT/no/x.vdb"], "folder"),
@@ -251,8 +245,8 @@ def test_ctrl_c_leaves_no_file(root, tmp_path):
     command = [root / "scripts" / "leaflight", "bake", "bump_box", "--out", tmp_path / "x.vdb"]
     terminal, of_program = os.openpty()
     with started(
-        # Of days.
-        [*command, "--samples", "1000000"],
+        # Of minutes.
+        [*command, "--error", "0.01", "--resolution", "200"],
         stdout=subprocess.PIPE,
         stderr=of_program,
         text=True,

@@ -144,8 +144,6 @@ def _of_another(init):
 
 
 def test_what_cannot_be_shared(volume, workers):
-    with pytest.raises(LeaflightError, match="fixed samples"):
-        leaflight.bake(volume, workers=workers, samples=4)
     with pytest.raises(LeaflightError, match="one volume"):
         leaflight.bake(leaflight.lapr(12), workers=workers)
     with pytest.raises(LeaflightError, match="one worker at least"):

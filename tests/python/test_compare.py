@@ -92,7 +92,7 @@ def test_exposed_points_are_those_seen_from_outside():
 def test_the_border_is_lit(bump_scene, n):
     """Vertices on the border of the domain belong to it, however the map to the index rounds."""
     volume = leaflight.bump_box(n)
-    baked = leaflight.bake(volume, bump_scene, samples=1, photons=1000, isovalues=(30.0, 70.0))
+    baked = leaflight.bake(volume, bump_scene, error=50.0, isovalues=(30.0, 70.0))
     vertices = baked.surface(47.0).vertices
     on_leaf = leaflight._core.project_to_leaf(volume.field(), vertices, 47.0)
     on_border = ((vertices == 0) | (vertices == 1)).any(axis=1)

@@ -66,8 +66,7 @@ def test_both_sides_and_texels_narrower_than_voxels(bump_scene):
         bump_scene,
         isovalues=(40, 60),
         both_sides=True,
-        samples=2,
-        photons=2000,
+        error=20.0,
         resolution=23,
     )
     field, grid = bake.volume.field(), bake.grid
@@ -92,12 +91,12 @@ def _missed_between_vertices(bake, mesh):
 @pytest.mark.parametrize("sides", [(True, False), (False, True), (True, True)])
 def test_small_meshes_are_cut_where_light_steps(bump_scene, sides):
     volume = leaflight.bump_box(24)
-    settings = {"isovalues": (40, 60), "samples": 4, "photons": 20_000, "both_sides": True}
+    settings = {"isovalues": (40, 60), "error": 5.0, "resolution": 24, "both_sides": True}
     bake = leaflight.bake(volume, bump_scene, **settings)
     field, grid = volume.field(), bake.grid
     wished = {"front": sides[0], "back": sides[1]}
     plain = grid.lit_contour(field, 50.0, **wished)
-    step = 0.02 / bake.scene.exposure
+    step = 0.01 / bake.scene.exposure
     cut = grid.lit_contour(field, 50.0, largest_step=step, **wished)
     assert plain[5] == cut[5] == len(plain[2])
     count = len(plain[0])

@@ -47,7 +47,7 @@ def test_intervals_hold(volumes, name, estimator):
 def test_no_texel_is_sure_to_be_dark(volumes):
     """In the window's last texels hardly a sample is found; they take their neighbours' light."""
     volume, scene, isovalues = volumes["nucleons"]
-    grid = leaflight.bake(volume, scene, isovalues=isovalues, photons=10_000, samples=8).grid
+    grid = leaflight.thesis.bake(volume, scene, isovalues=isovalues, photons=10_000, samples=8).grid
     active = grid.mask().astype(bool)
     assert (grid.dense("radiance_error")[active] == 0).mean() < 0.001
 
@@ -55,7 +55,7 @@ def test_no_texel_is_sure_to_be_dark(volumes):
 def test_estimated_error_of_the_bake(bump_scene):
     """It falls like that of so many more samples, and is what two seeds differ by."""
     few, more = (
-        leaflight.bake(leaflight.bump_box(20), bump_scene, photons=100_000, samples=samples)
+        leaflight.thesis.bake(leaflight.bump_box(20), bump_scene, photons=100_000, samples=samples)
         for samples in (8, 128)
     )
     estimated = few.statistics["estimated_rms_percent"]

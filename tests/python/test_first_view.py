@@ -25,9 +25,9 @@ def block(x, y, z, **options):
 
 
 def lit(volume, scene=None, **options):
-    """A bake of few rays."""
+    """A bake of little light."""
     scene = scene or SceneDescription("sun", [Leaves("block", (0.8,) * 3)], 1.0, [], [SUN])
-    settings = {"isovalues": (0.3, 0.7), "samples": 1, "photons": 1000, "resolution": 16}
+    settings = {"isovalues": (0.3, 0.7), "error": 20.0, "resolution": 16}
     return leaflight.bake(volume, scene, **settings, **options)
 
 
@@ -154,7 +154,7 @@ def test_open_isosurfaces_show_their_shape_inside():
     tube = np.repeat((12 - values)[:, None, :], 24, axis=1)  # open towards -y and +y
     volume = leaflight.Volume(np.ascontiguousarray(tube), np.diag([0.1, 0.1, 0.1, 1.0]), "tube")
     scene = SceneDescription("sun", [Leaves("tube", (0.5,) * 3)], 4.0, [], [SUN])
-    settings = {"isovalues": (2.0, 6.0), "samples": 1, "photons": 1000, "resolution": 16}
+    settings = {"isovalues": (2.0, 6.0), "error": 20.0, "resolution": 16}
     bake = leaflight.bake(volume, scene, **settings)
     camera = camera_around_bake(bake, azimuth=0, elevation=0, isovalue=4.0)
     picture = leaflight.still(bake, 4.0, camera, (90, 90), samples=1)

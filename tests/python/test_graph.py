@@ -18,7 +18,7 @@ def direct_bake():
         walls=[replace(wall, albedo=(0.0, 0.0, 0.0)) for wall in scene.walls],
         leaves=replace(scene.leaves, albedo=(0.02, 0.02, 0.02)),
     )
-    return flatland.bake_flatland(flatland.bump_box_2d(61), dark, photons=100_000)
+    return flatland.bake_flatland(flatland.bump_box_2d(61), dark, resolution=61)
 
 
 def _flattened(bake):

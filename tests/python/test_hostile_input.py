@@ -108,7 +108,7 @@ def test_points_are_in_bounds(box_bake, lapr_bake, far):
         lambda: box_bake.radiance(points),
         lambda: box_bake.radiance_error(points),
         lambda: box_bake.reference(points, 47.0, spp=1),
-        lambda: leaflight.bake(
+        lambda: leaflight.thesis.bake(
             box_bake.volume, isovalues=(30, 70), samples=1, estimator="path", only_at=points
         ),
         lambda: lapr_bake.mesh_reference(0, [0, 0, 0], points[:, :2][:, ::-1] * 0 + FAR[far], 0.5),
@@ -158,11 +158,11 @@ def test_scenes_are_in_bounds(cli, root, tmp_path):
     assert cli("bake", "bump_box", "--scene", path, "--out", tmp_path / "x.vdb").status == 2
 
 
-def test_small_voxels_are_saved(fixed_work, tmp_path):
+def test_small_voxels_are_saved(small, tmp_path):
     """10 micrometers in meters: OpenVDB itself takes no cell of 1e-15."""
     box = leaflight.bump_box(12)
     small_box = Volume(box.values, np.diag([1e-5, 1e-5, 2e-5, 1.0]), "x")
-    bake = leaflight.bake(small_box, **fixed_work)
+    bake = leaflight.bake(small_box, **small)
     bake.save(tmp_path / "x.vdb")
     again = load_bake(tmp_path / "x.vdb")
     np.testing.assert_array_equal(again.volume.index_to_world, small_box.index_to_world)
@@ -211,7 +211,7 @@ def test_vdb_files_that_ended_it(script, tmp_path, name):
         (["--seed", "4294967296"], "2^31"),
         (["--seed", "9" * 5000], "whole number"),
         (["--threads", "-9999999999"], "2^31"),
-        (["--samples", "1e3"], "whole number"),
+        (["--resolution", "1e3"], "whole number"),
         (["--error", "nan"], "finite"),
         (["--time", "inf"], "finite"),
     ],
@@ -225,7 +225,7 @@ def test_numbers_of_options(cli, tmp_path, arguments, sentence):
 def test_names_of_files(cli, tmp_path, name):
     """One that no file can have is refused at once, any other is written."""
     out = tmp_path / name
-    arguments = ["--samples", "1", "--photons", "1000", "--json"]
+    arguments = ["--error", "50", "--json"]
     outcome = cli("bake", "bump_box", "--dims", 8, "--out", out, *arguments)
     if outcome.status == 0:
         assert "\udcff" in name
@@ -243,7 +243,7 @@ def test_names_of_files(cli, tmp_path, name):
 def test_nobody_listens(root, tmp_path, closed):
     """The bake is there all the same."""
     out = tmp_path / "x.vdb"
-    bake = f"{root}/scripts/leaflight bake bump_box --dims 8 --samples 1 --photons 1000 --json"
+    bake = f"{root}/scripts/leaflight bake bump_box --dims 8 --error 50 --json"
     done = subprocess.run(
         ["bash", "-c", f"{bake} --out {out} {closed}; exit ${{PIPESTATUS[0]}}"],
         capture_output=True,

@@ -171,7 +171,7 @@ def test_what_is_no_volume(wrong, words):
 
 def test_an_array_is_baked_as_its_volume_is(bump_scene):
     box = leaflight.bump_box(12)
-    work = {"samples": 2, "photons": 2000, "isovalues": (30, 70)}
+    work = {"error": 20.0, "isovalues": (30, 70)}
     volume = Volume(box.values, spacing=(1, 2, 3), name="array")
     expected = leaflight.bake(volume, bump_scene, **work)
     assert leaflight.bake(box.values, bump_scene, spacing=(1, 2, 3), **work).id == expected.id

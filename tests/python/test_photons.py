@@ -8,6 +8,7 @@ import meshio
 import numpy as np
 import pytest
 from leaflight import _core
+from leaflight.bake.bake import placed
 from leaflight.bake.photons import trace_photons
 from leaflight.scene.scene import core_scene
 from leaflight_command import main
@@ -34,8 +35,7 @@ def test_they_lie_on_their_leaves(photons):
 def test_they_carry_the_light_of_the_lamp(photons, bump_scene):
     """No more direct light than the lamp emits over the window, and a good part of that."""
     volume = leaflight.bump_box(24)
-    window = leaflight.bake(volume, bump_scene, samples=1, photons=1).isovalues
-    scene = leaflight.bake(volume, bump_scene, samples=1, photons=1).scene
+    (volume,), scene, window = placed(volume, bump_scene, None)
     core = core_scene(scene, [volume.field()], window)
     emitted = np.array(_core.photon_balance(core, COUNT, 3)["emitted"])
     direct = photons.flux_height[photons.direct].sum(axis=0)

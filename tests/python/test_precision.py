@@ -23,7 +23,7 @@ import numpy as np
 scene = leaflight.load_scene(sys.argv[1])
 grids = {}
 for estimator in sys.argv[3:]:
-    baked = leaflight.bake(
+    baked = leaflight.thesis.bake(
         leaflight.bump_box(20), scene, samples=4, photons=20_000, isovalues=(30.0, 70.0),
         estimator=estimator, both_sides=True,
     )

@@ -20,24 +20,24 @@ from leaflight.progress_bar import with_progress
 from waiting import HANG
 
 
-def test_a_function_is_called_with_fraction_and_stage(fixed_work):
+def test_a_function_is_called_with_fraction_and_stage(small):
     seen, here = [], threading.get_ident()
 
     def look(fraction, stage):
         assert threading.get_ident() == here
         seen.append((fraction, stage))
 
-    leaflight.bake(leaflight.bump_box(12), **fixed_work, progress=look)
+    leaflight.bake(leaflight.bump_box(12), **small, progress=look)
     fraction, stage = seen[-1]
     assert 0 < fraction <= 1 and stage
 
 
-def test_what_the_function_raises_ends_the_work(fixed_work):
+def test_what_the_function_raises_ends_the_work(small):
     def refuse(*_):
         raise ZeroDivisionError
 
     with pytest.raises(ZeroDivisionError):
-        leaflight.bake(leaflight.bump_box(12), **fixed_work, progress=refuse)
+        leaflight.bake(leaflight.bump_box(12), **small, progress=refuse)
     assert "bake" not in [thread.name for thread in threading.enumerate()]
 
 

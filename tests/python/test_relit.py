@@ -144,7 +144,7 @@ def test_it_says_what_is_wrong(of_one, one_lamp):
     for wrong in (-1, float("nan"), (1, 2), (1, -2, 3), "bright"):
         with pytest.raises(LeaflightError, match=f'factor of the lamp "{name}"'):
             of_one.relit({name: wrong})
-    fixed = leaflight.bake(
+    fixed = leaflight.thesis.bake(
         leaflight.bump_box(10), one_lamp, isovalues=WINDOW, samples=4, photons=2000
     )
     with pytest.raises(LeaflightError, match="direct light of this bake is not exact"):

@@ -8,10 +8,11 @@ from dataclasses import replace
 import leaflight.report.command as command_line
 import numpy as np
 import pytest
-from leaflight import LeaflightError, Progress, Scattered
+from leaflight import LeaflightError, Progress
 from leaflight.report.experiments import QUICK, Effort, Row, Trial, judged, table_3_1
 from leaflight.report.pictures import side_by_side, slice_picture, surface_picture, texture_picture
 from leaflight.report.report import COLUMNS, report_tables
+from leaflight.thesis import Scattered
 from PIL import Image
 
 pytestmark = pytest.mark.slow

@@ -135,7 +135,7 @@ def test_errors_are_the_same_in_every_run(short):
         assert (point.error, point.noise) == (before.error, before.noise)
 
 
-@pytest.mark.parametrize("name", ["gather, spacing 2", "importance"])
+@pytest.mark.parametrize("name", ["gather", "importance"])
 def test_kinds_with_caches_are_baked(name):
     kinds = tuple(kind for kind in KINDS if kind.name == name)
     effort = replace(TINY_CURVES, texels=8, rays=(2,), vertices=30, paths=16)
@@ -197,7 +197,7 @@ def test_slopes(curves, with_cycles):
     assert all(row["slope of the noise"].value == pytest.approx(-0.5) for row in rows.values())
     assert analysed(curves, 0).break_even == []
     rows = analysed(with_cycles, 0).break_even
-    assert {row["bake"] for row in rows} == {"gather", "gather, spacing 2"}
+    assert {row["bake"] for row in rows} == {"gather"}
     for row in rows:
         assert row["isosurfaces"].value == pytest.approx(10)
 
@@ -212,7 +212,7 @@ def test_budgets(curves):
 
 def test_advice_without_data(curves):
     text = "\n".join(advice(curves, analysed(curves, 0), []))
-    assert "**Samples.**" in text and "**Spacing.**" in text and "nan" not in text
+    assert "**Samples.**" in text and "nan" not in text
     assert "**Data.**" not in text and "Cycles" not in text
 
 

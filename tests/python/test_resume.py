@@ -146,7 +146,7 @@ def test_what_is_good_enough_is_not_continued(box):
 
 
 def test_a_fixed_amount_of_work_is_not_continued(bump_scene, fixed_work):
-    baked = leaflight.bake(leaflight.bump_box(8), bump_scene, **fixed_work)
+    baked = leaflight.thesis.bake(leaflight.bump_box(8), bump_scene, **fixed_work)
     with pytest.raises(LeaflightError, match="a fixed amount of work, so it cannot be"):
         resume(baked, error=0.1)
 

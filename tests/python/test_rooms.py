@@ -19,6 +19,7 @@ PACKAGE = (
     "stills",
     "export",
     "flatland",
+    "thesis",
     "measure",
     "report",
     "bench",
@@ -33,20 +34,16 @@ CORE = (
     "scene",
     "trace",
     "transport",
-    "thesis",
     "bake/plan",
     "bake/texels",
     "bake/direct",
     "bake/walls",
     "bake/output",
     "bake/indirect",
-    "bake/fixed",
     "bake/driver",
     "io",
+    "thesis",
 )
-
-# Bakes with fixed samples, and the check of their settings.
-PASS_THE_DOOR = ("bake/fixed", "bake/plan")
 
 
 @pytest.mark.parametrize(
@@ -74,18 +71,6 @@ def test_no_include_runs_back_up():
     assert not wrong, "\n".join(wrong)
 
 
-def test_the_thesis_has_one_door():
-    """Above it only bakes with fixed samples use the thesis's ways, and by one header."""
-    above = CORE[CORE.index("thesis") + 1 :]
-    for path in core_sources():
-        if room(path) not in above:
-            continue
-        entered = {target.name for target in reached(path) if room(target) == "thesis"}
-        assert not entered or room(path) in PASS_THE_DOOR, path
-        direct = {target.name for target in includes(path) if room(target) == "thesis"}
-        assert direct <= {"thesis.h"}, path
-
-
 @pytest.mark.parametrize("room", ["report", "bench"])
 def test_the_addon_ships_without(room):
     sources = (ROOT / "addon/leaflight").rglob("*.py")
@@ -106,16 +91,6 @@ def room(path):
 def includes(path):
     """Our headers that a file of the core includes."""
     return [SOURCES / name for name in re.findall(r'#include "(.+)"', path.read_text())]
-
-
-def reached(path):
-    """All headers that a file includes, or a header that it includes, and so on."""
-    found, ahead = set(), [path]
-    while ahead:
-        new = set(includes(ahead.pop())) - found
-        found |= new
-        ahead += new
-    return found
 
 
 def floor(room, rooms):

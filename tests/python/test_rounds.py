@@ -11,7 +11,6 @@ import pytest
 from leaflight import Cancelled, LeaflightError, Progress, _core, load_bake
 from leaflight.bake.estimate import extrapolated
 from leaflight.bake.outcome import outcome
-from leaflight.bake.settings import FIXED_WORK
 from leaflight.volume.setting_error import SettingError
 from waiting import HANG
 
@@ -97,7 +96,7 @@ def test_a_stopped_bake_is_kept_like_any_other(box, tmp_path):
     loaded = load_bake(tmp_path / "kept.vdb")
     assert loaded.id == baked.id and loaded.statistics == baked.statistics
     assert loaded.statistics["stopped"] and loaded.metadata["rounds"] == "2"
-    assert float(loaded.metadata["error"]) == UNREACHED and loaded.metadata["samples"] == ""
+    assert float(loaded.metadata["error"]) == UNREACHED and loaded.metadata["fixed"] == ""
     assert "was not reached: it was stopped or its time was over" in outcome(loaded)
 
 
@@ -129,18 +128,6 @@ def test_what_goes_wrong_in_on_round_ends_the_bake(box):
         box(error=UNREACHED, on_round=lambda baked: 1 // 0)
 
 
-def test_metadata_tell_the_ways_apart(box, fixed_work):
-    rounds = box(error=20.0)
-    fixed = leaflight.bake(leaflight.bump_box(10), **fixed_work)
-    research = (*(set(FIXED_WORK) - {"only_at"}), "only_at_sha256")
-    assert rounds.metadata["error"] == "20.0" and int(rounds.metadata["rounds"]) > 0
-    assert all(rounds.metadata[name] == "" for name in research)
-    assert fixed.metadata["error"] == fixed.metadata["rounds"] == "" == outcome(fixed)
-    assert fixed.metadata["photons"] == str(fixed_work["photons"])
-    assert fixed.metadata["estimator"] == "gather"
-    assert fixed.statistics["estimated_error_percent"] is None
-
-
 def test_what_to_do_where_the_error_was_not_reached(box):
     """As rounds ended by themselves, by what is most of the error."""
     baked = box(error=20.0)
@@ -153,15 +140,6 @@ def test_what_to_do_where_the_error_was_not_reached(box):
         }
         told = outcome(replace(baked, metadata=metadata, statistics=statistics))
         assert sentence in told and "\n" not in told
-
-
-@pytest.mark.parametrize("name", sorted(FIXED_WORK))
-@pytest.mark.parametrize("limit", ["error", "time"])
-def test_both_ways_at_once_are_refused(box, name, limit):
-    value = FIXED_WORK[name] or 1
-    with pytest.raises(SettingError, match=name.replace("_", " ")) as caught:
-        box(**{name: value, limit: 1.0})
-    assert caught.value.settings == (limit,)
 
 
 @pytest.mark.parametrize("value", [0, -1.0, float("nan"), float("inf")])
@@ -204,11 +182,6 @@ def test_an_estimate_is_what_the_bake_takes(estimated):
     # 1.5 is promised; the rest is for a busy machine.
     assert 1 / 2.5 < expected.seconds / statistics["seconds"] < 2.5
     assert 1 / 1.5 < expected.memory_bytes / statistics["peak_memory_bytes"] < 1.5
-
-
-def test_an_estimate_is_of_rounds_alone(bump_scene):
-    with pytest.raises(LeaflightError, match="leave out samples, soft spacing"):
-        leaflight.estimate(leaflight.bump_box(8), bump_scene, soft_spacing=2, samples=8)
 
 
 def rounds_of(count, power, coarse=0, texture=0.0):

@@ -103,7 +103,7 @@ def test_flatland_keeps_both_files_where_one_fails(cli, tmp_path):
     """The picture is larger than the texture, so that only the second file does not fit."""
     for name in ("x.exr", "x.png"):
         (tmp_path / name).write_bytes(BEFORE)
-    arguments = ["flatland", "bump_box", "--dims", "9", "--samples", "1", "--photons", "1000"]
+    arguments = ["flatland", "bump_box", "--dims", "9", "--error", "50", "--resolution", "9"]
     with files_of_at_most(3000):
         outcome = cli(*arguments, "--out", tmp_path / "x.exr")
     assert outcome.status == 2 and "x.png" in outcome.err
@@ -225,7 +225,7 @@ program()
 @pytest.mark.parametrize("when", ["before", "after"])
 def test_ctrl_c_beside_saving(tmp_path, when):
     path = tmp_path / "x.vdb"
-    arguments = ["bake", "bump_box", "--dims", "8", "--samples", "1", "--photons", "1000"]
+    arguments = ["bake", "bump_box", "--dims", "8", "--error", "50"]
     done = subprocess.run(
         [sys.executable, "-c", INTERRUPTED, *arguments, "--out", path, when],
         env={**os.environ, "PYTHONPATH": str(Path(leaflight.__file__).parents[1])},
@@ -245,11 +245,11 @@ def test_ctrl_c_beside_saving(tmp_path, when):
 @pytest.mark.slow
 def test_ctrl_c_while_saving(root, tmp_path):
     """Whatever moment it comes at, the program says what it did."""
-    command = [root / "scripts" / "leaflight", "bake", "bump_box", "--dims", "64", "--samples"]
+    command = [root / "scripts" / "leaflight", "bake", "bump_box", "--dims", "64", "--error"]
     for delay in (0.0, 0.01, 0.03, 0.1):
         path = tmp_path / f"{delay}.vdb"
         process = subprocess.Popen(
-            [*command, "1", "--photons", "1000", "--out", path],
+            [*command, "50", "--out", path],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,

@@ -390,7 +390,7 @@ def test_how_to_read_a_source(tmp_path, cli, root):
     again = scene_from_json(scene_to_json(load_scene(path)))
     assert [one.reading for one in again.leaves] == [one["reading"] for one in volumes]
     out = tmp_path / "two.vdb"
-    work = ("--samples", "1", "--photons", "1000", "--out", out)
+    work = ("--error", "50", "--out", out)
     assert cli("bake", "--scene", path, *work).status == 0
     first, second = leaflight.load_bake(out).volumes
     assert second.field().range[1] == 2 * first.field().range[1]

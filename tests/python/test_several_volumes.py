@@ -35,7 +35,7 @@ def test_single_volume_keeps_its_isovalues(box_bake):
 
 def test_volumes_shade_each_other(lapr_scene):
     """The dirt particle is darker above the exploding water than alone."""
-    settings = {"samples": 16, "photons": 50_000}
+    settings = {"error": 5.0, "resolution": 24}
     dirt, water = (open_volume(f"lapr:{k}", dims=[24]) for k in (0, 1))
     both = leaflight.bake([dirt, water], lapr_scene, **settings)
     alone = replace(lapr_scene, leaves=lapr_scene.leaves[:1])
@@ -57,7 +57,10 @@ def test_near_leaves_do_not_look_each_other_up():
     volumes = [open_volume(f"nucleons:{k}", dims=[32]) for k in (0, 1)]
     settings = {"samples": 16, "photons": 500_000}
     gathered, traced = (
-        [grid.dense("radiance").sum() for grid in leaflight.bake(volumes, scene, **work).grids]
+        [
+            grid.dense("radiance").sum()
+            for grid in leaflight.thesis.bake(volumes, scene, **work).grids
+        ]
         for work in (settings, {"estimator": "path", **settings})
     )
     np.testing.assert_allclose(gathered, traced, rtol=0.06)
@@ -113,7 +116,7 @@ def test_inner_side(lapr_bake):
 
 def test_inner_side_that_no_light_reaches(lapr_scene):
     volumes = [open_volume(f"lapr:{k}", dims=[16]) for k in (0, 1)]
-    baked = leaflight.bake(volumes, lapr_scene, samples=2, photons=1000, both_sides=True)
+    baked = leaflight.bake(volumes, lapr_scene, error=50.0, both_sides=True)
     assert not baked.grids[1].has_back
     assert (baked.surface(0.2, 1, back=True).radiance == 0).all()
 
@@ -150,14 +153,14 @@ def test_capped(capped):
     volume = Volume(values, np.diag([0.25, 0.25, 0.25, 1]), "slab")
     scene = leaflight.cornell_box()
     scene = replace(scene, leaves=[replace(scene.leaves[0], capped=capped)])
-    baked = leaflight.bake(volume, scene, isovalues=(0.2, 0.8), samples=4, photons=20_000)
+    baked = leaflight.bake(volume, scene, isovalues=(0.2, 0.8), error=20.0)
     assert json.loads(baked.metadata["volumes"])[0]["capped"] is capped
     assert baked.volume.values.shape == ((11,) * 3 if capped else (9,) * 3)
     surface = baked.surface(0.5)
     at_rim = np.abs(surface.vertices[:, 0] - 1) > 0.999
     assert (np.abs(surface.normals[at_rim, 0]).max() > 0.9) == capped
     # Baking what is capped does not cap it again.
-    again = leaflight.bake(baked.volume, baked.scene, samples=1, photons=1, isovalues=(0.2, 0.8))
+    again = leaflight.bake(baked.volume, baked.scene, error=50.0, isovalues=(0.2, 0.8))
     assert again.volume is baked.volume
 
 
@@ -166,7 +169,7 @@ def test_caps_are_lit_like_the_reference():
     scene = leaflight.cornell_box()
     scene = replace(scene, leaves=[replace(scene.leaves[0], capped=True)])
     box = leaflight.bump_box(24)
-    baked = leaflight.bake(box, scene, isovalues=(42, 52), samples=32, photons=100_000)
+    baked = leaflight.bake(box, scene, isovalues=(42, 52), resolution=26)
     vertices, _, triangles = _core.contour(baked.volume.field(), 47.0)
     middles = vertices[triangles].mean(axis=1)
     caps = middles[np.abs(middles - 0.5).max(axis=1) > 0.5][::2]

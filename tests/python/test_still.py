@@ -40,8 +40,8 @@ def ball():
         volume,
         sphere_scene(meshes=walls),
         isovalues=(0.55, 0.75),
-        samples=4,
-        photons=1000,
+        error=5.0,
+        resolution=33,
         surroundings=True,
     )
 
@@ -64,9 +64,14 @@ def test_a_sphere_is_a_disc_with_the_light_of_the_bake(ball):
     is_hit, is_near, points = on_the_sphere()
     filled = picture[..., 3] == 1
     np.testing.assert_array_equal(filled[~is_near], is_hit[~is_near])
-    expected = ball.radiance(points[filled & ~is_near])
-    np.testing.assert_allclose(picture[filled & ~is_near][:, :3], expected, atol=0.02)
-    assert expected.max() > 0.1 and not picture[~filled].any()
+    plain = filled & ~is_near
+    points, seen = points[plain], picture[plain][:, :3]
+    # The edge of a shadow may be a little off.
+    inside, outside = (ball.radiance(0.5 + (points - 0.5) * scale) for scale in (0.98, 1.02))
+    is_edge = np.abs(inside - outside).max(axis=1) > 0.2
+    assert is_edge.mean() < 0.05
+    np.testing.assert_allclose(seen[~is_edge], ball.radiance(points[~is_edge]), atol=0.02)
+    assert seen.max() > 0.1 and not picture[~filled].any()
 
 
 def test_local_shading_is_the_lamps_cosine(ball):

@@ -6,16 +6,18 @@ import numpy as np
 import pytest
 from leaflight import LeaflightError, Volume
 
+FIXED = {"samples": 4, "photons": 3000}
 WORK = {
-    "rounds": {"error": 6.0, "both_sides": True, "surroundings": True},
-    "fixed": {"samples": 4, "photons": 3000},
-    "thesis": {"samples": 4, "photons": 3000, "estimator": "thesis"},
+    "passes": (leaflight.bake, {"error": 6.0, "both_sides": True, "surroundings": True}),
+    "fixed": (leaflight.thesis.bake, FIXED),
+    "thesis": (leaflight.thesis.bake, {**FIXED, "estimator": "thesis"}),
 }
 
 
 def lit(volume, unit, work):
     scaled = Volume(volume.values * np.float32(unit), volume.index_to_world, volume.name)
-    bake = leaflight.bake(scaled, isovalues=(30.0 * unit, 90.0 * unit), **WORK[work])
+    light, settings = WORK[work]
+    bake = light(scaled, isovalues=(30.0 * unit, 90.0 * unit), **settings)
     return bake, bake.surface(47.0 * unit)
 
 
@@ -37,4 +39,4 @@ def test_beyond_single_precision_is_refused():
     box = leaflight.bump_box(6)
     for unit in (1e-40, 1e36):
         with pytest.raises(LeaflightError, match="in units in which they differ by"):
-            lit(box, unit, "fixed")
+            lit(box, unit, "passes")

@@ -62,7 +62,7 @@ def test_bakes_have_the_same_bits_and_ids(kind, bump_scene, tmp_path):
     volume = bumps(kind)
     window = default_window(volume)
     own, floats = (
-        leaflight.bake(one, bump_scene, isovalues=window, samples=2, photons=20_000)
+        leaflight.bake(one, bump_scene, isovalues=window, error=20.0)
         for one in (volume, in_floats(volume))
     )
     assert own.id == floats.id

@@ -81,8 +81,9 @@ def test_the_page_holds_the_bake(lapr_bake, tmp_path):
         grid = lapr_bake.grids[number]
         light = volume["light"]
         active = active_texels(header, body, light)
-        assert volume["direct"] is None  # of two volumes texels hold all light
-        for side, name in (("outer", "radiance"), ("inner", "radiance_back")):
+        # Backs of two volumes hold all light.
+        assert volume["direct"]["outer"] and volume["direct"]["inner"] is None
+        for side, name in (("outer", "radiance_indirect"), ("inner", "radiance_back")):
             dense = grid.dense(name) * lapr_bake.scene.exposure
             assert (dense[~active] < LEAST).all()
             got, expected = colors(header, body, light[side]), dense[active]
@@ -232,14 +233,6 @@ def test_a_coarser_page(box_bake, tmp_path):
     assert volume["dims"] == volume["light"]["texels"] == volume["direct"]["texels"] == [10, 10, 10]
     assert coarse.stat().st_size < whole.stat().st_size / 2 and header["isovalue"] == 50
     assert ["Shown here", "every 2nd voxel along each axis"] in header["about"]
-
-
-def test_finer_texels_where_they_are_not_too_many(bump_scene, fixed_work, tmp_path, monkeypatch):
-    fine = leaflight.bake(leaflight.bump_box(12), bump_scene, refine=1, **fixed_work)
-    assert page_volume.texels_of(fine, 0, 0) == (23, 23, 23)
-    fine.export_page(tmp_path / "fine.html")
-    monkeypatch.setattr(page_volume, "MOST_FINER_TEXELS", 1000)
-    assert page_volume.texels_of(fine, 0, 0) == (12, 12, 12)
 
 
 def test_a_folder_to_embed(cli, box_file, tmp_path):

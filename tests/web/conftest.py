@@ -23,7 +23,7 @@ from leaflight.volume.particles import lapr
 
 ROOT = Path(__file__).resolve().parents[2]
 COLIN27 = Path("/usr/share/mricron/templates/ch2.nii.gz")
-WORK = {"samples": 4, "photons": 20_000}
+WORK = {"error": 10.0}
 
 
 @pytest.fixture(scope="session")
@@ -44,6 +44,7 @@ def box():
         leaflight.load_scene(ROOT / "scenes" / "bump_box.json"),
         both_sides=True,
         surroundings=True,
+        resolution=64,
         **WORK,
     )
 
@@ -52,7 +53,7 @@ def brain():
     """Colin27 with coarse light: rays meet every voxel."""
     if not COLIN27.exists():
         pytest.skip("the Debian package mricron-data is not installed")
-    return leaflight.bake(leaflight.read_volume(COLIN27), resolution=60, samples=1, photons=20_000)
+    return leaflight.bake(leaflight.read_volume(COLIN27), resolution=60, error=10.0)
 
 
 def oblong():
@@ -68,10 +69,10 @@ def oblong():
 
 
 def two():
-    """Two volumes that are seen together."""
+    """Two volumes that are seen together, whose backs have no maps."""
     scene = leaflight.load_scene(ROOT / "scenes" / "lapr.json")
     volumes = [replace(one, values=one.values[:, :, :20].copy()) for one in lapr(30)]
-    return leaflight.bake(volumes, scene, **WORK)
+    return leaflight.bake(volumes, scene, both_sides=True, **WORK)
 
 
 def shadows():

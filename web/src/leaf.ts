@@ -152,6 +152,7 @@ function uniformsOf(
     texelScale: new three.Vector3(...texelScale),
     textureScale: new three.Vector3(...textureSize(data.light).map((n) => 1 / n)),
     ...(data.direct && mapUniforms(data.direct)),
+    innerHasMaps: data.direct !== null && data.direct.inner !== null,
     innerIs: ['baked', 'dark', 'local'].indexOf(data.innerIs),
     indexToWorld,
     normalToWorld: new three.Matrix3().setFromMatrix4(worldToIndex).transpose(),

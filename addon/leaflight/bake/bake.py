@@ -30,7 +30,7 @@ _LIT, _WRITTEN = 0.9, 0.97
 def arguments_of(obj, volumes, scene):
     """Those of leaflight.bake(), for the volumes of a scene with the settings of `obj`."""
     settings = obj.leaflight
-    arguments = {
+    return {
         "volumes": [cache.volume_to_bake(volume) for volume in volumes],
         "scene": scene,
         "isovalues": (settings.low, settings.high) if len(volumes) == 1 else None,
@@ -39,11 +39,9 @@ def arguments_of(obj, volumes, scene):
         "both_sides": settings.both_sides,
         "surroundings": settings.light_surroundings,
         "threads": preferences.threads(),
+        "error": settings.error,
+        "time": time_limit(settings),
     }
-    if settings.fixed_samples:
-        names = ("samples", "photons", "refine", "estimator")
-        return {**arguments, **{name: getattr(settings, name) for name in names}}
-    return {**arguments, "error": settings.error, "time": time_limit(settings)}
 
 
 def time_limit(settings):
@@ -186,7 +184,7 @@ class BakeJob(background.Job):
         return f"Baked {texels} texels in {self.seconds:.1f} s{end and f'; {end}'}"
 
     def outcome(self):
-        """How far the last round came, or an empty text where the amount of work was fixed."""
+        """How far the last round came."""
         limit = self._arguments.get("time")
         seconds = self.round.statistics["seconds"] - self._seconds_before
         is_over = limit is not None and seconds >= limit

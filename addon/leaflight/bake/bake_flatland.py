@@ -28,8 +28,7 @@ class FlatBakeJob(background.Job):
             "scene": load_flat_scene(scene) if scene else None,
             "isovalues": (settings.low, settings.high),
             "resolution": settings.resolution or None,
-            "samples": settings.samples,
-            "photons": settings.photons,
+            "error": settings.error,
             "seed": settings.seed,
         }
 

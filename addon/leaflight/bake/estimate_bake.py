@@ -103,12 +103,7 @@ class LEAFLIGHT_OT_estimate_bake(background.BackgroundOperator, bpy.types.Operat
 
     @classmethod
     def poll(cls, context):
-        if not (cls.is_free() and checks.has_volume(cls, context)):
-            return False
-        if active_volume(context).leaflight.fixed_samples:
-            cls.poll_message_set("There is no estimate for fixed samples")
-            return False
-        return True
+        return cls.is_free() and checks.has_volume(cls, context)
 
     def start(self, context):
         return EstimateJob(context, active_volume(context))

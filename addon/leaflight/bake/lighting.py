@@ -23,7 +23,6 @@ def light(obj, bake, index, path, matrix, columns, *, fingerprint, seconds, sour
     settings.bake_fingerprint = fingerprint
     settings.bake_lamps = lamps.record(bake, bake.scene.lights)
     settings.bake_smooth = settings.smooth
-    settings.bake_refined = bake.grids[index].levels > 1
     settings.bake_seconds = seconds
     settings.bake_outcome = outcome(bake)
     settings.bake_error = bake.statistics["estimated_error_percent"] if settings.bake_outcome else 0

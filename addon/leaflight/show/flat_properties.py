@@ -69,19 +69,20 @@ class LeaflightFlatSettings(bpy.types.PropertyGroup):
     )
     resolution: IntProperty(
         name="Resolution",
-        description="Texels along the longest side; 0 takes one texel per pixel",
+        description="Texels along the longest side; 0 takes as many as the image needs",
         min=0,
         soft_max=4096,
     )
-    samples: IntProperty(
-        name="Samples", description="Rays per texel", default=32, min=1, soft_max=1024
-    )
-    photons: IntProperty(
-        name="Photons",
-        description="Photons that carry the indirect light",
-        default=500_000,
-        min=1,
-        soft_max=100_000_000,
+    error: FloatProperty(
+        name="Error",
+        description="The bake goes on until its error is this, in percent of the displayable range",
+        subtype="PERCENTAGE",
+        default=1.5,
+        min=0.01,
+        soft_min=0.2,
+        soft_max=10.0,
+        max=100.0,
+        precision=2,
     )
     seed: IntProperty(name="Seed", description="Seed of the random numbers", min=0)
     bake_id: StringProperty(name="Bake Identifier")

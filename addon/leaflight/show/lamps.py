@@ -62,7 +62,10 @@ def as_baked(settings, lights):
 
 
 def follow(settings, lights):
-    """Learns how strong the lamps that lit an object are now; returns whether that is new."""
+    """Learns how strong the lamps that lit an object are now; returns whether that is new.
+
+    lights: those of the scene, None as they were baked.
+    """
     found, before = _found(settings, lights), _factors.get(settings.bake_id, ())
     _factors[settings.bake_id] = found
     return found != before
@@ -110,7 +113,7 @@ def sentence(obj):
 
 
 def _found(settings, lights):
-    if as_baked(settings, lights) is None:
+    if lights is None or as_baked(settings, lights) is None:
         return ()
     now, found = {light.name: light for light in lights}, []
     for name, light in _baked_lights(settings):

@@ -295,48 +295,6 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         update=_switches_on("use_time_limit"),
         override=_OVERRIDABLE,
     )
-    fixed_samples: BoolProperty(
-        name="Fixed Samples",
-        description="Take the samples below, whatever their error: to compare methods. Use Draft, "
-        "Good or Final for pictures",
-        override=_OVERRIDABLE,
-    )
-    samples: IntProperty(
-        name="Samples",
-        description="Rays per texel for direct light and for the final gather: more is less noise",
-        default=32,
-        min=1,
-        soft_max=1024,
-        override=_OVERRIDABLE,
-    )
-    photons: IntProperty(
-        name="Photons",
-        description="Photons that carry the indirect light: more where it is blotchy",
-        default=2_000_000,
-        min=1,
-        soft_max=100_000_000,
-        override=_OVERRIDABLE,
-    )
-    refine: IntProperty(
-        name="Refine",
-        description="How many times texels are halved where light varies most, in a fifth of the "
-        "cells each time, against the error of coarse texels. Once doubles the time of the bake, "
-        "twice triples it. The surface is then shown by vertex attribute",
-        default=0,
-        min=0,
-        max=4,
-        soft_max=2,
-        override=_OVERRIDABLE,
-    )
-    estimator: EnumProperty(
-        name="Estimator",
-        items=[
-            ("gather", "Final Gather", "Photon density, smoothed by one final gather"),
-            ("volumetric", "Photon Density", "Photon density alone: faster, with more noise"),
-            ("path", "Path Tracing", "Unbiased path tracing per texel: slow, the reference"),
-        ],
-        override=_OVERRIDABLE,
-    )
     seed: IntProperty(
         name="Seed",
         description="Start of the random numbers. Another seed gives other noise, which shows "
@@ -393,7 +351,6 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     bake_low: FloatProperty(name="Lowest Isovalue of the Bake", override=_OVERRIDABLE)
     bake_high: FloatProperty(name="Highest Isovalue of the Bake", override=_OVERRIDABLE)
     bake_surroundings: BoolProperty(name="Walls Lit by the Bake", override=_OVERRIDABLE)
-    bake_refined: BoolProperty(name="Finer Texels in the Bake", override=_OVERRIDABLE)
     bake_seconds: FloatProperty(name="Bake Time", override=_OVERRIDABLE)
     bake_outcome: StringProperty(name="Error That the Bake Reached", override=_OVERRIDABLE)
     bake_error: FloatProperty(name="Estimated Error of the Bake", override=_OVERRIDABLE)

@@ -100,8 +100,6 @@ def shading_in_use(settings):
         return "ATTRIBUTE", "Vertex attribute: a volume texture holds the lamps as they were baked"
     if settings.atlas_columns > 0:
         return "ATLAS", ""
-    if settings.bake_refined:
-        return "ATTRIBUTE", "Vertex attribute: a volume texture holds no finer texels"
     size = atlases.LARGEST_ATLAS
     return "ATTRIBUTE", f"Vertex attribute: a volume texture would exceed {size} x {size} pixels"
 

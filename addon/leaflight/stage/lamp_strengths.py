@@ -18,7 +18,11 @@ def follow(scene, depsgraph):
     except leaflight.LeaflightError:
         # Of a kind that cannot be baked; the panel says why.
         present = None
-    found = [lamps.follow(obj.leaflight, present) for obj in lit if present is not None]
+    if present is None:
+        return False
+    # A volume that came into a scene without any lamp is shown as it was baked.
+    has_lamps = any(obj.type == "LIGHT" for obj in scene.objects)
+    found = [lamps.follow(obj.leaflight, present if has_lamps else None) for obj in lit]
     return any(found)
 
 

@@ -45,12 +45,12 @@ def renamed(atlas, old_bake, new_bake):
 
 
 def write(grid, bake_path, identifier, index):
-    """Writes the atlas of each side that was baked, unless texels are refined or it is too large.
+    """Writes the atlas of each side that was baked, unless it is too large.
 
     Returns the tiles in a row of it, 0 when nothing was written. Raises LeaflightError.
     """
     nx, ny, nz = grid.resolution
-    if grid.levels > 1 or nx * ny * nz > LARGEST_ATLAS**2:
+    if nx * ny * nz > LARGEST_ATLAS**2:
         return 0
     columns = 0
     for back in (False, True) if grid.has_back else (False,):

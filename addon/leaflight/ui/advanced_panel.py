@@ -21,29 +21,12 @@ class LEAFLIGHT_PT_advanced(_AdvancedPanel, bpy.types.Panel):
         layout = self.layout
         settings = active_volume(context).leaflight
         split(layout)
-        column = layout.column()
-        column.active = not settings.fixed_samples
-        column.prop(settings, "error")
-        optional(column, settings, "use_time_limit", "time_limit")
+        layout.prop(settings, "error")
+        optional(layout.column(), settings, "use_time_limit", "time_limit")
         optional(layout.column(), settings, "use_resolution", "resolution")
+        layout.prop(settings, "seed")
         layout.prop(settings, "shading")
         layout.prop(settings, "bake_folder")
-
-
-class LEAFLIGHT_PT_research(_AdvancedPanel, bpy.types.Panel):
-    bl_label = "Research"
-    bl_parent_id = "LEAFLIGHT_PT_advanced"
-
-    def draw(self, context):
-        layout = self.layout
-        split(layout)
-        settings = active_volume(context).leaflight
-        layout.prop(settings, "seed")
-        layout.prop(settings, "fixed_samples")
-        column = layout.column(align=True)
-        column.active = settings.fixed_samples
-        for name in ("samples", "photons", "refine", "estimator"):
-            column.prop(settings, name)
         layout.operator(photon_cloud.LEAFLIGHT_OT_photon_cloud.bl_idname, icon="POINTCLOUD_DATA")
 
 
@@ -66,7 +49,7 @@ class LEAFLIGHT_PT_files(_AdvancedPanel, bpy.types.Panel):
             sentence(context, self.layout, text, icon="DISK_DRIVE")
 
 
-_CLASSES = (LEAFLIGHT_PT_advanced, LEAFLIGHT_PT_research, LEAFLIGHT_PT_files)
+_CLASSES = (LEAFLIGHT_PT_advanced, LEAFLIGHT_PT_files)
 
 
 def register():

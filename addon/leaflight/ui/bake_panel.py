@@ -50,15 +50,9 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
     def _draw_quality(self, context, settings):
         """The three qualities, and beneath each the time that it takes."""
         column = self.layout.column(align=True)
-        column.active = not settings.fixed_samples
         row = column.row(align=True)
         for quality in properties.QUALITIES:
             row.prop_enum(settings, "quality", quality)
-        if settings.fixed_samples:
-            sentence(
-                context, column, iface_("Fixed Samples, under Advanced, goes before"), icon="INFO"
-            )
-            return
         obj = active_volume(context)
         estimates = [estimate_bake.estimate_of(obj, e) for e in properties.QUALITIES.values()]
         if None not in estimates:

@@ -25,7 +25,7 @@ class LEAFLIGHT_PT_flatland(SidebarPanel, bpy.types.Panel):
         for names in (
             ("height", "count", "width", "brightness_correction"),
             ("low", "high"),
-            ("resolution", "samples", "photons"),
+            ("error", "resolution"),
             ("seed", "scene_file"),
         ):
             column = layout.column(align=True)

@@ -199,11 +199,10 @@ void add_texts(const openvdb::MetaMap& from, Metadata& to) {
   }
 }
 
-// Grids of the volumes after the first have a number, those of finer texels their level.
-std::string numbered(const char* name, std::size_t volume, int level = 0) {
+// Grids of the volumes after the first have a number.
+std::string numbered(const char* name, std::size_t volume) {
   std::string text = name;
   if (volume > 0) text += "_" + std::to_string(volume + 1);
-  if (level > 0) text += "_level" + std::to_string(level);
   return text;
 }
 
@@ -297,13 +296,12 @@ Affine<3> texel_to_world_of(const Field<3>& field, const TexelLattice<3>& lattic
   return texel_to_world;
 }
 
-void add_radiance(openvdb::GridPtrVec& grids, std::size_t volume, int level, const Field<3>& field,
-                  const RadianceLevel<3>& from, int doublings) {
+void add_radiance(openvdb::GridPtrVec& grids, std::size_t volume, const Field<3>& field,
+                  const RadianceGrid<3>& from, int doublings) {
   const TexelLattice<3>& lattice = from.lattice;
   const Affine<3> texel_to_world = texel_to_world_of(field, lattice);
   const auto add = [&](const char* name, const SideRadiance& radiance) {
-    grids.push_back(texel_grid<Vec3Grid>(numbered(name, volume, level), texel_to_world, doublings,
-                                         lattice,
+    grids.push_back(texel_grid<Vec3Grid>(numbered(name, volume), texel_to_world, doublings, lattice,
                                          [&](std::size_t s) { return to_vdb(radiance[s]); }));
   };
   add(radiance_name, from.radiance);
@@ -314,7 +312,7 @@ void add_radiance(openvdb::GridPtrVec& grids, std::size_t volume, int level, con
     add(back_indirect_name, from.radiance_back_indirect);
   }
   grids.push_back(texel_grid<openvdb::FloatGrid>(
-      numbered(error_name, volume, level), texel_to_world, doublings, lattice,
+      numbered(error_name, volume), texel_to_world, doublings, lattice,
       [&](std::size_t s) { return from.radiance_error[s]; }));
 }
 
@@ -341,9 +339,7 @@ void add_volume(openvdb::GridPtrVec& grids, std::size_t volume, const Field<3>& 
   values->insertMeta(type_key, openvdb::StringMetadata(type_names[field.values.index()]));
   values->insertMeta("leaflight_dims", openvdb::Vec3IMetadata(to_vdb(field.dims)));
   grids.push_back(values);
-  for (int level = 0; level < grid.levels(); ++level) {
-    add_radiance(grids, volume, level, field, grid.level(level), doublings);
-  }
+  add_radiance(grids, volume, field, grid, doublings);
   if (!grid.unfiltered.texels.empty()) {
     add_unfiltered(grids, volume, field, grid.unfiltered, doublings);
   }
@@ -451,14 +447,14 @@ UnfilteredLight<3> read_unfiltered(const Contents& file, std::size_t volume, con
   return light;
 }
 
-RadianceLevel<3> read_level(const Contents& file, std::size_t volume, int level,
-                            const Index<3>& dims, const std::filesystem::path& path) {
-  const auto name = [&](const char* base) { return numbered(base, volume, level); };
+RadianceGrid<3> read_radiance(const Contents& file, std::size_t volume, const Index<3>& dims,
+                              const std::filesystem::path& path) {
+  const auto name = [&](const char* base) { return numbered(base, volume); };
   const auto radiance = require_grid<Vec3Grid>(file, name(radiance_name), path);
   const auto indirect = require_grid<Vec3Grid>(file, name(indirect_name), path);
   const auto error = require_grid<openvdb::FloatGrid>(file, name(error_name), path);
   const auto back = find_grid<Vec3Grid>(file, name(back_name));
-  RadianceLevel<3> found;
+  RadianceGrid<3> found;
   found.lattice = read_lattice(*radiance, dims, path);
   const TexelLattice<3>& lattice = found.lattice;
   found.radiance = texels_of(*radiance, lattice);
@@ -477,25 +473,8 @@ RadianceLevel<3> read_level(const Contents& file, std::size_t volume, int level,
     const Index<3> t = lattice.texel(texel);
     found.radiance_error.push_back(error_access.getValue(openvdb::Coord(t[0], t[1], t[2])));
   }
+  found.unfiltered = read_unfiltered(file, volume, dims, path);
   return found;
-}
-
-RadianceGrid<3> read_radiance(const Contents& file, std::size_t volume, const Index<3>& dims,
-                              const std::filesystem::path& path) {
-  RadianceGrid<3> grid{read_level(file, volume, 0, dims, path), {}, nullptr, {}};
-  grid.unfiltered = read_unfiltered(file, volume, dims, path);
-  while (find_grid<Vec3Grid>(file, numbered(radiance_name, volume, grid.levels()))) {
-    RadianceLevel<3> finer = read_level(file, volume, grid.levels(), dims, path);
-    const RadianceLevel<3>& coarse = grid.finest();
-    for (int a = 0; a < 3; ++a) {
-      if (finer.lattice.resolution[a] != 2 * coarse.lattice.resolution[a] - 1 ||
-          finer.has_back() != coarse.has_back()) {
-        throw Error("'" + text_of(path) + "' is a damaged bake; bake again.");
-      }
-    }
-    grid.finer.push_back(std::move(finer));
-  }
-  return grid;
 }
 
 // Their number of vertices is the largest that a side has; attach() checks it against the meshes.
@@ -540,8 +519,8 @@ void write_bake(const std::filesystem::path& path, const std::vector<const Field
   // One for all, so that they fit each other in other programs too.
   int doublings = 0;
   for (std::size_t v = 0; v < fields.size(); ++v) {
-    const TexelLattice<3>& finest = baked.grids[v].finest().lattice;
-    doublings = std::max(doublings, doublings_for(texel_to_world_of(*fields[v], finest)));
+    const TexelLattice<3>& lattice = baked.grids[v].lattice;
+    doublings = std::max(doublings, doublings_for(texel_to_world_of(*fields[v], lattice)));
     doublings = std::max(doublings, doublings_for(fields[v]->index_to_world));
   }
   openvdb::GridPtrVec grids;

@@ -15,10 +15,10 @@ using Metadata = std::map<std::string, std::string>;
 // One bake: of each volume the grids `field`, `radiance`, `radiance_indirect` and, if baked,
 // `radiance_back` and `radiance_back_indirect` (vec3, half on disk) and `radiance_error`, and for
 // bakes that go on `unfiltered` and `unfiltered_back`, sparse: no texel where no leaf passes. From
-// the second volume on their names end in _2, _3, ..., those of finer texels in _level1, ... The
-// surroundings' radiance is the grid `surroundings_indirect` over (vertex, node of c, 2 mesh +
-// side). `metadata` goes to the first radiance grid, but for the keys "id" and "statistics", which
-// belong to the file itself. Written under a temporary name and renamed. Throws Error.
+// the second volume on their names end in _2, _3, ... The surroundings' radiance is the grid
+// `surroundings_indirect` over (vertex, node of c, 2 mesh + side). `metadata` goes to the first
+// radiance grid, but for the keys "id" and "statistics", which belong to the file itself. Written
+// under a temporary name and renamed. Throws Error.
 void write_bake(const std::filesystem::path& path, const std::vector<const Field<3>*>& fields,
                 const Baked<3>& baked, const Metadata& metadata,
                 const Progress* progress = nullptr);

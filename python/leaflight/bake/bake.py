@@ -13,11 +13,10 @@ from ..progress_bar import with_progress
 from ..scene.facing import faced
 from ..scene.scene import core_scene, fit_scene, match_leaves
 from ..volume.other_arrays import as_volumes
-from ..volume.setting_error import SettingError
 from .baked import Bake
 from .color_error import estimated_rms_percent
 from .fit_memory import coarser_texels, fit_memory
-from .settings import FIXED_WORK, PhotonMap, fixed_settings, fixed_work, leaf_window, round_settings
+from .settings import bake_settings, leaf_window
 from .stamps import stamp, stamp_after
 
 
@@ -51,19 +50,10 @@ def bake(
     error=None,
     time=None,
     resolution=None,
-    samples=None,
-    photons=None,
-    caustic_photons=None,
-    soft_spacing=None,
-    refine=None,
-    estimator=None,
-    photon_map=None,
-    scattered=None,
     seed=0,
     threads=0,
     both_sides=False,
     surroundings=False,
-    only_at=None,
     on_round=None,
     progress=None,
     checkpoint=None,
@@ -83,7 +73,7 @@ def bake(
     error: percent, of what compare() calls rms_percent; None is 1.5. time: seconds after which the
         bake ends with the round in progress, None for no limit.
     resolution: texels along the longest axis (the other axes in proportion of their nodes), or
-        (nx, ny, nz); None is one texel a node.
+        (nx, ny, nz); None is as fine as the volumes need and their size allows.
     seed: same seed, same result, whatever the threads; threads: 0 takes every core.
     both_sides: the inner side of each isosurface, too; surroundings: the meshes around them, too.
     on_round: called with a Bake after each round but the last, in the thread that bakes; the
@@ -95,42 +85,20 @@ def bake(
         apart; one that was interrupted goes on from it with the bits that it would have had.
     workers: cluster.workers.Workers, who sweep the light of a bake in rounds, with the same bits;
         None is this process alone.
-
-    Settings of research, None where they are not asked for. If any is given, the bake does that
-    fixed amount of work, without rounds, and the others are as said:
-    samples: rays per texel (32); photons: number of photons (2 million); caustic_photons: of those
-        that come by mirrors and glass (as many as photons).
-    estimator: "gather" (the default), "volumetric", "path" or "thesis"; photon_map: PhotonMap of
-        the last (the thesis's); scattered: Scattered, for samples strewn over the domain instead of
-        in each texel, with `samples` rays each.
-    soft_spacing: texels between the points that soft light is gathered at (1); more is faster where
-        the light is smooth, see docs/validation.md.
-    refine: how many times texels are halved where light varies most, in a fifth of the cells each
-        time (0); once doubles the time.
-    only_at: world points (n, 3), to bake only the texels that lookups there use, with the estimator
-        "path"; for measuring.
     Returns a Bake. Raises LeaflightError for input that cannot be baked, Cancelled.
     """
-    given = {
-        "samples": samples,
-        "photons": photons,
-        "caustic_photons": caustic_photons,
-        "soft_spacing": soft_spacing,
-        "refine": refine,
-        "estimator": estimator,
-        "photon_map": photon_map,
-        "scattered": scattered,
-        "only_at": only_at,
-    }
-    common = {
-        "resolution": resolution,
-        "seed": seed,
-        "threads": threads,
-        "both_sides": both_sides,
-        "surroundings": surroundings,
-    }
-    volumes = as_volumes(volumes, spacing)
-    asked = _asked(volumes, scene, isovalues, error, time, given, common)
+    asked = _asked(
+        as_volumes(volumes, spacing),
+        scene,
+        isovalues=isovalues,
+        error=error,
+        time=time,
+        resolution=resolution,
+        seed=seed,
+        threads=threads,
+        both_sides=both_sides,
+        surroundings=surroundings,
+    )
     baked = lit(*asked, None, on_round, progress, checkpoint, workers)
     baked.statistics["skipped_passes"] += coarser_texels(resolution, asked[3])
     return baked
@@ -138,7 +106,7 @@ def bake(
 
 def stamp_of(volumes, scene=None, **settings):
     """The metadata of the bake that bake() would make of the same arguments, before its rounds."""
-    return _asked_by_name(volumes, scene, **settings)[-1]
+    return _asked(volumes, scene, **settings)[-1]
 
 
 def worker_memory(volumes, scene=None, **settings):
@@ -146,37 +114,19 @@ def worker_memory(volumes, scene=None, **settings):
 
     Raises LeaflightError.
     """
-    volumes, description, window, settings, _ = _asked_by_name(volumes, scene, **settings)
+    volumes, description, window, settings, _ = _asked(volumes, scene, **settings)
     core = core_scene(description, [volume.field() for volume in volumes], window)
     return _core.sweeper_memory(core, settings)
 
 
-def _asked_by_name(volumes, scene, *, isovalues=None, error=None, time=None, **settings):
-    given = {name: settings.pop(name, None) for name in FIXED_WORK}
-    common = {"resolution": None, "seed": 0, "threads": 0, "both_sides": False}
-    common = {**common, "surroundings": False, **settings}
-    return _asked(volumes, scene, isovalues, error, time, given, common)
-
-
-def _asked(volumes, scene, isovalues, error, time, given, common):
-    """Of the arguments of bake(): volumes, scene, window, the core's settings and the metadata.
-
-    given: those of FIXED_WORK, None where they are not asked for; common: the others.
-    """
+def _asked(volumes, scene=None, *, isovalues=None, **settings):
+    """Of the arguments of bake(): volumes, scene, window, the core's settings and the metadata."""
     volumes, description, window = placed(volumes, scene, isovalues)
-    common = {**common, "exposure": description.exposure}
-    fixed = fixed_work(error, time, given)
-    if fixed is not None and fixed["estimator"] == "thesis" and given["photon_map"] is None:
-        fixed["photon_map"] = PhotonMap()
-    dims = volumes[0].field().dims
-    if fixed is None:
-        settings = round_settings(_core.BakeSettings, dims, error=error, time=time, **common)
-        if len(volumes) == 1:
-            fit_memory(volumes[0], description, window, settings)
-    else:
-        settings = fixed_settings(_core.BakeSettings, dims, **fixed, **common)
-    metadata = stamp(volumes, description, window, settings, fixed)
-    return volumes, description, window, settings, metadata
+    dims, exposure = volumes[0].field().dims, description.exposure
+    settings = bake_settings(_core.BakeSettings, dims, exposure=exposure, **settings)
+    if len(volumes) == 1:
+        fit_memory(volumes[0], description, window, settings)
+    return volumes, description, window, settings, stamp(volumes, description, window, settings)
 
 
 def lit(
@@ -197,21 +147,10 @@ def lit(
     on with, or None. on_round, progress, checkpoint, workers: as of bake().
     Raises LeaflightError, Cancelled.
     """
-    in_rounds = bool(metadata["error"])
-    if workers is not None and not in_rounds:
-        raise SettingError(
-            "Workers share bakes in passes: leave out the workers, or the settings of fixed "
-            "samples.",
-            "workers",
-        )
 
     def whole(baked):
         statistics = dict(baked.statistics)
         blocks = statistics.pop("blocks")
-        if not in_rounds:
-            statistics.update(rounds=0, stopped=False)
-            for name in ("estimated_error_percent", "worst_error_percent", "worst_isovalue"):
-                statistics[name] = None
         grids, continued = baked.grids, ""
         # A first picture, of other texels, is not gone on with: the bake is a new one.
         if kept is not None and grids[0].resolution == kept.grid.resolution:
@@ -229,7 +168,7 @@ def lit(
     core = core_scene(description, [volume.field() for volume in volumes], window)
     look = None if on_round is None else lambda baked: on_round(whole(baked))
     progress = progress or _core.Progress()
-    rest = checkpoint.arguments(metadata) if checkpoint and in_rounds else {}
+    rest = checkpoint.arguments(metadata) if checkpoint else {}
     with contextlib.ExitStack() as shared:
         if workers is not None:
             sweeping = workers.sweeping(volumes, description, window, settings, progress)

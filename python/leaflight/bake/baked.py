@@ -51,9 +51,9 @@ class Bake:
     0..1 with several. isovalues: (lo, hi), the baked window of it.
     grids: one _core.RadianceGrid for each volume; surroundings: _core.SurroundingsRadiance or None.
     statistics: seconds, rays, rays_per_second, texels, peak_memory_bytes, skipped_passes;
-        rounds, 0 where the work was fixed; estimated_error_percent, of what compare calls
+        rounds, 0 of thesis.bake(); estimated_error_percent, of what compare calls
         rms_percent, worst_error_percent and worst_isovalue, the same of the isosurfaces that err
-        most, all None where the work was fixed; stopped, whether a stop or the time ended the
+        most, all None of thesis.bake(); stopped, whether a stop or the time ended the
         bake before it reached its error; and estimated_rms_percent, the RMS of the noise that the
         texels report, in the units of compare.
     metadata: text by key, everything the result depends on; equal bakes have equal metadata.
@@ -144,8 +144,7 @@ class Bake:
         alike, are changed. What meshes and isosurfaces emit by themselves stays. Texels are shared
         with this bake.
         Raises LeaflightError for a name that no lamp has, and where the bake has no exact direct
-        light: those of mirrors, of glass, of inner sides of several volumes, or of a fixed amount
-        of work.
+        light: those of mirrors, of glass, of inner sides of several volumes, or of thesis.bake().
         """
         return relit(self, lamps)
 
@@ -161,8 +160,8 @@ class Bake:
     def surface(self, isovalue, volume=0, back=False):
         """The isosurface of a volume with its radiance, a Surface.
 
-        It is finer where texels are and, if it is small, where its light varies most. back: its
-        inner side, towards higher values. Raises LeaflightError outside the window.
+        It is finer where texels are narrower than voxels and, if it is small, where light steps.
+        back: its inner side, towards higher values. Raises LeaflightError outside the window.
         """
         self.check_isovalue(isovalue, volume)
         start = time.perf_counter()

@@ -37,9 +37,8 @@ def estimated_rms_percent(grids, exposure):
     Slices one by one, which bounds the memory. 0 where there is no texel.
     """
     squares, texels = 0.0, 0
-    for grid, level in ((grid, level) for grid in grids for level in range(grid.levels)):
-        names = ("radiance", "radiance_error")
-        slices = zip(grid.mask(level), *(grid.dense(name, level) for name in names))
+    for grid in grids:
+        slices = zip(grid.mask(), grid.dense("radiance"), grid.dense("radiance_error"))
         for mask, radiance, error in slices:
             active = mask.astype(bool)
             noise = _color_noise(radiance[active], error[active][..., None], exposure)

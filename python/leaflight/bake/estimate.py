@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import leaflight._core as _core
 import numpy as np
 
-from .._core import LeaflightError
 from ..progress_bar import with_progress
 from .bake import bake
-from .settings import DEFAULT_ERROR, FIXED_WORK
+from .settings import DEFAULT_ERROR
 
 # Rounds of a pilot: two show how fast the error falls.
 PILOT_ROUNDS = 2
@@ -59,7 +58,7 @@ class Pilot:
 def estimate(volumes, scene=None, *, error=None, time=None, progress=None, **settings):
     """The Estimate of a bake, by a pilot: its first rounds, which are thrown away.
 
-    The arguments are those of bake(), without the settings of research.
+    The arguments are those of bake().
     Raises LeaflightError for input that cannot be baked, Cancelled.
     """
     made = pilot(volumes, scene, error=error, time=time, progress=progress, **settings)
@@ -71,12 +70,6 @@ def pilot(volumes, scene=None, *, error=None, time=None, progress=None, **settin
 
     The arguments and what is raised are those of estimate().
     """
-    given = [name for name in FIXED_WORK if settings.get(name) is not None]
-    if given:
-        raise LeaflightError(
-            "There is no estimate for a bake with fixed samples: leave "
-            f"out {', '.join(name.replace('_', ' ') for name in given)}."
-        )
     progress = progress or _core.Progress()
     rounds = []
 

@@ -9,7 +9,7 @@ def outcome(bake, why="it was stopped or its time was over"):
 
     why: it was stopped, if it was. An empty text where the amount of work was fixed.
     """
-    if not bake.metadata["error"]:
+    if bake.metadata["fixed"]:
         return ""
     text = _reached(bake, why)
     reasons = [reason for name, reason in bake.statistics["skipped_passes"] if name == FINER_TEXELS]

@@ -10,7 +10,7 @@ from ..progress_bar import with_progress
 from ..version import __version__
 from ..volume.setting_error import SettingError
 from .bake import lit
-from .settings import round_settings
+from .settings import bake_settings
 
 
 @with_progress("resume")
@@ -73,7 +73,7 @@ def _settings(kept, error, time, surroundings, threads):
         for key in ("error", "asked_resolution", "both_sides", "surroundings", "seed")
     }
     resolution = known["asked_resolution"]
-    return round_settings(
+    return bake_settings(
         _core.BakeSettings,
         kept.volume.field().dims,
         error=known["error"] if error is None else error,

@@ -3,7 +3,6 @@
 
 import hashlib
 import json
-from dataclasses import asdict
 from pathlib import Path
 
 import leaflight._core as _core
@@ -13,25 +12,13 @@ from .._core import LeaflightError
 from ..io.scene_file import scene_to_json
 from ..version import __version__
 
-# Settings of bakes that do a fixed amount of work, empty of others.
-RESEARCH = (
-    "samples",
-    "photons",
-    "caustic_photons",
-    "soft_spacing",
-    "refine",
-    "estimator",
-    "photon_map",
-    "scattered",
-    "only_at_sha256",
-)
 # What a bake depends on, as text; "name" would rename the grid that OpenVDB attaches it to.
 # "volumes" is a list of {"name", "source", "values_sha256", "index_to_world", "unit", "resolution",
 # "capped", "patient"}. "map_resolution": of the maps that lookups compute direct light from, a list
-# with null for a volume without, empty where there are none. Of bakes in rounds, empty where the
-# amount of work was fixed: "error" in percent; "asked_resolution", zeros for none; "rounds";
-# "blocks", of indirect light, how many its averages hold; "continued", the id of the bake that this
-# one went on with.
+# with null for a volume without, empty where there are none. "error": in percent;
+# "asked_resolution": zeros for none; "blocks": of indirect light, how many its averages hold;
+# "continued": the id of the bake that this one went on with. "fixed": the settings of a bake with
+# fixed samples (../thesis), for which those are empty; empty of any other.
 METADATA = (
     "leaflight_version",
     "volumes",
@@ -47,16 +34,16 @@ METADATA = (
     "seed",
     "both_sides",
     "surroundings",
-    *RESEARCH,
+    "fixed",
 )
 # What a file is that lacks some of it.
 EARLIER = "this is a bake of an earlier Leaflight; bake the volume again"
 
 
-def stamp(volumes, description, window, settings, fixed):
+def stamp(volumes, description, window, settings, fixed=None):
     """The metadata of a bake before its first round.
 
-    settings: _core.BakeSettings; fixed: the research settings, None for rounds.
+    settings: of the core; fixed: what depends on those of fixed samples, None where there are none.
     """
     records = [
         {
@@ -83,14 +70,14 @@ def stamp(volumes, description, window, settings, fixed):
         "rounds": "",
         "blocks": "",
         "continued": "",
-        **_research(settings, fixed),
         "seed": str(settings.seed),
         "both_sides": json.dumps(settings.both_sides),
         "surroundings": json.dumps(settings.surroundings),
+        "fixed": "" if fixed is None else json.dumps(fixed),
     }
 
 
-def stamp_after(metadata, grids, rounds, blocks, continued=""):
+def stamp_after(metadata, grids, rounds=0, blocks=0, continued=""):
     """The metadata of a bake with these grids after so many rounds and blocks of light.
 
     metadata: of stamp(), or of a bake that it goes on with, whose id is `continued`.
@@ -102,28 +89,11 @@ def stamp_after(metadata, grids, rounds, blocks, continued=""):
     changed = {"volumes": json.dumps(volumes)}
     maps = [grid.map_resolution for grid in grids]
     changed["map_resolution"] = json.dumps(maps) if any(maps) else ""
-    if metadata["error"]:
+    if not metadata["fixed"]:
         changed["rounds"] = str(rounds)
         changed["blocks"] = str(blocks) if blocks else ""
         changed["continued"] = continued
     return {**metadata, **changed}
-
-
-def _research(settings, fixed):
-    if fixed is None:
-        return {key: "" for key in RESEARCH}
-    photon_map, scattered, only_at = (fixed[k] for k in ("photon_map", "scattered", "only_at"))
-    return {
-        "samples": str(settings.samples),
-        "photons": str(settings.photons),
-        "caustic_photons": str(settings.caustic_photons),
-        "soft_spacing": str(settings.soft_spacing),
-        "refine": str(settings.refine),
-        "estimator": settings.estimator,
-        "photon_map": json.dumps(photon_map and asdict(photon_map)),
-        "scattered": json.dumps(scattered and asdict(scattered)),
-        "only_at_sha256": "" if only_at is None else sha256(np.float64(only_at)),
-    }
 
 
 def id_of(metadata):

@@ -15,7 +15,7 @@ from ..bake.outcome import outcome
 from ..bake.resume import resume
 from ..io.output import check_writable
 from ..io.sources import is_generated
-from .lighting import given_options, to_light, work_options
+from .lighting import bake_options, to_light
 from ..progress_bar import run_with_progress
 from .workers import workers_of
 
@@ -60,10 +60,8 @@ def run_bake(options):
 
 def bake_settings(options):
     """Those that bake() is given."""
-    names = ("error", "time", "caustic_photons", "soft_spacing", "refine")
     return {
-        **work_options(options),
-        **given_options(options, **{name: name for name in names}),
+        **bake_options(options),
         "both_sides": options.both_sides,
         "surroundings": options.surroundings,
     }
@@ -182,7 +180,6 @@ def _told(baked, options):
             for leaves in baked.scene.leaves
         ],
         "resolution": list(baked.grid.resolution),
-        "levels": baked.grid.levels,
         **baked.statistics,
     }
     lo, hi = baked.isovalues

@@ -31,7 +31,7 @@ from ..words import by
 from .bake_command import run_bake
 from .batch_command import run_batch
 from .export_command import run_export
-from .lighting import open_with, to_light, work_options
+from .lighting import bake_options, open_with, to_light
 from ..progress_bar import run_with_progress
 from .render_command import run_render
 from .still_command import run_still
@@ -202,11 +202,8 @@ def _flatland(options):
     else:
         volume = read_image(options.image)
 
-    # A bake of space takes as many by default.
-    settings = {"samples": 32, **work_options(options)}
-
     def work(progress):
-        baked = bake_flatland(volume, scene, progress=progress, **settings)
+        baked = bake_flatland(volume, scene, progress=progress, **bake_options(options))
         pixels = picture(baked, isolines)
         texture = np.ascontiguousarray(baked.texture()[::-1])
         progress.check()

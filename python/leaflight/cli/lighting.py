@@ -5,7 +5,6 @@ import os
 from dataclasses import replace
 
 from .._core import LeaflightError
-from ..bake.settings import PhotonMap, Scattered
 from ..io.output import check_writable
 from ..io.readers.reading import OPTIONS
 from ..io.scene_file import cornell_box, load_scene
@@ -34,35 +33,10 @@ def to_light(options, suffix):
     return volumes, scene
 
 
-def work_options(options):
+def bake_options(options):
     """What is baked, and how well: those arguments that bake and bake_flatland have in common."""
-    names = ("isovalues", "resolution", "samples", "photons", "estimator", "seed", "threads")
-    return {
-        **given_options(options, **{name: name for name in names}),
-        "photon_map": _photon_map(options),
-        "scattered": _scattered(options),
-    }
-
-
-def _photon_map(options):
-    given = given_options(options, k="k", radius="photon_radius", g="g", region="region")
-    return PhotonMap(**given) if given else None
-
-
-def _scattered(options):
-    given = given_options(
-        options,
-        strategy="strategy",
-        count="count",
-        isovalues="isovalue_count",
-        filter="filter",
-        radius="filter_radius",
-    )
-    if not given:
-        return None
-    if "strategy" not in given or "count" not in given:
-        raise LeaflightError("Scattered samples need both --strategy NAME and --count N.")
-    return Scattered(**given)
+    names = ("isovalues", "error", "time", "resolution", "seed", "threads")
+    return given_options(options, **{name: name for name in names})
 
 
 def given_options(options, **names):

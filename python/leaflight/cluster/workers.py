@@ -21,7 +21,7 @@ RETRIES = 3
 # What Dask raises where scheduler or workers have gone.
 _GONE = (OSError, RuntimeError, ValueError, asyncio.TimeoutError)
 # Of the core's settings, what a block depends on; threads are the worker's own.
-SETTINGS = ("resolution", "samples", "photons", "seed", "exposure", "both_sides", "surroundings")
+SETTINGS = ("resolution", "seed", "exposure", "both_sides", "surroundings")
 
 
 class Workers:

@@ -13,8 +13,6 @@ from .light_bricks import light_bricks
 from .shared_exponent import packed
 from .visibility_levels import POINTS_A_TEXEL, code_of, pairs, ranges
 
-# Finer levels are shown with texels of their width everywhere, up to so many.
-MOST_FINER_TEXELS = 20_000_000
 # Of 16 bits, where there are no data.
 NO_DATA = 65535
 
@@ -39,6 +37,10 @@ class ShownVolume:
         """Of isosurfaces, False the outer one, that the page has light for."""
         return (False, True) if inner_side(self.bake, self.number) == "baked" else (False,)
 
+    def has_maps(self, back):
+        """Whether direct light is added to the texels of a side; or they hold all light."""
+        return self.direct is not None and (not back or self.direct.has_inner)
+
     @property
     def raw_bytes(self):
         """About how many there are to deflate."""
@@ -58,7 +60,8 @@ def shown_volume(bake, number, coarser, progress):
         fields = [each.field() for each in bake.volumes]
         fields[number] = volume.field()
         scene = core_scene(bake.scene, fields, bake.isovalues)
-        direct = _core.DirectLight(scene, number, dims, bake.grids[number].has_back, progress)
+        inner = bake.grids[number].has_back and len(bake.grids) == 1
+        direct = _core.DirectLight(scene, number, dims, inner, progress)
     return ShownVolume(bake, number, volume, texels_of(bake, number, coarser), direct)
 
 
@@ -68,16 +71,8 @@ def dims_of(bake, number, coarser):
 
 
 def texels_of(bake, number, coarser):
-    """Texels along x, y and z of the light that a page shows: of the finest level of the bake that
-    is not too much for a browser."""
-    if coarser:
-        return dims_of(bake, number, coarser)
-    grid = bake.grids[number]
-    for level in range(grid.levels - 1, 0, -1):
-        finer = tuple((n - 1) * 2**level + 1 for n in grid.resolution)
-        if math.prod(finer) <= MOST_FINER_TEXELS:
-            return finer
-    return tuple(grid.resolution)
+    """Texels along x, y and z of the light that a page shows."""
+    return dims_of(bake, number, coarser) if coarser else tuple(bake.grids[number].resolution)
 
 
 def volume_data(data, shown):
@@ -144,7 +139,7 @@ def _direct_data(data, shown, codes, offset, scale):
     active = direct.mask() != 0
     least, greatest = (each[active] for each in ranges(codes, missing, direct.resolution, code))
     sides = []
-    for is_inner in shown.sides:
+    for is_inner in filter(shown.has_maps, shown.sides):
         about = (254 - greatest, 254 - least) if is_inner else (least, greatest)
         sides.append([data.add(each) for each in pairs(direct, is_inner, *about)])
     layers = len(sides) * -(-len(direct.light_points) // POINTS_A_TEXEL)
@@ -173,8 +168,8 @@ def _texture(data, active, layers, sides):
 def _light(shown, back, progress):
     """Radiance float32 (nz, ny, nx, 3) at texels evenly spaced from the first voxel to the last."""
     grid, field = shown.bake.grids[shown.number], shown.bake.volumes[shown.number].field()
-    is_indirect = shown.direct is not None
-    if not shown.is_coarser and tuple(grid.resolution) == tuple(shown.texels):
+    is_indirect = shown.has_maps(back)
+    if not shown.is_coarser:
         name = "radiance_back" if back else "radiance"
         return grid.dense(f"{name}_indirect" if is_indirect else name)
     step = (np.array(shown.volume.field().dims) - 1.0) / (np.array(shown.texels) - 1.0)
@@ -189,7 +184,7 @@ def _light(shown, back, progress):
         planes.append(grid.lookup(field, points, back, is_indirect))
     light = np.stack(planes).reshape(nz, ny, nx, 3)
     # A coarser isosurface is not quite where the one that was lit is.
-    return spread(light) if shown.is_coarser else light
+    return spread(light)
 
 
 def spread(light):

@@ -26,7 +26,7 @@ class PointGrid:
 
 def point_grid(bake, volume=0):
     """The PointGrid of a volume (its number) of a Bake: its voxels, or its texels if these are
-    finer; texels that were refined in some places only are left out."""
+    finer."""
     field, grid = bake.volumes[volume].field(), bake.grids[volume]
     voxels, texels = np.array(field.dims), np.array(grid.resolution)
     values = np.asarray(bake.volumes[volume].values, np.float32)

@@ -13,7 +13,7 @@ import leaflight._core as _core
 import numpy as np
 
 from .._core import LeaflightError
-from ..bake.settings import fixed_settings, leaf_window
+from ..bake.settings import bake_settings, leaf_window
 from ..io.images import display_colours, luminance, read_pixels
 from ..progress_bar import with_progress
 from ..volume.setting_error import SettingError
@@ -106,12 +106,9 @@ def bake_flatland(
     scene=None,
     *,
     isovalues=None,
+    error=None,
+    time=None,
     resolution=None,
-    samples=64,
-    photons=2_000_000,
-    estimator="gather",
-    photon_map=None,
-    scattered=None,
     seed=0,
     threads=0,
     progress=None,
@@ -122,26 +119,28 @@ def bake_flatland(
     resolution: texels along the longest axis, or (nx, ny); the rest as for leaflight.bake.
     Returns a FlatBake. Raises LeaflightError for input that cannot be baked, Cancelled.
     """
+    scene, window, core = flat_placed(volume, scene, isovalues)
+    settings = bake_settings(
+        _core.BakeSettings2,
+        volume.field().dims,
+        error=error,
+        time=time,
+        exposure=BRIGHTNESS_CORRECTION * scene.exposure,
+        resolution=resolution,
+        seed=seed,
+        threads=threads,
+    )
+    baked = _core.bake2(core, settings, progress or _core.Progress())
+    return FlatBake(volume, scene, window, baked.grids[0], dict(baked.statistics))
+
+
+def flat_placed(volume, scene, isovalues):
+    """What is lit, from the arguments of bake_flatland(): (FlatScene, window, _core.Scene2)."""
     if np.ndim(volume.values) != 2:
         raise LeaflightError(f"{volume.name}: flatland needs an image, not a volume.")
     scene = fit_flat_scene(scene or flat_box(), volume)
     window = leaf_window(isovalues, [volume], [scene.leaves])
-    field = volume.field()
-    settings = fixed_settings(
-        _core.BakeSettings2,
-        field.dims,
-        resolution=resolution,
-        samples=samples,
-        photons=photons,
-        estimator=estimator,
-        photon_map=photon_map,
-        scattered=scattered,
-        seed=seed,
-        threads=threads,
-    )
-    core = core_flat_scene(scene, field, window)
-    baked = _core.bake2(core, settings, progress or _core.Progress())
-    return FlatBake(volume, scene, window, baked.grids[0], dict(baked.statistics))
+    return scene, window, core_flat_scene(scene, volume.field(), window)
 
 
 def picture(bake, isovalues, width=1000):

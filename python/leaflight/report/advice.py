@@ -27,7 +27,6 @@ def advice(curves, analysis, data_rows):
     ]
     sentences = (
         _samples(analysis),
-        _spacing(curves),
         _strategies(curves),
         _path(curves),
         _thesis(curves),
@@ -92,21 +91,6 @@ def _samples(analysis):
     return (
         f"{text}; at {enough:.0f} rays a texel it is as small as the floor of {floor.value:.2f} % "
         f"({floor.low:.2f} to {floor.high:.2f}), beyond which a finer texture does more."
-    )
-
-
-def _spacing(curves):
-    plain, wide = curves.of(DEFAULT), curves.of(f"{DEFAULT}, spacing 2")
-    wider = curves.of(f"{DEFAULT}, spacing 3")
-    if None in (plain, wide, wider):
-        return None
-    last = [curve.points[-1] for curve in (plain, wide, wider)]
-    best = min(zip(("1", "2", "3"), last), key=_error)[0]
-    return (
-        f"**Spacing.** Soft light at every texel, every second or every third "
-        f"(`--soft-spacing`): {_list(f'{point.error:.2f}' for point in last)} % in "
-        f"{_list(f'{point.seconds:.1f}' for point in last)} s with {last[0].samples} rays a texel; "
-        f"{best} errs least on this smooth volume. Data with shells of one or two voxels want 1."
     )
 
 

@@ -11,22 +11,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..bake.bake import bake
-from ..bake.settings import Scattered
 from ..io.scene_file import packaged_scene
 from ..measure.cycles import bake_vertices
 from ..scene.scene import fit_scene, match_leaves
+from ..thesis import Scattered, bake
 from ..volume.volume import bump_box
 from .isosurfaces import isosurfaces
 from .memory import Cost, measured
 
 ISOVALUES = (20.0, 47.0, 100.0)
-# Photons a ray of a texel: what `bake` takes by default.
+# Photons a ray of a texel: what `thesis.bake` takes by default.
 PHOTONS = 2_000_000 // 32
 # Rays of each scattered sample.
 RAYS = 32
 CYCLES = "Cycles, one isosurface"
-# The curve of what bake does by default.
+# The curve of what thesis.bake does by default.
 DEFAULT = "gather"
 
 
@@ -63,15 +62,12 @@ class Kind:
     name: str
     group: str
     estimator: str = "gather"
-    soft_spacing: int = 1
     strategy: str = None
     slow: bool = False
 
 
 KINDS = (
     Kind("gather", "estimators"),
-    Kind("gather, spacing 2", "estimators", soft_spacing=2),
-    Kind("gather, spacing 3", "estimators", soft_spacing=3),
     Kind("path", "estimators", "path"),
     Kind("volumetric", "estimators", "volumetric"),
     Kind("thesis", "estimators", "thesis", slow=True),
@@ -176,7 +172,6 @@ def _baked(volume, scene, kind, rays, seed, threads, run):
             samples=RAYS if scattered else rays,
             photons=rays * PHOTONS,
             estimator=kind.estimator,
-            soft_spacing=kind.soft_spacing,
             scattered=scattered,
             seed=seed,
             threads=threads,

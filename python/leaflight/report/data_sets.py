@@ -7,11 +7,11 @@ the same kind, and some scans stand beside them where there are any.
 
 from dataclasses import dataclass
 
-from ..bake.bake import bake
 from ..bake.settings import leaf_window
 from ..io.scene_file import cornell_box, packaged_scene
 from ..measure.volume_recipes import bunny, colin27, generated, neuron_stack, nucleon
 from ..scene.scene import fit_scene, match_leaves
+from ..thesis import bake
 from ..volume.particles import lapr, neuron, nucleons
 from .isosurfaces import isosurfaces
 from .memory import Cost, measured

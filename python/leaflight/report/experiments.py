@@ -9,12 +9,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..bake.bake import bake
 from ..bake.color_error import rms_percent
-from ..bake.settings import Scattered
-from ..flatland.flatland import BRIGHTNESS_CORRECTION, bake_flatland, bump_box_2d
+from ..flatland.flatland import BRIGHTNESS_CORRECTION, bump_box_2d
 from ..io.scene_file import cornell_box, packaged_scene
 from ..scene.scene import fit_scene, match_leaves
+from ..thesis import Scattered, bake, bake_flatland
 from ..volume.particles import neuron
 from ..volume.volume import bump_box
 from .isosurfaces import isosurfaces
@@ -224,8 +223,7 @@ def table_4_2(effort, run):
         "3.4.2) averages more samples, and needs them to leave no gaps.",
         "The thesis does not say how many slabs it has; here they are five. Where samples leave "
         "gaps, the gather rays of others look up what was filled in.",
-        "Samples in each texel are what a bake takes by default: as many rays in all as the "
-        "scattered ones.",
+        "Samples in each texel have as many rays in all as the scattered ones.",
     ]
     title = f"Table 4.2: isosurface {ISOVALUE:g} of the 3D bump box"
     return Table("table_4_2", title, rows, notes, {"slices": slices, "isosurfaces": views})

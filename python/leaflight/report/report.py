@@ -110,11 +110,6 @@ def report(folder, effort, run, data=None, tables=TABLES):
         lines += ["", f"## {title}", "", *part]
     lines += ["", "## The thesis's tables", "", TABLES_SAY]
     lines += _tables_text(done, "###")
-    lines += [
-        "",
-        "The thesis leaves irradiance caching in four dimensions to the future (4.3.6). Ours are "
-        "the curves with a spacing; docs/validation.md has more of them.",
-    ]
     found = {
         "curves": sections.curve_rows(curves),
         "slopes": _split(sections.slope_rows(curves, analysis)),

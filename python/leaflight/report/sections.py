@@ -15,8 +15,6 @@ from .fits import break_even, cost, noise_and_floor, root, samples_for, slope
 
 # From how many to how many isosurfaces the thesis breaks even.
 THESIS_BREAK_EVEN = (3, 11)
-# The bakes that are held against Cycles.
-WORTH = (DEFAULT, f"{DEFAULT}, spacing 2")
 # By which share seconds vary from run to run on a shared machine (95 %).
 SECONDS_VARY = 0.1
 MEBIBYTE = 2**20
@@ -50,24 +48,23 @@ def analysed(curves, seed):
 
 
 def _break_even_rows(curves, errors, costs, seed):
-    """One row for each bake of the default and of the one with wider spacing."""
+    """One row for each bake by the default estimator."""
     cycles = curves.of(CYCLES)
     if cycles is None:
         return
     least = min(point.error for point in cycles.points)
-    for name in WORTH:
-        for point in curves.of(name).points:
-            isosurfaces = break_even(
-                point.error, point.seconds, errors[CYCLES], costs[CYCLES], SECONDS_VARY, seed
-            )
-            yield {
-                "bake": name,
-                "rays": point.samples,
-                "RMS %": point.error,
-                "seconds": point.seconds,
-                "isosurfaces": isosurfaces,
-                "beyond what Cycles was measured at": "yes" if point.error < least else "",
-            }
+    for point in curves.of(DEFAULT).points:
+        isosurfaces = break_even(
+            point.error, point.seconds, errors[CYCLES], costs[CYCLES], SECONDS_VARY, seed
+        )
+        yield {
+            "bake": DEFAULT,
+            "rays": point.samples,
+            "RMS %": point.error,
+            "seconds": point.seconds,
+            "isosurfaces": isosurfaces,
+            "beyond what Cycles was measured at": "yes" if point.error < least else "",
+        }
 
 
 def curve_rows(curves):

@@ -34,7 +34,10 @@ def volume_object():
 
 
 def brighten(factor=2.0):
-    bpy.data.objects["lamp"].data.energy *= factor
+    """Another light, too, so that a bake of the one before does not follow it."""
+    lamp = bpy.data.objects["lamp"]
+    lamp.data.energy *= factor
+    lamp.location.z -= 0.01
     bpy.context.view_layer.update()
 
 

@@ -42,9 +42,7 @@ def small_frame():
 
 
 def check_images_and_figures(boxed, small_frame, tmp_path):
-    boxed.leaflight.samples = 64
-    boxed.leaflight.photons = 1_000_000
-    boxed.leaflight.resolution = 48
+    boxed.leaflight.error, boxed.leaflight.resolution = 1.5, 48
     boxed.leaflight.isovalue = 47.0
     bpy.ops.leaflight.bake()
     before = _render_settings()
@@ -179,7 +177,7 @@ def check_a_lamp_in_wrong_units_is_noticed(boxed, small_frame, tmp_path, monkeyp
     right = versions.light_units()
     others = (blender_versions.light_units(version) for version in ((3, 4), (4, 2)))
     (wrong,) = (units for units in others if units != right)
-    boxed.leaflight.samples, boxed.leaflight.photons = 16, 300_000
+    boxed.leaflight.error = 3.0
     said = []
     for units in (wrong, right):
         monkeypatch.setattr(versions, "light_units", lambda units=units: units)

@@ -56,15 +56,16 @@ def check_a_continued_bake_shows_its_rounds_and_is_stopped(rounds):
     assert state() == before
 
 
-def check_only_what_can_be_is_continued(rounds):
+def check_only_what_can_be_is_continued(rounds, tmp_path):
     with pytest.raises(RuntimeError, match="Bake the flattened illumination first"):
         bpy.ops.leaflight.continue_bake()
-    rounds.leaflight.fixed_samples = True
-    bpy.ops.leaflight.bake()
+    path = str(tmp_path / "fixed.vdb")
+    fixed = {"isovalues": (40.0, 60.0), "samples": 1, "photons": 1000}
+    leaflight.thesis.bake(cache.world_volume(rounds), leaflight.cornell_box(), **fixed).save(path)
+    bpy.ops.leaflight.load_bake(filepath=path)
     assert "leaflight.continue_bake" not in drawn(bake_panel.LEAFLIGHT_PT_bake)
     with pytest.raises(RuntimeError, match="Only a bake that goes by its error"):
         bpy.ops.leaflight.continue_bake()
-    rounds.leaflight.fixed_samples = False
     rounds.leaflight.error = 20.0
     bpy.ops.leaflight.bake()
     assert "leaflight.continue_bake" in drawn(bake_panel.LEAFLIGHT_PT_bake)

@@ -108,7 +108,7 @@ def check_an_override_keeps_a_bake_of_its_own(linked):
     own = linked.override_create(remap_local_usages=True)
     bpy.context.view_layer.objects.active = own
     build_cornell_box()
-    own.leaflight.samples = 3
+    own.leaflight.seed = 3
     bpy.ops.leaflight.bake()
     identifier = own.leaflight.bake_id
     assert identifier != library == linked.leaflight.bake_id
@@ -196,7 +196,6 @@ def check_a_linked_duplicate_may_look_otherwise(saved):
 def check_both_duplicates_baked_together_have_each_their_light(saved):
     copy = _duplicate(saved, True)
     copy.location.x += 0.4
-    saved.leaflight.samples = 2
     bpy.context.view_layer.update()
     bpy.ops.leaflight.bake()
     assert {saved.leaflight.bake_index, copy.leaflight.bake_index} == {0, 1}

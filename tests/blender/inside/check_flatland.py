@@ -15,7 +15,7 @@ def bump_graph():
     bpy.ops.leaflight.import_image(source="BUMP_BOX", nodes=48, count=5, size=3.0, height=0.4)
     graph = bpy.context.object
     settings = graph.leaflight_flat
-    settings.samples, settings.photons = 8, 20_000
+    settings.error, settings.resolution = 20.0, 48
     return graph
 
 

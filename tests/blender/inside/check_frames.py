@@ -32,8 +32,7 @@ def played(values, tmp_path):
     obj = bpy.context.object
     settings = obj.leaflight
     settings.bake_folder = str(tmp_path / "bakes")
-    settings.fixed_samples, settings.samples, settings.photons = True, 1, 500
-    settings.resolution = 8
+    settings.error, settings.resolution = 50.0, 8
     bpy.ops.leaflight.stage(preset="LIGHT_TENT")
     bpy.context.view_layer.objects.active = obj
     return obj
@@ -82,8 +81,8 @@ def check_a_frame_is_lit_by_its_own_bake_and_by_no_other(played):
 
 def check_all_frames_are_baked_kept_and_found_again(played, tmp_path):
     played.leaflight.bake_folder = ""
-    blender.bake_frames(played, samples=2)
-    assert played.leaflight.samples == 2 and bpy.context.scene.frame_current == 1
+    blender.bake_frames(played, error=40.0)
+    assert played.leaflight.error == 40.0 and bpy.context.scene.frame_current == 1
     assert len(frame_bakes.bakes_of(played.leaflight)) == FRAMES
     # From the folder of the session to beside the .blend.
     open_saved(tmp_path / "here" / "scene.blend")

@@ -18,7 +18,7 @@ from tools import error_of
 
 def _command_line_bake(path, volume, **settings):
     scene = leaflight.cornell_box()
-    bake = leaflight.bake(volume, scene, samples=4, photons=20_000, **settings)
+    bake = leaflight.bake(volume, scene, error=5.0, resolution=20, **settings)
     bake.save(path)
     return bake
 
@@ -130,7 +130,8 @@ def check_a_bake_of_the_command_line_comes_with_its_scene(tmp_path):
     obj.leaflight.isovalue = 80.0
     assert_lit(obj, 80.0)
     # What Blender bakes of what came in is what the command line baked.
-    obj.leaflight.samples, obj.leaflight.photons = 4, 20_000
+    obj.leaflight.error, obj.leaflight.resolution = 5.0, 20
+    obj.leaflight.seed = 1
     obj.leaflight.bake_folder = str(tmp_path)
     bpy.ops.leaflight.bake()
     again = cache.bake_of(obj)

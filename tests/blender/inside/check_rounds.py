@@ -16,7 +16,7 @@ from leaflight_addon.operators import background
 from leaflight_addon.show import preview, properties, surface_object
 from leaflight_addon.store import bake_files, cache
 from leaflight_addon.ui import advanced_panel, bake_panel
-from rounds import assert_shows_round, begin, drawn, rounds_of, state, stop
+from rounds import UNREACHED, assert_shows_round, begin, drawn, rounds_of, state, stop
 from tools import (
     ADDON,
     Clock,
@@ -34,7 +34,7 @@ def check_a_bake_goes_on_until_its_error(rounds):
     rounds.leaflight.error = 4.0
     bpy.ops.leaflight.bake()
     ours = cache.bake_of(rounds)
-    assert ours.metadata["error"] == "4.0" and ours.metadata["samples"] == ""
+    assert ours.metadata["error"] == "4.0"
     assert 0 < ours.statistics["estimated_error_percent"] <= 4.0
     assert rounds.leaflight.bake_outcome.endswith("4 % was asked for")
     assert_shows(rounds, 50.0)
@@ -167,9 +167,9 @@ def check_a_stopped_bake_is_kept(endless):
 @pytest.mark.parametrize("was_baked", [False, True])
 def check_a_stopped_bake_is_thrown_away(endless, was_baked):
     if was_baked:
-        endless.leaflight.fixed_samples = True
+        endless.leaflight.error = 20.0
         bpy.ops.leaflight.bake()
-        endless.leaflight.fixed_samples = False
+        endless.leaflight.error = UNREACHED
     before = state()
     job, work = begin(endless)
     job.show()
@@ -273,9 +273,6 @@ def check_the_cost_is_estimated_before(rounds):
     assert estimate_bake.estimate_of(rounds) is None
     settings.error, settings.both_sides = 1.0, True
     assert estimate_bake.estimate_of(rounds) is None
-    settings.fixed_samples = True
-    with pytest.raises(RuntimeError, match="go by their error"):
-        bpy.ops.leaflight.estimate_bake()
 
 
 @pytest.mark.machine
@@ -290,6 +287,7 @@ def check_the_estimated_seconds_come_true(rounds):
 
 def check_a_quality_is_an_error(bumps):
     settings = bumps.leaflight
+    settings.property_unset("error")
     assert settings.quality == "GOOD" and settings.error == 1.5
     for quality, error in properties.QUALITIES.items():
         settings.quality = quality
@@ -329,14 +327,11 @@ def check_preferences_reach_the_bake(rounds, tmp_path, monkeypatch):
 
 def check_the_panel_has_a_quality_and_keeps_the_rest_out_of_sight(endless):
     everyday = drawn(bake_panel.LEAFLIGHT_PT_bake)
-    closed = advanced_panel.LEAFLIGHT_PT_advanced, advanced_panel.LEAFLIGHT_PT_research
-    advanced, research = (drawn(panel) for panel in closed)
+    advanced = drawn(advanced_panel.LEAFLIGHT_PT_advanced)
     assert {"DRAFT", "GOOD", "FINAL", "leaflight.bake", "leaflight.estimate_bake"} <= set(everyday)
-    settings = {"error", "time_limit", "resolution", "bake_folder"}
+    settings = {"error", "time_limit", "resolution", "seed", "bake_folder"}
     assert settings <= set(advanced) and not settings & set(everyday)
-    settings = {"fixed_samples", "samples", "photons", "refine", "estimator", "seed"}
-    assert settings <= set(research) and not settings & {*everyday, *advanced}
-    assert all("DEFAULT_CLOSED" in panel.bl_options for panel in closed)
+    assert "DEFAULT_CLOSED" in advanced_panel.LEAFLIGHT_PT_advanced.bl_options
     assert "leaflight.keep_bake" not in everyday
     job, work = begin(endless)
     stop(job, work)

@@ -17,8 +17,7 @@ def volume(tmp_path):
     leaflight._core.bump_box(24).astype("<f4").tofile(path)
     obj = blender.import_volume(path, dims=(24, 24, 24), value_type="float32")
     obj.leaflight.bake_folder = str(tmp_path / "bakes")
-    obj.leaflight.fixed_samples = True
-    obj.leaflight.samples, obj.leaflight.photons = 4, 20_000
+    obj.leaflight.error, obj.leaflight.resolution = 20.0, 24
     return obj
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from boxes import build_cornell_box
 from leaflight_addon import versions
-from leaflight_addon.show import isovalues, properties, surface_material
+from leaflight_addon.show import isovalues, properties
 from leaflight_addon.stage import scene_export, staleness
 from leaflight_addon.store import cache
 from tools import assert_shows, close, mesh_arrays
@@ -75,19 +75,6 @@ def check_one_bake_holds_both(pair, active):
         if node.type == "TEX_IMAGE"
     }
     assert len(paths) == 2
-
-
-def check_each_has_its_finer_texels(pair):
-    pair[0].leaflight.refine = 1
-    bpy.ops.leaflight.bake()
-    bake = cache.bake_of(pair[0])
-    for index, obj in enumerate(pair):
-        grid = bake.grids[index]
-        assert grid.levels == 2
-        assert surface_material.shading_in_use(obj.leaflight)[0] == "ATTRIBUTE"
-        vertices, _, radiance = mesh_arrays(obj)
-        expected = grid.lookup(cache.volume_of(obj).field(), vertices)
-        close(radiance, expected, 1e-4 * expected.max())
 
 
 def _leaf_coordinates(pair):

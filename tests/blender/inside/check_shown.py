@@ -190,7 +190,7 @@ def _seen_from_above(obj, path, engine):
     """Pixels from above of some objects alone, in a black world."""
     bpy.context.scene.world = None
     for other in bpy.context.scene.objects:
-        other.hide_render = other not in obj
+        other.hide_render = other not in obj and other.type != "LIGHT"
     return render_exr(path, engine, size=SIZE)[..., :3]
 
 

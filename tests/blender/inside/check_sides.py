@@ -42,7 +42,7 @@ def check_each_side_shows_its_radiance(two_sided, tmp_path, engine, shading):
     corners = np.array([[-0.02, -0.02, 0], [0.02, -0.02, 0], [0, 0.02, 0]])
     local = middle + corners @ np.linalg.inv(matrix[:3, :3]).T
     for obj in bpy.context.scene.objects:
-        obj.hide_render = True
+        obj.hide_render = obj.type != "LIGHT"
     world = matrix[:3, :3] @ middle + matrix[:3, 3]
     camera = look_down(world[2] + 1.0, 0.001)
     camera.location.x, camera.location.y = world[:2]

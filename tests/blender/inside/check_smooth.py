@@ -57,8 +57,7 @@ def check_it_is_proposed_for_bytes_and_done_afterwards(steps):
 def check_a_bake_keeps_what_it_was_made_of(steps):
     obj = imported(steps, smooth=0.5)
     build_cornell_box()
-    obj.leaflight.fixed_samples, obj.leaflight.samples = True, 2
-    obj.leaflight.photons = 1000
+    obj.leaflight.error, obj.leaflight.resolution = 50.0, 16
     bpy.ops.leaflight.bake()
     (record,) = json.loads(cache.bake_of(obj).metadata["volumes"])
     assert record["source"] == f"{steps}, smoothed by 0.5 voxels"

@@ -44,9 +44,7 @@ def bumps(bump_file, tmp_path):
     )
     obj = bpy.context.object
     obj.leaflight.bake_folder = str(tmp_path / "bakes")
-    obj.leaflight.fixed_samples = True
-    obj.leaflight.samples = 4
-    obj.leaflight.photons = 20_000
+    obj.leaflight.error, obj.leaflight.resolution = 20.0, N
     # In files beside the bake, unlike what is shown by default.
     obj.leaflight.shading = "ATLAS"
     bpy.context.view_layer.update()
@@ -86,7 +84,8 @@ def saved(boxed, tmp_path):
 @pytest.fixture
 def rounds(boxed):
     """The boxed bumps, to be baked in rounds in a window of their isovalues."""
-    boxed.leaflight.fixed_samples = False
+    boxed.leaflight.property_unset("error")
+    boxed.leaflight.use_resolution = False
     boxed.leaflight.low, boxed.leaflight.high = 40.0, 60.0
     boxed.leaflight.isovalue = 50.0
     os.mkdir(boxed.leaflight.bake_folder)

@@ -49,7 +49,7 @@ def main():
     scene = bpy.context.scene
     scene.render.resolution_x = scene.render.resolution_y = 256
     settings = obj.leaflight
-    settings.fixed_samples, settings.samples, settings.photons = True, 4, 20_000
+    settings.error, settings.resolution = 20.0, 24
     blender.bake(obj, (40, 60), bake_folder=str(FOLDER / "bakes"))
     blender.show(obj, 47.0)
     bpy.context.view_layer.objects.active = obj

@@ -15,20 +15,18 @@ namespace {
 
 using namespace leaflight;
 
-constexpr std::array<const char*, 14> names{"field",
+constexpr std::array<const char*, 12> names{"field",
                                             "radiance",
                                             "radiance_indirect",
                                             "radiance_error",
                                             "radiance_back",
-                                            "radiance_level1",
+                                            "radiance_indirect_2",
                                             "radiance_back_indirect",
                                             "surroundings_indirect",
                                             "unfiltered",
                                             "unfiltered_back",
                                             "field_2",
-                                            "radiance_2",
-                                            "radiance_indirect_level1",
-                                            "radiance_error_level1"};
+                                            "radiance_2"};
 
 // Small numbers mostly, so that grids fit each other.
 int number(fuzz::Bytes& bytes) {

@@ -7,6 +7,7 @@ uniform vec3 texelScale, textureScale;  // from index coordinates to texels; one
 uniform int innerIs;    // 0: baked, 1: dark, 2: to be shaded by a light at the camera
 uniform float unbaked;  // how bright such a side is that is white and faces the viewer
 uniform bool isLocal;
+uniform bool innerHasMaps;  // or its texels hold all light
 uniform mat4 indexToWorld;
 uniform vec3 albedo[2], emission[2];  // of both isosurfaces
 
@@ -46,6 +47,7 @@ vec3 indirectLight(vec3 place, vec3 gradient, bool isInner) {
 vec3 light(vec3 place, Hit hit, float isovalue, int number) {
   if (!isLocal && !(hit.fromInside && innerIs != 0)) {
 #ifdef DIRECT
+    if (hit.fromInside && !innerHasMaps) return ofTexels(place, true);
     vec3 gradient = gradientAt(place, isovalue);
     vec3 irradiance = directIrradiance(place, gradient, isovalue, hit.fromInside);
     return indirectLight(place, gradient, hit.fromInside) +

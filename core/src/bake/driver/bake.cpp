@@ -6,8 +6,6 @@
 #include <chrono>
 
 #include "bake/driver/rounds.h"
-#include "bake/fixed/fixed_samples.h"
-#include "math/error.h"
 #include "math/platform.h"
 
 namespace leaflight {
@@ -37,13 +35,8 @@ Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan
     };
   }
   tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
-  Baked<D> baked = arena.execute([&] {
-    if (settings.samples == 0) return bake_in_rounds(scene, settings, plan, progress, timed);
-    if (hooks.workers || hooks.kept) {
-      throw Error("Only a bake in rounds can be shared or continued; bake the volume anew.");
-    }
-    return bake_with_fixed_samples(scene, settings, plan, progress);
-  });
+  Baked<D> baked =
+      arena.execute([&] { return bake_in_rounds(scene, settings, plan, progress, timed); });
   finish(baked);
   return baked;
 }

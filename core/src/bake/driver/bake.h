@@ -11,7 +11,7 @@
 
 namespace leaflight {
 
-// What a bake in rounds has to do with others; bakes with fixed samples have nothing of it.
+// What a bake has to do with others.
 template <int D>
 struct BakeHooks {
   // Is given a whole bake after each round but the last.

@@ -36,7 +36,7 @@ BlockSweeper::BlockSweeper(const Scene<3>& scene, const BakeSettings<3>& setting
   validate(scene);
   validate(settings);
   parts_ = std::make_unique<Parts>(scene, settings, progress);
-  if (settings.samples != 0 || !parts_->lit.takes_lines()) {
+  if (!parts_->lit.takes_lines()) {
     throw Error("Only bakes in rounds by lines have blocks that others can sweep.");
   }
 }

@@ -96,15 +96,14 @@ void RayBake<D>::add_block(int number, bool texels) {
 
 template <int D>
 PhotonCaches<D> RayBake<D>::trace_caustics(std::uint64_t seed) const {
-  BakeSettings<D> settings = scene_.settings;
-  settings.estimator = EstimatorName::path;
+  PhotonSettings settings;
   settings.seed = seed;
   settings.caustic_photons = photons_;
   Plan plan = scene_.plan;
   plan.photons = false;
   plan.surroundings_cache = !scene_.tracer.meshes().empty();
-  return trace_into_caches(scene_.tracer, scene_.lights, lattices_, settings, plan, 0,
-                           scene_.progress, scene_.rays);
+  return trace_into_caches(scene_.tracer, scene_.lights, lattices_, settings, plan, scene_.progress,
+                           scene_.rays);
 }
 
 // Of leaves as if they were white.

@@ -264,11 +264,13 @@ SurroundingsRadiance<D> SweptBake<D>::surroundings() {
 
 template <int D>
 void SweptBake<D>::trace_photons(const TexelLattice<D>& texels, std::uint64_t count) {
-  BakeSettings<D> settings = settings_;
+  PhotonSettings settings;
+  settings.seed = settings_.seed;
   settings.photons = count;
+  settings.wall_samples = wall_samples;
   lattices_ = {texels};
-  photons_ = trace_into_caches(volume_.tracer, lights_, lattices_, settings, plan_, wall_samples,
-                               progress_, rays_);
+  photons_ =
+      trace_into_caches(volume_.tracer, lights_, lattices_, settings, plan_, progress_, rays_);
 }
 
 template <int D>

@@ -16,10 +16,9 @@ constexpr std::size_t photons_per_piece = 4096;
 template <int D>
 PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampler<D>& lights,
                                   const std::vector<TexelLattice<D>>& lattices,
-                                  const BakeSettings<D>& settings, const Plan& plan,
-                                  int wall_samples, Progress& progress,
-                                  std::atomic<std::uint64_t>& rays) {
-  const EstimatorTraits& estimator = traits_of(settings.estimator);
+                                  const PhotonSettings& settings, const Plan& plan,
+                                  Progress& progress, std::atomic<std::uint64_t>& rays) {
+  const bool lights_walls = settings.wall_samples > 0;
   // The largest flux-height with which any photon starts (thesis Eq. 4.4).
   std::uint64_t photons = plan.photons ? settings.photons : 0;
   std::uint64_t fewest = plan.photons ? settings.photons : settings.caustic_photons;
@@ -34,10 +33,10 @@ PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampl
   PhotonCaches<D> caches;
   for (std::size_t v = 0; v < lattices.size(); ++v) {
     caches.leaves.push_back(std::make_unique<LeafCache<D>>(tracer, static_cast<int>(v), lattices[v],
-                                                           inner, estimator.density, plan.caustics,
+                                                           inner, settings.density, plan.caustics,
                                                            photon_flux, photons));
   }
-  if (plan.surroundings_cache || estimator.surroundings) {
+  if (plan.surroundings_cache || lights_walls) {
     caches.surroundings =
         std::make_unique<SurfaceCache<D>>(tracer, plan.caustics, photon_flux, photons);
   }
@@ -67,13 +66,13 @@ PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampl
     trace(PhotonPaths::caustics, settings.caustic_photons);
   }
   for (const auto& cache : caches.leaves) cache->finish(progress);
-  if (!plan.surroundings_cache || !estimator.surroundings) return caches;
+  if (!plan.surroundings_cache || !lights_walls) return caches;
   progress.begin("Lighting the surroundings");
   SurfaceCache<D>& surroundings = *caches.surroundings;
   parallel_range(surroundings.entries(), 256, 0, progress, [&](std::size_t begin, std::size_t end) {
     std::uint64_t traced = 0;
     for (std::size_t e = begin; e < end; ++e) {
-      surroundings.finish(e, lights, wall_samples, settings.seed, traced);
+      surroundings.finish(e, lights, settings.wall_samples, settings.seed, traced);
     }
     rays += traced;
   });
@@ -82,11 +81,11 @@ PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampl
 
 template PhotonCaches<2> trace_into_caches(const SceneTracer<2>&, const LightSampler<2>&,
                                            const std::vector<TexelLattice<2>>&,
-                                           const BakeSettings<2>&, const Plan&, int, Progress&,
+                                           const PhotonSettings&, const Plan&, Progress&,
                                            std::atomic<std::uint64_t>&);
 template PhotonCaches<3> trace_into_caches(const SceneTracer<3>&, const LightSampler<3>&,
                                            const std::vector<TexelLattice<3>>&,
-                                           const BakeSettings<3>&, const Plan&, int, Progress&,
+                                           const PhotonSettings&, const Plan&, Progress&,
                                            std::atomic<std::uint64_t>&);
 
 }  // namespace leaflight

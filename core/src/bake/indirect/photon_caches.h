@@ -5,7 +5,6 @@
 #include <memory>
 
 #include "bake/plan/plan.h"
-#include "bake/plan/settings.h"
 #include "math/progress.h"
 #include "transport/leaf_cache.h"
 #include "transport/surface_cache.h"
@@ -22,14 +21,19 @@ struct PhotonCaches {
   std::unique_ptr<SurfaceCache<D>> surroundings;
 };
 
+struct PhotonSettings {
+  std::uint64_t seed = 0;
+  std::uint64_t photons = 0, caustic_photons = 0;  // how many the passes trace
+  bool density = false;                            // of the photons is looked up with all its noise
+  int wall_samples = 0;  // shadow rays of each entry of the surroundings' light; 0: not looked up
+};
+
 // Traces the photons, and the caustic photons, that the plan asks for. The lattices, one per
-// volume, must live as long as the caches. `wall_samples`: shadow rays of each entry of the cache
-// of the surroundings. Adds the rays traced to `rays`.
+// volume, must live as long as the caches. Adds the rays traced to `rays`.
 template <int D>
 PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampler<D>& lights,
                                   const std::vector<TexelLattice<D>>& lattices,
-                                  const BakeSettings<D>& settings, const Plan& plan,
-                                  int wall_samples, Progress& progress,
-                                  std::atomic<std::uint64_t>& rays);
+                                  const PhotonSettings& settings, const Plan& plan,
+                                  Progress& progress, std::atomic<std::uint64_t>& rays);
 
 }  // namespace leaflight

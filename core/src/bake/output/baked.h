@@ -14,10 +14,9 @@ struct BakeStatistics {
   std::uint64_t peak_memory_bytes = 0;
   std::vector<SkippedPass> skipped;
   int rounds = 1;
-  // Of indirect light, in the averages of a bake in rounds; 0 of one with fixed samples.
-  int blocks = 0;
+  int blocks = 0;  // of indirect light, in the averages
   double noise_percent = 0, error_percent = 0;
-  WorstLeaf worst;       // of the isosurfaces, where there are rounds
+  WorstLeaf worst;       // of the isosurfaces
   bool stopped = false;  // by time or by the caller, before the error was reached
 };
 

@@ -31,7 +31,6 @@ class Lookup {
     mesh_.radiance.resize(settings_.radiance ? vertices : 0);
     mesh_.radiance_back.resize(settings_.radiance_back ? vertices : 0);
   }
-  // Where there is but one level.
   void at(std::size_t first, const std::vector<Vec3>& positions) const {
     if (settings_.radiance) radiance_at(grid_, field_, positions, false, &mesh_.radiance[first]);
     if (settings_.radiance_back) {
@@ -68,7 +67,7 @@ class Lookup {
   LitMesh& mesh_;
 };
 
-// As fine as texels are everywhere, then as they are in places, then where light steps.
+// As fine as texels are everywhere, then where light steps.
 void split_and_look_up(const RadianceGrid<3>& grid, const Field<3>& field, double isovalue,
                        const Lookup& look_up, LitMesh& mesh) {
   const auto split = [&](const std::function<bool(std::int32_t, std::int32_t)>& wanted) {
@@ -76,12 +75,6 @@ void split_and_look_up(const RadianceGrid<3>& grid, const Field<3>& field, doubl
   };
   for (double width = grid.lattice.voxels_per_texel[0]; width < narrow; width *= 2) {
     split([](std::int32_t, std::int32_t) { return true; });
-  }
-  for (int level = 1; level < grid.levels(); ++level) {
-    split([&](std::int32_t a, std::int32_t b) {
-      const Vec3 middle = (Vec3(mesh.vertices[a]) + Vec3(mesh.vertices[b])) * 0.5;
-      return grid.level_at(field.world_to_index.point(middle)) >= level;
-    });
   }
   look_up.from(0);
   for (int i = 0; i < most_halvings && look_up.cuts_steps() && mesh.vertices.size() < small; ++i) {
@@ -102,7 +95,7 @@ void lit_contour(const ShownGrid<3>& shown, const Field<3>& field, double isoval
   const MarchingCubes cubes(field, isovalue);
   const Lookup look_up(shown, field, settings, mesh);
   mesh.contoured = cubes.triangles();
-  const bool as_it_is = grid.levels() == 1 && grid.lattice.voxels_per_texel[0] >= narrow &&
+  const bool as_it_is = grid.lattice.voxels_per_texel[0] >= narrow &&
                         !(look_up.cuts_steps() && cubes.vertices() < small) && !field.masked;
   if (as_it_is) {
     look_up.resize(cubes.vertices());

@@ -7,26 +7,6 @@
 
 namespace leaflight {
 
-template <int D>
-std::size_t RadianceGrid<D>::texels() const {
-  std::size_t sum = 0;
-  for (int l = 0; l < levels(); ++l) sum += level(l).lattice.active.size();
-  return sum;
-}
-
-template <int D>
-int RadianceGrid<D>::level_at(const Vec<D>& index_position) const {
-  int found = 0;
-  for (; found + 1 < levels(); ++found) {
-    Index<D> middle = level(found).lattice.cell_point(index_position).cell;
-    for (int& n : middle) n = 2 * n + 1;
-    // All leaves through the cell reach the texel in its middle, so that it tells for the cell.
-    const TexelLattice<D>& fine = level(found + 1).lattice;
-    if (fine.slot[fine.linear(middle)] == TexelLattice<D>::inactive) break;
-  }
-  return found;
-}
-
 namespace {
 
 using Colours = std::vector<Vec<3, float>>;
@@ -134,25 +114,26 @@ namespace {
 template <int D>
 class PointLookup {
  public:
-  void find(const ShownGrid<D>& shown, const RadianceLevel<D>& level, const Field<D>& field,
-            const Vec<D>& index_position, bool back) {
+  void find(const ShownGrid<D>& shown, const Field<D>& field, const Vec<D>& index_position,
+            bool back) {
+    const TexelLattice<D>& lattice = shown.grid.lattice;
     is_extrapolated_ = false;
     direct_ = shown.direct_of(back);
     if (direct_) {
       point_ = isosurface_point(field, index_position);
       const Vec<D>& gradient = point_.gradient;
-      const double length = (gradient / level.lattice.voxels_per_texel).length();
+      const double length = (gradient / lattice.voxels_per_texel).length();
       const Vec<D> half = gradient * (length > 0 ? (back ? 0.5 : -0.5) / length : 0);
       const Vec<D> near = index_position + half, far = near + half * 2;
       const IsovalueWindow& window = direct_->window();
       is_extrapolated_ = length > 0 && window.contains(value_at(field, near)) &&
                          window.contains(value_at(field, far));
       if (is_extrapolated_) {
-        near_.find(level.lattice, near);
-        far_.find(level.lattice, far);
+        near_.find(lattice, near);
+        far_.find(lattice, far);
       }
     }
-    if (!is_extrapolated_) near_.find(level.lattice, index_position);
+    if (!is_extrapolated_) near_.find(lattice, index_position);
   }
   void fetch(const Colours& values) const {
     near_.fetch(values);
@@ -189,9 +170,10 @@ class PointLookup {
 
 // The texels that are looked up.
 template <int D>
-const Colours& texels_of(const RadianceLevel<D>& level, const DirectLight<D>* direct, bool back) {
-  if (direct) return back ? level.radiance_back_indirect : level.radiance_indirect;
-  return back ? level.radiance_back : level.radiance;
+const Colours& texels_of(const ShownGrid<D>& shown, bool back) {
+  const RadianceGrid<D>& grid = shown.grid;
+  if (shown.direct_of(back)) return back ? grid.radiance_back_indirect : grid.radiance_indirect;
+  return back ? grid.radiance_back : grid.radiance;
 }
 
 }  // namespace
@@ -209,23 +191,21 @@ Vec<3, float> ShownGrid<D>::scaled(const Vec<3, float>& light, const Field<D>& f
 template <int D>
 Vec<3, float> radiance_at(const ShownGrid<D>& shown, const Field<D>& field,
                           const Vec<D>& index_position, bool back) {
-  const RadianceLevel<D>& level = shown.grid.at(index_position);
   PointLookup<D> lookup;
-  lookup.find(shown, level, field, index_position, back);
-  return lookup.radiance(shown, field, texels_of(level, shown.direct_of(back), back), back);
+  lookup.find(shown, field, index_position, back);
+  return lookup.radiance(shown, field, texels_of(shown, back), back);
 }
 
 template <int D>
 void radiance_at(const ShownGrid<D>& shown, const Field<D>& field,
                  const std::vector<Vec<D>>& index_positions, bool back, Vec<3, float>* found) {
   constexpr std::size_t ahead = 16;
-  const RadianceGrid<D>& grid = shown.grid;
-  const Colours& values = texels_of(grid, shown.direct_of(back), back);
+  const Colours& values = texels_of(shown, back);
   std::array<PointLookup<D>, ahead> lookups;
   for (std::size_t first = 0; first < index_positions.size(); first += ahead) {
     const std::size_t count = std::min(ahead, index_positions.size() - first);
     for (std::size_t n = 0; n < count; ++n) {
-      lookups[n].find(shown, grid, field, index_positions[first + n], back);
+      lookups[n].find(shown, field, index_positions[first + n], back);
       lookups[n].fetch(values);
     }
     for (std::size_t n = 0; n < count; ++n) {
@@ -247,8 +227,6 @@ float lookup_error(const TexelLattice<D>& lattice, const std::vector<float>& err
   return std::sqrt(variance);
 }
 
-template struct RadianceGrid<2>;
-template struct RadianceGrid<3>;
 template RadianceGrid<2> make_grid<2>(SideAverages, SideAverages);
 template RadianceGrid<3> make_grid<3>(SideAverages, SideAverages);
 template Vec<3, float> lookup<2>(const TexelLattice<2>&, const std::vector<Vec<3, float>>&,

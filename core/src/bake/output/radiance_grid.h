@@ -10,20 +10,6 @@
 
 namespace leaflight {
 
-// Radiance [W/(m^2 sr)] at the active texels of a lattice, in the order of `lattice.active`.
-template <int D>
-struct RadianceLevel {
-  TexelLattice<D> lattice;
-  // The outer side.
-  std::vector<Vec<3, float>> radiance;
-  std::vector<Vec<3, float>> radiance_indirect;  // all of it but direct light
-  std::vector<float> radiance_error;             // standard error of the mean over the channels
-  // The inner side; empty where it was not baked.
-  std::vector<Vec<3, float>> radiance_back, radiance_back_indirect;
-
-  bool has_back() const { return !radiance_back.empty(); }
-};
-
 // Indirect light of white leaves before the filter, at its own texels, by side: what a bake goes on
 // with. Not a number where no line has passed.
 template <int D>
@@ -33,33 +19,30 @@ struct UnfilteredLight {
   std::array<std::vector<Vec<3, float>>, 2> sides;
 };
 
-// What one bake says of the leaves of one volume: its coarsest level, which serves all of them, and
-// finer ones, each with texels half as wide as those before, which serve some cells instead.
+// Light of the isosurfaces of one volume: radiance [W/(m^2 sr)] at the active texels of a lattice,
+// in the order of `lattice.active`.
 template <int D>
-struct RadianceGrid : RadianceLevel<D> {
-  std::vector<RadianceLevel<D>> finer;
+struct RadianceGrid {
+  TexelLattice<D> lattice;
+  // The outer side.
+  std::vector<Vec<3, float>> radiance;
+  std::vector<Vec<3, float>> radiance_indirect;  // all of it but direct light
+  std::vector<float> radiance_error;             // standard error of the mean over the channels
+  // The inner side; empty where it was not baked.
+  std::vector<Vec<3, float>> radiance_back, radiance_back_indirect;
   // Exact direct light, which with radiance_indirect is all light; null: texels hold all that is
   // known. What it does not hold is in radiance_indirect.
   std::shared_ptr<const DirectLight<D>> direct;
   UnfilteredLight<D> unfiltered;  // of bakes in rounds
 
-  int levels() const { return 1 + static_cast<int>(finer.size()); }
-  const RadianceLevel<D>& level(int number) const {
-    return number == 0 ? *this : finer[number - 1];
-  }
-  const RadianceLevel<D>& finest() const { return level(levels() - 1); }
-  std::size_t texels() const;  // active ones, of all levels
-  // The finest level that serves an index position.
-  int level_at(const Vec<D>& index_position) const;
-  const RadianceLevel<D>& at(const Vec<D>& index_position) const {
-    return level(level_at(index_position));
-  }
+  bool has_back() const { return !radiance_back.empty(); }
+  std::size_t texels() const { return lattice.active.size(); }
 };
 
 // Averages of the outer and the inner side; the latter's are empty where it is not baked.
 using SideAverages = std::array<std::vector<Average>, 2>;
 
-// The coarsest level without its lattice, from averages of the active texels.
+// A grid without its lattice, from averages of the active texels.
 template <int D>
 RadianceGrid<D> make_grid(SideAverages direct, SideAverages indirect);
 
@@ -101,8 +84,8 @@ template <int D>
 Vec<3, float> lookup(const TexelLattice<D>& lattice, const std::vector<Vec<3, float>>& values,
                      const Vec<D>& index_position);
 
-// At many positions, of a grid of one level, into as many places from `found` on. What is read lies
-// far apart: it is fetched ahead.
+// At many positions, into as many places from `found` on. What is read lies far apart: it is
+// fetched ahead.
 template <int D>
 void radiance_at(const ShownGrid<D>& shown, const Field<D>& field,
                  const std::vector<Vec<D>>& index_positions, bool back, Vec<3, float>* found);

@@ -76,12 +76,18 @@ bool light_in_domain(const Scene<D>& scene, const Volume<D>& volume) {
 
 template <int D>
 Plan make_plan(const Scene<D>& scene, const BakeSettings<D>& settings) {
+  static const IndirectMethod passes{"passes", true, true, false};
+  return make_plan(scene, passes, settings.both_sides, settings.surroundings);
+}
+
+template <int D>
+Plan make_plan(const Scene<D>& scene, const IndirectMethod& method, bool both_sides,
+               bool surroundings) {
   Plan plan;
   const auto skip = [&](bool Plan::*pass, const std::string& name, const std::string& reason) {
     plan.*pass = false;
     plan.skipped.push_back({name, reason});
   };
-  const EstimatorTraits& estimator = traits_of(settings.estimator);
   if (!anything_reflects(scene)) {
     skip(&Plan::indirect, "indirect light", "nothing in the scene reflects light");
   }
@@ -89,16 +95,16 @@ Plan make_plan(const Scene<D>& scene, const BakeSettings<D>& settings) {
     const std::string reason = "there is no mirror and no glass in the scene";
     skip(&Plan::specular, "specular light", reason);
     skip(&Plan::caustics, "caustics", reason);
-  } else if (estimator.caustics) {
+  } else if (method.caustics) {
     skip(&Plan::caustics, "caustic photons",
-         "caustics are part of the " + estimator.name + " estimator's light");
+         "caustics are part of the " + method.name + " estimator's light");
   }
   if (!plan.indirect) {
     skip(&Plan::photons, "photons", "there is no indirect light");
-  } else if (!estimator.photons) {
-    skip(&Plan::photons, "photons", "the " + estimator.name + " estimator needs none");
+  } else if (!method.photons) {
+    skip(&Plan::photons, "photons", "the " + method.name + " estimator needs none");
   }
-  if (!settings.surroundings) {
+  if (!surroundings) {
     skip(&Plan::surroundings, "radiance of the surroundings", "it was not asked for");
   } else if (scene.meshes.empty()) {
     skip(&Plan::surroundings, "radiance of the surroundings", "nothing surrounds the volume");
@@ -107,9 +113,9 @@ Plan make_plan(const Scene<D>& scene, const BakeSettings<D>& settings) {
     skip(&Plan::surroundings_cache, "surroundings cache", "no photons are traced");
   } else if (scene.meshes.empty()) {
     skip(&Plan::surroundings_cache, "surroundings cache", "nothing surrounds the volume");
-  } else if (!estimator.surroundings && !plan.surroundings) {
+  } else if (!method.surroundings && !plan.surroundings) {
     skip(&Plan::surroundings_cache, "surroundings cache",
-         "the " + estimator.name + " estimator needs none");
+         "the " + method.name + " estimator needs none");
   }
   bool inside = false, open = false;
   for (const Volume<D>& volume : scene.volumes) {
@@ -125,7 +131,7 @@ Plan make_plan(const Scene<D>& scene, const BakeSettings<D>& settings) {
   }
   if (!open && !inside) {
     skip(&Plan::back, "radiance of the inner side", dark);
-  } else if (!settings.both_sides) {
+  } else if (!both_sides) {
     skip(&Plan::back, "radiance of the inner side", "it was not asked for");
   }
   return plan;
@@ -147,5 +153,7 @@ template Error nothing_to_bake(const Scene<2>&);
 template Error nothing_to_bake(const Scene<3>&);
 template Plan make_plan<2>(const Scene<2>&, const BakeSettings<2>&);
 template Plan make_plan<3>(const Scene<3>&, const BakeSettings<3>&);
+template Plan make_plan<2>(const Scene<2>&, const IndirectMethod&, bool, bool);
+template Plan make_plan<3>(const Scene<3>&, const IndirectMethod&, bool, bool);
 
 }  // namespace leaflight

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "bake/plan/settings.h"
@@ -27,8 +28,19 @@ struct Plan {
   std::vector<SkippedPass> skipped;
 };
 
+// A way to find indirect light, as far as the passes depend on it.
+struct IndirectMethod {
+  std::string name;
+  bool photons;       // they must be traced
+  bool surroundings;  // the radiance of the surroundings is looked up
+  bool caustics;      // are part of its light
+};
+
 template <int D>
 Plan make_plan(const Scene<D>& scene, const BakeSettings<D>& settings);
+template <int D>
+Plan make_plan(const Scene<D>& scene, const IndirectMethod& method, bool both_sides,
+               bool surroundings);
 
 // Why a scene without texels and lit meshes has nothing to bake.
 template <int D>

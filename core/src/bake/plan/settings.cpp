@@ -2,16 +2,11 @@
 #include "bake/plan/settings.h"
 
 #include "math/error.h"
-#include "thesis/thesis.h"
 
 namespace leaflight {
 
 template <int D>
 void validate(const BakeSettings<D>& settings) {
-  if (!(settings.samples >= 0 && settings.samples <= (1 << 20))) {
-    throw Error("The number of samples per texel is " + std::to_string(settings.samples) +
-                "; choose between 1 and 1048576, or 0 for rounds.");
-  }
   if (!(settings.error > 0 && settings.error <= 100)) {
     throw Error("The error to reach is " + std::to_string(settings.error) +
                 " percent; choose a number above 0, up to 100.");
@@ -20,33 +15,12 @@ void validate(const BakeSettings<D>& settings) {
     throw Error("The time limit is " + std::to_string(settings.seconds) +
                 " seconds; choose 0 for none, or a number above it.");
   }
-  for (const std::uint64_t photons : {settings.photons, settings.caustic_photons}) {
-    if (!(photons >= 1 && photons <= (std::uint64_t{1} << 32))) {
-      throw Error("The number of photons is " + std::to_string(photons) +
-                  "; choose between 1 and 4294967296.");
-    }
-  }
-  if (!(settings.soft_spacing >= 1 && settings.soft_spacing <= 64)) {
-    throw Error("The spacing of soft light is " + std::to_string(settings.soft_spacing) +
-                " texels; choose between 1 and 64.");
-  }
-  if (settings.thesis) validate(settings.thesis->photon_map);
-  if (!(settings.refine >= 0 && settings.refine <= 4)) {
-    throw Error("Texels cannot be refined " + std::to_string(settings.refine) +
-                " times; choose between 0 and 4.");
-  }
-  const bool scattered = settings.thesis && settings.thesis->scattered;
-  if (settings.refine > 0 && (scattered || !settings.only_at.empty())) {
-    throw Error("Finer texels need samples in each texel; leave out " +
-                std::string(scattered ? "the strategy" : "the points") + " or the refinement.");
-  }
-  const EstimatorTraits& estimator = traits_of(settings.estimator);
-  if (!settings.only_at.empty() && estimator.photons) {
-    throw Error("The estimator " + estimator.name +
-                " needs all texels; bake those at some points alone with the path estimator.");
-  }
-  if (!(settings.threads >= 0 && settings.threads <= 4096)) {
-    throw Error("The number of threads is " + std::to_string(settings.threads) +
+  validate_threads(settings.threads);
+}
+
+void validate_threads(int threads) {
+  if (!(threads >= 0 && threads <= 4096)) {
+    throw Error("The number of threads is " + std::to_string(threads) +
                 "; choose 0 for all, or up to 4096.");
   }
 }

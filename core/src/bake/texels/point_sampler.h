@@ -34,17 +34,14 @@ struct PointSampler {
     return lights.direct_radiance(point, choice, sobol_point(i, keys.light), rays);
   }
 
-  Rgb soft(const SurfacePoint<D>& point, const IndirectEstimator<D>& estimator,
-           const SampleKeys& keys, int i, std::uint64_t& rays) const {
-    Random random(keys.paths, 0, i);
-    return estimator.indirect_radiance(point, sobol_point(i, keys.gather), random, rays);
-  }
-
   // All but direct light; the estimator may be null where there is no soft light.
   Rgb indirect(const SurfacePoint<D>& point, const IndirectEstimator<D>* estimator,
                const SampleKeys& keys, int i, std::uint64_t& rays) const {
     Rgb radiance = point.emission;
-    if (estimator) radiance += soft(point, *estimator, keys, i, rays);
+    if (estimator) {
+      Random random(keys.paths, 0, i);
+      radiance += estimator->indirect_radiance(point, sobol_point(i, keys.gather), random, rays);
+    }
     if (caustics) radiance += caustic_radiance(leaves, surroundings, point);
     return radiance;
   }

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bake/fixed/leaf_passes.h"
+#include "thesis/leaf_passes.h"
 
-#include "bake/fixed/scattered_averages.h"
-#include "bake/fixed/soft_records.h"
+#include "thesis/scattered_averages.h"
 
 namespace leaflight {
 namespace {
@@ -12,8 +11,8 @@ namespace {
 template <int D, class Radiance>
 std::vector<Average> average_leaves(FixedBake<D>& bake, const LeafTexels<D>& texels,
                                     double rays_per_sample, bool is_random, Radiance radiance) {
-  LeafSamples samples{texels.volume,   texels.above,       bake.settings.samples,
-                      rays_per_sample, bake.settings.seed, texels.level};
+  LeafSamples samples{texels.volume, texels.above, bake.settings.samples, rays_per_sample,
+                      bake.settings.seed};
   if (!bake.strewn || texels.lattice.active.empty()) {
     return average_texels(bake.tracer, texels.lattice, samples, bake.progress, bake.rays, radiance);
   }
@@ -49,27 +48,17 @@ std::vector<Average> direct_pass(FixedBake<D>& bake, const LeafTexels<D>& texels
 template <int D>
 std::vector<Average> indirect_pass(FixedBake<D>& bake, const LeafTexels<D>& texels,
                                    const IndirectEstimator<D>* estimator) {
-  // Where light varies, records of a coarser lattice would not do.
-  const bool records =
-      estimator && bake.settings.soft_spacing > 1 && !bake.strewn && texels.level == 0;
-  const IndirectEstimator<D>* per_texel = records ? nullptr : estimator;
   const PointSampler<D> from = bake.sampler();
   std::vector<Average> averages(texels.lattice.active.size());
   const bool glows = bake.tracer.scene().volumes[texels.volume].emission.largest() > 0;
-  if (per_texel || bake.plan.caustics || glows) {
+  if (estimator || bake.plan.caustics || glows) {
     averages = average_leaves(
-        bake, texels, per_texel ? bake.soft_rays() : 0, per_texel && per_texel->is_random(),
+        bake, texels, estimator ? bake.soft_rays() : 0, estimator && estimator->is_random(),
         [&](const SurfacePoint<D>& point, const SampleKeys& keys, int i, std::uint64_t& rays) {
-          return from.indirect(point, per_texel, keys, i, rays);
+          return from.indirect(point, estimator, keys, i, rays);
         });
   }
   add_shared_variance(bake, texels, estimator, averages);
-  if (!records) return averages;
-  const std::vector<Average> soft = soft_from_records(bake, texels, *estimator);
-  for (std::size_t s = 0; s < soft.size(); ++s) {
-    averages[s].mean += soft[s].mean;
-    averages[s].variance += soft[s].variance;
-  }
   return averages;
 }
 

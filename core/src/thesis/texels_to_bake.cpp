@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bake/fixed/texels_to_bake.h"
+#include "thesis/texels_to_bake.h"
 
 namespace leaflight {
 namespace {
@@ -12,7 +12,7 @@ bool is_stored(const Volume<D>& volume) {
 
 template <int D>
 TexelLattice<D> lattice_of(const Volume<D>& volume, const IsovalueWindow& leaves,
-                           const BakeSettings<D>& settings) {
+                           const FixedSettings<D>& settings) {
   const Field<D>& field = volume.field;
   const Index<D> resolution = settings.resolution == Index<D>{} ? field.dims : settings.resolution;
   if (!is_stored(volume)) return inactive_lattice<D>(field.dims, resolution);
@@ -29,7 +29,7 @@ TexelLattice<D> lattice_of(const Volume<D>& volume, const IsovalueWindow& leaves
 }  // namespace
 
 template <int D>
-std::vector<TexelLattice<D>> texels_to_bake(const Scene<D>& scene, const BakeSettings<D>& settings,
+std::vector<TexelLattice<D>> texels_to_bake(const Scene<D>& scene, const FixedSettings<D>& settings,
                                             const Plan& plan) {
   std::vector<TexelLattice<D>> lattices;
   bool any = plan.surroundings;
@@ -43,9 +43,9 @@ std::vector<TexelLattice<D>> texels_to_bake(const Scene<D>& scene, const BakeSet
 
 template <int D>
 std::optional<StrewnSamples<D>> strewn_samples(const Scene<D>& scene,
-                                               const BakeSettings<D>& settings) {
-  if (!settings.thesis || !settings.thesis->scattered) return {};
-  const ScatteredBake& scattered = *settings.thesis->scattered;
+                                               const FixedSettings<D>& settings) {
+  if (!settings.scattered) return {};
+  const ScatteredBake& scattered = *settings.scattered;
   SampleSettings samples = scattered.samples;
   samples.seed = settings.seed;
   StrewnSamples<D> strewn{{}, scattered.filter};
@@ -57,11 +57,11 @@ std::optional<StrewnSamples<D>> strewn_samples(const Scene<D>& scene,
   return strewn;
 }
 
-template std::vector<TexelLattice<2>> texels_to_bake(const Scene<2>&, const BakeSettings<2>&,
+template std::vector<TexelLattice<2>> texels_to_bake(const Scene<2>&, const FixedSettings<2>&,
                                                      const Plan&);
-template std::vector<TexelLattice<3>> texels_to_bake(const Scene<3>&, const BakeSettings<3>&,
+template std::vector<TexelLattice<3>> texels_to_bake(const Scene<3>&, const FixedSettings<3>&,
                                                      const Plan&);
-template std::optional<StrewnSamples<2>> strewn_samples(const Scene<2>&, const BakeSettings<2>&);
-template std::optional<StrewnSamples<3>> strewn_samples(const Scene<3>&, const BakeSettings<3>&);
+template std::optional<StrewnSamples<2>> strewn_samples(const Scene<2>&, const FixedSettings<2>&);
+template std::optional<StrewnSamples<3>> strewn_samples(const Scene<3>&, const FixedSettings<3>&);
 
 }  // namespace leaflight

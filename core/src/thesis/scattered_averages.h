@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "bake/texels/leaf_averages.h"
-#include "thesis/thesis.h"
+#include "thesis/fixed_settings.h"
+#include "thesis/leaf_averages.h"
 
 namespace leaflight {
 
@@ -26,7 +26,7 @@ std::vector<Average> average_scattered(const SceneTracer<D>& tracer, const Texel
                          samples.volume, at, of.leaf_coordinate(h), samples.above);
                      if (point.kind() == HitKind::none) continue;
                      const SampleKeys keys =
-                         sample_keys(samples.seed, Purpose::scattered, samples.group(),
+                         sample_keys(samples.seed, Purpose::scattered, samples.volume,
                                      static_cast<std::uint32_t>(s));
                      Imath::V3d sum(0);
                      for (int i = 0; i < samples.count; ++i) {

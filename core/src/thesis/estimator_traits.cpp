@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bake/plan/estimator_traits.h"
+#include "thesis/estimator_traits.h"
 
 #include <algorithm>
 #include <array>
@@ -11,11 +11,11 @@ namespace {
 
 // In the order of their enumeration.
 const std::array<EstimatorTraits, 4> estimators{{
-    // estimator, name, rays, photons, caches, surroundings, density, caustics
-    {EstimatorName::volumetric, "volumetric", 0, true, true, false, true, false},
-    {EstimatorName::gather, "gather", 1, true, true, true, false, false},
-    {EstimatorName::path, "path", 6, false, false, false, false, true},
-    {EstimatorName::thesis, "thesis", 0, true, false, false, false, true},
+    // {name, photons, surroundings, caustics}, estimator, rays, caches, density
+    {{"volumetric", true, false, false}, EstimatorName::volumetric, 0, true, true},
+    {{"gather", true, true, false}, EstimatorName::gather, 1, true, false},
+    {{"path", false, false, true}, EstimatorName::path, 6, false, false},
+    {{"thesis", true, false, true}, EstimatorName::thesis, 0, false, false},
 }};
 
 }  // namespace

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bake/fixed/fixed_samples.h"
+#include "thesis/fixed_samples.h"
 
-#include "bake/fixed/finer_levels.h"
-#include "bake/fixed/leaf_passes.h"
+#include <tbb/task_arena.h>
+
+#include <chrono>
+
 #include "bake/walls/light_surroundings.h"
+#include "math/platform.h"
+#include "thesis/leaf_passes.h"
+#include "thesis/thesis_estimator.h"
 #include "transport/placement.h"
 
 namespace leaflight {
@@ -13,15 +18,13 @@ constexpr int wall_samples = 8;
 
 template <int D>
 double expected_rays(const FixedBake<D>& bake, const std::vector<RefinedMesh<D>>& walls) {
-  const BakeSettings<D>& settings = bake.settings;
+  const FixedSettings<D>& settings = bake.settings;
   double points = 0;
   for (std::size_t v = 0; v < bake.lattices.size(); ++v) {
     const std::size_t places =
         bake.strewn ? bake.strewn->positions[v].size() : bake.lattices[v].active.size();
     points += bake.sides() * static_cast<double>(places);
   }
-  // About as many finer texels are sampled as there are others.
-  points *= 1 + settings.refine;
   for (const RefinedMesh<D>& mesh : walls) {
     points += 1.0 * surroundings_share * LeafNodes::count * mesh.coarse.vertices.size();
   }
@@ -32,14 +35,13 @@ double expected_rays(const FixedBake<D>& bake, const std::vector<RefinedMesh<D>>
 
 template <int D>
 std::vector<PhotonMap<D>> trace_into_maps(FixedBake<D>& bake) {
-  const BakeSettings<D>& settings = bake.settings;
+  const FixedSettings<D>& settings = bake.settings;
   bake.progress.begin("Tracing photons");
   std::uint64_t rays = 0;
   const auto photons = collect_photons(bake.tracer, bake.lights, settings.seed, settings.photons,
                                        bake.progress, rays);
   bake.rays += rays;
-  return make_photon_maps(bake.tracer, photons,
-                          settings.thesis ? settings.thesis->photon_map : PhotonMapSettings{});
+  return make_photon_maps(bake.tracer, photons, settings.photon_map);
 }
 
 // Null where there is no soft light. What it looks up is the bake's.
@@ -62,7 +64,7 @@ std::unique_ptr<IndirectEstimator<D>> make_estimator(FixedBake<D>& bake) {
 // The side of a volume's leaves, at the texels of its own lattice.
 template <int D>
 LeafTexels<D> texels_of(const FixedBake<D>& bake, std::size_t volume, int side) {
-  return {static_cast<int>(volume), side != 0, bake.lattices[volume], 0};
+  return {static_cast<int>(volume), side != 0, bake.lattices[volume]};
 }
 
 // Direct light of all volumes comes first, since gather rays look it up. Returns it, and leaves
@@ -100,11 +102,9 @@ SideAverages light_indirectly(FixedBake<D>& bake, std::size_t volume,
   return indirect;
 }
 
-}  // namespace
-
 template <int D>
-Baked<D> bake_with_fixed_samples(const Scene<D>& scene, const BakeSettings<D>& settings,
-                                 const Plan& plan, Progress& progress) {
+Baked<D> light(const Scene<D>& scene, const FixedSettings<D>& settings, const Plan& plan,
+               Progress& progress) {
   const SceneTracer<D> tracer(scene);
   const LightSampler<D> lights(tracer);
   check_placement(tracer);
@@ -118,10 +118,12 @@ Baked<D> bake_with_fixed_samples(const Scene<D>& scene, const BakeSettings<D>& s
   std::vector<RefinedMesh<D>> walls;
   if (plan.surroundings) walls = refine(scene);
   progress.expect(expected_rays(bake, walls));
-  const bool into_leaves = plan.photons && traits_of(settings.estimator).caches;
-  if (into_leaves || plan.caustics || plan.surroundings_cache) {
-    bake.photons = trace_into_caches(tracer, lights, bake.lattices, settings, plan, wall_samples,
-                                     progress, bake.rays);
+  const EstimatorTraits& traits = traits_of(settings.estimator);
+  if ((plan.photons && traits.caches) || plan.caustics || plan.surroundings_cache) {
+    const PhotonSettings photons{settings.seed, settings.photons, settings.caustic_photons,
+                                 traits.density, traits.surroundings ? wall_samples : 0};
+    bake.photons =
+        trace_into_caches(tracer, lights, bake.lattices, photons, plan, progress, bake.rays);
   }
   std::vector<SideAverages> direct = light_directly(bake);
   const std::unique_ptr<IndirectEstimator<D>> estimator = make_estimator(bake);
@@ -129,13 +131,6 @@ Baked<D> bake_with_fixed_samples(const Scene<D>& scene, const BakeSettings<D>& s
   for (std::size_t v = 0; v < direct.size(); ++v) {
     baked.grids.push_back(
         make_grid<D>(std::move(direct[v]), light_indirectly(bake, v, estimator.get())));
-  }
-  if (settings.refine > 0) {
-    progress.begin("Finer texels");
-    for (std::size_t v = 0; v < baked.grids.size(); ++v) {
-      baked.grids[v].lattice = bake.lattices[v];
-      add_finer_levels(bake, static_cast<int>(v), estimator.get(), baked.grids[v]);
-    }
   }
   if (plan.surroundings) {
     progress.begin("Radiance of the surroundings");
@@ -151,9 +146,41 @@ Baked<D> bake_with_fixed_samples(const Scene<D>& scene, const BakeSettings<D>& s
   return baked;
 }
 
-template Baked<2> bake_with_fixed_samples<2>(const Scene<2>&, const BakeSettings<2>&, const Plan&,
-                                             Progress&);
-template Baked<3> bake_with_fixed_samples<3>(const Scene<3>&, const BakeSettings<3>&, const Plan&,
-                                             Progress&);
+}  // namespace
+
+template <int D>
+Plan make_plan(const Scene<D>& scene, const FixedSettings<D>& settings) {
+  return make_plan(scene, traits_of(settings.estimator), settings.both_sides,
+                   settings.surroundings);
+}
+
+template <int D>
+Baked<D> bake_with_fixed_samples(const Scene<D>& scene, const FixedSettings<D>& settings,
+                                 Progress& progress) {
+  return bake_with_fixed_samples(scene, settings, make_plan(scene, settings), progress);
+}
+
+template <int D>
+Baked<D> bake_with_fixed_samples(const Scene<D>& scene, const FixedSettings<D>& settings,
+                                 const Plan& plan, Progress& progress) {
+  using Clock = std::chrono::steady_clock;
+  validate(scene);
+  validate(settings);
+  const Clock::time_point start = Clock::now();
+  tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
+  Baked<D> baked = arena.execute([&] { return light(scene, settings, plan, progress); });
+  baked.statistics.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  baked.statistics.peak_memory_bytes = peak_memory();
+  return baked;
+}
+
+template Plan make_plan(const Scene<2>&, const FixedSettings<2>&);
+template Plan make_plan(const Scene<3>&, const FixedSettings<3>&);
+template Baked<2> bake_with_fixed_samples(const Scene<2>&, const FixedSettings<2>&, Progress&);
+template Baked<3> bake_with_fixed_samples(const Scene<3>&, const FixedSettings<3>&, Progress&);
+template Baked<2> bake_with_fixed_samples(const Scene<2>&, const FixedSettings<2>&, const Plan&,
+                                          Progress&);
+template Baked<3> bake_with_fixed_samples(const Scene<3>&, const FixedSettings<3>&, const Plan&,
+                                          Progress&);
 
 }  // namespace leaflight

@@ -1,22 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <string>
+#include "bake/plan/plan.h"
 
 namespace leaflight {
 
 enum class EstimatorName { volumetric, gather, path, thesis };
 
 // What a bake must know of an estimator of soft light before there is any light.
-struct EstimatorTraits {
+struct EstimatorTraits : IndirectMethod {
   EstimatorName estimator;
-  std::string name;
   double rays_per_sample;  // on average
-  bool photons;            // they must be traced, and serve all texels
-  bool caches;             // they fall into the caches of leaves and surroundings
-  bool surroundings;       // their radiance is looked up
+  bool caches;             // photons fall into the caches of leaves
   bool density;            // photons' density is looked up with all its noise
-  bool caustics;           // are part of its light
 };
 
 const EstimatorTraits& traits_of(EstimatorName estimator);

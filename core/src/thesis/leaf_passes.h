@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "bake/fixed/fixed_bake.h"
 #include "math/sample_average.h"
+#include "thesis/fixed_bake.h"
 
 namespace leaflight {
 

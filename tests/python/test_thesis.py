@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The thesis's estimator and its sampling strategies, by the names that Python and the CLI have."""
+"""Bakes with fixed samples: their estimators and strategies by the names that Python has."""
 
 import json
 from dataclasses import asdict
@@ -7,8 +7,11 @@ from dataclasses import asdict
 import leaflight
 import numpy as np
 import pytest
-from leaflight import LeaflightError, PhotonMap, Scattered
-from leaflight.flatland import bake_flatland, bump_box_2d
+from leaflight import LeaflightError, thesis
+from leaflight.bake.outcome import outcome
+from leaflight.flatland import bump_box_2d
+from leaflight.thesis import PhotonMap, Scattered, bake_flatland
+from same_bytes import assert_same_bake
 
 STRATEGIES = ("uniform", "stratified", "importance", "level_set", "letters", "slabs", "regular")
 
@@ -16,7 +19,7 @@ STRATEGIES = ("uniform", "stratified", "importance", "level_set", "letters", "sl
 @pytest.fixture
 def bake_box(bump_scene, fixed_work):
     def bake(**arguments):
-        return leaflight.bake(leaflight.bump_box(16), bump_scene, **{**fixed_work, **arguments})
+        return thesis.bake(leaflight.bump_box(16), bump_scene, **{**fixed_work, **arguments})
 
     return bake
 
@@ -24,7 +27,8 @@ def bake_box(bump_scene, fixed_work):
 @pytest.fixture
 def bake_flat():
     def bake(**arguments):
-        return bake_flatland(bump_box_2d(24), samples=8, photons=20_000, **arguments)
+        settings = {"samples": 8, "photons": 20_000, **arguments}
+        return bake_flatland(bump_box_2d(24), **settings)
 
     return bake
 
@@ -93,17 +97,52 @@ def test_filters(bake_flat):
 def test_metadata(bake_box, tmp_path):
     scattered = Scattered("importance", 500, filter="tent", radius=2)
     baked = bake_box(estimator="thesis", scattered=scattered)
-    assert json.loads(baked.metadata["photon_map"]) == asdict(PhotonMap())
-    assert json.loads(baked.metadata["scattered"]) == asdict(scattered)
+    record = json.loads(baked.metadata["fixed"])
+    assert record["photon_map"] == asdict(PhotonMap()) and record["scattered"] == asdict(scattered)
+    assert record["estimator"] == "thesis" and record["photons"] == record["caustic_photons"]
     baked.save(tmp_path / "x.vdb")
     assert leaflight.load_bake(tmp_path / "x.vdb").metadata == baked.metadata
-    plain = bake_box().metadata
-    assert plain["photon_map"] == plain["scattered"] == "null"
+    plain = bake_box()
+    record = json.loads(plain.metadata["fixed"])
+    assert record["photon_map"] is None and record["scattered"] is None
+    assert plain.id != baked.id != bake_box(samples=3).id
+    assert plain.metadata["error"] == plain.metadata["rounds"] == "" == outcome(plain)
+    assert plain.statistics["estimated_error_percent"] is None
+
+
+@pytest.mark.parametrize("estimator", ["gather", "volumetric", "path"])
+def test_threads_do_not_matter(tmp_path, bake_box, estimator):
+    paths = [tmp_path / "one.vdb", tmp_path / "two.vdb"]
+    for threads, path in zip((1, 2), paths):
+        bake_box(threads=threads, estimator=estimator).save(path)
+    assert_same_bake(*paths)
+
+
+def test_only_some_texels(bump_scene, fixed_work):
+    """Where only lookups at some points are baked, they find the same there."""
+    volume, settings = leaflight.bump_box(12), {**fixed_work, "estimator": "path"}
+    points = np.random.default_rng(1).uniform(0.2, 0.8, (5, 3)) @ np.diag([11.0] * 3)
+    points = (np.c_[points, np.ones(5)] @ volume.index_to_world.T)[:, :3]
+    whole = thesis.bake(volume, bump_scene, **settings)
+    some = thesis.bake(volume, bump_scene, only_at=points, **settings)
+    np.testing.assert_array_equal(some.radiance(points), whole.radiance(points))
+    assert whole.radiance(points).min() > 0
+    assert 8 <= some.grid.texels <= 40 < whole.grid.texels
+    assert json.loads(some.metadata["fixed"])["only_at_sha256"]
+    assert not json.loads(whole.metadata["fixed"])["only_at_sha256"]
+    with pytest.raises(LeaflightError, match="holds no points"):
+        thesis.bake(volume, bump_scene, only_at=points[:0], **settings)
+    with pytest.raises(LeaflightError, match="needs all texels; bake those"):
+        thesis.bake(volume, bump_scene, only_at=points, **fixed_work)
 
 
 @pytest.mark.parametrize(
     "arguments, sentence",
     [
+        ({"samples": 0}, "samples"),
+        ({"samples": 2.5}, "samples"),
+        ({"photons": -1}, "photons"),
+        ({"estimator": "magic"}, "magic"),
         ({"photon_map": PhotonMap()}, 'not to "gather"'),
         ({"estimator": "thesis", "photon_map": PhotonMap(k=1)}, "k must be a whole number"),
         ({"estimator": "thesis", "photon_map": PhotonMap(g=0.0)}, "g, the weight"),
@@ -122,41 +161,3 @@ def test_bad_settings(bake_box, bake_flat, arguments, sentence):
     for bake in (bake_box, bake_flat):
         with pytest.raises(LeaflightError, match=sentence):
             bake(**arguments)
-
-
-BAKE = ["--samples", "2", "--photons", "2000", "--dims", "8"]
-
-
-def test_command_line(cli, tmp_path):
-    out = tmp_path / "x.vdb"
-    outcome = cli(
-        *("bake", "bump_box", "--out", out, *BAKE, "--estimator", "thesis"),
-        *("--k", "30", "--g", "5", "--region", "graph", "--photon-radius", "0.5"),
-        *("--strategy", "level_set", "--count", "500", "--isovalue-count", "4"),
-        *("--filter", "tent", "--filter-radius", "2"),
-    )
-    assert outcome.status == 0, outcome.err
-    metadata = leaflight.load_bake(out).metadata
-    assert json.loads(metadata["photon_map"]) == asdict(PhotonMap(30, 0.5, 5.0, "graph"))
-    assert json.loads(metadata["scattered"]) == asdict(Scattered("level_set", 500, 4, "tent", 2))
-    outcome = cli(
-        *("flatland", "bump_box", "--out", tmp_path / "x.exr", *BAKE),
-        *("--strategy", "letters", "--count", "500"),
-    )
-    assert outcome.status == 0, outcome.err
-
-
-@pytest.mark.parametrize(
-    "arguments, sentence",
-    [
-        (["--k", "50"], "estimator"),
-        (["--strategy", "uniform"], "--count"),
-        (["--filter", "tent"], "--strategy"),
-        (["--strategy", "magic", "--count", "5"], "level_set"),
-        (["--estimator", "thesis", "--region", "cube"], "clipped_sphere"),
-    ],
-)
-def test_command_line_errors(cli, tmp_path, arguments, sentence):
-    outcome = cli("bake", "bump_box", "--out", tmp_path / "x.vdb", *BAKE, *arguments)
-    assert outcome.status == 2 and sentence in outcome.err
-    assert list(tmp_path.iterdir()) == []

@@ -19,10 +19,6 @@ struct LeafSamples {
   int count;
   double rays_per_sample;  // expected
   std::uint64_t seed;
-  int level = 0;  // of the lattice: how many times its texels were halved (refinement.h)
-
-  // Of the numbers of texels and samples, which other lattices and volumes have as well.
-  std::uint64_t group() const { return static_cast<std::uint64_t>(level) << 24 | volume; }
 };
 
 inline constexpr std::size_t texels_per_piece = 64;
@@ -46,7 +42,7 @@ std::vector<Average> average_texels(const SceneTracer<D>& tracer, const TexelLat
         std::vector<Drawn> drawn;
         for (std::size_t s = begin; s < end && !progress.cancelled(); ++s) {
           const std::uint32_t texel = lattice.active[s];
-          const SampleKeys keys = sample_keys(samples.seed, Purpose::texel, samples.group(), texel);
+          const SampleKeys keys = sample_keys(samples.seed, Purpose::texel, samples.volume, texel);
           drawn.clear();
           for_each_texel_sample(
               tracer, samples.volume, samples.above, lattice, texel, samples.count, keys.position,

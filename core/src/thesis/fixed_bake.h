@@ -3,18 +3,18 @@
 
 #include <atomic>
 
-#include "bake/fixed/texels_to_bake.h"
 #include "bake/indirect/photon_caches.h"
 #include "bake/texels/point_sampler.h"
+#include "thesis/texels_to_bake.h"
 
 namespace leaflight {
 
-// What the passes of a bake with fixed samples share, and what they know of each other's light.
+// What the passes of a bake with fixed samples share, and the light that they find.
 template <int D>
 struct FixedBake {
   const SceneTracer<D>& tracer;
   const LightSampler<D>& lights;
-  const BakeSettings<D>& settings;
+  const FixedSettings<D>& settings;
   const Plan& plan;
   Progress& progress;
   std::vector<TexelLattice<D>> lattices;   // per volume
@@ -33,13 +33,12 @@ struct FixedBake {
   }
 };
 
-// Some texels of a side of a volume's leaves, in a lattice whose texels were halved `level` times.
+// The texels of a side of a volume's leaves.
 template <int D>
 struct LeafTexels {
   int volume;
   bool above;
   const TexelLattice<D>& lattice;
-  int level;
 };
 
 }  // namespace leaflight

@@ -5,14 +5,14 @@
 
 #include "bake/plan/plan.h"
 #include "field/texel_lattice.h"
-#include "thesis/thesis.h"
+#include "thesis/fixed_settings.h"
 
 namespace leaflight {
 
 // The texels of each volume's leaves. Throws Error where there are none, and no surroundings to
 // light either.
 template <int D>
-std::vector<TexelLattice<D>> texels_to_bake(const Scene<D>& scene, const BakeSettings<D>& settings,
+std::vector<TexelLattice<D>> texels_to_bake(const Scene<D>& scene, const FixedSettings<D>& settings,
                                             const Plan& plan);
 
 // Samples strewn over the volumes, and how they are interpolated into texels.
@@ -25,6 +25,6 @@ struct StrewnSamples {
 // Nothing where the settings ask for samples in each texel.
 template <int D>
 std::optional<StrewnSamples<D>> strewn_samples(const Scene<D>& scene,
-                                               const BakeSettings<D>& settings);
+                                               const FixedSettings<D>& settings);
 
 }  // namespace leaflight

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+
+#include "thesis/estimator_traits.h"
+#include "thesis/photon_map.h"
+#include "thesis/sample_strategy.h"
+#include "thesis/scattered.h"
+
+namespace leaflight {
+
+// Samples scattered over the domain and interpolated into texels (thesis 3.4 and 4.4), instead of
+// samples in each texel.
+struct ScatteredBake {
+  SampleSettings samples;  // their seed is the bake's
+  ScatteredSettings filter;
+};
+
+// Of a bake with a fixed number of samples.
+template <int D>
+struct FixedSettings {
+  Index<D> resolution{};  // texels; all zero: one per voxel
+  int samples = 32;       // per texel or scattered sample: each one shadow ray and one gather ray
+  std::uint64_t photons = 2'000'000, caustic_photons = 2'000'000;
+  EstimatorName estimator = EstimatorName::gather;
+  PhotonMapSettings photon_map;            // of the thesis's estimator
+  std::optional<ScatteredBake> scattered;  // nothing: samples in each texel
+  // World positions: only the texels that lookups there use. Empty: all. Of the path estimator, as
+  // the others look up other texels.
+  std::vector<Vec<D>> only_at;
+  std::uint64_t seed = 0;
+  int threads = 0;            // 0: all
+  bool both_sides = false;    // the inner side's radiance too, where light can reach it
+  bool surroundings = false;  // the radiance of the surroundings too, per leaf coordinate
+};
+
+// Throws Error for counts that make no sense.
+template <int D>
+void validate(const FixedSettings<D>& settings);
+
+}  // namespace leaflight

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "arrays.h"
+#include "bake/output/baked.h"
+#include "grid_object.h"
+
+namespace leaflight::python {
+
+inline py::dict statistics_of(const BakeStatistics& statistics, std::size_t texels) {
+  py::list skipped;
+  for (const SkippedPass& pass : statistics.skipped) {
+    skipped.append(std::vector<std::string>{pass.pass, pass.reason});
+  }
+  py::dict result;
+  result["seconds"] = statistics.seconds;
+  result["rays"] = statistics.rays;
+  result["texels"] = texels;
+  result["peak_memory_bytes"] = statistics.peak_memory_bytes;
+  result["skipped_passes"] = skipped;
+  result["rounds"] = statistics.rounds;
+  result["estimated_noise_percent"] = statistics.noise_percent;
+  result["estimated_error_percent"] = statistics.error_percent;
+  result["worst_isovalue"] = statistics.worst.c;
+  result["worst_error_percent"] = statistics.worst.percent;
+  result["blocks"] = statistics.blocks;
+  result["stopped"] = statistics.stopped;
+  return result;
+}
+
+// Grids and surroundings become objects of their own, which live as long as Python needs them.
+template <int D>
+struct BakedObjects {
+  std::vector<std::shared_ptr<GridObject<D>>> grids;
+  std::shared_ptr<SurroundingsRadiance<D>> surroundings;
+  BakeStatistics statistics;
+  std::size_t texels = 0;
+
+  explicit BakedObjects(Baked<D>&& baked) : statistics(std::move(baked.statistics)) {
+    for (RadianceGrid<D>& grid : baked.grids) {
+      texels += grid.texels();
+      grids.push_back(std::make_shared<GridObject<D>>(std::move(grid)));
+    }
+    if (!baked.surroundings.empty()) {
+      surroundings = std::make_shared<SurroundingsRadiance<D>>(std::move(baked.surroundings));
+    }
+  }
+};
+
+}  // namespace leaflight::python

@@ -1,0 +1,13 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The methods of the thesis: bakes with a fixed number of samples, to compare with leaflight.bake.
+
+import leaflight
+
+bake = leaflight.thesis.bake(volume, samples=64, estimator="path")
+"""
+
+from .bake import bake
+from .flatland import bake_flatland
+from .settings import PhotonMap, Scattered
+
+__all__ = ["PhotonMap", "Scattered", "bake", "bake_flatland"]

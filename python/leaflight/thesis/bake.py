@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bakes with a fixed number of samples in each texel, or scattered over the volume."""
+
+import leaflight._core as _core
+
+from ..bake.bake import placed
+from ..bake.baked import Bake
+from ..bake.color_error import estimated_rms_percent
+from ..bake.stamps import stamp, stamp_after
+from ..progress_bar import with_progress
+from ..scene.scene import core_scene
+from .settings import FixedSamples
+
+
+@with_progress("bake")
+def bake(
+    volumes,
+    scene=None,
+    *,
+    isovalues=None,
+    resolution=None,
+    seed=0,
+    threads=0,
+    both_sides=False,
+    surroundings=False,
+    progress=None,
+    **samples,
+):
+    """The Bake of volumes by a fixed number of samples, whatever its error.
+
+    volumes, scene, isovalues, seed, threads, both_sides, surroundings, progress: as of
+        leaflight.bake. resolution: texels as there; None is one texel a node.
+    samples: those of FixedSamples by their names. samples: rays per texel (32); photons: number of
+        photons (2 million); caustic_photons: of those that come by mirrors and glass (as many as
+        photons); estimator: "gather" (the default), "volumetric", "path" or "thesis"; photon_map:
+        PhotonMap of the last (the thesis's); scattered: Scattered, for samples scattered over the
+        domain instead of in each texel, with `samples` rays each; only_at: world points (n, 3), to
+        bake only the texels that lookups there use, with the estimator "path".
+    Returns a Bake. Raises LeaflightError for input that cannot be baked, Cancelled.
+    """
+    fixed = FixedSamples(**samples)
+    volumes, description, window = placed(volumes, scene, isovalues)
+    fields = [volume.field() for volume in volumes]
+    settings = fixed.core(
+        _core.FixedSettings,
+        fields[0].dims,
+        resolution=resolution,
+        seed=seed,
+        threads=threads,
+        both_sides=both_sides,
+        surroundings=surroundings,
+    )
+    core = core_scene(description, fields, window)
+    baked = _core.bake_with_fixed_samples(core, settings, progress or _core.Progress())
+    statistics = fixed_statistics(baked.statistics)
+    statistics["estimated_rms_percent"] = estimated_rms_percent(baked.grids, description.exposure)
+    metadata = stamp(volumes, description, window, settings, fixed.record())
+    metadata = stamp_after(metadata, baked.grids)
+    surroundings = baked.surroundings
+    return Bake(volumes, description, window, baked.grids, surroundings, statistics, metadata)
+
+
+def fixed_statistics(statistics):
+    """The statistics of a bake that has no passes, and estimates no error."""
+    statistics = {**statistics, "rounds": 0, "stopped": False}
+    del statistics["blocks"]
+    for name in ("estimated_error_percent", "worst_error_percent", "worst_isovalue"):
+        statistics[name] = None
+    statistics["rays_per_second"] = statistics["rays"] / max(statistics["seconds"], 1e-9)
+    return statistics

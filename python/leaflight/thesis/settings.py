@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The settings of a bake with a fixed number of samples, checked."""
+
+from dataclasses import asdict, astuple, dataclass
+
+import numpy as np
+
+from .._core import LeaflightError
+from ..bake.settings import set_common, whole
+from ..bake.stamps import sha256
+
+
+@dataclass(frozen=True)
+class PhotonMap:
+    """How the estimator "thesis" counts photons (thesis 4.3.5).
+
+    k: photons of an estimate; radius: how far it reaches at most, in longest sides of the volumes,
+    0 for no limit; g: how much longer a unit of the range counts than one of the domain;
+    region: "sphere", "clipped_sphere", "box", "cylinder" or "graph".
+    """
+
+    k: int = 200
+    radius: float = 0.0
+    g: float = 10.0
+    region: str = "clipped_sphere"
+
+
+@dataclass(frozen=True)
+class Scattered:
+    """Samples scattered over the domain and interpolated into texels (thesis 3.4, 4.4 and 4.5).
+
+    strategy: "uniform", "stratified", "importance", "level_set", "letters", "slabs", "regular";
+    count: samples, each of them with all the rays; isovalues: of "level_set", how many, chosen
+    adaptively, or a sequence of them; filter: "shepard" (Eq. 3.11), "tent" or "box"; radius:
+    texels that it reaches.
+    """
+
+    strategy: str
+    count: int
+    isovalues: object = 9
+    filter: str = "shepard"
+    radius: int = 3
+
+
+@dataclass(frozen=True, eq=False)
+class FixedSamples:
+    """How much a bake does, as leaflight.thesis.bake has it."""
+
+    samples: int = 32
+    photons: int = 2_000_000
+    caustic_photons: int = None
+    estimator: str = "gather"
+    photon_map: PhotonMap = None
+    scattered: Scattered = None
+    only_at: object = None
+
+    def core(self, kind, dims, **common):
+        """The core's settings, a kind (_core.FixedSettings or FixedSettings2).
+
+        common: of set_common. Raises LeaflightError.
+        """
+        settings = set_common(kind(), dims, **common)
+        settings.samples = whole("samples", self.samples, 1)
+        settings.photons = whole("photons", self.photons, 1)
+        settings.caustic_photons = whole("caustic_photons", self._caustic_photons, 0)
+        settings.estimator = self.estimator
+        if self.only_at is not None:
+            if len(self.only_at) == 0:
+                raise LeaflightError("only_at holds no points: give some, or None for all texels.")
+            settings.set_only_at(np.ascontiguousarray(self.only_at, dtype=np.float64))
+        if self.photon_map is not None:
+            if self.estimator != "thesis":
+                raise LeaflightError(
+                    f'The photon map belongs to the estimator "thesis", not to "{self.estimator}": '
+                    "leave it out or choose that estimator."
+                )
+            whole("k", self.photon_map.k, 2)
+            settings.set_photon_map(*astuple(self.photon_map))
+        if self.scattered is not None:
+            whole("count", self.scattered.count, 1)
+            if np.ndim(self.scattered.isovalues) == 0:
+                whole("isovalues", self.scattered.isovalues, 1)
+            whole("radius", self.scattered.radius, 0)
+            settings.set_scattered(*astuple(self.scattered))
+        return settings
+
+    def record(self):
+        """What a bake depends on, as JSON has it."""
+        photon_map = self.photon_map or (PhotonMap() if self.estimator == "thesis" else None)
+        return {
+            "samples": self.samples,
+            "photons": self.photons,
+            "caustic_photons": self._caustic_photons,
+            "estimator": self.estimator,
+            "photon_map": photon_map and asdict(photon_map),
+            "scattered": self.scattered and asdict(self.scattered),
+            "only_at_sha256": "" if self.only_at is None else sha256(np.float64(self.only_at)),
+        }
+
+    @property
+    def _caustic_photons(self):
+        return self.photons if self.caustic_photons is None else self.caustic_photons
