@@ -37,33 +37,43 @@ double change_of_sign(const Value& value, double near, double at_near, double fa
   return far;
 }
 
+// How far the isosurface is along a direction, both in index coordinates, from where the field's
+// value less the isovalue is `here`; 0 where it does not reach it within two voxels.
+template <int D>
+double first_crossing(const Field<D>& field, const Vec<D>& start, const Vec<D>& along, double here,
+                      double isovalue) {
+  constexpr double step = 1.0 / 16, reach = 2;
+  const auto value = [&](double t) {
+    const CellPoint<D> point = locate(field, Vec<D>(start + along * t));
+    return interpolate(load_corners(field, point.cell), point.local) - isovalue;
+  };
+  double low = 0, at_low = here;
+  for (double high = step; high <= reach; high += step) {
+    const double at_high = value(high);
+    if (std::isnan(at_high)) break;
+    if ((at_high < 0) != (here < 0)) return change_of_sign(value, low, at_low, high, at_high);
+    low = high;
+    at_low = at_high;
+  }
+  return 0;
+}
+
 }  // namespace
 
 template <int D>
 Vec<D> project_to_leaf(const Field<D>& field, const Vec<D>& world, double isovalue) {
   const Vec<D> start = field.world_to_index.point(world);
   if (!holds_given(field, start)) return world;
-  const auto value = [&](const Vec<D>& p) {
-    const CellPoint<D> point = locate(field, p);
-    return interpolate(load_corners(field, point.cell), point.local) - isovalue;
-  };
   const CellPoint<D> point = locate(field, start);
-  Vec<D> along = geometric_gradient(load_corners(field, point.cell), point.local);
-  const double here = value(start);
-  if (!(along.length() > 0) || here == 0 || std::isnan(here)) return world;
-  along *= (here < 0 ? 1 : -1) / along.length();
-  constexpr double step = 1.0 / 16, reach = 2;
-  const auto value_along = [&](double t) { return value(start + along * t); };
-  double low = 0, at_low = here;
-  for (double high = step; high <= reach; high += step) {
-    const double at_high = value_along(high);
-    if (std::isnan(at_high)) break;
-    if ((at_high < 0) != (here < 0)) {
-      const double t = change_of_sign(value_along, low, at_low, high, at_high);
-      return field.index_to_world.point(locate(field, start + along * t).index_position());
-    }
-    low = high;
-    at_low = at_high;
+  const CellCorners<D> corners = load_corners(field, point.cell);
+  const double here = interpolate(corners, point.local) - isovalue;
+  if (here == 0 || std::isnan(here)) return world;
+  // At a crease between cells the gradient of one of them may lead away from the isosurface.
+  for (Vec<D> along : {geometric_gradient(corners, point.local), shading_gradient(field, point)}) {
+    if (!(along.length() > 0)) continue;
+    along *= (here < 0 ? 1 : -1) / along.length();
+    const double t = first_crossing(field, start, along, here, isovalue);
+    if (t > 0) return field.index_to_world.point(locate(field, start + along * t).index_position());
   }
   return world;
 }
