@@ -17,6 +17,7 @@ from .bake.baked import Bake, Surface
 from .bake.checkpoint import Checkpoint
 from .bake.estimate import Estimate, estimate
 from .bake.load_bake import load_bake
+from .bake.moved import moved
 from .bake.resume import resume
 from .bake.settings import PhotonMap, Scattered
 from .export.export import export, export_page
@@ -67,7 +68,8 @@ __all__ = [
     "still",
 ]
 
-# Pages and pictures stand above bakes.
+# What stands above bakes.
+Bake.moved = moved
 Bake.export_page = export_page
 Bake.show = show
 Bake.still = picture
