@@ -15,7 +15,13 @@ NEW_LAMP = PointLight("Side lamp", (-0.1, -0.4, 1.2), 0.05, (2.0, 1.5, 0.7))
 
 
 def baked(volume, scene, **settings):
-    settings = {"error": 8.0, "isovalues": WINDOW, "surroundings": True, **settings}
+    settings = {
+        "error": 8.0,
+        "isovalues": WINDOW,
+        "surroundings": True,
+        "resolution": 10,
+        **settings,
+    }
     return leaflight.bake(volume, scene, **settings)
 
 

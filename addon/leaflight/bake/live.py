@@ -61,11 +61,13 @@ class LiveJob(bake.BakeJob):
         # Only the passes say how much there is to do.
         progress.expect(math.inf)
         known = {name: self._arguments[name] for name in ("volumes", "scene", "isovalues")}
-        for quick in (True, False) if self._work() > _QUICK else (False,):
-            self.round = moved(self._lit, **known, quick=quick, walls=False, progress=progress)
-            self.round = lit_walls(self.round, quick, progress)
-            self._can_be_cancelled = True
-            self._check()
+        quick = self._work() > _QUICK
+        self.round = moved(self._lit, **known, quick=quick, walls=False, progress=progress)
+        self.round = lit_walls(self.round, True, progress)
+        self._can_be_cancelled = True
+        self._check()
+        if quick:
+            self.round = moved(self._lit, **known, walls=False, progress=progress)
         super().run(progress)
 
     def _work(self):

@@ -17,7 +17,7 @@ from leaflight import blender
 from leaflight.io.images import write_png
 from leaflight_addon.bake import live
 from leaflight_addon.operators import background
-from leaflight_addon.show import display, preview, surface_object
+from leaflight_addon.show import display, surface_object
 
 sys.path.insert(0, os.path.dirname(__file__))
 import stepwise  # noqa: E402
@@ -26,7 +26,7 @@ VOLUME, FOLDER = sys.argv[-2], Path(sys.argv[-1])
 # Steps of the mouse in a drag, of so many pixels, that many times a second.
 STEPS, PIXELS, PER_SECOND = 40, 10, 10
 
-found = {}
+found, pictures = {"seconds": {}}, []
 
 
 def main():
@@ -87,7 +87,12 @@ def press(key, x, y):
 
 
 def drive():
-    area().spaces.active.show_region_ui = False
+    view = area().spaces.active
+    view.show_region_ui = False
+    # Without a graphics card all else takes seconds for each picture.
+    view.shading.type, view.shading.light, view.shading.color_type = "SOLID", "FLAT", "VERTEX"
+    view.overlay.show_overlays = False
+    view.region_3d.view_perspective = "CAMERA"
     yield from stepwise.wait(2.0)
     start = time.perf_counter()
     with bpy.context.temp_override(window=window(), area=area(), region=region()):
@@ -169,36 +174,58 @@ def stop():
 
 def move_and_wait():
     """One step of the lamp, and the seconds until its light."""
-    before, walls = label(), label_of_walls()
+    seconds, before, walls = found["seconds"], label(), label_of_walls()
     key_light().location.x -= 0.3 * abs(key_light().location.x) + 0.1
     start = time.perf_counter()
-    seconds = found["seconds"] = {}
     bpy.context.view_layer.update()
-    while True:
+    shown = []
+    while not at_rest() or not shown:
         yield 0.01
         now = time.perf_counter() - start
-        if "direct" not in seconds and label() != before and is_moved():
-            seconds["direct"] = now
-        if "sharp" not in seconds and label() != before and live._job and live._job.round:
-            if live._job._can_be_cancelled:
-                seconds["sharp"] = now
+        if label() != before:
+            before = label()
+            shown.append((now, is_moved()))
         if "walls" not in seconds and label_of_walls() != walls:
             seconds["walls"] = now
-        if "pass" not in seconds and preview.of(volume()) and not is_moved():
-            seconds["pass"] = now
-        if at_rest():
-            break
-    seconds["final"] = time.perf_counter() - start
+    direct = [when for when, of_moved in shown if of_moved]
+    seconds["direct"], seconds["sharp"] = direct[0], direct[-1]
+    seconds["final"] = shown[-1][0]
     found["final"] = not is_moved() and " round " not in label()
     yield from picture("final")
+    write_all()
 
 
 def picture(name):
-    yield from stepwise.wait(0.5)
-    seen = {}
-    yield from stepwise.pixels_of(area(), seen)
-    pixels = np.clip(seen["pixels"][::-1, :, :3], 0, 1)
-    write_png(FOLDER / f"live_{name}.png", np.uint8(np.round(255 * pixels)))
+    """In the shading that Stage chose, which takes seconds without a graphics card."""
+    shading, drawn = area().spaces.active.shading, []
+    shading.type = "MATERIAL"
+    handle = bpy.types.SpaceView3D.draw_handler_add(
+        lambda: drawn.append(1), (), "WINDOW", "POST_PIXEL"
+    )
+    while len(drawn) < 4:
+        region().tag_redraw()
+        yield 0.3
+    bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
+    pictures.append(str(FOLDER / f"live_{name}.png"))
+    with bpy.context.temp_override(window=window(), area=area()):
+        bpy.ops.screen.screenshot_area(filepath=pictures[-1])
+    shading.type = "SOLID"
+
+
+def pixels(path):
+    """Of a picture, bottom row first."""
+    image = bpy.data.images.load(path)
+    width, height = image.size
+    read = np.empty(width * height * 4, np.float32)
+    image.pixels.foreach_get(read)
+    return np.uint8(np.round(255 * read.reshape(height, width, 4)[..., :3]))
+
+
+def write_all():
+    """Two rows of two, in the order in which they were taken."""
+    first, second, third, fourth = map(pixels, pictures)
+    rows = np.vstack([np.hstack([third, fourth]), np.hstack([first, second])])
+    write_png(FOLDER / "live.png", np.ascontiguousarray(rows[::-1]))
 
 
 main()
