@@ -96,7 +96,7 @@ def test_a_lamp_that_moves_lights_as_in_a_new_bake(bake, scene):
     soft, before = (one.grid.dense("radiance_indirect") for one in (ours, bake))
     lit = before.min(axis=-1) > 0.01
     factors = soft[lit] / before[lit]
-    assert len(factors) > 1000 and (factors.max(axis=0) / factors.min(axis=0)).max() < 1.001
+    assert len(factors) > 500 and (factors.max(axis=0) / factors.min(axis=0)).max() < 1.001
     means = [one.grid.dense("radiance_indirect").mean(axis=(0, 1, 2)) for one in (ours, theirs)]
     np.testing.assert_allclose(means[0], means[1], rtol=0.2)
     points = ours.surface(47.0).vertices
