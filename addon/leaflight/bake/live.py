@@ -68,6 +68,7 @@ class LiveJob(bake.BakeJob):
         self._check()
         if quick:
             self.round = moved(self._lit, **known, walls=False, progress=progress)
+        self.round = lit_walls(self.round, False, progress)
         super().run(progress)
 
     def _work(self):

@@ -4,6 +4,7 @@
 Only surfaces show them (surface_object.py); what objects remember of a bake is left alone.
 """
 
+import uuid
 from dataclasses import dataclass
 
 import leaflight
@@ -20,7 +21,8 @@ class Round:
     """A leaflight.Bake, which of its volumes an object is, that volume in its coordinates, and the
     frame of the file that it is.
 
-    walls: the last Bake among the rounds whose walls are lit, or None.
+    walls: the last Bake among the rounds whose walls are lit, or None; walls_key: tells its light
+    apart from any other.
     """
 
     bake: object
@@ -28,6 +30,7 @@ class Round:
     volume: object
     frame: int
     walls: object
+    walls_key: str
 
 
 def put(obj, bake, index, matrix):
@@ -42,8 +45,11 @@ def put(obj, bake, index, matrix):
     volume = last.volume if last is not None else _own_volume(obj)
     if volume is None or not _is_same(volume, baked.values, index_to_local):
         volume = leaflight.Volume(baked.values, index_to_local, baked.name, baked.source)
-    walls = bake if bake.surroundings is not None else last and last.walls
-    _shown[obj.name_full] = Round(bake, index, volume, obj.leaflight.frame, walls)
+    if bake.surroundings is not None:
+        walls = bake, uuid.uuid4().hex
+    else:
+        walls = (None, "") if last is None else (last.walls, last.walls_key)
+    _shown[obj.name_full] = Round(bake, index, volume, obj.leaflight.frame, *walls)
 
 
 def _own_volume(obj):

@@ -81,7 +81,7 @@ def update(scene):
     settings = leader.leaflight
     light = f" lit by {settings.bake_id}{lamps.label(settings)}"
     if _round_with_walls(leader):
-        light = f"{_OF_ROUND}{preview.of(leader).walls.id}"
+        light = f"{_OF_ROUND}{preview.of(leader).walls_key}"
     label = f"{surface_object.shown_isovalue(leader)!r}{light}"
     stale = [obj for obj in displays if obj.data.get(_SHOWN) != label]
     if not stale:

@@ -176,7 +176,7 @@ def move_and_wait():
     """One step of the lamp, and the seconds until its light."""
     seconds, before, walls = found["seconds"], label(), label_of_walls()
     key_light().location.x -= 0.3 * abs(key_light().location.x) + 0.1
-    start = time.perf_counter()
+    start, processor = time.perf_counter(), time.process_time()
     bpy.context.view_layer.update()
     shown = []
     while not at_rest() or not shown:
@@ -185,6 +185,7 @@ def move_and_wait():
         if label() != before:
             before = label()
             shown.append((now, is_moved()))
+            seconds.setdefault("processor until direct", time.process_time() - processor)
         if "walls" not in seconds and label_of_walls() != walls:
             seconds["walls"] = now
     direct = [when for when, of_moved in shown if of_moved]

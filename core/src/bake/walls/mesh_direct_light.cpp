@@ -92,7 +92,7 @@ typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTra
               const WayTo<D> way(source, from);
               of.unshadowed[way.share < 0][(light < 0 ? lights - 1 : light) * vertices + v] +=
                   Vec<3, float>(source.amount) * static_cast<float>(std::abs(way.share));
-              if (set != of.sets[v] || (quick && (i + v) % quick_share != 0)) continue;
+              if (set != of.sets[v] || (quick && (i + set) % quick_share != 0)) continue;
               const BlockingLeaves leaves = blocking(way, source, from, tracer);
               of.ways[v * points + i] = {static_cast<float>(leaves.greatest),
                                          static_cast<float>(way.share)};

@@ -51,7 +51,8 @@ class MeshDirectLight {
   const std::vector<std::vector<LightPoint<D>>>& sets() const { return sets_; }
 
  private:
-  static constexpr std::size_t quick_share = 8;
+  // Neighbours then have other ways, and together as many as there are points.
+  static constexpr std::size_t quick_share = light_point_sets;
 
   MeshWays ways_of(const SceneTracer<D>& tracer, const FineMesh<D>& mesh, Progress& progress,
                    bool quick) const;
