@@ -170,6 +170,18 @@ def test_back_sides_and_several_volumes(scene):
             np.testing.assert_array_equal(own.direct.codes(point), other.direct.codes(point))
 
 
+def test_beside_a_mirror_what_is_diffuse_is_lit(scene):
+    pair = [BOX, shifted(BOX, (1.4, 0.0, 0.0))]
+    scene = leaflight.fit_scene(leaflight.cornell_box(), pair)
+    mirror = replace(scene.leaves[0], name="mirror", scattering="mirror")
+    scene = replace(scene, leaves=[scene.leaves[0], mirror])
+    there = with_lamp_moved(scene)
+    settings = {"isovalues": None, "surroundings": False, "resolution": 8, "error": 20.0}
+    ours = baked(pair, scene, **settings).moved(pair, there)
+    assert_same_maps(ours, baked(pair, there, **settings))
+    assert ours.grids[1].direct is None
+
+
 def test_coarser_maps_come_close(bake, scene):
     there = with_lamp_moved(scene)
     fine = bake.moved(BOX, there, walls=False)
