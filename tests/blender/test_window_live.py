@@ -20,7 +20,7 @@ def found(blender, ball, tmp_path_factory):
 
 def test_direct_light_follows_the_hand(found):
     assert found["drag"]["moved"] > 0.5
-    assert found["drag"]["shown"] >= 2 and found["drag"]["all direct"]
+    assert found["drag"]["direct"] >= 2
 
 
 def test_esc_ends_it_and_it_stays(found):
