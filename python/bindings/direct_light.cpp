@@ -49,7 +49,7 @@ void bind_direct_light(py::module_& module) {
       "Maps that tell the direct light of every leaf of one volume: for each texel of a lattice\n"
       "and each light point the greatest value of the volume on the way between them, as a byte.")
       .def(py::init([](const Scene<3>& scene, int volume, const Index<3>& resolution, bool inner,
-                       Progress& progress) {
+                       Progress& progress, bool quick) {
              const py::gil_scoped_release unlocked;
              const Index<3>& dims = scene.volumes.at(volume).field.dims;
              for (int a = 0; a < 3; ++a) {
@@ -58,12 +58,13 @@ void bind_direct_light(py::module_& module) {
              }
              const SceneTracer<3> tracer(scene);
              return std::make_shared<Direct>(tracer, volume, split_light(tracer).points, resolution,
-                                             inner, progress);
+                                             inner, progress, quick);
            }),
            py::arg("scene"), py::arg("volume"), py::arg("resolution"), py::arg("inner"),
-           py::arg("progress"),
+           py::arg("progress"), py::arg("quick") = false,
            "Of a scene's volume by its number. resolution: texels of the maps along x, y, z;\n"
-           "inner: also of the inner sides. Raises Cancelled.")
+           "inner: also of the inner sides; quick: what is thinner than a texel may throw no\n"
+           "shadow. Raises Cancelled.")
       .def_property_readonly(
           "resolution", [](const Direct& d) { return d.lattice().resolution; },
           "Texels along x, y, z, evenly spaced from the first voxel to the last.")

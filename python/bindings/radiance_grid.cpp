@@ -224,6 +224,20 @@ void bind_grid(py::module_& module, const std::string& suffix) {
         "a\n"
         "grid that was read from a file is given it.");
     grid.def(
+        "moved",
+        [](const Grid& g, const std::shared_ptr<Field<D>>& field,
+           const std::shared_ptr<DirectLight<D>>& direct, const Tuple<3>& indirect) {
+          Grid moved = g;
+          moved.field = field;
+          moved.direct = direct;
+          moved.indirect = Vec<3, float>(to_color(indirect));
+          return moved;
+        },
+        py::arg("field"), py::arg("direct"), py::arg("indirect"),
+        "The same with the direct light of another scene, and all else but what leaves emit\n"
+        "brighter by the factors (r, g, b). field: its values, where they are now. Texels are\n"
+        "shared.");
+    grid.def(
         "lit_contour", &lit_contour_of, py::arg("field"), py::arg("isovalue"),
         py::arg("normals") = false, py::arg("front") = true, py::arg("back") = false,
         py::arg("largest_step") = LitContourSettings{}.largest_step,
@@ -250,6 +264,13 @@ void bind_radiance_grid(py::module_& module) {
              return indirect_shares(SceneTracer<3>(scene));
            }),
            py::arg("scene"))
+      .def_property_readonly(
+          "total",
+          [](const IndirectShares& shares) {
+            const Imath::V3d total = shares.total();
+            return py::make_tuple(total.x, total.y, total.z);
+          },
+          "Of all of them, (r, g, b).")
       .def(
           "factor",
           [](const IndirectShares& shares, const std::vector<Tuple<3>>& lights) {

@@ -17,6 +17,7 @@ from .bake.baked import Bake, Surface
 from .bake.checkpoint import Checkpoint
 from .bake.estimate import Estimate, estimate
 from .bake.load_bake import load_bake
+from .bake.moved import moved
 from .bake.resume import resume
 from .export.export import export, export_page
 from .export.notebook import picture, show
@@ -65,7 +66,8 @@ __all__ = [
     "thesis",
 ]
 
-# Pages and pictures stand above bakes.
+# What stands above bakes.
+Bake.moved = moved
 Bake.export_page = export_page
 Bake.show = show
 Bake.still = picture

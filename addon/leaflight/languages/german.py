@@ -68,6 +68,18 @@ MESSAGES = {
     "Estimate": "Schätzen",
     "About %s and %s to %s %%": "Etwa %s und %s bis %s %%",
     "Stopped at %s %%, target %s %%": "Angehalten bei %s %%, Ziel %s %%",
+    "Live": "Mitgehend",
+    (
+        "Once there is a bake, follow lamps, walls and volumes that move: direct light at once, "
+        "then the passes of a new bake. Each final light is a file of its own"
+    ): (
+        "Nach dem ersten Beleuchten Lampen, Wänden und Volumen folgen, die sich bewegen: direktes "
+        "Licht sofort, dann die Durchgänge eines neuen Lichts. Jedes endgültige Licht ist eine "
+        "eigene Datei"
+    ),
+    "Stopped: direct light is new, indirect light is of an earlier position": (
+        "Angehalten: direktes Licht ist neu, indirektes Licht von einer früheren Lage"
+    ),
     "Baked in %s s": "In %s s beleuchtet",
     "Quality reached: %s": "Qualität erreicht: %s",
     "Quality not reached: %s": "Qualität nicht erreicht: %s",

@@ -82,8 +82,9 @@ def label(settings):
     return f"{OF_LAMPS}{factors!r}" if factors else ""
 
 
-# What a label begins with.
+# What a label begins with, and where lamps, walls or volumes have moved.
 OF_LAMPS = " with lamps "
+OF_MOVED = f"{OF_LAMPS}moved "
 
 
 def bake_of(obj):

@@ -4,10 +4,13 @@
 Only surfaces show them (surface_object.py); what objects remember of a bake is left alone.
 """
 
+import uuid
 from dataclasses import dataclass
 
 import leaflight
 import numpy as np
+
+from ..store import cache
 
 # Full name of an object -> the Round that lights it.
 _shown = {}
@@ -17,12 +20,17 @@ _shown = {}
 class Round:
     """A leaflight.Bake, which of its volumes an object is, that volume in its coordinates, and the
     frame of the file that it is.
+
+    walls: the last Bake among the rounds whose walls are lit, or None; walls_key: tells its light
+    apart from any other.
     """
 
     bake: object
     index: int
     volume: object
     frame: int
+    walls: object
+    walls_key: str
 
 
 def put(obj, bake, index, matrix):
@@ -31,14 +39,31 @@ def put(obj, bake, index, matrix):
     matrix: the object's transform at the bake, 16 numbers row by row.
     """
     last = _shown.get(obj.name_full)
-    if last is not None and last.bake.volumes[index] is bake.volumes[index]:
-        volume = last.volume
-    else:
-        baked = bake.volumes[index]
-        local_to_world = np.array(matrix, np.float64).reshape(4, 4)
-        index_to_local = np.linalg.inv(local_to_world) @ baked.index_to_world
+    baked = bake.volumes[index]
+    local_to_world = np.array(matrix, np.float64).reshape(4, 4)
+    index_to_local = np.linalg.inv(local_to_world) @ baked.index_to_world
+    volume = last.volume if last is not None else _own_volume(obj)
+    if volume is None or not _is_same(volume, baked.values, index_to_local):
         volume = leaflight.Volume(baked.values, index_to_local, baked.name, baked.source)
-    _shown[obj.name_full] = Round(bake, index, volume, obj.leaflight.frame)
+    if bake.surroundings is not None:
+        walls = bake, uuid.uuid4().hex
+    else:
+        walls = (None, "") if last is None else (last.walls, last.walls_key)
+    _shown[obj.name_full] = Round(bake, index, volume, obj.leaflight.frame, *walls)
+
+
+def _own_volume(obj):
+    try:
+        return cache.volume_of(obj)
+    except leaflight.LeaflightError:
+        return None
+
+
+def _is_same(volume, values, index_to_world):
+    """Whether a volume has these values there, but for rounding."""
+    return volume.values is values and np.allclose(
+        volume.index_to_world, index_to_world, rtol=1e-9, atol=1e-9 * np.abs(index_to_world).max()
+    )
 
 
 def of(obj):

@@ -8,6 +8,7 @@ loading a file: they bring back mesh and memory together.
 import bpy
 import leaflight
 import numpy as np
+from leaflight.bake.moved import is_moved
 
 from ..store import bake_files
 from . import added, isosurface, lamps, preview, surface_material
@@ -23,6 +24,8 @@ _ISOVALUE = "leaflight_isovalue"
 # Whether detail is missing, and about how many triangles the isosurface has between voxels.
 _COARSE = "leaflight_coarse"
 _TRIANGLES = "leaflight_triangles"
+# In the label of a mesh, before what lights it.
+_LIT = " lit by "
 # Ends the label of a mesh that could not show what it should.
 _FAILED = " failed"
 
@@ -98,6 +101,9 @@ def _differs_by_lamps(mesh, shown, label):
     """Whether a mesh that shows the one label is, but for its light, that of the other."""
     if not shown or shown.endswith(_FAILED) or is_coarse(mesh):
         return False
+    if lamps.OF_MOVED in label:
+        # It will not stay: the vertices that any other light has given it will do.
+        return shown.partition(_LIT)[0] == label.partition(_LIT)[0]
     return shown.partition(lamps.OF_LAMPS)[0] == label.partition(lamps.OF_LAMPS)[0]
 
 
@@ -247,7 +253,10 @@ def _label(obj, isovalue):
     shape = f"{settings.smooth} {settings.capped} {obj.leaflight_look.dust}"
     volume = f"{settings.source} {part} {settings.downsample} {shape}"
     shown = preview.of(volume_object)
-    if shown is not None:
-        return f"{isovalue!r} of {volume} lit by round {shown.bake.id} {shown.index}"
     light = f"{settings.bake_id} {settings.bake_index}{lamps.label(settings)}"
-    return f"{isovalue!r} of {volume} lit by {light}"
+    if shown is not None and is_moved(shown.bake):
+        original = shown.bake.original.id
+        light = f"{original} {shown.index}{lamps.OF_MOVED}{shown.bake.id}"
+    elif shown is not None:
+        light = f"round {shown.bake.id} {shown.index}"
+    return f"{isovalue!r} of {volume}{_LIT}{light}"

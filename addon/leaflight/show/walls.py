@@ -19,7 +19,7 @@ COLLECTION = "Leaflight Walls"
 
 _COLLECTION = "leaflight_walls"
 _WALL = "wall"
-_INDEX = "leaflight_wall"
+_INDEX, _NAME = "leaflight_wall", "leaflight_wall_name"
 _WALL_MATERIAL = "leaflight_wall_material"
 _HIDDEN = "leaflight_hidden"
 _SHOWN = "leaflight_shown"
@@ -60,11 +60,16 @@ def show_round(scene):
     if leader is None or not _round_with_walls(leader):
         return
     displays = [obj for obj in scene.objects if display.is_display(obj, _WALL)]
-    if displays and all(_OF_ROUND in obj.data.get(_SHOWN, "") for obj in displays):
+    if displays and all(_has_as_many_vertices(obj, _bake_of(leader)[0]) for obj in displays):
         update(scene)
     else:
-        # Those of the bake before may have other vertices.
         refresh(scene)
+
+
+def _has_as_many_vertices(obj, bake):
+    index = obj[_INDEX]
+    known = bake.surroundings.count > index and bake.scene.meshes[index].name == obj.get(_NAME)
+    return known and len(bake.surroundings.mesh(index)[0]) == len(obj.data.vertices)
 
 
 def update(scene):
@@ -76,7 +81,7 @@ def update(scene):
     settings = leader.leaflight
     light = f" lit by {settings.bake_id}{lamps.label(settings)}"
     if _round_with_walls(leader):
-        light = f"{_OF_ROUND}{preview.of(leader).bake.id}"
+        light = f"{_OF_ROUND}{preview.of(leader).walls_key}"
     label = f"{surface_object.shown_isovalue(leader)!r}{light}"
     stale = [obj for obj in displays if obj.data.get(_SHOWN) != label]
     if not stale:
@@ -91,6 +96,10 @@ def update(scene):
     low, high = bake.isovalues
     c = min(max(_leaf_coordinate(leader, bake, index), low), high)
     for obj in stale:
+        if _OF_ROUND in label:
+            # They may have moved.
+            vertices = bake.surroundings.mesh(obj[_INDEX])[0]
+            obj.data.vertices.foreach_set("co", vertices.ravel())
         for name, back in ((RADIANCE, False), (RADIANCE_BACK, True)):
             radiance = bake.surroundings.radiance(obj[_INDEX], c, back=back)
             fill.colour(obj.data, name, radiance)
@@ -109,14 +118,14 @@ def _leader(scene):
 
 def _round_with_walls(obj):
     shown = preview.of(obj)
-    return shown is not None and shown.bake.surroundings is not None
+    return shown is not None and shown.walls is not None
 
 
 def _bake_of(leader):
     """(bake, which of its volumes the leader is) that lights the walls. Raises LeaflightError."""
     if _round_with_walls(leader):
         shown = preview.of(leader)
-        return shown.bake, shown.index
+        return shown.walls, shown.index
     return lamps.bake_of(leader), leader.leaflight.bake_index
 
 
@@ -159,7 +168,7 @@ def _display(bake, index, name, material):
     data.materials.append(material)
     obj = bpy.data.objects.new(f"{name} Lit", data)
     display.mark(obj, _WALL)
-    obj[_INDEX] = index
+    obj[_INDEX], obj[_NAME] = index, name
     obj.hide_select = True
     return obj
 

@@ -16,6 +16,11 @@ from ..show import lamps
 from ..store import bake_files, source_files
 from . import scene_export
 
+_OTHER = "The bake was made for another scene: bake again to light this one"
+_CHANGED = "The scene has changed since the bake: bake again"
+# What change_since_bake() says where the volumes are those of the bake, in another scene.
+OF_THE_SCENE = (_OTHER, _CHANGED)
+
 # The fingerprint of a bake that was loaded into a scene other than its own.
 OTHER_SCENE = "another scene"
 
@@ -114,9 +119,9 @@ def _change(context, obj):
     except leaflight.LeaflightError as error:
         return f"The scene has changed since the bake: {error}"
     if obj.leaflight.bake_fingerprint == OTHER_SCENE:
-        return "The bake was made for another scene: bake again to light this one"
+        return _OTHER
     if now != obj.leaflight.bake_fingerprint and not _is_relit(obj, volumes, description):
-        return "The scene has changed since the bake: bake again"
+        return _CHANGED
     return ""
 
 

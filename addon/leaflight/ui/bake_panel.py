@@ -4,7 +4,7 @@
 import bpy
 
 from .. import versions
-from ..bake import bake, continue_bake, estimate_bake, resume_bake, stopped
+from ..bake import bake, continue_bake, estimate_bake, live, resume_bake, stopped
 from ..operators import background
 from ..operators.active_volume import active_volume
 from ..show import lamps, properties, surface_material
@@ -27,9 +27,10 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
         column.prop(settings, "light_surroundings")
         column.prop(settings, "both_sides")
         self._draw_quality(context, settings)
-        button = layout.row()
+        button = layout.row(align=True)
         button.scale_y = 1.5
         button.operator(bake.LEAFLIGHT_OT_bake.bl_idname, text="Bake", icon="LIGHT_AREA")
+        button.prop(context.scene, "leaflight_live", toggle=True, icon="FILE_REFRESH")
         work = background.running()
         if (
             work is None
@@ -80,7 +81,13 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
         """One line; all else is under Details."""
         layout, obj = self.layout, active_volume(context)
         change = staleness.change_to_tell(obj)
-        if change:
+        work = live.at_work()
+        if work is not None:
+            versions.draw_progress(layout, work.fraction(), work.status())
+            layout.operator(live.LEAFLIGHT_OT_stop_live.bl_idname, icon="CANCEL")
+        elif change and context.scene.leaflight_live and live.sentence():
+            sentence(context, layout, live.sentence(), icon="ERROR")
+        elif change:
             sentence(context, layout, change, icon="ERROR")
         elif not settings.bake_outcome:
             seconds = f"{settings.bake_seconds:.0f}"

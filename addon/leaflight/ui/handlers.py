@@ -7,7 +7,7 @@ And keeps the files of the bakes with the .blend when it is saved.
 import bpy
 from bpy.app.handlers import persistent
 
-from ..bake import estimate_bake, stopped
+from ..bake import estimate_bake, live, stopped
 from ..operators import active_volume, background
 from ..show import (
     added,
@@ -82,6 +82,7 @@ def _after_change(scene, depsgraph):
             surface_object.shade(obj)
     if any(_concerns_bakes(scene, changed, update, moved) for changed, update in changes):
         staleness.forget()
+        live.changed(scene)
     if isovalues.left_alone():
         if bpy.app.background:
             isovalues.remove_left_alone()
@@ -131,6 +132,7 @@ def _after_undo(scene, _depsgraph):
     depsgraph = bpy.context.evaluated_depsgraph_get()
     lamp_strengths.follow(scene, depsgraph)
     _follow(scene, depsgraph, whole_detail.may_follow(depsgraph))
+    live.changed(scene)
 
 
 @persistent
@@ -141,6 +143,7 @@ def _before_render(scene, *_):
 @persistent
 def _before_load(*_):
     _moved.clear()
+    live.forget()
     background.cancel_running()
     background.forget_failure()
     whole_detail.forget()
@@ -184,6 +187,7 @@ def _after_load(*_):
     lamp_strengths.follow(scene, depsgraph)
     # The files of bakes may have gone or come meanwhile.
     _follow(scene, depsgraph, whole_detail.may_follow())
+    live.changed(scene)
 
 
 _HANDLERS = (

@@ -91,6 +91,12 @@ Rgb IndirectShares::factor(const std::vector<Rgb>& factors) const {
   return factor;
 }
 
+Imath::V3d IndirectShares::total() const {
+  Imath::V3d sum = others;
+  for (const Imath::V3d& light : lights) sum += light;
+  return sum;
+}
+
 template <int D>
 IndirectShares indirect_shares(const SceneTracer<D>& tracer) {
   const Scene<D>& scene = tracer.scene();

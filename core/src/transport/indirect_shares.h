@@ -16,6 +16,8 @@ struct IndirectShares {
   // How much more there is, by channel, with the lights brighter by factors: the mean of these
   // where nothing comes back.
   Rgb factor(const std::vector<Rgb>& factors) const;
+  // Of all of them.
+  Imath::V3d total() const;
 };
 
 // Estimated by a fixed number of paths a luminaire.

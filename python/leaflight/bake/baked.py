@@ -57,7 +57,7 @@ class Bake:
         bake before it reached its error; and estimated_rms_percent, the RMS of the noise that the
         texels report, in the units of compare.
     metadata: text by key, everything the result depends on; equal bakes have equal metadata.
-    original: of a bake that relit() made, the one with its lamps as they were baked; else None.
+    original: of a bake that relit() or moved() made, the one that was baked; else None.
     factors: of a bake that relit() made, (r, g, b) of each lamp of the scene: how much brighter it
         is than it was baked; else None.
     """
@@ -72,6 +72,7 @@ class Bake:
     original: "Bake" = None
     factors: tuple = None
     # Of rooms above: __init__.py sets them.
+    moved: ClassVar[Callable]
     export_page: ClassVar[Callable]
     show: ClassVar[Callable]
     still: ClassVar[Callable]
@@ -122,12 +123,12 @@ class Bake:
         """Writes the bake as one .vdb under its final name or not at all.
 
         Raises LeaflightError, and Cancelled where progress, a _core.Progress, is cancelled before
-        the file is whole. A bake that relit() made is not saved.
+        the file is whole. A bake that relit() or moved() made is not saved.
         """
         if self.original is not None:
             raise LeaflightError(
-                "A bake with its lamps at other strengths is not saved: save its original, which "
-                "can be relit at any time, or bake again with these strengths."
+                "A bake with other lamps or in another scene is not saved: save its original, "
+                "which can be relit and moved at any time, or bake again."
             )
         check_writable(path, ".vdb")
         metadata = dict(self.metadata, id=self.id, statistics=json.dumps(self.statistics))

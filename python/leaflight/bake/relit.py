@@ -20,6 +20,10 @@ from ..scene.scene import AreaLight, PointLight, is_color
 
 def relit(bake, lamps):
     """The Bake with the lamps, {name: factor or (r, g, b)}, brighter by factors; see Bake.relit."""
+    if bake.original is not None and bake.factors is None:
+        raise LeaflightError(
+            "A bake in another scene is not relit: move its original, with the lamps as they are."
+        )
     original = bake.original or bake
     factors = _factors(bake, lamps)
     if not can_be_relit(original):
@@ -51,9 +55,16 @@ def relit(bake, lamps):
     )
 
 
-def can_be_relit(bake):
-    """Whether lamps of the bake can be given other strengths: all direct light is exact."""
-    return all(grid.can_be_relit for grid in bake.grids)
+def can_be_relit(bake, diffuse_alone=False):
+    """Whether lamps of the bake can be given other strengths: all direct light is exact.
+
+    diffuse_alone: leaves out mirrors and glass, which store no light.
+    """
+    return all(
+        grid.can_be_relit
+        for grid, leaves in zip(bake.grids, bake.scene.leaves)
+        if not diffuse_alone or leaves.scattering == "diffuse"
+    )
 
 
 def strengths_of(light):

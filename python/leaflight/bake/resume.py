@@ -41,7 +41,7 @@ def resume(
     metadata = kept.metadata
     if kept.original is not None:
         raise LeaflightError(
-            "A bake with its lamps at other strengths does not go on: resume its original."
+            "A bake with other lamps or in another scene does not go on: resume its original."
         )
     if not metadata["blocks"]:
         raise LeaflightError(

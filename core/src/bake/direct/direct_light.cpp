@@ -52,7 +52,7 @@ Index<D> map_resolution(const Field<D>& field, const IsovalueWindow& window, con
 template <int D>
 DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
                             const std::vector<LightPoint<D>>& points, const Index<D>& resolution,
-                            bool inner, Progress& progress)
+                            bool inner, Progress& progress, bool quick)
     : window_(tracer.scene().volumes[volume].isovalues(tracer.scene().window)),
       albedo_(tracer.scene().volumes[volume].albedo),
       emission_(tracer.scene().volumes[volume].emission),
@@ -67,7 +67,7 @@ DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
       make_lattice(tracer.scene().volumes[volume].field, resolution, window_.min, window_.max);
   std::atomic<bool> any_dark{false};
   const std::size_t count = points_.size(), active = maps->lattice.active.size();
-  const VisibilitySweep<D> sweep(tracer, volume, maps->lattice);
+  const VisibilitySweep<D> sweep(tracer, volume, maps->lattice, true, quick);
   std::vector<std::unique_ptr<VisibilityThrough<D>>> others;
   for (int other = 0; other < static_cast<int>(tracer.scene().volumes.size()); ++other) {
     if (other == volume) continue;

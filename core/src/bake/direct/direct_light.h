@@ -28,10 +28,10 @@ template <int D>
 class DirectLight {
  public:
   // Of a volume by its number; `resolution`: of the maps; `inner`: of the inner sides, too, which
-  // needs the scene's only volume. The result is the same for any number of threads. Throws
-  // Cancelled.
+  // needs the scene's only volume; `quick`: as VisibilitySweep has it. The result is the same for
+  // any number of threads. Throws Cancelled.
   DirectLight(const SceneTracer<D>& tracer, int volume, const std::vector<LightPoint<D>>& points,
-              const Index<D>& resolution, bool inner, Progress& progress);
+              const Index<D>& resolution, bool inner, Progress& progress, bool quick = false);
 
   // With other strengths of the scene's lights: a factor per channel for each. Shares the maps.
   DirectLight scaled(const std::vector<Rgb>& lights) const;

@@ -4,6 +4,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <type_traits>
@@ -76,7 +77,7 @@ class AxisSweep {
  public:
   AxisSweep(const SceneTracer<D>& tracer, int volume, const Voxels& turned,
             const LightSource<D>& source, const TexelLattice<D>& nodes, const VisibilityCode& code,
-            bool meshes, int axis, int sense)
+            bool meshes, bool quick, int axis, int sense)
       : tracer_(tracer),
         field_(tracer.scene().volumes[volume].field),
         turned_(turned),
@@ -87,7 +88,13 @@ class AxisSweep {
         sense_(sense),
         to_frame_(tracer.index_to_frame(volume)),
         planes_(field_, nodes, axis),
-        meshes_(meshes) {
+        meshes_(meshes),
+        quick_(quick) {
+    if (quick) {
+      auto& all = planes_.planes;
+      const auto is_between = [](const auto& plane) { return plane.texel < 0; };
+      all.erase(std::remove_if(all.begin(), all.end(), is_between), all.end());
+    }
     for (int a = 0, b = 0; a < D; ++a) {
       if (a != axis) across_[b++] = a;
     }
@@ -143,7 +150,8 @@ class AxisSweep {
  private:
   bool reached(int q) const { return source_.infinite || t_[q] > 0; }
   double widest_between(int b) const {
-    return widest_spacing * std::min(1.0, nodes_.voxels_per_texel[across_[b]]);
+    const double width = nodes_.voxels_per_texel[across_[b]];
+    return widest_spacing * (quick_ ? width : std::min(1.0, width));
   }
   int u_lines() const { return fans_[0].count; }
   int v_lines() const { return D == 3 ? fans_[D - 2].count : 1; }
@@ -347,7 +355,7 @@ class AxisSweep {
   int axis_, sense_;
   Affine<D> to_frame_;
   Planes<D> planes_;
-  bool meshes_;
+  bool meshes_, quick_;
   std::array<int, 2> across_{};
   std::array<Fan, static_cast<std::size_t>(D - 1)> fans_;
   std::vector<int> order_;  // of the planes, as the light passes them
@@ -380,8 +388,8 @@ LargeArray<Value> turned(const Field<D>& field, const Value* values) {
 
 template <int D>
 VisibilitySweep<D>::VisibilitySweep(const SceneTracer<D>& tracer, int volume,
-                                    const TexelLattice<D>& nodes, bool meshes)
-    : tracer_(tracer), volume_(volume), nodes_(nodes), meshes_(meshes) {
+                                    const TexelLattice<D>& nodes, bool meshes, bool quick)
+    : tracer_(tracer), volume_(volume), nodes_(nodes), meshes_(meshes), quick_(quick) {
   const Field<D>& field = tracer.scene().volumes[volume].field;
   std::visit([&](const auto* values) { turned_ = turned(field, values); }, field.values);
 }
@@ -396,7 +404,7 @@ void VisibilitySweep<D>::run(const LightSource<D>& source, const VisibilityCode&
   const Voxels turned =
       std::visit([](const auto& values) -> Voxels { return values.data(); }, turned_);
   const auto run_along = [&](int axis, int sense) {
-    AxisSweep<D>(tracer_, volume_, turned, source, nodes_, code, meshes, axis, sense)
+    AxisSweep<D>(tracer_, volume_, turned, source, nodes_, code, meshes, quick_, axis, sense)
         .run(found, progress);
   };
   if (source.infinite) {

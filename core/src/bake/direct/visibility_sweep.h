@@ -35,9 +35,10 @@ struct VisibilityCode {
 template <int D>
 class VisibilitySweep {
  public:
-  // `meshes`: whether the surroundings end the way. All that is given must outlive it.
+  // `meshes`: whether the surroundings end the way. `quick`: planes and lines are as far apart as
+  // nodes, which may miss what is thinner. All that is given must outlive it.
   VisibilitySweep(const SceneTracer<D>& tracer, int volume, const TexelLattice<D>& nodes,
-                  bool meshes = true);
+                  bool meshes = true, bool quick = false);
 
   // From a point of light, into as many codes as there are nodes.
   void run(const LightSource<D>& source, const VisibilityCode& code,
@@ -47,7 +48,7 @@ class VisibilitySweep {
   const SceneTracer<D>& tracer_;
   int volume_;
   const TexelLattice<D>& nodes_;
-  bool meshes_;
+  bool meshes_, quick_;
   // The field's values, axis 0 slowest, so that its planes lie together.
   std::variant<LargeArray<float>, LargeArray<std::uint8_t>, LargeArray<std::int16_t>,
                LargeArray<std::uint16_t>>

@@ -48,12 +48,13 @@ BlockingLeaves blocking(const WayTo<D>& way, const LightSource<D>& source, Surfa
 
 template <int D>
 MeshDirectLight<D>::MeshDirectLight(const SceneTracer<D>& tracer,
-                                    const std::vector<RefinedMesh<D>>& meshes, Progress& progress)
+                                    const std::vector<RefinedMesh<D>>& meshes, Progress& progress,
+                                    bool quick)
     : sets_(interleaved_points(tracer)), scales_(tracer.lights().size() + 1, Rgb(1)) {
   auto ways = std::make_shared<std::vector<MeshWays>>(meshes.size());
   for (std::size_t m = 0; m < meshes.size(); ++m) {
     if (tracer.meshes()[m].scattering != Scattering::diffuse) continue;
-    (*ways)[m] = ways_of(tracer, meshes[m].fine, progress);
+    (*ways)[m] = ways_of(tracer, meshes[m].fine, progress, quick);
   }
   meshes_ = std::move(ways);
 }
@@ -69,7 +70,8 @@ MeshDirectLight<D> MeshDirectLight<D>::scaled(const std::vector<Rgb>& lights) co
 template <int D>
 typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTracer<D>& tracer,
                                                                   const FineMesh<D>& mesh,
-                                                                  Progress& progress) const {
+                                                                  Progress& progress,
+                                                                  bool quick) const {
   const std::size_t vertices = mesh.vertices.size(), points = sets_[0].size();
   MeshWays of{MeshNeighbours(vertices, mesh.facets), {}, {}, {}, {}};
   of.sets.resize(vertices);
@@ -90,7 +92,7 @@ typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTra
               const WayTo<D> way(source, from);
               of.unshadowed[way.share < 0][(light < 0 ? lights - 1 : light) * vertices + v] +=
                   Vec<3, float>(source.amount) * static_cast<float>(std::abs(way.share));
-              if (set != of.sets[v]) continue;
+              if (set != of.sets[v] || (quick && (i + set) % quick_share != 0)) continue;
               const BlockingLeaves leaves = blocking(way, source, from, tracer);
               of.ways[v * points + i] = {static_cast<float>(leaves.greatest),
                                          static_cast<float>(way.share)};

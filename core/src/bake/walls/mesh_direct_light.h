@@ -19,9 +19,9 @@ namespace leaflight {
 template <int D>
 class MeshDirectLight {
  public:
-  // Throws Cancelled.
+  // `quick`: one way of every `quick_share` tells the shadow. Throws Cancelled.
   MeshDirectLight(const SceneTracer<D>& tracer, const std::vector<RefinedMesh<D>>& meshes,
-                  Progress& progress);
+                  Progress& progress, bool quick = false);
 
   // With other strengths of the scene's lights: a factor per channel for each. Shares the ways.
   MeshDirectLight scaled(const std::vector<Rgb>& lights) const;
@@ -51,7 +51,11 @@ class MeshDirectLight {
   const std::vector<std::vector<LightPoint<D>>>& sets() const { return sets_; }
 
  private:
-  MeshWays ways_of(const SceneTracer<D>& tracer, const FineMesh<D>& mesh, Progress& progress) const;
+  // Neighbours then have other ways, and together as many as there are points.
+  static constexpr std::size_t quick_share = light_point_sets;
+
+  MeshWays ways_of(const SceneTracer<D>& tracer, const FineMesh<D>& mesh, Progress& progress,
+                   bool quick) const;
 
   std::vector<std::vector<LightPoint<D>>> sets_;
   std::vector<Rgb> scales_;                              // of the lights, and 1

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 namespace leaflight {
 namespace {
@@ -184,28 +185,53 @@ double fineness(const Mesh<D>& mesh, std::size_t facet, const Frame<D>& frame) {
   return std::pow(close_by / std::max(close_by, nearest.length()), 3);
 }
 
+// Along how many pieces the edges of a scene's facets are cut.
+template <int D>
+class Cuts {
+ public:
+  explicit Cuts(const Scene<D>& scene) : scene_(scene), frame_(scene) {
+    for (const Mesh<D>& mesh : scene.meshes) {
+      for (std::size_t f = 0; f < mesh.facets.size(); ++f) total_ += weight(mesh, f);
+    }
+  }
+
+  int of(std::size_t mesh, std::size_t facet) const {
+    const double share = total_ > 0 ? weight(scene_.meshes[mesh], facet) / total_ : 0;
+    const double cuts = std::pow(share * target_pieces<D>, 1.0 / (D - 1));
+    return std::clamp(static_cast<int>(std::lround(cuts)), 1, most_cuts);
+  }
+
+ private:
+  double weight(const Mesh<D>& mesh, std::size_t facet) const {
+    return FacetFrame<D>(mesh, facet).area() * fineness(mesh, facet, frame_);
+  }
+
+  const Scene<D>& scene_;
+  Frame<D> frame_;
+  double total_ = 0;
+};
+
 }  // namespace
 
 template <int D>
 std::vector<RefinedMesh<D>> refine(const Scene<D>& scene) {
+  std::vector<int> itself(scene.meshes.size());
+  std::iota(itself.begin(), itself.end(), 0);
+  return refine_as(scene, scene, itself);
+}
+
+template <int D>
+std::vector<RefinedMesh<D>> refine_as(const Scene<D>& earlier, const Scene<D>& scene,
+                                      const std::vector<int>& same_as) {
   const std::vector<Mesh<D>>& meshes = scene.meshes;
-  const Frame<D> frame(scene);
-  const auto weight = [&](const Mesh<D>& mesh, std::size_t facet) {
-    return FacetFrame<D>(mesh, facet).area() * fineness(mesh, facet, frame);
-  };
-  double total = 0;
-  for (const Mesh<D>& mesh : meshes) {
-    for (std::size_t f = 0; f < mesh.facets.size(); ++f) total += weight(mesh, f);
-  }
+  const Cuts<D> then(earlier), now(scene);
   std::vector<RefinedMesh<D>> refined(meshes.size());
   for (std::size_t m = 0; m < meshes.size(); ++m) {
     const CornerNormals<D> normals(meshes[m]);
     Welder<D> coarse(refined[m].coarse), fine(refined[m].fine);
     for (std::size_t f = 0; f < meshes[m].facets.size(); ++f) {
-      const double share = total > 0 ? weight(meshes[m], f) / total : 0;
-      const double cuts = std::pow(share * target_pieces<D>, 1.0 / (D - 1));
-      cut_twice(meshes[m], normals, static_cast<int>(m), static_cast<int>(f),
-                std::clamp(static_cast<int>(std::lround(cuts)), 1, most_cuts), coarse, fine,
+      const int cuts = same_as[m] < 0 ? now.of(m, f) : then.of(same_as[m], f);
+      cut_twice(meshes[m], normals, static_cast<int>(m), static_cast<int>(f), cuts, coarse, fine,
                 refined[m]);
     }
   }
@@ -224,6 +250,10 @@ SurfacePoint<D> vertex_point(const SceneTracer<D>& tracer, const FineMesh<D>& me
 
 template std::vector<RefinedMesh<2>> refine<2>(const Scene<2>&);
 template std::vector<RefinedMesh<3>> refine<3>(const Scene<3>&);
+template std::vector<RefinedMesh<2>> refine_as<2>(const Scene<2>&, const Scene<2>&,
+                                                  const std::vector<int>&);
+template std::vector<RefinedMesh<3>> refine_as<3>(const Scene<3>&, const Scene<3>&,
+                                                  const std::vector<int>&);
 template SurfacePoint<2> vertex_point<2>(const SceneTracer<2>&, const FineMesh<2>&, std::size_t,
                                          bool, double);
 template SurfacePoint<3> vertex_point<3>(const SceneTracer<3>&, const FineMesh<3>&, std::size_t,

@@ -34,6 +34,13 @@ struct RefinedMesh {
 template <int D>
 std::vector<RefinedMesh<D>> refine(const Scene<D>& scene);
 
+// The meshes of a scene, cut as those of an earlier one with the same facets were, wherever they
+// are now: their vertices then correspond. `same_as`: of each mesh its number in the earlier scene;
+// -1: it is new.
+template <int D>
+std::vector<RefinedMesh<D>> refine_as(const Scene<D>& earlier, const Scene<D>& scene,
+                                      const std::vector<int>& same_as);
+
 // A vertex of a mesh as a point that light meets, on the front or on the back.
 template <int D>
 SurfacePoint<D> vertex_point(const SceneTracer<D>& tracer, const FineMesh<D>& mesh,

@@ -26,21 +26,50 @@ std::vector<Vec<3, float>> radiance_at(const SurroundingsRadiance<D>& surroundin
   return radiance;
 }
 
+namespace {
+
+// All but what the mesh emits by itself, brighter by a factor.
+template <int D>
+void scale(std::array<std::vector<Vec<3, float>>, 2>& sides, const Mesh<D>& mesh,
+           const Vec<3, float>& factor) {
+  const Vec<3, float> own(mesh.emission);
+  for (auto& side : sides) {
+    for (Vec<3, float>& light : side) {
+      light = own + (light - own) * factor;
+      for (int i = 0; i < 3; ++i) light[i] = std::max(0.0f, light[i]);
+    }
+  }
+}
+
+}  // namespace
+
 template <int D>
 SurroundingsRadiance<D> relit(const SurroundingsRadiance<D>& surroundings,
                               const std::vector<Mesh<D>>& meshes, const std::vector<Rgb>& lights,
                               const Vec<3, float>& indirect) {
   SurroundingsRadiance<D> result = surroundings;
-  for (std::size_t m = 0; m < meshes.size(); ++m) {
-    const Vec<3, float> own(meshes[m].emission);
-    for (auto& side : result.radiance[m]) {
-      for (Vec<3, float>& light : side) {
-        light = own + (light - own) * indirect;
-        for (int i = 0; i < 3; ++i) light[i] = std::max(0.0f, light[i]);
-      }
-    }
-  }
+  for (std::size_t m = 0; m < meshes.size(); ++m) scale(result.radiance[m], meshes[m], indirect);
   result.direct = std::make_shared<const MeshDirectLight<D>>(surroundings.direct->scaled(lights));
+  return result;
+}
+
+template <int D>
+SurroundingsRadiance<D> moved(const SurroundingsRadiance<D>& surroundings, const Scene<D>& earlier,
+                              const Scene<D>& scene, const std::vector<int>& same_as,
+                              const Vec<3, float>& indirect, Progress& progress, bool quick) {
+  SurroundingsRadiance<D> result{
+      surroundings.nodes, refine_as(earlier, scene, same_as), {}, nullptr};
+  result.radiance.resize(scene.meshes.size());
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    if (same_as[m] < 0) continue;
+    const std::size_t vertices = result.meshes[m].coarse.vertices.size();
+    if (vertices != surroundings.meshes.at(same_as[m]).coarse.vertices.size()) continue;
+    result.radiance[m] = surroundings.radiance[same_as[m]];
+    scale(result.radiance[m], earlier.meshes[same_as[m]], indirect);
+  }
+  const SceneTracer<D> tracer(scene);
+  result.direct =
+      std::make_shared<const MeshDirectLight<D>>(tracer, result.meshes, progress, quick);
   return result;
 }
 
@@ -67,6 +96,12 @@ template SurroundingsRadiance<2> relit(const SurroundingsRadiance<2>&, const std
                                        const std::vector<Rgb>&, const Vec<3, float>&);
 template SurroundingsRadiance<3> relit(const SurroundingsRadiance<3>&, const std::vector<Mesh<3>>&,
                                        const std::vector<Rgb>&, const Vec<3, float>&);
+template SurroundingsRadiance<2> moved(const SurroundingsRadiance<2>&, const Scene<2>&,
+                                       const Scene<2>&, const std::vector<int>&,
+                                       const Vec<3, float>&, Progress&, bool);
+template SurroundingsRadiance<3> moved(const SurroundingsRadiance<3>&, const Scene<3>&,
+                                       const Scene<3>&, const std::vector<int>&,
+                                       const Vec<3, float>&, Progress&, bool);
 template void attach<2>(SurroundingsRadiance<2>&, const Scene<2>&, Progress&);
 template void attach<3>(SurroundingsRadiance<3>&, const Scene<3>&, Progress&);
 template std::vector<Vec<3, float>> radiance_at<2>(const SurroundingsRadiance<2>&, int, double,

@@ -33,6 +33,16 @@ SurroundingsRadiance<D> relit(const SurroundingsRadiance<D>& surroundings,
                               const std::vector<Mesh<D>>& meshes, const std::vector<Rgb>& lights,
                               const Vec<3, float>& indirect);
 
+// The same beside another scene, where lights, volumes and meshes may have moved: the direct light
+// of points is exact, all else but the meshes' own emission is scaled by a factor. `earlier`: the
+// scene that was baked. `same_as`: as refine_as() has it; a new mesh has direct light alone.
+// `quick`: as MeshDirectLight has it. Throws Cancelled.
+template <int D>
+SurroundingsRadiance<D> moved(const SurroundingsRadiance<D>& surroundings, const Scene<D>& earlier,
+                              const Scene<D>& scene, const std::vector<int>& same_as,
+                              const Vec<3, float>& indirect, Progress& progress,
+                              bool quick = false);
+
 // Gives a radiance that was read from a file the scene it belongs to, and its direct light. Throws
 // Error if its surroundings are others, Cancelled.
 template <int D>

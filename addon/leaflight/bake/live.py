@@ -1,0 +1,279 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# flake8: noqa: F722,F821  (Blender declares properties as annotations)
+"""Live: once there is a bake, light follows lamps, walls and volumes that move.
+
+Direct light of the new place comes first, over the indirect light of the bake. The passes of a new
+bake follow, until the light is final. The newest place wins: passes for an older one are cancelled,
+but its direct light is finished, so that a lamp that is dragged shows some on its way.
+"""
+
+import math
+from dataclasses import replace
+
+import bpy
+import leaflight
+from bpy.props import BoolProperty
+from leaflight.bake.moved import is_moved, lit_walls, moved
+
+from ..operators import background
+from ..show import isovalues, preview, surface_object, walls
+from ..stage import staleness
+from ..store import cache
+from ..translations import iface_
+from . import bake, stopped
+
+LeaflightError = leaflight.LeaflightError
+
+# Seconds between two looks at work in progress.
+_POLL = 0.05
+
+# Texels times light points of maps, above which blurred shadows come first.
+_QUICK = 50_000_000
+
+# The LiveJob in progress with its BackgroundWork, or None.
+_job = _work = None
+# Whether the scene may have changed since the last look.
+_has_changed = False
+# The fingerprint of the scene whose light was stopped or failed, and a sentence about it.
+_left, _why = "", ""
+
+
+class LiveJob(bake.BakeJob):
+    """A bake of the present scene that begins with direct light over older indirect light."""
+
+    name = "Live"
+
+    def __init__(self, context, obj):
+        """Raises LeaflightError where BakeJob does, or the light of this scene cannot be live."""
+        super().__init__(context, obj)
+        volumes = [bpy.data.objects[name] for name in self.names]
+        if any(other.leaflight.bake_id != obj.leaflight.bake_id for other in volumes):
+            raise LeaflightError("Volumes were added or removed since the bake: bake again.")
+        if obj.leaflight.fixed_samples:
+            raise LeaflightError("Live needs a bake by its error: turn off Fixed Samples.")
+        self._lit = cache.bake_of(obj)
+        # A bake that is begun anew with each move leaves nothing to go on with.
+        path = self.checkpoint.path.with_suffix(".live")
+        self.checkpoint = replace(self.checkpoint, path=path, seconds=math.inf)
+        self.is_outdated = self._can_be_cancelled = False
+
+    def run(self, progress):
+        # Only the passes say how much there is to do.
+        progress.expect(math.inf)
+        known = {name: self._arguments[name] for name in ("volumes", "scene", "isovalues")}
+        quick = self._work() > _QUICK
+        self.round = moved(self._lit, **known, quick=quick, walls=False, progress=progress)
+        self.round = lit_walls(self.round, True, progress)
+        self._can_be_cancelled = True
+        self._check()
+        if quick:
+            self.round = moved(self._lit, **known, walls=False, progress=progress)
+        self.round = lit_walls(self.round, False, progress)
+        super().run(progress)
+
+    def _work(self):
+        """Texels times light points."""
+        return sum(
+            math.prod(grid.map_resolution) * len(grid.direct.light_points)
+            for grid in self._lit.grids
+            if grid.map_resolution
+        )
+
+    def _check(self):
+        if self.is_outdated:
+            raise leaflight.Cancelled
+
+    def outdate(self, work):
+        """Ends the work as soon as its direct light is there: the scene is another now."""
+        self.is_outdated = True
+        if self._can_be_cancelled:
+            work.cancel()
+
+    def show(self):
+        if self.round is not None and is_moved(self.round):
+            self._quiet_until = 0.0
+        super().show()
+
+
+def changed(scene):
+    """After a change of a scene that may concern its bakes."""
+    global _has_changed
+    if not _is_in_window() or not scene.leaflight_live:
+        return
+    _has_changed = True
+    if not bpy.app.timers.is_registered(_tick):
+        bpy.app.timers.register(_tick, first_interval=0.0)
+
+
+def _is_in_window():
+    """Scripts without a window bake when they want to."""
+    return not bpy.app.background
+
+
+def at_work():
+    """The BackgroundWork in progress, or None."""
+    return _work
+
+
+def sentence():
+    """Why the light that is shown is not final, where nothing is under way; or an empty text."""
+    return _why
+
+
+def stop():
+    """Leaves what is shown as it is, until something moves again."""
+    if _work is not None:
+        _work.cancel()
+
+
+def forget():
+    """Before another file is opened."""
+    global _job, _work, _has_changed, _left, _why
+    stop()
+    _job, _work, _has_changed, _left, _why = None, None, False, "", ""
+
+
+def _tick():
+    if bpy.app.is_job_running("RENDER"):
+        return _POLL
+    if _has_changed:
+        _look()
+    if _job is not None:
+        _go_on()
+    return _POLL if _job is not None or _has_changed else None
+
+
+def _look():
+    """Begins what the present scene needs, or has the work end that is for another."""
+    global _has_changed, _left, _why
+    if _job is not None and _job.is_outdated:
+        return
+    if background.running() is not None or stopped.offered() is not None:
+        if _job is not None:
+            _job.outdate(_work)
+        return
+    _has_changed = False
+    try:
+        wanted = _wanted(bpy.context)
+    except LeaflightError as error:
+        wanted, _why = None, str(error)
+        background.redraw_panels()
+    if _job is not None:
+        if wanted is None or wanted.fingerprint != _job.fingerprint:
+            _job.outdate(_work)
+    elif wanted is not None and wanted.fingerprint != _left:
+        _left, _why = "", ""
+        _begin(wanted)
+
+
+def _wanted(context):
+    """The LiveJob that the present scene needs, or None. Raises LeaflightError."""
+    global _left, _why
+    scene = context.scene
+    obj = _leader(scene)
+    if obj is None or not scene.leaflight_live:
+        return None
+    change = staleness.change_since_bake(context, obj)
+    if change in staleness.OF_THE_SCENE:
+        return LiveJob(context, obj)
+    _left = _why = ""
+    if not change and _job is None and preview.of(obj) is not None:
+        # It stands as it did at the bake again.
+        surface_object.forget_rounds()
+        walls.refresh(scene)
+    return None
+
+
+def _leader(scene):
+    """The lit volume whose settings count: the one that was active last, or the first."""
+    lit = [obj for obj in isovalues.volumes(scene) if obj.leaflight.bake_id and not obj.library]
+    active = scene.objects.get(scene.leaflight.active_volume)
+    return active if active in lit else next(iter(lit), None)
+
+
+def _begin(job):
+    global _job, _work
+    _job, _work = job, background.BackgroundWork(job.run, job)
+    background.redraw_panels()
+
+
+def _go_on():
+    """Shows what the work has reached, or what came of it."""
+    global _job, _work, _has_changed, _left, _why
+    job, work = _job, _work
+    background.redraw_panels()
+    if work.is_alive():
+        job.show()
+        return
+    _job = _work = None
+    try:
+        work.result()
+        job.apply()
+    except leaflight.Cancelled:
+        job.show()
+        if not job.is_outdated:
+            _left, _why = (
+                job.fingerprint,
+                iface_("Stopped: direct light is new, indirect light is of an earlier position"),
+            )
+    except LeaflightError as error:
+        _left, _why = job.fingerprint, str(error)
+    if job.is_outdated:
+        _has_changed = True
+        _look()
+
+
+class LEAFLIGHT_OT_stop_live(bpy.types.Operator):
+    bl_idname = "leaflight.stop_live"
+    bl_label = "Stop"
+    bl_description = "Leave the light as it is shown now, until something moves again. Esc does so"
+
+    @classmethod
+    def poll(cls, _context):
+        if _work is None:
+            cls.poll_message_set("Nothing is in progress")
+        return _work is not None
+
+    def execute(self, _context):
+        stop()
+        return {"FINISHED"}
+
+
+def _switched(scene, _context):
+    global _left
+    _left = ""
+    if scene.leaflight_live:
+        staleness.forget()
+        changed(scene)
+    else:
+        stop()
+
+
+# (key map, its item) of Esc, which Blender's own work in progress, as a drag, sees before.
+_keys = []
+
+
+def register():
+    bpy.utils.register_class(LEAFLIGHT_OT_stop_live)
+    bpy.types.Scene.leaflight_live = BoolProperty(
+        name="Live",
+        description=(
+            "Once there is a bake, follow lamps, walls and volumes that move: direct light at "
+            "once, then the passes of a new bake. Each final light is a file of its own"
+        ),
+        update=_switched,
+    )
+    keys = bpy.context.window_manager.keyconfigs.addon
+    if keys is not None:
+        keymap = keys.keymaps.new(name="Window", space_type="EMPTY")
+        item = keymap.keymap_items.new(LEAFLIGHT_OT_stop_live.bl_idname, "ESC", "PRESS")
+        _keys.append((keymap, item))
+
+
+def unregister():
+    for keymap, item in _keys:
+        keymap.keymap_items.remove(item)
+    _keys.clear()
+    forget()
+    del bpy.types.Scene.leaflight_live
+    bpy.utils.unregister_class(LEAFLIGHT_OT_stop_live)

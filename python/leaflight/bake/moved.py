@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake in another scene: its direct light at once, over the indirect light of the old one.
+
+Lamps, walls and volumes may have moved, come or gone. The visibility maps are computed anew, so
+direct light is exact. All other light of isosurfaces and walls is that of the bake, scaled by one
+factor per channel: the growth of the light that returns to isosurfaces after one reflection.
+"""
+
+import hashlib
+import json
+from dataclasses import replace
+
+import leaflight._core as _core
+
+from .._core import LeaflightError
+from ..io.scene_file import scene_to_json
+from ..volume.other_arrays import as_volumes
+from .bake import placed
+from .relit import can_be_relit
+from .stamps import values_sha256
+
+# Texels of the maps that are made quickly, in those of the bake.
+_WIDER = 2
+
+
+def moved(bake, volumes, scene, *, isovalues=None, quick=False, walls=True, progress=None):
+    """The Bake as direct light shows it in another scene, in the time that direct light takes.
+
+    bake: a Bake that goes by its error. volumes, scene: as of bake(); the values must be those of
+        the bake, wherever they stand now. isovalues: as of bake(); None is the range of the bake.
+    quick: whether visibility maps have texels twice as wide, and walls fewer shadow rays: a fifth
+        of the time, with blurred shadows, from which thin parts may be missing.
+    walls: whether walls that were baked are lit anew, too; otherwise the result has none.
+    progress: a Progress, which can cancel it.
+    Save and resume the original, because the result itself cannot be saved. Raises LeaflightError
+    where direct light is not exact or texels are of other volumes, Cancelled.
+    """
+    original = bake.original or bake
+    progress = progress or _core.Progress()
+    window = original.isovalues if isovalues is None else isovalues
+    volumes = as_volumes(volumes)
+    if len(volumes) != len(original.volumes):
+        raise LeaflightError(
+            f"The bake is of {len(original.volumes)} volumes, not of {len(volumes)}: bake again."
+        )
+    volumes, description, window = placed(volumes, scene, window)
+    _check(original, volumes, description, window)
+    volumes = [_as_before(*pair) for pair in zip(volumes, original.volumes)]
+    result = replace(
+        original,
+        volumes=volumes,
+        scene=description,
+        surroundings=None,
+        metadata=_metadata(original, volumes, description),
+        original=original,
+    )
+    now = result.core_scene()
+    progress.begin("Direct light")
+    factor = _growth(result)
+    grids = [
+        _grid(original.grids[number], now, number, volume, quick, factor, progress)
+        for number, volume in enumerate(volumes)
+    ]
+    maps = [grid.direct and grid.direct.resolution for grid in grids]
+    metadata = {**result.metadata, "map_resolution": json.dumps(maps)}
+    result = replace(result, grids=grids, metadata=metadata)
+    return lit_walls(result, quick, progress) if walls else result
+
+
+def lit_walls(bake, quick, progress):
+    """A bake that moved() made without walls, with those of its original. Raises Cancelled."""
+    original = bake.original
+    if original.surroundings is None:
+        return bake
+    progress.begin("Direct light of the walls")
+    same_as = _same_meshes(original.scene.meshes, bake.scene.meshes)
+    scenes = original.core_scene(), bake.core_scene()
+    surroundings = original.surroundings.moved(*scenes, same_as, _growth(bake), progress, quick)
+    return replace(bake, surroundings=surroundings)
+
+
+def is_moved(bake):
+    """Whether moved() made a bake."""
+    return bake.original is not None and bake.factors is None
+
+
+def _check(bake, volumes, description, window):
+    before, now = bake.scene.leaves, description.leaves
+    if not can_be_relit(bake, diffuse_alone=True):
+        raise LeaflightError(
+            "The direct light of this bake is not exact, so nothing can move in it: bake to an "
+            "error, several volumes on outer sides alone, or bake again after each move."
+        )
+    same = window == bake.isovalues
+    if not same or any(a.isovalues != b.isovalues for a, b in zip(before, now) if len(now) > 1):
+        raise LeaflightError("The range of isovalues has changed since the bake: bake again.")
+    if any(a.scattering != b.scattering for a, b in zip(before, now)):
+        raise LeaflightError("The material of a volume has changed since the bake: bake again.")
+    records = json.loads(bake.metadata["volumes"])
+    for volume, baked, record in zip(volumes, bake.volumes, records):
+        same_array = volume.values is baked.values
+        if not same_array and values_sha256(volume) != record["values_sha256"]:
+            raise LeaflightError(
+                f"{volume.name}: its values have changed since the bake: bake again."
+            )
+
+
+def _as_before(volume, baked):
+    """The baked Volume where it stands as it did, since its field is known."""
+    return baked if (volume.index_to_world == baked.index_to_world).all() else volume
+
+
+def _metadata(bake, volumes, description):
+    records = [
+        {**record, "index_to_world": volume.index_to_world.tolist()}
+        for record, volume in zip(json.loads(bake.metadata["volumes"]), volumes)
+    ]
+    scene = scene_to_json(description)
+    return {
+        **bake.metadata,
+        "volumes": json.dumps(records),
+        "scene": scene,
+        "scene_sha256": hashlib.sha256(scene.encode()).hexdigest(),
+        # Tells it from a bake of that scene.
+        "continued": bake.id,
+    }
+
+
+def _growth(bake):
+    """(r, g, b): how much more light than at the original returns to isosurfaces."""
+    before, after = bake.original.indirect_shares.total, bake.indirect_shares.total
+    return tuple(b / a if a > 0 else 1.0 for a, b in zip(before, after))
+
+
+def _grid(grid, scene, number, volume, quick, factor, progress):
+    if not grid.map_resolution:
+        # Mirrors and glass store no light.
+        return grid
+    resolution = grid.map_resolution
+    if quick:
+        resolution = [max(2, (n - 1) // _WIDER + 1) for n in resolution]
+    direct = _core.DirectLight(scene, number, resolution, grid.has_back, progress, quick)
+    return grid.moved(volume.field(), direct, factor)
+
+
+def _same_meshes(before, now):
+    """For each mesh of a scene the number of that of the same name and size in another, or -1."""
+    known = {(mesh.name, len(mesh.triangles)): number for number, mesh in enumerate(before)}
+    return [known.get((mesh.name, len(mesh.triangles)), -1) for mesh in now]

@@ -1,0 +1,304 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Live: lamps, walls and volumes that move are lit at once, and finally without a click."""
+
+import time
+
+import bpy
+import leaflight
+import numpy as np
+import pytest
+from leaflight.bake.moved import is_moved
+from leaflight_addon.bake import live
+from leaflight_addon.show import display, preview
+from leaflight_addon.stage import staleness
+from leaflight_addon.store import cache
+from leaflight_addon.ui import bake_panel
+from rounds import drawn
+from tools import assert_shows, close, colours_of, to_world, vertices_of
+
+CHANGED = "The scene has changed since the bake: bake again"
+
+
+class Held:
+    """Passes of live bakes wait until they may go on, or are cancelled."""
+
+    def __init__(self, monkeypatch):
+        self.may_pass = False
+        light = live.LiveJob._light
+
+        def wait(job, on_round, progress):
+            while not self.may_pass and not progress.cancelled:
+                time.sleep(0.005)
+            return light(job, on_round=on_round, progress=progress)
+
+        monkeypatch.setattr(live.LiveJob, "_light", wait)
+
+
+@pytest.fixture
+def held(monkeypatch):
+    monkeypatch.setattr(live, "_is_in_window", lambda: True)
+    yield Held(monkeypatch)
+    work = live.at_work()
+    live.forget()
+    if work is not None:
+        work.wait(None)
+    if bpy.app.timers.is_registered(live._tick):
+        bpy.app.timers.unregister(live._tick)
+
+
+@pytest.fixture
+def lit(rounds, held):
+    """Baked with its walls, and live."""
+    rounds.leaflight.error = 20.0
+    rounds.leaflight.resolution = 16
+    rounds.leaflight.light_surroundings = True
+    bpy.ops.leaflight.bake()
+    bpy.context.scene.leaflight_live = True
+    finish(held)
+    assert live.at_work() is None and preview.of(rounds) is None
+    return rounds
+
+
+def lamp():
+    return bpy.data.objects["lamp"]
+
+
+def move_lamp(by=(0.4, -0.3, -0.2)):
+    """Returns where it was."""
+    before = tuple(lamp().location)
+    put_lamp(np.add(before, by))
+    return before
+
+
+def put_lamp(place):
+    lamp().location = place
+    bpy.context.view_layer.update()
+
+
+def tick():
+    """As Blender's event loop would, once."""
+    live._tick()
+    time.sleep(0.005)
+
+
+def to_passes():
+    """Until all direct light of the newest place is shown, and passes wait."""
+    tick()
+    work = live.at_work()
+    while not (live._job is not None and live._job._can_be_cancelled and has_lit_walls()):
+        assert live.at_work() is not None
+        tick()
+    tick()
+    return work
+
+
+def has_lit_walls():
+    return live._job.round is not None and live._job.round.surroundings is not None
+
+
+def finish(held):
+    held.may_pass = True
+    while live._tick() is not None:
+        time.sleep(0.005)
+    held.may_pass = False
+
+
+def change(obj):
+    staleness.forget()
+    return staleness.change_since_bake(bpy.context, obj)
+
+
+def baked_anew(obj):
+    """What Bake would make of the present scene."""
+    job = live.LiveJob(bpy.context, obj)
+    return leaflight.bake(**job._arguments)
+
+
+def walls():
+    found = [obj for obj in bpy.context.scene.objects if display.is_display(obj, "wall")]
+    return np.concatenate([colours_of(wall) for wall in found])
+
+
+def assert_shows_moved(obj, fresh):
+    """New direct light, to the last bit of its maps, over indirect light of the bake."""
+    shown = preview.of(obj).bake
+    assert is_moved(shown) and shown.original is cache.bake_of(obj)
+    points = len(fresh.grid.direct.light_points)
+    for point in range(points):
+        ours, theirs = (one.grid.direct.codes(point) for one in (shown, fresh))
+        np.testing.assert_array_equal(ours, theirs)
+    expected = shown.radiance(to_world(obj, vertices_of(obj)))
+    close(colours_of(obj), expected, 1e-4 * expected.max())
+    far = np.abs(colours_of(obj) - fresh.radiance(to_world(obj, vertices_of(obj)))).mean()
+    assert far < 0.1 * expected.mean()
+
+
+def check_a_lamp_that_moves_lights_at_once_and_finally(lit, held):
+    before, bake_id, on_walls = colours_of(lit), lit.leaflight.bake_id, walls()
+    vertices = vertices_of(lit)
+    move_lamp()
+    fresh = baked_anew(lit)
+    to_passes()
+    assert_shows_moved(lit, fresh)
+    # The mesh stays, and only its light is another.
+    close(vertices_of(lit), vertices, 0)
+    assert np.abs(colours_of(lit) - before).max() > 0.2 * before.max()
+    assert np.abs(walls() - on_walls).max() > 0.2 * on_walls.max()
+    assert lit.leaflight.bake_id == bake_id and change(lit) == CHANGED
+    texts = drawn(bake_panel.LEAFLIGHT_PT_bake)
+    assert "leaflight.stop_live" in texts and CHANGED not in texts
+    finish(held)
+    assert cache.bake_of(lit).id == fresh.id != bake_id
+    assert change(lit) == "" and preview.of(lit) is None
+    assert_shows(lit, 50.0)
+    expected = [fresh.surroundings.radiance(m, 50.0) for m in range(fresh.surroundings.count)]
+    close(walls(), np.concatenate(expected), 1e-5)
+    assert "leaflight.stop_live" not in drawn(bake_panel.LEAFLIGHT_PT_bake)
+
+
+def check_the_newest_place_wins(lit, held):
+    move_lamp()
+    first = to_passes()
+    job = live._job
+    move_lamp((-0.6, 0.1, 0.0))
+    fresh = baked_anew(lit)
+    while live._job is job:
+        tick()
+    assert not first.is_alive() and first.progress.cancelled
+    to_passes()
+    assert_shows_moved(lit, fresh)
+    finish(held)
+    assert cache.bake_of(lit).id == fresh.id
+
+
+def check_back_where_it_was_the_bake_is_shown(lit, held):
+    before, on_walls, bake_id = colours_of(lit), walls(), lit.leaflight.bake_id
+    place = move_lamp()
+    to_passes()
+    put_lamp(place)
+    finish(held)
+    assert live.at_work() is None and preview.of(lit) is None
+    assert lit.leaflight.bake_id == bake_id
+    close(colours_of(lit), before, 1e-5)
+    close(walls(), on_walls, 1e-5)
+
+
+def check_walls_and_the_volume_move(lit, held):
+    wall = next(obj for obj in bpy.context.scene.objects if obj.get("leaflight_baked_as"))
+    name = wall.name
+    wall.location.z -= 0.1
+    bpy.context.view_layer.update()
+    fresh = baked_anew(lit)
+    to_passes()
+    assert_shows_moved(lit, fresh)
+    shown = bpy.data.objects[f"{name} Lit"]
+    index = shown["leaflight_wall"]
+    expected = preview.of(lit).bake.surroundings.mesh(index)[0]
+    close([vertex.co for vertex in shown.data.vertices], expected, 1e-5)
+    lit.location.z += 0.05
+    bpy.context.view_layer.update()
+    fresh = baked_anew(lit)
+    while live._job is None or live._job.fingerprint != live.LiveJob(bpy.context, lit).fingerprint:
+        tick()
+    to_passes()
+    assert_shows_moved(lit, fresh)
+    finish(held)
+    assert cache.bake_of(lit).id == fresh.id and change(lit) == ""
+
+
+def check_stop_leaves_it_until_something_moves(lit, held):
+    move_lamp()
+    work = to_passes()
+    shown = colours_of(lit)
+    bpy.ops.leaflight.stop_live()
+    finish(held)
+    assert not work.is_alive() and live.at_work() is None
+    close(colours_of(lit), shown, 0)
+    assert "indirect light is of an earlier position" in " ".join(
+        drawn(bake_panel.LEAFLIGHT_PT_bake)
+    )
+    # An object that lights nothing is no reason to begin again.
+    live.changed(bpy.context.scene)
+    finish(held)
+    close(colours_of(lit), shown, 0)
+    move_lamp((0.05, 0.0, 0.0))
+    finish(held)
+    assert change(lit) == "" and live.sentence() == ""
+    assert_shows(lit, 50.0)
+
+
+def check_undo_and_redo(lit, held):
+    before, bake_id = colours_of(lit), lit.leaflight.bake_id
+    bpy.ops.ed.undo_push(message="baked")
+    move_lamp()
+    bpy.ops.ed.undo_push(message="moved")
+    finish(held)
+    after, new = colours_of(lit), lit.leaflight.bake_id
+    assert new != bake_id
+    bpy.ops.ed.undo()
+    finish(held)
+    obj = bpy.context.object
+    assert obj.leaflight.bake_id == bake_id and change(obj) == ""
+    close(colours_of(obj), before, 1e-5)
+    bpy.ops.ed.redo()
+    finish(held)
+    obj = bpy.context.object
+    assert obj.leaflight.bake_id == new and change(obj) == ""
+    close(colours_of(obj), after, 1e-5)
+
+
+def check_a_file_that_was_saved_meanwhile_is_not_final(uncut, lit, held, tmp_path):
+    before, bake_id = colours_of(lit), lit.leaflight.bake_id
+    move_lamp()
+    to_passes()
+    path = str(tmp_path / "scene.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    obj = bpy.context.object
+    # The bake of the earlier place, which the panel says.
+    assert bpy.context.scene.leaflight_live and obj.leaflight.bake_id == bake_id
+    assert change(obj) == CHANGED
+    # Of half precision in the file.
+    close(colours_of(obj), before, 1e-3 * before.max())
+    # Live goes on by itself.
+    to_passes()
+    assert is_moved(preview.of(obj).bake)
+    finish(held)
+    assert change(obj) == "" and obj.leaflight.bake_id != bake_id
+
+
+def check_what_cannot_be_live_says_so(lit, held):
+    before = colours_of(lit)
+    for name, value, text in (
+        ("high", 55.0, "range of isovalues has changed"),
+        ("fixed_samples", True, "turn off Fixed Samples"),
+    ):
+        old = getattr(lit.leaflight, name)
+        setattr(lit.leaflight, name, value)
+        place = move_lamp()
+        finish(held)
+        assert text in live.sentence()
+        assert text in " ".join(drawn(bake_panel.LEAFLIGHT_PT_bake))
+        close(colours_of(lit), before, 1e-5)
+        setattr(lit.leaflight, name, old)
+        put_lamp(place)
+        finish(held)
+        assert live.sentence() == "" and change(lit) == ""
+
+
+def check_scripts_and_other_scenes_are_left_alone(rounds, held, monkeypatch):
+    scene = bpy.context.scene
+    scene.leaflight_live = True
+    move_lamp()
+    assert live._tick() is None and live.at_work() is None
+    rounds.leaflight.error = 20.0
+    rounds.leaflight.resolution = 16
+    bpy.ops.leaflight.bake()
+    finish(held)
+    scene.leaflight_live = False
+    move_lamp()
+    assert live._tick() is None and change(rounds) == CHANGED
+    monkeypatch.setattr(live, "_is_in_window", lambda: False)
+    scene.leaflight_live = True
+    move_lamp()
+    assert not live._has_changed and live._tick() is None

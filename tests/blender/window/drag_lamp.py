@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""blender --enable-event-simulate --python drag_lamp.py -- VOLUME FOLDER: drags the key light of
+the Studio over a baked volume with the mouse, with Live on, stops the light by Esc, moves it again.
+
+Pictures of the viewport go into the folder. Prints a line WINDOW and a JSON object: seconds from
+moves to light.
+"""
+
+import os
+import sys
+import time
+from pathlib import Path
+
+import bpy
+import numpy as np
+from leaflight import blender
+from leaflight.io.images import write_png
+from leaflight_addon.bake import live
+from leaflight_addon.operators import background
+from leaflight_addon.show import display, surface_object
+
+sys.path.insert(0, os.path.dirname(__file__))
+import stepwise  # noqa: E402
+
+VOLUME, FOLDER = sys.argv[-2], Path(sys.argv[-1])
+# Steps of the mouse in a drag, of so many pixels, that many times a second.
+STEPS, PIXELS, PER_SECOND = 40, 10, 10
+
+found, pictures = {"seconds": {}}, []
+
+
+def main():
+    bpy.context.preferences.view.show_splash = False
+    bpy.context.preferences.view.ui_scale = 1.0
+    for obj in list(bpy.data.objects):
+        bpy.data.objects.remove(obj)
+    obj = blender.import_volume(VOLUME)
+    blender.stage(obj)
+    obj.leaflight.quality = "DRAFT"
+    obj.leaflight.bake_folder = str(FOLDER / "bakes")
+    stepwise.run(drive(), found)
+
+
+def window():
+    return bpy.context.window_manager.windows[0]
+
+
+def area():
+    return next(area for area in window().screen.areas if area.type == "VIEW_3D")
+
+
+def region():
+    return next(region for region in area().regions if region.type == "WINDOW")
+
+
+def volume():
+    return next(obj for obj in bpy.data.objects if obj.leaflight.is_volume)
+
+
+def key_light():
+    return max(
+        (obj for obj in bpy.data.objects if obj.type == "LIGHT"), key=lambda o: o.data.energy
+    )
+
+
+def label():
+    return surface_object.label_of(volume().data)
+
+
+def label_of_walls():
+    return {
+        o.data.get("leaflight_shown") for o in bpy.data.objects if display.is_display(o, "wall")
+    }
+
+
+def is_moved():
+    return " moved " in label()
+
+
+def event(kind, value, x, y):
+    window().event_simulate(type=kind, value=value, x=int(x), y=int(y))
+
+
+def press(key, x, y):
+    event(key, "PRESS", x, y)
+    event(key, "RELEASE", x, y)
+
+
+def drive():
+    view = area().spaces.active
+    view.show_region_ui = False
+    # Without a graphics card all else takes seconds for each picture.
+    view.shading.type, view.shading.light, view.shading.color_type = "SOLID", "FLAT", "VERTEX"
+    view.overlay.show_overlays = False
+    view.region_3d.view_perspective = "CAMERA"
+    yield from stepwise.wait(2.0)
+    start = time.perf_counter()
+    with bpy.context.temp_override(window=window(), area=area(), region=region()):
+        bpy.ops.leaflight.bake("INVOKE_DEFAULT")
+    yield from stepwise.until(lambda: background.running() is None)
+    found["bake"] = time.perf_counter() - start
+    found["triangles"] = len(volume().data.polygons)
+    found["points"] = len(volume_bake().grid.direct.light_points)
+    yield from picture("baked")
+    bpy.context.scene.leaflight_live = True
+    yield from stepwise.until(at_rest)
+    for obj in bpy.context.selected_objects:
+        obj.select_set(False)
+    key_light().select_set(True)
+    bpy.context.view_layer.objects.active = key_light()
+    yield from drag()
+    yield from stop()
+    yield from move_and_wait()
+
+
+def volume_bake():
+    from leaflight_addon.store import cache
+
+    return cache.bake_of(volume())
+
+
+def at_rest():
+    return live.at_work() is None and not live._has_changed
+
+
+def drag():
+    """With G and the mouse; what is shown meanwhile."""
+    x, y = region().x + 0.3 * region().width, region().y + 0.6 * region().height
+    labels, times, before = set(), [], label()
+    place = tuple(key_light().location)
+    event("MOUSEMOVE", "NOTHING", x, y)
+    yield 0.2
+    press("G", x, y)
+    yield 0.2
+    start = time.perf_counter()
+    for step in range(STEPS):
+        event("MOUSEMOVE", "NOTHING", x + PIXELS * (step + 1), y)
+        yield 1.0 / PER_SECOND
+        if label() != before:
+            before = label()
+            labels.add(before)
+            times.append(time.perf_counter() - start)
+        if step == STEPS // 2:
+            yield from picture("dragged")
+    # Nothing else moves: the pictures of this place.
+    yield from stepwise.until(lambda: live._job is not None and not live._job.is_outdated)
+    yield from stepwise.until(lambda: live._job is None or live._job._can_be_cancelled)
+    press("LEFTMOUSE", x + PIXELS * STEPS, y)
+    yield from stepwise.wait(1.0)
+    found["drag"] = {
+        "moved": float(np.linalg.norm(np.subtract(tuple(key_light().location), place))),
+        "shown": len(labels),
+        "times": times,
+        "direct": sum(" moved " in one for one in labels),
+    }
+    yield from picture("direct")
+
+
+def stop():
+    """Esc, while the passes are under way; nothing begins again by itself."""
+    x, y = region().x + 0.5 * region().width, region().y + 0.5 * region().height
+    yield from stepwise.until(lambda: live.at_work() is not None or at_rest())
+    event("MOUSEMOVE", "NOTHING", x, y)
+    yield 0.2
+    at_work = live.at_work() is not None
+    press("ESC", x, y)
+    start = time.perf_counter()
+    yield from stepwise.until(lambda: live.at_work() is None)
+    found["stopped"] = {"was at work": at_work, "after": time.perf_counter() - start}
+    found["stopped"]["sentence"] = live.sentence()
+    yield from stepwise.wait(1.0)
+    found["stopped"]["stays"] = live.at_work() is None
+
+
+def move_and_wait():
+    """One step of the lamp, and the seconds until its light."""
+    seconds, before, walls = found["seconds"], label(), label_of_walls()
+    key_light().location.x -= 0.3 * abs(key_light().location.x) + 0.1
+    start, processor = time.perf_counter(), time.process_time()
+    bpy.context.view_layer.update()
+    shown = []
+    while not at_rest() or not shown:
+        yield 0.01
+        now = time.perf_counter() - start
+        if label() != before:
+            before = label()
+            shown.append((now, is_moved()))
+            seconds.setdefault("processor until direct", time.process_time() - processor)
+        if "walls" not in seconds and label_of_walls() != walls:
+            seconds["walls"] = now
+    direct = [when for when, of_moved in shown if of_moved]
+    seconds["direct"], seconds["sharp"] = direct[0], direct[-1]
+    seconds["final"] = shown[-1][0]
+    found["final"] = not is_moved() and " round " not in label()
+    yield from picture("final")
+    write_all()
+
+
+def picture(name):
+    """In the shading that Stage chose, which takes seconds without a graphics card."""
+    shading, drawn = area().spaces.active.shading, []
+    shading.type = "MATERIAL"
+    handle = bpy.types.SpaceView3D.draw_handler_add(
+        lambda: drawn.append(1), (), "WINDOW", "POST_PIXEL"
+    )
+    while len(drawn) < 4:
+        region().tag_redraw()
+        yield 0.3
+    bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
+    pictures.append(str(FOLDER / f"live_{name}.png"))
+    with bpy.context.temp_override(window=window(), area=area()):
+        bpy.ops.screen.screenshot_area(filepath=pictures[-1])
+    shading.type = "SOLID"
+
+
+def pixels(path):
+    """Of a picture, bottom row first."""
+    image = bpy.data.images.load(path)
+    width, height = image.size
+    read = np.empty(width * height * 4, np.float32)
+    image.pixels.foreach_get(read)
+    return np.uint8(np.round(255 * read.reshape(height, width, 4)[..., :3]))
+
+
+def write_all():
+    """Two rows of two, in the order in which they were taken."""
+    first, second, third, fourth = map(pixels, pictures)
+    rows = np.vstack([np.hstack([third, fourth]), np.hstack([first, second])])
+    write_png(FOLDER / "live.png", np.ascontiguousarray(rows[::-1]))
+
+
+main()
