@@ -49,8 +49,6 @@ class LiveJob(bake.BakeJob):
         volumes = [bpy.data.objects[name] for name in self.names]
         if any(other.leaflight.bake_id != obj.leaflight.bake_id for other in volumes):
             raise LeaflightError("Volumes were added or removed since the bake: bake again.")
-        if obj.leaflight.fixed_samples:
-            raise LeaflightError("Live needs a bake by its error: turn off Fixed Samples.")
         self._lit = cache.bake_of(obj)
         # A bake that is begun anew with each move leaves nothing to go on with.
         path = self.checkpoint.path.with_suffix(".live")

@@ -150,8 +150,8 @@ void for_each_texel(std::size_t count, Progress& progress, Body body) {
   });
 }
 
-// The gradient of shading about a texel's centre: isosurfaces pass a texel that is wider than a voxel
-// elsewhere, too.
+// The gradient of shading about a texel's centre: isosurfaces pass a texel that is wider than a
+// voxel elsewhere, too.
 template <int D>
 Vec<D> mean_gradient(const Field<D>& field, const Vec<D>& width, const Vec<D>& centre) {
   Vec<D> reach;
