@@ -13,7 +13,7 @@ from dataclasses import replace
 import bpy
 import leaflight
 from bpy.props import BoolProperty
-from leaflight.bake.moved import is_moved, lit_walls, moved
+from leaflight.bake.moved import lit_walls, moved
 
 from ..operators import background
 from ..show import isovalues, preview, surface_object, walls
@@ -88,7 +88,7 @@ class LiveJob(bake.BakeJob):
             work.cancel()
 
     def show(self):
-        if self.round is not None and is_moved(self.round):
+        if self.round is not None and self.round.is_moved:
             self._quiet_until = 0.0
         super().show()
 

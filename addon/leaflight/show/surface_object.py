@@ -8,7 +8,6 @@ loading a file: they bring back mesh and memory together.
 import bpy
 import leaflight
 import numpy as np
-from leaflight.bake.moved import is_moved
 
 from ..store import bake_files
 from . import added, isosurface, lamps, preview, surface_material
@@ -254,7 +253,7 @@ def _label(obj, isovalue):
     volume = f"{settings.source} {part} {settings.downsample} {shape}"
     shown = preview.of(volume_object)
     light = f"{settings.bake_id} {settings.bake_index}{lamps.label(settings)}"
-    if shown is not None and is_moved(shown.bake):
+    if shown is not None and shown.bake.is_moved:
         original = shown.bake.original.id
         light = f"{original} {shown.index}{lamps.OF_MOVED}{shown.bake.id}"
     elif shown is not None:

@@ -97,6 +97,11 @@ class Bake:
         ]
 
     @property
+    def is_moved(self):
+        """Whether it shows the light of an original in another scene; see moved()."""
+        return self.original is not None and self.factors is None
+
+    @property
     def volume(self):
         return self.volumes[0]
 

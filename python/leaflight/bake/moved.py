@@ -79,11 +79,6 @@ def lit_walls(bake, quick, progress):
     return replace(bake, surroundings=surroundings)
 
 
-def is_moved(bake):
-    """Whether moved() made a bake."""
-    return bake.original is not None and bake.factors is None
-
-
 def _check(bake, volumes, description, window):
     before, now = bake.scene.leaves, description.leaves
     if not can_be_relit(bake, diffuse_alone=True):

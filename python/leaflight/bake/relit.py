@@ -20,7 +20,7 @@ from ..scene.scene import AreaLight, PointLight, is_color
 
 def relit(bake, lamps):
     """The Bake with the lamps, {name: factor or (r, g, b)}, brighter by factors; see Bake.relit."""
-    if bake.original is not None and bake.factors is None:
+    if bake.is_moved:
         raise LeaflightError(
             "A bake in another scene is not relit: move its original, with the lamps as they are."
         )

@@ -7,7 +7,6 @@ import bpy
 import leaflight
 import numpy as np
 import pytest
-from leaflight.bake.moved import is_moved
 from leaflight_addon.bake import live
 from leaflight_addon.show import display, preview
 from leaflight_addon.stage import staleness
@@ -122,7 +121,7 @@ def walls():
 def assert_shows_moved(obj, fresh):
     """New direct light, to the last bit of its maps, over indirect light of the bake."""
     shown = preview.of(obj).bake
-    assert is_moved(shown) and shown.original is cache.bake_of(obj)
+    assert shown.is_moved and shown.original is cache.bake_of(obj)
     points = len(fresh.grid.direct.light_points)
     for point in range(points):
         ours, theirs = (one.grid.direct.codes(point) for one in (shown, fresh))
@@ -262,7 +261,7 @@ def check_a_file_that_was_saved_meanwhile_is_not_final(uncut, lit, held, tmp_pat
     close(colours_of(obj), before, 1e-3 * before.max())
     # Live goes on by itself.
     to_passes()
-    assert is_moved(preview.of(obj).bake)
+    assert preview.of(obj).bake.is_moved
     finish(held)
     assert change(obj) == "" and obj.leaflight.bake_id != bake_id
 
