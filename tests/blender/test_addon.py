@@ -14,7 +14,7 @@ FILES = sorted(INSIDE.glob("check_*.py"))
 SHORT = {
     *("check_import.py", "check_stage.py", "check_surroundings.py", "check_lights.py"),
     *("check_materials.py", "check_bake.py", "check_shader.py", "check_scrub.py"),
-    *("check_walls.py", "check_live.py"),
+    "check_walls.py",
 }
 CHECKS = [
     pytest.param(path.name, marks=() if path.name in SHORT else pytest.mark.slow) for path in FILES

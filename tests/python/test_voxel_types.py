@@ -59,7 +59,7 @@ def test_they_are_neither_copied_nor_converted(kind):
 
 @pytest.mark.parametrize("kind", INTEGERS)
 def test_bakes_have_the_same_bits_and_ids(kind, bump_scene, tmp_path):
-    volume = bumps(kind)
+    volume = bumps(kind, 10)
     window = default_window(volume)
     own, floats = (
         leaflight.bake(one, bump_scene, isovalues=window, error=20.0)

@@ -12,6 +12,8 @@ from leaflight.stills.first_view import camera_around_bake
 from waiting import HANG
 
 SIZE = {"width": 800, "height": 300}
+# test_the_page() is of the short suite.
+pytestmark = pytest.mark.slow
 LOOK, VIEWPOINT = "leaflight.view.look", "leaflight.view.orbit.viewpoint"
 MIDDLE = (
     "(r => [r.x + r.width / 2, r.y + r.height / 2])(leaflight.view.canvas.getBoundingClientRect())"
