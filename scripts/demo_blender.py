@@ -27,27 +27,27 @@ def main():
     install(arguments.addon)
     show_on_terminal()
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    leaf = build_scene(arguments.volume)
-    leaf.leaflight.bake_folder = str(arguments.bakes.resolve())
+    isosurface = build_scene(arguments.volume)
+    isosurface.leaflight.bake_folder = str(arguments.bakes.resolve())
     bpy.ops.leaflight.bake()
 
     out = arguments.out.resolve()
     pictures, surface_seconds, still_seconds = [], [], []
     for isovalue in ISOVALUES:
         start = time.perf_counter()
-        leaf.leaflight.isovalue = isovalue
+        isosurface.leaflight.isovalue = isovalue
         surface_seconds.append(time.perf_counter() - start)
         picture = out / f"colin27_{isovalue}.png"
         pictures.append(picture)
         if isovalue == COMPARED:
-            result = render_comparison(out, leaf)
-            shutil.copyfile(out / f"{leaf.name}_{isovalue}_baked.png", picture)
+            result = render_comparison(out, isosurface)
+            shutil.copyfile(out / f"{isosurface.name}_{isovalue}_baked.png", picture)
             still_seconds.append(result["baked_seconds"])
         else:
             still_seconds.append(render_still(picture, f"Still {isovalue}"))
     cycles = out / f"colin27_{COMPARED}_cycles.png"
     side_by_side(out / "side_by_side.png", [*pictures, cycles])
-    print_table(leaf, surface_seconds, still_seconds, result, out)
+    print_table(isosurface, surface_seconds, still_seconds, result, out)
 
 
 def parse_arguments():
@@ -71,8 +71,8 @@ def show_on_terminal():
 def build_scene(volume):
     """The volume in a Cornell box, seen at three quarters."""
     bpy.ops.leaflight.import_volume(filepath=str(volume))
-    leaf = bpy.context.object
-    leaf.name = "colin27"
+    isosurface = bpy.context.object
+    isosurface.name = "colin27"
     scene = bpy.context.scene
     scene.render.resolution_x = scene.render.resolution_y = SIZE
     scene.render.resolution_percentage = 100
@@ -81,11 +81,11 @@ def build_scene(volume):
     scene.view_settings.view_transform = "Standard"
     scene.view_settings.look = "None"
     scene.view_settings.exposure = -0.6
-    settings = leaf.leaflight
-    settings.light_surroundings = False
+    settings = isosurface.leaflight
+    settings.light_walls = False
     settings.low, settings.high = WINDOW
     bpy.context.view_layer.update()
-    return leaf
+    return isosurface
 
 
 def render_still(path, label):
@@ -103,12 +103,12 @@ def render_still(path, label):
     return time.perf_counter() - start
 
 
-def render_comparison(folder, leaf):
+def render_comparison(folder, isosurface):
     with render_progress(f"Comparison with Cycles at {COMPARED}", STILL_SAMPLES + CYCLES_SAMPLES):
         bpy.ops.leaflight.render_comparison(
             samples=CYCLES_SAMPLES, baked_samples=STILL_SAMPLES, folder=str(folder)
         )
-    return json.loads((folder / f"{leaf.name}_{COMPARED}_comparison.json").read_text())
+    return json.loads((folder / f"{isosurface.name}_{COMPARED}_comparison.json").read_text())
 
 
 @contextlib.contextmanager
@@ -157,8 +157,8 @@ def side_by_side(path, pictures):
     image.save()
 
 
-def print_table(leaf, surface_seconds, still_seconds, result, out):
-    lines = [("Bake, all isovalues", f"{leaf.leaflight.bake_seconds:.1f} s")]
+def print_table(isosurface, surface_seconds, still_seconds, result, out):
+    lines = [("Bake, all isovalues", f"{isosurface.leaflight.bake_seconds:.1f} s")]
     for isovalue, surface, still in zip(ISOVALUES, surface_seconds, still_seconds):
         lines.append((f"Isovalue {isovalue}: lit surface", f"{surface:.2f} s"))
         lines.append((f"Isovalue {isovalue}: still, {STILL_SAMPLES} samples", f"{still:.1f} s"))
@@ -167,8 +167,11 @@ def print_table(leaf, surface_seconds, still_seconds, result, out):
             f"Isovalue {COMPARED}: Cycles, {CYCLES_SAMPLES} samples",
             f"{result['cycles_seconds']:.1f} s",
         ),
-        (f"Isovalue {COMPARED}: RMS error on the leaf", f"{result['leaf_rms_percent']:.2f} %"),
-        ("of which noise", f"{result['leaf_noise_percent']:.2f} %"),
+        (
+            f"Isovalue {COMPARED}: RMS error on the isosurface",
+            f"{result['isosurface_rms_percent']:.2f} %",
+        ),
+        ("of which noise", f"{result['isosurface_noise_percent']:.2f} %"),
     ]
     width = max(len(name) for name, _ in lines)
     print()

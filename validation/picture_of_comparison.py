@@ -18,7 +18,7 @@ bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
 obj = blender.import_volume(volume)
 blender.stage(obj, "CORNELL")
 low, high = obj.leaflight.low, obj.leaflight.high
-blender.bake(obj, error=2.0, light_surroundings=True, bake_folder=folder)
+blender.bake(obj, error=2.0, light_walls=True, bake_folder=folder)
 blender.show(obj, low + 0.35 * (high - low))
 scene = bpy.context.scene
 scene.render.resolution_x = scene.render.resolution_y = 400

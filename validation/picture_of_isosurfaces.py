@@ -22,10 +22,10 @@ bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
 brain = blender.import_volume(BRAIN)
 blender.stage(brain, preset="OPEN_FLOOR")
 for isovalue, color in ((GRAY, GRAY_COLOR), (WHITE, WHITE_COLOR)):
-    stop = brain.leaflight.leaf_stops.add()
+    stop = brain.leaflight.isosurface_stops.add()
     stop.isovalue, stop.color = isovalue, color
 # Cycles itself lights the floor, with less grain than a bake of some minutes.
-settings = {"light_surroundings": False, "error": 3.0, "bake_folder": str(folder)}
+settings = {"light_walls": False, "error": 3.0, "bake_folder": str(folder)}
 blender.bake(brain, isovalues=(GRAY - 5, WHITE + 5), **settings)
 blender.show(brain, WHITE)
 outer = blender.add_isosurface(brain, GRAY, opacity=0.35)

@@ -55,7 +55,7 @@ def compared(path, options, isovalue, folder):
     scene = bpy.context.scene
     scene.render.resolution_x = scene.render.resolution_y = SIZE
     scene.render.resolution_percentage = 100
-    blender.bake(obj, light_surroundings=True, bake_folder=str(folder))
+    blender.bake(obj, light_walls=True, bake_folder=str(folder))
     blender.show(obj, isovalue)
     return blender.compare(obj, folder, CYCLES_SAMPLES, BAKED_SAMPLES)
 

@@ -21,11 +21,11 @@ def main():
     bpy.ops.preferences.addon_enable(module="leaflight_addon")
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     bpy.ops.leaflight.import_volume(filepath=str(arguments.volume.resolve()))
-    leaf = bpy.context.object
+    isosurface = bpy.context.object
     bpy.ops.leaflight.stage(preset="CORNELL")
-    settings = leaf.leaflight
+    settings = isosurface.leaflight
     settings.bake_folder = str(arguments.bakes.resolve())
-    settings.light_surroundings = True
+    settings.light_walls = True
     bpy.ops.leaflight.bake()
 
     scene = bpy.context.scene

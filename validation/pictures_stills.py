@@ -90,13 +90,13 @@ def render_still(still, folder, picture):
 
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
     volume = blender.import_volume(still.path)
-    stop = volume.leaflight.leaf_stops.add()
+    stop = volume.leaflight.isosurface_stops.add()
     stop.isovalue, stop.color = still.isovalue, still.color
     volume.matrix_world = turned(volume, still.turn)
     blender.stage(volume, preset=still.preset)
     bpy.context.scene.camera.data.angle /= still.zoom
     settings = {"error": ERROR, "bake_folder": str(folder)}
-    settings["light_surroundings"] = still.lights_stage
+    settings["light_walls"] = still.lights_stage
     blender.bake(volume, isovalues=still.window, **settings)
     blender.show(volume, still.isovalue)
     rendered = folder / f"{picture.stem}.png"
@@ -117,7 +117,7 @@ def render_sweep(path, folder, picture):
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
     head = blender.import_volume(path)
     blender.stage(head, "CORNELL")
-    settings = {"light_surroundings": True, "error": ERROR, "bake_folder": str(folder)}
+    settings = {"light_walls": True, "error": ERROR, "bake_folder": str(folder)}
     blender.bake(head, isovalues=(15, 115), **settings)
     frames = []
     for frame in range(SWEEP_FRAMES):

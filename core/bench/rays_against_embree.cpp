@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Leaf rays beside Embree on the contoured mesh, on one thread: what `leaflight bench rays` runs.
+// Isosurface rays beside Embree on the contoured mesh, on one thread: what `leaflight bench rays`
+// runs.
 //
 //     rays_against_embree FILE NX NY NZ RAYS REPETITIONS ISOVALUE...
 //
@@ -17,18 +18,18 @@
 #include "math/random.h"
 #include "surface/marching_cubes.h"
 #include "trace/embree_query.h"
-#include "trace/leaf_ray.h"
+#include "trace/isosurface_ray.h"
 
 namespace leaflight {
 namespace {
 
-// The same ray for both, from a point of the leaf into its outer side, by the cosine.
+// The same ray for both, from a point of the isosurface into its front, by the cosine.
 struct Pair {
-  LeafRay<3> leaf;
+  IsosurfaceRay<3> isosurface;
   RTCRay embree;
 };
 
-// Where Embree's rays begin, in voxels: the mesh lies this far from the leaf at times.
+// Where Embree's rays begin, in voxels: the mesh lies this far from the isosurface at times.
 constexpr double offset = 1e-3;
 
 struct Mesh {
@@ -89,7 +90,7 @@ std::vector<Pair> rays_from(const Field<3>& field, const IsosurfaceMesh& mesh, d
     const Vec3 a = position(mesh, triangle[0]);
     const Vec3 on_mesh =
         a + (position(mesh, triangle[1]) - a) * u + (position(mesh, triangle[2]) - a) * v;
-    // From the triangle to the leaf by one step along the gradient.
+    // From the triangle to the isosurface by one step along the gradient.
     const CellPoint<3> near = locate(field, on_mesh);
     const CellCorners<3> corners = load_corners(field, near.cell);
     const Vec3 gradient = geometric_gradient(corners, near.local);
@@ -103,11 +104,11 @@ std::vector<Pair> rays_from(const Field<3>& field, const IsosurfaceMesh& mesh, d
     const Vec3 direction = x * (r * std::cos(phi)) + y * (r * std::sin(phi)) +
                            normal * std::sqrt(std::max(0.0, 1 - r * r));
     Pair ray;
-    ray.leaf.origin = locate(field, start);
-    ray.leaf.position = start;
-    ray.leaf.direction = direction;
-    ray.leaf.isovalue = isovalue;
-    ray.leaf.starts_on_leaf = true;
+    ray.isosurface.origin = locate(field, start);
+    ray.isosurface.position = start;
+    ray.isosurface.direction = direction;
+    ray.isosurface.isovalue = isovalue;
+    ray.isosurface.starts_on_isosurface = true;
     const Vec3 from = start + normal * offset;
     ray.embree = {};
     ray.embree.org_x = static_cast<float>(from.x);
@@ -154,9 +155,10 @@ void measure(const Field<3>& field, double isovalue, std::size_t count, int repe
     Timed ours{"intersect", {}}, any{"occluded", {}};
     Timed embree{"embree_intersect", {}}, embree_any{"embree_occluded", {}};
     for (int i = 0; i < repetitions; ++i) {
-      ours.run(rays, [&](const Pair& ray) { return intersect<3>(field, ray.leaf).has_value(); });
+      ours.run(rays,
+               [&](const Pair& ray) { return intersect<3>(field, ray.isosurface).has_value(); });
       embree.run(rays, [&](const Pair& ray) { return mesh.intersect(ray.embree); });
-      any.run(rays, [&](const Pair& ray) { return occluded<3>(field, ray.leaf); });
+      any.run(rays, [&](const Pair& ray) { return occluded<3>(field, ray.isosurface); });
       embree_any.run(rays, [&](const Pair& ray) { return mesh.occluded(ray.embree); });
     }
     for (const Timed* timed : {&ours, &embree, &any, &embree_any}) timed->print();

@@ -29,10 +29,10 @@ py::array_t<Scalar> adopt(std::vector<Element>&& data, std::vector<py::ssize_t> 
   static_assert(sizeof(Element) % sizeof(Scalar) == 0);
   auto owner = std::make_unique<std::vector<Element>>(std::move(data));
   const auto* first = reinterpret_cast<const Scalar*>(owner->data());
-  const py::capsule keeper(owner.get(),
-                           [](void* p) { delete static_cast<std::vector<Element>*>(p); });
+  const py::capsule archive(owner.get(),
+                            [](void* p) { delete static_cast<std::vector<Element>*>(p); });
   owner.release();
-  return py::array_t<Scalar>(std::move(shape), first, keeper);
+  return py::array_t<Scalar>(std::move(shape), first, archive);
 }
 
 // The same of voxels, whose array has their type.

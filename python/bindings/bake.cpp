@@ -3,7 +3,7 @@
 
 #include <pybind11/stl/filesystem.h>
 
-#include "bake/driver/rounds.h"
+#include "bake/driver/passes.h"
 #include "baked_object.h"
 #include "bindings.h"
 #include "io/checkpoint_file.h"
@@ -22,48 +22,47 @@ void bind_settings(py::module_& module, const std::string& suffix) {
       .def_readwrite("resolution", &Settings::resolution,
                      "Texels along x, y, z; all 0: as the bake chooses them.")
       .def_readwrite("error", &Settings::error, "The RMS error of colours to reach, in percent.")
-      .def_readwrite("seconds", &Settings::seconds, "No round begins after so many; 0: no limit.")
+      .def_readwrite("seconds", &Settings::seconds, "No pass begins after so many; 0: no limit.")
       .def_readwrite("seed", &Settings::seed)
       .def_readwrite("threads", &Settings::threads, "0: all.")
       .def_readwrite("exposure", &Settings::exposure, "Radiance times this is a displayed colour.")
       .def_readwrite("both_sides", &Settings::both_sides,
-                     "Bake the inner side too, where light can reach it.")
-      .def_readwrite("surroundings", &Settings::surroundings,
-                     "Bake the radiance of the surroundings per leaf coordinate too.");
+                     "Bake the back too, where light can reach it.")
+      .def_readwrite("walls", &Settings::walls,
+                     "Bake the radiance of the walls per common isovalue too.");
 }
 
 template <int D>
 void bind_baking(py::module_& module, const std::string& suffix) {
   py::class_<BakedObjects<D>>(module, ("Baked" + suffix).c_str())
       .def_readonly("grids", &BakedObjects<D>::grids, "A RadianceGrid per volume.")
-      .def_readonly("surroundings", &BakedObjects<D>::surroundings,
-                    "SurroundingsRadiance, or None if it was not baked.")
+      .def_readonly("walls", &BakedObjects<D>::walls, "WallRadiance, or None if it was not baked.")
       .def_property_readonly("statistics", [](const BakedObjects<D>& baked) {
         return statistics_of(baked.statistics, baked.texels);
       });
   module.def(
       ("bake" + suffix).c_str(),
       [](const Scene<D>& scene, const BakeSettings<D>& settings, Progress& progress,
-         const py::object& on_round,
+         const py::object& on_pass,
          const std::optional<std::tuple<std::vector<std::shared_ptr<GridObject<D>>>, int, int>>&
-             kept,
+             previous,
          const std::optional<std::tuple<fs::path, std::string, double>>& checkpoint,
          const std::optional<fs::path>& resumed, const py::object& workers) {
         BakeHooks<D> hooks;
-        if (!on_round.is_none()) {
-          hooks.on_round = [&](Baked<D>&& baked) {
+        if (!on_pass.is_none()) {
+          hooks.on_pass = [&](Baked<D>&& baked) {
             const py::gil_scoped_acquire locked;
-            on_round(BakedObjects<D>(std::move(baked)));
+            on_pass(BakedObjects<D>(std::move(baked)));
           };
         }
         Baked<D> baked;
         {
           const py::gil_scoped_release unlocked;
-          std::vector<KeptLight<D>> light;
-          if (kept) {
-            const auto& [grids, rounds, blocks] = *kept;
-            for (const auto& grid : grids) light.emplace_back(*grid->baked, rounds, blocks);
-            hooks.kept = &light;
+          std::vector<PreviousLight<D>> light;
+          if (previous) {
+            const auto& [grids, passes, blocks] = *previous;
+            for (const auto& grid : grids) light.emplace_back(*grid->baked, passes, blocks);
+            hooks.previous = &light;
           }
           BlockWorkers block_workers;
           if (!workers.is_none()) {
@@ -95,18 +94,18 @@ void bind_baking(py::module_& module, const std::string& suffix) {
         }
         return BakedObjects<D>(std::move(baked));
       },
-      py::arg("scene"), py::arg("settings"), py::arg("progress"), py::arg("on_round") = py::none(),
-      py::arg("kept") = py::none(), py::arg("checkpoint") = py::none(),
+      py::arg("scene"), py::arg("settings"), py::arg("progress"), py::arg("on_pass") = py::none(),
+      py::arg("previous") = py::none(), py::arg("checkpoint") = py::none(),
       py::arg("resumed") = py::none(), py::arg("workers") = py::none(),
-      "Lights all leaves of the scene's window. `on_round` is given what is baked after each\n"
-      "round but the last, from the thread that bakes. `kept`: (grids, rounds, blocks) of a\n"
+      "Lights all isosurfaces of the scene's window. `on_pass` is given what is baked after each\n"
+      "pass but the last, from the thread that bakes. `previous`: (grids, passes, blocks) of a\n"
       "bake to go on with. `checkpoint`: (file, text, seconds): the bake leaves\n"
       "its state there, with the text, so many seconds apart. `resumed`: such a file, of a bake "
       "of\n"
       "the same scene and settings, to go on from. `workers`: an object that has blocks of light\n"
-      "swept by BlockSweepers: begin(first, count, state) announces the blocks [first,\n"
+      "traced by BlockTracers: begin(first, count, state) announces the blocks [first,\n"
       "first + count), and what their lines look up, bytes;\n"
-      "take(number) returns one of them, or b\"\", and the bake sweeps it itself. Raises\n"
+      "take(number) returns one of them, or b\"\", and the bake traces it itself. Raises\n"
       "LeaflightError, or Cancelled.");
 }
 

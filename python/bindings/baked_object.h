@@ -18,7 +18,7 @@ inline py::dict statistics_of(const BakeStatistics& statistics, std::size_t texe
   result["texels"] = texels;
   result["peak_memory_bytes"] = statistics.peak_memory_bytes;
   result["skipped_passes"] = skipped;
-  result["rounds"] = statistics.rounds;
+  result["passes"] = statistics.passes;
   result["estimated_noise_percent"] = statistics.noise_percent;
   result["estimated_error_percent"] = statistics.error_percent;
   result["worst_isovalue"] = statistics.worst.c;
@@ -28,11 +28,11 @@ inline py::dict statistics_of(const BakeStatistics& statistics, std::size_t texe
   return result;
 }
 
-// Grids and surroundings become objects of their own, which live as long as Python needs them.
+// Grids and walls become objects of their own, which live as long as Python needs them.
 template <int D>
 struct BakedObjects {
   std::vector<std::shared_ptr<GridObject<D>>> grids;
-  std::shared_ptr<SurroundingsRadiance<D>> surroundings;
+  std::shared_ptr<WallRadiance<D>> walls;
   BakeStatistics statistics;
   std::size_t texels = 0;
 
@@ -41,8 +41,8 @@ struct BakedObjects {
       texels += grid.texels();
       grids.push_back(std::make_shared<GridObject<D>>(std::move(grid)));
     }
-    if (!baked.surroundings.empty()) {
-      surroundings = std::make_shared<SurroundingsRadiance<D>>(std::move(baked.surroundings));
+    if (!baked.walls.empty()) {
+      walls = std::make_shared<WallRadiance<D>>(std::move(baked.walls));
     }
   }
 };

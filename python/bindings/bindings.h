@@ -9,7 +9,7 @@ void bind_field(pybind11::module_& module);
 void bind_scene(pybind11::module_& module);
 void bind_direct_light(pybind11::module_& module);
 void bind_radiance_grid(pybind11::module_& module);
-void bind_surroundings(pybind11::module_& module);
+void bind_walls(pybind11::module_& module);
 void bind_bake(pybind11::module_& module);
 void bind_thesis(pybind11::module_& module);
 void bind_photons(pybind11::module_& module);

@@ -31,12 +31,12 @@ py::array_t<double> light_points(const Direct& direct) {
   return adopt<double>(std::move(rows), {count, 4, 4});
 }
 
-py::array_t<std::uint8_t> codes(const Direct& direct, std::size_t point, bool inner) {
-  if (point >= direct.points() || (inner && !direct.has_inner())) {
+py::array_t<std::uint8_t> codes(const Direct& direct, std::size_t point, bool back) {
+  if (point >= direct.points() || (back && !direct.has_back())) {
     throw Error("There is no map of light point " + std::to_string(point) + " for this side.");
   }
   std::vector<std::uint8_t> codes(direct.lattice().active.size());
-  for (std::size_t s = 0; s < codes.size(); ++s) codes[s] = direct.code(point, s, inner);
+  for (std::size_t s = 0; s < codes.size(); ++s) codes[s] = direct.code(point, s, back);
   const auto count = static_cast<py::ssize_t>(codes.size());
   return adopt<std::uint8_t>(std::move(codes), {count});
 }
@@ -46,9 +46,10 @@ py::array_t<std::uint8_t> codes(const Direct& direct, std::size_t point, bool in
 void bind_direct_light(py::module_& module) {
   py::class_<Direct, std::shared_ptr<Direct>>(
       module, "DirectLight",
-      "Maps that tell the direct light of every leaf of one volume: for each texel of a lattice\n"
+      "Maps that tell the direct light of every isosurface of one volume: for each texel of a "
+      "lattice\n"
       "and each light point the greatest value of the volume on the way between them, as a byte.")
-      .def(py::init([](const Scene<3>& scene, int volume, const Index<3>& resolution, bool inner,
+      .def(py::init([](const Scene<3>& scene, int volume, const Index<3>& resolution, bool back,
                        Progress& progress, bool quick) {
              const py::gil_scoped_release unlocked;
              const Index<3>& dims = scene.volumes.at(volume).field.dims;
@@ -58,12 +59,12 @@ void bind_direct_light(py::module_& module) {
              }
              const SceneTracer<3> tracer(scene);
              return std::make_shared<Direct>(tracer, volume, split_light(tracer).points, resolution,
-                                             inner, progress, quick);
+                                             back, progress, quick);
            }),
-           py::arg("scene"), py::arg("volume"), py::arg("resolution"), py::arg("inner"),
+           py::arg("scene"), py::arg("volume"), py::arg("resolution"), py::arg("back"),
            py::arg("progress"), py::arg("quick") = false,
            "Of a scene's volume by its number. resolution: texels of the maps along x, y, z;\n"
-           "inner: also of the inner sides; quick: what is thinner than a texel may throw no\n"
+           "back: also of the backs; quick: what is thinner than a texel may throw no\n"
            "shadow. Raises Cancelled.")
       .def_property_readonly(
           "resolution", [](const Direct& d) { return d.lattice().resolution; },
@@ -74,16 +75,17 @@ void bind_direct_light(py::module_& module) {
           "its position in the frame and 1, or the direction to light from afar and 0;\n"
           "the normal along which it shines and 1, or 2 for both ways, or 0 for all directions;\n"
           "linear RGB irradiance [W/m^2] of a surface that faces it at distance 1 in the frame,\n"
-          "and how wide the soft edge of its cone is, in cosines;\n"
+          "and how wide the indirect edge of its cone is, in cosines;\n"
           "the axis of the cone and the cosine at which it ends, -2 for none.")
       .def_property_readonly(
           "index_to_frame", [](const Direct& d) { return from_affine(d.index_to_frame()); },
           "float64 (4, 4): the frame is the world, moved and scaled uniformly.")
-      .def_property_readonly("has_inner", &Direct::has_inner, "Whether inner sides have maps.")
-      .def("codes", &codes, py::arg("point"), py::arg("inner") = false,
-           "uint8 (n,) of the active texels, in the order of mask(), for a light point. A leaf is\n"
+      .def_property_readonly("has_back", &Direct::has_back, "Whether backs have maps.")
+      .def("codes", &codes, py::arg("point"), py::arg("back") = false,
+           "uint8 (n,) of the active texels, in the order of mask(), for a light point. A "
+           "isosurface is\n"
            "lit at a texel if the code of its isovalue h is greater: 1 + 252 (h - lo) / (hi - lo)\n"
-           "within the window (lo, hi). 255 is behind a mesh. inner: of inner sides, whose codes\n"
+           "within the window (lo, hi). 255 is behind a mesh. back: of backs, whose codes\n"
            "begin at hi.")
       .def(
           "mask", [](const Direct& d) { return active_mask(d.lattice()); },

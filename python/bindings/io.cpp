@@ -35,17 +35,17 @@ void bind_io(py::module_& module) {
       "write_bake",
       [](const fs::path& path, const std::vector<std::shared_ptr<Field<3>>>& fields,
          const std::vector<std::shared_ptr<GridObject<3>>>& grids,
-         const std::shared_ptr<SurroundingsRadiance<3>>& surroundings, const Metadata& metadata,
+         const std::shared_ptr<WallRadiance<3>>& walls, const Metadata& metadata,
          const Progress* progress) {
         const py::gil_scoped_release unlocked;
         std::vector<const Field<3>*> field_pointers;
         for (const auto& field : fields) field_pointers.push_back(field.get());
         Baked<3> baked;
         for (const auto& grid : grids) baked.grids.push_back(*grid->baked);
-        if (surroundings) baked.surroundings = *surroundings;
+        if (walls) baked.walls = *walls;
         write_bake(path, field_pointers, baked, metadata, progress);
       },
-      py::arg("path"), py::arg("fields"), py::arg("grids"), py::arg("surroundings").none(true),
+      py::arg("path"), py::arg("fields"), py::arg("grids"), py::arg("walls").none(true),
       py::arg("metadata"), py::arg("progress") = nullptr,
       "Replaces one .vdb as a whole. Raises LeaflightError, and Cancelled with the file as it "
       "was.");
@@ -65,16 +65,15 @@ void bind_io(py::module_& module) {
         for (RadianceGrid<3>& grid : bake.baked.grids) {
           grids.append(std::make_shared<GridObject<3>>(std::move(grid)));
         }
-        std::shared_ptr<SurroundingsRadiance<3>> surroundings;
-        if (!bake.baked.surroundings.empty()) {
-          surroundings =
-              std::make_shared<SurroundingsRadiance<3>>(std::move(bake.baked.surroundings));
+        std::shared_ptr<WallRadiance<3>> walls;
+        if (!bake.baked.walls.empty()) {
+          walls = std::make_shared<WallRadiance<3>>(std::move(bake.baked.walls));
         }
-        return py::make_tuple(fields, grids, surroundings, bake.metadata);
+        return py::make_tuple(fields, grids, walls, bake.metadata);
       },
       py::arg("path"),
-      "([(values [z, y, x], index_to_world), ...], [RadianceGrid, ...], SurroundingsRadiance or\n"
-      "None, metadata) of a bake. The surroundings need attach_surroundings() before use.");
+      "([(values [z, y, x], index_to_world), ...], [RadianceGrid, ...], WallRadiance or\n"
+      "None, metadata) of a bake. The walls need attach_walls() before use.");
   module.def(
       "has_seal", &has_seal, py::arg("path"),
       "Whether a file ends with a checksum, which read_bake() looks at. Raises LeaflightError.");
@@ -84,12 +83,12 @@ void bind_io(py::module_& module) {
   module.def("read_bake_header", &read_bake_header, py::arg("path"),
              "The metadata of the file itself, by key: nothing else of it is read.");
   module.def(
-      "attach_surroundings",
-      [](SurroundingsRadiance<3>& surroundings, const Scene<3>& scene, Progress& progress) {
+      "attach_walls",
+      [](WallRadiance<3>& walls, const Scene<3>& scene, Progress& progress) {
         const py::gil_scoped_release unlocked;
-        attach(surroundings, scene, progress);
+        attach(walls, scene, progress);
       },
-      py::arg("surroundings"), py::arg("scene"), py::arg("progress"),
+      py::arg("walls"), py::arg("scene"), py::arg("progress"),
       "Gives a radiance that was read from a file the meshes of its scene and its direct light.\n"
       "Raises LeaflightError, Cancelled.");
   module.def(

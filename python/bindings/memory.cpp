@@ -20,9 +20,9 @@ py::array large_array(const std::vector<py::ssize_t>& shape, const py::dtype& ty
   };
   auto owner = std::unique_ptr<Owner>(new Owner{allocate_large(bytes), bytes});
   const void* const first = owner->memory;
-  const py::capsule keeper(owner.get(), [](void* p) { delete static_cast<Owner*>(p); });
+  const py::capsule archive(owner.get(), [](void* p) { delete static_cast<Owner*>(p); });
   owner.release();
-  return py::array(type, shape, first, keeper);
+  return py::array(type, shape, first, archive);
 }
 
 }  // namespace
@@ -47,7 +47,7 @@ void bind_memory(py::module_& module) {
   using Released = py::call_guard<py::gil_scoped_release>;
   module.def(
       "light_memory", &light_memory, py::arg("scene"), py::arg("settings"), Released(),
-      "About how many bytes a bake in rounds takes at most, besides the arrays of the volume.");
+      "About how many bytes a bake in passes takes at most, besides the arrays of the volume.");
   module.def("fitting_resolution", &fitting_resolution, py::arg("scene"), py::arg("settings"),
              py::arg("bytes"), Released(),
              "The finest texels (nx, ny, nz) for which light_memory() is at most `bytes`; zeros\n"

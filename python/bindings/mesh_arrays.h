@@ -17,11 +17,11 @@ py::object rows_of(const std::shared_ptr<LitMesh>& mesh, const std::vector<Row>&
   static_assert(sizeof(Row) == 3 * sizeof(Scalar));
   if (list.empty() && !mesh->vertices.empty()) return py::none();
   auto owner = std::make_unique<std::shared_ptr<LitMesh>>(mesh);
-  const py::capsule keeper(owner.get(),
-                           [](void* p) { delete static_cast<std::shared_ptr<LitMesh>*>(p); });
+  const py::capsule archive(owner.get(),
+                            [](void* p) { delete static_cast<std::shared_ptr<LitMesh>*>(p); });
   owner.release();
   const std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(list.size()), 3};
-  return py::array_t<Scalar>(shape, reinterpret_cast<const Scalar*>(list.data()), keeper);
+  return py::array_t<Scalar>(shape, reinterpret_cast<const Scalar*>(list.data()), archive);
 }
 
 // (vertices (n, 3), normals (n, 3) or None, triangles (m, 3)).

@@ -47,7 +47,7 @@ PYBIND11_MODULE(_core, module) {
       .def_property_readonly("cancelled", &Progress::cancelled)
       .def("cancel", &Progress::cancel, "The bake raises Cancelled within half a second.")
       .def("stop", &Progress::stop,
-           "A bake in rounds ends after the round under way, with what it has.")
+           "A bake in passes ends after the pass under way, with what it has.")
       .def_property_readonly("stopped", &Progress::stopped);
 
   python::bind_memory(module);
@@ -55,7 +55,7 @@ PYBIND11_MODULE(_core, module) {
   python::bind_scene(module);
   python::bind_direct_light(module);
   python::bind_radiance_grid(module);
-  python::bind_surroundings(module);
+  python::bind_walls(module);
   python::bind_bake(module);
   python::bind_thesis(module);
   python::bind_workers(module);

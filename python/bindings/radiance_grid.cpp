@@ -25,26 +25,27 @@ py::array_t<float> spread(const TexelLattice<D>& lattice, const std::vector<Valu
 template <int D>
 const std::vector<Vec<3, float>>& side_of(const RadianceGrid<D>& grid, bool back) {
   if (back && !grid.has_back()) {
-    throw Error("This bake does not hold the inner side of its isosurfaces; bake both sides.");
+    throw Error("This bake does not hold the back of its isosurfaces; bake both sides.");
   }
   return back ? grid.radiance_back : grid.radiance;
 }
 
 // The radiance of one side's texels, or what of it is not direct light.
 template <int D>
-std::vector<Vec<3, float>> texels_of(const GridObject<D>& grid, bool back, bool indirect) {
+std::vector<Vec<3, float>> texels_of(const GridObject<D>& grid, bool back, bool indirect_alone) {
   const RadianceGrid<D>& from = *grid.baked;
   const std::vector<Vec<3, float>>& all = side_of(from, back);
-  const std::vector<Vec<3, float>>& soft =
+  const std::vector<Vec<3, float>>& indirect =
       back ? from.radiance_back_indirect : from.radiance_indirect;
-  if (!grid.field) return indirect ? soft : all;
+  if (!grid.field) return indirect_alone ? indirect : all;
   const ShownGrid<D> shown = grid.shown();
-  std::vector<Vec<3, float>> texels(soft.size());
+  std::vector<Vec<3, float>> texels(indirect.size());
   const py::gil_scoped_release unlocked;
   tbb::parallel_for(std::size_t{0}, texels.size(), [&](std::size_t s) {
     const Vec<D> centre = from.lattice.centre(from.lattice.active[s]);
-    texels[s] = shown.scaled(soft[s], *grid.field, centre);
-    if (!indirect) texels[s] += Vec<3, float>(grid.direct->radiance(*grid.field, centre, back));
+    texels[s] = shown.scaled(indirect[s], *grid.field, centre);
+    if (!indirect_alone)
+      texels[s] += Vec<3, float>(grid.direct->radiance(*grid.field, centre, back));
   });
   return texels;
 }
@@ -74,7 +75,7 @@ py::array_t<float> dense(const GridObject<D>& grid, const std::string& name) {
 // Whether no direct light of points is in the texels that lookups read.
 template <int D>
 bool scales(const RadianceGrid<D>& grid) {
-  return grid.direct && (!grid.has_back() || grid.direct->has_inner());
+  return grid.direct && (!grid.has_back() || grid.direct->has_back());
 }
 
 template <int D>
@@ -162,7 +163,7 @@ void bind_grid(py::module_& module, const std::string& suffix) {
   using Grid = GridObject<D>;
   py::class_<Grid, std::shared_ptr<Grid>> grid(
       module, ("RadianceGrid" + suffix).c_str(),
-      "The radiance [W/(m^2 sr)] of every leaf of one volume within a window.");
+      "The radiance [W/(m^2 sr)] of every isosurface of one volume within a window.");
   grid.def_property_readonly("resolution",
                              [](const Grid& g) { return g.baked->lattice.resolution; })
       .def_property_readonly(
@@ -193,13 +194,13 @@ void bind_grid(py::module_& module, const std::string& suffix) {
           py::arg("field"), py::arg("lights"), py::arg("indirect"),
           "The same, of the field that was lit, with the lights of its scene at other strengths:\n"
           "for each, factors (r, g, b) against those that were baked; `indirect`: of all else but\n"
-          "what leaves emit. Texels are shared. Needs can_be_relit.")
+          "what isosurfaces emit. Texels are shared. Needs can_be_relit.")
       .def_property_readonly(
           "has_back", [](const Grid& g) { return g.baked->has_back(); },
-          "Whether the inner side was baked.")
+          "Whether the back was baked.")
       .def("dense", &dense<D>, py::arg("name"),
            "radiance, radiance_indirect (all but the lights' direct light), radiance_back or\n"
-           "radiance_back_indirect (the inner side): float32 [z, y, x, 3]; radiance_error, the "
+           "radiance_back_indirect (the back): float32 [z, y, x, 3]; radiance_error, the "
            "standard error of the mean\n"
            "over the channels: float32 [z, y, x]. Zero at inactive texels.")
       .def(
@@ -207,11 +208,12 @@ void bind_grid(py::module_& module, const std::string& suffix) {
           "uint8 [z, y, x], 1 at active texels.")
       .def("lookup", &lookup_at<D>, py::arg("field"), py::arg("points"), py::arg("back") = false,
            py::arg("indirect") = false,
-           "Radiance (n, 3) of the leaves through world points (n, D); indirect: the part of it "
+           "Radiance (n, 3) of the isosurfaces through world points (n, D); indirect: the part of "
+           "it "
            "that\n"
            "radiance_indirect holds.")
       .def("lookup_error", &lookup_error_at<D>, py::arg("field"), py::arg("points"),
-           "Standard error (n,) of the outer side's radiance at world points (n, D), of the mean\n"
+           "Standard error (n,) of the front's radiance at world points (n, D), of the mean\n"
            "over the channels: that of independent texels.");
   if constexpr (D == 3) {
     grid.def_property(
@@ -220,7 +222,7 @@ void bind_grid(py::module_& module, const std::string& suffix) {
           return std::const_pointer_cast<DirectLight<D>>(g.field ? g.direct : g.baked->direct);
         },
         [](Grid& g, const std::shared_ptr<DirectLight<D>>& direct) { g.baked->direct = direct; },
-        "The DirectLight that lookups add; None: texels hold all light. A bake in rounds has it, "
+        "The DirectLight that lookups add; None: texels hold all light. A bake in passes has it, "
         "a\n"
         "grid that was read from a file is given it.");
     grid.def(
@@ -234,14 +236,14 @@ void bind_grid(py::module_& module, const std::string& suffix) {
           return moved;
         },
         py::arg("field"), py::arg("direct"), py::arg("indirect"),
-        "The same with the direct light of another scene, and all else but what leaves emit\n"
+        "The same with the direct light of another scene, and all else but what isosurfaces emit\n"
         "brighter by the factors (r, g, b). field: its values, where they are now. Texels are\n"
         "shared.");
     grid.def(
         "lit_contour", &lit_contour_of, py::arg("field"), py::arg("isovalue"),
         py::arg("normals") = false, py::arg("front") = true, py::arg("back") = false,
         py::arg("largest_step") = LitContourSettings{}.largest_step,
-        "(vertices, normals, triangles, radiance, radiance of the inner side, triangles before\n"
+        "(vertices, normals, triangles, radiance, radiance of the back, triangles before\n"
         "edges were cut): contour() and lookup() at its vertices at once, float32 (n, 3) each\n"
         "and int32 (m, 3). What is not asked for is None. Edges are cut in two as often as\n"
         "texels are narrower than voxels there, so that vertices show them; where the mesh is\n"

@@ -5,8 +5,8 @@
 
 #include "arrays.h"
 #include "bindings.h"
-#include "trace/leaf_ray.h"
-#include "trace/surroundings.h"
+#include "trace/isosurface_ray.h"
+#include "trace/walls.h"
 
 namespace leaflight::python {
 namespace {
@@ -25,8 +25,8 @@ Rays to_rays(const DoubleArray& origins, const DoubleArray& directions) {
   return rays;
 }
 
-py::tuple leaf_hits(const Field<3>& field, const DoubleArray& origins,
-                    const DoubleArray& directions, double isovalue) {
+py::tuple isosurface_hits(const Field<3>& field, const DoubleArray& origins,
+                          const DoubleArray& directions, double isovalue) {
   const Rays rays = to_rays(origins, directions);
   const std::size_t n = rays.origins.size();
   std::vector<double> distance(n, infinity);
@@ -34,7 +34,7 @@ py::tuple leaf_hits(const Field<3>& field, const DoubleArray& origins,
   {
     const py::gil_scoped_release unlocked;
     tbb::parallel_for(std::size_t{0}, n, [&](std::size_t i) {
-      LeafRay<3> ray;
+      IsosurfaceRay<3> ray;
       ray.position = field.world_to_index.point(rays.origins[i]);
       ray.direction = field.world_to_index.vector(rays.directions[i]);
       ray.isovalue = isovalue;
@@ -58,9 +58,9 @@ py::tuple mesh_hits(const Mesh<3>& mesh, const DoubleArray& origins,
   std::vector<std::array<double, 2>> coordinates(n, {0, 0});
   {
     const py::gil_scoped_release unlocked;
-    const Surroundings<3> surroundings({mesh});
+    const Walls<3> walls({mesh});
     tbb::parallel_for(std::size_t{0}, n, [&](std::size_t i) {
-      if (const auto hit = surroundings.intersect(rays.origins[i], rays.directions[i], infinity)) {
+      if (const auto hit = walls.intersect(rays.origins[i], rays.directions[i], infinity)) {
         distance[i] = hit->t;
         facets[i] = hit->facet;
         coordinates[i] = {hit->u, hit->v};
@@ -76,12 +76,13 @@ py::tuple mesh_hits(const Mesh<3>& mesh, const DoubleArray& origins,
 }  // namespace
 
 void bind_rays(py::module_& module) {
-  module.def("leaf_hits", &leaf_hits, py::arg("field"), py::arg("origins"), py::arg("directions"),
-             py::arg("isovalue"),
-             "Where rays first meet the leaf of an isovalue (in data units), from world points\n"
-             "(n, 3) in directions (n, 3) of any length: (distances float64 (n,), in lengths of\n"
-             "the direction, infinite where they do not; uint8 (n,), 1 where the ray arrives from\n"
-             "higher values, at the inner side).");
+  module.def(
+      "isosurface_hits", &isosurface_hits, py::arg("field"), py::arg("origins"),
+      py::arg("directions"), py::arg("isovalue"),
+      "Where rays first meet the isosurface of an isovalue (in data units), from world points\n"
+      "(n, 3) in directions (n, 3) of any length: (distances float64 (n,), in lengths of\n"
+      "the direction, infinite where they do not; uint8 (n,), 1 where the ray arrives from\n"
+      "higher values, at the back).");
   module.def("mesh_hits", &mesh_hits, py::arg("mesh"), py::arg("origins"), py::arg("directions"),
              "Where such rays first meet a Mesh, in single precision: (distances float64 (n,);\n"
              "triangles int32 (n,), -1 for none; barycentric coordinates (n, 2) of its second and\n"

@@ -44,9 +44,9 @@ py::tuple reference(const Scene<D>& scene, const DoubleArray& points, double c, 
 
 // facets (n,), coordinates (n, 2): barycentric, of each facet's second and third vertex.
 template <int D>
-py::tuple reference_surroundings(const Scene<D>& scene, int mesh, const std::vector<int>& facets,
-                                 const DoubleArray& coordinates, double c, int samples,
-                                 std::uint64_t seed, int threads, Progress* progress, bool back) {
+py::tuple reference_walls(const Scene<D>& scene, int mesh, const std::vector<int>& facets,
+                          const DoubleArray& coordinates, double c, int samples, std::uint64_t seed,
+                          int threads, Progress* progress, bool back) {
   if (rows(coordinates, 2, "coordinates") != static_cast<py::ssize_t>(facets.size())) {
     throw Error("There must be one row of coordinates for each facet.");
   }
@@ -64,14 +64,14 @@ void bind_reference_functions(py::module_& module, const std::string& suffix) {
   module.def(("reference" + suffix).c_str(), &reference<D>, py::arg("scene"), py::arg("points"),
              py::arg("c"), py::arg("spp"), py::arg("seed") = 0, py::arg("threads") = 0,
              py::arg("progress") = nullptr, py::arg("volume") = 0, py::arg("back") = false,
-             "Radiance of a volume's leaf by path tracing at world points (n, D): (radiance\n"
+             "Radiance of a volume's isosurface by path tracing at world points (n, D): (radiance\n"
              "(n, 3), standard error (n, 3)). Unbiased, save for caustics of lights without\n"
              "extent, which no path meets.");
-  module.def(("reference_surroundings" + suffix).c_str(), &reference_surroundings<D>,
-             py::arg("scene"), py::arg("mesh"), py::arg("facets"), py::arg("coordinates"),
-             py::arg("c"), py::arg("spp"), py::arg("seed") = 0, py::arg("threads") = 0,
+  module.def(("reference_walls" + suffix).c_str(), &reference_walls<D>, py::arg("scene"),
+             py::arg("mesh"), py::arg("facets"), py::arg("coordinates"), py::arg("c"),
+             py::arg("spp"), py::arg("seed") = 0, py::arg("threads") = 0,
              py::arg("progress") = nullptr, py::arg("back") = false,
-             "The same at points of a mesh of the surroundings: facets (n,) and barycentric\n"
+             "The same at points of a mesh of the walls: facets (n,) and barycentric\n"
              "coordinates (n, 2), seen from the normals' side or from behind.");
 }
 

@@ -199,7 +199,7 @@ void bind_lights(py::module_& module, const std::string& suffix) {
           py::arg("intensity"), py::arg("axis") = py::none(), py::arg("angle") = 0.0,
           py::arg("blend") = 0.0, py::arg("cosine_falloff") = false,
           "position: world; intensity: linear RGB, W/sr; axis: unit, of a spot's cone; angle: its\n"
-          "opening in radians; blend: the soft part of the cone, 0..1.")
+          "opening in radians; blend: the indirect part of the cone, 0..1.")
       .def_readonly("name", &PointLight<D>::name);
 
   py::class_<SunLight<D>>(module, ("SunLight" + suffix).c_str(), "Parallel light.")
@@ -229,7 +229,7 @@ void bind_lights(py::module_& module, const std::string& suffix) {
 template <int D>
 void bind_objects(py::module_& module, const std::string& suffix) {
   py::class_<Mesh<D>>(module, ("Mesh" + suffix).c_str(),
-                      "A mesh of the surroundings, alike on both sides.")
+                      "A mesh of the walls, alike on both sides.")
       .def(
           py::init(&make_mesh<D>), py::arg("name"), py::arg("vertices"),
           py::arg(D == 2 ? "segments" : "triangles"), py::arg("albedo"),
@@ -240,20 +240,22 @@ void bind_objects(py::module_& module, const std::string& suffix) {
           "Texture that multiplies the albedo; uv: (m, D, 2), per corner.")
       .def_readonly("name", &Mesh<D>::name);
 
-  py::class_<Volume<D>>(module, ("Volume" + suffix).c_str(), "A field and how its leaves look.")
+  py::class_<Volume<D>>(module, ("Volume" + suffix).c_str(),
+                        "A field and how its isosurfaces look.")
       .def(py::init(&make_volume<D>), py::arg("name"), py::arg("field"), py::arg("albedo"),
            py::arg("emission") = Stops{{0, black}}, py::arg("scattering") = "diffuse",
            py::arg("ior") = 1.5, py::arg("offset") = 0.0, py::arg("scale") = 1.0,
-           "albedo, emission: [(leaf coordinate, linear RGB), ...] in ascending order; the leaf\n"
+           "albedo, emission: [(common isovalue, linear RGB), ...] in ascending order; the "
+           "isosurface\n"
            "coordinate c shows the isovalue offset + scale c.")
       .def_readonly("name", &Volume<D>::name);
 
   py::class_<Scene<D>>(module, ("Scene" + suffix).c_str(),
-                       "Volumes, what surrounds them, and the leaf coordinates to light.")
+                       "Volumes, what surrounds them, and the common isovalues to light.")
       .def(
           py::init(&make_scene<D>), py::arg("volumes"), py::arg("meshes"), py::arg("lights"),
           py::arg("environment") = py::none(), py::arg("isovalues"),
-          "isovalues: (low, high) of the leaf coordinate. Raises LeaflightError naming the object\n"
+          "isovalues: (low, high) of the common isovalue. Raises LeaflightError naming the object\n"
           "that is wrong.");
 }
 

@@ -43,7 +43,8 @@ std::vector<Library> libraries() {
   };
 }
 
-// What a ray meets in a leaf of the scene, and where: ("leaf" | "surroundings" | None, (x, y, z)).
+// What a ray meets in an isosurface of the scene, and where: ("isosurface" | "walls" | None, (x, y,
+// z)).
 py::tuple trace(const Scene<3>& scene, const Tuple<3>& origin, const Tuple<3>& direction,
                 double c) {
   const SceneTracer<3> tracer(scene);
@@ -52,7 +53,7 @@ py::tuple trace(const Scene<3>& scene, const Tuple<3>& origin, const Tuple<3>& d
   if (hit.kind == HitKind::none) return py::make_tuple(py::none(), py::none());
   const Vec3 in_frame = tracer.surface_point(hit, d, c).position;
   const Vec3 p = in_frame * (1 / tracer.frame().scale) + tracer.frame().centre;
-  return py::make_tuple(hit.kind == HitKind::leaf ? "leaf" : "surroundings",
+  return py::make_tuple(hit.kind == HitKind::isosurface ? "isosurface" : "walls",
                         py::make_tuple(p.x, p.y, p.z));
 }
 
@@ -71,7 +72,7 @@ void bind_self_check(py::module_& module) {
       "[(name, version of the headers, version that is loaded), ...], versions (major, minor).");
   module.def("trace", &trace, py::arg("scene"), py::arg("origin"), py::arg("direction"),
              py::arg("c"),
-             "(\"leaf\", \"surroundings\" or None, (x, y, z) or None): what a ray meets, and "
+             "(\"isosurface\", \"walls\" or None, (x, y, z) or None): what a ray meets, and "
              "where.");
 }
 

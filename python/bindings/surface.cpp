@@ -85,23 +85,25 @@ void bind_surface(py::module_& module) {
         return adopt<float>(std::move(normals), {n, 3});
       },
       py::arg("field"), py::arg("points"),
-      "Outward unit normals float32 (n, 3) with which leaves are shaded at world points (n, 3) of\n"
+      "Outward unit normals float32 (n, 3) with which isosurfaces are shaded at world points (n, "
+      "3) of\n"
       "the domain; zero where there is none.");
   module.def(
-      "project_to_leaf",
+      "project_to_isosurface",
       [](const Field<3>& field, const DoubleArray& array, double isovalue) {
         std::vector<Vec3> points = to_points<3>(array);
         {
           const py::gil_scoped_release unlocked;
           tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
-            points[i] = project_to_leaf(field, points[i], isovalue);
+            points[i] = project_to_isosurface(field, points[i], isovalue);
           });
         }
         const auto n = static_cast<py::ssize_t>(points.size());
         return adopt<double>(std::move(points), {n, 3});
       },
       py::arg("field"), py::arg("points"), py::arg("isovalue"),
-      "The points of the trilinear leaf nearest along the gradient to world points (n, 3), within\n"
+      "The points of the trilinear isosurface nearest along the gradient to world points (n, 3), "
+      "within\n"
       "two voxels; points without one are returned as they are.");
   module.def(
       "exposed",
@@ -118,7 +120,8 @@ void bind_surface(py::module_& module) {
       },
       py::arg("field"), py::arg("points"), py::arg("isovalue"), py::arg("directions") = 32,
       py::arg("seed") = 0,
-      "uint8 (n,): 1 where one of `directions` random rays from the leaf's outer side leaves the\n"
+      "uint8 (n,): 1 where one of `directions` random rays from the isosurface's front isosurfaces "
+      "the\n"
       "domain, so that the world point can be seen from outside.");
   module.def(
       "connected_parts",

@@ -27,9 +27,9 @@ void bind_fixed_samples(py::module_& module, const std::string& suffix) {
       .def_readwrite("seed", &Settings::seed)
       .def_readwrite("threads", &Settings::threads, "0: all.")
       .def_readwrite("both_sides", &Settings::both_sides,
-                     "Bake the inner side too, where light can reach it.")
-      .def_readwrite("surroundings", &Settings::surroundings,
-                     "Bake the radiance of the surroundings per leaf coordinate too.")
+                     "Bake the back too, where light can reach it.")
+      .def_readwrite("walls", &Settings::walls,
+                     "Bake the radiance of the walls per common isovalue too.")
       .def(
           "set_only_at",
           [](Settings& s, const DoubleArray& points) { s.only_at = to_points<D>(points); },
@@ -75,7 +75,7 @@ void bind_fixed_samples(py::module_& module, const std::string& suffix) {
                return BakedObjects<D>(std::move(baked));
              },
              py::arg("scene"), py::arg("settings"), py::arg("progress"),
-             "Lights all leaves of the scene's window by a fixed number of samples. Raises\n"
+             "Lights all isosurfaces of the scene's window by a fixed number of samples. Raises\n"
              "LeaflightError, or Cancelled.");
 }
 

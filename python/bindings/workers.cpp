@@ -3,7 +3,7 @@
 
 #include <sstream>
 
-#include "bake/driver/block_sweeper.h"
+#include "bake/driver/block_tracer.h"
 #include "bindings.h"
 
 namespace py = pybind11;
@@ -27,34 +27,35 @@ BlockWorkers workers_of(const py::object& workers) {
 
 void bind_workers(py::module_& module) {
   using Released = py::call_guard<py::gil_scoped_release>;
-  module.def("sweeper_memory", &sweeper_memory, py::arg("scene"), py::arg("settings"), Released(),
-             "About how many bytes a BlockSweeper holds at most, the volume's values included.");
-  py::class_<BlockSweeper>(
-      module, "BlockSweeper",
-      "Sweeps single blocks of indirect light for a bake in rounds of the same scene "
+  module.def("block_tracer_memory", &block_tracer_memory, py::arg("scene"), py::arg("settings"),
+             Released(),
+             "About how many bytes a BlockTracer holds at most, the volume's values included.");
+  py::class_<BlockTracer>(
+      module, "BlockTracer",
+      "Traces single blocks of indirect light for a bake in passes of the same scene "
       "and settings that runs\n"
       "elsewhere: what bake()'s `workers` give it.")
       .def(py::init<const Scene<3>&, const BakeSettings<3>&, Progress&>(), py::arg("scene"),
            py::arg("settings"), py::arg("progress"), py::keep_alive<1, 2>(), py::keep_alive<1, 4>(),
            Released(),
            "progress.cancel() ends whatever is done with Cancelled. Raises LeaflightError where\n"
-           "such a bake has no rounds.")
+           "such a bake has no passes.")
       .def(
           "look_up",
-          [](BlockSweeper& sweeper, const std::string& state) {
+          [](BlockTracer& tracer, const std::string& state) {
             std::istringstream stream(state);
             stream.exceptions(std::ios::failbit | std::ios::badbit);
-            sweeper.look_up(stream);
+            tracer.look_up(stream);
           },
           py::arg("state"), Released(),
           "Takes the bytes that workers.begin() was given; blocks need them.")
       .def(
-          "sweep",
-          [](BlockSweeper& sweeper, int number) {
+          "trace",
+          [](BlockTracer& tracer, int number) {
             std::string block;
             {
               const py::gil_scoped_release unlocked;
-              block = sweeper.sweep(number);
+              block = tracer.trace(number);
             }
             return py::bytes(block);
           },

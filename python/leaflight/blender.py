@@ -57,7 +57,7 @@ def bake(obj, isovalues=None, **settings):
 
     isovalues: (lowest, highest), in data units; None leaves what is set. settings: attributes of
         obj.leaflight that the panel shows, such as error (percent), time_limit (seconds),
-        both_sides, light_surroundings, bake_folder. They stay.
+        both_sides, light_walls, bake_folder. They stay.
     Returns the path of the bake.
     """
     with _active(obj):
@@ -158,7 +158,8 @@ def compare(obj, folder, samples=256, baked_samples=64, share=1.0):
 
     folder: for the pictures, the .csv and the .json; samples, baked_samples: per pixel of the
         stills of Cycles and of the bake; share: of the scene's resolution, 0..1.
-    Returns the figures, a dict: leaf_rms_percent, leaf_noise_percent, baked_seconds, ...
+    Returns the figures, a dict: isosurface_rms_percent, isosurface_noise_percent, baked_seconds,
+    ...
     """
     folder = Path(_absolute(folder))
     before = _written(folder)

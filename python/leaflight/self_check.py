@@ -126,7 +126,7 @@ def check_arrays(numpy, core):
 
 
 def check_rays(numpy, core):
-    """Rays must meet a leaf, and a mesh behind it, where they lie."""
+    """Rays must meet an isosurface, and a mesh behind it, where they lie."""
     z = numpy.arange(3, dtype=numpy.float32)
     slope = numpy.broadcast_to(z[:, None, None], (3, 3, 3)).copy()
     volume = core.Volume("slope", core.Field(slope, numpy.eye(4)), [(0.0, (0.5, 0.5, 0.5))])
@@ -136,7 +136,7 @@ def check_rays(numpy, core):
     )
     sky = core.Environment("sky", (1.0, 1.0, 1.0))
     scene = core.Scene([volume], [ceiling], [], sky, isovalues=(0.0, 2.0))
-    for origin, kind, z in (((0.9, 1.2, -1.0), "leaf", 1.25), ((0.9, 1.2, 1.5), "surroundings", 3)):
+    for origin, kind, z in (((0.9, 1.2, -1.0), "isosurface", 1.25), ((0.9, 1.2, 1.5), "walls", 3)):
         met, point = core.trace(scene, origin, (0.0, 0.0, 1.0), 1.25)
         if met != kind or not numpy.allclose(point, (*origin[:2], z), rtol=0, atol=1e-5):
             raise ImportError(

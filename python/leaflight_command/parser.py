@@ -11,7 +11,7 @@ from .shared_options import (
     MACHINES,
     Parser,
     layout_options,
-    leaf_options,
+    isosurface_options,
     limit_options,
     lit_options,
     memory_options,
@@ -57,7 +57,7 @@ def make_parser():
         title="commands", required=True, dest="command", metavar="COMMAND"
     )
     layout, threads = layout_options(), threads_options()
-    scene, leaf = scene_options(), leaf_options()
+    scene, isosurface = scene_options(), isosurface_options()
     volume = "a file, a folder of slices, or a generated volume"
 
     info = subparsers.add_parser("info", parents=[layout], help="what a volume holds")
@@ -89,13 +89,13 @@ def make_parser():
     limit_options(bake)
     bake.add_argument(
         "--continue",
-        dest="kept",
+        dest="previous",
         metavar="KEPT.vdb",
         help="go on with a finished bake, in place of a VOLUME",
     )
     for option, text in (
-        ("--both-sides", "light the inner side of isosurfaces, too"),
-        ("--surroundings", "keep the light on the surroundings, too"),
+        ("--both-sides", "light the back of isosurfaces, too"),
+        ("--walls", "keep the light on the walls, too"),
         ("--verbose", "print the passes that were left out, and why"),
     ):
         bake.add_argument(option, action="store_true", help=text)
@@ -127,7 +127,9 @@ def make_parser():
     for one in (batch, render):
         workers_options(one, "so many at a time on this machine (1)")
 
-    surface = subparsers.add_parser("surface", parents=[leaf], help="one lit isosurface as a mesh")
+    surface = subparsers.add_parser(
+        "surface", parents=[isosurface], help="one lit isosurface as a mesh"
+    )
     surface.add_argument("--out", required=True, metavar="MESH.ply", help="file to write")
 
     still = subparsers.add_parser("still", help="a picture of a lit isosurface, without Blender")
@@ -213,7 +215,7 @@ def make_parser():
     photons.add_argument("--seed", type=integer, default=0, metavar="N", help="as of a bake (0)")
 
     compare = subparsers.add_parser(
-        "compare", parents=[leaf, threads], help="the error of a bake against path tracing"
+        "compare", parents=[isosurface, threads], help="the error of a bake against path tracing"
     )
     compare.add_argument("--points", type=integer, default=3000, metavar="N", help="points (3000)")
     compare.add_argument(
@@ -228,7 +230,7 @@ def make_parser():
     compare.add_argument(
         "--mesh",
         metavar="NAME",
-        help="compare on this mesh of the surroundings; --back: seen against its normals",
+        help="compare on this mesh of the walls; --back: seen against its normals",
     )
 
     flatland = subparsers.add_parser(

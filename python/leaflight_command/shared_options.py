@@ -195,7 +195,7 @@ def limit_options(parser):
     )
 
 
-def leaf_options():
+def isosurface_options():
     """One isosurface of a bake."""
     parser = Parser(add_help=False)
     parser.add_argument("bake", metavar="BAKE", help="a .vdb written by bake")
@@ -219,4 +219,4 @@ def side_options(parser):
         metavar="K",
         help="which of several volumes, from 0 (0)",
     )
-    parser.add_argument("--back", action="store_true", help="the inner side")
+    parser.add_argument("--back", action="store_true", help="the back")

@@ -12,7 +12,7 @@ FILES = sorted(INSIDE.glob("check_*.py"))
 # The work from import to lit isovalues, and what may differ between versions of Blender: readers,
 # stages, lights and materials, bakes, scrubbing, rendering, saved files, lit walls.
 SHORT = {
-    *("check_import.py", "check_stage.py", "check_surroundings.py", "check_lights.py"),
+    *("check_import.py", "check_stage.py", "check_meshes.py", "check_lights.py"),
     *("check_materials.py", "check_bake.py", "check_shader.py", "check_scrub.py"),
     "check_walls.py",
 }

@@ -14,7 +14,7 @@ from leaflight import Cancelled, Progress, _core
 from leaflight.io.sources import open_volume
 from leaflight.measure.cycles import measure
 from leaflight.measure.truth import Truth, errors_of
-from leaflight.scene.scene import core_scene, fit_scene, match_leaves
+from leaflight.scene.scene import core_scene, fit_scene, match_isosurfaces
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
 SAMPLES = 512
@@ -28,7 +28,7 @@ pytestmark = pytest.mark.slow
 def baked(scene, sources, n, **settings):
     volumes = [open_volume(source, dims=[n]) for source in sources]
     scene = leaflight.load_scene(SCENES / scene)
-    settings = {"samples": 16, "photons": 500_000, "surroundings": True, **settings}
+    settings = {"samples": 16, "photons": 500_000, "walls": True, **settings}
     return leaflight.thesis.bake(volumes, scene, **settings)
 
 
@@ -54,12 +54,12 @@ def test_caustics_of_glass_balls():
 
 
 def test_caustic_of_a_glass_isosurface():
-    bake = baked("glass_leaf.json", ["bump_box"], 32, caustic_photons=16_000_000)
+    bake = baked("glass_isosurface.json", ["bump_box"], 32, caustic_photons=16_000_000)
     assert_agrees(bake, 47.0, 0.15, mesh="floor")
 
 
 def test_two_fields():
-    bake = baked("nucleons.json", ["nucleons:0", "nucleons:1"], 48, surroundings=False)
+    bake = baked("nucleons.json", ["nucleons:0", "nucleons:1"], 48, walls=False)
     fields = [volume.field() for volume in bake.volumes]
     for volume in (0, 1):
         # The mesh of a ball of two voxels is no ball, unless its cells are cut.
@@ -92,17 +92,19 @@ def test_walls_at_three_isovalues():
 @pytest.mark.parametrize("back", [False, True])
 def test_path_tracer_under_every_light(back):
     volume = leaflight.bump_box(32)
-    description = match_leaves(leaflight.load_scene(SCENES / "lights.json"), [volume])
+    description = match_isosurfaces(leaflight.load_scene(SCENES / "lights.json"), [volume])
     scene, fields = fit_scene(description, [volume]), [volume.field()]
     measured = measure(scene, fields, 47.0, points=POINTS, samples=SAMPLES, back=back)
-    on_leaf = _core.project_to_leaf(fields[0], measured.probes.points, 47.0)
+    on_isosurface = _core.project_to_isosurface(fields[0], measured.probes.points, 47.0)
     core = core_scene(scene, fields, (3.0, 190.0))
-    traced = Truth.traced(on_leaf, *_core.reference(core, on_leaf, 47.0, SAMPLES, back=back))
+    traced = Truth.traced(
+        on_isosurface, *_core.reference(core, on_isosurface, 47.0, SAMPLES, back=back)
+    )
     assert_same_mean(traced, Truth.measured(measured))
 
 
 def test_a_lamp_of_twice_the_power_is_noticed():
-    bake = baked("mirror.json", ["bump_box"], 16, photons=100_000, surroundings=False)
+    bake = baked("mirror.json", ["bump_box"], 16, photons=100_000, walls=False)
     (lamp,) = bake.scene.lights
     brighter = replace(lamp, radiance=tuple(2 * x for x in lamp.radiance))
     wrong = replace(bake, scene=replace(bake.scene, lights=[brighter]))
@@ -112,7 +114,7 @@ def test_a_lamp_of_twice_the_power_is_noticed():
 
 def test_cancelling_ends_blender():
     volume = leaflight.bump_box(16)
-    scene = match_leaves(leaflight.load_scene(SCENES / "bump_box.json"), [volume])
+    scene = match_isosurfaces(leaflight.load_scene(SCENES / "bump_box.json"), [volume])
     progress = Progress()
     progress.cancel()
     with pytest.raises(Cancelled):

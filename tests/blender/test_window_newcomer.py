@@ -63,7 +63,7 @@ def test_the_stage_is_seen_lit_and_nothing_is_in_its_way(found):
 
 
 def test_the_picture_improves_while_it_bakes(found):
-    assert found["bake"]["rounds"] > 0
+    assert found["bake"]["passes"] > 0
 
 
 @pytest.fixture(scope="module")

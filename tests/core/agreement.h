@@ -65,22 +65,25 @@ Agreement agreement(const Scene<D>& scene, const std::vector<Vec<D>>& points,
                  [&](std::size_t i) { return lookup_world(scene, baked, points[i]); });
 }
 
-// Every `step`-th vertex of the leaf, moved off the grid's edges and back onto the leaf.
-inline std::vector<Vec3> leaf_points(const Field<3>& field, double isovalue, std::size_t step) {
+// Every `step`-th vertex of the isosurface, moved off the grid's edges and back onto the
+// isosurface.
+inline std::vector<Vec3> isosurface_points(const Field<3>& field, double isovalue,
+                                           std::size_t step) {
   const IsosurfaceMesh mesh = contour(field, isovalue);
   std::vector<Vec3> points;
   for (std::size_t t = 0; t < mesh.triangles.size(); t += step) {
     Vec3 centre(0.0);
     for (const int v : mesh.triangles[t]) centre += Vec3(mesh.vertices[v]) / 3;
-    points.push_back(project_to_leaf(field, centre, isovalue));
+    points.push_back(project_to_isosurface(field, centre, isovalue));
   }
   return points;
 }
 
-// Bakes, and compares the first volume's leaf with the path tracer.
+// Bakes, and compares the first volume's isosurface with the path tracer.
 inline void expect_agreement(const Scene<3>& scene, double c, EstimatorName estimator, int samples,
                              int photons, double mean_tolerance, double rms_tolerance) {
-  const std::vector<Vec3> points = leaf_points(field_of(scene), scene.volumes[0].isovalue(c), 17);
+  const std::vector<Vec3> points =
+      isosurface_points(field_of(scene), scene.volumes[0].isovalue(c), 17);
   Progress progress;
   const auto reference =
       reference_radiance(scene, points, reference_settings(c, fewer(1024), 3), progress);

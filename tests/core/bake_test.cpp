@@ -26,7 +26,7 @@ TEST(Bake, ReportsProgress) {
   EXPECT_FALSE(progress.stage().empty());
 }
 
-TEST(Bake, StoresOnlyTexelsThatALeafReaches) {
+TEST(Bake, StoresOnlyTexelsThatAIsosurfaceReaches) {
   const Scene<3> scene = test::cornell(test::ball<3>(49), {0.85, 0.9});
   Progress progress;
   const RadianceGrid<3> grid = bake(scene, quick(), progress).grids[0];
@@ -136,8 +136,7 @@ TEST(Bake, RefusesObjectsInTheWrongPlace) {
     for (auto& v : mesh.vertices) v.x += 10;
   }
   lamp(scene).corner.x += 10;
-  EXPECT_NE(message(scene).find("The volume 'brain' lies outside the surroundings"),
-            std::string::npos);
+  EXPECT_NE(message(scene).find("The volume 'brain' lies outside the walls"), std::string::npos);
   scene.lights.push_back(SunLight<3>{"sun", Vec3(0, 0, -1), Rgb(1), 0});
   EXPECT_EQ(message(scene), "") << "lit outside the room";
 }

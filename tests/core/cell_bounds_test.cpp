@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "fields.h"
-#include "trace/leaf_ray.h"
+#include "trace/isosurface_ray.h"
 
 namespace leaflight {
 namespace {
@@ -95,8 +95,8 @@ void expect_bounds_hold(const Field<D>& field, double c) {
 }
 
 template <int D>
-LeafRay<D> random_ray(Random& random, const Field<D>& field) {
-  LeafRay<D> ray;
+IsosurfaceRay<D> random_ray(Random& random, const Field<D>& field) {
+  IsosurfaceRay<D> ray;
   for (int a = 0; a < D; ++a) {
     ray.position[a] = (1.4 * random.uniform() - 0.2) * field.dims[a];
     ray.direction[a] = random.uniform() * field.dims[a] - ray.position[a];
@@ -144,7 +144,7 @@ TEST(CellBounds, WholeNumbersGiveTheSameHits) {
   Random random(7);
   int hits = 0;
   for (int i = 0; i < 20'000; ++i) {
-    LeafRay<3> ray = random_ray(random, whole);
+    IsosurfaceRay<3> ray = random_ray(random, whole);
     if (i % 2) ray.isovalue = std::ceil(ray.isovalue);
     const auto found = intersect(whole, ray);
     ray.isovalue *= 2;
@@ -165,7 +165,7 @@ void expect_occlusion_where_there_are_hits() {
     Random random(9);
     int hits = 0;
     for (int i = 0; i < 5'000; ++i) {
-      LeafRay<D> ray = random_ray(random, field);
+      IsosurfaceRay<D> ray = random_ray(random, field);
       if (i % 3 == 0) ray.t_max = random.uniform();
       const bool is_hit = intersect(field, ray).has_value();
       hits += is_hit;

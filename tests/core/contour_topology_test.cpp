@@ -17,9 +17,9 @@ namespace {
 
 using Corners = std::array<double, 8>;
 
-// How many regions the samples on one side of the leaf form, in the whole cell or on its faces
-// alone: at least, if samples that touch at a corner hang together, and at most, if only those do
-// that lie side by side.
+// How many regions the samples on one side of the isosurface form, in the whole cell or on its
+// faces alone: at least, if samples that touch at a corner hang together, and at most, if only
+// those do that lie side by side.
 struct Regions {
   int least = 0, most = 0;
 };
@@ -111,7 +111,7 @@ Corners random_corners(Random& random, int kind) {
   return g;
 }
 
-// The lines in which the leaf meets the faces of the cell.
+// The lines in which the isosurface meets the faces of the cell.
 std::vector<std::vector<int>> polygons_of(const Corners& g) {
   unsigned above = 0;
   for (int corner = 0; corner < 8; ++corner) above |= (g[corner] >= 0) << corner;
@@ -207,7 +207,7 @@ TEST(ContourTopology, IntegersAreAClosedManifold) {
   }
 }
 
-TEST(ContourTopology, VerticesLieOnTheLeafInTheirCells) {
+TEST(ContourTopology, VerticesLieOnTheIsosurfaceInTheirCells) {
   const Field<3> field = test::noise<3>(18, 3, -1.0);
   const MarchingCubes cubes(field, 0.5);
   IsosurfaceMesh mesh;

@@ -38,7 +38,7 @@ PointLight<D> point_light(const Vec<D>& position) {
   return light;
 }
 
-// Two bumps, so that leaves throw shadows on themselves.
+// Two bumps, so that isosurfaces throw shadows on themselves.
 template <int D>
 Field<D> bumps(int n) {
   return test::sampled<D>(n, [](const Vec<D>& x) {
@@ -48,13 +48,13 @@ Field<D> bumps(int n) {
   });
 }
 
-// What is found at random points of random leaves, and what shadow rays to the same light points
-// find there: the RMS difference over the RMS of the truth, and the ratio of the means.
+// What is found at random points of random isosurfaces, and what shadow rays to the same light
+// points find there: the RMS difference over the RMS of the truth, and the ratio of the means.
 template <int D>
-test::Agreement against_rays(const Scene<D>& scene, bool inner) {
+test::Agreement against_rays(const Scene<D>& scene, bool back) {
   const SceneTracer<D> tracer(scene);
   const SplitLight<D> split = split_light(tracer);
-  const DirectLight<D> direct(tracer, 0, split.points, scene.volumes[0].field.dims, inner, ignored);
+  const DirectLight<D> direct(tracer, 0, split.points, scene.volumes[0].field.dims, back, ignored);
   const Field<D>& field = scene.volumes[0].field;
   Random random(7, 1, D);
   double difference = 0, square = 0, found_sum = 0, true_sum = 0;
@@ -63,9 +63,9 @@ test::Agreement against_rays(const Scene<D>& scene, bool inner) {
     for (int a = 0; a < D; ++a) position[a] = random.uniform() * (field.dims[a] - 1);
     const CellPoint<D> at = locate(field, position);
     const double h = interpolate(load_corners(field, at.cell), at.local);
-    const double c = scene.volumes[0].leaf_coordinate(h);
+    const double c = scene.volumes[0].common_isovalue(h);
     if (!scene.window.contains(c)) continue;
-    const SurfacePoint<D> point = tracer.leaf_point(0, at, c, inner);
+    const SurfacePoint<D> point = tracer.isosurface_point(0, at, c, back);
     if (point.kind() == HitKind::none) continue;
     double truth = 0;
     for (const LightPoint<D>& light : split.points) {
@@ -82,7 +82,7 @@ test::Agreement against_rays(const Scene<D>& scene, bool inner) {
       truth += average(point.albedo * source.amount) * source.strength(unit, distance) * cosine /
                projected_hemisphere<D>;
     }
-    const double found = average(direct.radiance(field, position, inner));
+    const double found = average(direct.radiance(field, position, back));
     difference += (found - truth) * (found - truth);
     square += truth * truth;
     found_sum += found;
@@ -99,9 +99,9 @@ Scene<D> lit(Field<D> field, const IsovalueWindow& window, const Light<D>& light
 }
 
 template <int D>
-void expect_shadows(const char* name, const Scene<D>& scene, bool inner = false,
+void expect_shadows(const char* name, const Scene<D>& scene, bool back = false,
                     double most = 0.06) {
-  const test::Agreement found = against_rays(scene, inner);
+  const test::Agreement found = against_rays(scene, back);
   EXPECT_NEAR(found.mean_ratio, 1, 0.015) << name << " in " << D << " dimensions";
   EXPECT_LT(found.relative_rms, most) << name << " in " << D << " dimensions";
 }
@@ -120,11 +120,11 @@ void expect_shadows_of_all_lights(int n) {
                     lit<D>(bumps<D>(n), window, SunLight<D>{"sun", along_all<D>(-1, 0), Rgb(1)}));
 }
 
-TEST(DirectLightOfLeaves, HasTheShadowsOfRays) { expect_shadows_of_all_lights<3>(41); }
+TEST(DirectLightOfIsosurfaces, HasTheShadowsOfRays) { expect_shadows_of_all_lights<3>(41); }
 
-TEST(DirectLightOfLeaves, HasThemInThePlane) { expect_shadows_of_all_lights<2>(121); }
+TEST(DirectLightOfIsosurfaces, HasThemInThePlane) { expect_shadows_of_all_lights<2>(121); }
 
-TEST(DirectLightOfLeaves, HasThoseOfMeshes) {
+TEST(DirectLightOfIsosurfaces, HasThoseOfMeshes) {
   Scene<3> scene = lit<3>(bumps<3>(41), {0.2, 0.9}, point_light<3>({0.5, 0.5, 1.6}));
   scene.meshes.push_back(
       test::wall("plate", {0.1, 0.1, 1.1}, {0.35, 0, 0}, {0, 0.9, 0}, Rgb(0.5f)));
@@ -134,14 +134,14 @@ TEST(DirectLightOfLeaves, HasThoseOfMeshes) {
   expect_shadows("a wall within", scene, false, 0.15);
 }
 
-TEST(DirectLightOfLeaves, HasThoseOfInnerSides) {
+TEST(DirectLightOfIsosurfaces, HasThoseOfInnerSides) {
   // A bowl: light falls into it from above.
   const Field<3> bowl =
       test::sampled<3>(41, [](const Vec3& x) { return 1.1 - (x - Vec3(0.5, 0.5, 0.9)).length(); });
   expect_shadows("bowl", lit<3>(bowl, {0.55, 0.9}, point_light<3>({0.5, 0.45, 1.3})), true, 0.1);
 }
 
-TEST(DirectLightOfLeaves, HasThemWhereVoxelsAreNoCubes) {
+TEST(DirectLightOfIsosurfaces, HasThemWhereVoxelsAreNoCubes) {
   Field<3> field = bumps<3>(41);
   Affine<3> sheared = field.index_to_world;
   sheared.column[0] *= 1.7;
@@ -151,8 +151,8 @@ TEST(DirectLightOfLeaves, HasThemWhereVoxelsAreNoCubes) {
   expect_shadows("sheared", lit<3>(stretched, {0.2, 0.9}, point_light<3>({1.5, 0.4, 1.2})));
 }
 
-TEST(DirectLightOfLeaves, IsTheSameForAnyIsovalueUnits) {
-  // Bytes, and a leaf coordinate of other units.
+TEST(DirectLightOfIsosurfaces, IsTheSameForAnyIsovalueUnits) {
+  // Bytes, and a common isovalue of other units.
   const Field<3> field = bumps<3>(33);
   std::vector<std::uint8_t> bytes;
   for (const float h : test::values_of(field)) {
@@ -165,7 +165,7 @@ TEST(DirectLightOfLeaves, IsTheSameForAnyIsovalueUnits) {
   expect_shadows("bytes", scene);
 }
 
-TEST(DirectLightOfLeaves, PassesOverMaskedVoxels) {
+TEST(DirectLightOfIsosurfaces, PassesOverMaskedVoxels) {
   std::vector<float> values = test::values_of(bumps<3>(33));
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (i % 33 > 28) values[i] = std::numeric_limits<float>::quiet_NaN();
@@ -175,7 +175,7 @@ TEST(DirectLightOfLeaves, PassesOverMaskedVoxels) {
   expect_shadows("masked", lit<3>(field, {0.2, 0.9}, lamp_above<3>()));
 }
 
-TEST(DirectLightOfLeaves, IsNothingWithoutLights) {
+TEST(DirectLightOfIsosurfaces, IsNothingWithoutLights) {
   const Scene<3> scene = test::scene_of(bumps<3>(17), Rgb(0.5f), {0.2, 0.9});
   const SceneTracer<3> tracer(scene);
   const DirectLight<3> direct(tracer, 0, split_light(tracer).points, scene.volumes[0].field.dims,

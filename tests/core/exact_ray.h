@@ -2,7 +2,7 @@
 #pragma once
 
 #include "exact.h"
-#include "trace/leaf_ray.h"
+#include "trace/isosurface_ray.h"
 
 namespace leaflight::test {
 
@@ -11,7 +11,7 @@ namespace leaflight::test {
 template <int D>
 class ExactRay {
  public:
-  ExactRay(const Field<D>& field, const LeafRay<D>& ray) : field_(field), ray_(ray) {
+  ExactRay(const Field<D>& field, const IsosurfaceRay<D>& ray) : field_(field), ray_(ray) {
     position_ = exact_point<D>(ray.position);
     direction_ = exact_point<D>(ray.direction);
     Quad first = 0, last = std::numeric_limits<double>::max();
@@ -41,7 +41,7 @@ class ExactRay {
   bool enters() const { return cuts_.size() > 1 && cuts_.back() - cuts_.front() > 1e-12; }
   Quad height_at_entry() const { return piece(0)[0]; }
 
-  // Whether it departs to higher values, where it starts on its leaf.
+  // Whether it departs to higher values, where it starts on its isosurface.
   bool rises() const {
     std::size_t i = 0;
     while (i + 2 < cuts_.size() && cuts_[i + 1] - cuts_[i] < 1e-12) ++i;
@@ -50,13 +50,13 @@ class ExactRay {
 
   // The first change of side; `tolerance` is of h.
   ExactCrossing first_crossing(double tolerance) const {
-    CrossingSearch search(ray_.starts_on_leaf ? ray_.starts_above : height_at_entry() >= 0);
+    CrossingSearch search(ray_.starts_on_isosurface ? ray_.starts_above : height_at_entry() >= 0);
     for (std::size_t i = 0; i + 1 < cuts_.size(); ++i) {
       const ExactPolynomial p = piece(i);
       for (const Quad s : monotone_knots(p)) {
         const auto t = static_cast<double>(cuts_[i] + s * (cuts_[i + 1] - cuts_[i]));
         // The root at the start is not a crossing.
-        if (ray_.starts_on_leaf && t < 1e-12) continue;
+        if (ray_.starts_on_isosurface && t < 1e-12) continue;
         if (search.add(t, value(p, s), tolerance)) return search.crossing();
       }
     }
@@ -87,7 +87,7 @@ class ExactRay {
   }
 
   const Field<D>& field_;
-  const LeafRay<D>& ray_;
+  const IsosurfaceRay<D>& ray_;
   ExactPoint<D> position_, direction_;
   std::vector<Quad> cuts_;  // ascending
 };

@@ -50,7 +50,7 @@ Field<D> sampled(int n, const std::function<double(const Vec<D>&)>& h) {
   return field_from<D>(std::move(values), dims, unit_cube<D>(n));
 }
 
-// Higher inside: the leaf c is the sphere (circle) of radius 1 - c about the centre.
+// Higher inside: the isosurface c is the sphere (circle) of radius 1 - c about the centre.
 template <int D>
 Field<D> ball(int n, const Vec<D>& centre = Vec<D>(0.5)) {
   return sampled<D>(n, [&](const Vec<D>& x) { return 1 - (x - centre).length(); });
@@ -64,7 +64,7 @@ inline Field<3> torus(int n) {
   });
 }
 
-// Uniform noise, `low` on the border so that every leaf above it is closed.
+// Uniform noise, `low` on the border so that every isosurface above it is closed.
 template <int D>
 Field<D> noise(int n, std::uint64_t seed, double border) {
   Random random(seed);

@@ -17,9 +17,9 @@ struct Filtering {
   Scene<3> scene;
   SceneTracer<3> tracer{scene};
   EmptySpace<3> empty{scene.volumes[0].field, scene.window.min};
-  SweptVolume<3> volume{tracer, 0, empty};
-  SweptLattice<3> texels{make_lattice(scene.volumes[0].field, scene.volumes[0].field.dims,
-                                      scene.window.min, scene.window.max)};
+  LineVolume<3> volume{tracer, 0, empty};
+  IndexedLattice<3> texels{make_lattice(scene.volumes[0].field, scene.volumes[0].field.dims,
+                                        scene.window.min, scene.window.max)};
 
   // The RMS error of the mean over the channels before and after, what variances say of the latter,
   // the share of texels that are within 1.96 standard errors of the truth, and the mean error.
@@ -93,7 +93,7 @@ TEST(FilteredLight, KeepsWhatIsNoNoise) {
 }
 
 TEST(FilteredLight, DoesNotMixTheFacesOfAThinShell) {
-  // h has a ridge: leaves about it face both ways, two voxels apart.
+  // h has a ridge: isosurfaces about it face both ways, two voxels apart.
   const Scene<3> shell = test::scene_of(
       test::sampled<3>(33, [](const Vec3& x) { return 1 - std::abs(x.z - 0.5) * 16; }), Rgb(0.5f),
       {0.2, 0.8});

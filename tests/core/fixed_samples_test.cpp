@@ -6,7 +6,7 @@
 
 #include "cancelling.h"
 #include "math/error.h"
-#include "whole_rounds.h"
+#include "whole_passes.h"
 
 namespace leaflight {
 namespace {
@@ -82,18 +82,17 @@ TEST(Plan, SaysWhatItSkipsAndWhy) {
   const Plan all = plan_for(scene, EstimatorName::gather);
   std::vector<std::string> skipped;
   for (const SkippedPass& pass : all.skipped) skipped.push_back(pass.pass);
-  const std::vector<std::string> expected{"specular light", "caustics",
-                                          "radiance of the surroundings", "inner side",
-                                          "radiance of the inner side"};
+  const std::vector<std::string> expected{"specular light", "caustics", "radiance of the walls",
+                                          "back", "radiance of the back"};
   EXPECT_EQ(skipped, expected);
-  EXPECT_FALSE(all.inner_side);
+  EXPECT_FALSE(all.back_side);
 
   const Plan path = plan_for(scene, EstimatorName::path);
   EXPECT_FALSE(path.photons);
   EXPECT_TRUE(path.indirect);
 
   scene.meshes.clear();
-  EXPECT_FALSE(plan_for(scene, EstimatorName::gather).surroundings_cache);
+  EXPECT_FALSE(plan_for(scene, EstimatorName::gather).wall_cache);
   EXPECT_TRUE(plan_for(scene, EstimatorName::gather).photons);
 
   scene.volumes[0].albedo = Rgb(0);
@@ -103,14 +102,14 @@ TEST(Plan, SaysWhatItSkipsAndWhy) {
   EXPECT_EQ(black.skipped.size(), 8u);
 }
 
-TEST(Plan, InnerSideIsNeededWhereALeafIsOpen) {
+TEST(Plan, InnerSideIsNeededWhereAIsosurfaceIsOpen) {
   Scene<3> open = small_scene();
-  open.window = {0.1, 0.9};  // the lowest leaves meet the border of the domain
-  EXPECT_TRUE(plan_for(open, EstimatorName::gather).inner_side);
+  open.window = {0.1, 0.9};  // the lowest isosurfaces meet the border of the domain
+  EXPECT_TRUE(plan_for(open, EstimatorName::gather).back_side);
   Scene<3> lit_inside = small_scene();
   lit_inside.lights.push_back(
-      AreaLight<3>{"inner lamp", {0.5, 0.5, 0.5}, {Vec3(0.1, 0, 0), Vec3(0, 0.1, 0)}, Rgb(1)});
-  EXPECT_TRUE(plan_for(lit_inside, EstimatorName::gather).inner_side);
+      AreaLight<3>{"back lamp", {0.5, 0.5, 0.5}, {Vec3(0.1, 0, 0), Vec3(0, 0.1, 0)}, Rgb(1)});
+  EXPECT_TRUE(plan_for(lit_inside, EstimatorName::gather).back_side);
 }
 
 // A lamp reaches with an edge of its box into a domain that lies askew; the lowest and highest
@@ -127,14 +126,14 @@ TEST(Plan, InnerSideIsNeededWhereALampReachesIn) {
   for (const double y : {0.0, -1.5}) {
     lamp.position = Vec3(0.5, y, 0.5);
     scene.lights = {lamp};
-    EXPECT_EQ(plan_for(scene, EstimatorName::gather).inner_side, y == 0) << y;
+    EXPECT_EQ(plan_for(scene, EstimatorName::gather).back_side, y == 0) << y;
   }
 }
 
 TEST(Plan, ForcingASkippedPassChangesNothing) {
   const Scene<3> scene = small_scene();
   Plan forced = plan_for(scene, EstimatorName::gather);
-  forced.inner_side = true;
+  forced.back_side = true;
   Progress first, second;
   EXPECT_TRUE(same_bits(bake_with_fixed_samples(scene, quick(), first),
                         bake_with_fixed_samples(scene, quick(), forced, second)));

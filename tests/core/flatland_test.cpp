@@ -36,8 +36,8 @@ void add_wall(Scene<2>& scene, const Wall& wall, const Rgb& albedo) {
   scene.meshes.push_back(mesh);
 }
 
-Scene<2> disc_scene(const Rgb& leaf_albedo) {
-  return test::scene_of(test::ball<2>(65), leaf_albedo, {0.55, 0.9});
+Scene<2> disc_scene(const Rgb& isosurface_albedo) {
+  return test::scene_of(test::ball<2>(65), isosurface_albedo, {0.55, 0.9});
 }
 
 Scene<2> furnace(double albedo) {
@@ -64,7 +64,7 @@ std::vector<Point> disc_points(const Field<2>& field, int n) {
   for (int i = 0; i < n; ++i) {
     const double angle = 2 * pi * (i + 0.3) / n;
     const Point p = Point(0.5) + Point(std::cos(angle), std::sin(angle)) * (1 - c);
-    points.push_back(project_to_leaf(field, p, c));
+    points.push_back(project_to_isosurface(field, p, c));
   }
   return points;
 }

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "fields.h"
-#include "trace/leaf_ray.h"
+#include "trace/isosurface_ray.h"
 
 namespace leaflight {
 namespace {
@@ -97,7 +97,7 @@ TEST(GreatestValue, TellsWhichIsosurfacesBlockTheWay) {
     const double found = greatest_value(field, way.from, way.direction, infinity, least);
     greater += found > least;
     for (const double c : {found - 1e-6, found + 1e-6}) {
-      LeafRay<3> ray;
+      IsosurfaceRay<3> ray;
       ray.position = way.from;
       ray.direction = way.direction;
       ray.isovalue = c;
@@ -109,7 +109,7 @@ TEST(GreatestValue, TellsWhichIsosurfacesBlockTheWay) {
   EXPECT_GT(greater, 1000);
 }
 
-TEST(GreatestValue, LeavesOutCellsWithoutData) {
+TEST(GreatestValue, IsosurfacesOutCellsWithoutData) {
   std::vector<float> values(10 * 10 * 10, 1.0f);
   const auto at = [&](int x) -> float& { return values[x + 10 * (5 + 10 * 5)]; };
   at(2) = 3.0f;

@@ -126,17 +126,18 @@ TEST_F(Files, DamagedVdbIsRefused) {
   const Scene<3> scene = test::cornell(test::ball<3>(17), {0.6, 0.9});
   write_bake(path("a.vdb"), {&test::field_of(scene)}, small_bake(scene), {});
   const std::uintmax_t size = fs::file_size(path("a.vdb"));
-  for (const double kept : {0.999, 0.9, 0.5, 0.1, 0.01}) {
-    fs::resize_file(path("a.vdb"), static_cast<std::uintmax_t>(kept * static_cast<double>(size)));
+  for (const double previous : {0.999, 0.9, 0.5, 0.1, 0.01}) {
+    fs::resize_file(path("a.vdb"),
+                    static_cast<std::uintmax_t>(previous * static_cast<double>(size)));
     EXPECT_NE(message_of([&] { read_bake(path("a.vdb")); }).find("a.vdb"), std::string::npos)
-        << kept;
+        << previous;
   }
   write("b.vdb", "this is no VDB file at all");
   EXPECT_NE(message_of([&] { read_bake(path("b.vdb")); }).find("OpenVDB"), std::string::npos);
   EXPECT_NE(message_of([&] { read_bake(path("none.vdb")); }).find("no file"), std::string::npos);
 }
 
-TEST_F(Files, FailedWriteLeavesTheFileBefore) {
+TEST_F(Files, FailedWriteIsosurfacesTheFileBefore) {
   write("x.bin", "before");
   const auto fail = [](std::ostream& stream) {
     stream << "half";

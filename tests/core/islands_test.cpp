@@ -10,7 +10,7 @@
 namespace leaflight {
 namespace {
 
-// Balls whose leaf 0.5 has the radii 0.3 and 0.05.
+// Balls whose isosurface 0.5 has the radii 0.3 and 0.05.
 IsosurfaceMesh large_and_small_ball() {
   const auto field = test::sampled<3>(41, [](const Vec3& x) {
     const double large = 0.3 - (x - Vec3(0.35)).length(), small = 0.05 - (x - Vec3(0.85)).length();
@@ -27,15 +27,15 @@ LargeParts parts_of(const IsosurfaceMesh& mesh, float smallest) {
 TEST(Islands, SmallOnesGo) {
   const IsosurfaceMesh mesh = large_and_small_ball();
   const LargeParts parts = parts_of(mesh, 0.15f);
-  IsosurfaceMesh kept;
+  IsosurfaceMesh previous;
   for (const std::int32_t v : parts.vertices) {
-    kept.vertices.push_back(mesh.vertices[v]);
+    previous.vertices.push_back(mesh.vertices[v]);
     EXPECT_NEAR((Vec3(mesh.vertices[v]) - Vec3(0.35)).length(), 0.3, 0.01);
   }
-  kept.triangles = parts.triangles;
-  EXPECT_TRUE(test::closed(kept));
-  EXPECT_EQ(test::euler_characteristic(kept), 2);
-  EXPECT_LT(kept.vertices.size(), mesh.vertices.size());
+  previous.triangles = parts.triangles;
+  EXPECT_TRUE(test::closed(previous));
+  EXPECT_EQ(test::euler_characteristic(previous), 2);
+  EXPECT_LT(previous.vertices.size(), mesh.vertices.size());
 }
 
 TEST(Islands, AllStayOrGoByTheirLength) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Each luminaire against a closed form, and its photons against its shadow rays.
+// Each lamp against a closed form, and its photons against its shadow rays.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,13 +13,14 @@
 namespace leaflight {
 namespace {
 
-// h = z: the leaves are planes whose outside faces -z, towards lights below.
+// h = z: the isosurfaces are planes whose outside faces -z, towards lights below.
 Scene<3> plane(const Rgb& albedo) {
   return test::scene_of(test::sampled<3>(17, [](const Vec3& x) { return x.z; }), albedo,
                         {0.2, 0.8});
 }
 
-// Direct radiance over albedo / pi at a point of the leaf 0.5, the reference's mean and error.
+// Direct radiance over albedo / pi at a point of the isosurface 0.5, the reference's mean and
+// error.
 struct Irradiance {
   double mean, error;
 };
@@ -151,22 +152,22 @@ TEST(Lights, ConstantEnvironmentIsAFurnace) {
   EXPECT_NEAR(radiance.z, 1.8, 1e-3);
 }
 
-// Photons bring the same direct irradiance as shadow rays: the flux that lands on a leaf.
+// Photons bring the same direct irradiance as shadow rays: the flux that lands on an isosurface.
 template <int D>
 void expect_photons_agree(const Scene<D>& scene) {
   const SceneTracer<D> tracer(scene);
   const LightSampler<D> lights(tracer);
   constexpr std::uint64_t count = test::fewer(500'000);
   double landed = 0, landed2 = 0;
-  trace_photons(tracer, lights, PhotonPaths::all, 1, 0, count, count,
-                [&](const PhotonHit<D>& photon) {
-                  if (photon.arrival == Arrival::direct && photon.point.kind() == HitKind::leaf &&
-                      !photon.point.leaf().above) {
-                    const double flux = average(photon.flux_height) * scene.window.height();
-                    landed += flux;
-                    landed2 += flux * flux;
-                  }
-                });
+  trace_photons(
+      tracer, lights, PhotonPaths::all, 1, 0, count, count, [&](const PhotonHit<D>& photon) {
+        if (photon.arrival == Arrival::direct && photon.point.kind() == HitKind::isosurface &&
+            !photon.point.isosurface().above) {
+          const double flux = average(photon.flux_height) * scene.window.height();
+          landed += flux;
+          landed2 += flux * flux;
+        }
+      });
   // Integral over the volume of irradiance |grad c| dV.
   Random random(3);
   double gathered = 0, gathered2 = 0;
@@ -184,12 +185,12 @@ void expect_photons_agree(const Scene<D>& scene) {
     const CellPoint<D> at = locate(volume.field, position);
     const double h = interpolate(load_corners(volume.field, at.cell), at.local);
     if (!scene.window.contains(h)) continue;
-    const SurfacePoint<D> point = tracer.leaf_point(0, at, h, false);
+    const SurfacePoint<D> point = tracer.isosurface_point(0, at, h, false);
     if (point.kind() == HitKind::none) continue;
     const double choice = random.uniform(), u = random.uniform();
     const Rgb radiance = lights.direct_radiance(point, choice, {u, random.uniform()}, rays);
-    const double flux = average(radiance) * projected_hemisphere<D> * point.leaf().gradient_length *
-                        measure / samples;
+    const double flux = average(radiance) * projected_hemisphere<D> *
+                        point.isosurface().gradient_length * measure / samples;
     gathered += flux;
     gathered2 += flux * flux;
   }
@@ -243,7 +244,7 @@ TEST(Lights, SeveralShareTheSamples) {
                     irradiance_at(first, place).mean + irradiance_at(second, place).mean);
 }
 
-// A bake with all luminaires at once against the path tracer.
+// A bake with all lamps at once against the path tracer.
 TEST(Lights, BakeOfAllAgreesWithPaths) {
   Scene<3> scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
   scene.lights.push_back(PointLight<3>{"bulb", {0.1, -0.1, 0.3}, 0.05, Rgb(0.2f), {}});

@@ -102,7 +102,7 @@ TEST(MarchingCubes, NothingOutsideTheData) {
 }
 
 // Cut on a part of the surface only, so that triangles have none, one, two and three edges cut.
-TEST(SplitEdges, LeavesNoCracksAndFollowsTheLeaf) {
+TEST(SplitEdges, IsosurfacesNoCracksAndFollowsTheIsosurface) {
   const Field<3> field = test::ball<3>(21);
   const IsosurfaceMesh mesh = contour(field, 0.7);
   for (const double share : {0.0, 0.3, 0.7, 1.0}) {
@@ -124,14 +124,14 @@ TEST(SplitEdges, LeavesNoCracksAndFollowsTheLeaf) {
       ASSERT_NEAR(interpolate(load_corners(field, at.cell), at.local), 0.7, 1e-5);
       ASSERT_GT((p - Vec3(0.5)).normalized().dot(Vec3(split.normals[v])), 0.99);
     }
-    // The leaf bulges out beyond chords.
+    // The isosurface bulges out beyond chords.
     const double gained = signed_volume(split) - signed_volume(mesh);
     EXPECT_GE(gained, share * 1e-5) << share;
     EXPECT_LE(gained, 4.0 / 3 * pi * 0.027 - signed_volume(mesh)) << share;
   }
 }
 
-TEST(SplitEdges, LeavesNoCracksInNoise) {
+TEST(SplitEdges, IsosurfacesNoCracksInNoise) {
   const Field<3> field = test::noise<3>(12, 5, -1.0);
   const IsosurfaceMesh mesh = contour(field, 0.5);
   ASSERT_TRUE(closed(mesh));

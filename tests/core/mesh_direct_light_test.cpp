@@ -38,11 +38,11 @@ Scene<D> over_floor(const Light<D>& light) {
   return scene;
 }
 
-// At vertices of a mesh beside some leaves, against shadow rays to points all over the lights.
+// At vertices of a mesh beside some isosurfaces, against shadow rays to points all over the lights.
 template <int D>
 test::Agreement against_rays(const Scene<D>& scene, int mesh = 0) {
   const SceneTracer<D> tracer(scene);
-  const std::vector<RefinedMesh<D>> meshes = refine(scene);
+  const std::vector<SubdividedMesh<D>> meshes = subdivide(scene);
   const MeshDirectLight<D> direct(tracer, meshes, ignored);
   const LightSampler<D> lights(tracer);
   const FineMesh<D>& fine = meshes[mesh].fine;
@@ -117,7 +117,7 @@ TEST(MeshDirectLight, KnowsShadowsOfMeshesAndLightOfMeshes) {
   expect_agreement<3>("glow", scene, 0.06);
 }
 
-// Of two volumes either blocks the way, each by its own isovalue of the leaf coordinate.
+// Of two volumes either blocks the way, each by its own isovalue of the common isovalue.
 TEST(MeshDirectLight, KnowsShadowsOfAllVolumes) {
   Scene<3> scene = over_floor<3>(
       AreaLight<3>{"lamp", {0.2, 0.2, 1.8}, {Vec3(0, 0.3, 0), Vec3(0.3, 0, 0)}, Rgb(1)});
@@ -144,7 +144,7 @@ TEST(MeshDirectLight, LightPassesThroughOpenIsosurfaces) {
 
 TEST(MeshDirectLight, LiesBetweenTheVerticesOfIndirectLight) {
   Scene<3> scene = test::cornell(test::ball<3>(9), {0.6, 0.9});
-  for (const RefinedMesh<3>& mesh : refine(scene)) {
+  for (const SubdividedMesh<3>& mesh : subdivide(scene)) {
     EXPECT_EQ(mesh.fine.facets.size(), 4 * mesh.coarse.facets.size());
     ASSERT_EQ(mesh.between.size(), mesh.fine.vertices.size());
     for (std::size_t v = 0; v < mesh.between.size(); ++v) {
@@ -156,7 +156,7 @@ TEST(MeshDirectLight, LiesBetweenTheVerticesOfIndirectLight) {
 }
 
 // Facets that meet at 5 degrees are one surface, those at 45 degrees are not.
-TEST(RefinedMesh, SharesVerticesAcrossACurve) {
+TEST(SubdividedMesh, SharesVerticesAcrossACurve) {
   for (const bool curved : {true, false}) {
     const double angle = (curved ? 5 : 45) * pi / 180;
     const auto y = static_cast<float>(1 + std::cos(angle));
@@ -166,7 +166,7 @@ TEST(RefinedMesh, SharesVerticesAcrossACurve) {
     strip.facets = {{0, 1, 3}, {0, 3, 2}, {2, 3, 5}, {2, 5, 4}};
     Scene<3> scene = test::scene_of(test::ball<3>(9), Rgb(0.7f), {0.6, 0.9});
     scene.meshes.push_back(strip);
-    const FineMesh<3> fine = refine(scene)[0].fine;
+    const FineMesh<3> fine = subdivide(scene)[0].fine;
     std::vector<double> tilts;
     for (std::size_t v = 0; v < fine.vertices.size(); ++v) {
       if (fine.vertices[v] == Vec<3, float>(0, 1, 0)) {

@@ -16,11 +16,11 @@ struct Count {
   double worst_residual = 0;
 
   template <int D>
-  void add(const Field<D>& field, const LeafRay<D>& ray, double tolerance) {
+  void add(const Field<D>& field, const IsosurfaceRay<D>& ray, double tolerance) {
     const test::ExactRay<D> exact(field, ray);
     if (!exact.enters()) return;
     const bool tie_at_entry = test::magnitude(exact.height_at_entry()) < tolerance;
-    if (tie_at_entry && !ray.starts_on_leaf) return;
+    if (tie_at_entry && !ray.starts_on_isosurface) return;
     const test::ExactCrossing truth = exact.first_crossing(tolerance);
     const auto found = intersect(field, ray);
     ++rays;
@@ -63,7 +63,7 @@ Count count_rays(const Field<3>& field, double isovalue, std::uint64_t seed, int
   Count count;
   Random random(seed);
   for (int i = 0; i < rays; ++i) {
-    LeafRay<3> ray;
+    IsosurfaceRay<3> ray;
     ray.isovalue = isovalue;
     make(random, ray);
     count.add(field, ray, tolerance);
@@ -74,7 +74,7 @@ Count count_rays(const Field<3>& field, double isovalue, std::uint64_t seed, int
 int rays_of(int usual) { return static_cast<int>(test::trials(usual, 10 * usual)); }
 
 // Along an edge of the grid, from outside or within.
-void along_edge(Random& random, LeafRay<3>& ray) {
+void along_edge(Random& random, IsosurfaceRay<3>& ray) {
   const int axis = any(random, 3);
   for (int a = 0; a < 3; ++a) ray.position[a] = any(random, voxels);
   ray.position[axis] = 3 * along_axis(random) - (voxels - 1);
@@ -83,7 +83,7 @@ void along_edge(Random& random, LeafRay<3>& ray) {
 }
 
 // In a face of the grid.
-void in_face(Random& random, LeafRay<3>& ray) {
+void in_face(Random& random, IsosurfaceRay<3>& ray) {
   const int axis = any(random, 3);
   for (int a = 0; a < 3; ++a) {
     ray.position[a] = 3 * along_axis(random) - (voxels - 1);
@@ -94,7 +94,7 @@ void in_face(Random& random, LeafRay<3>& ray) {
 }
 
 // From one voxel through another: exactly through corners, and edges between.
-void through_corners(Random& random, LeafRay<3>& ray) {
+void through_corners(Random& random, IsosurfaceRay<3>& ray) {
   do {
     for (int a = 0; a < 3; ++a) {
       ray.position[a] = any(random, 3 * voxels) - voxels;
@@ -104,7 +104,7 @@ void through_corners(Random& random, LeafRay<3>& ray) {
 }
 
 // From anywhere to a point of an edge, which it meets but for rounding.
-void towards_edge(Random& random, LeafRay<3>& ray) {
+void towards_edge(Random& random, IsosurfaceRay<3>& ray) {
   Vec3 target;
   for (int a = 0; a < 3; ++a) {
     ray.position[a] = 3 * along_axis(random) - (voxels - 1);
@@ -128,7 +128,7 @@ TEST(NumericsRays, AlongEdgesFacesAndThroughCorners) {
 TEST(NumericsRays, TiesFollowTheRuleOnEdges) {
   const Field<3> field = values_of(true);
   const Count count =
-      count_rays(field, 2, 5, rays_of(20'000), 0, [](Random& random, LeafRay<3>& ray) {
+      count_rays(field, 2, 5, rays_of(20'000), 0, [](Random& random, IsosurfaceRay<3>& ray) {
         along_edge(random, ray);
         for (int a = 0; a < 3; ++a) ray.position[a] = std::round(ray.position[a]);
       });
@@ -155,7 +155,7 @@ TEST(NumericsRays, ZeroAndDenormalComponents) {
   int hits = 0;
   double worst = 0;
   for (int i = 0; i < rays; ++i) {
-    LeafRay<3> ray;
+    IsosurfaceRay<3> ray;
     ray.isovalue = 0.5;
     in_face(random, ray);
     if (i % 2) {
@@ -168,7 +168,7 @@ TEST(NumericsRays, ZeroAndDenormalComponents) {
     const auto plain = intersect(field, ray);
     hits += plain.has_value();
     for (const double tiny : {5e-324, -5e-324, 1e-310, -1e-310, 2.3e-308, 1e-200, -1e-100, 1e-30}) {
-      LeafRay<3> bent = ray;
+      IsosurfaceRay<3> bent = ray;
       for (int a = 0; a < 3; ++a) {
         if (ray.direction[a] == 0) bent.direction[a] = tiny;
       }
@@ -188,12 +188,12 @@ TEST(NumericsRays, LengthOfTheDirection) {
   Random random(71);
   double worst = 0;
   for (int i = 0; i < rays_of(2000); ++i) {
-    LeafRay<3> ray;
+    IsosurfaceRay<3> ray;
     ray.isovalue = 0.5;
     i % 2 ? in_face(random, ray) : towards_edge(random, ray);
     const auto plain = intersect(field, ray);
     for (const double length : {1e-100, 1e-20, 1e20, 1e100}) {
-      LeafRay<3> scaled = ray;
+      IsosurfaceRay<3> scaled = ray;
       scaled.direction *= length;
       for (int a = 0; a < 3; ++a) {
         if (ray.direction[a] == 0) scaled.direction[a] = -0.0;
@@ -207,20 +207,20 @@ TEST(NumericsRays, LengthOfTheDirection) {
   test::figure("length of the direction: largest change of t", worst);
 }
 
-// Points of the leaf within cells, on their faces and on their edges. What is met is never the
-// start.
+// Points of the isosurface within cells, on their faces and on their edges. What is met is never
+// the start.
 enum class Start { cell, face, edge };
 
-LeafRay<3> start_on_leaf(const Field<3>& field, Random& random, Start start) {
+IsosurfaceRay<3> start_on_isosurface(const Field<3>& field, Random& random, Start start) {
   for (;;) {
-    LeafRay<3> ray;
+    IsosurfaceRay<3> ray;
     ray.isovalue = 0.5;
     if (start == Start::cell) towards_edge(random, ray);
     if (start == Start::face) in_face(random, ray);
     if (start == Start::edge) along_edge(random, ray);
     const auto hit = intersect(field, ray);
     if (!hit) continue;
-    ray.starts_on_leaf = true;
+    ray.starts_on_isosurface = true;
     ray.origin = hit->point;
     ray.position = hit->point.index_position();
     ray.direction = test::random_direction(random);
@@ -230,7 +230,7 @@ LeafRay<3> start_on_leaf(const Field<3>& field, Random& random, Start start) {
   }
 }
 
-TEST(NumericsRays, StartingOnTheLeaf) {
+TEST(NumericsRays, StartingOnTheIsosurface) {
   const Field<3> field = values_of(false);
   for (const auto& [start, name] :
        {std::pair{Start::cell, "within cells"}, std::pair{Start::face, "on faces"},
@@ -238,9 +238,9 @@ TEST(NumericsRays, StartingOnTheLeaf) {
     Random random(73);
     Count count;
     for (int i = 0; i < rays_of(20'000); ++i) {
-      count.add(field, start_on_leaf(field, random, start), tie);
+      count.add(field, start_on_isosurface(field, random, start), tie);
     }
-    count.expect_none(std::string("starting on the leaf ") + name, tie);
+    count.expect_none(std::string("starting on the isosurface ") + name, tie);
   }
 }
 

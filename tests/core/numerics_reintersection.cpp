@@ -33,7 +33,7 @@ Scene<3> placed(const Field<3>& field, const Place& place, const IsovalueWindow&
       window);
 }
 
-// h = i + 2j + 3k, which single precision holds exactly: the leaves are planes.
+// h = i + 2j + 3k, which single precision holds exactly: the isosurfaces are planes.
 Field<3> linear() {
   return test::sampled<3>(9,
                           [](const Vec3& x) { return std::round(8 * x.x + 16 * x.y + 24 * x.z); });
@@ -49,7 +49,7 @@ Vec3 departure(const Vec3& normal, Random& random) {
 
 int rays_of(int usual) { return static_cast<int>(test::trials(usual, 10 * usual)); }
 
-TEST(NumericsReintersection, PlaneLeafIsNotMetAgain) {
+TEST(NumericsReintersection, PlaneIsosurfaceIsNotMetAgain) {
   const Field<3> field = linear();
   for (const Place& place : places) {
     const Scene<3> scene = placed(field, place, {1, 47});
@@ -60,18 +60,18 @@ TEST(NumericsReintersection, PlaneLeafIsNotMetAgain) {
       const double c = 10 + 28 * random.uniform();
       const Vec3 direction = test::random_direction(random);
       const Hit<3> hit = tracer.intersect(direction * -3, direction, c);
-      if (hit.kind != HitKind::leaf) continue;
+      if (hit.kind != HitKind::isosurface) continue;
       // Either side, as after a reflection and after a refraction.
       const bool above = random.uniform() < 0.5;
-      const SurfacePoint<3> from = tracer.leaf_point(0, hit.leaf.point, c, above);
+      const SurfacePoint<3> from = tracer.isosurface_point(0, hit.isosurface.point, c, above);
       ++started;
       again +=
           tracer.intersect(from, departure(from.geometric_normal, random)).kind != HitKind::none;
     }
     EXPECT_EQ(again, 0) << name_of(place);
     EXPECT_GT(started, rays_of(50'000) / 4);
-    test::figure("plane leaf, " + name_of(place) + ": rays", started);
-    test::figure("plane leaf, " + name_of(place) + ": self-hits", again);
+    test::figure("plane isosurface, " + name_of(place) + ": rays", started);
+    test::figure("plane isosurface, " + name_of(place) + ": self-hits", again);
   }
 }
 
@@ -98,7 +98,7 @@ TEST(NumericsReintersection, WallIsNotMetAgain) {
         if (u + v > 1) u = 1 - u, v = 1 - v;
         const SurfacePoint<3> from = tracer.facet_point(0, 0, u, v, i % 2, 20);
         const Hit<3> hit = tracer.intersect(from, departure(from.geometric_normal, random));
-        again += hit.kind == HitKind::surroundings;
+        again += hit.kind == HitKind::walls;
       }
       EXPECT_EQ(again, 0) << name_of(place) << ", width " << width;
       test::figure("wall, " + name_of(place) + ": rays", rays);
@@ -107,7 +107,7 @@ TEST(NumericsReintersection, WallIsNotMetAgain) {
   }
 }
 
-// The point of the leaf on a ray, and the next one on a ray from there.
+// The point of the isosurface on a ray, and the next one on a ray from there.
 struct Pair {
   Hit<3> first, second;
   double first_cosine = 1, second_cosine = 1;
@@ -118,12 +118,12 @@ Pair two_hits(const SceneTracer<3>& tracer, Random& random, double c) {
   const Vec3 direction = test::random_direction(random), aim = test::random_direction(random);
   const double u = random.uniform(), v = random.uniform();
   pair.first = tracer.intersect(aim * 0.2 - direction * 3, direction, c);
-  if (pair.first.kind != HitKind::leaf) return pair;
+  if (pair.first.kind != HitKind::isosurface) return pair;
   const SurfacePoint<3> from = tracer.surface_point(pair.first, direction, c);
   pair.first_cosine = -from.geometric_normal.dot(direction);
   const Vec3 on = sample_cosine_hemisphere<3>(from.geometric_normal, {u, v});
   pair.second = tracer.intersect(from, on);
-  if (pair.second.kind != HitKind::leaf) return pair;
+  if (pair.second.kind != HitKind::isosurface) return pair;
   pair.second_cosine = -tracer.surface_point(pair.second, on, c).geometric_normal.dot(on);
   return pair;
 }
@@ -149,10 +149,11 @@ TEST(NumericsReintersection, IsTheSameAtAnyScaleAndPlace) {
       }
       if (a.first.kind == HitKind::none) continue;
       ++hits;
-      worst = std::max(worst, std::abs(a.first.leaf.t - b.first.leaf.t) * a.first_cosine);
+      worst =
+          std::max(worst, std::abs(a.first.isosurface.t - b.first.isosurface.t) * a.first_cosine);
       if (a.second.kind == HitKind::none) continue;
-      worst = std::max(
-          worst, std::abs(a.second.leaf.t - b.second.leaf.t) * a.first_cosine * a.second_cosine);
+      worst = std::max(worst, std::abs(a.second.isosurface.t - b.second.isosurface.t) *
+                                  a.first_cosine * a.second_cosine);
     }
     EXPECT_EQ(differences, 0) << name_of(places[p]);
     EXPECT_GT(hits, rays_of(10'000) / 2);

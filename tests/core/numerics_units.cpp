@@ -104,7 +104,7 @@ void expect_alike(const Units& units, double most_rms, bool glowing = false) {
     const RadianceGrid<3> other = baked(scene_in(units, glowing), estimator);
     const Difference d = difference(plain(estimator, glowing), other, units.light);
     const std::string name =
-        units.name + (glowing ? ", glowing leaves, " : ", ") + traits_of(estimator).name;
+        units.name + (glowing ? ", glowing isosurfaces, " : ", ") + traits_of(estimator).name;
     EXPECT_TRUE(d.same_texels) << name;
     EXPECT_LE(d.rms, most_rms) << name;
     test::figure(name + ": relative RMS", d.rms);
@@ -121,7 +121,7 @@ TEST(NumericsUnits, HugeAndTinyValuesChangeNothing) {
   expect_alike({"values 1e-30", tiny}, 0);
 }
 
-TEST(NumericsUnits, HugeAndTinyValuesOfGlowingLeavesChangeNothing) {
+TEST(NumericsUnits, HugeAndTinyValuesOfGlowingIsosurfacesChangeNothing) {
   expect_alike({"values 1e30", huge}, 0, true);
   expect_alike({"values 1e-30", tiny}, 0, true);
 }
@@ -148,8 +148,8 @@ TEST(NumericsUnits, DisplacementChangesNothing) {
   expect_alike(units, 0);
 }
 
-// At 1e6 a double knows the isovalue to 6e-11, and the leaf to as much of the domain; radiance is
-// rounded to 6e-8.
+// At 1e6 a double knows the isovalue to 6e-11, and the isosurface to as much of the domain;
+// radiance is rounded to 6e-8.
 TEST(NumericsUnits, Offset) {
   expect_alike({"values - 1000", 1, -1000}, 0);
   expect_alike({"values + 1e6", 1, 1e6}, 1e-6);

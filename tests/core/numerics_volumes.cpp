@@ -136,7 +136,7 @@ TEST(NumericsVolumes, BakesAreFinite) {
   for (const Case& hard : cases()) expect_light(lit(hard.field, hard.window), hard.name);
 }
 
-// All the leaves at once of two volumes whose values are 60 decades apart.
+// All the isosurfaces at once of two volumes whose values are 60 decades apart.
 TEST(NumericsVolumes, TwoRangesAreFinite) {
   std::vector<Case> all = cases();
   Scene<3> scene = lit(all[0].field, {0.6, 0.9});
@@ -166,37 +166,37 @@ TEST(NumericsVolumes, VariationBelowSinglePrecisionIsRefused) {
   }
 }
 
-// The lamp lies in a leaf, shines from within one, or touches it with its edge.
-TEST(NumericsVolumes, LightOnALeaf) {
+// The lamp lies in an isosurface, shines from within one, or touches it with its edge.
+TEST(NumericsVolumes, LightOnAIsosurface) {
   const Field<3> field = test::sampled<3>(13, [](const Vec3& x) { return x.z; });
   Scene<3> scene = lit(field, {0.2, 0.8});
   scene.environment.reset();
   const Vec3 x(0.5, 0, 0), y(0, 0.5, 0), z(0, 0, 0.5);
-  scene.lights = {AreaLight<3>{"in a leaf", {0.25, 0.25, 0.5}, {x, y}, Rgb(1)}};
-  expect_light(scene, "lamp in a leaf, shining up");
-  scene.lights = {AreaLight<3>{"in a leaf", {0.25, 0.25, 0.5}, {y, x}, Rgb(1)}};
-  expect_light(scene, "lamp in a leaf, shining down");
+  scene.lights = {AreaLight<3>{"in an isosurface", {0.25, 0.25, 0.5}, {x, y}, Rgb(1)}};
+  expect_light(scene, "lamp in an isosurface, shining up");
+  scene.lights = {AreaLight<3>{"in an isosurface", {0.25, 0.25, 0.5}, {y, x}, Rgb(1)}};
+  expect_light(scene, "lamp in an isosurface, shining down");
   scene.lights = {AreaLight<3>{"on edge", {0.25, 0.5, 0.25}, {x, z}, Rgb(1)}};
-  expect_light(scene, "lamp across leaves");
+  expect_light(scene, "lamp across isosurfaces");
   for (const double radius : {0.0, 1e-12, 0.1}) {
     PointLight<3> bulb;
     bulb.intensity = Rgb(1);
     bulb.radius = radius;
     bulb.position = Vec3(0.5);
     scene.lights = {bulb};
-    expect_light(scene, "bulb in a leaf");
+    expect_light(scene, "bulb in an isosurface");
   }
 }
 
-// A leaf in the plane of a wall, on one side of it and on the other, and across it.
-TEST(NumericsVolumes, LeafOnAWall) {
+// An isosurface in the plane of a wall, on one side of it and on the other, and across it.
+TEST(NumericsVolumes, IsosurfaceOnAWall) {
   const Field<3> field = test::sampled<3>(13, [](const Vec3& x) { return x.z; });
   Scene<3> scene = lit(field, {0.499, 0.501});
   const Vec3 x(0.6, 0, 0), y(0, 0.6, 0), z(0, 0, 0.6);
-  scene.meshes = {test::wall("in a leaf", {0.2, 0.2, 0.5}, x, y, Rgb(0.5f))};
-  expect_light(scene, "wall in a leaf");
-  scene.meshes.back() = test::wall("across leaves", {0.2, 0.5, 0.2}, x, z, Rgb(0.5f));
-  expect_light(scene, "wall across leaves");
+  scene.meshes = {test::wall("in an isosurface", {0.2, 0.2, 0.5}, x, y, Rgb(0.5f))};
+  expect_light(scene, "wall in an isosurface");
+  scene.meshes.back() = test::wall("across isosurfaces", {0.2, 0.5, 0.2}, x, z, Rgb(0.5f));
+  expect_light(scene, "wall across isosurfaces");
 }
 
 std::vector<std::pair<std::string, Affine<3>>> any_transform() {
@@ -225,7 +225,7 @@ TEST(NumericsVolumes, FurnaceInAnyTransform) {
     const RadianceGrid<3> grid = bake_with_fixed_samples(scene, settings, progress).grids[0];
     double sum = 0, variance = 0, texels = 0;
     for (std::size_t s = 0; s < grid.radiance.size(); ++s) {
-      // Black texels are corners of the window's bounds that no leaf of it reaches.
+      // Black texels are corners of the window's bounds that no isosurface of it reaches.
       texels += grid.radiance[s].x > 0;
       sum += grid.radiance[s].x;
       variance += grid.radiance_error[s] * grid.radiance_error[s];
@@ -241,8 +241,8 @@ TEST(NumericsVolumes, FurnaceInAnyTransform) {
   }
 }
 
-// The photons' density is one over the area of leaves, which gradients tell: in the wrong space
-// they are off by the ratio of the axes. The mean of four seeds has a noise of about 2 %.
+// The photons' density is one over the area of isosurfaces, which gradients tell: in the wrong
+// space they are off by the ratio of the axes. The mean of four seeds has a noise of about 2 %.
 TEST(NumericsVolumes, PhotonsInAnyTransform) {
   constexpr int seeds = 4;
   for (const auto& [name, transform] : any_transform()) {
@@ -267,7 +267,7 @@ TEST(NumericsVolumes, PhotonsInAnyTransform) {
   }
 }
 
-// A window is as narrow as its owner likes: the radiance is 2 on the leaves of all.
+// A window is as narrow as its owner likes: the radiance is 2 on the isosurfaces of all.
 TEST(NumericsVolumes, FurnaceInNarrowWindows) {
   for (const double height : {1e-2, 1e-3, 1e-12}) {
     for (const EstimatorName estimator : estimators) {
@@ -279,7 +279,7 @@ TEST(NumericsVolumes, FurnaceInNarrowWindows) {
       settings.both_sides = false;
       Progress progress;
       const Baked<3> baked = bake_with_fixed_samples(scene, settings, progress);
-      const std::vector<Vec3> points = test::leaf_points(test::field_of(scene), 0.72, 5);
+      const std::vector<Vec3> points = test::isosurface_points(test::field_of(scene), 0.72, 5);
       double sum = 0, square = 0;
       for (const Vec3& point : points) {
         const double radiance = test::lookup_world(scene, baked, point).x;

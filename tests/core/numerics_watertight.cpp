@@ -24,7 +24,8 @@ Vec3 target(Random& random, int voxels) {
   return p;
 }
 
-// Rays from points above the isovalue: none leaves the closed leaf, and each meets it from above.
+// Rays from points above the isovalue: none leaves the closed isosurface, and each meets it from
+// above.
 void expect_closed(const std::string& name, Field<3> field, double c, std::int64_t rays) {
   const Scene<3> scene = displaced(std::move(field));
   const SceneTracer<3> tracer(scene);
@@ -41,8 +42,8 @@ void expect_closed(const std::string& name, Field<3> field, double c, std::int64
     const Vec3 origin = index_to_frame.point(from);
     const Vec3 direction = (index_to_frame.point(target(random, voxels)) - origin).normalized();
     const Hit<3> hit = tracer.intersect(origin, direction, c);
-    leaks += hit.kind != HitKind::leaf;
-    wrong_sides += hit.kind == HitKind::leaf && !hit.leaf.from_above;
+    leaks += hit.kind != HitKind::isosurface;
+    wrong_sides += hit.kind == HitKind::isosurface && !hit.isosurface.from_above;
   }
   EXPECT_EQ(leaks, 0);
   EXPECT_EQ(wrong_sides, 0);

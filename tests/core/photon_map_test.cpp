@@ -11,7 +11,7 @@
 #include "math/sampling.h"
 #include "surface/project.h"
 #include "thesis/thesis_estimator.h"
-#include "transport/leaf_cache.h"
+#include "transport/isosurface_cache.h"
 
 namespace leaflight {
 namespace {
@@ -26,7 +26,7 @@ TEST(DensityRegion, WithoutClippingTheClosedFormIsTheSpheres) {
   }
   EXPECT_NEAR(clipped_sphere_volume<3>(d, kappa, 0, d), sphere_volume<3>(d, kappa) / 2, 1e-15);
   EXPECT_NEAR(clipped_sphere_volume<2>(d, kappa, 0, d), sphere_volume<2>(d, kappa) / 2, 1e-15);
-  // On a steep field the ellipsoid of the leaves is the sphere.
+  // On a steep field the ellipsoid of the isosurfaces is the sphere.
   EXPECT_NEAR(graph_volume<3>(d, kappa, 1e9), sphere_volume<3>(d, kappa), 1e-15);
 }
 
@@ -64,8 +64,8 @@ TEST(KdTree, FindsTheNearest) {
   EXPECT_TRUE(found.empty());
 }
 
-// Photons on the leaves of h = slope * (last coordinate), uniform, of irradiance 1 outside and 3
-// inside.
+// Photons on the isosurfaces of h = slope * (last coordinate), uniform, of irradiance 1 outside and
+// 3 inside.
 template <int D>
 std::vector<StoredPhoton<D>> plane_photons(int n, double slope, std::uint64_t seed) {
   std::vector<StoredPhoton<D>> photons(2 * n);
@@ -187,8 +187,8 @@ const std::vector<Expected> stated{{DensityRegion::sphere, 1},
                                    {DensityRegion::cylinder, 1},
                                    {DensityRegion::graph, 1.005}};
 
-// The ratio of the mean indirect radiance over many leaves to that of LeafCache with the same
-// photons.
+// The ratio of the mean indirect radiance over many isosurfaces to that of IsosurfaceCache with the
+// same photons.
 template <int D>
 void compare_with_volumetric(const Scene<D>& scene, std::uint64_t count) {
   if (test::sanitized) count /= 32;
@@ -198,15 +198,15 @@ void compare_with_volumetric(const Scene<D>& scene, std::uint64_t count) {
   const Field<D>& field = test::field_of(scene);
   const TexelLattice<D> lattice =
       make_lattice(field, field.dims, scene.window.min, scene.window.max);
-  LeafCache<D> cache(tracer, 0, lattice, SideContents::nothing, false, false,
-                     lights.largest_flux_height() / static_cast<double>(count), count);
+  IsosurfaceCache<D> cache(tracer, 0, lattice, SideContents::nothing, false, false,
+                           lights.largest_flux_height() / static_cast<double>(count), count);
   trace_photons(tracer, lights, PhotonPaths::all, 1, 0, count, count,
                 [&](const PhotonHit<D>& photon) {
-                  if (photon.point.kind() == HitKind::leaf) cache.deposit(photon);
+                  if (photon.point.kind() == HitKind::isosurface) cache.deposit(photon);
                 });
   cache.finish(progress);
-  const std::vector<LeafRadiance<D>> leaves{{&lattice, &cache, {}}};
-  const auto volumetric = make_volumetric_estimator<D>(leaves, nullptr);
+  const std::vector<IsosurfaceRadiance<D>> isosurfaces{{&lattice, &cache, {}}};
+  const auto volumetric = make_volumetric_estimator<D>(isosurfaces, nullptr);
   const std::vector<StoredPhoton<D>> photons = photons_of(tracer, count);
   for (const Expected& expected : stated) {
     PhotonMapSettings settings;
@@ -218,9 +218,10 @@ void compare_with_volumetric(const Scene<D>& scene, std::uint64_t count) {
     std::uint64_t rays = 0;
     for (int i = 0; i < test::fewer(5000); ++i) {
       const double c = 0.63 + 0.24 * random.uniform();
-      const Vec<D> x = project_to_leaf(field, Vec<D>(0.5) + on_sphere<D>(random) * (1 - c), c);
+      const Vec<D> x =
+          project_to_isosurface(field, Vec<D>(0.5) + on_sphere<D>(random) * (1 - c), c);
       const SurfacePoint<D> point =
-          tracer.leaf_point(0, locate(field, field.world_to_index.point(x)), c, false);
+          tracer.isosurface_point(0, locate(field, field.world_to_index.point(x)), c, false);
       sum += average(thesis->indirect_radiance(point, {0, 0}, random, rays));
       other += average(volumetric->indirect_radiance(point, {0, 0}, random, rays));
     }

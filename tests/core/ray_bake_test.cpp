@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Bakes in rounds of rays: of several volumes, beside mirrors, of glass.
+// Bakes in passes of rays: of several volumes, beside mirrors, of glass.
 #include "bake/driver/ray_bake.h"
 
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "math/error.h"
-#include "whole_rounds.h"
+#include "whole_passes.h"
 
 namespace leaflight {
 namespace {
@@ -54,7 +54,7 @@ Scene<3> with_one_wall(Scene<3> scene) {
 }
 
 BakeSettings<3> by_rays(double error = 3) {
-  BakeSettings<3> settings = test::in_rounds(error);
+  BakeSettings<3> settings = test::in_passes(error);
   settings.resolution = {17, 17, 17};
   return settings;
 }
@@ -64,9 +64,9 @@ void expect_same(const Baked<3>& a, const Baked<3>& b) {
   for (std::size_t v = 0; v < a.grids.size(); ++v) {
     EXPECT_TRUE(same_bits(a.grids[v], b.grids[v]));
   }
-  ASSERT_EQ(a.surroundings.radiance.size(), b.surroundings.radiance.size());
-  for (std::size_t m = 0; m < a.surroundings.radiance.size(); ++m) {
-    EXPECT_TRUE(same_bits(a.surroundings.radiance[m][0], b.surroundings.radiance[m][0]));
+  ASSERT_EQ(a.walls.radiance.size(), b.walls.radiance.size());
+  for (std::size_t m = 0; m < a.walls.radiance.size(); ++m) {
+    EXPECT_TRUE(same_bits(a.walls.radiance[m][0], b.walls.radiance[m][0]));
   }
 }
 
@@ -89,7 +89,7 @@ TEST(RayBake, IsTheSameForAnyNumberOfThreads) {
 TEST(RayBake, GoesOnFromACheckpointWithTheSameBits) {
   for (const Scene<3>& scene : {with_one_wall(two_balls()), with_one_wall(of_glass())}) {
     BakeSettings<3> settings = by_rays(20);
-    settings.surroundings = true;
+    settings.walls = true;
     settings.resolution = {9, 9, 9};
     std::string state;
     Checkpoints leaves{0, [&](const Checkpoints::Write& write) {
@@ -109,7 +109,7 @@ TEST(RayBake, GoesOnFromACheckpointWithTheSameBits) {
     const Baked<3> resumed = bake<3>(scene, settings, progress, hooks);
     expect_same(whole, resumed);
     EXPECT_EQ(whole.statistics.blocks, resumed.statistics.blocks);
-    EXPECT_EQ(whole.statistics.rounds, resumed.statistics.rounds);
+    EXPECT_EQ(whole.statistics.passes, resumed.statistics.passes);
   }
 }
 
@@ -118,9 +118,9 @@ TEST(RayBake, ContinuesSeveralVolumes) {
   BakeSettings<3> settings = by_rays(1e-3);
   const Baked<3> first = stopped_after(1, scene, settings);
   EXPECT_TRUE(first.statistics.stopped);
-  const std::vector<KeptLight<3>> kept = kept_of(first);
-  const Baked<3> continued = stopped_after(1, scene, settings, &kept);
-  EXPECT_EQ(continued.statistics.rounds, 2);
+  const std::vector<PreviousLight<3>> previous = kept_of(first);
+  const Baked<3> continued = stopped_after(1, scene, settings, &previous);
+  EXPECT_EQ(continued.statistics.passes, 2);
   EXPECT_EQ(continued.statistics.blocks, 2 * first.statistics.blocks);
   EXPECT_LT(continued.statistics.noise_percent, first.statistics.noise_percent);
 }
@@ -128,15 +128,15 @@ TEST(RayBake, ContinuesSeveralVolumes) {
 TEST(RayBake, ContinuesWallsAsOneBake) {
   const Scene<3> scene = with_one_wall(two_balls());
   BakeSettings<3> settings = by_rays(1e-3);
-  settings.surroundings = true;
+  settings.walls = true;
   settings.resolution = {9, 9, 9};
   const Baked<3> first = stopped_after(1, scene, settings);
-  const std::vector<KeptLight<3>> kept = kept_of(first);
-  const Baked<3> continued = stopped_after(1, scene, settings, &kept);
+  const std::vector<PreviousLight<3>> previous = kept_of(first);
+  const Baked<3> continued = stopped_after(1, scene, settings, &previous);
   const Baked<3> whole = stopped_after(2, scene, settings);
   ASSERT_EQ(continued.statistics.blocks, whole.statistics.blocks);
-  const auto& walls = whole.surroundings.radiance;
-  EXPECT_TRUE(same_bits(continued.surroundings.radiance[0][0], walls[0][0]));
+  const auto& walls = whole.walls.radiance;
+  EXPECT_TRUE(same_bits(continued.walls.radiance[0][0], walls[0][0]));
 }
 
 TEST(RayBake, PointsWithinAnotherVolumeAreCovered) {
@@ -145,7 +145,7 @@ TEST(RayBake, PointsWithinAnotherVolumeAreCovered) {
   const Field<3>& field = scene.volumes[0].field;
   const Field<3>& other = scene.volumes[1].field;
   int covered = 0, all = 0;
-  for (const Vec3& x : test::leaf_points(field, 0.7, 200)) {
+  for (const Vec3& x : test::isosurface_points(field, 0.7, 200)) {
     const bool inside = value_at(other, other.world_to_index.point(x)) >= 0.7;
     EXPECT_EQ(tracer.is_covered(0, tracer.frame().point(x), 0.7), inside);
     covered += inside;
@@ -165,9 +165,9 @@ TEST(RayBake, ShadowsOfOtherVolumesAreThoseOfRays) {
     const Field<3>& field = scene.volumes[volume].field;
     const DirectLight<3> direct(tracer, volume, split.points, field.dims, false, progress);
     const double c = 0.7;
-    for (const Vec3& x : test::leaf_points(field, c, 10)) {
+    for (const Vec3& x : test::isosurface_points(field, c, 10)) {
       const Vec3 index = field.world_to_index.point(x);
-      const SurfacePoint<3> point = tracer.leaf_point(volume, locate(field, index), c, false);
+      const SurfacePoint<3> point = tracer.isosurface_point(volume, locate(field, index), c, false);
       const TexelWeights<3> near = linear_weights(direct.lattice(), index);
       const VisibilityCode code{scene.window, false};
       for (std::size_t i = 0; i < direct.points(); ++i) {
@@ -197,7 +197,7 @@ TEST(RayBake, AgreesWithThePathTracer) {
     const SceneTracer<3> tracer(scene);
     const Field<3>& field = scene.volumes[0].field;
     std::vector<Vec3> points;
-    for (const Vec3& x : test::leaf_points(field, 0.7, 60)) {
+    for (const Vec3& x : test::isosurface_points(field, 0.7, 60)) {
       if (!tracer.is_covered(0, tracer.frame().point(x), 0.7)) points.push_back(x);
     }
     Progress progress;

@@ -17,7 +17,7 @@ template <int D>
 void expect_reversible() {
   Random random(1);
   SurfacePoint<D> point;
-  point.on = SurroundingsHit{};
+  point.on = WallHit{};
   point.scattering = Scattering::glass;
   point.albedo = Rgb(0.9f, 0.5f, 0.2f);
   Vec<D> normal(0.0);
@@ -52,11 +52,11 @@ TEST(Reciprocity, OfGlass) {
   expect_reversible<3>();
 }
 
-// A flat leaf, whose shading normals are the geometric ones, in a box with a mirror on one side,
-// and two plates. The first plate, or the second, emits.
+// A flat isosurface, whose shading normals are the geometric ones, in a box with a mirror on one
+// side, and two plates. The first plate, or the second, emits.
 constexpr double plate_area = 0.3 * 0.2;
-Scene<3> plates(int emitter, const Field<3>& leaves) {
-  Scene<3> scene = test::cornell(leaves, {0.2, 0.8});
+Scene<3> plates(int emitter, const Field<3>& isosurfaces) {
+  Scene<3> scene = test::cornell(isosurfaces, {0.2, 0.8});
   scene.lights.clear();
   scene.meshes[0].scattering = Scattering::mirror;
   scene.meshes.push_back(test::wall("low", {0.1, 0.2, -0.2}, {0.3, 0, 0}, {0, 0.2, 0}, Rgb(0.5f)));
@@ -65,12 +65,12 @@ Scene<3> plates(int emitter, const Field<3>& leaves) {
   scene.meshes[scene.meshes.size() - 2 + emitter].emission = Rgb(5);
   return scene;
 }
-Field<3> flat_leaves() {
+Field<3> flat_isosurfaces() {
   return test::sampled<3>(9, [](const Vec3& x) { return x.z; });
 }
 // Folded at every plane of voxels by right angles, which central differences do not see: they are
 // shaded as flat ones are.
-Field<3> creased_leaves() {
+Field<3> creased_isosurfaces() {
   constexpr int n = 17;
   return test::sampled<3>(n, [](const Vec3& x) {
     return x.z + static_cast<double>(std::lround((n - 1) * x.x) % 2) / (n - 1);
@@ -115,20 +115,20 @@ void expect_same(const Flux& a, const Flux& b, double most_error) {
 // One plate receives from the other what it would send it (Helmholtz), by all ways there are.
 TEST(Reciprocity, OfTwoPlates) {
   constexpr int points = test::fewer(6000);
-  const Flux there = received(plates(0, flat_leaves()), 1, points);
-  const Flux back = received(plates(1, flat_leaves()), 0, points);
+  const Flux there = received(plates(0, flat_isosurfaces()), 1, points);
+  const Flux back = received(plates(1, flat_isosurfaces()), 0, points);
   expect_same(there, back, 0.02);
 }
 
 // Photons follow the ways of paths the other way round. Where normals of shading are not those of
 // the surface this needs a factor (Veach 1997, ch. 5).
 TEST(Reciprocity, OfPhotonsAndPaths) {
-  const std::vector<Field<3>> fields{flat_leaves(), test::ball<3>(17), creased_leaves()};
+  const std::vector<Field<3>> fields{flat_isosurfaces(), test::ball<3>(17), creased_isosurfaces()};
   for (std::size_t i = 0; i < fields.size(); ++i) {
     SCOPED_TRACE(i);
     Scene<3> scene = plates(0, fields[i]);
     const Flux paths = received(scene, 1, test::fewer(3000));
-    // All photons belong to the leaf of the paths.
+    // All photons belong to the isosurface of the paths.
     const double c = 0.5, height = 1e-6;
     scene.window = {c - height / 2, c + height / 2};
     const SceneTracer<3> tracer(scene);
@@ -138,12 +138,12 @@ TEST(Reciprocity, OfPhotonsAndPaths) {
     std::vector<Imath::V3d> sums(batches, Imath::V3d(0));
     Flux photons;
     for (int b = 0; b < batches; ++b) {
-      trace_photons(
-          tracer, lights, PhotonPaths::all, 100 + b, 0, count, count, [&](const PhotonHit<3>& hit) {
-            if (hit.point.kind() == HitKind::surroundings && hit.point.facet().mesh == plate) {
-              sums[b] += Imath::V3d(hit.flux_height);
-            }
-          });
+      trace_photons(tracer, lights, PhotonPaths::all, 100 + b, 0, count, count,
+                    [&](const PhotonHit<3>& hit) {
+                      if (hit.point.kind() == HitKind::walls && hit.point.facet().mesh == plate) {
+                        sums[b] += Imath::V3d(hit.flux_height);
+                      }
+                    });
       photons.mean += sums[b] / batches;
     }
     for (const auto& sum : sums) {
@@ -155,9 +155,9 @@ TEST(Reciprocity, OfPhotonsAndPaths) {
 }
 
 // What is emitted is absorbed or escapes, save for the noise of Russian roulette. Shading normals
-// do not conserve energy (Veach 1997, ch. 5), so that the leaf is flat.
+// do not conserve energy (Veach 1997, ch. 5), so that the isosurface is flat.
 TEST(Energy, IsConservedWithinItsNoise) {
-  Scene<3> scene = plates(0, flat_leaves());
+  Scene<3> scene = plates(0, flat_isosurfaces());
   scene.environment = Environment<3>{};
   scene.environment->radiance = Rgb(0.1f, 0.2f, 0.3f);
   const SceneTracer<3> tracer(scene);

@@ -4,7 +4,7 @@
 
 #include "scenes.h"
 #include "transport/indirect_shares.h"
-#include "whole_rounds.h"
+#include "whole_passes.h"
 
 namespace leaflight {
 namespace {
@@ -40,7 +40,7 @@ void for_some_positions(const Field<3>& field, F f) {
   for (int i = 0; i < 500; ++i) {
     Vec3 position;
     for (int a = 0; a < 3; ++a) position[a] = random.uniform() * (field.dims[a] - 1);
-    for (const bool inner : {false, true}) f(position, inner);
+    for (const bool back : {false, true}) f(position, back);
   }
 }
 
@@ -54,10 +54,10 @@ TEST(Relit, DirectLightIsThatOfTheOtherStrengths) {
   // Points are where lights are, whatever their strengths: none of these is black.
   const DirectLight<3> truth = direct_light(room(first_factor, second_factor, Rgb(1)));
   double most = 0;
-  for_some_positions(test::field_of(scene), [&](const Vec3& position, bool inner) {
-    const Rgb expected = truth.radiance(test::field_of(scene), position, inner);
+  for_some_positions(test::field_of(scene), [&](const Vec3& position, bool back) {
+    const Rgb expected = truth.radiance(test::field_of(scene), position, back);
     most = std::max<double>(most, largest(expected));
-    expect_equal(Imath::V3d(found.radiance(test::field_of(scene), position, inner)),
+    expect_equal(Imath::V3d(found.radiance(test::field_of(scene), position, back)),
                  Imath::V3d(expected), 1);
   });
   EXPECT_GT(most, 0.1);
@@ -70,20 +70,20 @@ TEST(Relit, DirectLightAddsUpOverLights) {
   const DirectLight<3> dark = all.scaled({Rgb(0), Rgb(0)}), first = all.scaled({Rgb(1), Rgb(0)}),
                        second = all.scaled({Rgb(0), Rgb(1)});
   double of_first = 0, of_second = 0, of_glow = 0;
-  for_some_positions(field, [&](const Vec3& position, bool inner) {
-    const Imath::V3d glow(dark.radiance(field, position, inner)),
-        one(first.radiance(field, position, inner)), other(second.radiance(field, position, inner));
+  for_some_positions(field, [&](const Vec3& position, bool back) {
+    const Imath::V3d glow(dark.radiance(field, position, back)),
+        one(first.radiance(field, position, back)), other(second.radiance(field, position, back));
     of_first = std::max(of_first, (one - glow).length());
     of_second = std::max(of_second, (other - glow).length());
     of_glow = std::max(of_glow, glow.length());
-    expect_equal(one + other - glow, Imath::V3d(all.radiance(field, position, inner)), 1);
+    expect_equal(one + other - glow, Imath::V3d(all.radiance(field, position, back)), 1);
   });
   for (const double most : {of_first, of_second, of_glow}) EXPECT_GT(most, 0.001);
 }
 
 TEST(Relit, DirectLightOfMeshesIsThatOfTheOtherStrengths) {
   const auto direct = [](const Scene<3>& scene) {
-    return MeshDirectLight<3>(SceneTracer<3>(scene), refine(scene), ignored);
+    return MeshDirectLight<3>(SceneTracer<3>(scene), subdivide(scene), ignored);
   };
   const MeshDirectLight<3> found =
       direct(room(Rgb(1), Rgb(1), Rgb(1))).scaled({first_factor, second_factor});
@@ -132,10 +132,10 @@ TEST(Relit, OfOneLampAllLightIsThatOfTheOtherStrength) {
     }
   }
   if (test::sanitized) return;
-  const auto walls = relit(own.surroundings, scene.meshes, factors, Vec<3, float>(indirect));
+  const auto walls = relit(own.walls, scene.meshes, factors, Vec<3, float>(indirect));
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     const auto found = radiance_at(walls, static_cast<int>(m), 0.75, false),
-               expected = radiance_at(truth.surroundings, static_cast<int>(m), 0.75, false);
+               expected = radiance_at(truth.walls, static_cast<int>(m), 0.75, false);
     ASSERT_EQ(found.size(), expected.size());
     for (std::size_t v = 0; v < found.size(); ++v) {
       expect_equal(Imath::V3d(found[v]), Imath::V3d(expected[v]), 1 + expected[v].length());
@@ -171,7 +171,7 @@ TEST(Relit, IndirectLightGrowsWithWhatComesBack) {
   EXPECT_GT(dark.x, dark.y);
 }
 
-// A leaf that glows keeps its own light, and all that comes from others is scaled.
+// An isosurface that glows keeps its own light, and all that comes from others is scaled.
 TEST(Relit, OwnEmissionStays) {
   Scene<3> scene = test::small_scene();
   const Field<3>& field = test::field_of(scene);

@@ -289,7 +289,7 @@ TEST(AdaptiveIsovalues, LieCloserTogetherThanEquallySpacedOnes) {
   }
 }
 
-// The leaves of a ramp are as far apart as their isovalues.
+// The isosurfaces of a ramp are as far apart as their isovalues.
 TEST(AdaptiveIsovalues, AreEquallySpacedOnARamp) {
   const auto field = test::sampled<3>(49, [](const Vec3& x) { return x.z; });
   const std::vector<double> isovalues = adaptive_isovalues(field, {0, 1}, 4);

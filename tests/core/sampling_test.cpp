@@ -532,9 +532,9 @@ TEST(Emission, SunsAndEnvironments) {
       [&](const std::vector<double>& u) { return density(all.direction(u)) * all.measure(); }, 48));
 }
 
-// Emission of all leaves: 1 / density, as the flux-height tells it, sums up to the volume of each
-// part of the field, and both sides are alike.
-TEST(Emission, Leaves) {
+// Emission of all isosurfaces: 1 / density, as the flux-height tells it, sums up to the volume of
+// each part of the field, and both sides are alike.
+TEST(Emission, Isosurfaces) {
   in_plane_and_space([](auto d) {
     constexpr int D = d;
     // 19 nodes: bricks of different sizes. The gradient is not constant.
@@ -543,22 +543,22 @@ TEST(Emission, Leaves) {
         Rgb(0.5f), {-1, 3});
     scene.volumes[0].emission = ColorRamp({{0, Rgb(0.1f)}, {2.3, Rgb(2)}});
     const SceneTracer<D> tracer(scene);
-    const LeafEmitter<D> emitter(tracer, 0);
+    const IsosurfaceEmitter<D> emitter(tracer, 0);
     constexpr int parts = 5, count = D == 2 ? 25 : 125;
     std::vector<double> sum(count, 0), sum2(count, 0);
     Random random(9);
     int above = 0;
     for (int i = 0; i < draws; ++i) {
       const auto sample = emitter.sample(random.uniform(), random);
-      ASSERT_EQ(sample.point.kind(), HitKind::leaf);
-      above += sample.point.leaf().above;
+      ASSERT_EQ(sample.point.kind(), HitKind::isosurface);
+      above += sample.point.isosurface().above;
       int part = 0;
       for (int a = 0; a < D; ++a) {
         part = parts * part +
                std::min(parts - 1, static_cast<int>((sample.point.position[a] + 0.5) * parts));
       }
       const double angle = D == 3 ? pi : 2;
-      const double steepness = sample.point.leaf().gradient_length / scene.window.height();
+      const double steepness = sample.point.isosurface().gradient_length / scene.window.height();
       const double volume =
           sample.flux_height.x / (2 * angle * sample.point.emission.x * steepness);
       sum[part] += volume;
@@ -626,7 +626,7 @@ TEST(Samplers, LightChoiceHasTheProbabilityItDividesBy) {
   const SceneTracer<3> tracer(scene);
   const LightSampler<3> lights(tracer);
   const CellPoint<3> at = locate(test::field_of(scene), Vec3(4.2, 4.7, 4.0));
-  const SurfacePoint<3> point = tracer.leaf_point(0, at, 0.5, false);
+  const SurfacePoint<3> point = tracer.isosurface_point(0, at, 0.5, false);
   std::vector<double> alone;  // what each light would give
   for (const Vec3& place : places) {
     const Vec3 way = tracer.frame().point(place) - point.position;

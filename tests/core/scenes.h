@@ -22,7 +22,7 @@ const Field<D>& field_of(const Scene<D>& scene) {
   return scene.volumes[0].field;
 }
 
-// Radiance of the first volume's outer side at a point of the world.
+// Radiance of the first volume's front at a point of the world.
 template <int D>
 Vec<3, float> lookup_world(const Scene<D>& scene, const Baked<D>& baked, const Vec<D>& point) {
   const Field<D>& field = field_of(scene);
@@ -61,7 +61,7 @@ inline std::vector<Side> cube_sides(double low, double high) {
 }
 
 // A closed box whose walls emit `emission` and reflect `albedo`, around a field of the unit cube:
-// everything in it, if the leaves are white, has the radiance emission / (1 - albedo).
+// everything in it, if the isosurfaces are white, has the radiance emission / (1 - albedo).
 inline Scene<3> furnace(Field<3> field, const IsovalueWindow& window, Real emission, Real albedo) {
   Scene<3> scene = scene_of(std::move(field), Rgb(1), window);
   for (const Side& side : cube_sides(-0.3, 1.3)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Mirrors and glass, as surroundings and as leaves (thesis Eq. 1.5: specular light and caustics).
+// Mirrors and glass, as walls and as isosurfaces (thesis Eq. 1.5: specular light and caustics).
 #include "transport/specular.h"
 
 #include <gtest/gtest.h>
@@ -39,7 +39,7 @@ TEST(Specular, GlassIsDenserFromOutsideThanFromInside) {
   const CellPoint<3> at = locate(field, Vec3(10, 10, 10 + (1 - c) * 20));
   for (const bool inside : {false, true}) {
     const double ior = inside ? 1 / 1.5 : 1.5;
-    EXPECT_DOUBLE_EQ(tracer.leaf_point(0, at, c, inside).ior, ior);
+    EXPECT_DOUBLE_EQ(tracer.isosurface_point(0, at, c, inside).ior, ior);
     EXPECT_DOUBLE_EQ(tracer.facet_point(0, 0, 0.3, 0.3, !inside, c).ior, ior);
   }
 }
@@ -47,7 +47,7 @@ TEST(Specular, GlassIsDenserFromOutsideThanFromInside) {
 template <int D>
 void expect_snell() {
   SurfacePoint<D> point;
-  point.on = SurroundingsHit{};
+  point.on = WallHit{};
   point.scattering = Scattering::glass;
   point.albedo = Rgb(1);
   Vec<D> normal(0.0);
@@ -114,7 +114,7 @@ Scene<3> mirror_box() {
   return scene;
 }
 
-// A glass ball between the lamp and the leaves.
+// A glass ball between the lamp and the isosurfaces.
 Scene<3> glass_ball() {
   Scene<3> scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
   Mesh<3> ball = sphere_mesh("glass ball", {0.5, 0.5, 1.08}, 0.15, 4);
@@ -137,7 +137,7 @@ Scene<3> specular_furnace() {
 
 TEST(Specular, FurnaceIsExact) {
   const Scene<3> scene = specular_furnace();
-  const std::vector<Vec3> points = test::leaf_points(test::field_of(scene), 0.72, 40);
+  const std::vector<Vec3> points = test::isosurface_points(test::field_of(scene), 0.72, 40);
   Progress progress;
   const auto reference = reference_radiance(
       scene, points, test::reference_settings(0.72, test::fewer(4096), 1), progress);
@@ -190,10 +190,10 @@ TEST(Energy, IsConserved) {
   emissive.lights.clear();
   emissive.volumes[0].emission = ColorRamp({{0.6, Rgb(0.1f, 0.2f, 1)}, {0.9, Rgb(1, 0.2f, 0.1f)}});
   expect_balance(emissive);
-  Scene<3> glass_leaf = test::cornell(test::ball<3>(41), {0.6, 0.9});
-  glass_leaf.volumes[0].scattering = Scattering::glass;
-  glass_leaf.volumes[0].albedo = Rgb(1);
-  expect_balance(glass_leaf);
+  Scene<3> glass_isosurface = test::cornell(test::ball<3>(41), {0.6, 0.9});
+  glass_isosurface.volumes[0].scattering = Scattering::glass;
+  glass_isosurface.volumes[0].albedo = Rgb(1);
+  expect_balance(glass_isosurface);
   Scene<3> sky = test::cornell(test::ball<3>(41), {0.6, 0.9});
   sky.environment = Environment<3>{};
   sky.environment->radiance = Rgb(1);

@@ -46,15 +46,15 @@ Estimate texel_truth(const SceneTracer<D>& tracer, const LightSampler<D>& lights
     }
     const CellPoint<D> at = locate(volume.field, position);
     const double c =
-        volume.leaf_coordinate(interpolate(load_corners(volume.field, at.cell), at.local));
+        volume.common_isovalue(interpolate(load_corners(volume.field, at.cell), at.local));
     if (!tracer.scene().window.contains(c)) return {};
-    const SurfacePoint<D> point = tracer.leaf_point(0, at, c, false);
+    const SurfacePoint<D> point = tracer.isosurface_point(0, at, c, false);
     if (point.kind() == HitKind::none) return {};
     std::array<double, 5> u;
     for (double& number : u) number = random.uniform();
     const Rgb radiance = point.emission + lights.direct_radiance(point, u[0], {u[1], u[2]}, rays) +
                          paths.indirect_radiance(point, {u[3], u[4]}, random, rays);
-    weights.push_back(point.leaf().gradient_length);
+    weights.push_back(point.isosurface().gradient_length);
     radiances.emplace_back(radiance);
     weight += weights.back();
     sum += radiances.back() * weights.back();

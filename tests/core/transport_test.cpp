@@ -24,8 +24,9 @@ TEST_P(Furnace, PathTracerIsExact) {
   const Scene<3> scene =
       test::furnace(test::ball<3>(33), {0.55, 0.9}, 1, static_cast<Real>(albedo));
   Progress progress;
-  const auto reference = reference_radiance(scene, test::leaf_points(test::field_of(scene), c, 40),
-                                            test::reference_settings(c, 8192, 1), progress);
+  const auto reference =
+      reference_radiance(scene, test::isosurface_points(test::field_of(scene), c, 40),
+                         test::reference_settings(c, 8192, 1), progress);
   ASSERT_GT(reference.size(), 50u);
   EXPECT_NEAR(test::mean_of(reference) * (1 - albedo), 1, 0.01);
   for (const auto& r : reference) {
@@ -48,7 +49,7 @@ TEST_P(Furnace, BakesAreExact) {
     Progress progress;
     const Baked<3> baked_scene = bake_with_fixed_samples(scene, settings, progress);
     double sum = 0;
-    const std::vector<Vec3> points = test::leaf_points(test::field_of(scene), c, 7);
+    const std::vector<Vec3> points = test::isosurface_points(test::field_of(scene), c, 7);
     for (const Vec3& p : points) {
       sum += test::lookup_world(scene, baked_scene, p).x;
     }
@@ -71,7 +72,7 @@ double lambert_irradiance(const Vec3& p, const Vec3& n, const std::vector<Vec3>&
 }
 
 TEST(DirectLight, RectangleOverPlaneHasTheClosedForm) {
-  // h = z: the leaves are planes whose outside faces -z, towards a lamp below.
+  // h = z: the isosurfaces are planes whose outside faces -z, towards a lamp below.
   Scene<3> scene = test::scene_of(test::sampled<3>(25, [](const Vec3& x) { return x.z; }),
                                   Rgb(0.8f), {0.2, 0.8});
   const AreaLight<3> lamp{
@@ -114,7 +115,7 @@ TEST(Estimators, PhotonDensityAgreesWithThePathTracer) {
 }
 
 // A sheet that meets the domain's border: light reaches its back, and returns through the box.
-TEST(Estimators, AgreeOnAnOpenLeaf) {
+TEST(Estimators, AgreeOnAnOpenIsosurface) {
   const Scene<3> scene = test::cornell(
       test::sampled<3>(
           33, [](const Vec3& x) { return 1 - x.z + 0.1 * std::sin(9 * x.x) * std::cos(7 * x.y); }),

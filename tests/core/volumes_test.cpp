@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Several volumes, emissive and coloured leaves, both sides, and the surroundings per isovalue.
+// Several volumes, emissive and coloured isosurfaces, both sides, and the walls per isovalue.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -28,11 +28,12 @@ Scene<3> two_balls() {
   return scene;
 }
 
-// Of a volume and side of a bake against the path tracer at points of its leaf.
+// Of a volume and side of a bake against the path tracer at points of its isosurface.
 test::Agreement side_agreement(const Scene<3>& scene, const Baked<3>& baked, int volume, bool above,
                                double c) {
   const Field<3>& field = scene.volumes[volume].field;
-  const std::vector<Vec3> points = test::leaf_points(field, scene.volumes[volume].isovalue(c), 17);
+  const std::vector<Vec3> points =
+      test::isosurface_points(field, scene.volumes[volume].isovalue(c), 17);
   ReferenceSettings settings = test::reference_settings(c, test::fewer(1024), 5);
   settings.volume = volume;
   settings.above = above;
@@ -64,7 +65,7 @@ TEST(Volumes, OfOneSceneSeeEachOther) {
   // Without its neighbour, the first is brighter where it stood in its shadow.
   Scene<3> alone = two_balls();
   alone.volumes.pop_back();
-  const std::vector<Vec3> points = test::leaf_points(alone.volumes[0].field, 0.8, 17);
+  const std::vector<Vec3> points = test::isosurface_points(alone.volumes[0].field, 0.8, 17);
   const auto settings = test::reference_settings(0.8, 256, 1);
   EXPECT_GT(std::abs(test::mean_of(reference_radiance(alone, points, settings, ignored)) /
                          test::mean_of(reference_radiance(scene, points, settings, ignored)) -
@@ -72,8 +73,8 @@ TEST(Volumes, OfOneSceneSeeEachOther) {
             0.005);
 }
 
-// A field with twice the numbers, mapped to the same leaf coordinate, is the same scene.
-TEST(Volumes, LeafCoordinateIsAffine) {
+// A field with twice the numbers, mapped to the same common isovalue, is the same scene.
+TEST(Volumes, IsosurfaceCoordinateIsAffine) {
   Scene<3> scene = test::cornell(test::ball<3>(25), {0.6, 0.9}), doubled = scene;
   doubled.volumes[0].field =
       test::sampled<3>(25, [](const Vec3& x) { return 2 * (1 - (x - Vec3(0.5)).length()) + 3; });
@@ -93,7 +94,7 @@ TEST(Volumes, LeafCoordinateIsAffine) {
   EXPECT_LT(difference, 0.02 * sum);
 }
 
-TEST(Leaves, EmitTheirOwnLight) {
+TEST(Isosurfaces, EmitTheirOwnLight) {
   Scene<3> scene = test::cornell(test::torus(41), {0.8, 0.92});
   scene.lights.clear();
   scene.volumes[0].emission = ColorRamp({{0.8, Rgb(1, 0.2f, 0.1f)}, {0.92, Rgb(0.1f, 0.2f, 1)}});
@@ -104,13 +105,13 @@ TEST(Leaves, EmitTheirOwnLight) {
   }
 }
 
-TEST(Leaves, TakeTheirColourFromTheIsovalue) {
+TEST(Isosurfaces, TakeTheirColourFromTheIsovalue) {
   Scene<3> scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
   scene.volumes[0].albedo = ColorRamp({{0.6, Rgb(0.9f, 0.1f, 0.1f)}, {0.9, Rgb(0.1f, 0.1f, 0.9f)}});
   test::expect_agreement(scene, 0.72, EstimatorName::gather, 64, 500'000, 0.01, 0.06);
 }
 
-TEST(Leaves, HaveTwoSides) {
+TEST(Isosurfaces, HaveTwoSides) {
   // A sheet that meets the domain's border.
   const Scene<3> scene = test::cornell(
       test::sampled<3>(
@@ -135,14 +136,14 @@ TEST(Leaves, HaveTwoSides) {
   }
 }
 
-// Baked and path-traced radiance at some vertices of all walls of a bake, for one leaf coordinate.
-struct WallRadiance {
+// Baked and path-traced radiance at some vertices of all walls of a bake, for one common isovalue.
+struct WallSums {
   double baked = 0, truth = 0, square = 0, count = 0;  // sums; square of the differences
 };
 
-WallRadiance wall_radiance(const Scene<3>& scene, const Baked<3>& baked, double c, int paths) {
-  const SurroundingsRadiance<3>& walls = baked.surroundings;
-  WallRadiance sums;
+WallSums wall_sums(const Scene<3>& scene, const Baked<3>& baked, double c, int paths) {
+  const WallRadiance<3>& walls = baked.walls;
+  WallSums sums;
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     std::vector<FacetPoint> points;
     std::vector<std::size_t> vertices;
@@ -163,34 +164,35 @@ WallRadiance wall_radiance(const Scene<3>& scene, const Baked<3>& baked, double 
   return sums;
 }
 
-TEST(Surroundings, AreLitPerIsovalue) {
+TEST(Walls, AreLitPerIsovalue) {
   const Scene<3> scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
   FixedSettings<3> settings;
-  settings.surroundings = true;
+  settings.walls = true;
   settings.samples = test::fewer(64);
   const Baked<3> baked = bake_with_fixed_samples(scene, settings, ignored);
-  ASSERT_EQ(baked.surroundings.radiance.size(), scene.meshes.size());
+  ASSERT_EQ(baked.walls.radiance.size(), scene.meshes.size());
   for (const double c : {0.62, 0.75, 0.88}) {
-    const WallRadiance walls = wall_radiance(scene, baked, c, test::fewer(1024));
+    const WallSums walls = wall_sums(scene, baked, c, test::fewer(1024));
     if (test::sanitized) continue;
     EXPECT_NEAR(walls.baked / walls.truth, 1, 0.015) << c;
     EXPECT_LT(std::sqrt(walls.square / walls.count) / (walls.truth / walls.count), 0.1) << c;
   }
 }
 
-// The shadow of a glass leaf is a caustic: no texel stores the leaf, but the floor shows it.
-TEST(Surroundings, ShowTheCausticOfAGlassLeaf) {
+// The shadow of a glass isosurface is a caustic: no texel stores the isosurface, but the floor
+// shows it.
+TEST(Walls, ShowTheCausticOfAGlassIsosurface) {
   Scene<3> scene = test::cornell(test::ball<3>(41), {0.75, 0.85});
   scene.volumes[0].scattering = Scattering::glass;
   scene.volumes[0].albedo = Rgb(1);
   FixedSettings<3> settings;
   EXPECT_THROW(bake_with_fixed_samples(scene, settings, ignored), Error);
-  settings.surroundings = true;
+  settings.walls = true;
   settings.samples = test::fewer(64);
   settings.photons = test::fewer(2'000'000);
   settings.caustic_photons = test::fewer(8'000'000);
-  const WallRadiance walls = wall_radiance(scene, bake_with_fixed_samples(scene, settings, ignored),
-                                           0.8, test::fewer(4096));
+  const WallSums walls =
+      wall_sums(scene, bake_with_fixed_samples(scene, settings, ignored), 0.8, test::fewer(4096));
   EXPECT_NEAR(walls.baked / walls.truth, 1, test::sanitized ? 0.3 : 0.02);
 }
 

@@ -10,7 +10,7 @@
 #include "field/empty_space.h"
 #include "scenes.h"
 #include "surface/marching_cubes.h"
-#include "trace/leaf_ray.h"
+#include "trace/isosurface_ray.h"
 
 namespace leaflight {
 namespace {
@@ -66,7 +66,7 @@ TYPED_TEST(VoxelsOf, AreReadAsIfTheyWereFloats) {
     const CellPoint<3> at = locate(pair.own, p);
     ASSERT_EQ(load_corners(pair.own, at.cell).h, load_corners(pair.floats, at.cell).h);
     ASSERT_EQ(shading_gradient(pair.own, at), shading_gradient(pair.floats, at));
-    LeafRay<3> ray;
+    IsosurfaceRay<3> ray;
     ray.position = p;
     ray.direction = test::random_direction(random);
     ray.isovalue = pair.isovalue(random.uniform());
@@ -77,7 +77,7 @@ TYPED_TEST(VoxelsOf, AreReadAsIfTheyWereFloats) {
   }
 }
 
-TYPED_TEST(VoxelsOf, BoundTheSameLeaves) {
+TYPED_TEST(VoxelsOf, BoundTheSameIsosurfaces) {
   const Pair<TypeParam> pair(37);
   const double low = pair.isovalue(0.6), high = pair.isovalue(0.8);
   for (std::size_t level = 0; level < pair.own.pyramid.levels.size(); ++level) {

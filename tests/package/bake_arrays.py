@@ -21,7 +21,7 @@ def main():
         error=5.0,
         resolution=32,
         both_sides=True,
-        surroundings=True,
+        walls=True,
     )
     baked.save(out.with_suffix(".vdb"))
     read = leaflight.load_bake(out.with_suffix(".vdb"))
@@ -30,12 +30,10 @@ def main():
         arrays[f"{origin}/mask"] = bake.grid.mask()
         for name in NAMES:
             arrays[f"{origin}/{name}"] = bake.grid.dense(name)
-        for mesh in range(bake.surroundings.count):
+        for mesh in range(bake.walls.count):
             for back in (False, True):
-                values = [
-                    bake.surroundings.radiance(mesh, c, back) for c in np.linspace(20, 180, 5)
-                ]
-                arrays[f"{origin}/surroundings/{mesh}/{back}"] = np.array(values)
+                values = [bake.walls.radiance(mesh, c, back) for c in np.linspace(20, 180, 5)]
+                arrays[f"{origin}/walls/{mesh}/{back}"] = np.array(values)
     surface = baked.surface(47.0)
     for name in ("vertices", "normals", "triangles", "radiance"):
         arrays[f"surface/{name}"] = getattr(surface, name)

@@ -112,9 +112,9 @@ def lapr_scene():
 
 @pytest.fixture(scope="session")
 def lapr_bake(lapr_scene):
-    """Two volumes, both sides and the surroundings; open at the border, so that light gets in."""
+    """Two volumes, both sides and the walls; open at the border, so that light gets in."""
     volumes = [replace(one, values=one.values[:, :, :20].copy()) for one in lapr(30)]
-    return leaflight.bake(volumes, lapr_scene, error=2.0, both_sides=True, surroundings=True)
+    return leaflight.bake(volumes, lapr_scene, error=2.0, both_sides=True, walls=True)
 
 
 @pytest.fixture(scope="session")

@@ -14,9 +14,10 @@ import numpy as np
 import pytest
 from leaflight import Cancelled, LeaflightError, Progress, bake
 from leaflight.bake.estimate import Estimate
+from leaflight.bake.statistics import Statistics
 from leaflight.progress_bar import run_with_progress
 from leaflight.io.scene_file import packaged_scene
-from leaflight.measure.sides import LeafSide
+from leaflight.measure.sides import IsosurfaceSide
 from leaflight.measure.volume_recipes import generated, tooth
 from leaflight.report.against_cycles import (
     CASES,
@@ -39,7 +40,7 @@ pytestmark = pytest.mark.slow
 
 BOX = Case("box", generated(bump_box, 8), (20.0, 47.0), "bump_box.json")
 TINY = CyclesEffort((BOX, Case("tooth", tooth, (500.5,))), points=150, paths=256, noise=np.inf)
-BY_CYCLES = LeafSide.by_cycles
+BY_CYCLES = IsosurfaceSide.by_cycles
 needs_blender = pytest.mark.skipif(
     shutil.which("blender") is None, reason="Blender is not installed"
 )
@@ -54,7 +55,7 @@ def quietly(work, label):
 def by_paths():
     """The path tracer in place of Cycles, which takes seconds to start."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(LeafSide, "by_cycles", LeafSide.path_traced)
+        patch.setattr(IsosurfaceSide, "by_cycles", IsosurfaceSide.path_traced)
         yield
 
 
@@ -72,7 +73,7 @@ def found(by_paths):
 
 
 def of_bake(before, after, found=2.0):
-    statistics = {"texels": 9, "rounds": 3, "seconds": 2.5, "estimated_error_percent": after}
+    statistics = Statistics(2.5, 7, 9, 11, (), passes=3, estimated_error_percent=after)
     return BakeRow(BOX, (8, 8, 8), Estimate(2.0, 1, before, 3, 2, 1.0), statistics, found)
 
 
@@ -134,13 +135,13 @@ def test_measured(found):
         assert one.errors["points"] == 150 and one.volume is None
         # No setting was touched.
         assert one.bake is rows[0].bake and one.paths == 256
-        for name in ("texels", "rounds", "estimated_error_percent"):
-            assert one.bake.statistics[name] == plain.statistics[name]
+        for name in ("texels", "passes", "estimated_error_percent"):
+            assert getattr(one.bake.statistics, name) == getattr(plain.statistics, name)
     own = [
         one.errors["rms_percent"] ** 2 - one.errors["reference_noise_percent"] ** 2 for one in rows
     ]
     assert rows[0].bake.found == pytest.approx(np.sqrt(max(np.mean(own), 0)), rel=1e-6)
-    assert rows[0].bake.before.rounds >= 1
+    assert rows[0].bake.before.passes >= 1
 
 
 def test_threads_do_not_matter(coarsely):
@@ -176,7 +177,7 @@ def test_each_volume_is_judged(coarsely):
 @needs_blender
 def test_cycles_is_the_judge(monkeypatch):
     # As it is, whatever the tests above put in its place.
-    monkeypatch.setattr(LeafSide, "by_cycles", BY_CYCLES)
+    monkeypatch.setattr(IsosurfaceSide, "by_cycles", BY_CYCLES)
     effort = replace(TINY, cases=(replace(BOX, isovalues=(47.0,)),))
     (one,), absent = measure_against_cycles(effort, quietly)
     assert absent == [] and one.errors["rms_percent"] < 9 and one.parts["mesh_percent"] < 5

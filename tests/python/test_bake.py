@@ -9,7 +9,7 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight import Cancelled, LeaflightError, Progress, _core, load_bake
-from leaflight.bake.stamps import read_bake_id, values_sha256
+from leaflight.bake.provenance import read_bake_id, values_sha256
 from same_bytes import assert_same_bake
 from waiting import HANG, wait_for
 
@@ -35,10 +35,10 @@ def test_result(box_bake):
     assert (radiance[~mask] == 0).all()
     assert radiance[mask].mean() > 0.01
     statistics = box_bake.statistics
-    assert statistics["texels"] == box_bake.grid.texels
-    assert statistics["rays"] > 0 and statistics["seconds"] > 0
-    assert statistics["peak_memory_bytes"] > radiance.nbytes
-    for name, reason in statistics["skipped_passes"]:
+    assert statistics.texels == box_bake.grid.texels
+    assert statistics.rays > 0 and statistics.seconds > 0
+    assert statistics.peak_memory_bytes > radiance.nbytes
+    for name, reason in statistics.skipped_passes:
         assert name and reason
 
 
@@ -64,7 +64,7 @@ def test_saved_metadata(box_bake):
     (volume,) = json.loads(metadata["volumes"])
     assert len(volume["values_sha256"]) == len(metadata["scene_sha256"]) == 64
     assert volume["name"] == volume["source"] == "bump_box" and volume["capped"] is False
-    assert metadata["both_sides"] == metadata["surroundings"] == "false"
+    assert metadata["both_sides"] == metadata["walls"] == "false"
 
 
 def test_id_tells_bakes_apart_and_is_read_from_the_first_bytes(small, bump_scene, tmp_path):
@@ -121,7 +121,7 @@ def test_a_bake_without_id_is_told_from_other_files(box_bake, tmp_path):
     """As Leaflight wrote them before bakes had one."""
     path = tmp_path / "old.vdb"
     fields = [volume.field() for volume in box_bake.volumes]
-    metadata = dict(box_bake.metadata, statistics=json.dumps(box_bake.statistics))
+    metadata = dict(box_bake.metadata, statistics=json.dumps(box_bake.statistics.record()))
     _core.write_bake(str(path), fields, box_bake.grids, None, metadata)
     with pytest.raises(LeaflightError, match="an earlier Leaflight; bake"):
         load_bake(path)

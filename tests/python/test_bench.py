@@ -230,7 +230,7 @@ def fake_case(monkeypatch, truth, errors):
     def baked(*_, **options):
         assert set(options) == {"progress", "seed", "threads"}
         order.append("bake")
-        return SimpleNamespace(statistics=dict.fromkeys(bakes_module.KEPT, 5))
+        return SimpleNamespace(statistics=SimpleNamespace(**dict.fromkeys(bakes_module.KEPT, 5)))
 
     monkeypatch.setattr(bakes_module, "Peer", FakePeer)
     monkeypatch.setattr(bakes_module, "compare", compared)

@@ -21,24 +21,24 @@ LAYERS = ("radiance", "radiance_indirect", "radiance_error")
 
 def assert_same(one, other):
     assert one.id == other.id
-    assert one.statistics["rounds"] == other.statistics["rounds"]
+    assert one.statistics.passes == other.statistics.passes
     for mine, theirs in zip(one.grids, other.grids):
         layers = (*LAYERS, "radiance_back") if mine.has_back else LAYERS
         for layer in layers:
             np.testing.assert_array_equal(mine.dense(layer), theirs.dense(layer))
-    assert (one.surroundings is None) is (other.surroundings is None)
-    for mesh in range(one.surroundings.count if one.surroundings else 0):
-        mine, theirs = (b.surroundings.radiance(mesh, 50.0) for b in (one, other))
+    assert (one.walls is None) is (other.walls is None)
+    for mesh in range(one.walls.count if one.walls else 0):
+        mine, theirs = (b.walls.radiance(mesh, 50.0) for b in (one, other))
         np.testing.assert_array_equal(mine, theirs)
 
 
 class Canceller:
-    """In place of Workers: brings no block, so that the bake sweeps all, and cancels one."""
+    """In place of Workers: brings no block, so that the bake traces all, and cancels one."""
 
     def __init__(self, progress, blocks):
         self.progress, self.blocks = progress, blocks
 
-    def sweeping(self, *_):
+    def tracing(self, *_):
         return nullcontext(self)
 
     def begin(self, *_):
@@ -68,7 +68,7 @@ def test_the_same_bits(tmp_path, bump_scene, options, counts):
     arguments = {"volumes": leaflight.bump_box(10), "scene": bump_scene, "isovalues": (30.0, 70.0)}
     arguments.update(options, error=ERROR)
     whole = leaflight.bake(**arguments)
-    assert whole.statistics["rounds"] > 1
+    assert whole.statistics.passes > 1
     for first, second in counts:
         checkpoint = Checkpoint(tmp_path / f"{first}.checkpoint", {"of": first}, seconds=0.0)
         interrupted(arguments, checkpoint, first)
@@ -116,7 +116,7 @@ def test_a_checkpoint_that_cannot_be_written_does_not_end_the_bake(tmp_path, bum
         error=9.0,
         checkpoint=checkpoint,
     )
-    assert bake.statistics["stopped"] is False
+    assert bake.statistics.stopped is False
 
 
 def test_killed_and_resumed_by_the_command_line(tmp_path, cli):

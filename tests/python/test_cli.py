@@ -39,10 +39,7 @@ def test_help_of_bake_fits_a_screen(script):
 def test_passes_that_were_left_out_are_told_on_demand(cli, tmp_path):
     bake = ["bake", "bump_box", "--dims", 12, "--out", tmp_path / "box.vdb", *BAKE]
     assert "skipped:" not in cli(*bake).out
-    assert (
-        "skipped: radiance of the surroundings (it was not asked for)"
-        in cli(*bake, "--verbose").out
-    )
+    assert "skipped: radiance of the walls (it was not asked for)" in cli(*bake, "--verbose").out
 
 
 def test_info(script):
@@ -92,13 +89,13 @@ def test_a_surface_is_soon_there(script, box_file, tmp_path):
 
 
 def test_pipeline_of_several_volumes(cli, root, tmp_path):
-    """The volumes come from the scene file; each shows its own isovalue at a leaf coordinate."""
+    """The volumes come from the scene file; each shows its own isovalue at a common isovalue."""
     bake, mesh = tmp_path / "lapr.vdb", tmp_path / "water.ply"
     scene = root / "scenes" / "lapr.json"
     options = ["--error", "20", "--capped"]
     outcome = cli(
         *("bake", "--scene", scene, "--dims", "16", "--out", bake, "--both-sides"),
-        *("--surroundings", *options, "--json"),
+        *("--walls", *options, "--json"),
     )
     baked = last_json(outcome)
     assert baked["isovalues"] == [0, 1]
@@ -269,11 +266,11 @@ def test_bake_goes_on_until_its_error(cli, tmp_path):
     arguments = ["bake", "bump_box", "--dims", "10", "--isovalues", "30", "70", "--out", out]
     outcome = cli(*arguments, "--error", "4", "--json")
     result = last_json(outcome)
-    assert result["rounds"] >= 1 and 0 < result["estimated_error_percent"] <= 4
+    assert result["passes"] >= 1 and 0 < result["estimated_error_percent"] <= 4
     assert result["stopped"] is False
-    error, rounds = result["estimated_error_percent"], result["rounds"]
+    error, passes = result["estimated_error_percent"], result["passes"]
     assert f"estimated error {error:.2f} %" in outcome.out
-    assert f" after {rounds} pass" in outcome.out
+    assert f" after {passes} pass" in outcome.out
     assert "4 % was asked for" in outcome.out
     outcome = cli(*arguments, "--error", "0.001", "--time", "1e-9")
     assert outcome.status == 0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes whose light is swept by several processes: the same bits, whoever sweeps and dies."""
+"""Bakes whose light is traced by several processes: the same bits, whoever traces and dies."""
 
 import os
 import signal
@@ -15,11 +15,11 @@ from leaflight.bake.bake import worker_memory
 pytest.importorskip("distributed")
 
 from distributed import LocalCluster  # noqa: E402
-from leaflight.cluster import sweeper  # noqa: E402
+from leaflight.cluster import block_tracer  # noqa: E402
 from leaflight.cluster.workers import Workers  # noqa: E402
 from waiting import HANG, wait_for  # noqa: E402
 
-SETTINGS = {"error": 0.3, "isovalues": (30.0, 70.0), "both_sides": True, "surroundings": True}
+SETTINGS = {"error": 0.3, "isovalues": (30.0, 70.0), "both_sides": True, "walls": True}
 
 
 @pytest.fixture(scope="module")
@@ -43,9 +43,9 @@ def check_same(bake, other):
     for name in ("radiance", "radiance_indirect", "radiance_error", "radiance_back"):
         ours, theirs = (one.grid.dense(name) for one in (bake, other))
         np.testing.assert_array_equal(ours, theirs, err_msg=name)
-    for mesh in range(bake.surroundings.count):
+    for mesh in range(bake.walls.count):
         for back in (False, True):
-            ours, theirs = (one.surroundings.radiance(mesh, 47.0, back) for one in (bake, other))
+            ours, theirs = (one.walls.radiance(mesh, 47.0, back) for one in (bake, other))
             np.testing.assert_array_equal(ours, theirs)
 
 
@@ -54,12 +54,12 @@ def test_any_number_of_workers(volume, alone, count):
     with Workers(count) as workers:
         assert workers.processes() == count
         check_same(leaflight.bake(volume, workers=workers, **SETTINGS), alone)
-        assert workers.swept >= 4 and workers.lost == 0
+        assert workers.traced >= 4 and workers.lost == 0
 
 
 @pytest.mark.slow
 def test_workers_that_die(volume, alone, workers):
-    """One is killed in each round, and others, started for it, know nothing of the bake."""
+    """One is killed in each pass, and others, started for it, know nothing of the bake."""
     killed = []
 
     def kill(_bake):
@@ -71,8 +71,8 @@ def test_workers_that_die(volume, alone, workers):
         killed.append(alive[0])
         os.kill(killed[-1], signal.SIGKILL)
 
-    check_same(leaflight.bake(volume, workers=workers, on_round=kill, **SETTINGS), alone)
-    assert killed and workers.swept > 0
+    check_same(leaflight.bake(volume, workers=workers, on_pass=kill, **SETTINGS), alone)
+    assert killed and workers.traced > 0
 
 
 @pytest.mark.slow
@@ -83,29 +83,29 @@ def test_nobody_is_left(volume, alone):
     def close(_bake):
         workers.close()
 
-    check_same(leaflight.bake(volume, workers=workers, on_round=close, **SETTINGS), alone)
-    assert workers.swept > 0 and workers.lost > 0
+    check_same(leaflight.bake(volume, workers=workers, on_pass=close, **SETTINGS), alone)
+    assert workers.traced > 0 and workers.lost > 0
 
 
 @pytest.mark.slow
 def test_going_on_with_a_bake(volume, workers):
     progress = Progress()
     part = leaflight.bake(
-        volume, progress=progress, on_round=lambda _: progress.stop(), **{**SETTINGS, "error": 1.0}
+        volume, progress=progress, on_pass=lambda _: progress.stop(), **{**SETTINGS, "error": 1.0}
     )
     alone = leaflight.resume(part, error=0.2)
     check_same(leaflight.resume(part, error=0.2, workers=workers), alone)
-    assert workers.swept > 0
+    assert workers.traced > 0
 
 
 def never_done():
-    """Has this worker sweep each block again and again."""
+    """Has this worker trace each block again and again."""
 
-    def sweep(self, number):
+    def trace(self, number):
         while True:
-            self._core.sweep(number)
+            self._core.trace(number)
 
-    sweeper._Sweeper.sweep = sweep
+    block_tracer._Tracer.trace = trace
 
 
 @pytest.mark.slow
@@ -120,21 +120,21 @@ def test_cancel_goes_through(volume, workers):
         except Cancelled as error:
             outcome.append(error)
 
-    def is_swept():
-        return any(workers.client.run(lambda: sweeper._sweeper is not None).values())
+    def is_traced():
+        return any(workers.client.run(lambda: block_tracer._tracer is not None).values())
 
     bake = threading.Thread(target=work)
     bake.start()
-    assert wait_for(is_swept, bake.is_alive)
+    assert wait_for(is_traced, bake.is_alive)
     progress.cancel()
     bake.join(HANG)
     assert len(outcome) == 1
     assert workers.client.submit(abs, -1).result(timeout=HANG) == 1
-    assert not is_swept()
+    assert not is_traced()
 
 
 def test_workers_of_another_leaflight(volume, workers, monkeypatch):
-    monkeypatch.setattr(sweeper.Recipe, "__init__", _of_another(sweeper.Recipe.__init__))
+    monkeypatch.setattr(block_tracer.Recipe, "__init__", _of_another(block_tracer.Recipe.__init__))
     with pytest.raises(LeaflightError, match="install the same"):
         leaflight.bake(volume, workers=workers, **SETTINGS)
 

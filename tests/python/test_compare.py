@@ -32,7 +32,7 @@ def test_compare(box_bake):
     assert 0 < result["relative_rms"] < 1
     assert 0 < result["reference_noise_percent"] < 10
     assert 0.1 < result["mean_radiance"] < 1
-    assert result["bake_seconds"] == box_bake.statistics["seconds"]
+    assert result["bake_seconds"] == box_bake.statistics.seconds
     assert result["reference_seconds"] > 0
     exposed = result["exposed"]
     assert 0 < exposed["points"] <= 200 and 0 < exposed["rms_percent"] < 25
@@ -49,15 +49,18 @@ def test_parts_of_an_error():
     """Differences of known size are found again, each under its name."""
     rng = np.random.default_rng(3)
     n, weights = 200_000, rng.uniform(0.5, 1.5, 200_000)
-    leaf = rng.uniform(0.3, 0.6, (n, 3))
+    isosurface = rng.uniform(0.3, 0.6, (n, 3))
     noise = 0.02 * rng.normal(size=(n, 1))
-    radiance = leaf + 0.03 * rng.normal(size=(n, 3)) + noise
+    radiance = isosurface + 0.03 * rng.normal(size=(n, 3)) + noise
 
     def measured(values, error):
         known = np.full((n, 3), error)
         return Truth(None, weights, values + error * rng.normal(size=(n, 3)), known, None)
 
-    path, truth = measured(leaf, 0.01), measured(leaf + 0.04 * rng.normal(size=(n, 3)), 0.015)
+    path, truth = (
+        measured(isosurface, 0.01),
+        measured(isosurface + 0.04 * rng.normal(size=(n, 3)), 0.015),
+    )
     parts = parts_of(radiance, np.full(n, 0.02), path, truth, 1.0)
     assert parts["noise_percent"] == pytest.approx(2.0)
     assert parts["texture_percent"] == pytest.approx(3.0, rel=0.01)
@@ -81,27 +84,27 @@ def test_exposed_points_are_those_seen_from_outside():
     values = np.exp(-(((radius - 0.6) / 0.1) ** 2)).astype(np.float32)
     field = leaflight.Volume(values, np.diag([1.0, 1.0, 1.0, 1.0]), "shell", "shell").field()
     vertices, _, _ = leaflight._core.contour(field, 0.5)
-    on_leaf = leaflight._core.project_to_leaf(field, vertices, 0.5)
-    exposed = leaflight._core.exposed(field, on_leaf, 0.5) > 0
-    outer = np.linalg.norm(on_leaf - 16.0, axis=1) > 0.6 * 16
+    on_isosurface = leaflight._core.project_to_isosurface(field, vertices, 0.5)
+    exposed = leaflight._core.exposed(field, on_isosurface, 0.5) > 0
+    outer = np.linalg.norm(on_isosurface - 16.0, axis=1) > 0.6 * 16
     assert 0.3 < outer.mean() < 0.8
     assert (exposed == outer).mean() > 0.999
 
 
 @pytest.mark.parametrize("n", [8, 15, 20])
 def test_the_border_is_lit(bump_scene, n):
-    """Vertices on the border of the domain belong to it, however the map to the index rounds."""
+    """Vertices on the border of the domain belong to it, however the map to the index passes."""
     volume = leaflight.bump_box(n)
     baked = leaflight.bake(volume, bump_scene, error=50.0, isovalues=(30.0, 70.0))
     vertices = baked.surface(47.0).vertices
-    on_leaf = leaflight._core.project_to_leaf(volume.field(), vertices, 47.0)
+    on_isosurface = leaflight._core.project_to_isosurface(volume.field(), vertices, 47.0)
     on_border = ((vertices == 0) | (vertices == 1)).any(axis=1)
     # The scene is open towards z = 1: from there some light comes wherever the lamp is not seen.
-    dark = (baked.reference(on_leaf, 47.0, spp=64)[0] == 0).all(axis=1)
+    dark = (baked.reference(on_isosurface, 47.0, spp=64)[0] == 0).all(axis=1)
     assert on_border.sum() > 10 and dark[on_border].mean() < 0.02
-    moved = on_leaf + [0.0, 0.0, 1e-9]
+    moved = on_isosurface + [0.0, 0.0, 1e-9]
     assert ((baked.reference(moved, 47.0, spp=64)[0] == 0).all(axis=1) == dark).all()
-    exposed = leaflight._core.exposed(volume.field(), on_leaf, 47.0, 32, 0) > 0
+    exposed = leaflight._core.exposed(volume.field(), on_isosurface, 47.0, 32, 0) > 0
     assert exposed[on_border].mean() > 0.5
 
 
@@ -116,15 +119,17 @@ def test_compare_on_a_wall(lapr_bake):
 
 
 def test_compare_on_walls_needs_them(box_bake, lapr_bake):
-    with pytest.raises(LeaflightError, match="bake again with surroundings"):
+    with pytest.raises(LeaflightError, match="bake again with walls"):
         leaflight.compare(box_bake, 47.0, points=10, spp=4, mesh="far wall")
     with pytest.raises(LeaflightError, match="choose one of floor, ceiling"):
         leaflight.compare(lapr_bake, 0.5, points=10, spp=4, mesh="moon")
 
 
 def test_a_mirror_has_no_radiance_of_its_own(box_bake):
-    mirrors = [replace(leaves, scattering="mirror") for leaves in box_bake.scene.leaves]
-    bake = replace(box_bake, scene=replace(box_bake.scene, leaves=mirrors))
+    mirrors = [
+        replace(isosurfaces, scattering="mirror") for isosurfaces in box_bake.scene.isosurfaces
+    ]
+    bake = replace(box_bake, scene=replace(box_bake.scene, isosurfaces=mirrors))
     with pytest.raises(LeaflightError, match="depends on the view"):
         leaflight.compare(bake, 47.0, points=10, spp=4)
 

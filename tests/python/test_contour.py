@@ -55,7 +55,7 @@ def test_contour_and_lookup_at_once(box_bake):
     np.testing.assert_allclose(lit[3], radiance, atol=1e-4 * radiance.max())
     assert lit[4] is None
     assert grid.lit_contour(field, 47.0, front=False)[3] is None
-    with pytest.raises(LeaflightError, match="inner side"):
+    with pytest.raises(LeaflightError, match="back"):
         grid.lit_contour(field, 47.0, back=True)
 
 

@@ -58,8 +58,8 @@ def test_estimated_error_of_the_bake(bump_scene):
         leaflight.thesis.bake(leaflight.bump_box(20), bump_scene, photons=100_000, samples=samples)
         for samples in (8, 128)
     )
-    estimated = few.statistics["estimated_rms_percent"]
-    assert 0 < more.statistics["estimated_rms_percent"] < estimated / 3
+    estimated = few.statistics.estimated_rms_percent
+    assert 0 < more.statistics.estimated_rms_percent < estimated / 3
     active = few.grid.mask().astype(bool)
     colours = [
         np.clip(one.grid.dense("radiance")[active] * bump_scene.exposure, 0, 1)

@@ -19,7 +19,7 @@ ISOVALUES = (40.0, 47.0, 60.0)
 
 @pytest.fixture(scope="module")
 def finer(bump_scene):
-    """Texels half as wide as voxels, and inner sides."""
+    """Texels half as wide as voxels, and backs."""
     return leaflight.bake(
         leaflight.bump_box(12),
         bump_scene,

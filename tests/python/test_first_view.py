@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from leaflight.export.histogram import bin_width
 from leaflight.scene.facing import quarter_turns, turned
-from leaflight.scene.scene import Leaves, PointLight, SceneDescription, SunLight, fit_scene
+from leaflight.scene.scene import Isosurfaces, PointLight, SceneDescription, SunLight, fit_scene
 from leaflight.stills.first_view import camera_around_bake, framing
 from leaflight.stills.photograph import BRIGHTEST, metered_stops, photographed, tone_mapped
 
@@ -26,7 +26,7 @@ def block(x, y, z, **options):
 
 def lit(volume, scene=None, **options):
     """A bake of little light."""
-    scene = scene or SceneDescription("sun", [Leaves("block", (0.8,) * 3)], 1.0, [], [SUN])
+    scene = scene or SceneDescription("sun", [Isosurfaces("block", (0.8,) * 3)], 1.0, [], [SUN])
     settings = {"isovalues": (0.3, 0.7), "error": 20.0, "resolution": 16}
     return leaflight.bake(volume, scene, **settings, **options)
 
@@ -123,7 +123,7 @@ def test_tones():
 @pytest.mark.parametrize("times", [0.1, 1.0, 10.0])
 def test_less_than_a_hundredth_clips_whatever_the_lamps(times):
     lamp = replace(SUN, irradiance=(2.0 * times,) * 3)
-    scene = SceneDescription("sun", [Leaves("block", (0.8,) * 3)], 1.0, [], [lamp])
+    scene = SceneDescription("sun", [Isosurfaces("block", (0.8,) * 3)], 1.0, [], [lamp])
     bake = lit(block(20, 20, 20), scene)
     stops = metered_stops(bake)
     picture = leaflight.still(bake, 0.5, size=(160, 90), samples=1)
@@ -149,11 +149,11 @@ def test_walls_without_baked_light_are_shaded_locally(cornell_patient):
 
 
 def test_open_isosurfaces_show_their_shape_inside():
-    """Whatever the lamps; an inner side that was not baked has no light of its own."""
+    """Whatever the lamps; a back that was not baked has no light of its own."""
     values = np.hypot(*(np.mgrid[:24, :24].astype(np.float32) - 11.5))
     tube = np.repeat((12 - values)[:, None, :], 24, axis=1)  # open towards -y and +y
     volume = leaflight.Volume(np.ascontiguousarray(tube), np.diag([0.1, 0.1, 0.1, 1.0]), "tube")
-    scene = SceneDescription("sun", [Leaves("tube", (0.5,) * 3)], 4.0, [], [SUN])
+    scene = SceneDescription("sun", [Isosurfaces("tube", (0.5,) * 3)], 4.0, [], [SUN])
     settings = {"isovalues": (2.0, 6.0), "error": 20.0, "resolution": 16}
     bake = leaflight.bake(volume, scene, **settings)
     camera = camera_around_bake(bake, azimuth=0, elevation=0, isovalue=4.0)

@@ -160,7 +160,7 @@ def test_box_fits_any_image():
 GOOD = {
     "name": "box",
     "coordinates": "world",
-    "leaf_albedo": [0.5, 0.5, 0.5],
+    "isosurface_albedo": [0.5, 0.5, 0.5],
     "exposure": 1,
     "meshes": [
         {"name": "wall", "albedo": [1, 1, 1], "vertices": [[0, 0], [1, 0]], "segments": [[0, 1]]}
@@ -179,7 +179,7 @@ GOOD = {
         (["lights", 0, "edge"], [0, 0], 'light "lamp".*edge'),
         (["lights", 0, "edge"], [0, 1, 0], 'light "lamp".*two numbers'),
         (["lights", 0, "radiance"], [0, 0, -1], 'light "lamp".*not negative'),
-        (["leaf_albedo"], [2, 0, 0], "leaf_albedo"),
+        (["isosurface_albedo"], [2, 0, 0], "isosurface_albedo"),
         (["exposure"], 0, "exposure"),
     ],
 )

@@ -16,7 +16,7 @@ def direct_bake():
     dark = replace(
         scene,
         walls=[replace(wall, albedo=(0.0, 0.0, 0.0)) for wall in scene.walls],
-        leaves=replace(scene.leaves, albedo=(0.02, 0.02, 0.02)),
+        isosurfaces=replace(scene.isosurfaces, albedo=(0.02, 0.02, 0.02)),
     )
     return flatland.bake_flatland(flatland.bump_box_2d(61), dark, resolution=61)
 

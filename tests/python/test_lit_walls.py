@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Walls lit by rounds, where they meet."""
+"""Walls lit by passes, where they meet."""
 
 import leaflight
 import numpy as np
@@ -12,10 +12,10 @@ def test_corners_are_smooth():
     """Half of the rays from there meet a wall next to them, and must not all show its one patch."""
     box = leaflight.bump_box(24)
     bake = leaflight.bake(
-        box, packaged_scene("open_floor.json"), isovalues=(30, 70), error=3.0, surroundings=True
+        box, packaged_scene("open_floor.json"), isovalues=(30, 70), error=3.0, walls=True
     )
-    vertices, _ = bake.surroundings.mesh(1)
-    radiance = bake.surroundings.radiance(1, 47.0).mean(axis=1)
+    vertices, _ = bake.walls.mesh(1)
+    radiance = bake.walls.radiance(1, 47.0).mean(axis=1)
     corner = vertices[:, 2] < vertices[:, 2].min() + 1e-4
     along = radiance[corner][np.argsort(vertices[corner, 0])]
     assert len(along) > 30

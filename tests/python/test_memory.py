@@ -121,7 +121,7 @@ def test_a_limit_is_kept(large):
     [
         {"resolution": 100},
         {"resolution": 100, "both_sides": True},
-        {"resolution": 100, "surroundings": True},
+        {"resolution": 100, "walls": True},
         {"resolution": 160},
     ],
 )
@@ -143,7 +143,7 @@ def test_default_texels_are_the_finest_that_fit(monkeypatch):
     limit_memory(320 * MEBIBYTE)
     bake = leaflight.bake(volume, error=50)
     assert 40 < bake.grid.resolution[0] < 120
-    name, reason = bake.statistics["skipped_passes"][-1]
+    name, reason = bake.statistics.skipped_passes[-1]
     assert name == "finer texels" and "memory" in reason
     # What was chosen stands in the bake, as if it had been asked for.
     assert json.loads(bake.metadata["asked_resolution"]) == list(bake.grid.resolution)

@@ -18,7 +18,7 @@ def baked(volume, scene, **settings):
     settings = {
         "error": 8.0,
         "isovalues": WINDOW,
-        "surroundings": True,
+        "walls": True,
         "resolution": 10,
         **settings,
     }
@@ -75,7 +75,7 @@ def assert_direct_light_of(ours, theirs):
 
 
 def walls_direct(bake):
-    return [bake.surroundings.direct_ways(mesh) for mesh in range(len(bake.scene.meshes))]
+    return [bake.walls.direct_ways(mesh) for mesh in range(len(bake.scene.meshes))]
 
 
 def assert_walls_have_direct_light_of(ours, theirs):
@@ -110,7 +110,7 @@ def test_lamps_come_and_go(bake, scene):
     for lamps in ([NEW_LAMP, *scene.lights], [NEW_LAMP], [larger]):
         there = replace(scene, lights=lamps)
         ours = bake.moved(BOX, there, walls=False)
-        assert_direct_light_of(ours, baked(BOX, there, surroundings=False))
+        assert_direct_light_of(ours, baked(BOX, there, walls=False))
 
 
 def test_the_volume_moves(bake, scene):
@@ -131,36 +131,36 @@ def test_walls_move_come_and_go(bake, scene):
     ours, theirs = bake.moved(BOX, there), baked(BOX, there)
     assert_direct_light_of(ours, theirs)
     for number, mesh in enumerate(there.meshes):
-        vertices = ours.surroundings.mesh(number)[0]
+        vertices = ours.walls.mesh(number)[0]
         low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
         np.testing.assert_allclose(vertices.min(axis=0), low, atol=1e-4)
         np.testing.assert_allclose(vertices.max(axis=0), high, atol=1e-4)
         for back in (False, True):
-            soft = [one.surroundings.indirect(number, back) for one in (ours, bake)]
+            soft = [one.walls.indirect(number, back) for one in (ours, bake)]
             assert (soft[0] > 0).sum() == (soft[1] > 0).sum()
     fewer = replace(scene, meshes=scene.meshes[1:])
     ours = bake.moved(BOX, fewer)
-    assert_direct_light_of(ours, baked(BOX, fewer, surroundings=False))
-    assert ours.surroundings.count == len(fewer.meshes)
-    assert (ours.surroundings.indirect(0, True) > 0).any()
+    assert_direct_light_of(ours, baked(BOX, fewer, walls=False))
+    assert ours.walls.count == len(fewer.meshes)
+    assert (ours.walls.indirect(0, True) > 0).any()
     copied = replace(scene.meshes[0], name="New wall", vertices=0.5 * scene.meshes[0].vertices)
     more = replace(scene, meshes=[copied, *scene.meshes])
     ours = bake.moved(BOX, more)
-    assert_same_maps(ours, baked(BOX, more, surroundings=False))
-    assert not ours.surroundings.indirect(0).any() and ours.surroundings.indirect(1).any()
+    assert_same_maps(ours, baked(BOX, more, walls=False))
+    assert not ours.walls.indirect(0).any() and ours.walls.indirect(1).any()
 
 
 def test_back_sides_and_several_volumes(scene):
-    both = baked(BOX, scene, both_sides=True, surroundings=False)
+    both = baked(BOX, scene, both_sides=True, walls=False)
     there = with_lamp_moved(scene)
-    ours, theirs = both.moved(BOX, there), baked(BOX, there, both_sides=True, surroundings=False)
+    ours, theirs = both.moved(BOX, there), baked(BOX, there, both_sides=True, walls=False)
     for point in range(len(theirs.grid.direct.light_points)):
-        codes = (one.grid.direct.codes(point, inner=True) for one in (ours, theirs))
+        codes = (one.grid.direct.codes(point, back=True) for one in (ours, theirs))
         np.testing.assert_array_equal(*codes)
     pair = [BOX, shifted(BOX, (1.4, 0.0, 0.0))]
     scene = leaflight.fit_scene(leaflight.cornell_box(), pair)
     there = with_lamp_moved(scene)
-    settings = {"isovalues": None, "surroundings": False, "resolution": 8, "error": 20.0}
+    settings = {"isovalues": None, "walls": False, "resolution": 8, "error": 20.0}
     two = baked(pair, scene, **settings)
     ours, theirs = two.moved(pair, there), baked(pair, there, **settings)
     for own, other in zip(ours.grids, theirs.grids):
@@ -171,10 +171,10 @@ def test_back_sides_and_several_volumes(scene):
 def test_beside_a_mirror_what_is_diffuse_is_lit(scene):
     pair = [BOX, shifted(BOX, (1.4, 0.0, 0.0))]
     scene = leaflight.fit_scene(leaflight.cornell_box(), pair)
-    mirror = replace(scene.leaves[0], name="mirror", scattering="mirror")
-    scene = replace(scene, leaves=[scene.leaves[0], mirror])
+    mirror = replace(scene.isosurfaces[0], name="mirror", scattering="mirror")
+    scene = replace(scene, isosurfaces=[scene.isosurfaces[0], mirror])
     there = with_lamp_moved(scene)
-    settings = {"isovalues": None, "surroundings": False, "resolution": 8, "error": 20.0}
+    settings = {"isovalues": None, "walls": False, "resolution": 8, "error": 20.0}
     ours = baked(pair, scene, **settings).moved(pair, there)
     assert_same_maps(ours, baked(pair, there, **settings))
     assert ours.grids[1].direct is None
@@ -184,7 +184,7 @@ def test_coarser_maps_come_close(bake, scene):
     there = with_lamp_moved(scene)
     fine = bake.moved(BOX, there, walls=False)
     coarse = bake.moved(BOX, there, quick=True, walls=False)
-    assert coarse.grid.direct.resolution == [5, 5, 5] and coarse.surroundings is None
+    assert coarse.grid.direct.resolution == [5, 5, 5] and coarse.walls is None
     assert coarse.id != fine.id
     points = fine.surface(47.0).vertices
     off = np.abs(coarse.radiance(points) - fine.radiance(points))
@@ -223,7 +223,7 @@ def test_it_says_what_cannot_move(bake, scene):
         (BOX, scene, {"isovalues": (30.0, 60.0)}, "range of isovalues has changed"),
         (
             BOX,
-            replace(scene, leaves=[replace(scene.leaves[0], scattering="mirror")]),
+            replace(scene, isosurfaces=[replace(scene.isosurfaces[0], scattering="mirror")]),
             {},
             "material",
         ),

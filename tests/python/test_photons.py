@@ -21,13 +21,13 @@ def photons(bump_scene):
     return trace_photons(leaflight.bump_box(24), bump_scene, count=COUNT, seed=3)
 
 
-def test_they_lie_on_their_leaves(photons):
+def test_they_lie_on_their_isosurfaces(photons):
     field = leaflight.bump_box(24).field()
     heights = field.sample(photons.positions)
     low, high = field.range
     inside = np.isfinite(heights)
     assert inside.mean() > 0.99
-    error = np.abs(heights - photons.leaf_coordinate)[inside]
+    error = np.abs(heights - photons.common_isovalue)[inside]
     assert error.max() < 1e-3 * (high - low)
     assert photons.count == COUNT and 0.1 < photons.direct.mean() < 0.9
 
@@ -53,7 +53,7 @@ def test_command(root, tmp_path, capsys, photons):
     assert result["points"] == len(photons.positions) and result["direct"] == photons.direct.sum()
     cloud = meshio.read(out)
     np.testing.assert_array_equal(cloud.points, photons.positions)
-    np.testing.assert_array_equal(cloud.point_data["leaf_coordinate"], photons.leaf_coordinate)
+    np.testing.assert_array_equal(cloud.point_data["common_isovalue"], photons.common_isovalue)
     np.testing.assert_array_equal(cloud.point_data["direct"], photons.direct)
     np.testing.assert_array_equal(cloud.point_data["flux_g"], photons.flux_height[:, 1])
     assert cloud.point_data["red"].dtype == np.uint8 and cloud.point_data["red"].std() > 1

@@ -37,10 +37,10 @@ def mirror(root):
 @pytest.fixture
 def glass(root):
     """bake(**settings) of the light that glass throws on a floor."""
-    scene = leaflight.load_scene(root / "scenes" / "glass_leaf.json")
+    scene = leaflight.load_scene(root / "scenes" / "glass_isosurface.json")
 
     def bake(**settings):
-        settings = {"surroundings": True, **settings}
+        settings = {"walls": True, **settings}
         return leaflight.bake(leaflight.bump_box(8), scene, isovalues=(30.0, 70.0), **settings)
 
     return bake
@@ -53,27 +53,27 @@ def assert_same_light(one, other):
             assert a.dense(name).tobytes() == b.dense(name).tobytes()
 
 
-def test_an_error_is_reached_in_rounds(two, mirror):
+def test_an_error_is_reached_in_passes(two, mirror):
     for bake in (two, mirror):
         seen = []
-        baked = bake(error=4.0, on_round=seen.append)
-        assert 0 < baked.statistics["estimated_error_percent"] < 4.0
-        assert not baked.statistics["stopped"] and int(baked.metadata["blocks"]) >= 4
-        assert len(seen) == baked.statistics["rounds"] - 1
+        baked = bake(error=4.0, on_pass=seen.append)
+        assert 0 < baked.statistics.estimated_error_percent < 4.0
+        assert not baked.statistics.stopped and int(baked.metadata["blocks"]) >= 4
+        assert len(seen) == baked.statistics.passes - 1
         assert "4 % was asked for" in outcome(baked)
 
 
-def test_a_glass_isosurface_has_the_error_of_its_surroundings(glass):
+def test_a_glass_isosurface_has_the_error_of_its_walls(glass):
     baked = glass(error=20.0)
-    assert 0 < baked.statistics["estimated_error_percent"] < 20
-    assert baked.surroundings.radiance(0, 50.0).mean() > 0.01
+    assert 0 < baked.statistics.estimated_error_percent < 20
+    assert baked.walls.radiance(0, 50.0).mean() > 0.01
     late = glass(error=UNREACHED, time=1e-9)
-    assert late.statistics["stopped"] and "was not reached" in outcome(late)
+    assert late.statistics.stopped and "was not reached" in outcome(late)
 
 
 def test_the_time_ends_it(two):
     baked = two(error=UNREACHED, time=1e-9)
-    assert baked.statistics["stopped"] and baked.statistics["rounds"] == 1
+    assert baked.statistics.stopped and baked.statistics.passes == 1
     assert baked.surface(0.5).radiance.mean() > 0.01
 
 
@@ -86,7 +86,7 @@ def test_an_interrupted_bake_goes_on_with_the_same_bits(mirror, two, tmp_path):
                 error=2.0,
                 threads=1,
                 checkpoint=checkpoint,
-                on_round=lambda _: progress.cancel(),
+                on_pass=lambda _: progress.cancel(),
                 progress=progress,
             )
         resumed = bake(error=2.0, threads=2, checkpoint=replace(checkpoint, resume=True))
@@ -103,7 +103,7 @@ def test_it_is_continued_from_its_file(two, tmp_path):
     )
     more = [resume(one, error=2.0) for one in (first, loaded)]
     assert_same_light(*more)
-    was, now = (one.statistics["estimated_error_percent"] for one in (first, more[0]))
+    was, now = (one.statistics.estimated_error_percent for one in (first, more[0]))
     assert now < was and int(more[0].metadata["blocks"]) > int(first.metadata["blocks"])
 
 

@@ -15,7 +15,7 @@ SUN = PointLight("Side lamp", (-0.9, -0.9, 0.9), 0.1, (4.0, 2.0, 8.0))
 
 
 def baked(scene, **settings):
-    settings = {"error": 5.0, "isovalues": WINDOW, "surroundings": True, **settings}
+    settings = {"error": 5.0, "isovalues": WINDOW, "walls": True, **settings}
     return leaflight.bake(leaflight.bump_box(10), scene, **settings)
 
 
@@ -53,7 +53,7 @@ def of_two(two_lamps):
 def light_of(bake):
     """Radiance of an isosurface and of all walls, front sides."""
     points = bake.surface(47.0).vertices
-    walls = [bake.surroundings.radiance(mesh, 47.0) for mesh in range(len(bake.scene.meshes))]
+    walls = [bake.walls.radiance(mesh, 47.0) for mesh in range(len(bake.scene.meshes))]
     return points, bake.radiance(points), np.concatenate(walls)
 
 

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from leaflight import Cancelled, LeaflightError, Progress
 from leaflight.bake.estimate import Estimate
+from leaflight.bake.statistics import Statistics
 from leaflight.progress_bar import run_with_progress
 from leaflight.report.advice import advice, budget_rows
 from leaflight.report.against_cycles import CASES, BakeRow, CyclesRow
@@ -56,7 +57,7 @@ def one_table(effort, run):
     return Table("table", "Table", [row], ["A note."], {"slices": {"ours": picture}})
 
 
-# Estimators without a cache of the surroundings, whose bakes are short.
+# Estimators without a cache of the walls, whose bakes are short.
 SHORT = tuple(kind for kind in KINDS if kind.name in ("path", "volumetric", "thesis"))
 
 
@@ -222,14 +223,14 @@ def test_with_cycles(with_cycles, data, tmp_path, monkeypatch):
     errors = {"rms_percent": 2.5, "reference_noise_percent": 0.4}
     errors |= {"mean_radiance": 0.3, "mean_ratio": 1.0}
     parts = {"noise_percent": 1.0, "texture_percent": 2.0, "mesh_percent": 0.5}
-    statistics = {"texels": 9, "rounds": 3, "seconds": 2.5, "estimated_error_percent": 1.25}
+    statistics = Statistics(2.5, 7, 9, 11, (), passes=3, estimated_error_percent=1.25)
     of_bake = BakeRow(CASES[0], (40, 40, 40), Estimate(2.0, 1, 1.4, 3, 2, 1.0), statistics, 2.47)
     judged = CyclesRow(of_bake, None, 47.0, 1024, errors, parts, True)
     found = [judged], ["tooth"]
     monkeypatch.setattr(report_module, "measure_against_cycles", lambda *_, **__: found)
     monkeypatch.setattr(report_module.shutil, "which", lambda _: "blender")
     result = report(tmp_path, TINY, quietly, tables=(one_table,))
-    assert len(json.loads(json.dumps(result, allow_nan=False))["break_even"]) == 8
+    assert len(json.loads(json.dumps(result, allow_nan=False))["break_even"]) == 4
     # The tables are as they must be, and the error asked for is missed.
     assert result["passed"] is False and result["against_cycles"][0]["verdict"] == "missed"
     assert (tmp_path / "csv" / "against_cycles.csv").exists()

@@ -12,16 +12,16 @@ from leaflight.volume.setting_error import SettingError
 GRIDS = ("radiance", "radiance_indirect", "radiance_error")
 
 
-def stopping(rounds):
-    """Arguments of a bake that is stopped after so many rounds."""
+def stopping(passes):
+    """Arguments of a bake that is stopped after so many passes."""
     progress, seen = Progress(), []
 
     def look(baked):
         seen.append(baked)
-        if len(seen) == rounds:
+        if len(seen) == passes:
             progress.stop()
 
-    return {"on_round": look, "progress": progress}
+    return {"on_pass": look, "progress": progress}
 
 
 @pytest.fixture
@@ -36,8 +36,8 @@ def box(bump_scene):
 
 
 @pytest.fixture
-def kept(box):
-    """A bake that was out of time in its first round."""
+def previous(box):
+    """A bake that was out of time in its first pass."""
     return box(error=0.7, time=1e-9)
 
 
@@ -52,28 +52,30 @@ def assert_same_light(one, two):
 
 
 @pytest.mark.slow
-def test_a_stopped_bake_goes_on_to_its_error(box, kept):
-    more = resume(kept)
-    assert more.statistics["estimated_error_percent"] < kept.statistics["estimated_error_percent"]
-    assert not more.statistics["stopped"] and kept.statistics["stopped"]
-    assert more.metadata["error"] == "0.7" and more.metadata["continued"] == kept.id != more.id
-    assert int(more.metadata["rounds"]) == more.statistics["rounds"] > 1
-    assert blocks(more) > blocks(kept)
+def test_a_stopped_bake_goes_on_to_its_error(box, previous):
+    more = resume(previous)
+    assert more.statistics.estimated_error_percent < previous.statistics.estimated_error_percent
+    assert not more.statistics.stopped and previous.statistics.stopped
+    assert more.metadata["error"] == "0.7" and more.metadata["continued"] == previous.id != more.id
+    assert int(more.metadata["passes"]) == more.statistics.passes > 1
+    assert blocks(more) > blocks(previous)
     for name in ("rays", "seconds"):
-        assert more.statistics[name] > kept.statistics[name] > 0
+        assert getattr(more.statistics, name) > getattr(previous.statistics, name) > 0
     # As near to the truth as one that was never stopped.
     truth = np.mean([box(error=0.05, seed=seed).grid.dense("radiance") for seed in (1, 2, 3)], 0)
     never_stopped = box(error=0.7)
-    errors = [np.abs(b.grid.dense("radiance") - truth).mean() for b in (kept, more, never_stopped)]
+    errors = [
+        np.abs(b.grid.dense("radiance") - truth).mean() for b in (previous, more, never_stopped)
+    ]
     assert errors[1] < 0.8 * errors[0] and errors[1] < 1.25 * errors[2]
 
 
 def test_a_finished_bake_goes_on_to_a_smaller_error(box):
     rough = box(error=8.0)
-    assert not rough.statistics["stopped"]
+    assert not rough.statistics.stopped
     fine = resume(rough, error=0.78)
     assert fine.metadata["error"] == "0.78"
-    assert fine.statistics["estimated_error_percent"] <= 0.78
+    assert fine.statistics.estimated_error_percent <= 0.78
     points = fine.surface(47.0).vertices
     assert fine.radiance_error(points).mean() < 0.85 * rough.radiance_error(points).mean()
 
@@ -81,60 +83,60 @@ def test_a_finished_bake_goes_on_to_a_smaller_error(box):
 @pytest.mark.slow
 @pytest.mark.parametrize("both_sides", [False, True])
 def test_from_memory_and_from_its_file_alike(box, tmp_path, both_sides):
-    kept = box(error=0.3, both_sides=both_sides, seed=5, **stopping(1))
-    kept.save(tmp_path / "kept.vdb")
-    loaded = load_bake(tmp_path / "kept.vdb")
-    one, two = resume(kept, threads=1), resume(loaded, threads=2)
+    previous = box(error=0.3, both_sides=both_sides, seed=5, **stopping(1))
+    previous.save(tmp_path / "previous.vdb")
+    loaded = load_bake(tmp_path / "previous.vdb")
+    one, two = resume(previous, threads=1), resume(loaded, threads=2)
     assert_same_light(one, two)
     assert one.grid.has_back == both_sides
     if both_sides:
         for name in ("radiance_back", "radiance_back_indirect"):
             assert one.grid.dense(name).tobytes() == two.grid.dense(name).tobytes()
-    # What results is a bake as any other, to be kept and to go on with.
+    # What results is a bake as any other, to be previous and to go on with.
     two.save(tmp_path / "more.vdb")
     again = resume(load_bake(tmp_path / "more.vdb"), error=0.2)
     assert again.metadata["continued"] == one.id
     for key in ("seed", "scene", "isovalues", "both_sides"):
-        assert again.metadata[key] == kept.metadata[key]
+        assert again.metadata[key] == previous.metadata[key]
 
 
 @pytest.mark.slow
-def test_rounds_are_shown_and_stopped_as_those_of_a_bake(kept):
-    more = resume(kept, error=0.01, **stopping(2))
-    assert more.statistics["stopped"] and more.statistics["rounds"] == 3
-    same = resume(kept, error=0.01, **stopping(2))
+def test_passes_are_shown_and_stopped_as_those_of_a_bake(previous):
+    more = resume(previous, error=0.01, **stopping(2))
+    assert more.statistics.stopped and more.statistics.passes == 3
+    same = resume(previous, error=0.01, **stopping(2))
     assert_same_light(more, same)
-    # Over before its first round is.
-    limited = resume(kept, error=0.01, time=1e-9)
-    assert limited.statistics["stopped"] and limited.statistics["rounds"] == 2
+    # Over before its first pass is.
+    limited = resume(previous, error=0.01, time=1e-9)
+    assert limited.statistics.stopped and limited.statistics.passes == 2
     seen = stopping(1)
     progress = seen["progress"]
     progress.cancel()
     with pytest.raises(leaflight.Cancelled):
-        resume(kept, progress=progress)
+        resume(previous, progress=progress)
 
 
 @pytest.mark.slow
-def test_surroundings_are_lit_anew(box):
-    kept = box(error=0.3, surroundings=True, **stopping(1))
-    more = resume(kept)
-    before, after = (b.surroundings.radiance(0, 50.0) for b in (kept, more))
+def test_walls_are_lit_anew(box):
+    previous = box(error=0.3, walls=True, **stopping(1))
+    more = resume(previous)
+    before, after = (b.walls.radiance(0, 50.0) for b in (previous, more))
     assert before.shape == after.shape and not np.array_equal(before, after)
     assert after.mean() == pytest.approx(before.mean(), rel=0.05)
     # Asked for or not.
-    without = resume(kept, surroundings=False)
-    assert without.surroundings is None and without.metadata["surroundings"] == "false"
+    without = resume(previous, walls=False)
+    assert without.walls is None and without.metadata["walls"] == "false"
 
 
 @pytest.mark.slow
 def test_a_first_picture_begins_anew(bump_scene, tmp_path):
     """It has texels of its own, and is kept where a bake is stopped early."""
     volume = leaflight.bump_box(20)
-    kept = leaflight.bake(volume, bump_scene, error=3.0, **stopping(1))
+    previous = leaflight.bake(volume, bump_scene, error=3.0, **stopping(1))
     whole = leaflight.bake(volume, bump_scene, error=3.0)
-    assert kept.grid.resolution != whole.grid.resolution
-    kept.save(tmp_path / "kept.vdb")
-    for first in (kept, load_bake(tmp_path / "kept.vdb")):
+    assert previous.grid.resolution != whole.grid.resolution
+    previous.save(tmp_path / "previous.vdb")
+    for first in (previous, load_bake(tmp_path / "previous.vdb")):
         assert_same_light(resume(first), whole)
 
 
@@ -151,34 +153,36 @@ def test_a_fixed_amount_of_work_is_not_continued(bump_scene, fixed_work):
         resume(baked, error=0.1)
 
 
-def test_a_bake_without_counters_is_of_an_earlier_leaflight(kept, tmp_path):
+def test_a_bake_without_counters_is_of_an_earlier_leaflight(previous, tmp_path):
     path = tmp_path / "old.vdb"
-    metadata = dict(kept.metadata, id=kept.id, statistics=json.dumps(kept.statistics))
+    metadata = dict(
+        previous.metadata, id=previous.id, statistics=json.dumps(previous.statistics.record())
+    )
     del metadata["blocks"], metadata["continued"]
-    _core.write_bake(str(path), [kept.volume.field()], kept.grids, None, metadata)
+    _core.write_bake(str(path), [previous.volume.field()], previous.grids, None, metadata)
     with pytest.raises(LeaflightError, match="old.vdb: this is a bake of an earlier Leaflight"):
         load_bake(path)
 
 
 def test_the_command_line(cli, root, tmp_path):
-    kept, more = tmp_path / "kept.vdb", tmp_path / "more.vdb"
+    previous, more = tmp_path / "previous.vdb", tmp_path / "more.vdb"
     scene = root / "scenes" / "bump_box.json"
     given = ["bump_box", "--dims", "10", "--scene", scene, "--isovalues", "30", "70"]
-    first = cli("bake", *given, "--error", "8", "--out", kept, "--json")
+    first = cli("bake", *given, "--error", "8", "--out", previous, "--json")
     assert first.status == 0
     before = json.loads(first.out.splitlines()[-1])
-    continued = ["bake", "--continue", kept, "--out", more]
+    continued = ["bake", "--continue", previous, "--out", more]
     outcome = cli(*continued, "--error", "0.78", "--json")
     assert outcome.status == 0 and "0.78 % was asked for" in outcome.out
     after = json.loads(outcome.out.splitlines()[-1])
     assert after["estimated_error_percent"] <= 0.78 < before["estimated_error_percent"]
-    assert after["rounds"] > before["rounds"] and after["rays"] > before["rays"]
-    assert load_bake(more).metadata["continued"] == load_bake(kept).id
+    assert after["passes"] > before["passes"] and after["rays"] > before["rays"]
+    assert load_bake(more).metadata["continued"] == load_bake(previous).id
     # In place, too.
     assert cli("bake", "--continue", more, "--out", more, "--error", "0.6").status == 0
     refused = cli(*continued)
     assert refused.status == 2 and refused.err.endswith("(--error).\n")
     refused = cli(*continued, "--isovalues", "30", "60", "--seed", "2", "--both-sides")
     assert refused.status == 2 and "leave out --isovalues, --seed, --both-sides." in refused.err
-    refused = cli("bake", "bump_box", "--continue", kept, "--estimate")
+    refused = cli("bake", "bump_box", "--continue", previous, "--estimate")
     assert refused.status == 2 and "leave out VOLUME, --estimate." in refused.err

@@ -13,13 +13,13 @@ from leaflight.scene.scene import (
     AreaLight,
     Cone,
     Environment,
-    Leaves,
+    Isosurfaces,
     Mesh,
     PointLight,
     SceneDescription,
     SunLight,
     core_scene,
-    match_leaves,
+    match_isosurfaces,
 )
 
 
@@ -105,22 +105,22 @@ def test_a_point_light_grows_with_the_scene():
 
 def test_one_look_serves_all_volumes():
     volumes = [replace(brick(), name=name) for name in ("a", "b")]
-    matched = match_leaves(leaflight.cornell_box(), volumes)
-    assert [leaves.name for leaves in matched.leaves] == ["a", "b"]
-    assert matched.leaves[0].isovalues == leaflight.default_window(volumes[0])
-    single = match_leaves(leaflight.cornell_box(), volumes[:1])
-    assert single.leaves[0].isovalues is None
+    matched = match_isosurfaces(leaflight.cornell_box(), volumes)
+    assert [isosurfaces.name for isosurfaces in matched.isosurfaces] == ["a", "b"]
+    assert matched.isosurfaces[0].isovalues == leaflight.default_window(volumes[0])
+    single = match_isosurfaces(leaflight.cornell_box(), volumes[:1])
+    assert single.isosurfaces[0].isovalues is None
 
 
 def test_as_many_volumes_as_the_scene_describes(root):
     with pytest.raises(LeaflightError, match="describes 2 volumes, but 3"):
-        match_leaves(load_scene(root / "scenes" / "nucleons.json"), [brick()] * 3)
+        match_isosurfaces(load_scene(root / "scenes" / "nucleons.json"), [brick()] * 3)
 
 
 def test_shipped_scenes_are_accepted_by_the_core(shipped):
-    sources = [leaves.source or "bump_box" for leaves in shipped.leaves]
+    sources = [isosurfaces.source or "bump_box" for isosurfaces in shipped.isosurfaces]
     volumes = [open_volume(source, dims=[12]) for source in sources]
-    description = match_leaves(fit_scene(shipped, volumes), volumes)
+    description = match_isosurfaces(fit_scene(shipped, volumes), volumes)
     window = (0.0, 1.0) if len(volumes) > 1 else (20.0, 90.0)
     core_scene(description, [volume.field() for volume in volumes], window)
 
@@ -132,17 +132,17 @@ AREA = AreaLight("lamp", (0, 0, 1), (1, 0, 0), (0, 1, 0), (1, 1, 1))
 POINT = PointLight("bulb", (0, 0, 2), 0.0, (1, 1, 1), Cone((0, 0, -1), 1.0))
 SUN = SunLight("sun", (0, 0, -1), (1, 1, 1))
 WORLD = Environment("sky", (1, 1, 1), np.ones((2, 4, 3), dtype=np.float32))
-LEAVES = Leaves("brick", (0.5, 0.5, 0.5))
-SCENE = SceneDescription("test", [LEAVES], 1.0, [TRIANGLE], [AREA, POINT, SUN], WORLD)
+ISOSURFACES = Isosurfaces("brick", (0.5, 0.5, 0.5))
+SCENE = SceneDescription("test", [ISOSURFACES], 1.0, [TRIANGLE], [AREA, POINT, SUN], WORLD)
 NAN = float("nan")
 IMAGE = np.ones((2, 2, 3), dtype=np.float32)
 UV = np.zeros((1, 3, 2), dtype=np.float32)
 
 
-def build(leaves=LEAVES, mesh=TRIANGLE, light=AREA, environment=WORLD):
+def build(isosurfaces=ISOSURFACES, mesh=TRIANGLE, light=AREA, environment=WORLD):
     volume = brick()
     description = replace(
-        SCENE, leaves=[leaves], meshes=[mesh], lights=[light], environment=environment
+        SCENE, isosurfaces=[isosurfaces], meshes=[mesh], lights=[light], environment=environment
     )
     return core_scene(description, [volume.field()], (0.2, 0.8))
 
@@ -154,18 +154,24 @@ def test_every_kind_of_object_is_accepted_by_the_core():
     textured = replace(TRIANGLE, texture=IMAGE, uv=UV, scattering="glass", emission=(1, 0, 0))
     build(mesh=textured)
     ramp = [(0.3, (0.1, 0.2, 0.3)), (0.4, (1, 1, 1))]
-    build(replace(LEAVES, albedo=ramp, emission=ramp, scattering="mirror"))
+    build(replace(ISOSURFACES, albedo=ramp, emission=ramp, scattering="mirror"))
 
 
 @pytest.mark.parametrize(
     "objects, sentence",
     [
-        ({"leaves": replace(LEAVES, albedo=(0.5, 1.5, 0.5))}, "brick.*1.5.*between 0 and 1"),
-        ({"leaves": replace(LEAVES, albedo=[(1, (0, 0, 0)), (0, (1, 1, 1))])}, "brick.*ascending"),
-        ({"leaves": replace(LEAVES, albedo=[])}, "brick"),
-        ({"leaves": replace(LEAVES, scattering="velvet")}, "brick.*velvet"),
-        ({"leaves": replace(LEAVES, scattering="glass", ior=0)}, "brick"),
-        ({"leaves": replace(LEAVES, emission=(-1, 0, 0))}, "brick.*emission"),
+        (
+            {"isosurfaces": replace(ISOSURFACES, albedo=(0.5, 1.5, 0.5))},
+            "brick.*1.5.*between 0 and 1",
+        ),
+        (
+            {"isosurfaces": replace(ISOSURFACES, albedo=[(1, (0, 0, 0)), (0, (1, 1, 1))])},
+            "brick.*ascending",
+        ),
+        ({"isosurfaces": replace(ISOSURFACES, albedo=[])}, "brick"),
+        ({"isosurfaces": replace(ISOSURFACES, scattering="velvet")}, "brick.*velvet"),
+        ({"isosurfaces": replace(ISOSURFACES, scattering="glass", ior=0)}, "brick"),
+        ({"isosurfaces": replace(ISOSURFACES, emission=(-1, 0, 0))}, "brick.*emission"),
         ({"mesh": replace(TRIANGLE, vertices=np.full((3, 3), NAN))}, "floor.*not a number"),
         ({"mesh": replace(TRIANGLE, vertices=np.ones((3, 2)))}, "vertices.*floor.*shape"),
         ({"mesh": replace(TRIANGLE, triangles=np.zeros((0, 3)))}, "no faces.*floor"),

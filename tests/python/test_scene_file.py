@@ -19,7 +19,7 @@ from leaflight.scene.scene import (
     AreaLight,
     Cone,
     Environment,
-    Leaves,
+    Isosurfaces,
     Mesh,
     PointLight,
     SceneDescription,
@@ -31,7 +31,7 @@ PIXELS = base64.b64encode(zlib.compress(bytes(24))).decode()
 GOOD = {
     "name": "room",
     "coordinates": "world",
-    "leaf_albedo": [0.5, 0.5, 0.5],
+    "isosurface_albedo": [0.5, 0.5, 0.5],
     "exposure": 1,
     "meshes": [
         {
@@ -85,17 +85,25 @@ GOOD = {
 }
 
 BAD = [
-    (["leaf_albedo"], [0.5, 1.5, 0.5], "leaf_albedo.*between 0 and 1"),
-    (["leaf_albedo"], [float("nan"), 0.5, 0.5], "leaf_albedo.*finite"),
-    (["leaf_albedo"], 0.5, "leaf_albedo.*three numbers"),
-    (["leaf_albedo"], [], "leaf_albedo.*three numbers"),
-    (["leaf_albedo"], [[1, [0, 0, 0]], [1, [1, 1, 1]]], "leaf_albedo.*ascend"),
-    (["leaf_albedo"], [[1, [0, 0, 0]], [2, [1, 1, 7]]], "stop 2 of.*leaf_albedo.*between 0 and 1"),
-    (["leaf_albedo"], [[1, [0, 0, 0]], ["high", [1, 1, 1]]], "stop 2 of.*leaf_albedo.*isovalue"),
-    (["leaf_albedo"], [[1, [0, 0, 0]], 2], "leaf_albedo.*list of"),
-    (["leaf_emission"], [-1, 0, 0], "leaf_emission.*not negative"),
-    (["leaf_scattering"], "velvet", "leaf_scattering.*glass.*velvet"),
-    (["leaf_ior"], 0, "leaf_ior.*0.1..10"),
+    (["isosurface_albedo"], [0.5, 1.5, 0.5], "isosurface_albedo.*between 0 and 1"),
+    (["isosurface_albedo"], [float("nan"), 0.5, 0.5], "isosurface_albedo.*finite"),
+    (["isosurface_albedo"], 0.5, "isosurface_albedo.*three numbers"),
+    (["isosurface_albedo"], [], "isosurface_albedo.*three numbers"),
+    (["isosurface_albedo"], [[1, [0, 0, 0]], [1, [1, 1, 1]]], "isosurface_albedo.*ascend"),
+    (
+        ["isosurface_albedo"],
+        [[1, [0, 0, 0]], [2, [1, 1, 7]]],
+        "stop 2 of.*isosurface_albedo.*between 0 and 1",
+    ),
+    (
+        ["isosurface_albedo"],
+        [[1, [0, 0, 0]], ["high", [1, 1, 1]]],
+        "stop 2 of.*isosurface_albedo.*isovalue",
+    ),
+    (["isosurface_albedo"], [[1, [0, 0, 0]], 2], "isosurface_albedo.*list of"),
+    (["isosurface_emission"], [-1, 0, 0], "isosurface_emission.*not negative"),
+    (["isosurface_scattering"], "velvet", "isosurface_scattering.*glass.*velvet"),
+    (["isosurface_ior"], 0, "isosurface_ior.*0.1..10"),
     (["capped"], 1, "capped.*true or false"),
     (["volumes"], [], "unknown key"),
     (["exposure"], 0, "exposure.*positive"),
@@ -178,7 +186,7 @@ def test_bad_scene_names_the_object(good, place, value, sentence):
 
 @pytest.mark.parametrize("volumes, sentence", BAD_VOLUMES)
 def test_bad_volume_is_named(good, volumes, sentence):
-    del good["leaf_albedo"]
+    del good["isosurface_albedo"]
     assert_refused(good | {"volumes": volumes}, sentence)
 
 
@@ -190,7 +198,7 @@ def assert_refused(data, sentence):
 
 
 @pytest.mark.parametrize(
-    "key", ["coordinates", "exposure", "leaf_albedo", "lights", "meshes", "name"]
+    "key", ["coordinates", "exposure", "isosurface_albedo", "lights", "meshes", "name"]
 )
 def test_missing_key(good, key):
     del good[key]
@@ -211,8 +219,8 @@ def test_missing_scene_file(tmp_path):
 
 def test_what_a_scene_holds(good):
     scene = scene_from_json(json.dumps(good))
-    (leaves,) = scene.leaves
-    assert leaves.albedo == (0.5, 0.5, 0.5) and leaves.scattering == "diffuse"
+    (isosurfaces,) = scene.isosurfaces
+    assert isosurfaces.albedo == (0.5, 0.5, 0.5) and isosurfaces.scattering == "diffuse"
     floor, wall = scene.meshes
     np.testing.assert_array_equal(floor.triangles, [[0, 1, 2], [0, 2, 3]])
     assert floor.texture is None and floor.uv is None
@@ -230,7 +238,7 @@ def test_what_a_scene_holds(good):
 
 
 def test_volumes_of_a_scene(good, tmp_path):
-    del good["leaf_albedo"]
+    del good["isosurface_albedo"]
     stops = [[10, [0, 0, 0]], [20, [1, 1, 1]]]
     good["volumes"] = [
         {"name": "bone", "albedo": stops, "source": "head.nii", "isovalues": [1, 2]},
@@ -238,7 +246,7 @@ def test_volumes_of_a_scene(good, tmp_path):
     ]
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(good))
-    bone, skin = load_scene(path).leaves
+    bone, skin = load_scene(path).isosurfaces
     assert bone.albedo == [(10, (0, 0, 0)), (20, (1, 1, 1))] and bone.isovalues == (1, 2)
     assert bone.source == str(tmp_path / "head.nii") and not bone.capped
     assert skin.source == "lapr:1" and skin.capped and skin.isovalues is None
@@ -315,8 +323,8 @@ def area_lights(draw):
 
 
 WINDOWS = st.tuples(SIZES, SIZES).filter(lambda window: window[0] < window[1])
-LEAVES = st.builds(
-    Leaves,
+ISOSURFACES = st.builds(
+    Isosurfaces,
     *(NAMES, ramps(ALBEDO), ramps(LIGHT), SCATTERING, IOR, st.none() | WINDOWS, st.booleans()),
     st.none() | st.sampled_from(["lapr:0", "head.nii"]),
 )
@@ -332,7 +340,7 @@ MATRICES = st.floats(-3, 3).map(
 SCENES = st.builds(
     SceneDescription,
     NAMES,
-    st.lists(LEAVES, min_size=1, max_size=3),
+    st.lists(ISOSURFACES, min_size=1, max_size=3),
     st.floats(1e-3, 1e3),
     st.lists(meshes(), max_size=2),
     st.lists(LIGHTS, max_size=3),
@@ -384,11 +392,11 @@ def test_how_to_read_a_source(tmp_path, cli, root):
         {"name": "b", "reading": {"frame": 1, "spacing": [1, 1, 2]}, **look},
     ]
     scene = json.loads((root / "scenes" / "cornell.json").read_text())
-    scene = {key: value for key, value in scene.items() if not key.startswith("leaf_")}
+    scene = {key: value for key, value in scene.items() if not key.startswith("isosurface_")}
     path = tmp_path / "two.json"
     path.write_text(json.dumps({**scene, "volumes": volumes}))
     again = scene_from_json(scene_to_json(load_scene(path)))
-    assert [one.reading for one in again.leaves] == [one["reading"] for one in volumes]
+    assert [one.reading for one in again.isosurfaces] == [one["reading"] for one in volumes]
     out = tmp_path / "two.vdb"
     work = ("--error", "50", "--out", out)
     assert cli("bake", "--scene", path, *work).status == 0

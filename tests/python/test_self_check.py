@@ -117,11 +117,11 @@ def _off(*arguments):
     return met, (x, y, z + 1e-3)
 
 
-def _through_leaves(scene, origin, direction, c):
+def _through_isosurfaces(scene, origin, direction, c):
     return _core.trace(scene, (*origin[:2], 1.5), direction, c)
 
 
-@pytest.mark.parametrize("trace", [_missed, _off, _through_leaves])
+@pytest.mark.parametrize("trace", [_missed, _off, _through_isosurfaces])
 def test_rays_that_go_elsewhere(trace):
     assert "traces rays wrongly" in refusal(self_check.check_rays, np, Changed(trace=trace))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes of several volumes, of inner sides, of the surroundings and of capped volumes."""
+"""Bakes of several volumes, of backs, of the walls and of capped volumes."""
 
 import json
 from dataclasses import replace
@@ -15,7 +15,7 @@ from leaflight.scene.scene import core_scene
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
 
 
-def test_leaf_coordinate(lapr_bake):
+def test_common_isovalue(lapr_bake):
     assert lapr_bake.isovalues == (0.0, 1.0)
     assert [lapr_bake.isovalue_of(0, c) for c in (0, 0.5, 1)] == [50, 125, 200]
     assert lapr_bake.isovalue_of(1, 0.5) == 90
@@ -38,7 +38,7 @@ def test_volumes_shade_each_other(lapr_scene):
     settings = {"error": 5.0, "resolution": 24}
     dirt, water = (open_volume(f"lapr:{k}", dims=[24]) for k in (0, 1))
     both = leaflight.bake([dirt, water], lapr_scene, **settings)
-    alone = replace(lapr_scene, leaves=lapr_scene.leaves[:1])
+    alone = replace(lapr_scene, isosurfaces=lapr_scene.isosurfaces[:1])
     # Of a single volume the scene's isovalues are the window.
     single = leaflight.bake(dirt, alone, **settings)
     assert single.isovalues == (50, 200)
@@ -48,8 +48,8 @@ def test_volumes_shade_each_other(lapr_scene):
 
 
 @pytest.mark.slow
-def test_near_leaves_do_not_look_each_other_up():
-    """Between the balls of glowing nucleons, texels hold the light of leaves that face away.
+def test_near_isosurfaces_do_not_look_each_other_up():
+    """Between the balls of glowing nucleons, texels hold the light of isosurfaces that face away.
 
     Gathered from texels however near, the neutrons' light was 19 % too much at 64 nodes.
     """
@@ -70,8 +70,8 @@ def test_one_scene_for_any_volumes(small):
     small.pop("isovalues")
     volumes = [leaflight.bump_box(8), replace(leaflight.bump_box(8), name="other")]
     baked = leaflight.bake(volumes, **small)
-    assert [leaves.name for leaves in baked.scene.leaves] == ["bump_box", "other"]
-    assert baked.scene.leaves[1].isovalues == leaflight.default_window(volumes[1])
+    assert [isosurfaces.name for isosurfaces in baked.scene.isosurfaces] == ["bump_box", "other"]
+    assert baked.scene.isosurfaces[1].isovalues == leaflight.default_window(volumes[1])
 
 
 def test_saved_and_loaded(lapr_bake, lapr_file):
@@ -85,7 +85,7 @@ def test_saved_and_loaded(lapr_bake, lapr_file):
     for name in ("radiance", "radiance_indirect", "radiance_back"):
         for ours, theirs in zip(loaded.grids, lapr_bake.grids):
             np.testing.assert_allclose(ours.dense(name), theirs.dense(name), rtol=2**-11, atol=1e-6)
-    ours, theirs = loaded.surroundings, lapr_bake.surroundings
+    ours, theirs = loaded.walls, lapr_bake.walls
     assert ours.count == theirs.count == len(lapr_bake.scene.meshes)
     for mesh in range(ours.count):
         for a, b in zip(ours.mesh(mesh), theirs.mesh(mesh)):
@@ -126,23 +126,23 @@ def test_inner_side_that_was_not_baked(box_bake):
         box_bake.surface(47.0, back=True)
 
 
-def test_surroundings(lapr_bake):
+def test_walls(lapr_bake):
     """The walls' radiance is that of path tracing."""
-    surroundings = lapr_bake.surroundings
+    walls = lapr_bake.walls
     names = [mesh.name for mesh in lapr_bake.scene.meshes]
     floor = names.index("floor")
-    facets, places = surroundings.places(floor)
+    facets, places = walls.places(floor)
     fields = [volume.field() for volume in lapr_bake.volumes]
     scene = core_scene(lapr_bake.scene, fields, lapr_bake.isovalues)
-    truth, error = _core.reference_surroundings(scene, floor, facets, places, 0.3, 64)
-    baked = surroundings.radiance(floor, 0.3)
-    assert baked.shape == truth.shape == (len(surroundings.mesh(floor)[0]), 3)
+    truth, error = _core.reference_walls(scene, floor, facets, places, 0.3, 64)
+    baked = walls.radiance(floor, 0.3)
+    assert baked.shape == truth.shape == (len(walls.mesh(floor)[0]), 3)
     assert truth.mean() > 0.01
     np.testing.assert_allclose(baked.mean(axis=0), truth.mean(axis=0), rtol=0.1)
 
 
-def test_no_surroundings_unless_asked_for(box_bake):
-    assert box_bake.surroundings is None
+def test_no_walls_unless_asked_for(box_bake):
+    assert box_bake.walls is None
 
 
 @pytest.mark.parametrize("capped", [False, True])
@@ -152,7 +152,7 @@ def test_capped(capped):
     values = np.broadcast_to(1 - np.abs(x)[:, None, None], (9, 9, 9)).copy()
     volume = Volume(values, np.diag([0.25, 0.25, 0.25, 1]), "slab")
     scene = leaflight.cornell_box()
-    scene = replace(scene, leaves=[replace(scene.leaves[0], capped=capped)])
+    scene = replace(scene, isosurfaces=[replace(scene.isosurfaces[0], capped=capped)])
     baked = leaflight.bake(volume, scene, isovalues=(0.2, 0.8), error=20.0)
     assert json.loads(baked.metadata["volumes"])[0]["capped"] is capped
     assert baked.volume.values.shape == ((11,) * 3 if capped else (9,) * 3)
@@ -167,7 +167,7 @@ def test_capped(capped):
 def test_caps_are_lit_like_the_reference():
     """Light on the caps of the bump box is that of path tracing."""
     scene = leaflight.cornell_box()
-    scene = replace(scene, leaves=[replace(scene.leaves[0], capped=True)])
+    scene = replace(scene, isosurfaces=[replace(scene.isosurfaces[0], capped=True)])
     box = leaflight.bump_box(24)
     baked = leaflight.bake(box, scene, isovalues=(42, 52), resolution=26)
     vertices, _, triangles = _core.contour(baked.volume.field(), 47.0)
@@ -193,7 +193,7 @@ def test_volume_that_is_not_there(lapr_bake, volume):
             ask()
 
 
-def test_leaf_coordinate_outside_the_window(lapr_bake):
+def test_common_isovalue_outside_the_window(lapr_bake):
     with pytest.raises(LeaflightError, match=r"0\.\.1"):
         lapr_bake.surface(1.1, 1)
 

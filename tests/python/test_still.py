@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from leaflight import LeaflightError
 from leaflight.io.images import read_pixels
-from leaflight.scene.scene import Leaves, Mesh, SceneDescription, SunLight
+from leaflight.scene.scene import Isosurfaces, Mesh, SceneDescription, SunLight
 from leaflight.stills.camera import Camera, load_camera
 from leaflight.stills.first_view import camera_around_bake
 
@@ -20,7 +20,7 @@ SUN = SunLight("sun", (0.0, 0.6, -0.8), (4.0, 2.0, 1.0))
 
 def sphere_scene(lights=(SUN,), meshes=()):
     return SceneDescription(
-        "ball", [Leaves("ball", (0.8, 0.6, 0.4))], 1.0, list(meshes), list(lights)
+        "ball", [Isosurfaces("ball", (0.8, 0.6, 0.4))], 1.0, list(meshes), list(lights)
     )
 
 
@@ -42,7 +42,7 @@ def ball():
         isovalues=(0.55, 0.75),
         error=5.0,
         resolution=33,
-        surroundings=True,
+        walls=True,
     )
 
 
@@ -88,9 +88,9 @@ def test_local_shading_is_the_lamps_cosine(ball):
 def test_walls_between_the_viewer_and_the_volume_are_left_out(ball):
     with_walls = leaflight.still(ball, 0.65, CAMERA, SIZE, samples=1)
     without = leaflight.still(ball, 0.65, CAMERA, SIZE, samples=1, walls=False)
-    leaf = without[..., 3] == 1
-    np.testing.assert_array_equal(with_walls[leaf], without[leaf])
-    assert with_walls[..., 3].all() and with_walls[~leaf][:, :3].max() > 0.05
+    isosurface = without[..., 3] == 1
+    np.testing.assert_array_equal(with_walls[isosurface], without[isosurface])
+    assert with_walls[..., 3].all() and with_walls[~isosurface][:, :3].max() > 0.05
     # From between them, looking back, the one before is seen.
     back = Camera((0.5, 1.9, 0.5), (0.5, -1.0, 0.5), angle=20.0)
     assert leaflight.still(ball, 0.65, back, SIZE, samples=1)[..., 3].all()
@@ -149,8 +149,8 @@ def test_sentences(cli, box_bake, box_file, tmp_path):
         path.write_text(text)
         with pytest.raises(LeaflightError, match="is no camera"):
             load_camera(path)
-    mirror = replace(box_bake.scene.leaves[0], scattering="mirror")
-    scene = replace(box_bake.scene, leaves=[mirror])
+    mirror = replace(box_bake.scene.isosurfaces[0], scattering="mirror")
+    scene = replace(box_bake.scene, isosurfaces=[mirror])
     with pytest.raises(LeaflightError, match="mirror or glass"):
         leaflight.still(replace(box_bake, scene=scene), 47.0)
     assert not out.exists()

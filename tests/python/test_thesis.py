@@ -106,8 +106,8 @@ def test_metadata(bake_box, tmp_path):
     record = json.loads(plain.metadata["fixed"])
     assert record["photon_map"] is None and record["scattered"] is None
     assert plain.id != baked.id != bake_box(samples=3).id
-    assert plain.metadata["error"] == plain.metadata["rounds"] == "" == outcome(plain)
-    assert plain.statistics["estimated_error_percent"] is None
+    assert plain.metadata["error"] == plain.metadata["passes"] == "" == outcome(plain)
+    assert plain.statistics.estimated_error_percent is None
 
 
 @pytest.mark.parametrize("estimator", ["gather", "volumetric", "path"])

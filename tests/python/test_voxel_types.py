@@ -7,7 +7,7 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight import Volume, default_isovalue, default_window, read_volume
-from leaflight.bake.stamps import sha256, values_sha256
+from leaflight.bake.provenance import sha256, values_sha256
 from leaflight.volume.voxels import VOXEL_TYPES, as_voxels
 
 INTEGERS = VOXEL_TYPES[:3]

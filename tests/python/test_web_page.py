@@ -88,7 +88,7 @@ def test_the_page_holds_the_bake(lapr_bake, tmp_path):
             assert (dense[~active] < LEAST).all()
             got, expected = colors(header, body, light[side]), dense[active]
             assert (abs(got - expected).max(1) <= LEAST + expected.max(1) / 500).all()
-    walls, lit = header["walls"], lapr_bake.surroundings
+    walls, lit = header["walls"], lapr_bake.walls
     assert len(walls["meshes"]) == len(lapr_bake.scene.meshes)
     shadows = [
         check_wall(header, body, wall["light"], lit, number, lapr_bake)
@@ -260,8 +260,10 @@ def test_sentences(box_bake, tmp_path, template, monkeypatch):
     refused("outside the baked window", isovalues=[400.0])
     refused("all isosurfaces", back=True)
     refused("choose 0 to 3", coarser=4)
-    mirror = replace(box_bake.scene.leaves[0], scattering="mirror")
-    refused("mirror or glass", replace(box_bake, scene=replace(box_bake.scene, leaves=[mirror])))
+    mirror = replace(box_bake.scene.isosurfaces[0], scattering="mirror")
+    refused(
+        "mirror or glass", replace(box_bake, scene=replace(box_bake.scene, isosurfaces=[mirror]))
+    )
     monkeypatch.setattr(page, "LARGEST_BYTES", 20_000)
     refused("with coarser=1, every 2nd voxel")
     monkeypatch.setattr(page, "LARGEST_BYTES", 10)

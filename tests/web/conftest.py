@@ -13,7 +13,7 @@ from browser import PATHS, SESSION, Browser
 from leaflight.scene.scene import (
     AreaLight,
     Cone,
-    Leaves,
+    Isosurfaces,
     Mesh,
     PointLight,
     SceneDescription,
@@ -43,7 +43,7 @@ def box():
         leaflight.bump_box(64),
         leaflight.load_scene(ROOT / "scenes" / "bump_box.json"),
         both_sides=True,
-        surroundings=True,
+        walls=True,
         resolution=64,
         **WORK,
     )
@@ -57,7 +57,7 @@ def brain():
 
 
 def oblong():
-    """All that is unlike: turned, of three spacings, floats with a hole, inner sides not baked."""
+    """All that is unlike: turned, of three spacings, floats with a hole, backs not baked."""
     z, y, x = np.mgrid[:30, :22, :26].astype(np.float32)
     values = np.sin(0.4 * x) + np.cos(0.3 * y + 0.1 * z) + np.float32(0.01) * z * y
     values[12:20, 3:9, 4:12] = np.nan
@@ -96,10 +96,10 @@ def shadows():
         quadrilateral("wall", (-0.4, 1.5, -0.3), (2.0, 0, 0), (0, 0, 1.8)),
     ]
     ramp = [(0.0, (0.8, 0.5, 0.3)), (40.0, (0.3, 0.6, 0.8))]
-    scene = SceneDescription("shadows", [Leaves("posts", ramp)], 1.2, meshes, lights)
+    scene = SceneDescription("shadows", [Isosurfaces("posts", ramp)], 1.2, meshes, lights)
     volume = leaflight.Volume(values.astype(np.float32), index_to_world, "posts")
     settings = {"isovalues": (-20.0, 40.0), "resolution": 48, "error": 5.0}
-    return leaflight.bake(volume, scene, both_sides=True, surroundings=True, **settings)
+    return leaflight.bake(volume, scene, both_sides=True, walls=True, **settings)
 
 
 def quadrilateral(name, corner, edge, other):

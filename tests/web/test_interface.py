@@ -159,8 +159,8 @@ def test_the_camera_stops_before_the_isosurface(page, bakes):
         way = np.subtract(seen["target"], seen["position"])
         way /= np.linalg.norm(way)
         isovalue = page.evaluate(f"{LOOK}.isovalue")
-        hits = _core.leaf_hits(bake.volume.field(), [seen["position"]], [way], isovalue)
-        # From outside, a ray meets the outer side.
+        hits = _core.isosurface_hits(bake.volume.field(), [seen["position"]], [way], isovalue)
+        # From outside, a ray meets the front.
         assert hits[1][0] == 0
         return hits[0][0]
 
@@ -185,7 +185,7 @@ def test_lengths_are_those_of_the_world(page, bakes):
         seen = page.evaluate(VIEWPOINT)["position"]
         isovalue = page.evaluate(f"{LOOK}.isovalue")
         way = np.subtract(place, seen)
-        distance = _core.leaf_hits(bake.volume.field(), [seen], [way], isovalue)[0][0]
+        distance = _core.isosurface_hits(bake.volume.field(), [seen], [way], isovalue)[0][0]
         assert distance == pytest.approx(1, abs=2e-3)
         places.append(place)
     page.atRest()

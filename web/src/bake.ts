@@ -34,7 +34,7 @@ export interface VolumeData {
   name: string;
   dims: Vector; // voxels along x, y, z
   indexToWorld: number[]; // 4 x 4, by rows
-  isovalues: [number, number]; // in data units, at leaf coordinates 0 and 1
+  isovalues: [number, number]; // in data units, at common isovalues 0 and 1
   values: number; // block: codes, a value being offset + scale * code
   bits: 8 | 16;
   masked: boolean;
@@ -73,7 +73,7 @@ export interface WallLightData {
 }
 
 export interface WallsData {
-  nodes: number[]; // leaf coordinates of indirect light
+  nodes: number[]; // common isovalues of indirect light
   tints: number[][][]; // of each set's light points
   meshes: WallData[];
 }
@@ -81,11 +81,11 @@ export interface WallsData {
 export interface Header {
   format: number;
   title: string;
-  window: [number, number]; // leaf coordinates
+  window: [number, number]; // common isovalues
   isovalue: number;
   exposure: number;
   stops: number; // of exposure beside it
-  unbaked: number; // brightness of white inner sides that were not baked
+  unbaked: number; // brightness of white backs that were not baked
   camera: Framing;
   bounds: [Vector, Vector];
   volumes: VolumeData[];

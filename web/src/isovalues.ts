@@ -2,7 +2,7 @@
 // Isovalues as the controls have them: within the window, by the steps of the bake, as text.
 
 export interface Steps {
-  window: [number, number]; // leaf coordinates
+  window: [number, number]; // common isovalues
   step: number; // a power of ten
 }
 

@@ -11,7 +11,7 @@ export interface Clip {
 }
 
 export interface Look {
-  isovalue: number; // leaf coordinates
+  isovalue: number; // common isovalues
   second: number | null; // of the transparent isosurface in front
   opacity: number; // its share, 0..1
   isLocal: boolean;

@@ -4,7 +4,7 @@
 import { Bake, type Header } from './bake';
 import { textureSize } from './bricks';
 import { Failure, showFailure } from './failure';
-import { Leaf } from './leaf';
+import { Isosurface } from './isosurface';
 import { firstLook } from './look';
 import { layersOf } from './maps';
 import { endOpening, tellOpening } from './opening';
@@ -46,12 +46,12 @@ async function open(): Promise<void> {
     throw new Failure('This browser cannot unpack the data of this page: open it in a newer one.');
   }
   const bake = await Bake.read(header, tellOpening);
-  const leaves: Leaf[] = [];
+  const isosurfaces: Isosurface[] = [];
   const walls: Wall[] = [];
-  for (const volume of header.volumes) leaves.push(await Leaf.of(bake, volume));
+  for (const volume of header.volumes) isosurfaces.push(await Isosurface.of(bake, volume));
   for (const wall of header.walls.meshes) walls.push(await Wall.of(bake, wall));
   tellOpening(1, 'Preparing the graphics card');
-  const view = new View(canvas, context, header, leaves, walls, firstLook(header));
+  const view = new View(canvas, context, header, isosurfaces, walls, firstLook(header));
   await view.start();
   const panel = new Panel(header, view);
   endOpening();

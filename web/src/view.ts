@@ -6,7 +6,7 @@ import * as three from 'three';
 import type { Header } from './bake';
 import { Failure, showFailure } from './failure';
 import { positionOf } from './framing';
-import { type Leaf, type Rays, Result } from './leaf';
+import { type Isosurface, type Rays, Result } from './isosurface';
 import type { Viewpoint } from './link';
 import type { Look } from './look';
 import { Orbit } from './orbit';
@@ -32,7 +32,7 @@ export class View {
     readonly canvas: HTMLCanvasElement,
     context: WebGL2RenderingContext,
     private readonly header: Header,
-    private readonly leaves: Leaf[],
+    private readonly isosurfaces: Isosurface[],
     private readonly walls: Wall[],
     public look: Look,
   ) {
@@ -46,7 +46,7 @@ export class View {
     // Colors are encoded by our own shaders.
     this.renderer.outputColorSpace = three.LinearSRGBColorSpace;
     this.renderer.setClearColor(0, 0);
-    for (const each of [...walls, ...leaves]) this.scene.add(each.mesh);
+    for (const each of [...walls, ...isosurfaces]) this.scene.add(each.mesh);
     const box = new three.Box3();
     for (const { mesh } of walls) box.expandByObject(mesh);
     for (const point of header.bounds) box.expandByPoint(new three.Vector3(...point));
@@ -189,7 +189,7 @@ export class View {
   private bytes(width: number, height: number, rays: Rays, result: Result): Uint8Array<ArrayBuffer> {
     const target = new three.WebGLRenderTarget(width, height);
     for (const wall of this.walls) wall.mesh.visible = false;
-    for (const leaf of this.leaves) leaf.show(this.look, this.camera, rays, result);
+    for (const isosurface of this.isosurfaces) isosurface.show(this.look, this.camera, rays, result);
     this.renderer.setRenderTarget(target);
     this.renderer.clear();
     this.renderer.render(this.scene, this.camera);
@@ -204,7 +204,7 @@ export class View {
     const { drawingBufferWidth: width, drawingBufferHeight: height } = this.renderer.getContext();
     this.aim(width / height);
     const rays = this.rays(width, height);
-    for (const leaf of this.leaves) leaf.show(this.look, this.camera, rays, Result.Picture);
+    for (const isosurface of this.isosurfaces) isosurface.show(this.look, this.camera, rays, Result.Picture);
     for (const wall of this.walls) wall.show(this.look, this.camera);
     this.renderer.render(this.scene, this.camera);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The light of a wall at its vertices beside an isosurface: indirect light between nodes of the leaf
+// The light of a wall at its vertices beside an isosurface: indirect light between nodes of the isosurface
 // coordinate, and direct light as the core has it (core/src/bake/walls/mesh_direct_light.cpp).
 
 import type { Bake, Header, WallLightData } from './bake';

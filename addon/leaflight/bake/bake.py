@@ -20,7 +20,7 @@ from . import lighting, stopped
 LeaflightError = leaflight.LeaflightError
 
 
-# Of the time that a bake takes, at most one part in so many goes into showing its rounds.
+# Of the time that a bake takes, at most one part in so many goes into showing its passes.
 _SHOWN_SHARE = 5
 
 # How far the bar is once there is light, and once it is in files, too: then it is shown.
@@ -37,7 +37,7 @@ def arguments_of(obj, volumes, scene):
         "resolution": settings.resolution if settings.use_resolution else None,
         "seed": settings.seed,
         "both_sides": settings.both_sides,
-        "surroundings": settings.light_surroundings,
+        "walls": settings.light_walls,
         "threads": preferences.threads(),
         "error": settings.error,
         "time": time_limit(settings),
@@ -75,10 +75,10 @@ class BakeJob(background.Job):
         self.names = [volume.name for volume in volumes]
         self.matrices = [[x for row in obj.matrix_world for x in row] for obj in volumes]
         self.frames = [volume.leaflight.frame for volume in volumes]
-        self.stamps = [source_files.stamp(volume.leaflight) for volume in volumes]
+        self.provenance = [source_files.provenance(volume.leaflight) for volume in volumes]
         self.fingerprint = scene_export.fingerprint(volumes, scene)
         self.bake = None
-        self.round = None
+        self.latest = None
         self._shown, self._quiet_until, self._reached = None, 0.0, 0.0
         self._seconds_before = 0.0
         self._arguments = arguments_of(obj, volumes, scene)
@@ -93,10 +93,10 @@ class BakeJob(background.Job):
         start = time.perf_counter()
 
         def keep(bake):
-            self.round = bake
+            self.latest = bake
             self.seconds = self._seconds_before + time.perf_counter() - start
 
-        keep(self._light(on_round=keep, progress=progress))
+        keep(self._light(on_pass=keep, progress=progress))
         if progress.cancelled:
             raise leaflight.Cancelled
         self._reached = _LIT
@@ -113,15 +113,15 @@ class BakeJob(background.Job):
         return leaflight.bake(**self._arguments, checkpoint=self.checkpoint, **how)
 
     def write(self):
-        """Writes the files of the last round, in any thread. Raises LeaflightError."""
-        self.path = bake_files.path_for(self.folder, self.names[self.leader], self.round.id)
-        self.columns = _write(self.round, self.path)
+        """Writes the files of the last pass, in any thread. Raises LeaflightError."""
+        self.path = bake_files.path_for(self.folder, self.names[self.leader], self.latest.id)
+        self.columns = _write(self.latest, self.path)
         self.checkpoint.remove()
-        self.bake = self.round
+        self.bake = self.latest
 
     def show(self):
-        """Lights the volumes by the last round, unless that would take too much of the time."""
-        start, bake = time.perf_counter(), self.round
+        """Lights the volumes by the last pass, unless that would take too much of the time."""
+        start, bake = time.perf_counter(), self.latest
         if bake is None or bake is self._shown or start < self._quiet_until:
             return
         for index, (name, matrix) in enumerate(zip(self.names, self.matrices)):
@@ -132,16 +132,16 @@ class BakeJob(background.Job):
                 preview.put(obj, bake, index, matrix)
                 surface_object.update_all(obj, as_coarse=True)
         if bpy.data.scenes.get(self.scene_name) is not None:
-            walls.show_round(bpy.data.scenes[self.scene_name])
+            walls.show_pass(bpy.data.scenes[self.scene_name])
         self._shown = bake
         end = time.perf_counter()
         self._quiet_until = end + (_SHOWN_SHARE - 1) * (end - start)
 
     def ended(self):
-        if self.round is None:
+        if self.latest is None:
             return super().ended()
-        statistics = {**self.round.statistics, "stopped": True}
-        self.round = replace(self.round, statistics=statistics)
+        statistics = replace(self.latest.statistics, stopped=True)
+        self.latest = replace(self.latest, statistics=statistics)
         self._quiet_until = 0.0
         self.show()
         stopped.offer(self)
@@ -173,22 +173,22 @@ class BakeJob(background.Job):
                 self.columns[index],
                 fingerprint=self.fingerprint,
                 seconds=self.seconds,
-                source_stamp=self.stamps[index],
+                source_stamp=self.provenance[index],
             )
         volumes[self.leader].leaflight.bake_warnings = "\n".join(self.warnings)
         scene = bpy.data.scenes.get(self.scene_name)
         lighting.show(volumes, volumes[self.leader], scene)
-        surface_material.remove_round_materials()
+        surface_material.remove_pass_materials()
         texels = sum(grid.texels for grid in self.bake.grids)
         end = self.outcome()
         return f"Baked {texels} texels in {self.seconds:.1f} s{end and f'; {end}'}"
 
     def outcome(self):
-        """How far the last round came."""
+        """How far the last pass came."""
         limit = self._arguments.get("time")
-        seconds = self.round.statistics["seconds"] - self._seconds_before
+        seconds = self.latest.statistics.seconds - self._seconds_before
         is_over = limit is not None and seconds >= limit
-        return outcome(self.round, "the time is over" if is_over else "it was stopped")
+        return outcome(self.latest, "the time is over" if is_over else "it was stopped")
 
 
 class LEAFLIGHT_OT_bake(background.BackgroundOperator, bpy.types.Operator):

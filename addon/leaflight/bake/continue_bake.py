@@ -18,8 +18,8 @@ class ContinueJob(bake.BakeJob):
     def __init__(self, context, obj, resume=False):
         """Raises LeaflightError when the bake is not found, or as BakeJob does."""
         super().__init__(context, obj, resume)
-        self._kept = cache.bake_of(obj)
-        self._seconds_before = self._kept.statistics["seconds"]
+        self._previous = cache.bake_of(obj)
+        self._seconds_before = self._previous.statistics.seconds
         settings = obj.leaflight
         self._arguments = {
             "error": settings.error,
@@ -28,11 +28,11 @@ class ContinueJob(bake.BakeJob):
         }
 
     def _recipe(self, obj):
-        return {"kept": obj.leaflight.bake_id}
+        return {"previous": obj.leaflight.bake_id}
 
     def _light(self, **how):
         arguments = {**self._arguments, "checkpoint": self.checkpoint}
-        return leaflight.resume(self._kept, **arguments, **how)
+        return leaflight.resume(self._previous, **arguments, **how)
 
 
 class LEAFLIGHT_OT_continue_bake(background.BackgroundOperator, bpy.types.Operator):

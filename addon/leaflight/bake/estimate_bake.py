@@ -21,7 +21,7 @@ _SETTINGS = (
     "use_resolution",
     "resolution",
     "both_sides",
-    "light_surroundings",
+    "light_walls",
     "capped",
     "smooth",
 )
@@ -64,7 +64,7 @@ def _key(settings):
 
 
 class EstimateJob(background.Job):
-    """The first rounds of the bake of an object, and what follows from them."""
+    """The first passes of the bake of an object, and what follows from them."""
 
     def __init__(self, context, obj):
         """Raises LeaflightError when the scene or the settings cannot be baked."""

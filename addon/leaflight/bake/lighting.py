@@ -19,13 +19,13 @@ def light(obj, bake, index, path, matrix, columns, *, fingerprint, seconds, sour
     settings.bake_index = index
     settings.bake_matrix = matrix
     settings.bake_low, settings.bake_high = window(bake, index)
-    settings.bake_surroundings = bake.surroundings is not None
+    settings.bake_walls = bake.walls is not None
     settings.bake_fingerprint = fingerprint
     settings.bake_lamps = lamps.record(bake, bake.scene.lights)
     settings.bake_smooth = settings.smooth
     settings.bake_seconds = seconds
     settings.bake_outcome = outcome(bake)
-    settings.bake_error = bake.statistics["estimated_error_percent"] if settings.bake_outcome else 0
+    settings.bake_error = bake.statistics.estimated_error_percent if settings.bake_outcome else 0
     settings.bake_target = float(bake.metadata["error"] or 0)
     settings.bake_values = cache.values_sha256(bake, index)
     settings.bake_source_stamp = source_stamp

@@ -60,13 +60,13 @@ class LiveJob(bake.BakeJob):
         progress.expect(math.inf)
         known = {name: self._arguments[name] for name in ("volumes", "scene", "isovalues")}
         quick = self._work() > _QUICK
-        self.round = moved(self._lit, **known, quick=quick, walls=False, progress=progress)
-        self.round = lit_walls(self.round, True, progress)
+        self.latest = moved(self._lit, **known, quick=quick, walls=False, progress=progress)
+        self.latest = lit_walls(self.latest, True, progress)
         self._can_be_cancelled = True
         self._check()
         if quick:
-            self.round = moved(self._lit, **known, walls=False, progress=progress)
-        self.round = lit_walls(self.round, False, progress)
+            self.latest = moved(self._lit, **known, walls=False, progress=progress)
+        self.latest = lit_walls(self.latest, False, progress)
         super().run(progress)
 
     def _work(self):
@@ -88,7 +88,7 @@ class LiveJob(bake.BakeJob):
             work.cancel()
 
     def show(self):
-        if self.round is not None and self.round.is_moved:
+        if self.latest is not None and self.latest.is_moved:
             self._quiet_until = 0.0
         super().show()
 
@@ -119,7 +119,7 @@ def sentence():
 
 
 def stop():
-    """Leaves what is shown as it is, until something moves again."""
+    """Isosurfaces what is shown as it is, until something moves again."""
     if _work is not None:
         _work.cancel()
 
@@ -177,7 +177,7 @@ def _wanted(context):
     _left = _why = ""
     if not change and _job is None and preview.of(obj) is not None:
         # It stands as it did at the bake again.
-        surface_object.forget_rounds()
+        surface_object.forget_passes()
         walls.refresh(scene)
     return None
 

@@ -10,11 +10,11 @@ import leaflight
 import numpy as np
 from bpy.props import BoolProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
-from leaflight.bake.stamps import values_sha256
+from leaflight.bake.provenance import values_sha256
 
 from ..operators import background, checks
 from ..operators.active_volume import active_volume
-from ..show import isovalues, lamps, leaves, surface_object
+from ..show import isovalues, lamps, isosurfaces, surface_object
 from ..stage import same_scene, scene_export, scene_objects, staleness
 from ..store import atlases, bake_files, cache, source_files
 from . import lighting
@@ -34,7 +34,7 @@ class LEAFLIGHT_OT_load_bake(bpy.types.Operator, ImportHelper):
     bl_options = {"REGISTER", "UNDO"}
 
     filter_glob: StringProperty(default="*.vdb", options={"HIDDEN"})
-    surroundings: BoolProperty(
+    walls: BoolProperty(
         name="Scene",
         description="Bring in the objects and lights that the volumes were baked with",
         default=True,
@@ -54,15 +54,15 @@ class LEAFLIGHT_OT_load_bake(bpy.types.Operator, ImportHelper):
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         cache.keep_bake(bake)
-        seconds = bake.statistics["seconds"]
+        seconds = bake.statistics.seconds
         created = None in volumes
         for index, obj in enumerate(volumes):
             matrix, stamp = _IDENTITY, ""
             if obj is None:
                 volumes[index] = obj = _create(context, bake, index)
             else:
-                matrix, stamp = _transform(obj, bake, index), source_files.stamp(obj.leaflight)
-                obj.leaflight.capped = bake.scene.leaves[index].capped
+                matrix, stamp = _transform(obj, bake, index), source_files.provenance(obj.leaflight)
+                obj.leaflight.capped = bake.scene.isosurfaces[index].capped
             lighting.light(
                 obj,
                 bake,
@@ -75,7 +75,7 @@ class LEAFLIGHT_OT_load_bake(bpy.types.Operator, ImportHelper):
                 source_stamp=stamp,
             )
             obj.leaflight.low, obj.leaflight.high = lighting.window(bake, index)
-        if created and self.surroundings:
+        if created and self.walls:
             for warning in scene_objects.build(context, bake.scene):
                 self.report({"WARNING"}, warning)
         context.view_layer.update()
@@ -155,7 +155,7 @@ def _is_volume_of(obj, bake, index):
         volume = cache.volume_of(obj)
     except LeaflightError:
         return False
-    capped = bake.scene.leaves[index].capped
+    capped = bake.scene.isosurfaces[index].capped
     if capped != obj.leaflight.capped:
         plain = leaflight.Volume(volume.data(), np.eye(4), volume.name)
         volume = plain.capped() if capped else plain
@@ -165,9 +165,9 @@ def _is_volume_of(obj, bake, index):
 def _transform(obj, bake, index):
     """Row by row, the transform that takes an object to where its volume was baked."""
     index_to_local = cache.volume_of(obj).index_to_world
-    if bake.scene.leaves[index].capped != obj.leaflight.capped:
+    if bake.scene.isosurfaces[index].capped != obj.leaflight.capped:
         # The layer moves the first node by one voxel.
-        step = 1.0 if bake.scene.leaves[index].capped else -1.0
+        step = 1.0 if bake.scene.isosurfaces[index].capped else -1.0
         index_to_local = index_to_local @ _shifted(-step)
     matrix = bake.volumes[index].index_to_world @ np.linalg.inv(index_to_local)
     return matrix.ravel().tolist()
@@ -184,7 +184,7 @@ def _create(context, bake, index):
     baked = bake.volumes[index]
     obj = surface_object.new(context, baked.name)
     settings = obj.leaflight
-    leaves.import_leaves(settings, bake.scene.leaves[index])
+    isosurfaces.import_isosurfaces(settings, bake.scene.isosurfaces[index])
     low, high = lighting.window(bake, index)
     isovalue = leaflight.default_isovalue(baked)
     settings["isovalue"] = isovalue if low < isovalue < high else 0.5 * (low + high)
@@ -211,7 +211,7 @@ def _compare(context, bake, volumes, leader):
         else:
             obj.leaflight.bake_lamps = ""
             # Walls of another scene would stand in for those of this one.
-            obj.leaflight.bake_surroundings = False
+            obj.leaflight.bake_walls = False
 
 
 def _select(context, volumes, leader):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # flake8: noqa: F722,F821  (Blender declares properties as annotations)
-"""Show Photon Map: the photons on all leaves as a cloud of points, to look at."""
+"""Show Photon Map: the photons on all isosurfaces as a cloud of points, to look at."""
 
 import bpy
 import leaflight
@@ -18,8 +18,8 @@ from ..store import cache
 
 LeaflightError = leaflight.LeaflightError
 
-# Attributes of the points: color, leaf coordinate, and whether a photon came straight from a light.
-FLUX, LEAF_COORDINATE, DIRECT = "flux", "leaf_coordinate", "direct"
+# Attributes of the points: color, common isovalue, and whether a photon came straight from a light.
+FLUX, COMMON_ISOVALUE, DIRECT = "flux", "common_isovalue", "direct"
 
 _KIND, _PHOTONS = "photons", "leaflight_photons"
 
@@ -98,7 +98,7 @@ class PhotonJob(background.Job):
         self._kind, self._radius = options.kind, options.radius
         c = settings.isovalue
         if len(volumes) > 1:
-            c = isovalues.leaf_coordinate(settings, c)
+            c = isovalues.common_isovalue(settings, c)
         reach = 0.5 * options.band * (window[1] - window[0])
         self._band = (c - reach, c + reach) if options.band < 1 else window
         self._collection, self._object_name = context.collection.name, obj.name
@@ -146,7 +146,7 @@ def _fill(mesh, positions, flux, c, direct):
     mesh.vertices.foreach_set("co", np.ascontiguousarray(positions, np.float32).ravel())
     # The flux of a photon says little to the eye; its mean shows as one.
     fill.colour(mesh, FLUX, flux / max(float(flux.mean()), 1e-30))
-    attribute = mesh.attributes.new(LEAF_COORDINATE, "FLOAT", "POINT")
+    attribute = mesh.attributes.new(COMMON_ISOVALUE, "FLOAT", "POINT")
     attribute.data.foreach_set("value", np.ascontiguousarray(c, np.float32))
     attribute = mesh.attributes.new(DIRECT, "BOOLEAN", "POINT")
     attribute.data.foreach_set("value", np.ascontiguousarray(direct, bool))

@@ -33,9 +33,9 @@ class LEAFLIGHT_OT_resume_bake(background.BackgroundOperator, bpy.types.Operator
         obj = active_volume(context)
         path = bake.checkpoint_path(obj)
         recipe = read_recipe(path)
-        if "kept" not in recipe:
+        if "previous" not in recipe:
             return bake.BakeJob(context, obj, resume=True)
-        if recipe["kept"] != obj.leaflight.bake_id:
+        if recipe["previous"] != obj.leaflight.bake_id:
             raise leaflight.LeaflightError(
                 f"{path}: the bake that this one went on with no longer lights the volume: bake "
                 "again."

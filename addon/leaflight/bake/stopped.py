@@ -9,12 +9,12 @@ from ..show import surface_object, walls
 
 LeaflightError = leaflight.LeaflightError
 
-# The BakeJob that was stopped after a round, until the user decides.
+# The BakeJob that was stopped after a pass, until the user decides.
 _offered = None
 
 
 def offer(job):
-    """Asks the user, in the panel, what shall become of the last round of a BakeJob."""
+    """Asks the user, in the panel, what shall become of the last pass of a BakeJob."""
     global _offered
     _offered = job
 
@@ -110,7 +110,7 @@ class LEAFLIGHT_OT_throw_bake_away(bpy.types.Operator):
     def execute(self, context):
         _offered.checkpoint.remove()
         offer(None)
-        surface_object.forget_rounds()
+        surface_object.forget_passes()
         walls.refresh(context.scene)
         return {"FINISHED"}
 

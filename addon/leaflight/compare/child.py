@@ -25,13 +25,13 @@ def main():
         say({"done": done, "part": part, "name": name})
 
     bpy.context.window.scene = bpy.data.scenes[asked["scene"]]
-    leaf = next(o for o in bpy.context.scene.objects if o.name_full == asked["object"])
-    bpy.context.view_layer.objects.active = leaf
+    isosurface = next(o for o in bpy.context.scene.objects if o.name_full == asked["object"])
+    bpy.context.view_layer.objects.active = isosurface
     bpy.context.view_layer.update()
     try:
         figures = operator.rendered(
             bpy.context,
-            leaf,
+            isosurface,
             asked["folder"],
             asked["samples"],
             asked["baked_samples"],

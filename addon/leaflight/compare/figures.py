@@ -29,7 +29,10 @@ def mean_off(baked_halves, cycles_halves, mask):
         if cycles > 0:
             off = baked / cycles - 1
             within = color_error.REACH * np.hypot(baked_error, cycles_error * (1 + off)) / cycles
-    return {"leaf_mean_off_percent": 100 * float(off), "leaf_mean_off_within": 100 * float(within)}
+    return {
+        "isosurface_mean_off_percent": 100 * float(off),
+        "isosurface_mean_off_within": 100 * float(within),
+    }
 
 
 def _mean(halves, mask):
@@ -39,10 +42,10 @@ def _mean(halves, mask):
 
 
 def summary(result):
-    off, within = result["leaf_mean_off_percent"], result["leaf_mean_off_within"]
+    off, within = result["isosurface_mean_off_percent"], result["isosurface_mean_off_within"]
     return (
-        f"Isovalue {result['isovalue']:g}: RMS {result['leaf_rms_percent']:.2f} % on the "
-        f"isosurface, of which noise {result['leaf_noise_percent']:.2f} %; mean off by "
+        f"Isovalue {result['isovalue']:g}: RMS {result['isosurface_rms_percent']:.2f} % on the "
+        f"isosurface, of which noise {result['isosurface_noise_percent']:.2f} %; mean off by "
         f"{off:+.2f} +- {within:.2f} %"
         + (", more than noise explains" if abs(off) > within else "")
         + f"; FLIP {result['flip_mean']:.3f}"
@@ -51,7 +54,7 @@ def summary(result):
 
 def doubt(result):
     """A sentence when the mean is off by more than noise and texels explain, or an empty text."""
-    off, within = result["leaf_mean_off_percent"], result["leaf_mean_off_within"]
+    off, within = result["isosurface_mean_off_percent"], result["isosurface_mean_off_within"]
     if not abs(off) - within > MEAN_OF_A_GOOD_BAKE:
         return ""
     return (

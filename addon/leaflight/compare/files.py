@@ -42,13 +42,13 @@ def write(scene, folder, name, result):
 
 def _write_table(path, numbers):
     rows = [
-        ("baked", "baked_seconds", "leaf_rms_percent"),
+        ("baked", "baked_seconds", "isosurface_rms_percent"),
         ("local", "local_seconds", "local_rms_percent"),
         ("cycles", "cycles_seconds", None),
     ]
     with replaced(path) as temporary, open(temporary, "w", newline="") as file:
         table = csv.writer(file)
-        table.writerow(["name", "isovalue", "still", "render_seconds", "rms_percent_on_leaf"])
+        table.writerow(["name", "isovalue", "still", "render_seconds", "rms_percent_on_isosurface"])
         for still, seconds, rms in rows:
             error = "" if rms is None else f"{numbers[rms]:.4f}"
             isovalue = f"{numbers['isovalue']:g}"

@@ -48,7 +48,7 @@ def _save_copy(blend):
 class ComparisonJob(background.Job):
     """Renders the saved copy of the file that is open, and reads the figures from the child."""
 
-    def __init__(self, leaf, folder, samples, baked_samples, share):
+    def __init__(self, isosurface, folder, samples, baked_samples, share):
         """Saves the copy. Raises LeaflightError."""
         self._files = tempfile.TemporaryDirectory(prefix="leaflight-")
         blend = Path(self._files.name) / "comparison.blend"
@@ -59,9 +59,9 @@ class ComparisonJob(background.Job):
             raise leaflight.LeaflightError(
                 f"{blend}: cannot save a copy of the scene there to render it: {error}"
             ) from None
-        self.leaf, self._status, self.figures = leaf.name, "Blender starts", None
+        self.isosurface, self._status, self.figures = isosurface.name, "Blender starts", None
         asked = {
-            "object": leaf.name_full,
+            "object": isosurface.name_full,
             "scene": bpy.context.scene.name,
             "folder": str(folder),
             "samples": samples,
@@ -140,7 +140,7 @@ class ComparisonJob(background.Job):
         return "The comparison was cancelled; nothing has changed"
 
     def apply(self):
-        obj = bpy.data.objects.get((self.leaf, None))
+        obj = bpy.data.objects.get((self.isosurface, None))
         if obj is not None:
             obj.leaflight.comparison = self.figures["sentence"]
         if self.figures["doubt"]:

@@ -83,12 +83,12 @@ class LEAFLIGHT_OT_render_comparison(background.BackgroundOperator, bpy.types.Op
             names = ("samples", "baked_samples", "share", "folder")
             chosen = {name: getattr(self, name) for name in names}
             return bpy.ops.leaflight.render_comparison("INVOKE_DEFAULT", asked=True, **chosen)
-        leaf = active_volume(context)
+        isosurface = active_volume(context)
         try:
             told = rendered(
                 context,
-                leaf,
-                _make_folder(leaf, self.folder),
+                isosurface,
+                _make_folder(isosurface, self.folder),
                 self.samples,
                 self.baked_samples,
                 self.share / 100.0,
@@ -99,28 +99,28 @@ class LEAFLIGHT_OT_render_comparison(background.BackgroundOperator, bpy.types.Op
         self.report({"INFO"}, told["told"])
         if told["doubt"]:
             self.report({"WARNING"}, told["doubt"])
-        leaf.leaflight.comparison = told["sentence"]
+        isosurface.leaflight.comparison = told["sentence"]
         return {"FINISHED"}
 
     def start(self, context):
-        leaf = active_volume(context)
-        scene_export.export_scene(context, leaf)
-        stills.check_lit(leaf, leaf.leaflight.isovalue)
-        folder = _make_folder(leaf, self.folder)
+        isosurface = active_volume(context)
+        scene_export.export_scene(context, isosurface)
+        stills.check_lit(isosurface, isosurface.leaflight.isovalue)
+        folder = _make_folder(isosurface, self.folder)
         return process.ComparisonJob(
-            leaf, folder, self.samples, self.baked_samples, self.share / 100.0
+            isosurface, folder, self.samples, self.baked_samples, self.share / 100.0
         )
 
 
-def rendered(context, leaf, folder, samples, baked_samples, share=1.0, tell=None):
+def rendered(context, isosurface, folder, samples, baked_samples, share=1.0, tell=None):
     """Renders and writes a comparison into a folder.
 
     Returns {"path": of the .json, "sentence": for the panel, "doubt": a warning or an empty text,
     "told": what to report}. Raises LeaflightError.
     """
-    scene_export.export_scene(context, leaf)
-    result = stills.compare(context, leaf, samples, baked_samples, share, tell)
-    path = files.write(context.scene, folder, leaf.name, result)
+    scene_export.export_scene(context, isosurface)
+    result = stills.compare(context, isosurface, samples, baked_samples, share, tell)
+    path = files.write(context.scene, folder, isosurface.name, result)
     found, doubt = figures.summary(result), figures.doubt(result)
     return {
         "path": str(path),
@@ -130,8 +130,8 @@ def rendered(context, leaf, folder, samples, baked_samples, share=1.0, tell=None
     }
 
 
-def _make_folder(leaf, chosen):
-    folder = Path(bpy.path.abspath(chosen or str(bake_files.locate(leaf).parent)))
+def _make_folder(isosurface, chosen):
+    folder = Path(bpy.path.abspath(chosen or str(bake_files.locate(isosurface).parent)))
     bake_files.make_folder(folder)
     return folder
 

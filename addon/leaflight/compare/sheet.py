@@ -79,8 +79,8 @@ def _of_local(result):
 def _of_difference(result):
     return (
         "Baked minus Cycles",
-        f"RMS {result['leaf_rms_percent']:.2f} % on the isosurface, of which noise "
-        f"{result['leaf_noise_percent']:.2f} %; FLIP {result['flip_mean']:.3f}",
+        f"RMS {result['isosurface_rms_percent']:.2f} % on the isosurface, of which noise "
+        f"{result['isosurface_noise_percent']:.2f} %; FLIP {result['flip_mean']:.3f}",
     )
 
 

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The stills of a comparison: baked, path-traced by Cycles, and by local shading.
 
-Baked and path-traced stills go through Cycles with the same walls and lights; only the leaf's
+Baked and path-traced stills go through Cycles with the same walls and lights; only the isosurface's
 material differs. In the baked still it emits the baked radiance, which is all the light that leaves
-it, and reflects nothing: a path from the camera or from a wall that meets the leaf ends there with
-the answer the bake has stored. So the leaf's light reaches the walls exactly once, the walls look
-right, and a diffuse leaf's pixels have no noise: what differs there is the error of the bake plus
-the noise of Cycles. A mirror or glass shows its surroundings by paths, with noise in both stills.
-So that of each is measured as well, from two halves of its samples.
+it, and reflects nothing: a path from the camera or from a wall that meets the isosurface ends there
+with the answer the bake has stored. So the isosurface's light reaches the walls exactly once, the
+walls look right, and a diffuse isosurface's pixels have no noise: what differs there is the error
+of the bake plus the noise of Cycles. A mirror or glass shows its surroundings by paths, with noise
+in both stills. So that of each is measured as well, from two halves of its samples.
 
 Local shading is what viewers of isosurfaces show, the thesis's local illumination: the lamps upon
 the surface, without shadows and without light from one surface to another.
@@ -33,33 +33,33 @@ _MASK_SAMPLES = 16
 _LOCAL_SAMPLES = 64
 
 
-def compare(context, leaf, samples, baked_samples, share=1.0, tell=None):
+def compare(context, volume, samples, baked_samples, share=1.0, tell=None):
     """Renders the stills of the current frame, at a share of the scene's resolution.
 
     tell(done, part, name): called before each render with the share of the work that is done, the
     share that the render is, and what it renders.
     Returns a dict: images baked, cycles, local, difference (height, width, 3) in linear radiance
-    and coverage (height, width), the share of each pixel that the leaf fills; leaf_rms_percent
-    over the pixels that the leaf fills and image_rms_percent over all (thesis Eq. 4.11 corrected:
-    colors times exposure, clamped to 0..1); leaf_noise_percent, what the noise of both stills
-    adds to the former; leaf_mean_off_percent, how much more radiance the leaf's pixels have than
-    in Cycles, nothing clamped, and leaf_mean_off_within, half of its interval of 95 %;
-    flip_mean and flip_percentile_95, of all pixels (measure/flip.py); local_rms_percent, of local
-    shading against Cycles over the leaf's pixels; baked_seconds,
-    cycles_seconds, local_seconds, of the renders, and bake_seconds, of the bake. Raises
-    LeaflightError.
+    and coverage (height, width), the share of each pixel that the isosurface fills;
+    isosurface_rms_percent over the pixels that the isosurface fills and image_rms_percent over all
+    (thesis Eq. 4.11 corrected: colors times exposure, clamped to 0..1); isosurface_noise_percent,
+    what the noise of both stills adds to the former; isosurface_mean_off_percent, how much more
+    radiance the isosurface's pixels have than in Cycles, nothing clamped, and
+    isosurface_mean_off_within, half of its interval of 95 %; flip_mean and flip_percentile_95, of
+    all pixels (measure/flip.py); local_rms_percent, of local shading against Cycles over the
+    isosurface's pixels; baked_seconds, cycles_seconds, local_seconds, of the renders, and
+    bake_seconds, of the bake. Raises LeaflightError.
     """
     scene = context.scene
-    isovalue = leaf.evaluated_get(context.evaluated_depsgraph_get()).leaflight.isovalue
-    check_lit(leaf, isovalue)
+    isovalue = volume.evaluated_get(context.evaluated_depsgraph_get()).leaflight.isovalue
+    check_lit(volume, isovalue)
     tell = _Teller(tell, 2 * (baked_samples // 2 + samples // 2) + _MASK_SAMPLES + _LOCAL_SAMPLES)
     percentage = max(1, round(share * scene.render.resolution_percentage))
     with _volumes_alone(scene), render.overridden(scene.render, resolution_percentage=percentage):
         baked_halves, baked_seconds = _halves(scene, baked_samples, tell, "Baked")
-        with _seen_alone(context, leaf):
+        with _seen_alone(context, volume):
             tell(_MASK_SAMPLES, "Where the isosurface is")
             mask = render.cycles_still(scene, _MASK_SAMPLES, seed=0, transparent=True)
-        with _path_traced(context, leaf):
+        with _path_traced(context, volume):
             local, local_seconds = _local(context, tell)
             cycles_halves, cycles_seconds = _halves(scene, samples, tell, "Cycles")
 
@@ -79,15 +79,15 @@ def compare(context, leaf, samples, baked_samples, share=1.0, tell=None):
         "isovalue": isovalue,
         "samples": samples,
         "exposure": exposure,
-        "leaf_pixels": int(filled.sum()),
-        "leaf_rms_percent": rms_percent(baked, cycles, exposure, filled),
-        "leaf_noise_percent": float(np.hypot(*noise)),
+        "isosurface_pixels": int(filled.sum()),
+        "isosurface_rms_percent": rms_percent(baked, cycles, exposure, filled),
+        "isosurface_noise_percent": float(np.hypot(*noise)),
         **mean_off(baked_halves, cycles_halves, filled),
         "image_rms_percent": rms_percent(baked, cycles, exposure, everywhere),
         "flip_mean": seen.mean,
         "flip_percentile_95": seen.percentile_95,
         "local_rms_percent": rms_percent(local, cycles, exposure, filled),
-        "bake_seconds": leaf.leaflight.bake_seconds,
+        "bake_seconds": volume.leaflight.bake_seconds,
         "baked_seconds": baked_seconds,
         "cycles_seconds": cycles_seconds,
         "local_seconds": local_seconds,
@@ -126,23 +126,23 @@ def _local(context, tell):
     return still[..., :3], time.perf_counter() - start
 
 
-def check_lit(leaf, isovalue):
-    settings = leaf.leaflight
+def check_lit(volume, isovalue):
+    settings = volume.leaflight
     low, high = isovalues.window(settings)
     if not low <= isovalue <= high:
         raise LeaflightError(
             f"Isovalue {isovalue:g} lies outside the baked window {low:g} to {high:g}: choose one "
             "inside, or bake with a wider window."
         )
-    if settings.leaf_scattering != "DIFFUSE":
-        if not settings.bake_surroundings:
+    if settings.isosurface_scattering != "DIFFUSE":
+        if not settings.bake_walls:
             raise LeaflightError(
-                f'"{leaf.name}" is a mirror or glass, which shows the walls alone: bake with '
+                f'"{volume.name}" is a mirror or glass, which shows the walls alone: bake with '
                 "Light the Walls, or select a diffuse volume."
             )
-    elif not isosurface.is_lit(leaf, isovalue):
+    elif not isosurface.is_lit(volume, isovalue):
         raise LeaflightError(
-            f'"{leaf.name}" is capped otherwise than in its bake, so it is not lit: bake again.'
+            f'"{volume.name}" is capped otherwise than in its bake, so it is not lit: bake again.'
         )
 
 
@@ -159,39 +159,39 @@ def _volumes_alone(scene):
 
 
 @contextlib.contextmanager
-def _path_traced(context, leaf):
-    """All that was baked as it is: surroundings and volumes with materials of their own."""
+def _path_traced(context, volume):
+    """All that was baked as it is: walls and volumes with materials of their own."""
     with contextlib.ExitStack() as stack:
         stack.enter_context(render.overridden(context.scene.leaflight, show_walls=False))
-        for obj in scene_export.volume_objects(context, leaf):
+        for obj in scene_export.volume_objects(context, volume):
             stack.enter_context(_own_material(context, obj))
         yield
 
 
 @contextlib.contextmanager
-def _own_material(context, leaf):
-    """The same mesh with the leaf's own material and the normals that the bake shades with."""
-    isovalue = surface_object.shown_isovalue(leaf)
-    vertices, normals, triangles = isosurface.isosurface_of(leaf, isovalue).mesh()
-    shown = leaf.data
+def _own_material(context, volume):
+    """The same mesh with the material of the isosurface and the normals of the bake's shading."""
+    isovalue = surface_object.shown_isovalue(volume)
+    vertices, normals, triangles = isosurface.isosurface_of(volume, isovalue).mesh()
+    shown = volume.data
     mesh = bpy.data.meshes.new("Leaflight Comparison")
     try:
         fill.fill(mesh, vertices, triangles, {})
         versions.set_normals(mesh, normals)
-        mesh.materials.append(surface_material.leaf_material(leaf, isovalue))
+        mesh.materials.append(surface_material.isosurface_material(volume, isovalue))
         surface_object.mark_shown(mesh, shown)
-        leaf.data = mesh
+        volume.data = mesh
         context.view_layer.update()
         yield
     finally:
-        leaf.data = shown
+        volume.data = shown
         bpy.data.meshes.remove(mesh)
 
 
 @contextlib.contextmanager
-def _seen_alone(context, leaf):
-    """Everything else becomes a hole, so that alpha is the share of a pixel that the leaf fills."""
-    others = [obj for obj in context.view_layer.objects if obj != leaf]
+def _seen_alone(context, volume):
+    """Everything else becomes a hole: alpha is the share of a pixel that the isosurface fills."""
+    others = [obj for obj in context.view_layer.objects if obj != volume]
     with contextlib.ExitStack() as stack:
         for obj in others:
             stack.enter_context(render.overridden(obj, is_holdout=True))

@@ -165,7 +165,7 @@ class LEAFLIGHT_OT_export(background.BackgroundOperator, bpy.types.Operator, Exp
             return ExportJob(obj, path, None)
         values = [obj.leaflight.isovalue] if suffix == PAGE else self._values(obj)
         if len(cache.bake_of(obj).volumes) > 1:
-            values = [isovalues.leaf_coordinate(obj.leaflight, value) for value in values]
+            values = [isovalues.common_isovalue(obj.leaflight, value) for value in values]
         if suffix == PAGE:
             return ExportJob(obj, path, values, self.coarser)
         return ExportJob(obj, path, values)

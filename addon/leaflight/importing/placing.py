@@ -11,7 +11,7 @@ from leaflight.io.readers import METERS
 from mathutils import Matrix
 
 from ..operators.active_volume import active_volume
-from ..show import leaves
+from ..show import isosurfaces
 from ..store import cache, source_files
 
 LeaflightError = leaflight.LeaflightError
@@ -107,9 +107,9 @@ def put_beside(context, obj):
     if not others:
         return
     context.view_layer.update()
-    boxes = np.array([leaves.world_box(other) for other in others])
+    boxes = np.array([isosurfaces.world_box(other) for other in others])
     low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
-    own_low, own_high = leaves.world_box(obj)
+    own_low, own_high = isosurfaces.world_box(obj)
     gap = GAP * float(np.max(own_high - own_low))
     shift = 0.5 * (low + high) - 0.5 * (own_low + own_high)
     shift[0], shift[2] = high[0] + gap - own_low[0], low[2] - own_low[2]

@@ -12,7 +12,7 @@ from . import added, lamps, preview
 
 LeaflightError = leaflight.LeaflightError
 
-# Colour attributes: what leaves the outer side of the surface, and the inner one where it is baked.
+# Colour attributes: what leaves the front of the surface, and the inner one where it is baked.
 RADIANCE = "radiance"
 RADIANCE_BACK = "radiance_back"
 
@@ -134,7 +134,7 @@ def is_lit(obj, isovalue):
     bake, index = lit_by(obj)
     if bake is None:
         return False
-    baked = bake.scene.leaves[index]
+    baked = bake.scene.isosurfaces[index]
     # What a mirror or glass shows depends on where it is seen from.
     if baked.scattering != "diffuse" or baked.capped != settings.capped:
         return False
@@ -146,14 +146,14 @@ def is_lit(obj, isovalue):
 
 
 def volume_of(obj):
-    """The volume that is shown: that of a round in progress, or the object's own."""
+    """The volume that is shown: that of a pass in progress, or the object's own."""
     obj = added.volume_object(obj)
     shown = preview.of(obj)
     return cache.volume_of(obj) if shown is None else shown.volume
 
 
 def lit_by(obj):
-    """(bake, which of its volumes the object is): a round of one in progress, or the last one.
+    """(bake, which of its volumes the object is): a pass of one in progress, or the last one.
 
     The bake is None before the first. Raises LeaflightError.
     """

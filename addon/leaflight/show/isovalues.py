@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Shows each volume at its isovalue; those of several volumes belong together.
 
-A volume shows the isovalue low + c (high - low) of its window at the leaf coordinate c. A volume
+A volume shows the isovalue low + c (high - low) of its window at the common isovalue c. A volume
 that is linked follows the one whose isovalue was moved, unless it is animated itself. A move is
 noticed by the isovalue that the mesh still shows: undo and loading a file bring back both together.
 """
@@ -22,13 +22,13 @@ _seen = set()
 
 
 def window(settings):
-    """Isovalues (low, high) of the leaf coordinates 0 and 1: those of the bake if there is one."""
+    """Isovalues (low, high) of the common isovalues 0 and 1: those of the bake if there is one."""
     if settings.bake_id:
         return settings.bake_low, settings.bake_high
     return settings.low, settings.high
 
 
-def leaf_coordinate(settings, isovalue):
+def common_isovalue(settings, isovalue):
     """c, within 0..1 inside the window; 0 where the window is empty."""
     low, high = window(settings)
     return (isovalue - low) / (high - low) if high > low else 0.0
@@ -177,7 +177,7 @@ def _is_animated(obj):
 
 
 def _follow(obj, leader, isovalue, moving=False):
-    target = isovalue_at(obj.leaflight, leaf_coordinate(leader.leaflight, isovalue))
+    target = isovalue_at(obj.leaflight, common_isovalue(leader.leaflight, isovalue))
     if obj.leaflight["isovalue"] != target:
         obj.leaflight["isovalue"] = target
         obj.update_tag()

@@ -4,7 +4,7 @@
 import numpy as np
 
 from .. import versions
-from . import added, isosurface, leaves, shader
+from . import added, isosurface, isosurfaces, shader
 
 # For panels, where a color is not the baked one.
 NEW_COLOR = "Light that was reflected before has still the baked color: bake again"
@@ -23,7 +23,7 @@ def view_of(obj):
     """The shader.View of an isosurface."""
     volume = added.volume_object(obj)
     others = (o for o in (volume, *added.added_to(volume)) if o != obj)
-    is_glossy = obj.leaflight_look.gloss > 0 and volume.leaflight.leaf_scattering == "DIFFUSE"
+    is_glossy = obj.leaflight_look.gloss > 0 and volume.leaflight.isosurface_scattering == "DIFFUSE"
     among = any(map(_is_translucent, others))
     return shader.View(_is_translucent(obj), among, _cut_of(obj), is_glossy)
 
@@ -44,7 +44,7 @@ def albedo_at(obj, isovalue):
     look = obj.leaflight_look
     if added.is_added(obj) and look.use_color:
         return tuple(look.color)
-    return leaves.albedo_at(added.volume_object(obj), isovalue)
+    return isosurfaces.albedo_at(added.volume_object(obj), isovalue)
 
 
 def recoloring(obj, isovalue):
@@ -55,12 +55,12 @@ def recoloring(obj, isovalue):
     LeaflightError.
     """
     bake, index = isosurface.lit_by(obj)
-    baked = bake.scene.leaves[index]
-    before = np.array(leaves.color_at(baked.albedo, isovalue))
+    baked = bake.scene.isosurfaces[index]
+    before = np.array(isosurfaces.color_at(baked.albedo, isovalue))
     factor = np.array(albedo_at(obj, isovalue)) / np.maximum(before, _DARK)
     factor[(before < _DARK) | (np.abs(factor - 1.0) < _ALIKE)] = 1.0
     # What it emits by itself has no albedo.
-    emission = np.array(leaves.color_at(baked.emission, isovalue))
+    emission = np.array(isosurfaces.color_at(baked.emission, isovalue))
     return tuple(factor), tuple((1.0 - factor) * emission)
 
 

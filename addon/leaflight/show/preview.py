@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rounds of a bake that light objects for as long as it is not finished; no file holds them.
+"""Passes of a bake that light objects for as long as it is not finished; no file holds them.
 
 Only surfaces show them (surface_object.py); what objects remember of a bake is left alone.
 """
@@ -12,16 +12,16 @@ import numpy as np
 
 from ..store import cache
 
-# Full name of an object -> the Round that lights it.
+# Full name of an object -> the Preview that lights it.
 _shown = {}
 
 
 @dataclass(frozen=True, eq=False)
-class Round:
+class Preview:
     """A leaflight.Bake, which of its volumes an object is, that volume in its coordinates, and the
     frame of the file that it is.
 
-    walls: the last Bake among the rounds whose walls are lit, or None; walls_key: tells its light
+    walls: the last Bake among the passes whose walls are lit, or None; walls_key: tells its light
     apart from any other.
     """
 
@@ -45,11 +45,11 @@ def put(obj, bake, index, matrix):
     volume = last.volume if last is not None else _own_volume(obj)
     if volume is None or not _is_same(volume, baked.values, index_to_local):
         volume = leaflight.Volume(baked.values, index_to_local, baked.name, baked.source)
-    if bake.surroundings is not None:
+    if bake.walls is not None:
         walls = bake, uuid.uuid4().hex
     else:
         walls = (None, "") if last is None else (last.walls, last.walls_key)
-    _shown[obj.name_full] = Round(bake, index, volume, obj.leaflight.frame, *walls)
+    _shown[obj.name_full] = Preview(bake, index, volume, obj.leaflight.frame, *walls)
 
 
 def _own_volume(obj):
@@ -67,7 +67,7 @@ def _is_same(volume, values, index_to_world):
 
 
 def of(obj):
-    """The Round that lights an object, or None, as where it shows another frame meanwhile."""
+    """The Preview that lights an object, or None, as where it shows another frame meanwhile."""
     shown = _shown.get(obj.name_full)
     return shown if shown is not None and shown.frame == obj.leaflight.frame else None
 

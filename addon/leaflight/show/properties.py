@@ -181,10 +181,10 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         description="Highest isovalue that the bake shall light",
         override=_OVERRIDABLE,
     )
-    leaf_scattering: EnumProperty(
+    isosurface_scattering: EnumProperty(
         name="Material", items=SCATTERING_ITEMS, update=_shading_changed, override=_OVERRIDABLE
     )
-    leaf_albedo: FloatVectorProperty(
+    isosurface_albedo: FloatVectorProperty(
         name="Albedo",
         description="Share of the light that the isosurfaces reflect; the color of mirror or glass",
         subtype="COLOR",
@@ -194,14 +194,14 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         update=_shading_changed,
         override=_OVERRIDABLE,
     )
-    leaf_stops: CollectionProperty(
+    isosurface_stops: CollectionProperty(
         type=LeaflightColorStop,
         name="Color Ramp",
         description="Albedo as a function of the isovalue",
         override=_INSERTABLE,
     )
-    leaf_stop: IntProperty(name="Active Stop", override=_OVERRIDABLE)
-    leaf_ior: FloatProperty(
+    isosurface_stop: IntProperty(name="Active Stop", override=_OVERRIDABLE)
+    isosurface_ior: FloatProperty(
         name="IOR",
         description="Index of refraction of the inside of the isosurfaces",
         default=1.45,
@@ -210,7 +210,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         update=_shading_changed,
         override=_OVERRIDABLE,
     )
-    leaf_emission: FloatVectorProperty(
+    isosurface_emission: FloatVectorProperty(
         name="Emission",
         description="Color of the light that the isosurfaces send by themselves",
         subtype="COLOR",
@@ -220,7 +220,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         update=_shading_changed,
         override=_OVERRIDABLE,
     )
-    leaf_emission_strength: FloatProperty(
+    isosurface_emission_strength: FloatProperty(
         name="Strength",
         description="Radiance that the isosurfaces send by themselves; 0 for none",
         default=0.0,
@@ -308,7 +308,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         "doubles the time",
         override=_OVERRIDABLE,
     )
-    light_surroundings: BoolProperty(
+    light_walls: BoolProperty(
         name="Light the Walls",
         description="Bake the light on the walls for every isovalue, too: their shadows and color "
         "bleeding then follow the isosurface",
@@ -350,7 +350,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     bake_index: IntProperty(name="Place Among the Volumes Baked Together", override=_OVERRIDABLE)
     bake_low: FloatProperty(name="Lowest Isovalue of the Bake", override=_OVERRIDABLE)
     bake_high: FloatProperty(name="Highest Isovalue of the Bake", override=_OVERRIDABLE)
-    bake_surroundings: BoolProperty(name="Walls Lit by the Bake", override=_OVERRIDABLE)
+    bake_walls: BoolProperty(name="Walls Lit by the Bake", override=_OVERRIDABLE)
     bake_seconds: FloatProperty(name="Bake Time", override=_OVERRIDABLE)
     bake_outcome: StringProperty(name="Error That the Bake Reached", override=_OVERRIDABLE)
     bake_error: FloatProperty(name="Estimated Error of the Bake", override=_OVERRIDABLE)
@@ -360,7 +360,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     atlas_columns: IntProperty(
         name="Columns of the Atlas, 0 if There Is None", override=_OVERRIDABLE
     )
-    leaf_material: PointerProperty(type=bpy.types.Material, override=_OVERRIDABLE)
+    isosurface_material: PointerProperty(type=bpy.types.Material, override=_OVERRIDABLE)
     baked_material: PointerProperty(type=bpy.types.Material, override=_OVERRIDABLE)
 
     is_volume: BoolProperty(name="Leaflight Volume", override=_OVERRIDABLE)

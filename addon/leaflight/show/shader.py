@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials of leaves, and of baked radiance: emission of a volume texture or a vertex attribute.
+"""Materials of isosurfaces, and of baked radiance: emission of a volume texture or a vertex
+attribute.
 
-Where only the outer side of a leaf is baked and the inner one is seen, through a cut at the border
-of the volume, the material is the plain Lambertian leaf there.
+Where only the front of an isosurface is baked and the inner one is seen, through a cut at the
+border of the volume, the material is the plain Lambertian isosurface there.
 
 The volume texture is an atlas of slices without padding. Eight lookups without interpolation and a
 trilinear blend made of math nodes give the same values in Cycles and in Eevee; letting the image
@@ -19,7 +20,7 @@ import numpy as np
 from .. import versions
 from ..store import bake_files
 
-# Marks of an image that is an atlas: what its header holds, and whether it is of the inner side.
+# Marks of an image that is an atlas: what its header holds, and whether it is of the back.
 ATLAS, BACK = "leaflight_atlas", "leaflight_back"
 
 
@@ -63,8 +64,8 @@ def build_lambertian(material, albedo):
     set_albedo(material, albedo)
 
 
-def build_leaf(material, scattering, ior, emission, view=View()):
-    """A leaf of its own material: "DIFFUSE", "MIRROR" or "GLASS"; emission: radiance (r, g, b)."""
+def build_isosurface(material, scattering, ior, emission, view=View()):
+    """An isosurface of a material: "DIFFUSE", "MIRROR" or "GLASS"; emission: radiance, RGB."""
     graph = _Graph(material, view)
     surface = graph.reflecting(scattering, ior)
     if max(emission) > 0:
@@ -179,7 +180,7 @@ def is_recolored(material):
 def build_atlas(material, images, resolution, columns, texel_from_object, view=View()):
     """Emission of a radiance grid of this resolution (nx, ny, nz), from its atlas.
 
-    images: the atlas of the outer side and, if it was baked, of the inner one. columns: tiles in a
+    images: the atlas of the front and, if it was baked, of the inner one. columns: tiles in a
     row of an image. texel_from_object: (4, 4), from the object's coordinates to those of texel
     centres. The resolution is at least 2 along each axis.
     """
@@ -251,7 +252,7 @@ def atlas_image(path, label, back, written):
     """The image of an atlas file (store/atlases.py) with all the digits it holds.
 
     label: of the atlas, which finds its image wherever the file has moved; back: whether of the
-    inner side; written: whether the file was written since Blender may have read it.
+    back; written: whether the file was written since Blender may have read it.
     """
     images = (image for image in bpy.data.images if image.library is None)
     image = next((image for image in images if image.get(ATLAS) == label), None)
@@ -380,9 +381,10 @@ class _Graph:
         return node.outputs["Vector"]
 
     def emit_sides(self, front, back=None):
-        """Emission of one colour on each side; without the inner one, the Lambertian leaf there.
+        """Emission of one colour on each side; without the inner one, the Lambertian isosurface
+        there.
 
-        Where others show through, nothing is there: who looks at the outer side of a surface does
+        Where others show through, nothing is there: who looks at the front of a surface does
         not look for the inner one behind it.
         """
         if back is not None:

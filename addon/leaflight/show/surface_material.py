@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The material of an isosurface: of its light in the bake, of a round, or the leaf's own, unlit.
+"""The material of an isosurface: of its light in the bake, of a pass, or the isosurface's own,
+unlit.
 
 Each is built once and then keeps its nodes: isovalue, opacity and color only change values in it,
 so that nothing is compiled anew while they move.
@@ -9,34 +10,34 @@ import bpy
 
 from .. import versions
 from ..store import atlases, bake_files, cache
-from . import added, lamps, leaves, look, preview, shader
+from . import added, lamps, isosurfaces, look, preview, shader
 from .isosurface import RADIANCE, RADIANCE_BACK
 
 # What a material was built for.
 _BUILT = "leaflight_built"
 
-# Marks the materials of rounds of a bake, by the number of sides that they light.
-_ROUND = {1: "leaflight_round", 2: "leaflight_round_sides"}
+# Marks the materials of passes of a bake, by the number of sides that they light.
+_PASS = {1: "leaflight_pass", 2: "leaflight_pass_sides"}
 
 
 def material_of(obj, isovalue):
     """The material of the state that the mesh of an isosurface is in. Raises LeaflightError."""
     if RADIANCE not in obj.data.attributes:
-        return leaf_material(obj, isovalue)
+        return isosurface_material(obj, isovalue)
     if preview.of(obj) is not None and look.view_of(obj) == shader.View():
-        return _round_material(obj)
+        return _pass_material(obj)
     return _baked_material(obj, isovalue)
 
 
 def may_replace(obj, material):
     """Whether a material is one of ours, or none, and not one that the user put there."""
-    own = (None, obj.leaflight.leaf_material, obj.leaflight.baked_material)
-    return material in own or any(mark in material for mark in _ROUND.values())
+    own = (None, obj.leaflight.isosurface_material, obj.leaflight.baked_material)
+    return material in own or any(mark in material for mark in _PASS.values())
 
 
 def is_own(changed):
     """Whether a data-block is a material of a surface that was built here, or the nodes of one."""
-    marks = (_BUILT, *_ROUND.values())
+    marks = (_BUILT, *_PASS.values())
     if isinstance(changed, bpy.types.Material):
         return any(mark in changed for mark in marks)
     return isinstance(changed, bpy.types.ShaderNodeTree) and any(
@@ -69,23 +70,23 @@ def _ending(obj):
     return repr(look.view_of(obj))
 
 
-def remove_round_materials():
-    for material in [m for m in bpy.data.materials if any(mark in m for mark in _ROUND.values())]:
+def remove_pass_materials():
+    for material in [m for m in bpy.data.materials if any(mark in m for mark in _PASS.values())]:
         if not material.users:
             bpy.data.materials.remove(material)
 
 
-def leaf_material(obj, isovalue):
-    """The material of the leaf itself, as the bake assumes it."""
+def isosurface_material(obj, isovalue):
+    """The material of the isosurface itself, as the bake assumes it."""
     volume = added.volume_object(obj)
-    scattering, ior = volume.leaflight.leaf_scattering, volume.leaflight.leaf_ior
-    emission, view = leaves.emission_of(volume), look.view_of(obj)
+    scattering, ior = volume.leaflight.isosurface_scattering, volume.leaflight.isosurface_ior
+    emission, view = isosurfaces.emission_of(volume), look.view_of(obj)
 
     def build(material):
-        shader.build_leaf(material, scattering, ior, emission, view)
+        shader.build_isosurface(material, scattering, ior, emission, view)
 
     label = f"{scattering} {ior} {emission} {_ending(obj)}"
-    material = _material(obj, "leaf_material", label, build)
+    material = _material(obj, "isosurface_material", label, build)
     shader.set_albedo(material, look.albedo_at(obj, isovalue))
     return material
 
@@ -119,17 +120,17 @@ def look_after_images(obj, bake_path):
             _atlas_image(volume, bake_path, back)
 
 
-def _round_material(obj):
-    """By vertex attribute: an atlas is a file, which a round is not worth."""
+def _pass_material(obj):
+    """By vertex attribute: an atlas is a file, which a pass is not worth."""
     sides = [name for name in (RADIANCE, RADIANCE_BACK) if name in obj.data.attributes]
-    return shader.shared_material(_ROUND[len(sides)], "Leaflight Round", *sides)
+    return shader.shared_material(_PASS[len(sides)], "Leaflight Pass", *sides)
 
 
 def _baked_material(obj, isovalue):
     volume = added.volume_object(obj)
     settings, view = volume.leaflight, look.view_of(obj)
-    in_rounds = preview.of(volume) is not None
-    mode = "ATTRIBUTE" if in_rounds else shading_in_use(settings)[0]
+    in_passes = preview.of(volume) is not None
+    mode = "ATTRIBUTE" if in_passes else shading_in_use(settings)[0]
     back = RADIANCE_BACK in obj.data.attributes
 
     def build(material):

@@ -236,13 +236,13 @@ def shade_all(volume):
         shade(obj)
 
 
-def forget_rounds():
-    """Shows what lit the objects before the rounds of a bake did."""
+def forget_passes():
+    """Shows what lit the objects before the passes of a bake did."""
     for name in preview.forget():
         obj = next((obj for obj in bpy.data.objects if obj.name_full == name), None)
         if obj is not None and obj.leaflight.is_volume:
             update_all(obj)
-    surface_material.remove_round_materials()
+    surface_material.remove_pass_materials()
 
 
 def _label(obj, isovalue):
@@ -257,5 +257,5 @@ def _label(obj, isovalue):
         original = shown.bake.original.id
         light = f"{original} {shown.index}{lamps.OF_MOVED}{shown.bake.id}"
     elif shown is not None:
-        light = f"round {shown.bake.id} {shown.index}"
+        light = f"pass {shown.bake.id} {shown.index}"
     return f"{isovalue!r} of {volume}{_LIT}{light}"

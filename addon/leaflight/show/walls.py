@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The surroundings with the light of the present isosurface: shadows and color bleeding on walls.
+"""The walls with the light of the present isosurface: shadows and color bleeding on walls.
 
-A bake that lights the surroundings holds their radiance for every leaf. A display object for each
+A bake that lights the walls holds their radiance for every isosurface. A display object for each
 mesh that was baked shows it in place of the original, which is hidden meanwhile and marked so that
 the next bake still sees it.
 """
@@ -24,8 +24,8 @@ _WALL_MATERIAL = "leaflight_wall_material"
 _HIDDEN = "leaflight_hidden"
 _SHOWN = "leaflight_shown"
 _BAKED_AS = "leaflight_baked_as"
-# In the label of a wall that a round of a bake lights.
-_OF_ROUND = " lit by round "
+# In the label of a wall that a pass of a bake lights.
+_OF_PASS = " lit by pass "
 
 
 def is_hidden(obj):
@@ -41,7 +41,7 @@ def forget_names(scene):
 
 
 def refresh(scene):
-    """Shows the lit surroundings, or the objects themselves, as the user chose."""
+    """Shows the lit walls, or the objects themselves, as the user chose."""
     _clear(scene)
     leader = _leader(scene)
     if leader is not None and scene.leaflight.show_walls:
@@ -54,10 +54,10 @@ def refresh(scene):
     update(scene)
 
 
-def show_round(scene):
-    """Lights the walls by the round of a bake that lights the volumes, where it has their light."""
+def show_pass(scene):
+    """Lights the walls by the pass of a bake that lights the volumes, where it has their light."""
     leader = _leader(scene)
-    if leader is None or not _round_with_walls(leader):
+    if leader is None or not _pass_with_walls(leader):
         return
     displays = [obj for obj in scene.objects if display.is_display(obj, _WALL)]
     if displays and all(_has_as_many_vertices(obj, _bake_of(leader)[0]) for obj in displays):
@@ -68,20 +68,20 @@ def show_round(scene):
 
 def _has_as_many_vertices(obj, bake):
     index = obj[_INDEX]
-    known = bake.surroundings.count > index and bake.scene.meshes[index].name == obj.get(_NAME)
-    return known and len(bake.surroundings.mesh(index)[0]) == len(obj.data.vertices)
+    known = bake.walls.count > index and bake.scene.meshes[index].name == obj.get(_NAME)
+    return known and len(bake.walls.mesh(index)[0]) == len(obj.data.vertices)
 
 
 def update(scene):
-    """Lights the displays for the leaf that is shown, unless they show it already."""
+    """Lights the displays for the isosurface that is shown, unless they show it already."""
     displays = [obj for obj in scene.objects if display.is_display(obj, _WALL)]
     leader = _leader(scene) if displays else None
     if leader is None:
         return
     settings = leader.leaflight
     light = f" lit by {settings.bake_id}{lamps.label(settings)}"
-    if _round_with_walls(leader):
-        light = f"{_OF_ROUND}{preview.of(leader).walls_key}"
+    if _pass_with_walls(leader):
+        light = f"{_OF_PASS}{preview.of(leader).walls_key}"
     label = f"{surface_object.shown_isovalue(leader)!r}{light}"
     stale = [obj for obj in displays if obj.data.get(_SHOWN) != label]
     if not stale:
@@ -91,45 +91,45 @@ def update(scene):
     except LeaflightError as error:
         surface_object.problems[leader.name_full] = str(error)
         return
-    if bake.surroundings is None:
+    if bake.walls is None:
         return
     low, high = bake.isovalues
-    c = min(max(_leaf_coordinate(leader, bake, index), low), high)
+    c = min(max(_common_isovalue(leader, bake, index), low), high)
     for obj in stale:
-        if _OF_ROUND in label:
+        if _OF_PASS in label:
             # They may have moved.
-            vertices = bake.surroundings.mesh(obj[_INDEX])[0]
+            vertices = bake.walls.mesh(obj[_INDEX])[0]
             obj.data.vertices.foreach_set("co", vertices.ravel())
         for name, back in ((RADIANCE, False), (RADIANCE_BACK, True)):
-            radiance = bake.surroundings.radiance(obj[_INDEX], c, back=back)
+            radiance = bake.walls.radiance(obj[_INDEX], c, back=back)
             fill.colour(obj.data, name, radiance)
         obj.data[_SHOWN] = label
         obj.data.update()
 
 
 def _leader(scene):
-    """The volume whose bake has lit the surroundings, None without such a bake."""
-    volumes = [obj for obj in scene.objects if _round_with_walls(obj)] or [
-        obj for obj in scene.objects if obj.leaflight.bake_surroundings
+    """The volume whose bake has lit the walls, None without such a bake."""
+    volumes = [obj for obj in scene.objects if _pass_with_walls(obj)] or [
+        obj for obj in scene.objects if obj.leaflight.bake_walls
     ]
     shown = [obj for obj in volumes if not obj.hide_render]
     return min(shown or volumes, key=lambda obj: obj.leaflight.bake_index, default=None)
 
 
-def _round_with_walls(obj):
+def _pass_with_walls(obj):
     shown = preview.of(obj)
     return shown is not None and shown.walls is not None
 
 
 def _bake_of(leader):
     """(bake, which of its volumes the leader is) that lights the walls. Raises LeaflightError."""
-    if _round_with_walls(leader):
+    if _pass_with_walls(leader):
         shown = preview.of(leader)
         return shown.walls, shown.index
     return lamps.bake_of(leader), leader.leaflight.bake_index
 
 
-def _leaf_coordinate(leader, bake, index):
+def _common_isovalue(leader, bake, index):
     lowest, highest = (bake.isovalue_of(index, c) for c in bake.isovalues)
     low, high = bake.isovalues
     part = (surface_object.shown_isovalue(leader) - lowest) / (highest - lowest)
@@ -138,7 +138,7 @@ def _leaf_coordinate(leader, bake, index):
 
 def _build(scene, leader):
     bake, _ = _bake_of(leader)
-    if bake.surroundings is None:
+    if bake.walls is None:
         return
     collection = bpy.data.collections.new(COLLECTION)
     collection[_COLLECTION] = True
@@ -161,7 +161,7 @@ def _original(scene, name):
 
 
 def _display(bake, index, name, material):
-    vertices, triangles = bake.surroundings.mesh(index)
+    vertices, triangles = bake.walls.mesh(index)
     data = bpy.data.meshes.new(f"{name} Lit")
     fill.fill(data, vertices, triangles, {})
     data.polygons.foreach_set("use_smooth", np.zeros(len(triangles), bool))

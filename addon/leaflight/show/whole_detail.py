@@ -52,7 +52,7 @@ def make_now(objects):
 
 
 def forget():
-    """Leaves all surfaces as they are."""
+    """Isosurfaces all surfaces as they are."""
     _jobs.clear()
 
 

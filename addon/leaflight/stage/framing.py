@@ -4,7 +4,7 @@
 import leaflight._core as _core
 import numpy as np
 
-from ..show import added, leaves
+from ..show import added, isosurfaces
 
 # A part of an isosurface counts from this share of its largest part on, in triangles.
 _SHARE = 0.1
@@ -19,7 +19,7 @@ def shown_points(volumes):
     for volume in volumes:
         shown = [_large_parts(obj) for obj in (volume, *added.added_to(volume))]
         if not any(map(len, shown)):
-            box = leaves.world_box(volume)
+            box = isosurfaces.world_box(volume)
             shown = [np.array([[x, y, z] for x in box[:, 0] for y in box[:, 1] for z in box[:, 2]])]
         points += shown
     return np.concatenate(points)

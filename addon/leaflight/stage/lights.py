@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's lights as luminaires of the bake, in radiometric units."""
+"""Blender's lights as lamps of the bake, in radiometric units."""
 
 import math
 
@@ -17,7 +17,7 @@ _SOFTNESS = 0.01
 
 
 def export_light(obj, matrix, boxes, warnings):
-    """The luminaire of a light object, or None when it is black. Raises LeaflightError.
+    """The lamp of a light object, or None when it is black. Raises LeaflightError.
 
     matrix: (4, 4), object to world. boxes: function without arguments that returns the volumes'
     world boxes [(2, 3), ...]. warnings: a list that sentences are added to.
@@ -32,13 +32,13 @@ def export_light(obj, matrix, boxes, warnings):
     power = _power(what, light)
     axes = np.array(matrix, np.float64)
     if light.type == "AREA":
-        luminaire = _area(what, obj.name, light, axes, power)
+        lamp = _area(what, obj.name, light, axes, power)
     elif light.type == "SUN":
-        luminaire = _sun(what, obj.name, light, axes, power)
+        lamp = _sun(what, obj.name, light, axes, power)
     else:
-        luminaire = _point(what, obj.name, light, axes, power)
-        _warn_of_softness(what, light, luminaire, boxes, warnings)
-    return luminaire if power.max() > 0 else None
+        lamp = _point(what, obj.name, light, axes, power)
+        _warn_of_softness(what, light, lamp, boxes, warnings)
+    return lamp if power.max() > 0 else None
 
 
 def _power(what, light):
@@ -132,14 +132,14 @@ def _sun(what, name, light, axes, power):
     return SunLight(name, _numbers(direction), _numbers(irradiance), float(light.angle))
 
 
-def _warn_of_softness(what, light, luminaire, boxes, warnings):
-    if not versions.falls_off_softly(light) or not luminaire.radius > 0:
+def _warn_of_softness(what, light, lamp, boxes, warnings):
+    if not versions.falls_off_softly(light) or not lamp.radius > 0:
         return
-    position = np.array(luminaire.position)
+    position = np.array(lamp.position)
     for low, high in boxes():
         distance = np.linalg.norm(np.maximum(np.maximum(low - position, position - high), 0.0))
-        if luminaire.radius**2 > _SOFTNESS * distance**2:
-            darker = luminaire.radius**2 / (distance**2 + luminaire.radius**2)
+        if lamp.radius**2 > _SOFTNESS * distance**2:
+            darker = lamp.radius**2 / (distance**2 + lamp.radius**2)
             warnings.append(
                 f"{what} is as wide as it is near: Cycles renders it up to {100 * darker:.0f} % "
                 "darker at the volume than the bake; reduce its radius for a match"

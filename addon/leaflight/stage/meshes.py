@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's meshes, and what becomes one, as surroundings of the bake."""
+"""Blender's meshes, and what becomes one, as walls of the bake."""
 
 from dataclasses import replace
 

@@ -13,7 +13,7 @@ from mathutils import Matrix
 
 from ..operators import background, checks
 from ..operators.active_volume import active_volume
-from ..show import isovalues, leaves
+from ..show import isovalues, isosurfaces
 
 AXES = {
     "POS_X": (1, 0, 0),
@@ -193,11 +193,11 @@ def orient(obj, up, front):
     for volume in (obj, *others):
         volume.leaflight_orientation.front_axis = list(AXES.values()).index(front)
         volume.leaflight_orientation.is_unknown = False
-    low, high = leaves.world_box(obj)
+    low, high = isosurfaces.world_box(obj)
     turn = Matrix([np.cross(up, front).tolist(), _scaled(front, -1), up])
     obj.matrix_world = turn.to_4x4() @ Matrix.Diagonal((*before.to_scale(), 1.0))
     bpy.context.view_layer.update()
-    new_low, new_high = leaves.world_box(obj)
+    new_low, new_high = isosurfaces.world_box(obj)
     shift = 0.5 * (low + high - new_low - new_high)
     shift[2] = low[2] - new_low[2]
     obj.matrix_world = Matrix.Translation(shift) @ obj.matrix_world

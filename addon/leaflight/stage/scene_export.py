@@ -14,7 +14,7 @@ import numpy as np
 from leaflight.scene.scene import SceneDescription
 
 from .. import versions
-from ..show import display, leaves, walls
+from ..show import display, isosurfaces, walls
 from . import images, lights, meshes, world
 
 LeaflightError = leaflight.LeaflightError
@@ -25,17 +25,19 @@ _MESH_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 _VISIBILITIES = ("visible_diffuse", "visible_glossy", "visible_transmission", "visible_shadow")
 
 
-def export_scene(context, leaf):
-    """All that renders, in world space, with the volume object `leaf` whether it renders or not.
+def export_scene(context, isosurface):
+    """All that renders, in world space, with the volume object `isosurface` whether it renders or
+    not.
 
     Returns (SceneDescription, [volume object, ...], [sentence of warning, ...]); the volumes are in
-    the order of the description's leaves, whichever of them `leaf` is. Raises LeaflightError.
+    the order of the description's isosurfaces, whichever of them `isosurface` is. Raises
+    LeaflightError.
     """
     _check_colours()
     depsgraph = context.evaluated_depsgraph_get()
-    volumes = volume_objects(context, leaf)
-    boxes = functools.cache(lambda: [leaves.world_box(obj) for obj in volumes])
-    surroundings, luminaires, warnings = [], [], []
+    volumes = volume_objects(context, isosurface)
+    boxes = functools.cache(lambda: [isosurfaces.world_box(obj) for obj in volumes])
+    walls, lamps, warnings = [], [], []
     for obj, matrix in rendered_objects(context.view_layer, depsgraph):
         if obj.original in volumes or display.is_display(obj.original):
             continue
@@ -46,9 +48,9 @@ def export_scene(context, leaf):
             )
         if obj.type == "LIGHT":
             light = lights.export_light(obj, matrix, boxes, warnings)
-            luminaires += [light] if light is not None else []
+            lamps += [light] if light is not None else []
         elif obj.type in _MESH_TYPES:
-            surroundings += meshes.export_meshes(obj, matrix, warnings)
+            walls += meshes.export_meshes(obj, matrix, warnings)
         elif obj.type not in versions.UNSEEN_TYPES:
             raise LeaflightError(
                 f'"{obj.name}" is of type {obj.type.title()}, which the bake cannot light: '
@@ -65,17 +67,17 @@ def export_scene(context, leaf):
                 "baked as if it lit all: clear its light linking for a match"
             )
     warnings += [sentence for obj in volumes for sentence in _warnings_of(obj)]
-    if luminaires and not versions.lights_are_checked():
+    if lamps and not versions.lights_are_checked():
         warnings.append(
             "Leaflight has not been compared with the lights of this version of Blender, so they "
             "may be baked too bright or too dark: make a Render Comparison, which shows it"
         )
     description = SceneDescription(
         name=context.scene.name,
-        leaves=[leaves.export_leaves(obj, len(volumes) > 1) for obj in volumes],
+        isosurfaces=[isosurfaces.export_isosurfaces(obj, len(volumes) > 1) for obj in volumes],
         exposure=2.0**context.scene.view_settings.exposure,
-        meshes=surroundings,
-        lights=luminaires,
+        meshes=walls,
+        lights=lamps,
         environment=world.export_world(context.scene.world),
     )
     return description, volumes, warnings
@@ -92,7 +94,7 @@ def _check_colours():
 
 def _warnings_of(volume):
     settings = volume.leaflight
-    if settings.leaf_scattering == "GLASS" and not settings.capped:
+    if settings.isosurface_scattering == "GLASS" and not settings.capped:
         yield (
             f'"{volume.name}" is glass but not capped: where the border of the volume cuts it open '
             "it has no inside, and renders differ from the bake; turn Capped on"
@@ -101,8 +103,8 @@ def _warnings_of(volume):
 
 def check_light(description):
     """Raises LeaflightError when nothing of a scene emits light."""
-    emitters = [*description.meshes, *description.leaves]
-    glows = any(np.max(leaves.colours(emitter.emission)) > 0 for emitter in emitters)
+    emitters = [*description.meshes, *description.isosurfaces]
+    glows = any(np.max(isosurfaces.colours(emitter.emission)) > 0 for emitter in emitters)
     if not (description.lights or description.environment or glows):
         raise LeaflightError(
             "Nothing that renders sends light, so all would be black: add a light, or brighten the "
@@ -116,7 +118,7 @@ def fingerprint(volumes, description):
     for obj in volumes:
         _add(digest, np.array(obj.matrix_world, np.float64))
         _add(digest, (obj.leaflight.low, obj.leaflight.high))
-    for part in (description.leaves, description.meshes, description.lights):
+    for part in (description.isosurfaces, description.meshes, description.lights):
         _add(digest, part)
     _add(digest, description.environment)
     return digest.hexdigest()
@@ -139,13 +141,13 @@ def _add(digest, value):
         digest.update(f"{value!r};".encode())
 
 
-def volume_objects(context, leaf):
-    """The volumes that a bake started at `leaf` lights: it, and all of the scene that render."""
+def volume_objects(context, isosurface):
+    """The volumes that a bake of `isosurface` lights: it, and all of the scene that render."""
     rendered = {}
     _collect(context.view_layer.layer_collection, rendered)
     chosen = [obj for obj in rendered.values() if obj.leaflight.is_volume]
-    if leaf not in chosen:
-        chosen.append(leaf)
+    if isosurface not in chosen:
+        chosen.append(isosurface)
     return sorted(chosen, key=lambda obj: obj.name_full)
 
 

@@ -50,7 +50,7 @@ def mesh_object(description):
     if _is_curved(description):
         data.polygons.foreach_set("use_smooth", [True] * len(data.polygons))
     material = bpy.data.materials.new(description.name)
-    shader.build_leaf(
+    shader.build_isosurface(
         material, description.scattering.upper(), description.ior, description.emission
     )
     shader.set_albedo(material, description.albedo)

@@ -78,18 +78,18 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
 
     def execute(self, context):
         scene = context.scene
-        leaf = active_volume(context)
+        isosurface = active_volume(context)
         try:
-            volumes = scene_export.volume_objects(context, leaf)
+            volumes = scene_export.volume_objects(context, isosurface)
             own = self._own_collection()
-            was_lit = build(context, leaf, volumes, self.preset, own, self.set_aside)
+            was_lit = build(context, isosurface, volumes, self.preset, own, self.set_aside)
         except leaflight.LeaflightError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         versions.show_photographically(scene.view_settings)
         render_settings.suit_baked_light(scene)
         viewport.show_stage(context)
-        self._warn(context, leaf)
+        self._warn(context, isosurface)
         if was_lit:
             self.report({"INFO"}, "The light of the last bake went with its stage: bake again")
         return {"FINISHED"}
@@ -106,10 +106,10 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
             )
         return collection
 
-    def _warn(self, context, leaf):
+    def _warn(self, context, isosurface):
         """Says now what would stop or spoil the bake later, and what was set aside."""
         try:
-            description, _, warnings = scene_export.export_scene(context, leaf)
+            description, _, warnings = scene_export.export_scene(context, isosurface)
             scene_export.check_light(description)
         except leaflight.LeaflightError as error:
             warnings = [f"Before the bake: {error}"]
@@ -131,13 +131,13 @@ class LEAFLIGHT_OT_frame_isosurface(checks.VolumeOperator, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     def execute(self, context):
-        scene, leaf = context.scene, active_volume(context)
+        scene, isosurface = context.scene, active_volume(context)
         try:
-            volumes = scene_export.volume_objects(context, leaf)
+            volumes = scene_export.volume_objects(context, isosurface)
             if any(obj.leaflight.bake_id for obj in volumes) or not is_built(scene):
-                _use_camera(scene, leaf, framing.shown_points(volumes))
+                _use_camera(scene, isosurface, framing.shown_points(volumes))
             else:
-                follow(context, leaf)
+                follow(context, isosurface)
         except leaflight.LeaflightError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -145,8 +145,9 @@ class LEAFLIGHT_OT_frame_isosurface(checks.VolumeOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-def build(context, leaf, volumes, preset, own=None, set_aside=None):
-    """Puts a stage around the isosurfaces of volume objects, which face the camera as `leaf` does.
+def build(context, isosurface, volumes, preset, own=None, set_aside=None):
+    """Puts a stage around the isosurfaces of volume objects, which face the camera as `isosurface`
+    does.
 
     own: the collection of My Scene. set_aside: whether other objects are, or None where that stays
     as it is. Returns whether a bake had lit the volumes: its light goes with
@@ -155,7 +156,7 @@ def build(context, leaf, volumes, preset, own=None, set_aside=None):
     scene = context.scene
     context.view_layer.update()
     points = framing.shown_points(volumes)
-    turn = mathutils.Matrix.Rotation(facing.direction(leaf), 4, "Z")
+    turn = mathutils.Matrix.Rotation(facing.direction(isosurface), 4, "Z")
     seen = points @ np.array(turn.to_3x3())
     description = None if own else presets.fitted(preset, seen)
     was_lit = _put_out(scene, volumes)
@@ -171,19 +172,19 @@ def build(context, leaf, volumes, preset, own=None, set_aside=None):
     else:
         _build(scene, description, turn, volumes)
     if scene.camera is None or is_staged(scene.camera):
-        _use_camera(scene, leaf, points)
+        _use_camera(scene, isosurface, points)
     for obj in volumes:
-        obj.leaflight.light_surroundings = True
+        obj.leaflight.light_walls = True
     context.view_layer.update()
     return was_lit
 
 
-def follow(context, leaf):
+def follow(context, isosurface):
     """Builds the stage of the scene anew, if it has one, around its volumes as they are now."""
     scene = context.scene
-    if is_built(scene) and leaf.name in scene.objects:
-        volumes = scene_export.volume_objects(context, leaf)
-        build(context, leaf, volumes, scene.leaflight_stage.preset)
+    if is_built(scene) and isosurface.name in scene.objects:
+        volumes = scene_export.volume_objects(context, isosurface)
+        build(context, isosurface, volumes, scene.leaflight_stage.preset)
 
 
 def is_built(scene):
@@ -233,7 +234,7 @@ def _put_out(scene, volumes):
     """Shows the volumes, and what surrounds them, without the light of a bake; its file stays."""
     was_lit = any(obj.leaflight.bake_id for obj in volumes)
     for obj in isovalues.volumes(scene):
-        obj.leaflight.bake_surroundings = False
+        obj.leaflight.bake_walls = False
     walls.refresh(scene)
     for obj in volumes:
         frame_bakes.forget(obj.leaflight)
@@ -259,7 +260,7 @@ def _build(scene, description, turn, volumes):
     if scene.world != scene.leaflight_stage.own_world:
         scene.world[_STAGED] = scene.world.name
     scene.view_settings.exposure = math.log2(description.exposure)
-    _color(scene, volumes, description.leaves[0].albedo)
+    _color(scene, volumes, description.isosurfaces[0].albedo)
 
 
 def _color(scene, volumes, albedo):
@@ -267,9 +268,11 @@ def _color(scene, volumes, albedo):
     remembered = scene.leaflight_stage
     for obj in volumes:
         settings = obj.leaflight
-        default = settings.bl_rna.properties["leaf_albedo"].default_array
-        if any(np.allclose(settings.leaf_albedo, known) for known in (default, remembered.albedo)):
-            settings.leaf_albedo = albedo
+        default = settings.bl_rna.properties["isosurface_albedo"].default_array
+        if any(
+            np.allclose(settings.isosurface_albedo, known) for known in (default, remembered.albedo)
+        ):
+            settings.isosurface_albedo = albedo
     remembered.albedo = albedo
 
 
@@ -281,14 +284,14 @@ def _use(scene, own):
     scene.camera = found or scene.leaflight_stage.own_camera
 
 
-def _use_camera(scene, leaf, points):
+def _use_camera(scene, isosurface, points):
     """Frames points by the scene's camera, or by a new one."""
     if scene.camera is None:
         scene.camera = camera.new(scene)
         staged = filter(is_staged, scene.collection.children)
         next(staged, scene.collection).objects.link(scene.camera)
         scene.camera[_STAGED] = scene.camera.name
-    camera.frame(scene.camera, scene, points, facing.direction(leaf), facing.ELEVATION)
+    camera.frame(scene.camera, scene, points, facing.direction(isosurface), facing.ELEVATION)
 
 
 _CLASSES = (LEAFLIGHT_OT_stage, LEAFLIGHT_OT_frame_isosurface)

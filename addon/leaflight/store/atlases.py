@@ -24,7 +24,7 @@ def label(identifier, index, back):
 
 
 def path_of(bake_path, index=0, back=False):
-    """The atlas beside a bake; index: of the volume in it; back: of the inner side."""
+    """The atlas beside a bake; index: of the volume in it; back: of the back."""
     path = Path(bake_path)
     number = f"_{index + 1}" if index else ""
     return path.with_name(f"{path.stem}{number}_atlas{'_back' if back else ''}.exr")

@@ -23,7 +23,7 @@ from pathlib import Path
 
 import bpy
 import leaflight
-from leaflight.bake.stamps import read_bake_id
+from leaflight.bake.provenance import read_bake_id
 
 from . import preferences
 

@@ -86,7 +86,7 @@ def keep_bake(bake):
 
 
 def values_sha256(bake, index):
-    """The stamp of a volume's values in a bake, as leaflight.bake.stamps.values_sha256 makes it."""
+    """The hash of a volume's values in a bake, by leaflight.bake.provenance.values_sha256."""
     return json.loads(bake.metadata["volumes"])[index]["values_sha256"]
 
 
@@ -146,7 +146,7 @@ def _baked_key(obj):
         bake = bake_of(obj)
     except LeaflightError:
         return None
-    if bake is None or bake.scene.leaves[settings.bake_index].capped != settings.capped:
+    if bake is None or bake.scene.isosurfaces[settings.bake_index].capped != settings.capped:
         return None
     if settings.smooth != settings.bake_smooth:
         return None

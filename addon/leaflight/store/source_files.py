@@ -9,7 +9,7 @@ from pathlib import Path
 
 import bpy
 import leaflight
-from leaflight.bake.stamps import values_sha256
+from leaflight.bake.provenance import values_sha256
 from leaflight.io import readers
 from leaflight.io.readers import smoothing
 
@@ -127,10 +127,10 @@ def _install(missing):
 def key_of(settings):
     """Tells the volumes of files apart, and one file before and after a change."""
     choices = choices_of(settings)
-    return (path_of(settings), *choices.values(), settings.capped, stamp(settings))
+    return (path_of(settings), *choices.values(), settings.capped, provenance(settings))
 
 
-def stamp(settings):
+def provenance(settings):
     """A text that differs once the file, or one of a folder of slices, was written; else empty."""
     path = Path(path_of(settings))
     try:
@@ -150,7 +150,7 @@ def source_of(settings):
 def changed_since_bake(obj):
     """Whether the volume's file holds other values than were baked; one that is gone does not."""
     settings = obj.leaflight
-    now = stamp(settings) if settings.source else ""
+    now = provenance(settings) if settings.source else ""
     if not now or now == settings.bake_source_stamp:
         return False
     key = key_of(settings)

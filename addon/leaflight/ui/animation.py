@@ -14,7 +14,7 @@ from leaflight import blender
 from .. import versions
 from ..operators import checks
 from ..operators.active_volume import active_volume
-from ..show import added, isovalues, leaves
+from ..show import added, isovalues, isosurfaces
 from .sidebar import VolumePanel
 
 _PIVOT = "leaflight_turntable"
@@ -64,7 +64,7 @@ def _turntable(context, volume, frames):
         raise leaflight.LeaflightError("The scene has no camera: add one, or use Stage.")
     pivot = camera.parent
     if pivot is None or _PIVOT not in pivot:
-        middle = leaves.world_box(volume).mean(axis=0)
+        middle = isosurfaces.world_box(volume).mean(axis=0)
         pivot = bpy.data.objects.new("Turntable", None)
         pivot[_PIVOT] = True
         pivot.location = middle
@@ -90,7 +90,7 @@ def _free_degrees(context, volume, camera, pivot):
     depsgraph = context.evaluated_depsgraph_get()
     middle = pivot.location
     arm = camera.matrix_world.translation - middle
-    low, high = leaves.world_box(volume)
+    low, high = isosurfaces.world_box(volume)
     radius = 0.5 * float(np.linalg.norm(high - low))
 
     def cast(start, direction, **limit):
@@ -130,7 +130,7 @@ def _wipe(context, volume, frames):
         raise leaflight.LeaflightError(
             f'The clip box "{box.name}" is a mesh, which keeps its place: choose an Empty.'
         )
-    low, high = leaves.world_box(volume)
+    low, high = isosurfaces.world_box(volume)
     half, middle = 0.5 * (high - low), 0.5 * (low + high)
     across = np.array(camera.matrix_world.col[0])[:3] if camera else np.array([1.0, 0.0, 0.0])
     axis = int(np.argmax(np.abs(across)))

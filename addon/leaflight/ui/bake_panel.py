@@ -24,7 +24,7 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
         column.prop(settings, "low", text="Lowest")
         column.prop(settings, "high", text="Highest")
         column = layout.column(align=True)
-        column.prop(settings, "light_surroundings")
+        column.prop(settings, "light_walls")
         column.prop(settings, "both_sides")
         self._draw_quality(context, settings)
         button = layout.row(align=True)
@@ -69,9 +69,9 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
             column.operator(estimate_bake.LEAFLIGHT_OT_estimate_bake.bl_idname, icon="TIME")
 
     def _draw_offer(self, context, job):
-        reached = job.round.statistics["estimated_error_percent"]
+        reached = job.latest.statistics.estimated_error_percent
         text = iface_("Stopped at %s %%, target %s %%")
-        numbers = f"{reached:.2g}", f"{float(job.round.metadata['error'] or 0):.2g}"
+        numbers = f"{reached:.2g}", f"{float(job.latest.metadata['error'] or 0):.2g}"
         sentence(context, self.layout, text % numbers, icon="QUESTION")
         row = self.layout.row(align=True)
         row.operator(stopped.LEAFLIGHT_OT_keep_bake.bl_idname, icon="CHECKMARK")

@@ -35,7 +35,7 @@ class LEAFLIGHT_PT_clip(VolumePanel, bpy.types.Panel):
             text = iface_('"%s" renders and is baked: hide it in renders') % look.box.name
             sentence(context, layout, text, icon="ERROR")
         if volume.leaflight.bake_id and RADIANCE_BACK not in volume.data.attributes:
-            text = "Inner sides are not baked: bake with Both Sides to light them"
+            text = "backs are not baked: bake with Both Sides to light them"
             sentence(context, layout, text, icon="INFO")
 
 

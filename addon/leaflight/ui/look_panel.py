@@ -5,7 +5,7 @@ import bpy
 
 from ..operators.active_volume import active_volume
 from ..show import look, surface_material
-from . import leaf_look
+from . import isosurface_look
 from .sidebar import VolumePanel, sentence, split
 
 
@@ -19,25 +19,33 @@ class LEAFLIGHT_PT_leaves(VolumePanel, bpy.types.Panel):
         volume = active_volume(context)
         settings = volume.leaflight
         layout.operator_menu_enum(
-            leaf_look.LEAFLIGHT_OT_leaf_preset.bl_idname, "preset", text="Look"
+            isosurface_look.LEAFLIGHT_OT_leaf_preset.bl_idname, "preset", text="Look"
         )
-        layout.prop(settings, "leaf_scattering")
-        if settings.leaf_scattering == "GLASS":
-            layout.prop(settings, "leaf_ior")
+        layout.prop(settings, "isosurface_scattering")
+        if settings.isosurface_scattering == "GLASS":
+            layout.prop(settings, "isosurface_ior")
         row = layout.row()
-        if settings.leaf_stops:
+        if settings.isosurface_stops:
             row.template_list(
-                "LEAFLIGHT_UL_stops", "", settings, "leaf_stops", settings, "leaf_stop", rows=3
+                "LEAFLIGHT_UL_stops",
+                "",
+                settings,
+                "isosurface_stops",
+                settings,
+                "isosurface_stop",
+                rows=3,
             )
         else:
-            row.prop(settings, "leaf_albedo")
+            row.prop(settings, "isosurface_albedo")
         buttons = row.column(align=True)
-        buttons.operator(leaf_look.LEAFLIGHT_OT_add_stop.bl_idname, text="", icon="ADD")
-        if settings.leaf_stops:
-            buttons.operator(leaf_look.LEAFLIGHT_OT_remove_stop.bl_idname, text="", icon="REMOVE")
+        buttons.operator(isosurface_look.LEAFLIGHT_OT_add_stop.bl_idname, text="", icon="ADD")
+        if settings.isosurface_stops:
+            buttons.operator(
+                isosurface_look.LEAFLIGHT_OT_remove_stop.bl_idname, text="", icon="REMOVE"
+            )
         column = layout.column(align=True)
-        column.prop(settings, "leaf_emission")
-        column.prop(settings, "leaf_emission_strength")
+        column.prop(settings, "isosurface_emission")
+        column.prop(settings, "isosurface_emission_strength")
         layout.prop(settings, "capped")
         column = layout.column(align=True)
         column.prop(volume.leaflight_look, "gloss")

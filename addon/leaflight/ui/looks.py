@@ -22,7 +22,7 @@ class Look:
 
 
 def _colored(name, text, color, gloss, roughness, background):
-    return Look(name, text, {"leaf_albedo": color}, (), gloss, roughness, background)
+    return Look(name, text, {"isosurface_albedo": color}, (), gloss, roughness, background)
 
 
 def _mapped(name, text, colors):
@@ -31,7 +31,7 @@ def _mapped(name, text, colors):
 
 
 LOOKS = {
-    "PLASTER": Look("Plaster", "Plain light gray, matte", {"leaf_albedo": (0.8, 0.8, 0.8)}),
+    "PLASTER": Look("Plaster", "Plain light gray, matte", {"isosurface_albedo": (0.8, 0.8, 0.8)}),
     "BONE": _colored(
         "Bone",
         "Warm white with a soft sheen, before dark blue",
@@ -71,17 +71,21 @@ LOOKS = {
     "GLOW": Look(
         "Glowing",
         "Sends light of its own",
-        {"leaf_emission": (1.0, 0.75, 0.45), "leaf_emission_strength": 1.0},
+        {"isosurface_emission": (1.0, 0.75, 0.45), "isosurface_emission_strength": 1.0},
     ),
     "MIRROR": Look(
         "Mirror",
         "Polished metal; what it shows is rendered, not baked",
-        {"leaf_scattering": "MIRROR", "leaf_albedo": (0.9, 0.9, 0.9)},
+        {"isosurface_scattering": "MIRROR", "isosurface_albedo": (0.9, 0.9, 0.9)},
     ),
     "GLASS": Look(
         "Glass",
         "Clear glass, which throws caustics",
-        {"leaf_scattering": "GLASS", "leaf_albedo": (1.0, 1.0, 1.0), "leaf_ior": 1.45},
+        {
+            "isosurface_scattering": "GLASS",
+            "isosurface_albedo": (1.0, 1.0, 1.0),
+            "isosurface_ior": 1.45,
+        },
     ),
 }
 MAPS = {key: _mapped(*of) for key, of in color_maps.MAPS.items()}

@@ -32,7 +32,7 @@ class LEAFLIGHT_PT_stage(VolumePanel, bpy.types.Panel):
             layout.operator(aside.LEAFLIGHT_OT_bring_back.bl_idname, icon="LOOP_BACK")
         for warning in chosen.warnings.splitlines():
             sentence(context, layout, warning, icon="ERROR")
-        if active_volume(context).leaflight.bake_surroundings:
+        if active_volume(context).leaflight.bake_walls:
             layout.prop(context.scene.leaflight, "show_walls")
 
     def _draw_orientation(self, context):

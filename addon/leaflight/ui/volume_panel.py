@@ -71,7 +71,7 @@ class LEAFLIGHT_PT_volume(SidebarPanel, bpy.types.Panel):
         """What the volumes that are baked together show."""
         settings = obj.leaflight
         row = self.layout.row()
-        c = isovalues.leaf_coordinate(settings, settings.isovalue)
+        c = isovalues.common_isovalue(settings, settings.isovalue)
         row.label(text=iface_("Coordinate c = %s") % f"{c:.3f}")
         row.prop(settings, "linked", icon="LINKED" if settings.linked else "UNLINKED")
         column = self.layout.column(align=True)

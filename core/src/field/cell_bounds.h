@@ -12,8 +12,8 @@
 
 namespace leaflight {
 
-// Where a leaf may pass, for rays: h in 8 bits, and its bounds over bricks of 4^D, 16^D, 64^D
-// cells. A brick has 4^D children, cells or smaller bricks, all of which are compared with an
+// Where an isosurface may pass, for rays: h in 8 bits, and its bounds over bricks of 4^D, 16^D,
+// 64^D cells. A brick has 4^D children, cells or smaller bricks, all of which are compared with an
 // isovalue at once.
 template <int D>
 struct CellBounds {
@@ -30,8 +30,8 @@ struct CellBounds {
   struct alignas(16) Bricks {
     std::array<std::uint8_t, 1 << (log2_side * D)> low, high;
   };
-  // Within a brick h(x) - gradient . x lies between low and high, x in index coordinates: its leaf
-  // lies between two planes. Infinitely far apart where that is not worth a test.
+  // Within a brick h(x) - gradient . x lies between low and high, x in index coordinates: its
+  // isosurface lies between two planes. Infinitely far apart where that is not worth a test.
   struct Slab {
     std::array<float, D> gradient{};
     float low = -std::numeric_limits<float>::infinity();

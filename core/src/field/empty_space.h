@@ -23,7 +23,7 @@ class EmptySpace {
     for (int a = 0; a < D; ++a) brick[a] = voxel[a] >> brick_shift;
     return empty_[linear_number<D>(brick, bricks_)] != 0;
   }
-  // A value that stands for those there, which is none of a leaf's.
+  // A value that stands for those there, which is none of an isosurface's.
   float value() const { return value_; }
 
  private:

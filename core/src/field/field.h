@@ -12,7 +12,7 @@
 namespace leaflight {
 
 // A scalar grid h with voxel i at index_to_world(i), trilinear (bilinear) in between. A cell with a
-// NaN at one of its corners is masked: h is undefined there and no leaf passes.
+// NaN at one of its corners is masked: h is undefined there and no isosurface passes.
 template <int D>
 struct Field {
   std::shared_ptr<const void> owner;  // keeps the values alive
@@ -113,8 +113,8 @@ Vec<D> voxel_gradient(const Field<D>& field, const Index<D>& voxel);
 template <int D>
 Vec<D> shading_gradient(const Field<D>& field, const CellPoint<D>& point);
 
-// The outward unit normal in world space with which the leaf through an index position is shaded;
-// zero where there is none.
+// The outward unit normal in world space with which the isosurface through an index position is
+// shaded; zero where there is none.
 template <int D>
 Vec<D> shading_normal(const Field<D>& field, const Vec<D>& index_position);
 

@@ -15,7 +15,8 @@ struct Interval {
   float min;
   float max;
 
-  // A value equal to the isovalue counts as above it, so a leaf passes only where both sides exist.
+  // A value equal to the isovalue counts as above it, so an isosurface passes only where both sides
+  // exist.
   bool crossed_by(double isovalue) const { return min < isovalue && isovalue <= max; }
 };
 

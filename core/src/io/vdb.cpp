@@ -31,9 +31,9 @@ constexpr char field_name[] = "field", radiance_name[] = "radiance",
                indirect_name[] = "radiance_indirect", error_name[] = "radiance_error",
                back_name[] = "radiance_back", back_indirect_name[] = "radiance_back_indirect",
                unfiltered_name[] = "unfiltered", unfiltered_back_name[] = "unfiltered_back",
-               surroundings_name[] = "surroundings_indirect",
+               walls_name[] = "walls_indirect",
                // Of bakes before this version, with direct light.
-    old_surroundings_name[] = "surroundings_radiance";
+    old_walls_name[] = "surroundings_radiance";
 // Keeps our keys apart from OpenVDB's own, such as "name".
 const std::string metadata_prefix = "leaflight_";
 
@@ -345,14 +345,14 @@ void add_volume(openvdb::GridPtrVec& grids, std::size_t volume, const Field<3>& 
   }
 }
 
-constexpr int nodes = LeafNodes::count;
+constexpr int nodes = IsovalueNodes::count;
 
-Vec3Grid::Ptr surroundings_grid(const SurroundingsRadiance<3>& surroundings) {
+Vec3Grid::Ptr walls_grid(const WallRadiance<3>& walls) {
   const auto grid = Vec3Grid::create();
   auto accessor = grid->getAccessor();
-  for (std::size_t m = 0; m < surroundings.radiance.size(); ++m) {
+  for (std::size_t m = 0; m < walls.radiance.size(); ++m) {
     for (int side = 0; side < 2; ++side) {
-      const SideRadiance& radiance = surroundings.radiance[m][side];
+      const SideRadiance& radiance = walls.radiance[m][side];
       const std::size_t vertices = radiance.size() / nodes;
       for (std::size_t i = 0; i < radiance.size(); ++i) {
         const openvdb::Coord coord(static_cast<int>(i % vertices), static_cast<int>(i / vertices),
@@ -361,10 +361,10 @@ Vec3Grid::Ptr surroundings_grid(const SurroundingsRadiance<3>& surroundings) {
       }
     }
   }
-  grid->setName(surroundings_name);
+  grid->setName(walls_name);
   grid->setSaveFloatAsHalf(true);
   grid->insertMeta("leaflight_meshes",
-                   openvdb::Int32Metadata(static_cast<int>(surroundings.radiance.size())));
+                   openvdb::Int32Metadata(static_cast<int>(walls.radiance.size())));
   return grid;
 }
 
@@ -437,13 +437,13 @@ SideRadiance texels_of(const Vec3Grid& grid, const TexelLattice<3>& lattice) {
 
 UnfilteredLight<3> read_unfiltered(const Contents& file, std::size_t volume, const Index<3>& dims,
                                    const std::filesystem::path& path) {
-  const auto outer = find_grid<Vec3Grid>(file, numbered(unfiltered_name, volume));
-  if (!outer) return {};
-  const TexelLattice<3> lattice = read_lattice(*outer, dims, path);
+  const auto front = find_grid<Vec3Grid>(file, numbered(unfiltered_name, volume));
+  if (!front) return {};
+  const TexelLattice<3> lattice = read_lattice(*front, dims, path);
   UnfilteredLight<3> light{lattice.resolution, lattice.active, {}};
-  light.sides[0] = texels_of(*outer, lattice);
-  const auto inner = find_grid<Vec3Grid>(file, numbered(unfiltered_back_name, volume));
-  if (inner) light.sides[1] = texels_of(*inner, lattice);
+  light.sides[0] = texels_of(*front, lattice);
+  const auto back = find_grid<Vec3Grid>(file, numbered(unfiltered_back_name, volume));
+  if (back) light.sides[1] = texels_of(*back, lattice);
   return light;
 }
 
@@ -478,10 +478,9 @@ RadianceGrid<3> read_radiance(const Contents& file, std::size_t volume, const In
 }
 
 // Their number of vertices is the largest that a side has; attach() checks it against the meshes.
-void read_surroundings(const Contents& file, const std::filesystem::path& path,
-                       SurroundingsRadiance<3>& surroundings) {
-  const auto grid = find_grid<Vec3Grid>(file, surroundings_name);
-  if (!grid && find_grid<Vec3Grid>(file, old_surroundings_name)) {
+void read_walls(const Contents& file, const std::filesystem::path& path, WallRadiance<3>& walls) {
+  const auto grid = find_grid<Vec3Grid>(file, walls_name);
+  if (!grid && find_grid<Vec3Grid>(file, old_walls_name)) {
     throw Error("'" + text_of(path) +
                 "' is a bake of an earlier Leaflight; bake the volume again.");
   }
@@ -494,19 +493,19 @@ void read_surroundings(const Contents& file, const std::filesystem::path& path,
                                      box.max().z() / 2 >= count))) {
     throw Error("'" + text_of(path) + "' is a damaged bake; bake again.");
   }
-  surroundings.radiance.resize(count);
+  walls.radiance.resize(count);
   std::vector<int> vertices(2 * static_cast<std::size_t>(count), 0);
   for (auto value = grid->cbeginValueOn(); value; ++value) {
     const openvdb::Coord at = value.getCoord();
     vertices[at.z()] = std::max(vertices[at.z()], at.x() + 1);
   }
   for (std::size_t s = 0; s < vertices.size(); ++s) {
-    surroundings.radiance[s / 2][s % 2].assign(static_cast<std::size_t>(vertices[s]) * nodes,
-                                               Vec<3, float>(0));
+    walls.radiance[s / 2][s % 2].assign(static_cast<std::size_t>(vertices[s]) * nodes,
+                                        Vec<3, float>(0));
   }
   for (auto value = grid->cbeginValueOn(); value; ++value) {
     const openvdb::Coord at = value.getCoord();
-    SideRadiance& side = surroundings.radiance[at.z() / 2][at.z() % 2];
+    SideRadiance& side = walls.radiance[at.z() / 2][at.z() % 2];
     side[static_cast<std::size_t>(at.y()) * vertices[at.z()] + at.x()] = from_vdb(*value);
   }
 }
@@ -536,7 +535,7 @@ void write_bake(const std::filesystem::path& path, const std::vector<const Field
       grids[1]->insertMeta(metadata_prefix + key, text);
     }
   }
-  if (!baked.surroundings.empty()) grids.push_back(surroundings_grid(baked.surroundings));
+  if (!baked.walls.empty()) grids.push_back(walls_grid(baked.walls));
   const auto write = [&](std::ostream& stream) {
     SeekableArchive().write(stream, grids, file_metadata);
   };
@@ -556,7 +555,7 @@ StoredBake read_bake(const std::filesystem::path& path) {
     bake.fields.push_back(read_field(file, v, path));
     bake.baked.grids.push_back(read_radiance(file, v, bake.fields[v].dims, path));
   }
-  read_surroundings(file, path, bake.baked.surroundings);
+  read_walls(file, path, bake.baked.walls);
   const auto radiance = require_grid<Vec3Grid>(file, radiance_name, path);
   add_texts(*file.metadata, bake.metadata);
   add_texts(*radiance, bake.metadata);

@@ -20,7 +20,7 @@ class Progress {
  public:
   void cancel() { cancelled_ = true; }
   bool cancelled() const { return cancelled_; }
-  // Asks a computation in rounds to end with what it has after the round that is under way.
+  // Asks a computation in passes to end with what it has after the pass that is under way.
   void stop() { stopped_ = true; }
   bool stopped() const { return stopped_; }
   double fraction() const { return std::min(1.0, done_.load() / total_); }

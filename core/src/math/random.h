@@ -40,10 +40,10 @@ enum class Purpose : std::uint64_t {
   surface_cache,
   reference,
   exposure,
-  surroundings,
+  walls,
   sample_position,
   scattered,
-  gather_sweep = 10,  // no number is used again
+  gather_lines = 10,  // no number is used again
   noise,
   ray_block
 };

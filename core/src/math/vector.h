@@ -9,8 +9,8 @@
 
 namespace leaflight {
 
-// Radiometric quantities are single precision; geometry is double throughout, because a leaf is
-// found by the sign of h - c. The `double` preset shows what single precision costs.
+// Radiometric quantities are single precision; geometry is double throughout, because an isosurface
+// is found by the sign of h - c. The `double` preset shows what single precision costs.
 #ifdef LEAFLIGHT_DOUBLE
 using Real = double;
 #else

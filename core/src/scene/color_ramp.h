@@ -8,7 +8,7 @@
 
 namespace leaflight {
 
-// A colour over the leaf coordinate: linear between stops in ascending order, constant beyond the
+// A colour over the common isovalue: linear between stops in ascending order, constant beyond the
 // first and the last.
 struct ColorRamp {
   struct Stop {

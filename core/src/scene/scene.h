@@ -6,13 +6,13 @@
 
 #include "field/field.h"
 #include "scene/color_ramp.h"
-#include "scene/luminaire.h"
+#include "scene/lamp.h"
 
 namespace leaflight {
 
 enum class Scattering { diffuse, mirror, glass };
 
-// A mesh of the surroundings, alike on both sides. It stands in every leaf: the thesis's prism over
+// A mesh of the walls, alike on both sides. It stands in every isosurface: the thesis's prism over
 // the range of h (4.3.3).
 template <int D>
 struct Mesh {
@@ -41,8 +41,8 @@ struct IsovalueWindow {
   bool contains(double c) const { return min <= c && c <= max; }
 };
 
-// A field whose leaves are lit. The leaves of the same leaf coordinate c in all volumes see each
-// other; c is the isovalue itself where there is one volume.
+// A field whose isosurfaces are lit. The isosurfaces of the same common isovalue c in all volumes
+// see each other; c is the isovalue itself where there is one volume.
 template <int D>
 struct Volume {
   std::string name = "volume";
@@ -58,17 +58,17 @@ struct Volume {
   IsovalueWindow isovalues(const IsovalueWindow& window) const {
     return {isovalue(window.min), isovalue(window.max)};
   }
-  double leaf_coordinate(double h) const { return (h - offset) / scale; }
+  double common_isovalue(double h) const { return (h - offset) / scale; }
 };
 
-// What is lit: the leaves of volumes within a window, and what surrounds them.
+// What is lit: the isosurfaces of volumes within a window, and what surrounds them.
 template <int D>
 struct Scene {
   std::vector<Volume<D>> volumes;
   std::vector<Mesh<D>> meshes;
   std::vector<Light<D>> lights;
   std::optional<Environment<D>> environment;
-  IsovalueWindow window;  // of the leaf coordinate
+  IsovalueWindow window;  // of the common isovalue
 };
 
 // Whether anything is a mirror or glass.

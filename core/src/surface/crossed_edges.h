@@ -10,10 +10,10 @@
 
 namespace leaflight {
 
-// The edges of the grid that a leaf crosses: the vertices of its contour. Only the bricks whose
-// interval holds the isovalue are visited, found through the upper levels of the pyramid; edges are
-// numbered by bit counts within bricks, without hashing or sorting, and belong to their lower
-// voxel. The numbers do not depend on threads.
+// The edges of the grid that an isosurface crosses: the vertices of its contour. Only the bricks
+// whose interval holds the isovalue are visited, found through the upper levels of the pyramid;
+// edges are numbered by bit counts within bricks, without hashing or sorting, and belong to their
+// lower voxel. The numbers do not depend on threads.
 template <int D>
 class CrossedEdges {
  public:
@@ -49,7 +49,7 @@ class CrossedEdges {
   double isovalue() const { return isovalue_; }
   std::size_t count() const { return count_; }
 
-  // Those whose cells the leaf may pass, and those that own edges of such cells, in ascending
+  // Those whose cells the isosurface may pass, and those that own edges of such cells, in ascending
   // order.
   const std::vector<BrickEdges>& bricks() const { return bricks_; }
   // The brick that lies behind another's upper faces along the axes of these bits, or itself; null

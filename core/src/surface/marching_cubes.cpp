@@ -32,7 +32,7 @@ std::array<double, 8> corners_of(const Values& values, int bit, double isovalue)
   return g;
 }
 
-// The triangles of a cell that the leaf crosses.
+// The triangles of a cell that the isosurface crosses.
 const CellTriangles& triangles_of(const std::array<CellTriangles, 256>& plain, const Values& values,
                                   int bit, double isovalue) {
   const unsigned above = values.corners_above(bit);

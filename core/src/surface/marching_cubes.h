@@ -21,8 +21,8 @@ struct IsosurfaceMesh {
 // Marching cubes (Lorensen and Cline 1987) that visits only the bricks whose interval holds the
 // isovalue, with the topology of the trilinear interpolant (Chernyaev 1995). The mesh is a
 // manifold: without cracks, and each side of a triangle belongs to two of them, or to one where the
-// leaf meets the border of the domain or a masked cell. The result does not depend on the number of
-// threads.
+// isosurface meets the border of the domain or a masked cell. The result does not depend on the
+// number of threads.
 class MarchingCubes {
  public:
   // Counts. `field` must outlive this. Throws Error when there are more than 2^31 vertices or

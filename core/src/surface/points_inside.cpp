@@ -36,9 +36,10 @@ Vec3 middle_about(const CellTriangles& triangles, int point, const std::array<do
   return sum / count;
 }
 
-// How far from a point a line meets the leaf first within the unit cube, in lengths of `along`.
-std::optional<double> distance_to_leaf(const CellCorners<3>& corners, const Vec3& from,
-                                       const Vec3& along) {
+// How far from a point a line meets the isosurface first within the unit cube, in lengths of
+// `along`.
+std::optional<double> distance_to_isosurface(const CellCorners<3>& corners, const Vec3& from,
+                                             const Vec3& along) {
   const bool side = interpolate(corners, from) >= 0;
   double end = 1;
   for (int a = 0; a < 3; ++a) {
@@ -69,15 +70,15 @@ Vec3 point_inside(const CellTriangles& triangles, int n, const std::array<double
   if (gradient.length2() > 0) {
     // Beyond the cube from any point of it.
     const Vec3 along = gradient * ((side ? -2 : 2) / gradient.length());
-    if (const auto t = distance_to_leaf(corners, middle, along)) return middle + along * *t;
+    if (const auto t = distance_to_isosurface(corners, middle, along)) return middle + along * *t;
   }
-  // Towards the corners across the leaf it is always met.
+  // Towards the corners across the isosurface it is always met.
   Vec3 nearest = middle;
   double shortest = 2;
   for (int corner = 0; corner < 8; ++corner) {
     if ((g[corner] >= 0) == side) continue;
     const Vec3 along = Vec3(corner & 1, (corner >> 1) & 1, corner >> 2) - middle;
-    const auto t = distance_to_leaf(corners, middle, along);
+    const auto t = distance_to_isosurface(corners, middle, along);
     if (!t || *t * along.length() >= shortest) continue;
     shortest = *t * along.length();
     nearest = middle + along * *t;

@@ -61,7 +61,7 @@ double first_crossing(const Field<D>& field, const Vec<D>& start, const Vec<D>& 
 }  // namespace
 
 template <int D>
-Vec<D> project_to_leaf(const Field<D>& field, const Vec<D>& world, double isovalue) {
+Vec<D> project_to_isosurface(const Field<D>& field, const Vec<D>& world, double isovalue) {
   const Vec<D> start = field.world_to_index.point(world);
   if (!holds_given(field, start)) return world;
   const CellPoint<D> point = locate(field, start);
@@ -78,7 +78,7 @@ Vec<D> project_to_leaf(const Field<D>& field, const Vec<D>& world, double isoval
   return world;
 }
 
-template Vec<2> project_to_leaf<2>(const Field<2>&, const Vec<2>&, double);
-template Vec<3> project_to_leaf<3>(const Field<3>&, const Vec<3>&, double);
+template Vec<2> project_to_isosurface<2>(const Field<2>&, const Vec<2>&, double);
+template Vec<3> project_to_isosurface<3>(const Field<3>&, const Vec<3>&, double);
 
 }  // namespace leaflight

@@ -5,9 +5,9 @@
 
 namespace leaflight {
 
-// The nearest point of the leaf along its gradient, world to world, found by bracketed search
+// The nearest point of the isosurface along its gradient, world to world, found by bracketed search
 // within two voxels; the point itself where there is none.
 template <int D>
-Vec<D> project_to_leaf(const Field<D>& field, const Vec<D>& point, double isovalue);
+Vec<D> project_to_isosurface(const Field<D>& field, const Vec<D>& point, double isovalue);
 
 }  // namespace leaflight

@@ -51,10 +51,10 @@ void write_parts(const Triangle& t, const Middles& middle, Triangle* parts) {
   }
 }
 
-// The point of the leaf next to the middle of an edge; the middle itself where the leaf is farther
-// away than a part of the edge can reach, as in a tunnel that the mesh does not follow.
+// The point of the isosurface next to the middle of an edge; the middle itself where the isosurface
+// is farther away than a part of the edge can reach, as in a tunnel that the mesh does not follow.
 Vec3 middle_of(const Field<3>& field, double isovalue, const Vec3& a, const Vec3& b) {
-  const Vec3 middle = (a + b) * 0.5, found = project_to_leaf(field, middle, isovalue);
+  const Vec3 middle = (a + b) * 0.5, found = project_to_isosurface(field, middle, isovalue);
   return (found - middle).length() <= 0.25 * (b - a).length() ? found : middle;
 }
 

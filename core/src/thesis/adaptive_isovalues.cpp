@@ -171,16 +171,16 @@ std::vector<double> adaptive_isovalues(const Field<D>& field, const IsovalueWind
   const auto isovalues_within = [&](double radius) {
     const int whole = static_cast<int>(radius);
     const auto part = static_cast<float>(radius - whole);
-    const std::vector<Span>&inner = ball(whole), &outer = ball(whole + 1);
+    const std::vector<Span>&back = ball(whole), &front = ball(whole + 1);
     std::vector<Span> intervals;
-    for (std::size_t i = 0; i < inner.size(); ++i) {
+    for (std::size_t i = 0; i < back.size(); ++i) {
       const float h = neighbourhoods.values()[i];
       if (std::isnan(h) || !window.contains(h)) continue;
-      const float least = inner[i].low + part * (outer[i].low - inner[i].low);
-      const float greatest = inner[i].high + part * (outer[i].high - inner[i].high);
+      const float least = back[i].low + part * (front[i].low - back[i].low);
+      const float greatest = back[i].high + part * (front[i].high - back[i].high);
       const Span span{std::max(least, static_cast<float>(window.min)),
                       std::min(greatest, static_cast<float>(window.max))};
-      // Where nothing changes, no leaf is near.
+      // Where nothing changes, no isosurface is near.
       if (span.low < span.high) intervals.push_back(span);
     }
     return stab(std::move(intervals));

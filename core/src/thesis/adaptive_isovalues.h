@@ -9,8 +9,8 @@ namespace leaflight {
 
 // `count` isovalues of the window, ascending, whose isosurfaces lie as close together as possible:
 // the greatest distance (world) from a point of the domain to the nearest of them is minimal
-// (thesis 3.4.1). The leaves within a distance r of x are those between the least and the greatest
-// value in the ball about x, so isovalues reach all points within r if they stab all these
+// (thesis 3.4.1). The isosurfaces within a distance r of x are those between the least and the
+// greatest value in the ball about x, so isovalues reach all points within r if they stab all these
 // intervals; the fewest that do are found by taking the intervals by their upper ends, and the
 // smallest r for which `count` suffice by bisection.
 //
@@ -20,7 +20,7 @@ namespace leaflight {
 // equally spaced.
 //
 // The distances are those between voxels, of which a few dozen per axis are looked at. Throws Error
-// when no leaf of the window passes through the domain.
+// when no isosurface of the window passes through the domain.
 template <int D>
 std::vector<double> adaptive_isovalues(const Field<D>& field, const IsovalueWindow& window,
                                        int count);

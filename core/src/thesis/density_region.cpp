@@ -43,7 +43,8 @@ double graph_volume(double d, double kappa, double gradient_length) {
 
 template <int D>
 double box_half_side(double d, double kappa, double gradient_length) {
-  // A corner: D - 1 tangent lengths a, the height a, the distance a / (kappa |grad h|) of its leaf.
+  // A corner: D - 1 tangent lengths a, the height a, the distance a / (kappa |grad h|) of its
+  // isosurface.
   const double slope = kappa * gradient_length;
   return d / std::sqrt(D + 1 / (slope * slope));
 }

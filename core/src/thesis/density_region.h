@@ -6,9 +6,10 @@
 namespace leaflight {
 
 // The region over which photons are counted (thesis Fig. 4.4), in the coordinates (t, c): D - 1
-// lengths tangent to the leaf and the isovalue. A search finds the photons within a ball of radius
-// d of space x range under the metric |dx|^2 + (kappa dc)^2. Leaves lie dc / |grad h| apart, so on
-// flat leaves the ball holds the ellipsoid |t|^2 + (kappa^2 + 1 / |grad h|^2) dc^2 <= d^2.
+// lengths tangent to the isosurface and the isovalue. A search finds the photons within a ball of
+// radius d of space x range under the metric |dx|^2 + (kappa dc)^2. Isosurfaces lie dc / |grad h|
+// apart, so on flat isosurfaces the ball holds the ellipsoid |t|^2 + (kappa^2 + 1 / |grad h|^2)
+// dc^2 <= d^2.
 //   sphere          thesis Eq. 4.9, which takes the ellipsoid for |t|^2 + (kappa dc)^2 <= d^2: too
 //                   large by sqrt(1 + 1 / q^2) with q = kappa |grad h|, so the estimate is too low.
 //   clipped_sphere  thesis Eq. 4.10, divided by kappa: the same clipped at the lowest and highest

@@ -11,7 +11,7 @@ namespace {
 
 // In the order of their enumeration.
 const std::array<EstimatorTraits, 4> estimators{{
-    // {name, photons, surroundings, caustics}, estimator, rays, caches, density
+    // {name, photons, walls, caustics}, estimator, rays, caches, density
     {{"volumetric", true, false, false}, EstimatorName::volumetric, 0, true, true},
     {{"gather", true, true, false}, EstimatorName::gather, 1, true, false},
     {{"path", false, false, true}, EstimatorName::path, 6, false, false},

@@ -7,11 +7,11 @@ namespace leaflight {
 
 enum class EstimatorName { volumetric, gather, path, thesis };
 
-// What a bake must know of an estimator of soft light before there is any light.
+// What a bake must know of an estimator of indirect light before there is any light.
 struct EstimatorTraits : IndirectMethod {
   EstimatorName estimator;
   double rays_per_sample;  // on average
-  bool caches;             // photons fall into the caches of leaves
+  bool caches;             // photons fall into the caches of isosurfaces
   bool density;            // photons' density is looked up with all its noise
 };
 

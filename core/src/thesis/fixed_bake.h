@@ -20,22 +20,22 @@ struct FixedBake {
   std::vector<TexelLattice<D>> lattices;   // per volume
   std::optional<StrewnSamples<D>> strewn;  // nothing: samples in each texel
   PhotonCaches<D> photons{};
-  std::vector<LeafRadiance<D>> leaves{};  // per volume; once direct light is known
+  std::vector<IsosurfaceRadiance<D>> isosurfaces{};  // per volume; once direct light is known
   std::atomic<std::uint64_t> rays{0};
 
   int sides() const { return plan.back ? 2 : 1; }
   PointSampler<D> sampler() const {
-    return {lights, leaves, photons.surroundings.get(), plan.caustics};
+    return {lights, isosurfaces, photons.walls.get(), plan.caustics};
   }
-  // Of a sample of soft light, on average.
-  double soft_rays() const {
+  // Of a sample of indirect light, on average.
+  double indirect_rays() const {
     return plan.indirect ? traits_of(settings.estimator).rays_per_sample : 0;
   }
 };
 
-// The texels of a side of a volume's leaves.
+// The texels of a side of a volume's isosurfaces.
 template <int D>
-struct LeafTexels {
+struct IsosurfaceTexels {
   int volume;
   bool above;
   const TexelLattice<D>& lattice;

@@ -5,9 +5,9 @@
 
 #include <chrono>
 
-#include "bake/walls/light_surroundings.h"
+#include "bake/walls/light_walls.h"
 #include "math/platform.h"
-#include "thesis/leaf_passes.h"
+#include "thesis/isosurface_passes.h"
 #include "thesis/thesis_estimator.h"
 #include "transport/placement.h"
 
@@ -17,7 +17,7 @@ namespace {
 constexpr int wall_samples = 8;
 
 template <int D>
-double expected_rays(const FixedBake<D>& bake, const std::vector<RefinedMesh<D>>& walls) {
+double expected_rays(const FixedBake<D>& bake, const std::vector<SubdividedMesh<D>>& walls) {
   const FixedSettings<D>& settings = bake.settings;
   double points = 0;
   for (std::size_t v = 0; v < bake.lattices.size(); ++v) {
@@ -25,12 +25,12 @@ double expected_rays(const FixedBake<D>& bake, const std::vector<RefinedMesh<D>>
         bake.strewn ? bake.strewn->positions[v].size() : bake.lattices[v].active.size();
     points += bake.sides() * static_cast<double>(places);
   }
-  for (const RefinedMesh<D>& mesh : walls) {
-    points += 1.0 * surroundings_share * LeafNodes::count * mesh.coarse.vertices.size();
+  for (const SubdividedMesh<D>& mesh : walls) {
+    points += 1.0 * walls_share * IsovalueNodes::count * mesh.coarse.vertices.size();
   }
   const double photons = (bake.plan.photons ? settings.photons : 0) +
                          (bake.plan.caustics ? settings.caustic_photons : 0);
-  return rays_per_photon * photons + points * settings.samples * (1 + bake.soft_rays());
+  return rays_per_photon * photons + points * settings.samples * (1 + bake.indirect_rays());
 }
 
 template <int D>
@@ -44,48 +44,49 @@ std::vector<PhotonMap<D>> trace_into_maps(FixedBake<D>& bake) {
   return make_photon_maps(bake.tracer, photons, settings.photon_map);
 }
 
-// Null where there is no soft light. What it looks up is the bake's.
+// Null where there is no indirect light. What it looks up is the bake's.
 template <int D>
 std::unique_ptr<IndirectEstimator<D>> make_estimator(FixedBake<D>& bake) {
   if (!bake.plan.indirect) return nullptr;
-  const SurfaceCache<D>* surroundings = bake.photons.surroundings.get();
+  const SurfaceCache<D>* walls = bake.photons.walls.get();
   switch (bake.settings.estimator) {
     case EstimatorName::path:
       return make_path_estimator(bake.tracer, bake.lights);
     case EstimatorName::volumetric:
-      return make_volumetric_estimator(bake.leaves, surroundings);
+      return make_volumetric_estimator(bake.isosurfaces, walls);
     case EstimatorName::thesis:
-      return make_thesis_estimator(trace_into_maps(bake), surroundings);
+      return make_thesis_estimator(trace_into_maps(bake), walls);
     default:
-      return make_gather_estimator(bake.tracer, bake.lights, bake.leaves, *surroundings);
+      return make_gather_estimator(bake.tracer, bake.lights, bake.isosurfaces, *walls);
   }
 }
 
-// The side of a volume's leaves, at the texels of its own lattice.
+// The side of a volume's isosurfaces, at the texels of its own lattice.
 template <int D>
-LeafTexels<D> texels_of(const FixedBake<D>& bake, std::size_t volume, int side) {
+IsosurfaceTexels<D> texels_of(const FixedBake<D>& bake, std::size_t volume, int side) {
   return {static_cast<int>(volume), side != 0, bake.lattices[volume]};
 }
 
-// Direct light of all volumes comes first, since gather rays look it up. Returns it, and leaves
-// what is known of the leaves in the bake.
+// Direct light of all volumes comes first, since gather rays look it up. Returns it, and
+// isosurfaces what is known of the isosurfaces in the bake.
 template <int D>
 std::vector<SideAverages> light_directly(FixedBake<D>& bake) {
   const std::size_t volumes = bake.lattices.size();
-  bake.leaves.resize(volumes);
+  bake.isosurfaces.resize(volumes);
   std::vector<SideAverages> direct(volumes);
   for (int side = 0; side < bake.sides(); ++side) {
-    bake.progress.begin(side == 0 ? "Direct light" : "Direct light of the inner side");
+    bake.progress.begin(side == 0 ? "Direct light" : "Direct light of the back");
     for (std::size_t v = 0; v < volumes; ++v) {
       direct[v][side] = direct_pass(bake, texels_of(bake, v, side));
     }
   }
   for (std::size_t v = 0; v < volumes; ++v) {
-    LeafRadiance<D>& leaf = bake.leaves[v];
-    leaf.lattice = &bake.lattices[v];
-    leaf.photons = bake.photons.leaves.empty() ? nullptr : bake.photons.leaves[v].get();
+    IsosurfaceRadiance<D>& isosurface = bake.isosurfaces[v];
+    isosurface.lattice = &bake.lattices[v];
+    isosurface.photons =
+        bake.photons.isosurfaces.empty() ? nullptr : bake.photons.isosurfaces[v].get();
     for (int side = 0; side < bake.sides(); ++side) {
-      for (const Average& a : direct[v][side]) leaf.direct[side].push_back(a.mean);
+      for (const Average& a : direct[v][side]) isosurface.direct[side].push_back(a.mean);
     }
   }
   return direct;
@@ -96,7 +97,7 @@ SideAverages light_indirectly(FixedBake<D>& bake, std::size_t volume,
                               const IndirectEstimator<D>* estimator) {
   SideAverages indirect;
   for (int side = 0; side < bake.sides(); ++side) {
-    bake.progress.begin(side == 0 ? "Indirect light" : "Indirect light of the inner side");
+    bake.progress.begin(side == 0 ? "Indirect light" : "Indirect light of the back");
     indirect[side] = indirect_pass(bake, texels_of(bake, volume, side), estimator);
   }
   return indirect;
@@ -115,13 +116,13 @@ Baked<D> light(const Scene<D>& scene, const FixedSettings<D>& settings, const Pl
                     progress,
                     texels_to_bake(scene, settings, plan),
                     strewn_samples(scene, settings)};
-  std::vector<RefinedMesh<D>> walls;
-  if (plan.surroundings) walls = refine(scene);
+  std::vector<SubdividedMesh<D>> walls;
+  if (plan.walls) walls = subdivide(scene);
   progress.expect(expected_rays(bake, walls));
   const EstimatorTraits& traits = traits_of(settings.estimator);
-  if ((plan.photons && traits.caches) || plan.caustics || plan.surroundings_cache) {
+  if ((plan.photons && traits.caches) || plan.caustics || plan.wall_cache) {
     const PhotonSettings photons{settings.seed, settings.photons, settings.caustic_photons,
-                                 traits.density, traits.surroundings ? wall_samples : 0};
+                                 traits.density, traits.walls ? wall_samples : 0};
     bake.photons =
         trace_into_caches(tracer, lights, bake.lattices, photons, plan, progress, bake.rays);
   }
@@ -132,11 +133,10 @@ Baked<D> light(const Scene<D>& scene, const FixedSettings<D>& settings, const Pl
     baked.grids.push_back(
         make_grid<D>(std::move(direct[v]), light_indirectly(bake, v, estimator.get())));
   }
-  if (plan.surroundings) {
-    progress.begin("Radiance of the surroundings");
-    baked.surroundings = light_surroundings(tracer, bake.sampler(), estimator.get(),
-                                            surroundings_share * settings.samples, settings.seed,
-                                            progress, bake.rays);
+  if (plan.walls) {
+    progress.begin("Radiance of the walls");
+    baked.walls = light_walls(tracer, bake.sampler(), estimator.get(),
+                              walls_share * settings.samples, settings.seed, progress, bake.rays);
   }
   for (std::size_t v = 0; v < baked.grids.size(); ++v) {
     baked.grids[v].lattice = std::move(bake.lattices[v]);
@@ -150,8 +150,7 @@ Baked<D> light(const Scene<D>& scene, const FixedSettings<D>& settings, const Pl
 
 template <int D>
 Plan make_plan(const Scene<D>& scene, const FixedSettings<D>& settings) {
-  return make_plan(scene, traits_of(settings.estimator), settings.both_sides,
-                   settings.surroundings);
+  return make_plan(scene, traits_of(settings.estimator), settings.both_sides, settings.walls);
 }
 
 template <int D>

@@ -30,9 +30,9 @@ struct FixedSettings {
   // the others look up other texels.
   std::vector<Vec<D>> only_at;
   std::uint64_t seed = 0;
-  int threads = 0;            // 0: all
-  bool both_sides = false;    // the inner side's radiance too, where light can reach it
-  bool surroundings = false;  // the radiance of the surroundings too, per leaf coordinate
+  int threads = 0;          // 0: all
+  bool both_sides = false;  // the back's radiance too, where light can reach it
+  bool walls = false;       // the radiance of the walls too, per common isovalue
 };
 
 // Throws Error for counts that make no sense.

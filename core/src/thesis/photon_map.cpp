@@ -40,14 +40,15 @@ std::vector<StoredPhoton<D>> collect_photons(const SceneTracer<D>& tracer,
     for (std::size_t p = begin; p < end; ++p) {
       const std::uint64_t first = p * photons_per_piece;
       const std::uint64_t last = std::min<std::uint64_t>(count, first + photons_per_piece);
-      traced[p] = trace_photons(
-          tracer, lights, PhotonPaths::all, seed, first, last, count,
-          [&](const PhotonHit<D>& photon) {
-            if (photon.point.kind() != HitKind::leaf) return;
-            stored[p].push_back({Vec<D, float>(photon.point.position), photon.point.c,
-                                 photon.flux_height, photon.point.leaf().volume,
-                                 photon.point.leaf().above, photon.arrival == Arrival::direct});
-          });
+      traced[p] =
+          trace_photons(tracer, lights, PhotonPaths::all, seed, first, last, count,
+                        [&](const PhotonHit<D>& photon) {
+                          if (photon.point.kind() != HitKind::isosurface) return;
+                          stored[p].push_back({Vec<D, float>(photon.point.position), photon.point.c,
+                                               photon.flux_height, photon.point.isosurface().volume,
+                                               photon.point.isosurface().above,
+                                               photon.arrival == Arrival::direct});
+                        });
     }
   });
   std::size_t total = 0;
@@ -138,10 +139,10 @@ Rgb PhotonMap<D>::irradiance(const Vec<D>& position, double c, bool above,
   const auto add_all = [&] {
     for (const Neighbour& n : found) add(photons_[side.photon[n.number]]);
   };
-  // Those whose offset along the leaf and in the isovalue, scaled by kappa, is accepted. What the
-  // distance between the leaves leaves of an offset is its length along them; on curved leaves the
-  // projection onto the tangent plane would be shorter, and count too many (5 % too high on a
-  // sphere of radius 0.3 lit by 55,000 photons).
+  // Those whose offset along the isosurface and in the isovalue, scaled by kappa, is accepted. What
+  // the distance between the isosurfaces isosurfaces of an offset is its length along them; on
+  // curved isosurfaces the projection onto the tangent plane would be shorter, and count too many
+  // (5 % too high on a sphere of radius 0.3 lit by 55,000 photons).
   const auto add_if = [&](auto accepts) {
     if (!(gradient_length > 0)) return;
     const Vec<D> normal = gradient / gradient_length;

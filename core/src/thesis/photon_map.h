@@ -8,19 +8,20 @@
 
 namespace leaflight {
 
-// A photon where it met a leaf. Its projection into space is the cloud of points of thesis 4.3.5.
+// A photon where it met an isosurface. Its projection into space is the cloud of points of
+// thesis 4.3.5.
 template <int D>
 struct StoredPhoton {
   Vec<D, float> position;  // frame
   double c;
   Rgb flux_height;
-  int volume;   // whose leaf it met
+  int volume;   // whose isosurface it met
   bool above;   // it came from the side h >= c, the inside
   bool direct;  // it came straight from a light
 };
 
-// Traces `count` photons and stores all that meet leaves, by photon number whatever the threads.
-// Adds the rays traced to `rays`.
+// Traces `count` photons and stores all that meet isosurfaces, by photon number whatever the
+// threads. Adds the rays traced to `rays`.
 template <int D>
 std::vector<StoredPhoton<D>> collect_photons(const SceneTracer<D>& tracer,
                                              const LightSampler<D>& lights, std::uint64_t seed,
@@ -48,11 +49,11 @@ template <int D>
 class PhotonMap {
  public:
   // The photons of one volume. `domain_extent`: the longest side of its box in the frame;
-  // `range_extent`: of the leaf coordinate over its data; `height`: the unit of flux-heights.
+  // `range_extent`: of the common isovalue over its data; `height`: the unit of flux-heights.
   PhotonMap(std::vector<StoredPhoton<D>> photons, double domain_extent, double range_extent,
             const PhotonMapSettings& settings, double height = 1);
 
-  // At a point of the leaf, on its side `above`, from the photons that came from that side.
+  // At a point of the isosurface, on its side `above`, from the photons that came from that side.
   // `gradient` is that of c in the frame, of either sign; the spheres do not need it.
   Rgb irradiance(const Vec<D>& position, double c, bool above, const Vec<D>& gradient) const;
 
@@ -62,7 +63,7 @@ class PhotonMap {
   double kappa() const { return kappa_; }
 
  private:
-  // The photons that count on one side of the leaves.
+  // The photons that count on one side of the isosurfaces.
   struct Side {
     std::vector<std::uint32_t> photon;  // of the tree's points
     KdTree<D + 1> tree;

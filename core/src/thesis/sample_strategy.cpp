@@ -53,16 +53,16 @@ Vec<D> random_in(const Box<D>& box, Random& random) {
   return x;
 }
 
-// Draws positions that lie on leaves of the window.
+// Draws positions that lie on isosurfaces of the window.
 template <int D>
 class Sampler {
  public:
   Sampler(const Field<D>& field, const IsovalueWindow& window, const SampleSettings& settings)
       : field_(field), window_(window), settings_(settings), domain_(domain_of(field)) {}
 
-  bool on_leaf(const Vec<D>& position) const {
+  bool on_isosurface(const Vec<D>& position) const {
     const CellPoint<D> point = locate(field_, position);
-    // False for NaN: masked cells hold no leaf.
+    // False for NaN: masked cells hold no isosurface.
     return window_.contains(interpolate(load_corners(field_, point.cell), point.local));
   }
 
@@ -74,7 +74,7 @@ class Sampler {
       for (int a = 0; a < D; ++a) unit[a] = random.uniform();
       if (!region(unit)) continue;
       const Vec<D> position = unit * domain_.high;
-      if (on_leaf(position)) return position;
+      if (on_isosurface(position)) return position;
     }
     throw Error("Hardly any part of the domain of the strategy '" + name_of(settings_.strategy) +
                 "' lies in the isovalue window; widen the window or choose another strategy.");
@@ -82,11 +82,11 @@ class Sampler {
   Vec<D> draw(Random& random) const {
     return draw(random, [](const Vec<D>&) { return true; });
   }
-  // In a box, or, where the box is off the window's leaves, in the domain.
+  // In a box, or, where the box is off the window's isosurfaces, in the domain.
   Vec<D> draw_in(const Box<D>& box, int tries, Random& random) const {
     for (int i = 0; i < tries; ++i) {
       const Vec<D> position = random_in(box, random);
-      if (on_leaf(position)) return position;
+      if (on_isosurface(position)) return position;
     }
     return draw(random);
   }
@@ -171,7 +171,7 @@ std::vector<Vec<D>> regular_positions(const Sampler<D>& sampler) {
   for (std::size_t i = 0; i < cell_count<D>(grid); ++i) {
     const Box<D> box = stratum(sampler.field(), grid, i);
     const Vec<D> middle = (box.low + box.high) * 0.5;
-    if (sampler.on_leaf(middle)) positions.push_back(middle);
+    if (sampler.on_isosurface(middle)) positions.push_back(middle);
   }
   if (positions.empty()) {
     throw Error(
@@ -333,7 +333,7 @@ std::vector<Vec<D>> level_set_positions(const Sampler<D>& sampler) {
     const auto facet = static_cast<std::size_t>(at - areas.begin());
     const auto mesh = static_cast<std::size_t>(std::upper_bound(first.begin(), first.end(), facet) -
                                                first.begin() - 1);
-    const Vec<D> world = project_to_leaf(
+    const Vec<D> world = project_to_isosurface(
         field, Vec<D>(point_of(meshes[mesh], facet - first[mesh], random)), isovalues[mesh]);
     return locate(field, field.world_to_index.point(world)).index_position();
   });

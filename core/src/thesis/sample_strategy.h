@@ -10,7 +10,7 @@
 
 namespace leaflight {
 
-// Where the radiance is sampled; a sample at x lies on the leaf c = h(x).
+// Where the radiance is sampled; a sample at x lies on the isosurface c = h(x).
 //   uniform     at random over the domain (thesis 3.4.1 and 4.5)
 //   stratified  one at random in each cell of a grid with the domain's proportions (thesis 4.7)
 //   importance  more in data cells whose values span more of the window (thesis Eq. 4.12)
@@ -33,10 +33,10 @@ struct SampleSettings {
   std::uint64_t seed = 0;
 };
 
-// Index positions of the samples, all on leaves of the window; a function of the settings alone.
-// Strata that reach no leaf of the window, and what a grid leaves over, are made up for by uniform
-// samples; `regular` has fewer instead. Throws Error for settings that make no sense and when
-// hardly any of the domain lies in the window.
+// Index positions of the samples, all on isosurfaces of the window; a function of the settings
+// alone. Strata that reach no isosurface of the window, and what a grid leaves over, are made up
+// for by uniform samples; `regular` has fewer instead. Throws Error for settings that make no sense
+// and when hardly any of the domain lies in the window.
 template <int D>
 std::vector<Vec<D>> sample_positions(const Field<D>& field, const IsovalueWindow& window,
                                      const SampleSettings& settings);

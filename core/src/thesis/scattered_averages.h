@@ -2,7 +2,7 @@
 #pragma once
 
 #include "thesis/fixed_settings.h"
-#include "thesis/leaf_averages.h"
+#include "thesis/isosurface_averages.h"
 
 namespace leaflight {
 
@@ -10,7 +10,7 @@ namespace leaflight {
 // some index positions, interpolated into the texels.
 template <int D, class Radiance>
 std::vector<Average> average_scattered(const SceneTracer<D>& tracer, const TexelLattice<D>& lattice,
-                                       const LeafSamples& samples,
+                                       const IsosurfaceSamples& samples,
                                        const std::vector<Vec<D>>& positions,
                                        const ScatteredSettings& filter, Progress& progress,
                                        std::atomic<std::uint64_t>& rays, Radiance radiance) {
@@ -22,8 +22,8 @@ std::vector<Average> average_scattered(const SceneTracer<D>& tracer, const Texel
                    for (std::size_t s = begin; s < end && !progress.cancelled(); ++s) {
                      const CellPoint<D> at = locate(of.field, positions[s]);
                      const double h = interpolate(load_corners(of.field, at.cell), at.local);
-                     const SurfacePoint<D> point = tracer.leaf_point(
-                         samples.volume, at, of.leaf_coordinate(h), samples.above);
+                     const SurfacePoint<D> point = tracer.isosurface_point(
+                         samples.volume, at, of.common_isovalue(h), samples.above);
                      if (point.kind() == HitKind::none) continue;
                      const SampleKeys keys =
                          sample_keys(samples.seed, Purpose::scattered, samples.volume,

@@ -11,12 +11,12 @@ bool is_stored(const Volume<D>& volume) {
 }
 
 template <int D>
-TexelLattice<D> lattice_of(const Volume<D>& volume, const IsovalueWindow& leaves,
+TexelLattice<D> lattice_of(const Volume<D>& volume, const IsovalueWindow& isosurfaces,
                            const FixedSettings<D>& settings) {
   const Field<D>& field = volume.field;
   const Index<D> resolution = settings.resolution == Index<D>{} ? field.dims : settings.resolution;
   if (!is_stored(volume)) return inactive_lattice<D>(field.dims, resolution);
-  const IsovalueWindow window = volume.isovalues(leaves);
+  const IsovalueWindow window = volume.isovalues(isosurfaces);
   if (settings.only_at.empty()) return make_lattice(field, resolution, window.min, window.max);
   std::vector<Vec<D>> positions;
   for (const Vec<D>& point : settings.only_at) {
@@ -32,7 +32,7 @@ template <int D>
 std::vector<TexelLattice<D>> texels_to_bake(const Scene<D>& scene, const FixedSettings<D>& settings,
                                             const Plan& plan) {
   std::vector<TexelLattice<D>> lattices;
-  bool any = plan.surroundings;
+  bool any = plan.walls;
   for (const Volume<D>& volume : scene.volumes) {
     lattices.push_back(lattice_of(volume, scene.window, settings));
     any = any || !lattices.back().active.empty();

@@ -9,7 +9,7 @@
 
 namespace leaflight {
 
-// The texels of each volume's leaves. Throws Error where there are none, and no surroundings to
+// The texels of each volume's isosurfaces. Throws Error where there are none, and no walls to
 // light either.
 template <int D>
 std::vector<TexelLattice<D>> texels_to_bake(const Scene<D>& scene, const FixedSettings<D>& settings,

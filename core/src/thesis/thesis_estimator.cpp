@@ -9,26 +9,27 @@ namespace {
 template <int D>
 class ThesisEstimator final : public IndirectEstimator<D> {
  public:
-  ThesisEstimator(std::vector<PhotonMap<D>> photons, const SurfaceCache<D>* surroundings)
-      : photons_(std::move(photons)), surroundings_(surroundings) {}
+  ThesisEstimator(std::vector<PhotonMap<D>> photons, const SurfaceCache<D>* walls)
+      : photons_(std::move(photons)), walls_(walls) {}
 
   Rgb indirect_radiance(const SurfacePoint<D>& point, const std::array<double, 2>&, Random&,
                         std::uint64_t&) const override {
     const Rgb brdf = point.albedo / static_cast<Real>(projected_hemisphere<D>);
-    if (point.kind() == HitKind::surroundings) return brdf * surroundings_->soft_irradiance(point);
-    const LeafPlace<D>& leaf = point.leaf();
-    return brdf * photons_[leaf.volume].irradiance(point.position, point.c, leaf.above,
-                                                   point.geometric_normal * leaf.gradient_length);
+    if (point.kind() == HitKind::walls) return brdf * walls_->indirect_irradiance(point);
+    const IsosurfacePlace<D>& isosurface = point.isosurface();
+    return brdf * photons_[isosurface.volume].irradiance(
+                      point.position, point.c, isosurface.above,
+                      point.geometric_normal * isosurface.gradient_length);
   }
   bool is_random() const override { return false; }
-  float shared_variance(const LeafTexel<D>& texel, const Rgb& radiance) const override {
+  float shared_variance(const IsosurfaceTexel<D>& texel, const Rgb& radiance) const override {
     const double mean = average(radiance);
     return static_cast<float>(mean * mean / photons_[texel.volume].settings().k);
   }
 
  private:
   std::vector<PhotonMap<D>> photons_;
-  const SurfaceCache<D>* surroundings_;
+  const SurfaceCache<D>* walls_;
 };
 
 }  // namespace
@@ -55,8 +56,8 @@ std::vector<PhotonMap<D>> make_photon_maps(const SceneTracer<D>& tracer,
 
 template <int D>
 std::unique_ptr<IndirectEstimator<D>> make_thesis_estimator(std::vector<PhotonMap<D>> photons,
-                                                            const SurfaceCache<D>* surroundings) {
-  return std::make_unique<ThesisEstimator<D>>(std::move(photons), surroundings);
+                                                            const SurfaceCache<D>* walls) {
+  return std::make_unique<ThesisEstimator<D>>(std::move(photons), walls);
 }
 
 template std::vector<PhotonMap<2>> make_photon_maps(const SceneTracer<2>&,

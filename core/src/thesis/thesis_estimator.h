@@ -13,11 +13,11 @@ std::vector<PhotonMap<D>> make_photon_maps(const SceneTracer<D>& tracer,
                                            const PhotonMapSettings& settings);
 
 // The thesis's radiance estimate (Eq. 4.8): BRDF times the photon map's irradiance, no rays at all.
-// Caustics are among its photons. The thesis keeps no photons of the surroundings; points on them
+// Caustics are among its photons. The thesis keeps no photons of the walls; points on them
 // take their light from the surface cache, which must outlive it and may be null if there are none.
 // `photons`: the maps, one per volume.
 template <int D>
 std::unique_ptr<IndirectEstimator<D>> make_thesis_estimator(std::vector<PhotonMap<D>> photons,
-                                                            const SurfaceCache<D>* surroundings);
+                                                            const SurfaceCache<D>* walls);
 
 }  // namespace leaflight

@@ -58,8 +58,8 @@ struct Bracket {
 
 // The first part of [0,1] in which the polynomial leaves the side `above` (p >= 0) or below
 // (p < 0) on which the segment starts, or nothing. The starting side is given, not read off p(0):
-// it was decided once, on the shared face or by the leaf from which the ray starts, and two cells
-// never disagree about it.
+// it was decided once, on the shared face or by the isosurface from which the ray starts, and two
+// cells never disagree about it.
 inline std::optional<Bracket> first_bracket(const SegmentPolynomial& p, bool above) {
   const auto is_above = [](double g) { return g >= 0; };
   // Bernstein coefficients bound the polynomial: no change of sign among them, no root; exactly

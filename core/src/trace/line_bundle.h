@@ -72,9 +72,9 @@ class LineBundle {
   // How much the value grows on the way to where z is 1 more, by central differences; in units of
   // about the field's range, so that its square is a float, whatever the units of the data.
   float slope(int plane, int lane) const;
-  // The gradient, in index coordinates and the same units, by which leaves are shaded where the
-  // line crosses a plane: central differences at the voxels, interpolated as the values are. Made
-  // of the values each time, since those of all voxels would take 12 bytes of each.
+  // The gradient, in index coordinates and the same units, by which isosurfaces are shaded where
+  // the line crosses a plane: central differences at the voxels, interpolated as the values are.
+  // Made of the values each time, since those of all voxels would take 12 bytes of each.
   Vec<D, float> gradient(int plane, int lane) const;
 
  private:
@@ -113,7 +113,7 @@ class LineBundle {
   const TexelLattice<D>& lattice_;
   const LineSet<D>& set_;
   const Planes<D>& planes_;
-  float per_range_;  // a power of two, which rounds nothing
+  float per_range_;  // a power of two, which passes nothing
   double planes_per_texel_;
   std::array<int, static_cast<std::size_t>(across)> axes_;
   std::array<std::size_t, static_cast<std::size_t>(D)> stride_;

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "math/sampling.h"
-#include "scene/open_leaves.h"
+#include "scene/open_isosurfaces.h"
 #include "trace/greatest_value.h"
 
 namespace leaflight {
@@ -98,8 +98,9 @@ SceneTracer<D>::SceneTracer(const Scene<D>& scene)
       meshes_(in_frame(scene.meshes, frame_)),
       lights_(in_frame(scene.lights, frame_)),
       bounds_(bounds_of(scene, frame_, meshes_)),
-      surroundings_(meshes_),
-      has_openings_(scene.volumes.size() == 1 && leaves_are_open(scene.volumes[0], scene.window)) {
+      walls_(meshes_),
+      has_openings_(scene.volumes.size() == 1 &&
+                    isosurfaces_are_open(scene.volumes[0], scene.window)) {
   for (const Volume<D>& volume : scene.volumes) {
     const Affine<D> index_to_frame = frame_.index_to_frame(volume.field);
     fields_.push_back({index_to_frame, inverse(index_to_frame)});
@@ -107,8 +108,8 @@ SceneTracer<D>::SceneTracer(const Scene<D>& scene)
 }
 
 template <int D>
-SurfacePoint<D> SceneTracer<D>::leaf_point(int volume, const CellPoint<D>& point, double c,
-                                           bool above) const {
+SurfacePoint<D> SceneTracer<D>::isosurface_point(int volume, const CellPoint<D>& point, double c,
+                                                 bool above) const {
   const Volume<D>& of = scene_.volumes[volume];
   const FieldFrame& frames = fields_[volume];
   SurfacePoint<D> s;
@@ -126,7 +127,7 @@ SurfacePoint<D> SceneTracer<D>::leaf_point(int volume, const CellPoint<D>& point
       frames.frame_to_index.pull_back_gradient(shading_gradient(of.field, point));
   const double geometric_length = geometric.length(), shading_length = shading.length();
   if (!(geometric_length > 0)) return s;
-  s.on = LeafPlace<D>{volume, point, above, geometric_length / of.scale};
+  s.on = IsosurfacePlace<D>{volume, point, above, geometric_length / of.scale};
   s.geometric_normal = geometric * (side / geometric_length);
   s.shading_normal = shading_length > 0 ? shading * (side / shading_length) : s.geometric_normal;
   return s;
@@ -149,7 +150,7 @@ SurfacePoint<D> SceneTracer<D>::facet_point(int mesh_index, int facet, double u,
   const Mesh<D>& mesh = meshes_[mesh_index];
   const FacetFrame<D> frame(mesh, facet);
   SurfacePoint<D> s;
-  s.on = SurroundingsHit{0, mesh_index, facet, u, v};
+  s.on = WallHit{0, mesh_index, facet, u, v};
   s.scattering = mesh.scattering;
   s.c = c;
   s.position = frame.point(u, v);
@@ -162,14 +163,14 @@ SurfacePoint<D> SceneTracer<D>::facet_point(int mesh_index, int facet, double u,
 }
 
 template <int D>
-LeafRay<D> SceneTracer<D>::leaf_ray(int volume, const SurfacePoint<D>& from,
-                                    const Vec<D>& direction) const {
-  LeafRay<D> ray;
+IsosurfaceRay<D> SceneTracer<D>::isosurface_ray(int volume, const SurfacePoint<D>& from,
+                                                const Vec<D>& direction) const {
+  IsosurfaceRay<D> ray;
   ray.direction = fields_[volume].frame_to_index.vector(direction);
   ray.isovalue = scene_.volumes[volume].isovalue(from.c);
-  const auto* place = std::get_if<LeafPlace<D>>(&from.on);
+  const auto* place = std::get_if<IsosurfacePlace<D>>(&from.on);
   if (place && place->volume == volume) {
-    ray.starts_on_leaf = true;
+    ray.starts_on_isosurface = true;
     ray.starts_above = place->above;
     ray.origin = place->cell_point;
     ray.position = place->cell_point.index_position();
@@ -181,8 +182,8 @@ LeafRay<D> SceneTracer<D>::leaf_ray(int volume, const SurfacePoint<D>& from,
 
 template <int D>
 Vec<D> SceneTracer<D>::ray_origin(const SurfacePoint<D>& from) const {
-  return from.kind() == HitKind::surroundings ? leave_plane<D>(from.position, from.geometric_normal)
-                                              : from.position;
+  return from.kind() == HitKind::walls ? leave_plane<D>(from.position, from.geometric_normal)
+                                       : from.position;
 }
 
 template <int D>
@@ -190,18 +191,18 @@ Hit<D> SceneTracer<D>::nearest(const SurfacePoint<D>& from, const Vec<D>& origin
                                const Vec<D>& direction) const {
   Hit<D> hit;
   double t_max = std::numeric_limits<double>::infinity();
-  if (const auto found = surroundings_.intersect(origin, direction, t_max)) {
-    hit.kind = HitKind::surroundings;
-    hit.surroundings = *found;
+  if (const auto found = walls_.intersect(origin, direction, t_max)) {
+    hit.kind = HitKind::walls;
+    hit.walls = *found;
     t_max = found->t;
   }
   for (int v = 0; v < static_cast<int>(fields_.size()); ++v) {
-    LeafRay<D> ray = leaf_ray(v, from, direction);
+    IsosurfaceRay<D> ray = isosurface_ray(v, from, direction);
     ray.t_max = t_max;
     if (const auto found = leaflight::intersect(scene_.volumes[v].field, ray)) {
-      hit.kind = HitKind::leaf;
+      hit.kind = HitKind::isosurface;
       hit.volume = v;
-      hit.leaf = *found;
+      hit.isosurface = *found;
       t_max = found->t;
     }
   }
@@ -224,17 +225,18 @@ Hit<D> SceneTracer<D>::intersect(const Vec<D>& origin, const Vec<D>& direction, 
 template <int D>
 SurfacePoint<D> SceneTracer<D>::surface_point(const Hit<D>& hit, const Vec<D>& direction,
                                               double c) const {
-  if (hit.kind == HitKind::leaf) {
-    SurfacePoint<D> s = leaf_point(hit.volume, hit.leaf.point, c, hit.leaf.from_above);
+  if (hit.kind == HitKind::isosurface) {
+    SurfacePoint<D> s =
+        isosurface_point(hit.volume, hit.isosurface.point, c, hit.isosurface.from_above);
     if (s.kind() == HitKind::none) {
       // A crossing in a place without a gradient, as on the face of a plateau: face the ray.
-      s.on = LeafPlace<D>{hit.volume, hit.leaf.point, hit.leaf.from_above, 0};
+      s.on = IsosurfacePlace<D>{hit.volume, hit.isosurface.point, hit.isosurface.from_above, 0};
       s.geometric_normal = s.shading_normal = -direction.normalized();
     }
     return s;
   }
   if (hit.kind == HitKind::none) return {};
-  const SurroundingsHit& on = hit.surroundings;
+  const WallHit& on = hit.walls;
   const FacetFrame<D> facet(meshes_[on.mesh], on.facet);
   const bool front = !(facet.normal().dot(direction) > 0);
   return facet_point(on.mesh, on.facet, on.u, on.v, front, c);
@@ -244,11 +246,11 @@ template <int D>
 bool SceneTracer<D>::blocked(const SurfacePoint<D>& from, const Vec<D>& origin, const Vec<D>& way,
                              double t_max) const {
   for (int v = 0; v < static_cast<int>(fields_.size()); ++v) {
-    LeafRay<D> ray = leaf_ray(v, from, way);
+    IsosurfaceRay<D> ray = isosurface_ray(v, from, way);
     ray.t_max = t_max;
     if (leaflight::occluded(scene_.volumes[v].field, ray)) return true;
   }
-  return surroundings_.occluded(origin, way, t_max);
+  return walls_.occluded(origin, way, t_max);
 }
 
 template <int D>
@@ -265,16 +267,16 @@ bool SceneTracer<D>::occluded(const SurfacePoint<D>& from, const Vec<D>& directi
 }
 
 template <int D>
-BlockingLeaves SceneTracer<D>::blocking(const Vec<D>& origin, const Vec<D>& way,
-                                        double t_max) const {
+BlockingIsovalues SceneTracer<D>::blocking(const Vec<D>& origin, const Vec<D>& way,
+                                           double t_max) const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  if (surroundings_.occluded(origin, way, t_max)) return {-infinity, infinity};
+  if (walls_.occluded(origin, way, t_max)) return {-infinity, infinity};
   double c = scene_.window.min;
   for (std::size_t v = 0; v < fields_.size(); ++v) {
     const Volume<D>& volume = scene_.volumes[v];
     const Affine<D>& to_index = fields_[v].frame_to_index;
     c = std::max(
-        c, volume.leaf_coordinate(greatest_value(volume.field, to_index.point(origin),
+        c, volume.common_isovalue(greatest_value(volume.field, to_index.point(origin),
                                                  to_index.vector(way), t_max, volume.isovalue(c))));
   }
   if (!has_openings_ || c == scene_.window.min) return {-infinity, c};
@@ -282,19 +284,19 @@ BlockingLeaves SceneTracer<D>::blocking(const Vec<D>& origin, const Vec<D>& way,
   const Affine<D>& to_index = fields_[0].frame_to_index;
   const double least = least_value(volume.field, to_index.point(origin), to_index.vector(way),
                                    t_max, volume.isovalue(c));
-  return {volume.leaf_coordinate(least), c};
+  return {volume.common_isovalue(least), c};
 }
 
 template <int D>
-BlockingLeaves SceneTracer<D>::blocking(const SurfacePoint<D>& from, const Vec<D>& light_point,
-                                        const Vec<D>& light_normal) const {
+BlockingIsovalues SceneTracer<D>::blocking(const SurfacePoint<D>& from, const Vec<D>& light_point,
+                                           const Vec<D>& light_normal) const {
   const Vec<D> origin = ray_origin(from);
   return blocking(origin, leave_plane<D>(light_point, light_normal) - origin, 1);
 }
 
 template <int D>
-BlockingLeaves SceneTracer<D>::blocking(const SurfacePoint<D>& from,
-                                        const Vec<D>& direction) const {
+BlockingIsovalues SceneTracer<D>::blocking(const SurfacePoint<D>& from,
+                                           const Vec<D>& direction) const {
   return blocking(ray_origin(from), direction, std::numeric_limits<double>::infinity());
 }
 

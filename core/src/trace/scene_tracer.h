@@ -3,47 +3,47 @@
 
 #include <variant>
 
-#include "trace/leaf_ray.h"
-#include "trace/surroundings.h"
+#include "trace/isosurface_ray.h"
+#include "trace/walls.h"
 
 namespace leaflight {
 
-enum class HitKind { none, leaf, surroundings };
+enum class HitKind { none, isosurface, walls };
 
 template <int D>
 struct Hit {
   HitKind kind = HitKind::none;
-  int volume = 0;  // whose leaf it is
-  LeafHit<D> leaf;
-  SurroundingsHit surroundings;
+  int volume = 0;  // whose isosurface it is
+  IsosurfaceHit<D> isosurface;
+  WallHit walls;
 };
 
-// Where on a leaf a point is.
+// Where on an isosurface a point is.
 template <int D>
-struct LeafPlace {
+struct IsosurfacePlace {
   int volume;
   CellPoint<D> cell_point;
   bool above;              // seen from the side of higher values, the inside
   double gradient_length;  // |grad c| in the frame, the coarea measure dA dc / dV
 };
 
-// A point of a leaf or of the surroundings, seen from one of its sides.
+// A point of an isosurface or of the walls, seen from one of its sides.
 template <int D>
 struct SurfacePoint {
   // In the order of HitKind.
-  std::variant<std::monostate, LeafPlace<D>, SurroundingsHit> on;
+  std::variant<std::monostate, IsosurfacePlace<D>, WallHit> on;
   Scattering scattering = Scattering::diffuse;
-  double c = 0;                  // the leaf coordinate
+  double c = 0;                  // the common isovalue
   Vec<D> position{0.0};          // frame
   Vec<D> geometric_normal{0.0};  // unit, of the traced surface, on the side from which it is seen
-  Vec<D> shading_normal{0.0};    // unit, for the cosine; the geometric one on surroundings
+  Vec<D> shading_normal{0.0};    // unit, for the cosine; the geometric one on walls
   Rgb albedo{0};
   Rgb emission{0};
   double ior = 1;  // glass only: of the far side against the near one
 
   HitKind kind() const { return static_cast<HitKind>(on.index()); }
-  const LeafPlace<D>& leaf() const { return std::get<LeafPlace<D>>(on); }
-  const SurroundingsHit& facet() const { return std::get<SurroundingsHit>(on); }
+  const IsosurfacePlace<D>& isosurface() const { return std::get<IsosurfacePlace<D>>(on); }
+  const WallHit& facet() const { return std::get<WallHit>(on); }
 };
 
 // A position is known to a few units in the last place of single precision; moved this far along
@@ -70,11 +70,11 @@ struct BoundingSphere {
   double radius = 0;
 };
 
-// The leaves that block a way: those of least < c <= greatest. The greatest leaf coordinate on the
-// way is at least the window's least one, and infinite where the surroundings block the way. The
-// least one on it is minus infinity in a scene without openings, where every way comes from outside
-// of the leaves.
-struct BlockingLeaves {
+// The isosurfaces that block a way: those of least < c <= greatest. The greatest common isovalue on
+// the way is at least the window's least one, and infinite where the walls block the way. The least
+// one on it is minus infinity in a scene without openings, where every way comes from outside of
+// the isosurfaces.
+struct BlockingIsovalues {
   double least, greatest;
 };
 
@@ -93,46 +93,48 @@ class SceneTracer {
   const std::vector<Light<D>>& lights() const { return lights_; }  // frame
   const Affine<D>& index_to_frame(int volume) const { return fields_[volume].index_to_frame; }
   const BoundingSphere<D>& bounds() const { return bounds_; }
-  const Surroundings<D>& surroundings() const { return surroundings_; }
+  const Walls<D>& walls() const { return walls_; }
 
-  // The point of a volume's leaf at a cell point, whose leaf coordinate must be c, seen from the
-  // given side. Its kind is none where |grad h| = 0: no leaf passes there.
-  SurfacePoint<D> leaf_point(int volume, const CellPoint<D>& point, double c, bool above) const;
+  // The point of a volume's isosurface at a cell point, whose common isovalue must be c, seen from
+  // the given side. Its kind is none where |grad h| = 0: no isosurface passes there.
+  SurfacePoint<D> isosurface_point(int volume, const CellPoint<D>& point, double c,
+                                   bool above) const;
 
-  // Whether a point of a volume's leaf c lies inside another volume's, where nobody sees it. Glass
-  // covers nothing.
+  // Whether a point of a volume's isosurface c lies inside another volume's, where nobody sees it.
+  // Glass covers nothing.
   bool is_covered(int volume, const Vec<D>& position, double c) const;
 
-  // The point of a facet of the surroundings, seen from the side of its normal, or from the other.
+  // The point of a facet of the walls, seen from the side of its normal, or from the other.
   SurfacePoint<D> facet_point(int mesh, int facet, double u, double v, bool front, double c) const;
 
   Hit<D> intersect(const SurfacePoint<D>& from, const Vec<D>& direction) const;
   Hit<D> intersect(const Vec<D>& origin, const Vec<D>& direction, double c) const;
   SurfacePoint<D> surface_point(const Hit<D>& hit, const Vec<D>& direction, double c) const;
 
-  // Whether a leaf or the surroundings block the way from a surface point to a point of a light, or
+  // Whether an isosurface or the walls block the way from a surface point to a point of a light, or
   // in a direction without end.
   bool occluded(const SurfacePoint<D>& from, const Vec<D>& light_point,
                 const Vec<D>& light_normal) const;
   bool occluded(const SurfacePoint<D>& from, const Vec<D>& direction) const;
 
-  // Which leaves block such a way.
-  BlockingLeaves blocking(const SurfacePoint<D>& from, const Vec<D>& light_point,
-                          const Vec<D>& light_normal) const;
-  BlockingLeaves blocking(const SurfacePoint<D>& from, const Vec<D>& direction) const;
-  // Whether a way may pass through the leaves' openings: of the scene's only volume.
+  // Which isosurfaces block such a way.
+  BlockingIsovalues blocking(const SurfacePoint<D>& from, const Vec<D>& light_point,
+                             const Vec<D>& light_normal) const;
+  BlockingIsovalues blocking(const SurfacePoint<D>& from, const Vec<D>& direction) const;
+  // Whether a way may pass through the isosurfaces' openings: of the scene's only volume.
   bool has_openings() const { return has_openings_; }
 
  private:
   struct FieldFrame {
     Affine<D> index_to_frame, frame_to_index;
   };
-  LeafRay<D> leaf_ray(int volume, const SurfacePoint<D>& from, const Vec<D>& direction) const;
+  IsosurfaceRay<D> isosurface_ray(int volume, const SurfacePoint<D>& from,
+                                  const Vec<D>& direction) const;
   Vec<D> ray_origin(const SurfacePoint<D>& from) const;
   Hit<D> nearest(const SurfacePoint<D>& from, const Vec<D>& origin, const Vec<D>& direction) const;
   bool blocked(const SurfacePoint<D>& from, const Vec<D>& origin, const Vec<D>& way,
                double t_max) const;
-  BlockingLeaves blocking(const Vec<D>& origin, const Vec<D>& way, double t_max) const;
+  BlockingIsovalues blocking(const Vec<D>& origin, const Vec<D>& way, double t_max) const;
 
   const Scene<D>& scene_;
   Frame<D> frame_;
@@ -140,7 +142,7 @@ class SceneTracer {
   std::vector<Mesh<D>> meshes_;
   std::vector<Light<D>> lights_;
   BoundingSphere<D> bounds_;
-  Surroundings<D> surroundings_;
+  Walls<D> walls_;
   bool has_openings_;
 };
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "math/discrete_distribution.h"
-#include "transport/luminaire_sampling.h"
+#include "transport/lamp_sampling.h"
 
 namespace leaflight {
 

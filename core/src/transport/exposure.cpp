@@ -7,7 +7,7 @@
 #include "math/low_discrepancy.h"
 #include "math/random.h"
 #include "math/sampling.h"
-#include "trace/leaf_ray.h"
+#include "trace/isosurface_ray.h"
 
 namespace leaflight {
 namespace {
@@ -17,11 +17,11 @@ bool is_exposed(const Field<D>& field, const Vec<D>& world, double isovalue, int
                 std::uint64_t key) {
   const Vec<D> index = field.world_to_index.point(world);
   if (!holds_given(field, index)) return false;
-  LeafRay<D> ray;
+  IsosurfaceRay<D> ray;
   ray.origin = locate(field, index);
   ray.position = ray.origin.index_position();
   ray.isovalue = isovalue;
-  ray.starts_on_leaf = true;
+  ray.starts_on_isosurface = true;
   const Vec<D> gradient = field.world_to_index.pull_back_gradient(
       geometric_gradient(load_corners(field, ray.origin.cell), ray.origin.local));
   if (!(gradient.length() > 0)) return false;

@@ -8,9 +8,9 @@
 
 namespace leaflight {
 
-// Whether a point of the leaf can be seen from outside the domain: one of `directions` random rays
-// from its outer side leaves the domain without meeting the leaf again. Points are in the world;
-// those outside the domain, in masked cells or without a gradient are not exposed.
+// Whether a point of the isosurface can be seen from outside the domain: one of `directions` random
+// rays from its front leaves the domain without meeting the isosurface again. Points are in the
+// world; those outside the domain, in masked cells or without a gradient are not exposed.
 template <int D>
 std::vector<std::uint8_t> exposed(const Field<D>& field, const std::vector<Vec<D>>& points,
                                   double isovalue, int directions, std::uint64_t seed);

@@ -20,7 +20,7 @@ bool leaves_surface(const SurfacePoint<D>& point, const Vec<D>& direction) {
 template <int D>
 double length_of(const Hit<D>& hit) {
   if (hit.kind == HitKind::none) return infinity;
-  return hit.kind == HitKind::leaf ? hit.leaf.t : hit.surroundings.t;
+  return hit.kind == HitKind::isosurface ? hit.isosurface.t : hit.walls.t;
 }
 
 // A ray followed through mirrors and glass to the first diffuse surface, or into the open.
@@ -90,7 +90,7 @@ class PathEstimator final : public IndirectEstimator<D> {
             radiance += throughput * way.throughput * lights_.visible_radiance(origin, along, t);
           },
           [&](const Sight<D>& way) {
-            if (way.point.kind() == HitKind::leaf || (way.specular && !photons_)) {
+            if (way.point.kind() == HitKind::isosurface || (way.specular && !photons_)) {
               radiance += throughput * way.throughput * way.point.emission;
             }
           });
@@ -102,7 +102,7 @@ class PathEstimator final : public IndirectEstimator<D> {
       const std::array<double, 2> on_light{light_u, random.uniform()};
       radiance += throughput * lights_.direct_radiance(point, choice, on_light, rays);
       if (photons_) {
-        radiance += throughput * caustic_radiance(photons_->leaves, photons_->surroundings, point);
+        radiance += throughput * caustic_radiance(photons_->isosurfaces, photons_->walls, point);
       }
       sample[0] = random.uniform();
       sample[1] = random.uniform();
@@ -117,59 +117,63 @@ class PathEstimator final : public IndirectEstimator<D> {
 
 // Of the radiance that a photons' density of a texel means.
 template <int D>
-float density_variance(const std::vector<LeafRadiance<D>>& leaves, const LeafTexel<D>& texel,
-                       float (LeafCache<D>::*variance)(std::int32_t, bool) const) {
-  const LeafRadiance<D>& leaf = leaves[texel.volume];
-  const std::int32_t slot = leaf.lattice->nearest_slot(texel.centre);
-  if (!leaf.photons || slot == TexelLattice<D>::inactive) return 0;
+float density_variance(const std::vector<IsosurfaceRadiance<D>>& isosurfaces,
+                       const IsosurfaceTexel<D>& texel,
+                       float (IsosurfaceCache<D>::*variance)(std::int32_t, bool) const) {
+  const IsosurfaceRadiance<D>& isosurface = isosurfaces[texel.volume];
+  const std::int32_t slot = isosurface.lattice->nearest_slot(texel.centre);
+  if (!isosurface.photons || slot == TexelLattice<D>::inactive) return 0;
   const auto brdf = static_cast<float>(average(texel.albedo) / projected_hemisphere<D>);
-  return brdf * brdf * (leaf.photons->*variance)(slot, texel.above);
+  return brdf * brdf * (isosurface.photons->*variance)(slot, texel.above);
 }
 
 template <int D>
 class VolumetricEstimator final : public IndirectEstimator<D> {
  public:
-  VolumetricEstimator(const std::vector<LeafRadiance<D>>& leaves,
-                      const SurfaceCache<D>* surroundings)
-      : leaves_(leaves), surroundings_(surroundings) {}
+  VolumetricEstimator(const std::vector<IsosurfaceRadiance<D>>& isosurfaces,
+                      const SurfaceCache<D>* walls)
+      : isosurfaces_(isosurfaces), walls_(walls) {}
 
   Rgb indirect_radiance(const SurfacePoint<D>& point, const std::array<double, 2>&, Random&,
                         std::uint64_t&) const override {
     const Rgb brdf = point.albedo / static_cast<Real>(projected_hemisphere<D>);
-    if (point.kind() == HitKind::surroundings) return brdf * surroundings_->soft_irradiance(point);
-    const LeafRadiance<D>& leaf = leaves_[point.leaf().volume];
-    const std::int32_t slot = leaf.lattice->nearest_slot(point.leaf().cell_point.index_position());
+    if (point.kind() == HitKind::walls) return brdf * walls_->indirect_irradiance(point);
+    const IsosurfaceRadiance<D>& isosurface = isosurfaces_[point.isosurface().volume];
+    const std::int32_t slot =
+        isosurface.lattice->nearest_slot(point.isosurface().cell_point.index_position());
     if (slot == TexelLattice<D>::inactive) return Rgb(0);
-    return brdf * leaf.photons->soft(slot, point.leaf().above);
+    return brdf * isosurface.photons->indirect(slot, point.isosurface().above);
   }
   bool is_random() const override { return false; }
-  float shared_variance(const LeafTexel<D>& texel, const Rgb&) const override {
-    return density_variance<D>(leaves_, texel, &LeafCache<D>::soft_variance);
+  float shared_variance(const IsosurfaceTexel<D>& texel, const Rgb&) const override {
+    return density_variance<D>(isosurfaces_, texel, &IsosurfaceCache<D>::indirect_variance);
   }
 
  private:
-  const std::vector<LeafRadiance<D>>& leaves_;
-  const SurfaceCache<D>* surroundings_;
+  const std::vector<IsosurfaceRadiance<D>>& isosurfaces_;
+  const SurfaceCache<D>* walls_;
 };
 
 template <int D>
 class GatherEstimator final : public IndirectEstimator<D> {
  public:
   GatherEstimator(const SceneTracer<D>& tracer, const LightSampler<D>& lights,
-                  const std::vector<LeafRadiance<D>>& leaves, const SurfaceCache<D>& surroundings)
-      : tracer_(tracer), lights_(lights), leaves_(leaves), surroundings_(surroundings) {
-    for (std::size_t v = 0; v < leaves.size(); ++v) {
-      const LeafRadiance<D>& leaf = leaves[v];
-      lattices_.push_back(leaf.lattice);
+                  const std::vector<IsosurfaceRadiance<D>>& isosurfaces,
+                  const SurfaceCache<D>& walls)
+      : tracer_(tracer), lights_(lights), isosurfaces_(isosurfaces), walls_(walls) {
+    for (std::size_t v = 0; v < isosurfaces.size(); ++v) {
+      const IsosurfaceRadiance<D>& isosurface = isosurfaces[v];
+      lattices_.push_back(isosurface.lattice);
       Affine<D> texel_to_frame = tracer.index_to_frame(static_cast<int>(v));
-      for (int a = 0; a < D; ++a) texel_to_frame.column[a] *= leaf.lattice->voxels_per_texel[a];
+      for (int a = 0; a < D; ++a)
+        texel_to_frame.column[a] *= isosurface.lattice->voxels_per_texel[a];
       frame_to_texels_.push_back(inverse(texel_to_frame));
       emissive_.push_back(tracer.scene().volumes[v].emission.largest() > 0);
       std::array<std::vector<Rgb>, 2> sides;
-      for (int side = 0; side < 2 && leaf.photons; ++side) {
-        sides[side] = leaf.radiance[side].empty()
-                          ? side_radiance(tracer.scene().volumes[v], leaf, side)
-                          : leaf.radiance[side];
+      for (int side = 0; side < 2 && isosurface.photons; ++side) {
+        sides[side] = isosurface.radiance[side].empty()
+                          ? side_radiance(tracer.scene().volumes[v], isosurface, side)
+                          : isosurface.radiance[side];
       }
       radiance_.push_back(std::move(sides));
     }
@@ -181,13 +185,13 @@ class GatherEstimator final : public IndirectEstimator<D> {
   }
 
  private:
-  // Leaves this near to each other, in texels, do not look each other up, but go on as paths: seen
-  // from there a texel is wide, and holds the light of leaves that face and see other things. So
-  // many bounces at most; most rays of a scan meet nothing near
+  // Isosurfaces this near to each other, in texels, do not look each other up, but go on as paths:
+  // seen from there a texel is wide, and holds the light of isosurfaces that face and see other
+  // things. So many bounces at most; most rays of a scan meet nothing near
   // (docs/decisions/2026-11-21-texel-samples.md).
   static constexpr double near = 8;
   static constexpr int most_near_bounces = 4;
-  // The same of surroundings seen from surroundings, in widths of their patches: in a corner half
+  // The same of walls seen from walls, in widths of their patches: in a corner half
   // of all rays would meet one and the same patch, and show its noise.
   static constexpr double near_patches = 3;
 
@@ -203,33 +207,34 @@ class GatherEstimator final : public IndirectEstimator<D> {
     const SurfacePoint<D> met = tracer_.surface_point(hit, direction, point.c);
     const double choice = random.uniform();
     const std::array<double, 2> on_light = random.pair(), next = random.pair();
-    // What surroundings emit is direct light.
-    const Rgb emission = hit.kind == HitKind::leaf ? met.emission : Rgb(0);
+    // What walls emit is direct light.
+    const Rgb emission = hit.kind == HitKind::isosurface ? met.emission : Rgb(0);
     return point.albedo * (emission + lights_.direct_radiance(met, choice, on_light, rays) +
-                           caustic_radiance<D>(leaves_, &surroundings_, met) +
+                           caustic_radiance<D>(isosurfaces_, &walls_, met) +
                            gathered(met, next, random, rays, near_bounces + 1));
   }
 
   bool is_near(const SurfacePoint<D>& from, const Hit<D>& hit, const Vec<D>& direction) const {
     if (hit.kind == HitKind::none || scattering_of(hit) != Scattering::diffuse) return false;
-    if (hit.kind == HitKind::surroundings) {
-      return from.kind() == HitKind::surroundings &&
-             hit.surroundings.t < near_patches * surroundings_.patch_width(hit.surroundings) &&
-             !surroundings_.holds_caustics();
+    if (hit.kind == HitKind::walls) {
+      return from.kind() == HitKind::walls &&
+             hit.walls.t < near_patches * walls_.patch_width(hit.walls) && !walls_.holds_caustics();
     }
-    return frame_to_texels_[hit.volume].vector(direction * hit.leaf.t).length2() < near * near;
+    return frame_to_texels_[hit.volume].vector(direction * hit.isosurface.t).length2() <
+           near * near;
   }
 
-  // Reflected radiance of one side of a volume's texels, with the albedo of the leaf through each.
-  static std::vector<Rgb> side_radiance(const Volume<D>& volume, const LeafRadiance<D>& leaf,
-                                        int side) {
-    const TexelLattice<D>& lattice = *leaf.lattice;
+  // Reflected radiance of one side of a volume's texels, with the albedo of the isosurface through
+  // each.
+  static std::vector<Rgb> side_radiance(const Volume<D>& volume,
+                                        const IsosurfaceRadiance<D>& isosurface, int side) {
+    const TexelLattice<D>& lattice = *isosurface.lattice;
     std::vector<Rgb> radiance(lattice.active.size());
     for (std::size_t s = 0; s < radiance.size(); ++s) {
       const Vec<D> centre = lattice.centre(lattice.active[s]);
       radiance[s] = albedo_near(volume, centre) / static_cast<Real>(projected_hemisphere<D>) *
-                    leaf.photons->irradiance(static_cast<std::int32_t>(s), side);
-      if (!leaf.direct[side].empty()) radiance[s] += leaf.direct[side][s];
+                    isosurface.photons->irradiance(static_cast<std::int32_t>(s), side);
+      if (!isosurface.direct[side].empty()) radiance[s] += isosurface.direct[side][s];
     }
     return radiance;
   }
@@ -246,38 +251,38 @@ class GatherEstimator final : public IndirectEstimator<D> {
         tracer_, bounce.from, bounce.direction, random, rays,
         [](const Vec<D>&, const Vec<D>&, double, const Sight<D>&) {},
         [&](const Sight<D>& way) {
-          const bool leaf = way.point.kind() == HitKind::leaf;
+          const bool isosurface = way.point.kind() == HitKind::isosurface;
           const bool specular = way.point.scattering != Scattering::diffuse;
-          if (leaf && specular) emitted += way.throughput * way.point.emission;
+          if (isosurface && specular) emitted += way.throughput * way.point.emission;
         });
     Rgb radiance = emitted;
     if (sight.point.kind() != HitKind::none) {
       radiance += sight.throughput * found(sight.hit, sight.direction, c, random);
     }
-    const Rgb own = first.kind() == HitKind::leaf ? first.emission : Rgb(0);
+    const Rgb own = first.kind() == HitKind::isosurface ? first.emission : Rgb(0);
     return own + bounce.weight * bounce.radiance_scale * radiance;
   }
 
   Scattering scattering_of(const Hit<D>& hit) const {
-    return hit.kind == HitKind::leaf ? tracer_.scene().volumes[hit.volume].scattering
-                                     : tracer_.meshes()[hit.surroundings.mesh].scattering;
+    return hit.kind == HitKind::isosurface ? tracer_.scene().volumes[hit.volume].scattering
+                                           : tracer_.meshes()[hit.walls.mesh].scattering;
   }
 
   Rgb found(const Hit<D>& hit, const Vec<D>& direction, double c, Random& random) const {
-    if (hit.kind == HitKind::surroundings) {
-      return surroundings_.radiance(hit.surroundings, direction, c, random.uniform());
+    if (hit.kind == HitKind::walls) {
+      return walls_.radiance(hit.walls, direction, c, random.uniform());
     }
     const Volume<D>& volume = tracer_.scene().volumes[hit.volume];
     const Rgb emission = emissive_[hit.volume] ? volume.emission.at(c) : Rgb(0);
-    const std::vector<Rgb>& radiance = radiance_[hit.volume][hit.leaf.from_above];
-    const std::int32_t slot = slot_before(*lattices_[hit.volume], volume.field, hit.leaf);
+    const std::vector<Rgb>& radiance = radiance_[hit.volume][hit.isosurface.from_above];
+    const std::int32_t slot = slot_before(*lattices_[hit.volume], volume.field, hit.isosurface);
     return slot == TexelLattice<D>::inactive ? emission : emission + radiance[slot];
   }
 
   // The texel half a texel before the surface that was met: those within a thin shell hold the
-  // light of both its faces, and would let the outer one's shine into it.
+  // light of both its faces, and would let the front one's shine into it.
   static std::int32_t slot_before(const TexelLattice<D>& lattice, const Field<D>& field,
-                                  const LeafHit<D>& hit) {
+                                  const IsosurfaceHit<D>& hit) {
     const Vec<D> position = hit.point.index_position();
     const Vec<D> gradient =
         geometric_gradient(load_corners(field, hit.point.cell), hit.point.local);
@@ -292,8 +297,8 @@ class GatherEstimator final : public IndirectEstimator<D> {
 
   const SceneTracer<D>& tracer_;
   const LightSampler<D>& lights_;
-  const std::vector<LeafRadiance<D>>& leaves_;
-  const SurfaceCache<D>& surroundings_;
+  const std::vector<IsosurfaceRadiance<D>>& isosurfaces_;
+  const SurfaceCache<D>& walls_;
   std::vector<const TexelLattice<D>*> lattices_;
   std::vector<Affine<D>> frame_to_texels_;
   std::vector<char> emissive_;
@@ -307,7 +312,7 @@ Rgb albedo_near(const Volume<D>& volume, const Vec<D>& index_position) {
   if (volume.albedo.stops.size() == 1) return volume.albedo.at(0);
   const CellPoint<D> at = locate(volume.field, index_position);
   const double h = interpolate(load_corners(volume.field, at.cell), at.local);
-  return volume.albedo.at(std::isnan(h) ? 0 : volume.leaf_coordinate(h));
+  return volume.albedo.at(std::isnan(h) ? 0 : volume.common_isovalue(h));
 }
 
 template <int D>
@@ -319,31 +324,33 @@ std::unique_ptr<IndirectEstimator<D>> make_path_estimator(const SceneTracer<D>& 
 
 template <int D>
 std::unique_ptr<IndirectEstimator<D>> make_volumetric_estimator(
-    const std::vector<LeafRadiance<D>>& leaves, const SurfaceCache<D>* surroundings) {
-  return std::make_unique<VolumetricEstimator<D>>(leaves, surroundings);
+    const std::vector<IsosurfaceRadiance<D>>& isosurfaces, const SurfaceCache<D>* walls) {
+  return std::make_unique<VolumetricEstimator<D>>(isosurfaces, walls);
 }
 
 template <int D>
 std::unique_ptr<IndirectEstimator<D>> make_gather_estimator(
     const SceneTracer<D>& tracer, const LightSampler<D>& lights,
-    const std::vector<LeafRadiance<D>>& leaves, const SurfaceCache<D>& surroundings) {
-  return std::make_unique<GatherEstimator<D>>(tracer, lights, leaves, surroundings);
+    const std::vector<IsosurfaceRadiance<D>>& isosurfaces, const SurfaceCache<D>& walls) {
+  return std::make_unique<GatherEstimator<D>>(tracer, lights, isosurfaces, walls);
 }
 
 template <int D>
-Rgb caustic_radiance(const std::vector<LeafRadiance<D>>& leaves,
-                     const SurfaceCache<D>* surroundings, const SurfacePoint<D>& point) {
+Rgb caustic_radiance(const std::vector<IsosurfaceRadiance<D>>& isosurfaces,
+                     const SurfaceCache<D>* walls, const SurfacePoint<D>& point) {
   const Rgb brdf = point.albedo / static_cast<Real>(projected_hemisphere<D>);
-  if (point.kind() == HitKind::surroundings) return brdf * surroundings->caustic_irradiance(point);
-  const LeafRadiance<D>& leaf = leaves[point.leaf().volume];
-  const std::int32_t slot = leaf.lattice->nearest_slot(point.leaf().cell_point.index_position());
+  if (point.kind() == HitKind::walls) return brdf * walls->caustic_irradiance(point);
+  const IsosurfaceRadiance<D>& isosurface = isosurfaces[point.isosurface().volume];
+  const std::int32_t slot =
+      isosurface.lattice->nearest_slot(point.isosurface().cell_point.index_position());
   if (slot == TexelLattice<D>::inactive) return Rgb(0);
-  return brdf * leaf.photons->caustic(slot, point.leaf().above);
+  return brdf * isosurface.photons->caustic(slot, point.isosurface().above);
 }
 
 template <int D>
-float caustic_variance(const std::vector<LeafRadiance<D>>& leaves, const LeafTexel<D>& texel) {
-  return density_variance<D>(leaves, texel, &LeafCache<D>::caustic_variance);
+float caustic_variance(const std::vector<IsosurfaceRadiance<D>>& isosurfaces,
+                       const IsosurfaceTexel<D>& texel) {
+  return density_variance<D>(isosurfaces, texel, &IsosurfaceCache<D>::caustic_variance);
 }
 
 template Rgb albedo_near<2>(const Volume<2>&, const Vec<2>&);
@@ -355,20 +362,22 @@ template std::unique_ptr<IndirectEstimator<3>> make_path_estimator(const SceneTr
                                                                    const LightSampler<3>&,
                                                                    const CausticPhotons<3>*);
 template std::unique_ptr<IndirectEstimator<2>> make_volumetric_estimator(
-    const std::vector<LeafRadiance<2>>&, const SurfaceCache<2>*);
+    const std::vector<IsosurfaceRadiance<2>>&, const SurfaceCache<2>*);
 template std::unique_ptr<IndirectEstimator<3>> make_volumetric_estimator(
-    const std::vector<LeafRadiance<3>>&, const SurfaceCache<3>*);
+    const std::vector<IsosurfaceRadiance<3>>&, const SurfaceCache<3>*);
 template std::unique_ptr<IndirectEstimator<2>> make_gather_estimator(
-    const SceneTracer<2>&, const LightSampler<2>&, const std::vector<LeafRadiance<2>>&,
+    const SceneTracer<2>&, const LightSampler<2>&, const std::vector<IsosurfaceRadiance<2>>&,
     const SurfaceCache<2>&);
 template std::unique_ptr<IndirectEstimator<3>> make_gather_estimator(
-    const SceneTracer<3>&, const LightSampler<3>&, const std::vector<LeafRadiance<3>>&,
+    const SceneTracer<3>&, const LightSampler<3>&, const std::vector<IsosurfaceRadiance<3>>&,
     const SurfaceCache<3>&);
-template Rgb caustic_radiance<2>(const std::vector<LeafRadiance<2>>&, const SurfaceCache<2>*,
+template Rgb caustic_radiance<2>(const std::vector<IsosurfaceRadiance<2>>&, const SurfaceCache<2>*,
                                  const SurfacePoint<2>&);
-template Rgb caustic_radiance<3>(const std::vector<LeafRadiance<3>>&, const SurfaceCache<3>*,
+template Rgb caustic_radiance<3>(const std::vector<IsosurfaceRadiance<3>>&, const SurfaceCache<3>*,
                                  const SurfacePoint<3>&);
-template float caustic_variance(const std::vector<LeafRadiance<2>>&, const LeafTexel<2>&);
-template float caustic_variance(const std::vector<LeafRadiance<3>>&, const LeafTexel<3>&);
+template float caustic_variance(const std::vector<IsosurfaceRadiance<2>>&,
+                                const IsosurfaceTexel<2>&);
+template float caustic_variance(const std::vector<IsosurfaceRadiance<3>>&,
+                                const IsosurfaceTexel<3>&);
 
 }  // namespace leaflight

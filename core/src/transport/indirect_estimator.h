@@ -4,22 +4,22 @@
 #include <memory>
 #include <string>
 
-#include "transport/leaf_cache.h"
+#include "transport/isosurface_cache.h"
 #include "transport/surface_cache.h"
 
 namespace leaflight {
 
-// A texel of a side of a volume's leaves.
+// A texel of a side of a volume's isosurfaces.
 template <int D>
-struct LeafTexel {
+struct IsosurfaceTexel {
   int volume;
   bool above;
   Vec<D> centre;  // index position
   Rgb albedo;
 };
 
-// Answers "which radiance does this point, of a leaf or of the surroundings, reflect of light that
-// has bounced diffusely before?" with one sample; in the terms of thesis Eq. 1.5 soft indirect
+// Answers "which radiance does this point, of an isosurface or of the walls, reflect of light that
+// has bounced diffusely before?" with one sample; in the terms of thesis Eq. 1.5 indirect indirect
 // light, which mirrors and glass may have passed on. Caustics are not part of it, save where the
 // estimator says so.
 template <int D>
@@ -34,16 +34,18 @@ class IndirectEstimator {
   virtual bool is_random() const { return true; }
   // The variance that all samples of a texel have in common, and so do not show: that of the
   // photons' density, of the mean over the colours. `radiance`: what was found in all.
-  virtual float shared_variance(const LeafTexel<D>&, const Rgb& /*radiance*/) const { return 0; }
+  virtual float shared_variance(const IsosurfaceTexel<D>&, const Rgb& /*radiance*/) const {
+    return 0;
+  }
 };
 
-// What is known of each volume's leaves when photons are traced; `photons` may be null for leaves
-// that nothing looks up.
+// What is known of each volume's isosurfaces when photons are traced; `photons` may be null for
+// isosurfaces that nothing looks up.
 template <int D>
-struct LeafRadiance {
+struct IsosurfaceRadiance {
   const TexelLattice<D>* lattice = nullptr;
-  const LeafCache<D>* photons = nullptr;
-  // Direct radiance of the active texels, outer and inner side; empty where photons hold it.
+  const IsosurfaceCache<D>* photons = nullptr;
+  // Direct radiance of the active texels, front and back; empty where photons hold it.
   std::array<std::vector<Rgb>, 2> direct{};
   // All radiance of them, where it is known already: photons are not looked at then.
   std::array<std::vector<Rgb>, 2> radiance{};
@@ -52,8 +54,8 @@ struct LeafRadiance {
 // Photons that came by mirrors and glass, which estimators look up at points.
 template <int D>
 struct CausticPhotons {
-  const std::vector<LeafRadiance<D>>& leaves;
-  const SurfaceCache<D>* surroundings;  // null: no point lies on them
+  const std::vector<IsosurfaceRadiance<D>>& isosurfaces;
+  const SurfaceCache<D>* walls;  // null: no point lies on them
 };
 
 // Unbiased: follows the path until Russian roulette ends it, with a shadow ray at each diffuse
@@ -65,31 +67,32 @@ std::unique_ptr<IndirectEstimator<D>> make_path_estimator(
     const SceneTracer<D>& tracer, const LightSampler<D>& lights,
     const CausticPhotons<D>* photons = nullptr);
 
-// The albedo of the leaf through an index position; of any leaf where there is none.
+// The albedo of the isosurface through an index position; of any isosurface where there is none.
 template <int D>
 Rgb albedo_near(const Volume<D>& volume, const Vec<D>& index_position);
 
-// The photons' density at the point (Eq. E(R) of LeafCache): no rays at all. `surroundings` may be
+// The photons' density at the point (Eq. E(R) of IsosurfaceCache): no rays at all. `walls` may be
 // null if no point lies on them.
 template <int D>
 std::unique_ptr<IndirectEstimator<D>> make_volumetric_estimator(
-    const std::vector<LeafRadiance<D>>& leaves, const SurfaceCache<D>* surroundings);
+    const std::vector<IsosurfaceRadiance<D>>& isosurfaces, const SurfaceCache<D>* walls);
 
-// One final-gather ray that looks up what it meets: a ray of leaf c meets only points y with
+// One final-gather ray that looks up what it meets: a ray of isosurface c meets only points y with
 // h(y) = c, so the texture being baked is its own radiance cache.
 template <int D>
 std::unique_ptr<IndirectEstimator<D>> make_gather_estimator(
     const SceneTracer<D>& tracer, const LightSampler<D>& lights,
-    const std::vector<LeafRadiance<D>>& leaves, const SurfaceCache<D>& surroundings);
+    const std::vector<IsosurfaceRadiance<D>>& isosurfaces, const SurfaceCache<D>& walls);
 
-// What a point reflects of caustics, from the photons' density. `surroundings` may be null if the
+// What a point reflects of caustics, from the photons' density. `walls` may be null if the
 // point does not lie on them.
 template <int D>
-Rgb caustic_radiance(const std::vector<LeafRadiance<D>>& leaves,
-                     const SurfaceCache<D>* surroundings, const SurfacePoint<D>& point);
+Rgb caustic_radiance(const std::vector<IsosurfaceRadiance<D>>& isosurfaces,
+                     const SurfaceCache<D>* walls, const SurfacePoint<D>& point);
 
 // The variance that all caustics of a texel have in common.
 template <int D>
-float caustic_variance(const std::vector<LeafRadiance<D>>& leaves, const LeafTexel<D>& texel);
+float caustic_variance(const std::vector<IsosurfaceRadiance<D>>& isosurfaces,
+                       const IsosurfaceTexel<D>& texel);
 
 }  // namespace leaflight

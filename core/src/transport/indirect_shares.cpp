@@ -3,7 +3,7 @@
 
 #include "math/error.h"
 #include "transport/environment_sampler.h"
-#include "transport/leaf_emitter.h"
+#include "transport/isosurface_emitter.h"
 #include "transport/light_points.h"
 #include "transport/mesh_emitter.h"
 
@@ -19,9 +19,9 @@ std::array<double, 2> two(Random& random) {
 
 // Whether light that a point sends on, by the cosine, meets an isosurface.
 template <int D>
-bool reaches_leaf(const SceneTracer<D>& tracer, const SurfacePoint<D>& from, Random& random) {
+bool reaches_isosurface(const SceneTracer<D>& tracer, const SurfacePoint<D>& from, Random& random) {
   const Vec<D> direction = sample_cosine_hemisphere<D>(from.geometric_normal, two(random));
-  return tracer.intersect(from, direction).kind == HitKind::leaf;
+  return tracer.intersect(from, direction).kind == HitKind::isosurface;
 }
 
 template <int D>
@@ -29,8 +29,8 @@ class Paths {
  public:
   explicit Paths(const SceneTracer<D>& tracer) : tracer_(tracer) {}
 
-  // The mean flux of photons of a luminaire that reaches isosurfaces. `emit`: from random numbers,
-  // which are the same for every luminaire. `unreflected`: whether photons count that come
+  // The mean flux of photons of a lamp that reaches isosurfaces. `emit`: from random numbers,
+  // which are the same for every lamp. `unreflected`: whether photons count that come
   // straight.
   template <class Emit>
   Imath::V3d of(Emit emit, bool unreflected) const {
@@ -53,8 +53,8 @@ class Paths {
     const SurfacePoint<D> point = tracer_.surface_point(first, photon.direction, c);
     if (point.kind() == HitKind::none) return Imath::V3d(0);
     Imath::V3d flux(0);
-    if (unreflected && point.kind() == HitKind::leaf) flux += Imath::V3d(photon.flux);
-    if (reaches_leaf(tracer_, point, random)) flux += Imath::V3d(photon.flux * point.albedo);
+    if (unreflected && point.kind() == HitKind::isosurface) flux += Imath::V3d(photon.flux);
+    if (reaches_isosurface(tracer_, point, random)) flux += Imath::V3d(photon.flux * point.albedo);
     return flux;
   }
 
@@ -63,13 +63,14 @@ class Paths {
 
 // What isosurfaces send to each other straight, which is nearly all that they do.
 template <int D>
-Imath::V3d of_leaves(const SceneTracer<D>& tracer, const LeafEmitter<D>& leaves) {
+Imath::V3d of_isosurfaces(const SceneTracer<D>& tracer, const IsosurfaceEmitter<D>& isosurfaces) {
   Imath::V3d sum(0);
   for (int i = 0; i < paths; ++i) {
     Random random = random_for(0, Purpose::photon, i);
-    const auto sample = leaves.sample(random.uniform(), random);
+    const auto sample = isosurfaces.sample(random.uniform(), random);
     if (sample.point.kind() == HitKind::none) continue;
-    if (reaches_leaf(tracer, sample.point, random)) sum += Imath::V3d(sample.flux_height) / paths;
+    if (reaches_isosurface(tracer, sample.point, random))
+      sum += Imath::V3d(sample.flux_height) / paths;
   }
   return sum;
 }
@@ -129,9 +130,9 @@ IndirectShares indirect_shares(const SceneTracer<D>& tracer) {
     shares.others += paths_from.of(emit, true);
   }
   for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
-    const LeafEmitter<D> leaves(tracer, static_cast<int>(v));
-    if (!(leaves.power_height() > 0)) continue;
-    shares.others += of_leaves(tracer, leaves);
+    const IsosurfaceEmitter<D> isosurfaces(tracer, static_cast<int>(v));
+    if (!(isosurfaces.power_height() > 0)) continue;
+    shares.others += of_isosurfaces(tracer, isosurfaces);
   }
   return shares;
 }

@@ -5,7 +5,7 @@
 
 namespace leaflight {
 
-// How much of the indirect light of isosurfaces, by channel, comes from which luminaires of a
+// How much of the indirect light of isosurfaces, by channel, comes from which lamps of a
 // scene: what reaches isosurfaces of any isovalue after one reflection. All in one unit.
 struct IndirectShares {
   std::vector<Imath::V3d> lights;  // of each of the scene's lights
@@ -20,7 +20,7 @@ struct IndirectShares {
   Imath::V3d total() const;
 };
 
-// Estimated by a fixed number of paths a luminaire.
+// Estimated by a fixed number of paths a lamp.
 template <int D>
 IndirectShares indirect_shares(const SceneTracer<D>& tracer);
 

@@ -10,7 +10,7 @@ namespace leaflight {
 namespace {
 
 constexpr int fewest_points = 16, most_points = 64;
-// Of a luminaire that is as wide as it is far away.
+// Of a lamp that is as wide as it is far away.
 constexpr double points_at_unit_size = 48;
 // Emissive meshes that are wider, against their distance, are left to the rays that meet them.
 constexpr double widest_mesh = 1;
@@ -66,7 +66,7 @@ double aspect_of(const Light<D>& light) {
   return 1;
 }
 
-// How wide a luminaire is, against its distance from the middle of the volumes.
+// How wide a lamp is, against its distance from the middle of the volumes.
 template <int D>
 struct Size {
   double operator()(const AreaLight<D>& light) const {

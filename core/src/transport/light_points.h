@@ -6,7 +6,7 @@
 
 namespace leaflight {
 
-// A point of a luminaire that stands for a part of it.
+// A point of a lamp that stands for a part of it.
 template <int D>
 struct LightPoint {
   LightSource<D> source;  // frame

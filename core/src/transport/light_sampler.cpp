@@ -48,8 +48,8 @@ LightSampler<D>::LightSampler(const SceneTracer<D>& tracer,
   }
   if (environment && largest(environment->radiance) > 0) environment_.emplace(*environment);
   for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
-    LeafEmitter<D> leaf(tracer, static_cast<int>(v));
-    if (leaf.power_height() > 0) leaves_.push_back(std::move(leaf));
+    IsosurfaceEmitter<D> isosurface(tracer, static_cast<int>(v));
+    if (isosurface.power_height() > 0) isosurfaces_.push_back(std::move(isosurface));
   }
   std::vector<double> power, near;
   for (const Light<D>& light : tracer.lights()) {
@@ -65,8 +65,8 @@ LightSampler<D>::LightSampler(const SceneTracer<D>& tracer,
     power.push_back(environment_->power(tracer.bounds()));
     near.push_back(pi * power.back() / (all_directions<D> * parallel_area(tracer.bounds())));
   }
-  for (const LeafEmitter<D>& leaf : leaves_) {
-    power.push_back(leaf.power_height());
+  for (const IsosurfaceEmitter<D>& isosurface : isosurfaces_) {
+    power.push_back(isosurface.power_height());
   }
   // A tenth of the shadow rays goes to all alike, in case the middle of the scene misleads.
   double sum = 0, shining = 0;
@@ -94,8 +94,8 @@ double LightSampler<D>::largest_flux_height() const {
   if (environment_) {
     consider(environment_number(), environment_->largest_flux(tracer_.bounds()));
   }
-  for (std::size_t i = 0; i < leaves_.size(); ++i) {
-    consider(first_leaf() + i, leaves_[i].largest_flux_height());
+  for (std::size_t i = 0; i < isosurfaces_.size(); ++i) {
+    consider(first_isosurface() + i, isosurfaces_[i].largest_flux_height());
   }
   return most;
 }
@@ -152,13 +152,13 @@ PhotonStart<D> LightSampler<D>::emit(double c, double choice,
                                      Random& random) const {
   const auto picked = by_power_.pick(choice);
   PhotonStart<D> start;
-  if (picked.index >= first_leaf()) {
-    const auto sample = leaves_[picked.index - first_leaf()].sample(picked.rest, random);
+  if (picked.index >= first_isosurface()) {
+    const auto sample = isosurfaces_[picked.index - first_isosurface()].sample(picked.rest, random);
     if (sample.point.kind() == HitKind::none) return start;
     start.from = sample.point;
     start.direction = sample_cosine_hemisphere<D>(sample.point.geometric_normal, u_direction);
     start.flux_height = sample.flux_height / static_cast<Real>(picked.probability);
-    start.from_leaf = true;
+    start.from_isosurface = true;
     return start;
   }
   EmittedPhoton<D> photon;

@@ -5,7 +5,7 @@
 
 #include "math/random.h"
 #include "transport/environment_sampler.h"
-#include "transport/leaf_emitter.h"
+#include "transport/isosurface_emitter.h"
 #include "transport/light_points.h"
 
 namespace leaflight {
@@ -15,12 +15,14 @@ template <int D>
 struct PhotonStart {
   SurfacePoint<D> from;  // of kind none where it does not start on a surface
   Vec<D> direction{0.0};
-  Rgb flux_height{0};      // of all lights, as this photon alone would carry it; 0: no photon
-  bool from_leaf = false;  // emitted by a leaf, which direct_radiance() does not sample
+  Rgb flux_height{0};  // of all lights, as this photon alone would carry it; 0: no photon
+  bool from_isosurface =
+      false;  // emitted by an isosurface, which direct_radiance() does not sample
 };
 
-// All that emits: the scene's lights, its emissive meshes, its environment and its emissive leaves,
-// chosen among by their power. Leaves are left to the rays that meet them, and to photons.
+// All that emits: the scene's lights, its emissive meshes, its environment and its emissive
+// isosurfaces, chosen among by their power. Isosurfaces are left to the rays that meet them, and to
+// photons.
 template <int D>
 class LightSampler {
  public:
@@ -37,7 +39,7 @@ class LightSampler {
   LightSource<D> source(double choice, const std::array<double, 2>& u) const;
   bool can_light() const { return !by_irradiance_.empty(); }
 
-  // `c`: the leaf coordinate of the photon, unless it starts on a leaf.
+  // `c`: the common isovalue of the photon, unless it starts on an isosurface.
   PhotonStart<D> emit(double c, double choice, const std::array<double, 2>& u_position,
                       const std::array<double, 2>& u_direction, Random& random) const;
 
@@ -54,17 +56,17 @@ class LightSampler {
  private:
   LightSampler(const SceneTracer<D>& tracer, const std::optional<Environment<D>>& environment,
                const SplitLight<D>* split);
-  // Numbers: lights first, then meshes, the environment, leaves.
+  // Numbers: lights first, then meshes, the environment, isosurfaces.
   std::size_t first_mesh() const { return tracer_.lights().size(); }
   std::size_t environment_number() const { return first_mesh() + meshes_.size(); }
-  std::size_t first_leaf() const { return environment_number() + (environment_ ? 1 : 0); }
+  std::size_t first_isosurface() const { return environment_number() + (environment_ ? 1 : 0); }
   LightSample<D> sample(const DiscreteDistribution::Pick& pick, const SurfacePoint<D>& point,
                         const std::array<double, 2>& u) const;
 
   const SceneTracer<D>& tracer_;
   std::vector<MeshEmitter<D>> meshes_;
   std::optional<EnvironmentSampler<D>> environment_;
-  std::vector<LeafEmitter<D>> leaves_;
+  std::vector<IsosurfaceEmitter<D>> isosurfaces_;
   DiscreteDistribution by_power_, by_irradiance_;
 };
 

@@ -2,11 +2,11 @@
 #pragma once
 
 #include "math/discrete_distribution.h"
-#include "transport/luminaire_sampling.h"
+#include "transport/lamp_sampling.h"
 
 namespace leaflight {
 
-// The emission of a mesh of the surroundings, from both sides of each of its faces.
+// The emission of a mesh of the walls, from both sides of each of its faces.
 template <int D>
 class MeshEmitter {
  public:

@@ -7,7 +7,7 @@ namespace leaflight {
 
 template <int D>
 double shading_normal_factor(const SurfacePoint<D>& point, const Vec<D>& direction) {
-  if (point.kind() != HitKind::leaf) return 1;
+  if (point.kind() != HitKind::isosurface) return 1;
   const double shading = -direction.dot(point.shading_normal);
   const double geometric = -direction.dot(point.geometric_normal);
   return shading > 0 && geometric > 0 ? shading / geometric : 0;

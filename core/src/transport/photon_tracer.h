@@ -8,8 +8,8 @@
 namespace leaflight {
 
 // How a photon came to a diffuse surface: straight from a light; from a light by mirrors and glass
-// alone (LS+D, a caustic); or after a diffuse reflection. Photons of emissive leaves are indirect
-// from the start, since their direct light is no estimator's but the gathered one.
+// alone (LS+D, a caustic); or after a diffuse reflection. Photons of emissive isosurfaces are
+// indirect from the start, since their direct light is no estimator's but the gathered one.
 enum class Arrival { direct, caustic, indirect };
 
 // A photon where it meets a diffuse surface. Its flux-height is F = Phi H / n (thesis Eq. 4.4):
@@ -74,7 +74,7 @@ std::uint64_t trace_photons(const SceneTracer<D>& tracer, const LightSampler<D>&
     if (!(reference_flux > 0)) continue;
     if (balance) balance->emitted += Imath::V3d(flux_height);
     Vec<D> direction = start.direction;
-    Arrival arrival = start.from_leaf ? Arrival::indirect : Arrival::direct;
+    Arrival arrival = start.from_isosurface ? Arrival::indirect : Arrival::direct;
     SurfacePoint<D> from = start.from;
     for (int specular = 0; specular < most_specular_bounces;) {
       ++rays;

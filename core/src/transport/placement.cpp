@@ -5,7 +5,7 @@
 
 #include "math/error.h"
 #include "math/low_discrepancy.h"
-#include "transport/luminaire_sampling.h"
+#include "transport/lamp_sampling.h"
 
 namespace leaflight {
 namespace {
@@ -48,7 +48,7 @@ template <int D>
 bool any_volume_seen(const SceneTracer<D>& tracer, const Vec<D>& from) {
   for (std::size_t v = 0; v < tracer.scene().volumes.size(); ++v) {
     for (const Vec<D>& point : box_points(tracer, static_cast<int>(v))) {
-      if (!tracer.surroundings().occluded(from, point - from, 1)) return true;
+      if (!tracer.walls().occluded(from, point - from, 1)) return true;
     }
   }
   return tracer.scene().volumes.empty();
@@ -59,8 +59,8 @@ template <int D>
 std::optional<int> enclosing_mesh(const SceneTracer<D>& tracer, const Vec<D>& from) {
   std::optional<int> mesh;
   for (int i = 0; i < rays; ++i) {
-    const auto hit = tracer.surroundings().intersect(from, any_direction<D>(i),
-                                                     std::numeric_limits<double>::infinity());
+    const auto hit = tracer.walls().intersect(from, any_direction<D>(i),
+                                              std::numeric_limits<double>::infinity());
     if (!hit || (mesh && *mesh != hit->mesh)) return std::nullopt;
     mesh = hit->mesh;
   }
@@ -81,13 +81,13 @@ void check_lights(const SceneTracer<D>& tracer) {
 }
 
 template <int D>
-bool overlaps_surroundings(const SceneTracer<D>& tracer, const std::vector<Vec<D>>& points) {
-  Box<D> surroundings, box;
+bool overlaps_walls(const SceneTracer<D>& tracer, const std::vector<Vec<D>>& points) {
+  Box<D> walls, box;
   for (const Mesh<D>& mesh : tracer.meshes()) {
-    for (const auto& vertex : mesh.vertices) surroundings.extend(Vec<D>(vertex));
+    for (const auto& vertex : mesh.vertices) walls.extend(Vec<D>(vertex));
   }
   for (const Vec<D>& point : points) box.extend(point);
-  return box.overlaps(surroundings);
+  return box.overlaps(walls);
 }
 
 template <int D>
@@ -100,11 +100,11 @@ bool any_light_reaches(const SceneTracer<D>& tracer, const std::vector<Vec<D>>& 
         if (!(largest(sample.radiance) > 0)) continue;
         const Vec<D> way = sample.infinite ? sample.direction * far
                                            : leave_plane<D>(sample.end, sample.end_normal) - point;
-        if (!tracer.surroundings().occluded(point, way, 1)) return true;
+        if (!tracer.walls().occluded(point, way, 1)) return true;
       }
     }
     for (int i = 0; tracer.scene().environment && i < rays; ++i) {
-      if (!tracer.surroundings().occluded(point, any_direction<D>(i), far)) return true;
+      if (!tracer.walls().occluded(point, any_direction<D>(i), far)) return true;
     }
   }
   return false;
@@ -130,9 +130,9 @@ void check_placement(const SceneTracer<D>& tracer) {
   if (something_glows(tracer.scene())) return;
   for (std::size_t v = 0; v < tracer.scene().volumes.size(); ++v) {
     const std::vector<Vec<D>> points = box_points(tracer, static_cast<int>(v));
-    if (overlaps_surroundings(tracer, points) || any_light_reaches(tracer, points)) continue;
+    if (overlaps_walls(tracer, points) || any_light_reaches(tracer, points)) continue;
     throw Error("The volume '" + tracer.scene().volumes[v].name +
-                "' lies outside the surroundings, and no light reaches it; move it into them.");
+                "' lies outside the walls, and no light reaches it; move it into them.");
   }
 }
 

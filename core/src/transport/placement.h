@@ -6,7 +6,7 @@
 namespace leaflight {
 
 // Finds what only rays can find of a bad scene: a light that a mesh encloses while the volumes are
-// outside it, and a volume outside the surroundings that no light reaches. Throws Error with one
+// outside it, and a volume outside the walls that no light reaches. Throws Error with one
 // sentence that names the object.
 template <int D>
 void check_placement(const SceneTracer<D>& tracer);

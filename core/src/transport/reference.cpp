@@ -69,8 +69,8 @@ std::vector<ReferenceRadiance> reference_radiance(const Scene<D>& scene,
                             [&](const SceneTracer<D>& tracer, std::size_t p) -> SurfacePoint<D> {
                               const Vec<D> index = field.world_to_index.point(points[p]);
                               if (!holds_given(field, index)) return {};
-                              return tracer.leaf_point(settings.volume, locate(field, index),
-                                                       settings.c, settings.above);
+                              return tracer.isosurface_point(settings.volume, locate(field, index),
+                                                             settings.c, settings.above);
                             });
 }
 

@@ -12,15 +12,15 @@ struct ReferenceRadiance {
 };
 
 struct ReferenceSettings {
-  double c = 0;  // the leaf coordinate
+  double c = 0;  // the common isovalue
   int samples = 1024;
   std::uint64_t seed = 0;
-  int volume = 0;      // whose leaf it is
-  bool above = false;  // the inner side
+  int volume = 0;      // whose isosurface it is
+  bool above = false;  // the back
 };
 
-// Radiance of the leaf at given points (world), by `samples` paths each: unbiased, save for the
-// caustics of lights without extent, which no path meets. Points outside the domain, in masked
+// Radiance of the isosurface at given points (world), by `samples` paths each: unbiased, save for
+// the caustics of lights without extent, which no path meets. Points outside the domain, in masked
 // cells or where |grad h| = 0 give zero.
 template <int D>
 std::vector<ReferenceRadiance> reference_radiance(const Scene<D>& scene,
@@ -28,7 +28,7 @@ std::vector<ReferenceRadiance> reference_radiance(const Scene<D>& scene,
                                                   const ReferenceSettings& settings,
                                                   Progress& progress);
 
-// A point of the surroundings in barycentric coordinates, seen from the side of the facet's normal
+// A point of the walls in barycentric coordinates, seen from the side of the facet's normal
 // or from behind.
 struct FacetPoint {
   int mesh = 0, facet = 0;
@@ -36,7 +36,7 @@ struct FacetPoint {
   bool front = true;
 };
 
-// The same at points of the surroundings; `settings.volume` and `.above` are not used.
+// The same at points of the walls; `settings.volume` and `.above` are not used.
 template <int D>
 std::vector<ReferenceRadiance> reference_radiance(const Scene<D>& scene,
                                                   const std::vector<FacetPoint>& points,

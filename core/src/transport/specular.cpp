@@ -62,7 +62,8 @@ SpecularBounce<D> specular_bounce(const SurfacePoint<D>& point, const Vec<D>& in
   bounce.radiance_scale = static_cast<Real>(1 / spread<D>(point.ior));
   bounce.from.geometric_normal = -point.geometric_normal;
   bounce.from.shading_normal = -point.shading_normal;
-  if (auto* leaf = std::get_if<LeafPlace<D>>(&bounce.from.on)) leaf->above = !leaf->above;
+  if (auto* isosurface = std::get_if<IsosurfacePlace<D>>(&bounce.from.on))
+    isosurface->above = !isosurface->above;
   bounce.from.ior = 1 / point.ior;
   return bounce;
 }

@@ -13,7 +13,7 @@ namespace leaflight {
 namespace {
 
 constexpr int sides = 2;
-// Patches the surroundings are cut into, about, when their facets are large.
+// Patches the walls are cut into, about, when their facets are large.
 template <int D>
 constexpr double target_patches = D == 3 ? 8192 : 1024;
 constexpr int most_cuts = 512;
@@ -61,7 +61,7 @@ struct Patches<3> {
 template <int D>
 SurfaceCache<D>::SurfaceCache(const SceneTracer<D>& tracer, bool caustics, double photon_flux,
                               std::uint64_t photons)
-    : tracer_(tracer), nodes_(tracer.scene()), soft_(0, 1, 1), caustic_(0, 1, 1) {
+    : tracer_(tracer), nodes_(tracer.scene()), indirect_sides_(0, 1, 1), caustic_(0, 1, 1) {
   double total_area = 0;
   for (std::size_t m = 0; m < tracer.meshes().size(); ++m) {
     const Mesh<D>& mesh = tracer.meshes()[m];
@@ -82,28 +82,27 @@ SurfaceCache<D>::SurfaceCache(const SceneTracer<D>& tracer, bool caustics, doubl
     facet.first = patches;
     patches += Patches<D>::count(facet.cuts);
   }
-  const std::size_t entries = patches * sides * LeafNodes::count;
+  const std::size_t entries = patches * sides * IsovalueNodes::count;
   if (entries > std::size_t{1} << 28) {
-    throw Error("The surroundings have " + std::to_string(facets_.size()) +
+    throw Error("The walls have " + std::to_string(facets_.size()) +
                 " faces, too many for their radiance cache; decimate the meshes.");
   }
   radiance_.assign(entries, Rgb(0));
-  soft_ = FluxAccumulator(entries, photon_flux, photons);
+  indirect_sides_ = FluxAccumulator(entries, photon_flux, photons);
   if (caustics) caustic_ = FluxAccumulator(entries, photon_flux, photons);
 }
 
 template <int D>
-std::size_t SurfaceCache<D>::entry(const SurroundingsHit& hit, const Vec<D>& direction,
-                                   int node) const {
+std::size_t SurfaceCache<D>::entry(const WallHit& hit, const Vec<D>& direction, int node) const {
   const Facet& facet = facets_[first_facet_[hit.mesh] + hit.facet];
   const std::size_t patch = facet.first + Patches<D>::number(hit.u, hit.v, facet.cuts);
   const int side = facet.normal.dot(direction) > 0;
-  return (patch * sides + side) * LeafNodes::count + node;
+  return (patch * sides + side) * IsovalueNodes::count + node;
 }
 
 template <int D>
 const typename SurfaceCache<D>::Facet& SurfaceCache<D>::facet_of(std::size_t entry) const {
-  const std::size_t patch = entry / (sides * LeafNodes::count);
+  const std::size_t patch = entry / (sides * IsovalueNodes::count);
   return *(std::upper_bound(facets_.begin(), facets_.end(), patch,
                             [](std::size_t p, const Facet& f) { return p < f.first; }) -
            1);
@@ -113,7 +112,7 @@ template <int D>
 void SurfaceCache<D>::deposit(const PhotonHit<D>& photon) {
   if (photon.arrival == Arrival::direct) return;
   const bool apart = photon.arrival == Arrival::caustic && !caustic_.empty();
-  FluxAccumulator& flux = apart ? caustic_ : soft_;
+  FluxAccumulator& flux = apart ? caustic_ : indirect_sides_;
   flux.add(entry(photon.point, nodes_.nearest(photon.point.c)), photon.flux_height);
 }
 
@@ -121,7 +120,7 @@ void SurfaceCache<D>::deposit(const PhotonHit<D>& photon) {
 template <int D>
 Rgb SurfaceCache<D>::density(const FluxAccumulator& flux, std::size_t entry) const {
   if (flux.empty()) return Rgb(0);
-  const int node = static_cast<int>(entry % LeafNodes::count);
+  const int node = static_cast<int>(entry % IsovalueNodes::count);
   const double height = nodes_.height(node) / tracer_.scene().window.height();
   const double measure = facet_of(entry).patch_area * height;
   if (!(measure > 0)) return Rgb(0);
@@ -133,13 +132,13 @@ Rgb SurfaceCache<D>::density(const FluxAccumulator& flux, std::size_t entry) con
 template <int D>
 void SurfaceCache<D>::finish(std::size_t entry, const LightSampler<D>& lights, int samples,
                              std::uint64_t seed, std::uint64_t& rays) {
-  const std::size_t patch = entry / (sides * LeafNodes::count);
-  const bool front = (entry / LeafNodes::count) % sides == 0;
-  const double c = nodes_.node(static_cast<int>(entry % LeafNodes::count));
+  const std::size_t patch = entry / (sides * IsovalueNodes::count);
+  const bool front = (entry / IsovalueNodes::count) % sides == 0;
+  const double c = nodes_.node(static_cast<int>(entry % IsovalueNodes::count));
   const Facet& facet = facet_of(entry);
   Random random = random_for(seed, Purpose::surface_cache, entry);
   const std::uint64_t point_key = random.bits(), light_key = random.bits();
-  const Rgb photons = (density(soft_, entry) + density(caustic_, entry)) /
+  const Rgb photons = (density(indirect_sides_, entry) + density(caustic_, entry)) /
                       static_cast<Real>(projected_hemisphere<D>);
   SurfacePoint<D> point = tracer_.facet_point(facet.mesh, facet.facet, 0, 0, front, c);
   if (point.scattering != Scattering::diffuse) return;  // no ray looks it up
@@ -160,16 +159,16 @@ void SurfaceCache<D>::finish(std::size_t entry, const LightSampler<D>& lights, i
 template <int D>
 Rgb SurfaceCache<D>::between_nodes(const FluxAccumulator& flux,
                                    const SurfacePoint<D>& point) const {
-  const LeafNodes::Place at = nodes_.place(point.c);
+  const IsovalueNodes::Place at = nodes_.place(point.c);
   const auto t = static_cast<Real>(at.t);
   return density(flux, entry(point, at.low)) * (1 - t) +
          density(flux, entry(point, at.low + 1)) * t;
 }
 
 template <int D>
-Rgb SurfaceCache<D>::radiance(const SurroundingsHit& hit, const Vec<D>& direction, double c,
+Rgb SurfaceCache<D>::radiance(const WallHit& hit, const Vec<D>& direction, double c,
                               double u) const {
-  const LeafNodes::Place at = nodes_.place(c);
+  const IsovalueNodes::Place at = nodes_.place(c);
   return radiance_[entry(hit, direction, at.low + (u < at.t))];
 }
 

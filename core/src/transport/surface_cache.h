@@ -3,15 +3,15 @@
 
 #include <cmath>
 
-#include "scene/leaf_nodes.h"
+#include "scene/isovalue_nodes.h"
 #include "transport/flux_accumulator.h"
 #include "transport/photon_tracer.h"
 
 namespace leaflight {
 
-// Radiance of the surroundings over (u, v, c): each triangle is cut into n x n equal patches, each
-// segment of the plane into n, c has nodes, and both sides are kept. It answers rays of the final
-// gather.
+// Radiance of the walls over (u, v, c): each triangle is cut into n x n equal patches, each
+// segment of the plane into n, c has nodes, and both sides are kept. It answers rays of the
+// final gather.
 template <int D>
 class SurfaceCache {
  public:
@@ -32,16 +32,18 @@ class SurfaceCache {
 
   // Of the side that a ray of the given direction meets. `u` uniform in [0,1) chooses between two
   // nodes, so that the mean is linear in c at the cost of one lookup.
-  Rgb radiance(const SurroundingsHit& hit, const Vec<D>& direction, double c, double u) const;
+  Rgb radiance(const WallHit& hit, const Vec<D>& direction, double c, double u) const;
   // Of the patch that a ray meets: the side of a square of its size.
-  double patch_width(const SurroundingsHit& hit) const {
+  double patch_width(const WallHit& hit) const {
     const double area = facets_[first_facet_[hit.mesh] + hit.facet].patch_area;
     return D == 3 ? std::sqrt(area) : area;
   }
   // Light of mirrors and glass, which no path from here finds.
   bool holds_caustics() const { return !caustic_.empty(); }
-  // Irradiance from photons at a point of the surroundings, linear in c.
-  Rgb soft_irradiance(const SurfacePoint<D>& point) const { return between_nodes(soft_, point); }
+  // Irradiance from photons at a point of the walls, linear in c.
+  Rgb indirect_irradiance(const SurfacePoint<D>& point) const {
+    return between_nodes(indirect_sides_, point);
+  }
   Rgb caustic_irradiance(const SurfacePoint<D>& point) const {
     return between_nodes(caustic_, point);
   }
@@ -54,7 +56,7 @@ class SurfaceCache {
     double patch_area;
     Vec<D> normal;
   };
-  std::size_t entry(const SurroundingsHit& hit, const Vec<D>& direction, int node) const;
+  std::size_t entry(const WallHit& hit, const Vec<D>& direction, int node) const;
   // The point's normal faces the side from which it is seen.
   std::size_t entry(const SurfacePoint<D>& point, int node) const {
     return entry(point.facet(), -point.geometric_normal, node);
@@ -66,9 +68,9 @@ class SurfaceCache {
   const SceneTracer<D>& tracer_;
   std::vector<std::size_t> first_facet_;  // of each mesh, in facets_
   std::vector<Facet> facets_;
-  LeafNodes nodes_;
+  IsovalueNodes nodes_;
   std::vector<Rgb> radiance_;  // patch, side, node
-  FluxAccumulator soft_, caustic_;
+  FluxAccumulator indirect_sides_, caustic_;
 };
 
 }  // namespace leaflight

@@ -17,7 +17,8 @@ from ..scene.on_mesh import interpolated
 from ..scene.scene import SceneDescription, core_scene, isovalue_at
 from ..volume.setting_error import SettingError
 from .relit import relit
-from .stamps import id_of
+from .provenance import id_of
+from .statistics import Statistics
 
 # How much colours at the ends of a small mesh's edge may differ: light is linear in between.
 LARGEST_STEP = 0.05
@@ -45,17 +46,13 @@ class Surface:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Bake:
-    """Volumes, the scene in world coordinates they were lit in, and the radiance of all leaves.
+    """Volumes, the scene in world coordinates they were lit in, and the radiance of all
+    isosurfaces.
 
-    `isovalue` always is the leaf coordinate (see scene.py): the isovalue of a single volume, and
+    `isovalue` always is the common isovalue (see scene.py): the isovalue of a single volume, and
     0..1 with several. isovalues: (lo, hi), the baked window of it.
-    grids: one _core.RadianceGrid for each volume; surroundings: _core.SurroundingsRadiance or None.
-    statistics: seconds, rays, rays_per_second, texels, peak_memory_bytes, skipped_passes;
-        rounds, 0 of thesis.bake(); estimated_error_percent, of what compare calls
-        rms_percent, worst_error_percent and worst_isovalue, the same of the isosurfaces that err
-        most, all None of thesis.bake(); stopped, whether a stop or the time ended the
-        bake before it reached its error; and estimated_rms_percent, the RMS of the noise that the
-        texels report, in the units of compare.
+    grids: one _core.RadianceGrid for each volume; walls: _core.WallRadiance or None.
+    statistics: the cost and the estimated error, see Statistics.
     metadata: text by key, everything the result depends on; equal bakes have equal metadata.
     original: of a bake that relit() or moved() made, the one that was baked; else None.
     factors: of a bake that relit() made, (r, g, b) of each lamp of the scene: how much brighter it
@@ -66,8 +63,8 @@ class Bake:
     scene: SceneDescription
     isovalues: tuple
     grids: list
-    surroundings: object
-    statistics: dict
+    walls: object
+    statistics: Statistics
     metadata: dict
     original: "Bake" = None
     factors: tuple = None
@@ -86,14 +83,14 @@ class Bake:
     def _facts(self):
         lo, hi = self.isovalues
         known = self.statistics
-        error = known.get("estimated_error_percent") or known.get("estimated_rms_percent")
+        error = known.estimated_error_percent or known.estimated_rms_percent
         return [
             ("of", " and ".join(volume.name for volume in self.volumes)),
             ("in", self.scene.name),
             ("isovalues", f"{lo:g}..{hi:g}"),
             ("texels", by(self.grid.resolution)),
             *([("error", f"{error:.2g} %")] if error else []),
-            ("seconds", f"{known['seconds']:.3g}"),
+            ("seconds", f"{known.seconds:.3g}"),
         ]
 
     @property
@@ -136,9 +133,9 @@ class Bake:
                 "which can be relit and moved at any time, or bake again."
             )
         check_writable(path, ".vdb")
-        metadata = dict(self.metadata, id=self.id, statistics=json.dumps(self.statistics))
+        metadata = dict(self.metadata, id=self.id, statistics=json.dumps(self.statistics.record()))
         fields = [volume.field() for volume in self.volumes]
-        _core.write_bake(path, fields, self.grids, self.surroundings, metadata, progress)
+        _core.write_bake(path, fields, self.grids, self.walls, metadata, progress)
 
     def relit(self, lamps):
         """The Bake with lamps of its scene at other strengths or of other colours, at once.
@@ -150,7 +147,7 @@ class Bake:
         alike, are changed. What meshes and isosurfaces emit by themselves stays. Texels are shared
         with this bake.
         Raises LeaflightError for a name that no lamp has, and where the bake has no exact direct
-        light: those of mirrors, of glass, of inner sides of several volumes, or of thesis.bake().
+        light: those of mirrors, of glass, of backs of several volumes, or of thesis.bake().
         """
         return relit(self, lamps)
 
@@ -160,14 +157,14 @@ class Bake:
         return _core.IndirectShares(self.core_scene())
 
     def isovalue_of(self, volume, isovalue):
-        """The isovalue, in data units, that a volume (its number) shows at a leaf coordinate."""
+        """The isovalue, in data units, that a volume (its number) shows at a common isovalue."""
         return isovalue_at(self.scene, volume, isovalue)
 
     def surface(self, isovalue, volume=0, back=False):
         """The isosurface of a volume with its radiance, a Surface.
 
         It is finer where texels are narrower than voxels and, if it is small, where light steps.
-        back: its inner side, towards higher values. Raises LeaflightError outside the window.
+        back: its back, towards higher values. Raises LeaflightError outside the window.
         """
         self.check_isovalue(isovalue, volume)
         start = time.perf_counter()
@@ -187,9 +184,9 @@ class Bake:
         return Surface(vertices, normals, triangles, radiance, seconds, self.unit)
 
     def radiance(self, points, volume=0, back=False):
-        """Baked radiance of a volume's leaves, float32 (n, 3), at world points (n, 3).
+        """Baked radiance of a volume's isosurfaces, float32 (n, 3), at world points (n, 3).
 
-        It is zero where no leaf passes. back: of the inner sides. Raises LeaflightError.
+        It is zero where no isosurface passes. back: of the backs. Raises LeaflightError.
         """
         self._check_volume(volume)
         if self._is_dark(volume, back):
@@ -197,7 +194,7 @@ class Bake:
         return self.grids[volume].lookup(self.volumes[volume].field(), points, back)
 
     def _is_dark(self, volume, back):
-        """Whether the bake left the inner side out because no light can reach it.
+        """Whether the bake left the back out because no light can reach it.
 
         Raises SettingError where it was not baked.
         """
@@ -215,7 +212,7 @@ class Bake:
     def reference(
         self, points, isovalue, spp=1024, seed=0, threads=0, progress=None, volume=0, back=False
     ):
-        """Path-traced radiance at points (n, 3) of an isosurface, on its outer or inner side.
+        """Path-traced radiance at points (n, 3) of an isosurface, on its outer or back.
 
         Returns (radiance, standard_error), float32 (n, 3) each. Raises LeaflightError, Cancelled.
         """
@@ -227,7 +224,7 @@ class Bake:
         )
 
     def mesh_number(self, name):
-        """The number of the mesh of the surroundings of that name. Raises LeaflightError."""
+        """The number of the mesh of the walls of that name. Raises LeaflightError."""
         names = [mesh.name for mesh in self.scene.meshes]
         if name not in names:
             raise LeaflightError(
@@ -236,17 +233,15 @@ class Bake:
         return names.index(name)
 
     def mesh_radiance(self, mesh, points, isovalue, back=False):
-        """Baked radiance, float64 (n, 3), at points (n, 3) of a mesh of the surroundings.
+        """Baked radiance, float64 (n, 3), at points (n, 3) of a mesh of the walls.
 
         mesh: its number; back: seen from where its normals point away. Raises LeaflightError.
         """
         self._check_window(isovalue)
-        if self.surroundings is None:
-            raise SettingError(
-                "The walls were not baked: bake again with surroundings.", "surroundings"
-            )
-        vertices, triangles = self.surroundings.mesh(mesh)
-        radiance = self.surroundings.radiance(mesh, isovalue, back)
+        if self.walls is None:
+            raise SettingError("The walls were not baked: bake again with walls.", "walls")
+        vertices, triangles = self.walls.mesh(mesh)
+        radiance = self.walls.radiance(mesh, isovalue, back)
         return interpolated(vertices, triangles, radiance, points)
 
     def mesh_reference(
@@ -265,7 +260,7 @@ class Bake:
         self._check_window(isovalue)
         scene = self.core_scene()
         progress = progress or _core.Progress()
-        return _core.reference_surroundings(
+        return _core.reference_walls(
             scene, mesh, facets, coordinates, isovalue, spp, seed, threads, progress, back
         )
 

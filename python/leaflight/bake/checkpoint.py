@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an interrupted bake in rounds leaves, and goes on from with the same bits."""
+"""What an interrupted bake in passes leaves, and goes on from with the same bits."""
 
 import json
 from dataclasses import dataclass, field
@@ -20,7 +20,7 @@ def checkpoint_for(out):
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """Where a bake in rounds leaves its state; a bake of fixed work leaves none.
+    """Where a bake in passes leaves its state; a bake of fixed work leaves none.
 
     path: of the file; recipe: what its caller needs to bake the same again, of anything that JSON
     holds; resume: whether to go on from the file that is there; seconds: between two of them,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The texels of a bake in rounds, chosen so that its light fits into the memory."""
+"""The texels of a bake in passes, chosen so that its light fits into the memory."""
 
 from math import prod
 
@@ -52,14 +52,14 @@ def fit_memory(volume, description, window, settings):
 
 
 def coarser_texels(resolution, settings):
-    """Why texels are coarser than they would be with more memory, as in skipped_passes; or [].
+    """Why texels are coarser than they would be with more memory, as in skipped_passes; or ().
 
     resolution: what was asked for.
     """
     if resolution is not None or not any(settings.resolution):
-        return []
+        return ()
     reason = f"the light of {_by(settings.resolution)} is what the memory has room for"
-    return [[FINER_TEXELS, reason]]
+    return ((FINER_TEXELS, reason),)
 
 
 def _by(numbers):

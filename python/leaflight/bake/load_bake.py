@@ -12,7 +12,8 @@ from ..scene.scene import core_scene
 from ..volume.units import METERS
 from ..volume.volume import Volume
 from .baked import Bake
-from .stamps import EARLIER, METADATA, read_bake_id
+from .provenance import EARLIER, METADATA, read_bake_id
+from .statistics import statistics_of
 
 
 def load_bake(path):
@@ -26,20 +27,21 @@ def load_bake(path):
             except ValueError:
                 raise LeaflightError(f"{path}: this bake is damaged; fetch it again.") from None
     try:
-        fields, grids, surroundings, metadata = _core.read_bake(path)
-        statistics = json.loads(metadata["statistics"])
+        fields, grids, walls, metadata = _core.read_bake(path)
+        record = json.loads(metadata["statistics"])
         lo, hi = (float(isovalue) for isovalue in json.loads(metadata["isovalues"]))
         scene = scene_from_json(metadata["scene"], str(path))
         records = json.loads(metadata["volumes"])
         names = [str(record["name"]) for record in records]
         units = [record["unit"] for record in records]
         patients = [bool(record["patient"]) for record in records]
-        if not len(names) == len(fields) == len(grids) == len(scene.leaves):
+        if not len(names) == len(fields) == len(grids) == len(scene.isosurfaces):
             raise ValueError("the number of volumes differs")
         if not {"", *METERS} >= set(units):
             raise ValueError("there is no such unit")
-        if not {"rounds", "blocks", "map_resolution"} <= metadata.keys():
+        if not {"passes", "blocks", "map_resolution"} <= metadata.keys():
             raise LeaflightError(f"{path}: {EARLIER}.")
+        statistics = statistics_of(record)
         # OpenVDB adds text of its own.
         metadata = {key: metadata[key] for key in METADATA}
         maps = json.loads(metadata["map_resolution"] or "[]")
@@ -54,9 +56,9 @@ def load_bake(path):
     for volume in volumes:
         volume.field()
     core = core_scene(scene, [volume.field() for volume in volumes], (lo, hi))
-    if surroundings is not None:
-        _core.attach_surroundings(surroundings, core, _core.Progress())
-    bake = Bake(volumes, scene, (lo, hi), grids, surroundings, statistics, metadata)
+    if walls is not None:
+        _core.attach_walls(walls, core, _core.Progress())
+    bake = Bake(volumes, scene, (lo, hi), grids, walls, statistics, metadata)
     if bake.id != identifier:
         raise LeaflightError(f"{path}: its metadata were changed; bake the volume again.")
     for number, (grid, resolution) in enumerate(zip(grids, maps)):

@@ -17,7 +17,7 @@ from ..io.scene_file import scene_to_json
 from ..volume.other_arrays import as_volumes
 from .bake import placed
 from .relit import can_be_relit
-from .stamps import values_sha256
+from .provenance import values_sha256
 
 # Texels of the maps that are made quickly, in those of the bake.
 _WIDER = 2
@@ -50,7 +50,7 @@ def moved(bake, volumes, scene, *, isovalues=None, quick=False, walls=True, prog
         original,
         volumes=volumes,
         scene=description,
-        surroundings=None,
+        walls=None,
         metadata=_metadata(original, volumes, description),
         original=original,
     )
@@ -70,21 +70,21 @@ def moved(bake, volumes, scene, *, isovalues=None, quick=False, walls=True, prog
 def lit_walls(bake, quick, progress):
     """A bake that moved() made without walls, with those of its original. Raises Cancelled."""
     original = bake.original
-    if original.surroundings is None:
+    if original.walls is None:
         return bake
     progress.begin("Direct light of the walls")
     same_as = _same_meshes(original.scene.meshes, bake.scene.meshes)
     scenes = original.core_scene(), bake.core_scene()
-    surroundings = original.surroundings.moved(*scenes, same_as, _growth(bake), progress, quick)
-    return replace(bake, surroundings=surroundings)
+    walls = original.walls.moved(*scenes, same_as, _growth(bake), progress, quick)
+    return replace(bake, walls=walls)
 
 
 def _check(bake, volumes, description, window):
-    before, now = bake.scene.leaves, description.leaves
+    before, now = bake.scene.isosurfaces, description.isosurfaces
     if not can_be_relit(bake, diffuse_alone=True):
         raise LeaflightError(
             "The direct light of this bake is not exact, so nothing can move in it: bake to an "
-            "error, several volumes on outer sides alone, or bake again after each move."
+            "error, several volumes on fronts alone, or bake again after each move."
         )
     same = window == bake.isovalues
     if not same or any(a.isovalues != b.isovalues for a, b in zip(before, now) if len(now) > 1):

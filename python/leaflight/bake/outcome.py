@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far a bake in rounds came, in sentences for the command line and the panel."""
+"""How far a bake in passes came, in sentences for the command line and the panel."""
 
 from .fit_memory import FINER_TEXELS
 
@@ -12,24 +12,24 @@ def outcome(bake, why="it was stopped or its time was over"):
     if bake.metadata["fixed"]:
         return ""
     text = _reached(bake, why)
-    reasons = [reason for name, reason in bake.statistics["skipped_passes"] if name == FINER_TEXELS]
+    reasons = [reason for name, reason in bake.statistics.skipped_passes if name == FINER_TEXELS]
     return "; ".join([text, *reasons])
 
 
 def _reached(bake, why):
     statistics = bake.statistics
     asked = float(bake.metadata["error"])
-    reached = statistics["estimated_error_percent"]
-    rounds = f"{statistics['rounds']} pass{'es' if statistics['rounds'] > 1 else ''}"
-    text = f"estimated error {reached:.2f} %{_worst(statistics)} after {rounds}"
+    reached = statistics.estimated_error_percent
+    passes = f"{statistics.passes} pass{'es' if statistics.passes > 1 else ''}"
+    text = f"estimated error {reached:.2f} %{_worst(statistics)} after {passes}"
     if reached <= asked:
         return f"{text}; {asked:g} % was asked for"
-    if statistics["stopped"]:
+    if statistics.stopped:
         return f"{text}; the {asked:g} % asked for was not reached: {why}"
     if not bake.metadata["blocks"]:
         return f"{text}; the {asked:g} % asked for was not reached with so few samples"
-    # As variances: the rest is what the texels' width leaves out, which no more rounds bring.
-    if 2 * statistics["estimated_noise_percent"] ** 2 < reached**2:
+    # As variances: the rest is what the texels' width leaves out, which no more passes bring.
+    if 2 * statistics.estimated_noise_percent**2 < reached**2:
         return (
             f"{text}, most of it detail finer than the texels, which more passes do not add; "
             f"{asked:g} % was asked for"
@@ -42,7 +42,7 @@ def _reached(bake, why):
 
 def _worst(statistics):
     """Where isosurfaces err clearly more than on average, in brackets."""
-    worst, at = statistics["worst_error_percent"], statistics["worst_isovalue"]
-    if worst < 1.2 * statistics["estimated_error_percent"]:
+    worst, at = statistics.worst_error_percent, statistics.worst_isovalue
+    if worst < 1.2 * statistics.estimated_error_percent:
         return ""
     return f" ({worst:.1f} % about isovalue {at:.3g})"

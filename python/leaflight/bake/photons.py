@@ -16,14 +16,14 @@ class Photons:
     """n arrivals at isosurfaces, of `count` photons that lights sent.
 
     positions: (n, 3) float64, world; flux_height: (n, 3) float32, of a photon in W, times the
-    height of the window, in units of the leaf coordinate (thesis Eq. 4.4); leaf_coordinate: (n,)
+    height of the window, in units of the common isovalue (thesis Eq. 4.4); common_isovalue: (n,)
     float32, the isovalue of a single volume; direct: (n,) bool, straight from a light.
     """
 
     count: int
     positions: np.ndarray
     flux_height: np.ndarray
-    leaf_coordinate: np.ndarray
+    common_isovalue: np.ndarray
     direct: np.ndarray
 
     def colours(self):

@@ -29,7 +29,7 @@ def relit(bake, lamps):
     if not can_be_relit(original):
         raise LeaflightError(
             "The direct light of this bake is not exact, so its lamps cannot be changed: bake "
-            "diffuse volumes to an error, several of them on outer sides alone, or bake again with "
+            "diffuse volumes to an error, several of them on fronts alone, or bake again with "
             "the lamps as they are."
         )
     if factors == _as_baked(original):
@@ -40,15 +40,15 @@ def relit(bake, lamps):
         grid.relit(volume.field(), factors, indirect)
         for grid, volume in zip(original.grids, original.volumes)
     ]
-    surroundings = original.surroundings
-    if surroundings is not None:
-        surroundings = surroundings.relit(scene, factors, indirect)
+    walls = original.walls
+    if walls is not None:
+        walls = walls.relit(scene, factors, indirect)
     lights = [_scaled(light, by) for light, by in zip(original.scene.lights, factors)]
     return replace(
         original,
         scene=replace(original.scene, lights=lights),
         grids=grids,
-        surroundings=surroundings,
+        walls=walls,
         metadata=dict(original.metadata, lamps=json.dumps(factors)),
         original=original,
         factors=factors,
@@ -62,8 +62,8 @@ def can_be_relit(bake, diffuse_alone=False):
     """
     return all(
         grid.can_be_relit
-        for grid, leaves in zip(bake.grids, bake.scene.leaves)
-        if not diffuse_alone or leaves.scattering == "diffuse"
+        for grid, isosurfaces in zip(bake.grids, bake.scene.isosurfaces)
+        if not diffuse_alone or isosurfaces.scattering == "diffuse"
     )
 
 
@@ -76,7 +76,7 @@ def scales_exactly(bake):
     """Whether indirect light of a relit bake is exact, too: all that emits has the same factors."""
     if bake.factors is None:
         return True
-    others = [*bake.scene.meshes, *bake.scene.leaves]
+    others = [*bake.scene.meshes, *bake.scene.isosurfaces]
     glows = any(np.max(_colours(other.emission)) > 0 for other in others)
     world = bake.scene.environment is not None and max(bake.scene.environment.radiance) > 0
     return not glows and not world and len(set(bake.factors)) == 1

@@ -11,12 +11,12 @@ from ..volume.volume import default_window
 DEFAULT_ERROR = 1.5
 
 
-def leaf_window(isovalues, volumes, leaves):
-    """The window (lo, hi) of the leaf coordinate to bake."""
+def isovalue_window(isovalues, volumes, isosurfaces):
+    """The window (lo, hi) of the common isovalue to bake."""
     if len(volumes) > 1:
         return (0.0, 1.0) if isovalues is None else _window(isovalues, (0.0, 1.0))
     if isovalues is None:
-        isovalues = leaves[0].isovalues
+        isovalues = isosurfaces[0].isovalues
     if isovalues is None:
         return default_window(volumes[0])
     return _window(isovalues, volumes[0].data_range())
@@ -47,7 +47,7 @@ def bake_settings(kind, dims, *, error=None, time=None, exposure=1.0, **common):
     """The core's settings of a bake, a kind (_core.BakeSettings or BakeSettings2).
 
     error: in percent, where the bake may end, None is DEFAULT_ERROR; time: seconds after which it
-    ends with the round in progress, None for no limit; exposure: radiance times this is a displayed
+    ends with the pass in progress, None for no limit; exposure: radiance times this is a displayed
     colour. common: see set_common. Raises LeaflightError.
     """
     settings = set_common(kind(), dims, **common)
@@ -58,7 +58,7 @@ def bake_settings(kind, dims, *, error=None, time=None, exposure=1.0, **common):
 
 
 def set_common(
-    settings, dims, *, resolution=None, seed=0, threads=0, both_sides=False, surroundings=False
+    settings, dims, *, resolution=None, seed=0, threads=0, both_sides=False, walls=False
 ):
     """The settings, with those that all bakes have, for nodes dims.
 
@@ -69,7 +69,7 @@ def set_common(
     settings.seed = whole("seed", seed, 0)
     settings.threads = whole("threads", threads, 0)
     settings.both_sides = bool(both_sides)
-    settings.surroundings = bool(surroundings)
+    settings.walls = bool(walls)
     return settings
 
 

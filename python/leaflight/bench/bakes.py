@@ -23,7 +23,7 @@ from .repetitions import repetitions
 
 
 # Of the bake's statistics.
-KEPT = ("estimated_rms_percent", "estimated_error_percent", "rounds", "rays", "texels")
+KEPT = ("estimated_rms_percent", "estimated_error_percent", "passes", "rays", "texels")
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ def measure_bakes(effort, run, *, folder=None, seed=0, threads=0):
     rms_percent               against Cycles, as compare() says; judge_noise_percent: of which the
                               judge's; error_percent: the one without the other, in squares;
                               noise_percent, texture_percent: parts of it (truth.py)
-    estimated_rms_percent     the noise that the texels report; estimated_error_percent, rounds: as
+    estimated_rms_percent     the noise that the texels report; estimated_error_percent, passes: as
                               in the bake's statistics
     cycles_seconds            by the clock, in which Cycles bakes the vertices of the isosurface to
                               error_percent, between measured points; None where outside them
@@ -174,5 +174,5 @@ def _known(baked, case, effort, step, work):
         "error_percent": without(rms, judge),
         "noise_percent": judged["parts"]["noise_percent"],
         "texture_percent": judged["parts"]["texture_percent"],
-        **{name: baked.statistics[name] for name in KEPT},
+        **{name: getattr(baked.statistics, name) for name in KEPT},
     }

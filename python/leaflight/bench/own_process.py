@@ -51,7 +51,9 @@ def _bake(answer, nodes, seed, threads):
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         baked = bake(bump_box(nodes), packaged_scene("bump_box.json"), seed=seed, threads=threads)
-        answer.send({name: baked.statistics[name] for name in KEPT} | {"peak_bytes": _peak(baked)})
+        answer.send(
+            {name: getattr(baked.statistics, name) for name in KEPT} | {"peak_bytes": _peak(baked)}
+        )
     except LeaflightError as error:
         answer.send(str(error))
 
@@ -65,5 +67,5 @@ def _peak(baked):
     try:
         status = Path("/proc/self/status").read_text()
     except OSError:
-        return baked.statistics["peak_memory_bytes"]
+        return baked.statistics.peak_memory_bytes
     return 1024 * int(re.search(r"VmHWM:\s+(\d+) kB", status)[1])

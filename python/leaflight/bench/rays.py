@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`bench rays`: leaf rays beside Embree on the contoured mesh, on one thread.
+"""`bench rays`: isosurface rays beside Embree on the contoured mesh, on one thread.
 
 A program of core/bench traces the same rays both ways, in turns: from points of the isosurface into
-its outer side, distributed by the cosine. Seconds are of the processor, medians.
+its front, distributed by the cosine. Seconds are of the processor, medians.
 """
 
 import json

@@ -23,10 +23,10 @@ from .workers import workers_of
 _WHO_WORKS = {"threads", "workers", "scheduler"}
 _AT_WILL = {"command", "json", "verbose", *_WHO_WORKS}
 # The options that a continued bake has of its own; all others it has from the bake before.
-_OF_CONTINUED = {"kept", "out", "error", "time", "surroundings"}
+_OF_CONTINUED = {"previous", "out", "error", "time", "walls"}
 # The options that a bake depends on, by which it is baked again.
 _RECIPE = {
-    *("volumes", "scene", "kept", "capped", "isovalues", "both_sides", "surroundings", "seed"),
+    *("volumes", "scene", "previous", "capped", "isovalues", "both_sides", "walls", "seed"),
     *("error", "time", "resolution", "dims", "type", "endian", "spacing", "grid", "frame"),
     *("channel", "level", "dataset", "downsample", "smooth", "memory"),
 }
@@ -35,7 +35,7 @@ _RECIPE = {
 def run_bake(options):
     if options.resume is not None:
         return run_bake(_interrupted(options))
-    if options.kept is not None:
+    if options.previous is not None:
         return _told(_continued(options), options)
     volumes, scene = to_light(options, ".vdb")
     settings = bake_settings(options)
@@ -63,7 +63,7 @@ def bake_settings(options):
     return {
         **bake_options(options),
         "both_sides": options.both_sides,
-        "surroundings": options.surroundings,
+        "walls": options.walls,
     }
 
 
@@ -71,20 +71,20 @@ def _continued(options):
     given = _given(options, _OF_CONTINUED | _AT_WILL)
     if given:
         raise LeaflightError(
-            f"{options.kept}: a bake is continued in its own scene, with its own settings but the "
-            f"error and the time: leave out {', '.join(given)}."
+            f"{options.previous}: a bake is continued in its own scene, with its own settings but "
+            f"the error and the time: leave out {', '.join(given)}."
         )
     check_writable(options.out, ".vdb")
-    kept = load_bake(options.kept)
+    previous = load_bake(options.previous)
 
     def work(progress):
         checkpoint = checkpoint_of(options, resumed=getattr(options, "resumed", False))
         with workers_of(options, progress) as workers:
             baked = resume(
-                kept,
+                previous,
                 error=options.error,
                 time=options.time,
-                surroundings=options.surroundings or None,
+                walls=options.walls or None,
                 threads=options.threads,
                 progress=progress,
                 checkpoint=checkpoint,
@@ -121,7 +121,7 @@ def checkpoint_of(options, resumed):
     """Its recipe are the options, with paths that mean the same in any folder."""
     recipe = {name: value for name, value in vars(options).items() if name in _RECIPE}
     recipe["volumes"] = [path_anywhere(volume) for volume in options.volumes]
-    for name in ("scene", "kept"):
+    for name in ("scene", "previous"):
         recipe[name] = recipe[name] and os.path.abspath(recipe[name])
     return Checkpoint(checkpoint_for(options.out), recipe, resumed)
 
@@ -176,11 +176,11 @@ def _told(baked, options):
         "scene": baked.scene.name,
         "isovalues": list(baked.isovalues),
         "volumes": [
-            {"name": leaves.name, "isovalues": list(leaves.isovalues or baked.isovalues)}
-            for leaves in baked.scene.leaves
+            {"name": isosurfaces.name, "isovalues": list(isosurfaces.isovalues or baked.isovalues)}
+            for isosurfaces in baked.scene.isosurfaces
         ],
         "resolution": list(baked.grid.resolution),
-        **baked.statistics,
+        **baked.statistics.record(),
     }
     lo, hi = baked.isovalues
     end = outcome(baked, why=f"the {options.time or 0:g} s are over")
@@ -191,7 +191,7 @@ def _told(baked, options):
         f"{result['peak_memory_bytes'] / 2**20:.0f} MiB, "
         f"noise about {result['estimated_rms_percent']:.2f} %",
         *([end] if end else []),
-        *_leaf_map(baked),
+        *_isosurface_map(baked),
         # What memory had no room for stands in the outcome.
         *(
             f"skipped: {name} ({reason})"
@@ -208,7 +208,7 @@ def _estimate(volumes, scene, settings, options):
     cost = run_with_progress(work, "estimate")
     return asdict(cost), [
         f"about {cost.seconds:.0f} s and {cost.memory_bytes / 2**20:.0f} MiB to an error of "
-        f"{cost.error:.2g} %, from {cost.pilot_rounds} of {cost.rounds} passes in "
+        f"{cost.error:.2g} %, from {cost.pilot_passes} of {cost.passes} passes in "
         f"{cost.pilot_seconds:.1f} s",
         *_worker_estimate(volumes, scene, settings, options),
     ]
@@ -221,12 +221,12 @@ def _worker_estimate(volumes, scene, settings, options):
     return [f"each worker would hold about {mebibytes:.0f} MiB of light and values"]
 
 
-def _leaf_map(baked):
-    """What the volumes show at the leaf coordinates 0..1, where there are several."""
+def _isosurface_map(baked):
+    """What the volumes show at the common isovalues 0..1, where there are several."""
     if len(baked.volumes) == 1:
         return []
     return [
-        f"--isovalue 0..1 shows volume {k} ({leaves.name}) at {leaves.isovalues[0]:g}.."
-        f"{leaves.isovalues[1]:g}"
-        for k, leaves in enumerate(baked.scene.leaves)
+        f"--isovalue 0..1 shows volume {k} ({isosurfaces.name}) at {isosurfaces.isovalues[0]:g}.."
+        f"{isosurfaces.isovalues[1]:g}"
+        for k, isosurfaces in enumerate(baked.scene.isosurfaces)
     ]

@@ -12,9 +12,9 @@ from concurrent.futures import CancelledError
 from pathlib import Path
 
 from .._core import Cancelled, LeaflightError, Progress
-from ..bake.bake import bake, stamp_of
+from ..bake.bake import bake, provenance_of
 from ..bake.load_bake import load_bake
-from ..bake.stamps import METADATA
+from ..bake.provenance import METADATA
 from ..cluster.tasks import at_workers
 from ..io.output import check_writable
 from .bake_command import bake_settings, checkpoint_of, path_anywhere
@@ -22,8 +22,8 @@ from .lighting import to_light
 from ..progress_bar import run_with_progress
 from .workers import workers_of
 
-# Of bakes alike; `rounds` and what follows from them tell how far each came.
-_KNOWN_AFTERWARDS = ("volumes", "map_resolution", "rounds", "blocks", "continued")
+# Of bakes alike; `passes` and what follows from them tell how far each came.
+_KNOWN_AFTERWARDS = ("volumes", "map_resolution", "passes", "blocks", "continued")
 _ASKED = tuple(key for key in METADATA if key not in _KNOWN_AFTERWARDS)
 
 
@@ -57,7 +57,7 @@ def bake_line(options, threads):
     start = time.perf_counter()
     volumes, scene = to_light(options, ".vdb")
     settings = {**bake_settings(options), "threads": threads}
-    asked = stamp_of(volumes, scene, **settings)
+    asked = provenance_of(volumes, scene, **settings)
     if _is_baked(options.out, asked):
         return {"out": options.out, "seconds": None}
     checkpoint = checkpoint_of(options, resumed=True)
@@ -104,7 +104,7 @@ def _outcome(future):
 
 
 def _is_baked(path, asked):
-    """Whether a file is a whole bake of this metadata before its rounds."""
+    """Whether a file is a whole bake of this metadata before its passes."""
     try:
         found = load_bake(path).metadata
     except LeaflightError:
@@ -137,7 +137,7 @@ def _read_list(path):
             raise LeaflightError(f"{path}, line {number}: {error}") from None
         if options is None:
             continue
-        if not options.out or options.kept or options.workers or options.scheduler:
+        if not options.out or options.previous or options.workers or options.scheduler:
             raise LeaflightError(
                 f"{path}, line {number}: give VOLUME and --out, and none of --continue, --workers "
                 "and --scheduler."

@@ -183,11 +183,11 @@ def _parts(parts):
 
 
 def _isovalue(baked, options):
-    """The leaf coordinate asked for, and with several volumes what it shows of the one."""
+    """The common isovalue asked for, and with several volumes what it shows of the one."""
     if len(baked.volumes) == 1:
         return f"{options.isovalue:g}"
     own = baked.isovalue_of(options.volume, options.isovalue)
-    return f"{options.isovalue:g} ({own:g} of {baked.scene.leaves[options.volume].name})"
+    return f"{options.isovalue:g} ({own:g} of {baked.scene.isosurfaces[options.volume].name})"
 
 
 def _flatland(options):
@@ -220,7 +220,7 @@ def _flatland(options):
         "isovalues": list(baked.isovalues),
         "isolines": isolines,
         "resolution": list(baked.grid.resolution),
-        **baked.statistics,
+        **baked.statistics.record(),
     }
     lo, hi = baked.isovalues
     return result, [

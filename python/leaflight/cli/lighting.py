@@ -16,7 +16,9 @@ def to_light(options, suffix):
     """The volumes and the scene of a command that lights them and writes a file."""
     scene = load_scene(options.scene) if options.scene else cornell_box()
     readings = [(source, {}) for source in options.volumes]
-    readings = readings or [(leaves.source, leaves.reading or {}) for leaves in scene.leaves]
+    readings = readings or [
+        (isosurfaces.source, isosurfaces.reading or {}) for isosurfaces in scene.isosurfaces
+    ]
     sources = [source for source, _ in readings]
     if None in sources:
         raise LeaflightError(
@@ -29,7 +31,10 @@ def to_light(options, suffix):
     limit_memory(getattr(options, "memory", None), folder)
     volumes = [open_with(source, options, reading) for source, reading in readings]
     if options.capped:
-        scene = replace(scene, leaves=[replace(leaves, capped=True) for leaves in scene.leaves])
+        scene = replace(
+            scene,
+            isosurfaces=[replace(isosurfaces, capped=True) for isosurfaces in scene.isosurfaces],
+        )
     return volumes, scene
 
 

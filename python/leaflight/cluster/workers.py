@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Workers of a Dask cluster that sweep blocks of light for a bake, with the bits of one machine."""
+"""Workers of a Dask cluster that trace blocks of light for a bake, with the bits of one machine."""
 
 import asyncio
 import os
@@ -11,26 +11,26 @@ from pathlib import Path
 import numpy as np
 
 from .._core import Cancelled, LeaflightError
-from . import sweeper
-from .sweeper import LookedUp, Recipe
+from . import block_tracer
+from .block_tracer import LookedUp, Recipe
 
 # How often a bake that waits for a block looks whether it was cancelled.
 POLL_SECONDS = 0.1
-# A block that is lost with its worker is swept again by others so many times.
+# A block that is lost with its worker is traced again by others so many times.
 RETRIES = 3
 # What Dask raises where scheduler or workers have gone.
 _GONE = (OSError, RuntimeError, ValueError, asyncio.TimeoutError)
 # Of the core's settings, what a block depends on; threads are the worker's own.
-SETTINGS = ("resolution", "seed", "exposure", "both_sides", "surroundings")
+SETTINGS = ("resolution", "seed", "exposure", "both_sides", "walls")
 
 
 class Workers:
-    """Processes that sweep blocks for bakes: bake(volume, workers=Workers(4)).
+    """Processes that trace blocks for bakes: bake(volume, workers=Workers(4)).
 
     count: of processes on this machine, which share its processors; or scheduler: the address of a
     Dask scheduler, such as "tcp://10.0.0.1:8786", whose workers have the same Leaflight. Use as a
-    context manager, or call close(). swept: how many blocks they have brought; lost: how many the
-    bakes had to sweep themselves. Raises LeaflightError where there is no Dask or no worker.
+    context manager, or call close(). traced: how many blocks they have brought; lost: how many the
+    bakes had to trace themselves. Raises LeaflightError where there is no Dask or no worker.
     """
 
     def __init__(self, count=None, scheduler=None, patience_seconds=30):
@@ -46,7 +46,7 @@ class Workers:
                 "Workers need Dask, which is not installed: pip install 'leaflight[cluster]', or "
                 "apt-get install python3-distributed python3-cryptography."
             ) from None
-        self.swept = self.lost = 0
+        self.traced = self.lost = 0
         self._cluster = None
         self._folder = tempfile.TemporaryDirectory(prefix="leaflight-")
         if scheduler is None:
@@ -55,7 +55,7 @@ class Workers:
                 n_workers=count,
                 threads_per_worker=1,
                 processes=True,
-                # Swept blocks are as large as they are; the limit would kill, not save.
+                # Traced blocks are as large as they are; the limit would kill, not save.
                 memory_limit=0,
                 dashboard_address="127.0.0.1:0",
                 local_directory=self._folder.name,
@@ -90,9 +90,9 @@ class Workers:
         """How many there are now."""
         return len(self.client.scheduler_info()["workers"])
 
-    def sweeping(self, volumes, scene, isovalues, settings, progress):
-        """The Sweeping of a bake: what lit() gives to the core."""
-        return Sweeping(self, volumes, scene, isovalues, settings, progress)
+    def tracing(self, volumes, scene, isovalues, settings, progress):
+        """The Tracing of a bake: what lit() gives to the core."""
+        return Tracing(self, volumes, scene, isovalues, settings, progress)
 
     def shared(self, values):
         """What Recipe.arrays holds of a volume's values."""
@@ -109,7 +109,7 @@ class Workers:
         return str(path)
 
 
-class Sweeping:
+class Tracing:
     """The blocks of one bake at the workers, as _core.bake() asks for them; a context manager."""
 
     def __init__(self, workers, volumes, scene, isovalues, settings, progress):
@@ -137,8 +137,8 @@ class Sweeping:
             if self._is_connected():
                 if futures:
                     self._client.cancel(list(futures.values()), force=True)
-                    self._client.run(sweeper.cancel, self._recipe.key, on_error="ignore")
-                self._client.run(sweeper.forget, self._recipe.key, on_error="ignore")
+                    self._client.run(block_tracer.cancel, self._recipe.key, on_error="ignore")
+                self._client.run(block_tracer.forget, self._recipe.key, on_error="ignore")
         except _GONE:
             pass  # Who is not there has nothing to end.
         self._fetching.shutdown(wait=False)
@@ -147,7 +147,7 @@ class Sweeping:
                 Path(array).unlink(missing_ok=True)
 
     def begin(self, first, count, state):
-        """Has blocks swept; state: what their lines look up."""
+        """Has blocks traced; state: what their lines look up."""
         if not self._is_connected():
             return
         try:
@@ -157,7 +157,7 @@ class Sweeping:
             looked_up = self._client.scatter(looked_up, broadcast=True, hash=False)
             for number in range(first, first + count):
                 self._futures[number] = self._client.submit(
-                    sweeper.sweep, self._sent, looked_up, number, pure=False, retries=RETRIES
+                    block_tracer.trace, self._sent, looked_up, number, pure=False, retries=RETRIES
                 )
         except _GONE:
             # Nobody is there any more; the bake goes on by itself.
@@ -181,12 +181,12 @@ class Sweeping:
                     self._progress.check()
             try:
                 block = fetched.result()
-                self._workers.swept += 1
+                self._workers.traced += 1
                 return block
             except (Cancelled, LeaflightError):
                 raise
             except Exception:
-                # However it was lost, the block is the same when it is swept here.
+                # However it was lost, the block is the same when it is traced here.
                 self._sent = None
         self._workers.lost += 1
         return b""

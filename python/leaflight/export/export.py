@@ -50,9 +50,9 @@ def export(
     path: .vti and .am hold the volume with the light of all isosurfaces, .vtp and .ply one lit
         isosurface, .glb, .usda, .usdc and .usd one or a sequence; an .html shows all of all
         volumes, at first the isovalue that is given (docs/export.md).
-    isovalues: of the isosurfaces (of the leaf coordinate, see Bake), in their order; None is the
+    isovalues: of the isosurfaces (of the common isovalue, see Bake), in their order; None is the
         default one.
-    volume: the number of one of several; back: the inner side.
+    volume: the number of one of several; back: the back.
     coarser, embed: of an .html, see write_page() in page.py.
     Returns {isovalue: Surface} of what was written, empty for a volume. Raises LeaflightError,
     Cancelled.

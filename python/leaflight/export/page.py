@@ -35,7 +35,7 @@ MOST_COARSER = 3
 def write_page(path, bake, isovalue, coarser=0, embed=False, progress=None):
     """Writes a Bake as a web page, an .html that needs no server and asks for nothing.
 
-    isovalue: the leaf coordinate that is shown at first. coarser: how many times voxels and texels
+    isovalue: the common isovalue that is shown at first. coarser: how many times voxels and texels
     are halved along each axis, 0 to 3. embed: a folder named as path without its suffix instead,
     for an iframe: index.html, which fetches bake.bin beside it and so needs a server. Returns the
     path of the file, or of index.html. Raises LeaflightError, and names the coarser level that

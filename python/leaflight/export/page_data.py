@@ -14,7 +14,7 @@ from ..stills.camera import bounds_of
 from ..stills.first_view import FILLED, framing
 from ..stills.lamps import lamps_of
 from ..stills.photograph import metered_stops
-from ..stills.still import UNBAKED, inner_side
+from ..stills.still import UNBAKED, back_side
 from ..version import __version__
 from .histogram import histogram
 from .page_volume import shown_volume, volume_data
@@ -62,7 +62,7 @@ class PageData:
 
 
 def page_data(bake, isovalue, coarser, progress):
-    """The PageData of a Bake; isovalue: the leaf coordinate that is shown at first.
+    """The PageData of a Bake; isovalue: the common isovalue that is shown at first.
 
     coarser: how many times voxels and texels are halved along each axis. progress:
     _core.Progress. Raises Cancelled.
@@ -121,17 +121,17 @@ def about(bake, coarser):
     lo, hi = bake.isovalues
     rows.append(("Isovalues lit", f"{lo:g} to {hi:g}"))
     rows.append(("Scene", bake.scene.name))
-    if bake.scene.meshes and bake.surroundings is None:
-        rows.append(("Walls", "shaded locally; a bake with --surroundings lights them"))
-    if any(inner_side(bake, number) == "local" for number in range(len(bake.volumes))):
-        rows.append(("Inner sides", "not baked; a light at the camera shows their shape"))
-    error = known.get("estimated_error_percent")
+    if bake.scene.meshes and bake.walls is None:
+        rows.append(("Walls", "shaded locally; a bake with --walls lights them"))
+    if any(back_side(bake, number) == "local" for number in range(len(bake.volumes))):
+        rows.append(("backs", "not baked; a light at the camera shows their shape"))
+    error = known.estimated_error_percent
     if error:
         rows.append(("Error of the bake", f"{error:.2g} % of the displayable range, estimated"))
-    worst = known.get("worst_error_percent")
+    worst = known.worst_error_percent
     if worst:
-        rows.append(("Greatest error", f"{worst:.2g} %, at isovalue {known['worst_isovalue']:g}"))
-    rows.append(("Bake", f"{known['seconds']:.3g} s, {known['rays']:.3g} rays"))
+        rows.append(("Greatest error", f"{worst:.2g} %, at isovalue {known.worst_isovalue:g}"))
+    rows.append(("Bake", f"{known.seconds:.3g} s, {known.rays:.3g} rays"))
     rows.append(("Bake's id", bake.id))
     rows.append(("Made with", f"Leaflight {__version__}"))
     return rows

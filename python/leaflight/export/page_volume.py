@@ -8,7 +8,7 @@ import leaflight._core as _core
 import numpy as np
 
 from ..scene.scene import core_scene, is_color
-from ..stills.still import inner_side
+from ..stills.still import back_side
 from .light_bricks import light_bricks
 from .shared_exponent import packed
 from .visibility_levels import POINTS_A_TEXEL, code_of, pairs, ranges
@@ -35,11 +35,11 @@ class ShownVolume:
     @property
     def sides(self):
         """Of isosurfaces, False the outer one, that the page has light for."""
-        return (False, True) if inner_side(self.bake, self.number) == "baked" else (False,)
+        return (False, True) if back_side(self.bake, self.number) == "baked" else (False,)
 
     def has_maps(self, back):
         """Whether direct light is added to the texels of a side; or they hold all light."""
-        return self.direct is not None and (not back or self.direct.has_inner)
+        return self.direct is not None and (not back or self.direct.has_back)
 
     @property
     def raw_bytes(self):
@@ -78,7 +78,7 @@ def texels_of(bake, number, coarser):
 def volume_data(data, shown):
     """What the header of a page tells of a ShownVolume; the blocks go into its PageData."""
     bake, number, volume = shown.bake, shown.number, shown.volume
-    leaves, field = bake.scene.leaves[number], volume.field()
+    isosurfaces, field = bake.scene.isosurfaces[number], volume.field()
     codes, offset, scale = coded(np.asarray(volume.values))
     return {
         "name": volume.name,
@@ -92,9 +92,9 @@ def volume_data(data, shown):
         "scale": scale,
         "light": _light_data(data, shown),
         "direct": _direct_data(data, shown, codes, offset, scale),
-        "innerIs": inner_side(bake, number),
-        "albedo": _stops(leaves.albedo),
-        "emission": _stops(leaves.emission),
+        "innerIs": back_side(bake, number),
+        "albedo": _stops(isosurfaces.albedo),
+        "emission": _stops(isosurfaces.emission),
     }
 
 
@@ -229,7 +229,7 @@ def estimated_bytes(bake, coarser=0):
 def _raw_parts(bake, number, texels, dims):
     """Bytes of the light of a volume, of its maps, and of its values, before they deflate."""
     direct = bake.grids[number].direct
-    sides = 2 if inner_side(bake, number) == "baked" else 1
+    sides = 2 if back_side(bake, number) == "baked" else 1
     map_texels = min(math.prod(dims), math.prod(direct.resolution)) if direct else 0
     bytes_a_texel = -(-len(direct.light_points) // 2) if direct else 0
     bytes_a_voxel = 1 if np.asarray(bake.volumes[number].values).dtype == np.uint8 else 2

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The walls of a web page. Those with baked light have indirect light at nodes of the leaf
+"""The walls of a web page. Those with baked light have indirect light at nodes of the isosurface
 coordinate, and ways to light points, from which the page has direct light at any
 (web/src/wall_light.ts); others are shaded by the page."""
 
@@ -13,9 +13,9 @@ from .visibility_levels import code_of
 def walls_data(data, bake):
     """What the header of a page tells of a bake's walls; the blocks go into its PageData."""
     nodes, tints, strengths = [], [], None
-    if bake.surroundings is not None and bake.scene.meshes:
-        nodes = list(bake.surroundings.nodes)
-        amounts = bake.surroundings.point_amounts
+    if bake.walls is not None and bake.scene.meshes:
+        nodes = list(bake.walls.nodes)
+        amounts = bake.walls.point_amounts
         strengths = amounts.max(axis=-1)
         tints = (amounts / np.maximum(strengths[..., None], 1e-30)).tolist()
     meshes = [_wall(data, bake, strengths, mesh) for mesh in room_meshes(bake)]
@@ -35,7 +35,7 @@ def _wall(data, bake, strengths, mesh):
 
 
 def _light(data, bake, strengths, number):
-    lit, exposure = bake.surroundings, np.float32(bake.scene.exposure)
+    lit, exposure = bake.walls, np.float32(bake.scene.exposure)
 
     def colors(light):
         return data.add_colors(packed(light * exposure)) if light.any() else None
@@ -53,7 +53,7 @@ def _light(data, bake, strengths, number):
 
 
 def codes(greatest, window):
-    """Leaf coordinates as bytes: 1 to 253 over the window, rounded down, 0 below it, 254 above it,
+    """Common isovalues as bytes: 1 to 253 over the window, rounded down, 0 below it, 254 above it,
     255 where they are infinite."""
     found = np.clip(np.floor(code_of(greatest, window)), 0, 254)
     return np.where(np.isposinf(greatest), 255, found).astype(np.uint8)

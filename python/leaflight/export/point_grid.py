@@ -14,7 +14,7 @@ class PointGrid:
     values: float32 (nz, ny, nx), in data units, NaN where there are no data; radiance: float32
     (nz, ny, nx, 3), W/(m^2 sr), linear RGB, of the isosurface through each point, 0 where none of
     the window passes; error: float32 (nz, ny, nx), the standard error of its mean over the
-    channels; radiance_back: that of the inner sides, or None where these were not baked.
+    channels; radiance_back: that of the backs, or None where these were not baked.
     """
 
     index_to_world: np.ndarray

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What surrounds the isolines of flatland: walls and lamps, as plain data and as scene files.
 
-A scene file of flatland is a JSON object with the keys "name", "coordinates", "leaf_albedo",
+A scene file of flatland is a JSON object with the keys "name", "coordinates", "isosurface_albedo",
 "exposure" and "comment" of scene_file.py, and, with points [x, y],
 
     meshes        list of {"name", "albedo": [r, g, b] in 0..1, "vertices": [[x, y], ...],
@@ -17,7 +17,7 @@ import leaflight._core as _core
 import numpy as np
 
 from ..io.json_object import parse, read_text
-from ..scene.scene import Fit, Leaves, core_leaves
+from ..scene.scene import Fit, Isosurfaces, core_isosurfaces
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ class FlatScene:
     """How isolines look and what surrounds them; coordinates as of a SceneDescription."""
 
     name: str
-    leaves: Leaves
+    isosurfaces: Isosurfaces
     exposure: float
     walls: list
     lamps: list
@@ -55,10 +55,10 @@ class FlatScene:
 def load_flat_scene(path):
     """Reads a scene file of flatland. Raises LeaflightError naming the object that is wrong."""
     root = parse(read_text(path), str(path))
-    root.only("name", "coordinates", "leaf_albedo", "exposure", "meshes", "lights", "comment")
+    root.only("name", "coordinates", "isosurface_albedo", "exposure", "meshes", "lights", "comment")
     return FlatScene(
         root.text("name"),
-        Leaves("isolines", root.ramp("leaf_albedo", largest=1.0)),
+        Isosurfaces("isolines", root.ramp("isosurface_albedo", largest=1.0)),
         root.positive("exposure"),
         [_wall(item) for item in root.named("meshes", "mesh")],
         [_lamp(item) for item in root.named("lights", "light")],
@@ -116,5 +116,5 @@ def core_flat_scene(scene, field, window):
     lamps = [
         _core.AreaLight2(lamp.name, lamp.corner, lamp.edge, lamp.radiance) for lamp in scene.lamps
     ]
-    volume = core_leaves(_core.Volume2, scene.leaves, field)
+    volume = core_isosurfaces(_core.Volume2, scene.isosurfaces, field)
     return _core.Scene2([volume], walls, lamps, isovalues=window)

@@ -13,7 +13,8 @@ import leaflight._core as _core
 import numpy as np
 
 from .._core import LeaflightError
-from ..bake.settings import bake_settings, leaf_window
+from ..bake.settings import bake_settings, isovalue_window
+from ..bake.statistics import Statistics, statistics_of
 from ..io.images import display_colours, luminance, read_pixels
 from ..progress_bar import with_progress
 from ..volume.setting_error import SettingError
@@ -50,7 +51,7 @@ class FlatBake:
     scene: FlatScene
     isovalues: tuple
     grid: object
-    statistics: dict
+    statistics: Statistics
 
     def texture(self):
         """Radiance, linear float32 [y, x, RGB]; zero where no isoline of the window passes."""
@@ -69,11 +70,11 @@ class FlatBake:
         return Isolines(vertices, segments, self.radiance(vertices))
 
     def radiance(self, points):
-        """Baked radiance, float32 (n, 3), at world points (n, 2); zero where no leaf passes."""
+        """Baked radiance, float32 (n, 3), at world points (n, 2); zero where there is none."""
         return self.grid.lookup(self.volume.field(), points)
 
     def reference(self, points, isovalue, spp=1024, seed=0, threads=0, progress=None):
-        """Path-traced radiance at points (n, 2) of an isoline, on its outer side.
+        """Path-traced radiance at points (n, 2) of an isoline, on its front.
 
         Returns (radiance, standard_error), float32 (n, 3) each. Raises LeaflightError, Cancelled.
         """
@@ -131,7 +132,7 @@ def bake_flatland(
         threads=threads,
     )
     baked = _core.bake2(core, settings, progress or _core.Progress())
-    return FlatBake(volume, scene, window, baked.grids[0], dict(baked.statistics))
+    return FlatBake(volume, scene, window, baked.grids[0], statistics_of(baked.statistics))
 
 
 def flat_placed(volume, scene, isovalues):
@@ -139,7 +140,7 @@ def flat_placed(volume, scene, isovalues):
     if np.ndim(volume.values) != 2:
         raise LeaflightError(f"{volume.name}: flatland needs an image, not a volume.")
     scene = fit_flat_scene(scene or flat_box(), volume)
-    window = leaf_window(isovalues, [volume], [scene.leaves])
+    window = isovalue_window(isovalues, [volume], [scene.isosurfaces])
     return scene, window, core_flat_scene(scene, volume.field(), window)
 
 

@@ -29,7 +29,7 @@ def graph_radiance(bake, height=GRAPH_HEIGHT, spp=64, seed=0, threads=0, progres
     # The two triangles of a cell share the middle of their diagonal.
     first = np.arange(0, len(triangles), 2, dtype=np.int32)
     places = np.tile([0.0, 0.5], (len(first), 1))
-    radiance, error = _core.reference_surroundings(
+    radiance, error = _core.reference_walls(
         scene, 0, first, places, 0.5, spp, seed, threads, progress or _core.Progress()
     )
     return radiance.reshape(ny, nx, 3), error.reshape(ny, nx, 3)
@@ -56,7 +56,7 @@ def graph_mesh(volume, height=GRAPH_HEIGHT):
 def _scene_in_space(bake, vertices, triangles):
     """The graph, and the walls and lamps of the plane raised to its height; open above."""
     top = float(vertices[:, 2].max())
-    albedo = bake.scene.leaves.albedo
+    albedo = bake.scene.isosurfaces.albedo
     meshes = [_core.Mesh("graph", vertices, triangles, albedo)]
     for wall in bake.scene.walls:
         flat = np.asarray(wall.vertices, np.float32)

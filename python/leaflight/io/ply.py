@@ -23,12 +23,12 @@ def write_ply(path, surface, exposure):
 def write_photons(path, photons):
     """Writes Photons as binary PLY of points, as write_ply does.
 
-    Vertex properties: x y z (double), flux_r flux_g flux_b and leaf_coordinate (float, see
+    Vertex properties: x y z (double), flux_r flux_g flux_b and common_isovalue (float, see
     photons.py), direct (uchar, 0 or 1), red green blue (uchar).
     """
     properties = {
         **_columns("flux_r flux_g flux_b", photons.flux_height),
-        "leaf_coordinate": photons.leaf_coordinate,
+        "common_isovalue": photons.common_isovalue,
         "direct": photons.direct.astype("uint8"),
         **_columns("red green blue", display_colours(photons.colours(), 1.0)),
     }

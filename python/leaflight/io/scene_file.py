@@ -5,14 +5,14 @@
     coordinates   "world": the numbers are world coordinates; or "box": they are relative to the
                   volumes, the longest side of whose common box runs from -1 to 1 around its
                   centre, so that the scene fits any volume
-    leaf_albedo   of every isosurface of every volume: [r, g, b] in 0..1, or stops
+    isosurface_albedo   of every isosurface of every volume: [r, g, b] in 0..1, or stops
                   [[isovalue, [r, g, b]], ...] in ascending isovalues
-    leaf_emission, leaf_scattering, leaf_ior, capped
+    isosurface_emission, isosurface_scattering, isosurface_ior, capped
                   optional, as "emission", "scattering", "ior", "capped" of a volume
-    volumes       instead of leaf_* and capped, a list of {"name", "albedo", and optionally
+    volumes       instead of isosurface_* and capped, a list of {"name", "albedo", and optionally
                   "emission": as albedo, but radiance in W/(m^2 sr),
                   "scattering": "diffuse", "mirror" or "glass", "ior": of glass (1.5),
-                  "isovalues": [lo, hi], what the leaf coordinates 0 and 1 show,
+                  "isovalues": [lo, hi], what the common isovalues 0 and 1 show,
                   "capped": true closes the isosurfaces at the border of the volume,
                   "source": file, relative to the scene file, or generated volume,
                   "reading": {"frame": 1, ...}, options of read_volume() for it}
@@ -53,7 +53,7 @@ from ..scene.scene import (
     AreaLight,
     Cone,
     Environment,
-    Leaves,
+    Isosurfaces,
     Mesh,
     PointLight,
     SceneDescription,
@@ -77,7 +77,7 @@ def load_scene(path):
 
 
 def cornell_box():
-    """The default surroundings, in box coordinates: scenes/cornell.json."""
+    """The default walls, in box coordinates: scenes/cornell.json."""
     return packaged_scene("cornell.json")
 
 
@@ -95,16 +95,22 @@ def scene_from_json(text, source="scene", folder="."):
     both = ("name", "coordinates", "exposure", "meshes", "lights", "environment", "comment")
     if "volumes" in root:
         root.only("volumes", *both)
-        leaves = [_leaves(item, folder) for item in root.named("volumes", "volume")]
-        if not leaves:
+        isosurfaces = [_isosurfaces(item, folder) for item in root.named("volumes", "volume")]
+        if not isosurfaces:
             raise root.error('"volumes" must name at least one volume')
     else:
-        own = ("leaf_albedo", "leaf_emission", "leaf_scattering", "leaf_ior", "capped")
+        own = (
+            "isosurface_albedo",
+            "isosurface_emission",
+            "isosurface_scattering",
+            "isosurface_ior",
+            "capped",
+        )
         root.only(*own, *both)
-        leaves = [_look(root, "isosurfaces", "leaf_")]
+        isosurfaces = [_look(root, "isosurfaces", "isosurface_")]
     return SceneDescription(
         name=root.text("name"),
-        leaves=leaves,
+        isosurfaces=isosurfaces,
         exposure=root.positive("exposure"),
         meshes=[_mesh(item, folder) for item in root.named("meshes", "mesh")],
         lights=[_light(item) for item in root.named("lights", "light")],
@@ -116,8 +122,8 @@ def scene_from_json(text, source="scene", folder="."):
 
 
 def _look(item, name, prefix=""):
-    """The Leaves of an object whose keys begin with a prefix."""
-    return Leaves(
+    """The Isosurfaces of an object whose keys begin with a prefix."""
+    return Isosurfaces(
         name=name,
         albedo=item.ramp(prefix + "albedo", largest=1.0),
         emission=item.ramp(prefix + "emission", default=BLACK),
@@ -127,7 +133,7 @@ def _look(item, name, prefix=""):
     )
 
 
-def _leaves(item, folder):
+def _isosurfaces(item, folder):
     item.only(
         *("name", "source", "reading", "albedo", "emission", "scattering", "ior", "isovalues"),
         "capped",
@@ -285,12 +291,12 @@ def _image(item, key, folder):
 def scene_to_json(description):
     """The text that scene_from_json turns into the same description again."""
     data = _plain(description) | {"coordinates": description.coordinates}
-    data["volumes"] = [_plain(leaves) for leaves in description.leaves]
+    data["volumes"] = [_plain(isosurfaces) for isosurfaces in description.isosurfaces]
     data["meshes"] = [_plain(mesh) for mesh in description.meshes]
     data["lights"] = [_light_data(light) for light in description.lights]
     if description.environment is not None:
         data["environment"] = _plain(description.environment)
-    del data["leaves"]
+    del data["isosurfaces"]
     return json.dumps(data, separators=(",", ":"))
 
 

@@ -5,7 +5,7 @@ import time
 
 from .._core import LeaflightError
 from ..progress_bar import with_progress
-from .sides import LeafSide, MeshSide
+from .sides import IsosurfaceSide, MeshSide
 from .truth import errors_of
 
 
@@ -25,14 +25,14 @@ def compare(
 ):
     """Compares baked with path-traced radiance at random points of one volume's isosurface.
 
-    back: on its inner side; mesh: the name of a mesh of the surroundings to compare on instead,
+    back: on its back; mesh: the name of a mesh of the walls to compare on instead,
     back then being the side from which its normals point away. reference: "path", the core's own
     path tracer, or "cycles" (cycles.py). spp: paths a point.
-    `isovalue` is the leaf coordinate, as everywhere in a Bake.
+    `isovalue` is the common isovalue, as everywhere in a Bake.
 
     The points are distributed by area over the marching-cubes triangles; the bake is looked up
-    where the mesh is, the core's reference is traced from the leaf itself. Points inside another
-    volume's isosurface do not count. Returns a dict with
+    where the mesh is, the core's reference is traced from the isosurface itself. Points inside
+    another volume's isosurface do not count. Returns a dict with
 
     rms_percent              RMS error of the colours in percent (thesis Eq. 4.11, corrected: a
                              colour is radiance times exposure, clamped to 0..1)
@@ -45,17 +45,17 @@ def compare(
     mean_ratio_error         its standard error from the noise of the reference
     exposed                  the same six, and their points, over the points that can be seen from
                              outside the volume; a scan hides most of an isosurface in the dark;
-                             None of the inner side and of meshes
+                             None of the back and of meshes
     parts                    noise_percent, texture_percent and mesh_percent, of which rms_percent
                              and the reference's noise are the sum of squares (truth.py); None of
-                             the inner side and of meshes
+                             the back and of meshes
     and points, spp, reference, isovalue, triangles, bake_seconds, reference_seconds.
     Raises LeaflightError, Cancelled.
     """
     if points < 1 or spp < 2:
         raise LeaflightError("compare needs at least 1 point and 2 samples per point.")
     if mesh is None:
-        side = LeafSide(bake, isovalue, volume, back)
+        side = IsosurfaceSide(bake, isovalue, volume, back)
     else:
         side = MeshSide(bake, mesh, isovalue, back)
     work = {"spp": spp, "seed": seed, "threads": threads, "progress": progress}
@@ -77,6 +77,6 @@ def compare(
         **errors_of(baked, truth, exposure),
         "parts": parts,
         "exposed": None if exposed is None else errors_of(baked, truth, exposure, exposed),
-        "bake_seconds": bake.statistics["seconds"],
+        "bake_seconds": bake.statistics.seconds,
         "reference_seconds": reference_seconds,
     }

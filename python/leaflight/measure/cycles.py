@@ -2,7 +2,7 @@
 """An independent judge: the radiance that Cycles, Blender's path tracer, finds in a scene.
 
 A background Blender builds the very same scene: the marching-cubes mesh of each volume with the
-core's normals as custom split normals, hence shaded smoothly; the surroundings flat; the lights in
+core's normals as custom split normals, hence shaded smoothly; the walls flat; the lights in
 Blender's units; mirrors and glass of roughness 0. Cycles then measures points of one mesh with
 nothing that would trade noise for bias (cycles_scene.py).
 
@@ -74,28 +74,28 @@ def measure(
     detail=1,
     progress=None,
 ):
-    """Radiance by Cycles on the leaf of a volume, or on a mesh of the surroundings: a Measured.
+    """Radiance by Cycles on the isosurface of a volume, or on a mesh of the walls: a Measured.
 
-    description: in world coordinates, with one Leaves for each of the fields (_core.Field); c: the
-    leaf coordinate; volume, mesh: numbers of the one to measure, the mesh if both are given; back:
-    its inner side, or that against its normals. points: about how many; samples: paths a point;
+    description: in world coordinates, with one Isosurfaces for each of the fields (_core.Field); c:
+    the common isovalue; volume, mesh: numbers of the one to measure, the mesh if both are given;
+    back: its back, or that against its normals. points: about how many; samples: paths a point;
     threads: 0 takes every core. detail: marching cubes runs on cells cut into detail^3; 1 is the
     mesh that users see. Raises LeaflightError, Cancelled.
     """
-    # A finer mesh is no better judge of diffuse leaves: the trilinear leaf has kinks at the faces
-    # of cells, where the smooth normal sees light that the facet faces away from (see above). At
-    # isovalue 100.5 of nucleon.raw the core's path tracer differs by 0.44 % from the mesh itself,
-    # of which 0.36 % is noise, and by 1.2 to 1.8 % from cells cut in 2, 4 or 8. Glass, which bends
-    # light by its facets, wants the finer mesh.
-    leaves = [_leaf(description, field, k, c, detail) for k, field in enumerate(fields)]
+    # A finer mesh is no better judge of diffuse isosurfaces: the trilinear isosurface has kinks at
+    # the faces of cells, where the smooth normal sees light that the facet faces away from (see
+    # above). At isovalue 100.5 of nucleon.raw the core's path tracer differs by 0.44 % from the
+    # mesh itself, of which 0.36 % is noise, and by 1.2 to 1.8 % from cells cut in 2, 4 or 8. Glass,
+    # which bends light by its facets, wants the finer mesh.
+    isosurfaces = [_isosurface(description, field, k, c, detail) for k, field in enumerate(fields)]
     meshes = [_mesh(mesh) for mesh in description.meshes]
-    target = leaves[volume] if mesh is None else meshes[mesh]
+    target = isosurfaces[volume] if mesh is None else meshes[mesh]
     if len(target.corners["triangles"]) == 0:
         raise LeaflightError(f'"{target.look["name"]}" has no surface here; choose another value.')
     probes, pixels, size, target.corners["target_uv"] = _lay_out(target, points, seed)
     if back:
         target.flip()
-    settings, arrays = _scene(description, leaves + meshes, target, threads)
+    settings, arrays = _scene(description, isosurfaces + meshes, target, threads)
     settings["image_size"] = size
     each = -(-samples // PASSES)
     settings["passes"] = [(each, seed * PASSES + number) for number in range(PASSES)]
@@ -120,15 +120,15 @@ class VertexBakes:
 def bake_vertices(description, isovalue, mesh, passes, *, threads=0, progress=None):
     """What Blender's users do instead: Cycles bakes one isosurface into its mesh's vertices.
 
-    description: in world coordinates, with one Leaves; isovalue: which; mesh: (vertices, normals,
-    triangles) of it; passes: (samples, seed) of each, samples being paths at each corner of a
-    triangle. Returns VertexBakes. Raises LeaflightError, Cancelled.
+    description: in world coordinates, with one Isosurfaces; isovalue: which; mesh: (vertices,
+    normals, triangles) of it; passes: (samples, seed) of each, samples being paths at each corner
+    of a triangle. Returns VertexBakes. Raises LeaflightError, Cancelled.
     """
-    leaves = description.leaves[0]
-    ramps = (ramp_at(ramp, isovalue) for ramp in (leaves.albedo, leaves.emission))
+    isosurfaces = description.isosurfaces[0]
+    ramps = (ramp_at(ramp, isovalue) for ramp in (isosurfaces.albedo, isosurfaces.emission))
     vertices, normals, triangles = mesh
     arrays = {"vertices": vertices, "normals": normals}
-    target = _Object(_look(leaves, *ramps), arrays, {"triangles": triangles})
+    target = _Object(_look(isosurfaces, *ramps), arrays, {"triangles": triangles})
     objects = [target, *(_mesh(mesh) for mesh in description.meshes)]
     settings, arrays = _scene(description, objects, target, threads)
     settings["image_size"] = None
@@ -173,13 +173,15 @@ class _Object:
             self.vertices["normals"] = -self.vertices["normals"]
 
 
-def _leaf(description, field, volume, c, detail):
-    leaves = description.leaves[volume]
+def _isosurface(description, field, volume, c, detail):
+    isosurfaces = description.isosurfaces[volume]
     isovalue = isovalue_at(description, volume, c)
     vertices, _, triangles = _core.contour(_finer(field, detail), isovalue)
     normals = _core.normals(field, vertices)
-    albedo, emission = (ramp_at(ramp, isovalue) for ramp in (leaves.albedo, leaves.emission))
-    look = _look(leaves, albedo, emission)
+    albedo, emission = (
+        ramp_at(ramp, isovalue) for ramp in (isosurfaces.albedo, isosurfaces.emission)
+    )
+    look = _look(isosurfaces, albedo, emission)
     return _Object(look, {"vertices": vertices, "normals": normals}, {"triangles": triangles})
 
 

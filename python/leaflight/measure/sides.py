@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One side of an isosurface, or of a mesh around it: what a bake shows and what references find.
 
-isovalue always is the leaf coordinate. spp: paths a point; seed, threads, progress: see bake.py.
+isovalue always is the common isovalue. spp: paths a point; seed, threads, progress: see bake.py.
 """
 
 from dataclasses import replace
@@ -20,8 +20,8 @@ EXPOSURE_RAYS = 32
 PASSES = 8
 
 
-class LeafSide:
-    """The isosurface of a volume; back: its inner side. Raises LeaflightError.
+class IsosurfaceSide:
+    """The isosurface of a volume; back: its back. Raises LeaflightError.
 
     Points are those of its marching-cubes mesh, float64 (n, 3), world; triangles: how many it has.
     The mesh is as fine as texels are, but hangs on no light: bakes are compared at the same points.
@@ -31,7 +31,7 @@ class LeafSide:
         self.bake, self.isovalue = bake, isovalue
         self.where = {"volume": volume, "back": back}
         bake.check_isovalue(isovalue, volume)
-        _check_diffuse(bake.scene.leaves[volume])
+        _check_diffuse(bake.scene.isosurfaces[volume])
         mesh = bake.grids[volume].lit_contour(self._field(), self._own(), front=False)
         self._vertices, _, self._triangles, *_ = mesh
         # That side may not have been baked.
@@ -48,11 +48,11 @@ class LeafSide:
         return self.path_traced_at(on_mesh, spp, seed, threads, progress)
 
     def path_traced_at(self, on_mesh, spp, seed, threads, progress):
-        """The same for given points of the mesh, traced from the leaf next to them."""
+        """The same for given points of the mesh, traced from the isosurface next to them."""
         passes = min(PASSES, spp)
-        on_leaf = np.tile(self._projected(on_mesh), (passes, 1))
+        on_isosurface = np.tile(self._projected(on_mesh), (passes, 1))
         radiance, _ = self.bake.reference(
-            on_leaf, self.isovalue, -(-spp // passes), seed, threads, progress, **self.where
+            on_isosurface, self.isovalue, -(-spp // passes), seed, threads, progress, **self.where
         )
         return self._of_visible(_of_passes(on_mesh, radiance, passes))
 
@@ -66,7 +66,7 @@ class LeafSide:
     def _of_visible(self, truth):
         """The same; points inside another volume's isosurface, which are hidden, have no weight."""
         weights = truth.weights.copy()
-        for other, look in enumerate(self.bake.scene.leaves):
+        for other, look in enumerate(self.bake.scene.isosurfaces):
             if other != self.where["volume"] and look.scattering != "glass":
                 values = self.bake.volumes[other].field().sample(truth.points)
                 weights[values >= self.bake.isovalue_of(other, self.isovalue)] = 0
@@ -85,14 +85,14 @@ class LeafSide:
         return parts_of(self.baked(truth.points), error, path, truth, self.bake.scene.exposure)
 
     def exposed(self, points, seed):
-        """Which points can be seen from outside, a mask (n,); None of the inner side."""
+        """Which points can be seen from outside, a mask (n,); None of the back."""
         if self.where["back"]:
             return None
-        on_leaf = self._projected(points)
-        return _core.exposed(self._field(), on_leaf, self._own(), EXPOSURE_RAYS, seed) > 0
+        on_isosurface = self._projected(points)
+        return _core.exposed(self._field(), on_isosurface, self._own(), EXPOSURE_RAYS, seed) > 0
 
     def _projected(self, points):
-        return _core.project_to_leaf(self._field(), points, self._own())
+        return _core.project_to_isosurface(self._field(), points, self._own())
 
     def _own(self):
         return self.bake.isovalue_of(self.where["volume"], self.isovalue)
@@ -104,7 +104,7 @@ class LeafSide:
 class MeshSide:
     """The mesh of that name around the volumes; back: seen against its normals.
 
-    As LeafSide, without parts.
+    As IsosurfaceSide, without parts.
     """
 
     def __init__(self, bake, name, isovalue, back=False):

@@ -70,13 +70,13 @@ def parts_of(radiance, error, path, truth, exposure):
     """What the error of radiance (n, 3) against the truth consists of: a dict of percents.
 
     error: (n,), the standard error that the bake reports for its radiance; path: Truth of the path
-    tracer at the same points of the leaf, which may be the truth itself. Squares add up:
+    tracer at the same points of the isosurface, which may be the truth itself. Squares add up:
 
     noise_percent    the reported error
     texture_percent  what else the bake differs by from the path tracer: its resolution, and the
                      bias of its estimator
-    mesh_percent     what the path tracer differs by from the truth: a mesh stands for the leaf;
-                     None where the path tracer is the truth
+    mesh_percent     what the path tracer differs by from the truth: a mesh stands for the
+                     isosurface; None where the path tracer is the truth
     """
     weights = truth.weights
     noise = noise_percent(radiance, error[:, None], exposure, weights)

@@ -3,7 +3,7 @@
 
 Each case is baked once, as a user would who touches no setting. Some isosurfaces of it are measured
 by Cycles at random points of the mesh that users see (cycles.py), and by the core's path tracer on
-the leaf next to these. The bake is held against both.
+the isosurface next to these. The bake is held against both.
 """
 
 from dataclasses import dataclass, replace
@@ -13,8 +13,9 @@ import numpy as np
 from ..bake.bake import bake
 from ..bake.estimate import Estimate, estimate
 from ..bake.settings import DEFAULT_ERROR
+from ..bake.statistics import Statistics
 from ..io.scene_file import packaged_scene
-from ..measure.sides import LeafSide
+from ..measure.sides import IsosurfaceSide
 from ..measure.truth import errors_of, without
 from ..measure.volume_recipes import (
     amos,
@@ -42,7 +43,7 @@ MET, TOLD, MISSED = "met", "told", "missed"
 
 @dataclass(frozen=True)
 class Case:
-    """What is baked. volumes(folder, fineness): see volume_recipes.py; isovalues: leaf coordinates
+    """What is baked. volumes(folder, fineness): see volume_recipes.py; isovalues: common isovalues
     that are judged, on each of the volumes; scene: of the package, None is the Cornell box.
     """
 
@@ -108,13 +109,13 @@ class BakeRow:
     case: Case
     nodes: tuple
     before: Estimate
-    statistics: dict
+    statistics: Statistics
     found: float
 
     @property
     def after(self):
         """Percent that the bake says it errs by."""
-        return self.statistics["estimated_error_percent"]
+        return self.statistics.estimated_error_percent
 
     @property
     def told(self):
@@ -184,7 +185,7 @@ def _rows(case, volumes, effort, run, seed, threads):
     # Another seed than the bake's.
     work = {"seed": seed + 1, "threads": threads}
     judged = [
-        (number, isovalue, *_judged(LeafSide(baked, isovalue, number), effort, work, step))
+        (number, isovalue, *_judged(IsosurfaceSide(baked, isovalue, number), effort, work, step))
         for number in range(len(volumes))
         for isovalue in case.isovalues
     ]
@@ -199,7 +200,7 @@ def _rows(case, volumes, effort, run, seed, threads):
 
 
 def _judged(side, effort, work, step):
-    """(paths, errors, their parts) of a LeafSide."""
+    """(paths, errors, their parts) of an IsosurfaceSide."""
     at, exposure = f"at {side.isovalue:g}", side.bake.scene.exposure
 
     def errors(truth):

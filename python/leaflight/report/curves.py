@@ -13,7 +13,7 @@ import numpy as np
 
 from ..io.scene_file import packaged_scene
 from ..measure.cycles import bake_vertices
-from ..scene.scene import fit_scene, match_leaves
+from ..scene.scene import fit_scene, match_isosurfaces
 from ..thesis import Scattered, bake
 from ..volume.volume import bump_box
 from .isosurfaces import isosurfaces
@@ -126,7 +126,7 @@ def measure_curves(effort, run, *, seed=0, threads=0, cycles=True, kinds=KINDS):
     """
     volume = bump_box(effort.texels)
     scene = packaged_scene("bump_box.json")
-    scene = fit_scene(match_leaves(scene, [volume]), [volume])
+    scene = fit_scene(match_isosurfaces(scene, [volume]), [volume])
     # Another seed than that of any bake.
     reference = isosurfaces(
         [volume],

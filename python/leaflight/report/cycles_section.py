@@ -10,7 +10,7 @@ from .against_cycles import MET, MISSED, TOLD, TRUE_WITHIN
 DARK = 0.01
 BAKE_FORMATS = {
     "texels": "{:,}",
-    "rounds": "{}",
+    "passes": "{}",
     "said s": "{:.0f}",
     "bake s": "{:.1f}",
     "said before %": "{:.2f}",
@@ -37,10 +37,10 @@ def bake_rows(rows):
         {
             "bake": name,
             "nodes": " x ".join(map(str, bake.nodes)),
-            "texels": bake.statistics["texels"],
-            "rounds": bake.statistics["rounds"],
+            "texels": bake.statistics.texels,
+            "passes": bake.statistics.passes,
             "said s": bake.before.seconds,
-            "bake s": bake.statistics["seconds"],
+            "bake s": bake.statistics.seconds,
             "said before %": bake.before.error,
             "said after %": bake.after,
             "found %": bake.found,

@@ -7,10 +7,10 @@ the same kind, and some scans stand beside them where there are any.
 
 from dataclasses import dataclass
 
-from ..bake.settings import leaf_window
+from ..bake.settings import isovalue_window
 from ..io.scene_file import cornell_box, packaged_scene
 from ..measure.volume_recipes import bunny, colin27, generated, neuron_stack, nucleon
-from ..scene.scene import fit_scene, match_leaves
+from ..scene.scene import fit_scene, match_isosurfaces
 from ..thesis import bake
 from ..volume.particles import lapr, neuron, nucleons
 from .isosurfaces import isosurfaces
@@ -47,7 +47,7 @@ class Printed:
 class DataSet:
     """volumes(folder, fineness): see volume_recipes.py.
 
-    isovalues: that are judged, leaf coordinates; scene: of the package, None is the Cornell box.
+    isovalues: that are judged, common isovalues; scene: of the package, None is the Cornell box.
     """
 
     name: str
@@ -145,10 +145,10 @@ def measure_data_sets(effort, run, *, folder=None, seed=0, threads=0, data_sets=
 
 def _row(data_set, volumes, effort, run, seed, threads):
     scene = packaged_scene(data_set.scene) if data_set.scene else cornell_box()
-    scene = fit_scene(match_leaves(scene, volumes), volumes)
+    scene = fit_scene(match_isosurfaces(scene, volumes), volumes)
     # Everything that the data hold, as the thesis's bakes do.
     whole = (0.0, 1.0) if len(volumes) > 1 else volumes[0].data_range()
-    window = leaf_window(whole, volumes, scene.leaves)
+    window = isovalue_window(whole, volumes, scene.isosurfaces)
     dims = volumes[0].field().dims
 
     def work(progress):
@@ -185,7 +185,7 @@ def _row(data_set, volumes, effort, run, seed, threads):
         data_set,
         tuple(dims),
         tuple(baked.grid.resolution),
-        baked.statistics["texels"],
+        baked.statistics.texels,
         cost,
         error,
         reference.noise,

@@ -12,7 +12,7 @@ import numpy as np
 from ..bake.color_error import rms_percent
 from ..flatland.flatland import BRIGHTNESS_CORRECTION, bump_box_2d
 from ..io.scene_file import cornell_box, packaged_scene
-from ..scene.scene import fit_scene, match_leaves
+from ..scene.scene import fit_scene, match_isosurfaces
 from ..thesis import Scattered, bake, bake_flatland
 from ..volume.particles import neuron
 from ..volume.volume import bump_box
@@ -147,7 +147,7 @@ def table_3_1(effort, run):
         texture = result.texture()
         errors = [rms_percent(texture, wanted, exposure) for wanted in (truth, averaged)]
         others = {"averaged reference": errors[1]}
-        rows.append(Row(trial, errors[0], result.statistics["seconds"], others))
+        rows.append(Row(trial, errors[0], result.statistics.seconds, others))
         if trial.printed:
             pictures[trial.name] = texture_picture(texture, exposure)
     notes = [
@@ -331,7 +331,7 @@ class _Isosurface:
     def __init__(self, label, volume, scene, isovalue, effort, run):
         self._label, self._volume, self._isovalue = label, volume, isovalue
         self._effort, self._run = effort, run
-        self._scene = fit_scene(match_leaves(scene, [volume]), [volume])
+        self._scene = fit_scene(match_isosurfaces(scene, [volume]), [volume])
         self._reference = self._lit(effort.vertices, effort.paths, label)
         self._mesh = self._reference.surfaces[0]
         self.vertices = self._mesh.vertices
@@ -359,7 +359,7 @@ class _Isosurface:
 
     def row(self, trial, baked):
         error = self._reference.error(self._reference.radiance(baked))
-        return Row(trial, error, baked.statistics["seconds"])
+        return Row(trial, error, baked.statistics.seconds)
 
     def note(self):
         """Where errors are taken, and against what."""

@@ -15,7 +15,7 @@ from ..scene.scene import core_scene, isovalue_at
 class Isosurface:
     """One isosurface and some of its vertices.
 
-    volume: its number; isovalue: the leaf coordinate; vertices: float32 (n, 3), world; normals and
+    volume: its number; isovalue: the common isovalue; vertices: float32 (n, 3), world; normals and
     triangles: of the mesh; chosen: (m,), numbers of the vertices that are judged.
     """
 
@@ -80,10 +80,10 @@ class Isosurfaces:
 
 
 def isosurfaces(volumes, scene, window, isovalues, vertices, paths, seed, threads, run, label):
-    """The Isosurfaces of each volume at each leaf coordinate, of which some are empty.
+    """The Isosurfaces of each volume at each common isovalue, of which some are empty.
 
-    scene: in world coordinates, with Leaves for each volume; window: (lo, hi) of the leaf
-    coordinate; vertices: to judge, in all; run(work, label): see experiments.py.
+    scene: in world coordinates, with Isosurfaces for each volume; window: (lo, hi) of the
+    common isovalue; vertices: to judge, in all; run(work, label): see experiments.py.
     """
     fields = [volume.field() for volume in volumes]
     rng = np.random.default_rng(seed)
@@ -100,7 +100,7 @@ def isosurfaces(volumes, scene, window, isovalues, vertices, paths, seed, thread
 
     def traced(one):
         own = isovalue_at(scene, one.volume, one.isovalue)
-        points = _core.project_to_leaf(fields[one.volume], one.points, own)
+        points = _core.project_to_isosurface(fields[one.volume], one.points, own)
 
         def work(progress):
             return _core.reference(

@@ -30,7 +30,7 @@ def measured(work):
         baked.save(path)
         size = path.stat().st_size
     statistics = baked.statistics
-    return baked, Cost(seconds, statistics["rays"], statistics["peak_memory_bytes"], size)
+    return baked, Cost(seconds, statistics.rays, statistics.peak_memory_bytes, size)
 
 
 def _forget_peak():

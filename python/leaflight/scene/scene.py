@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is lit and what surrounds it, as plain data: leaves, meshes, lights, environment.
+"""What is lit and what surrounds it, as plain data: isosurfaces, meshes, lights, environment.
 
 A colour is (r, g, b), linear. A ramp is one colour for all isovalues, or a list of stops
 (isovalue, colour) in ascending isovalue of that volume, in data units: linear between them,
 constant beyond. Scene files hold the same (scene_file.py).
 
-The leaf coordinate c numbers the leaves that are seen together. With one volume it is the
+The common isovalue c numbers the isosurfaces that are seen together. With one volume it is the
 isovalue; with several it runs over 0..1, and a volume with the isovalues (lo, hi) shows
 lo + c (hi - lo).
 """
@@ -23,12 +23,12 @@ IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 @dataclass(frozen=True, eq=False)
-class Leaves:
+class Isosurfaces:
     """How all isosurfaces of one volume look.
 
     albedo: a ramp in 0..1, the colour of a mirror or of glass; emission: a ramp of radiance in
     W/(m^2 sr), from both sides; scattering: "diffuse", "mirror" or "glass"; ior: of the inside.
-    isovalues: (lo, hi) in data units that the leaf coordinates 0 and 1 of several volumes show; of
+    isovalues: (lo, hi) in data units that the common isovalues 0 and 1 of several volumes show; of
     a single volume, the window to bake; None is default_window(volume).
     capped: close the isosurfaces at the border of the volume (Volume.capped).
     source: where the volume comes from, as the command line names volumes; None if it is given.
@@ -48,7 +48,7 @@ class Leaves:
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """A mesh of the surroundings, alike on both sides.
+    """A mesh of the walls, alike on both sides.
 
     vertices: float32 (n, 3); triangles: uint32 (m, 3); albedo: a colour in 0..1, of a mirror or of
     glass too; scattering: "diffuse", "mirror" or "glass"; ior: of glass; emission: radiance in
@@ -142,15 +142,15 @@ class Environment:
 class SceneDescription:
     """Everything of a scene but the volumes.
 
-    leaves: one Leaves for each volume, or a single one for all. exposure: positive factor from
-    radiance to the colour on the screen. meshes: list of Mesh. lights: list of AreaLight,
+    isosurfaces: one Isosurfaces for each volume, or a single one for all. exposure: positive factor
+    from radiance to the colour on the screen. meshes: list of Mesh. lights: list of AreaLight,
     PointLight and SunLight. environment: Environment or None.
     coordinates: "world"; or "box", where the longest side of all volumes' common box runs from -1
     to 1 around its centre, and intensities are those at this scale (see fit_scene).
     """
 
     name: str
-    leaves: list
+    isosurfaces: list
     exposure: float
     meshes: list
     lights: list
@@ -158,26 +158,26 @@ class SceneDescription:
     coordinates: str = "world"
 
 
-def match_leaves(description, volumes):
-    """The description with one Leaves for each volume; those of several volumes get isovalues.
+def match_isosurfaces(description, volumes):
+    """The description with one Isosurfaces for each volume; those of several volumes get isovalues.
 
-    A single Leaves serves any number of volumes and then takes their names. Raises LeaflightError
-    when the numbers differ.
+    A single Isosurfaces serves any number of volumes and then takes their names. Raises
+    LeaflightError when the numbers differ.
     """
-    leaves = list(description.leaves)
-    if len(leaves) == 1 and len(volumes) > 1:
-        leaves = [replace(leaves[0], name=volume.name, source=None) for volume in volumes]
-    if len(leaves) != len(volumes):
+    isosurfaces = list(description.isosurfaces)
+    if len(isosurfaces) == 1 and len(volumes) > 1:
+        isosurfaces = [replace(isosurfaces[0], name=volume.name, source=None) for volume in volumes]
+    if len(isosurfaces) != len(volumes):
         raise LeaflightError(
-            f'The scene "{description.name}" describes {len(leaves)} volumes, but '
+            f'The scene "{description.name}" describes {len(isosurfaces)} volumes, but '
             f"{len(volumes)} are given: give as many as the scene describes."
         )
     if len(volumes) > 1:
-        leaves = [
+        isosurfaces = [
             replace(one, isovalues=one.isovalues or default_window(volume))
-            for one, volume in zip(leaves, volumes)
+            for one, volume in zip(isosurfaces, volumes)
         ]
-    return replace(description, leaves=leaves)
+    return replace(description, isosurfaces=isosurfaces)
 
 
 def fit_scene(description, volumes):
@@ -257,32 +257,35 @@ def ramp_at(ramp, isovalue):
 
 
 def isovalue_at(description, volume, c):
-    """The isovalue, in data units, that a volume (its number) shows at a leaf coordinate."""
-    if len(description.leaves) == 1:
+    """The isovalue, in data units, that a volume (its number) shows at a common isovalue."""
+    if len(description.isosurfaces) == 1:
         return c
-    lo, hi = description.leaves[volume].isovalues
+    lo, hi = description.isosurfaces[volume].isovalues
     return lo + c * (hi - lo)
 
 
 def core_scene(description, fields, window):
-    """The core's scene of a description in world coordinates with one Leaves for each field.
+    """The core's scene of a description in world coordinates with one Isosurfaces for each field.
 
-    fields: list of _core.Field. window: (lo, hi) of the leaf coordinate. Raises LeaflightError.
+    fields: list of _core.Field. window: (lo, hi) of the common isovalue. Raises LeaflightError.
     """
-    ranges = [leaves.isovalues if len(fields) > 1 else None for leaves in description.leaves]
+    ranges = [
+        isosurfaces.isovalues if len(fields) > 1 else None
+        for isosurfaces in description.isosurfaces
+    ]
     volumes = [
-        core_leaves(_core.Volume, leaves, field, isovalues)
-        for leaves, field, isovalues in zip(description.leaves, fields, ranges)
+        core_isosurfaces(_core.Volume, isosurfaces, field, isovalues)
+        for isosurfaces, field, isovalues in zip(description.isosurfaces, fields, ranges)
     ]
     meshes = [_core_mesh(mesh) for mesh in description.meshes]
     lights = [_core_light(light) for light in description.lights]
     return _core.Scene(volumes, meshes, lights, _core_environment(description), window)
 
 
-def core_leaves(kind, leaves, field, isovalues=None):
+def core_isosurfaces(kind, isosurfaces, field, isovalues=None):
     """The core's volume, a kind (_core.Volume or Volume2), of a field.
 
-    isovalues: (lo, hi) that the leaf coordinates 0 and 1 show; None where it is the isovalue.
+    isovalues: (lo, hi) that the common isovalues 0 and 1 show; None where it is the isovalue.
     """
     lo, hi = isovalues or (0.0, 1.0)
 
@@ -291,12 +294,12 @@ def core_leaves(kind, leaves, field, isovalues=None):
         return [((isovalue - lo) / (hi - lo), tuple(color)) for isovalue, color in stops]
 
     return kind(
-        leaves.name,
+        isosurfaces.name,
         field,
-        stops(leaves.albedo),
-        stops(leaves.emission),
-        leaves.scattering,
-        leaves.ior,
+        stops(isosurfaces.albedo),
+        stops(isosurfaces.emission),
+        isosurfaces.scattering,
+        isosurfaces.ior,
         lo,
         hi - lo,
     )

@@ -17,7 +17,7 @@ from .walls import SeenWalls
 # Rays at a time, so that memory is bounded and a cancel is soon heard.
 _RAYS = 1 << 18
 _LARGEST = 16384
-# How bright a white inner side is shown that faces the viewer, where its light was not baked.
+# How bright a white back is shown that faces the viewer, where its light was not baked.
 UNBAKED = 0.3
 
 
@@ -36,10 +36,10 @@ def still(
     """A picture of a Bake, float32 [row, column, RGBA], top row first.
 
     RGB is linear radiance in W/(m^2 sr), times alpha, the share of a pixel that something fills.
-    Rays meet the isosurface itself, not a mesh of it, and look up the light there. An inner side
+    Rays meet the isosurface itself, not a mesh of it, and look up the light there. A back
     that was not baked is shaded by a light at the camera, which shows its shape alone.
 
-    isovalue: the leaf coordinate (see Bake), of all volumes. camera: a Camera; None frames the
+    isovalue: the common isovalue (see Bake), of all volumes. camera: a Camera; None frames the
     isosurface (first_view.py). size: (width, height); samples: rays along each side of a pixel.
     walls: whether the scene's meshes are shown, those that would hide the volumes left out; without
     baked light they are shaded locally. local: all by local shading (lamps.py) instead.
@@ -59,7 +59,9 @@ def still(
     camera = camera or camera_around_bake(bake, isovalue=isovalue, size=size)
     progress = progress or _core.Progress()
     seen = SeenWalls(bake, isovalue, np.asarray(camera.position), local) if walls else None
-    leaves = [SeenLeaf(bake, number, isovalue, local) for number in range(len(bake.volumes))]
+    isosurfaces = [
+        SeenIsosurface(bake, number, isovalue, local) for number in range(len(bake.volumes))
+    ]
     picture = np.empty((height, width, 4), np.float32)
     rows = max(1, _RAYS // (width * samples * samples))
     for top in range(0, height, rows):
@@ -67,42 +69,42 @@ def still(
             raise _core.Cancelled("The still was cancelled.")
         block = range(top, min(top + rows, height))
         directions = camera.directions(width, height, block, samples)
-        found = _seen(leaves, seen, camera.position, directions.reshape(-1, 3))
+        found = _seen(isosurfaces, seen, camera.position, directions.reshape(-1, 3))
         found = found.reshape(len(block), samples, width, samples, 4)
         picture[top : block.stop] = found.mean(axis=(1, 3))
     return picture
 
 
 def check_diffuse(bake):
-    """Raises LeaflightError where leaves are mirrors or glass, which hold no light of their own."""
-    for leaves in bake.scene.leaves:
-        if leaves.scattering != "diffuse":
+    """Raises LeaflightError where isosurfaces are mirrors or glass, which hold no light."""
+    for isosurfaces in bake.scene.isosurfaces:
+        if isosurfaces.scattering != "diffuse":
             raise LeaflightError(
-                f'"{leaves.name}" is a mirror or glass, whose look depends on the view: render '
-                "it in Blender."
+                f'"{isosurfaces.name}" is a mirror or glass, whose look depends on the view: '
+                "render it in Blender."
             )
 
 
-def inner_side(bake, volume):
-    """What is known of a volume's inner side: "baked", "dark" or "local", to be shaded locally."""
+def back_side(bake, volume):
+    """What is known of a volume's back: "baked", "dark" or "local", to be shaded locally."""
     if bake.grids[volume].has_back:
         return "baked"
     return "dark" if json.loads(bake.metadata["both_sides"]) else "local"
 
 
-class SeenLeaf:
+class SeenIsosurface:
     """The isosurface of one volume with its light."""
 
     def __init__(self, bake, volume, isovalue, local=False):
         self._field, self._grid = bake.volumes[volume].field(), bake.grids[volume]
         self._own = bake.isovalue_of(volume, isovalue)
-        self._local, self._inner = local, inner_side(bake, volume)
+        self._local, self._inner = local, back_side(bake, volume)
         self._exposure = bake.scene.exposure
-        self._leaves, self._lamps = bake.scene.leaves[volume], lamps_of(bake.scene)
+        self._isosurfaces, self._lamps = bake.scene.isosurfaces[volume], lamps_of(bake.scene)
 
     def hits(self, origins, directions):
         """(distances (n,), infinite for none; radiance (n, 3)) of rays (n, 3)."""
-        distances, above = _core.leaf_hits(self._field, origins, directions, self._own)
+        distances, above = _core.isosurface_hits(self._field, origins, directions, self._own)
         radiance = np.zeros((len(origins), 3))
         hit = np.isfinite(distances)
         points = origins[hit] + distances[hit, None] * directions[hit]
@@ -122,7 +124,8 @@ class SeenLeaf:
             normals = _core.normals(self._field, points[shaded]).astype(np.float64)
             normals[is_inner[shaded]] *= -1.0
             albedo, emission = (
-                ramp_at(ramp, self._own) for ramp in (self._leaves.albedo, self._leaves.emission)
+                ramp_at(ramp, self._own)
+                for ramp in (self._isosurfaces.albedo, self._isosurfaces.emission)
             )
             if self._local:
                 light = self._lamps.irradiance(points[shaded], normals, eyes[shaded])
@@ -133,12 +136,12 @@ class SeenLeaf:
         return found
 
 
-def _seen(leaves, walls, eye, directions):
+def _seen(isosurfaces, walls, eye, directions):
     """RGBA (n, 4): what is nearest on each ray."""
     origins = np.broadcast_to(np.asarray(eye, np.float64), directions.shape)
     origins = np.ascontiguousarray(origins)
     nearest, radiance = np.full(len(directions), np.inf), np.zeros((len(directions), 3))
-    for surface in [*leaves, *([walls] if walls is not None else [])]:
+    for surface in [*isosurfaces, *([walls] if walls is not None else [])]:
         distances, found = surface.hits(origins, directions)
         nearer = distances < nearest
         nearest[nearer], radiance[nearer] = distances[nearer], found[nearer]

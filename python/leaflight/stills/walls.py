@@ -35,12 +35,12 @@ class RoomMesh:
 def room_meshes(bake):
     """The RoomMesh of each diffuse mesh of a Bake's scene; mirrors and glass are left out."""
     middle = np.mean(bounds_of(bake), axis=0)
-    is_lit, found = bake.surroundings is not None, []
+    is_lit, found = bake.walls is not None, []
     for number, mesh in enumerate(bake.scene.meshes):
         if mesh.scattering == "diffuse":
             vertices, triangles = mesh.vertices, mesh.triangles
             if is_lit:
-                vertices, triangles = bake.surroundings.mesh(number)
+                vertices, triangles = bake.walls.mesh(number)
             albedo = np.array(mesh.albedo, np.float64)
             if mesh.texture is not None:
                 albedo = albedo * mesh.texture.mean(axis=(0, 1))
@@ -59,7 +59,7 @@ def _is_of_room(vertices, middle):
 
 
 class SeenWalls:
-    """The walls that are seen from a point, with the light of one isosurface (leaf coordinate).
+    """The walls that are seen from a point, with the light of one isosurface (common isovalue).
 
     local: by local shading, as if no light of them were baked.
     """
@@ -68,7 +68,7 @@ class SeenWalls:
         middle = np.mean(bounds_of(bake), axis=0)
         self._lamps, self._mesh = lamps_of(bake.scene), None
         vertices, triangles, sides, looks, count = [], [], ([], []), [], 0
-        is_local = local or bake.surroundings is None
+        is_local = local or bake.walls is None
         for mesh in room_meshes(bake):
             facets = mesh.triangles.astype(np.int64)
             if mesh.is_of_room:
@@ -78,7 +78,7 @@ class SeenWalls:
             count += len(mesh.vertices)
             looks += [np.concatenate([mesh.albedo, mesh.emission])] * len(facets)
             for back in () if is_local else (False, True):
-                sides[back].append(bake.surroundings.radiance(mesh.number, isovalue, back=back))
+                sides[back].append(bake.walls.radiance(mesh.number, isovalue, back=back))
         if not looks:
             return
         self._vertices = np.concatenate(vertices).astype(np.float32)

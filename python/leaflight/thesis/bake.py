@@ -6,10 +6,18 @@ import leaflight._core as _core
 from ..bake.bake import placed
 from ..bake.baked import Bake
 from ..bake.color_error import estimated_rms_percent
-from ..bake.stamps import stamp, stamp_after
+from ..bake.provenance import provenance, provenance_after
+from ..bake.statistics import statistics_of
 from ..progress_bar import with_progress
 from ..scene.scene import core_scene
 from .settings import FixedSamples
+
+ERRORS = (
+    "estimated_error_percent",
+    "estimated_noise_percent",
+    "worst_error_percent",
+    "worst_isovalue",
+)
 
 
 @with_progress("bake")
@@ -22,13 +30,13 @@ def bake(
     seed=0,
     threads=0,
     both_sides=False,
-    surroundings=False,
+    walls=False,
     progress=None,
     **samples,
 ):
     """The Bake of volumes by a fixed number of samples, whatever its error.
 
-    volumes, scene, isovalues, seed, threads, both_sides, surroundings, progress: as of
+    volumes, scene, isovalues, seed, threads, both_sides, walls, progress: as of
         leaflight.bake. resolution: texels as there; None is one texel a node.
     samples: those of FixedSamples by their names. samples: rays per texel (32); photons: number of
         photons (2 million); caustic_photons: of those that come by mirrors and glass (as many as
@@ -48,23 +56,20 @@ def bake(
         seed=seed,
         threads=threads,
         both_sides=both_sides,
-        surroundings=surroundings,
+        walls=walls,
     )
     core = core_scene(description, fields, window)
     baked = _core.bake_with_fixed_samples(core, settings, progress or _core.Progress())
-    statistics = fixed_statistics(baked.statistics)
-    statistics["estimated_rms_percent"] = estimated_rms_percent(baked.grids, description.exposure)
-    metadata = stamp(volumes, description, window, settings, fixed.record())
-    metadata = stamp_after(metadata, baked.grids)
-    surroundings = baked.surroundings
-    return Bake(volumes, description, window, baked.grids, surroundings, statistics, metadata)
+    noise = estimated_rms_percent(baked.grids, description.exposure)
+    statistics = fixed_statistics(baked, noise)
+    metadata = provenance(volumes, description, window, settings, fixed.record())
+    metadata = provenance_after(metadata, baked.grids)
+    walls = baked.walls
+    return Bake(volumes, description, window, baked.grids, walls, statistics, metadata)
 
 
-def fixed_statistics(statistics):
-    """The statistics of a bake that has no passes, and estimates no error."""
-    statistics = {**statistics, "rounds": 0, "stopped": False}
-    del statistics["blocks"]
-    for name in ("estimated_error_percent", "worst_error_percent", "worst_isovalue"):
-        statistics[name] = None
-    statistics["rays_per_second"] = statistics["rays"] / max(statistics["seconds"], 1e-9)
-    return statistics
+def fixed_statistics(baked, noise=None):
+    """The Statistics of a bake that has no passes, and estimates no error."""
+    nothing = dict.fromkeys(ERRORS)
+    record = {**baked.statistics, **nothing, "passes": 0, "blocks": 0, "stopped": False}
+    return statistics_of({**record, "estimated_rms_percent": noise})

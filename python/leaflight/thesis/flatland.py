@@ -5,6 +5,7 @@ import leaflight._core as _core
 
 from ..flatland.flatland import FlatBake, flat_placed
 from ..progress_bar import with_progress
+from .bake import fixed_statistics
 from .settings import FixedSamples
 
 
@@ -34,4 +35,4 @@ def bake_flatland(
         threads=threads,
     )
     baked = _core.bake_with_fixed_samples2(core, settings, progress or _core.Progress())
-    return FlatBake(volume, scene, window, baked.grids[0], dict(baked.statistics))
+    return FlatBake(volume, scene, window, baked.grids[0], fixed_statistics(baked))

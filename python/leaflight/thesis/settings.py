@@ -7,7 +7,7 @@ import numpy as np
 
 from .._core import LeaflightError
 from ..bake.settings import set_common, whole
-from ..bake.stamps import sha256
+from ..bake.provenance import sha256
 
 
 @dataclass(frozen=True)

@@ -113,15 +113,16 @@ class Volume:
         """The volume with one layer of voxels around it that closes every isosurface.
 
         The layer holds one value below all others, low - 2 (high - low). Between a voxel of value h
-        on the border and the layer, the cap of the leaf c lies at (h - c) / (h - layer) of a voxel:
-        nowhere beyond 1/3. A deeper layer would make the caps flatter still, but squeeze all leaves
-        into a slab so thin that a texel's samples, spread over its volume, hardly meet it. Even so
-        the caps of all leaves share their texels: on a cap the baked light is a mean over the
-        window of isovalues. Data keep their values, and voxels their places in the world.
+        on the border and the layer, the cap of the isosurface c lies at (h - c) / (h - layer) of a
+        voxel: nowhere beyond 1/3. A deeper layer would make the caps flatter still, but squeeze all
+        isosurfaces into a slab so thin that a texel's samples, spread over its volume, hardly meet
+        it. Even so the caps of all isosurfaces share their texels: on a cap the baked light is a
+        mean over the window of isovalues. Data keep their values, and voxels their places in the
+        world.
 
-        Voxels without data stay so, and next to them a leaf stays open: it ends where knowledge
-        does. A volume that is closed already, because its lowest value is all that its border
-        holds, is returned as it is.
+        Voxels without data stay so, and next to them an isosurface stays open: it ends where
+        knowledge does. A volume that is closed already, because its lowest value is all that its
+        border holds, is returned as it is.
         """
         if self._closed:
             return self

@@ -20,7 +20,7 @@ def build_cornell_box():
     assert scene_objects.build(bpy.context, box) == []
     bpy.context.scene.camera = _camera(box)
     for obj in volumes:
-        obj.leaflight.leaf_albedo = box.leaves[0].albedo
+        obj.leaflight.isosurface_albedo = box.isosurfaces[0].albedo
     bpy.context.view_layer.update()
 
 

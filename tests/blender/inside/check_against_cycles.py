@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Baked stills against Cycles' path tracing of the same scenes, lit surroundings included."""
+"""Baked stills against Cycles' path tracing of the same scenes, lit walls included."""
 
 import bpy
 import numpy as np
@@ -14,7 +14,7 @@ from tools import add_light, constant_material, error_of, noise_image
 def scene(boxed):
     _frame()
     settings = boxed.leaflight
-    settings.light_surroundings = True
+    settings.light_walls = True
     settings.resolution, settings.error = 32, 1.5
     return boxed
 
@@ -25,13 +25,13 @@ def _frame():
     scene.render.resolution_percentage = 100
 
 
-def assert_agrees(leaf, isovalue, samples=256, baked_samples=16, most=2.5):
+def assert_agrees(isosurface, isovalue, samples=256, baked_samples=16, most=2.5):
     """most: RMS error in percent of what can be displayed, beyond the noise of Cycles."""
-    leaf.leaflight.isovalue = isovalue
-    result = stills.compare(bpy.context, leaf, samples, baked_samples)
-    noise = result["leaf_noise_percent"]
-    assert result["leaf_pixels"] > 15 and 0 < noise < 6
-    assert result["leaf_rms_percent"] ** 2 - noise**2 < most**2
+    isosurface.leaflight.isovalue = isovalue
+    result = stills.compare(bpy.context, isosurface, samples, baked_samples)
+    noise = result["isosurface_noise_percent"]
+    assert result["isosurface_pixels"] > 15 and 0 < noise < 6
+    assert result["isosurface_rms_percent"] ** 2 - noise**2 < most**2
     assert result["image_rms_percent"] < most + noise
     cycles = result["cycles"].mean(axis=(0, 1))
     assert not figures.doubt(result)
@@ -57,19 +57,19 @@ def check_two_volumes(bumps, bump_file):
     second.leaflight.low, second.leaflight.high = 20.0, 160.0
     bpy.context.view_layer.update()
     build_cornell_box()
-    second.leaflight.leaf_albedo = (0.2, 0.4, 0.8)
+    second.leaflight.isosurface_albedo = (0.2, 0.4, 0.8)
     settings = first.leaflight
-    settings.light_surroundings = True
+    settings.light_walls = True
     settings.resolution, settings.error = 32, 1.5
     bpy.ops.leaflight.bake()
-    for leaf, isovalue in ((first, 40.0), (second, 55.0)):
-        assert_agrees(leaf, isovalue)
+    for isosurface, isovalue in ((first, 40.0), (second, 55.0)):
+        assert_agrees(isosurface, isovalue)
 
 
-def check_leaves_that_glow_in_a_ramp_of_colors_open_at_both_sides(scene):
-    bpy.ops.leaflight.leaf_preset(preset="TISSUE")
-    scene.leaflight.leaf_emission = (1.0, 0.6, 0.3)
-    scene.leaflight.leaf_emission_strength = 0.3
+def check_isosurfaces_that_glow_in_a_ramp_of_colors_open_at_both_sides(scene):
+    bpy.ops.leaflight.isosurface_preset(preset="TISSUE")
+    scene.leaflight.isosurface_emission = (1.0, 0.6, 0.3)
+    scene.leaflight.isosurface_emission_strength = 0.3
     scene.leaflight.both_sides = True
     bpy.ops.leaflight.bake()
     for isovalue in (10.0, 60.0):
@@ -81,7 +81,7 @@ def check_leaves_that_glow_in_a_ramp_of_colors_open_at_both_sides(scene):
 )
 def check_capped_walls_path_traced(scene):
     scene.leaflight.capped = True
-    scene.leaflight.light_surroundings = False
+    scene.leaflight.light_walls = False
     scene.leaflight.shading = "ATTRIBUTE"
     bpy.ops.leaflight.bake()
     assert_agrees(scene, 10.0, samples=1024, baked_samples=256)
@@ -102,9 +102,9 @@ def check_sky_and_point_light(scene):
     assert_agrees(scene, 47.0, most=3.5)
 
 
-def check_caustics_of_a_glass_leaf_and_a_mirror_before_the_wall(scene):
+def check_caustics_of_a_glass_isosurface_and_a_mirror_before_the_wall(scene):
     """The lamp is wide, so that Cycles finds its caustics in time."""
-    scene.leaflight.leaf_scattering = "GLASS"
+    scene.leaflight.isosurface_scattering = "GLASS"
     scene.leaflight.capped = True
     bpy.data.objects["lamp"].scale = (1.3, 1.3, 1.0)
     bpy.ops.mesh.primitive_cube_add(size=0.5, location=(-0.6, -0.3, 0.3), rotation=(0.2, 0, 0.6))
@@ -117,9 +117,9 @@ def check_caustics_of_a_glass_leaf_and_a_mirror_before_the_wall(scene):
     assert_agrees(scene, 47.0, samples=1024, baked_samples=256)
 
 
-def check_a_glass_leaf_without_lit_surroundings_has_nothing_to_compare(scene):
+def check_a_glass_isosurface_without_lit_walls_has_nothing_to_compare(scene):
     bpy.ops.leaflight.bake()
-    scene.leaflight.light_surroundings = False
+    scene.leaflight.light_walls = False
     bpy.ops.leaflight.bake()
-    scene.leaflight.leaf_scattering = "GLASS"
+    scene.leaflight.isosurface_scattering = "GLASS"
     assert "light the walls" in error_of(bpy.ops.leaflight.render_comparison).lower()

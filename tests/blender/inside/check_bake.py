@@ -84,7 +84,7 @@ def check_outside_its_window_the_surface_is_plain(baked):
     close([limits["soft_min"], limits["soft_max"]], [40, 60], 1e-4)
     assert baked.data.materials[0] == settings.baked_material
     settings.isovalue = 80.0
-    assert baked.data.materials[0] == settings.leaf_material
+    assert baked.data.materials[0] == settings.isosurface_material
     assert "radiance" not in baked.data.attributes
     settings.isovalue = 59.0
     assert baked.data.materials[0] == settings.baked_material
@@ -181,7 +181,7 @@ def check_a_lost_bake_is_explained_and_the_surface_stays_plain(baked, tmp_path):
     obj.leaflight.isovalue = 77.0
     assert Path(obj.leaflight.bake_path).name in surface_object.problems[obj.name]
     assert len(obj.data.vertices) > 100 and "radiance" not in obj.data.attributes
-    assert obj.data.materials[0] == obj.leaflight.leaf_material
+    assert obj.data.materials[0] == obj.leaflight.isosurface_material
 
 
 def check_a_scene_without_light_is_refused(boxed):

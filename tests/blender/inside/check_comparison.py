@@ -60,20 +60,20 @@ def check_images_and_figures(boxed, small_frame, tmp_path):
     close(images["difference"], images["baked"] - images["cycles"], 1e-5)
 
     result = json.loads((folder / f"{boxed.name}_47_comparison.json").read_text())
-    assert result["isovalue"] == 47.0 and result["leaf_pixels"] > 100
-    assert 0 < result["leaf_noise_percent"] < 3
-    assert result["leaf_noise_percent"] < result["leaf_rms_percent"] < 6
+    assert result["isovalue"] == 47.0 and result["isosurface_pixels"] > 100
+    assert 0 < result["isosurface_noise_percent"] < 3
+    assert result["isosurface_noise_percent"] < result["isosurface_rms_percent"] < 6
     everywhere = np.ones((80, 80), bool)
     rms = figures.rms_percent(images["baked"], images["cycles"], 1.0, everywhere)
     assert rms == pytest.approx(result["image_rms_percent"], rel=1e-3)
-    assert f"{result['leaf_rms_percent']:.2f}" in boxed.leaflight.comparison
+    assert f"{result['isosurface_rms_percent']:.2f}" in boxed.leaflight.comparison
     assert (
         0 < result["flip_mean"] < 0.1 and result["flip_mean"] < result["flip_percentile_95"] < 0.3
     )
     assert f"FLIP {result['flip_mean']:.3f}" in boxed.leaflight.comparison
-    assert abs(result["leaf_mean_off_percent"]) < 3
-    assert 0 < result["leaf_mean_off_within"] < 0.5
-    assert f"mean off by {result['leaf_mean_off_percent']:+.2f}" in boxed.leaflight.comparison
+    assert abs(result["isosurface_mean_off_percent"]) < 3
+    assert 0 < result["isosurface_mean_off_within"] < 0.5
+    assert f"mean off by {result['isosurface_mean_off_percent']:+.2f}" in boxed.leaflight.comparison
     assert "brighter or darker" not in boxed.leaflight.comparison
 
     _local_shading(images, result)
@@ -83,7 +83,7 @@ def check_images_and_figures(boxed, small_frame, tmp_path):
 def _local_shading(images, result):
     """No shadows, no bounces: what the lamp lights is as bright or brighter than its direct light,
     and far off from what light does."""
-    assert result["local_rms_percent"] > 2 * result["leaf_rms_percent"]
+    assert result["local_rms_percent"] > 2 * result["isosurface_rms_percent"]
     local = images["local"]
     assert 0.01 < local.mean() and 0.5 < local.mean() / images["cycles"].mean() < 2.0
 
@@ -98,9 +98,9 @@ def _labelled_picture_and_table(stem, result):
     rows = list(csv.DictReader(Path(f"{stem}.csv").open()))
     assert [row["still"] for row in rows] == ["baked", "local", "cycles"]
     for row in rows[:2]:
-        name = {"baked": "leaf"}.get(row["still"], row["still"])
+        name = {"baked": "isosurface"}.get(row["still"], row["still"])
         expected = result[f"{name}_rms_percent"]
-        assert float(row["rms_percent_on_leaf"]) == pytest.approx(expected, abs=1e-4)
+        assert float(row["rms_percent_on_isosurface"]) == pytest.approx(expected, abs=1e-4)
 
 
 def check_in_a_blender_of_its_own(baked, small_frame, tmp_path):
@@ -125,18 +125,18 @@ def check_in_a_blender_of_its_own(baked, small_frame, tmp_path):
     assert _render_settings() == before
     (numbers,) = folder.glob("*_comparison.json")
     result = json.loads(numbers.read_text())
-    assert 0 < result["leaf_rms_percent"] < 10 and len(list(folder.iterdir())) == 11
+    assert 0 < result["isosurface_rms_percent"] < 10 and len(list(folder.iterdir())) == 11
     assert _core.read_exr(str(next(folder.glob("*_baked.exr")))).shape[:2] == (40, 40)
     names = {status.rpartition("%")[2].strip() for status in told}
     assert {"Blender starts", "Cycles"} <= names
 
 
-def _cancel(leaf, folder):
+def _cancel(isosurface, folder):
     """Cancels a comparison of hours while it renders; the job, and the seconds until it ended."""
     if not process.can_start():
         pytest.skip("Blender as a Python module has no program to start")
     bpy.context.scene.render.resolution_x = bpy.context.scene.render.resolution_y = 2000
-    job = process.ComparisonJob(leaf, folder, 4096, 4096, 1.0)
+    job = process.ComparisonJob(isosurface, folder, 4096, 4096, 1.0)
     work = start(job)
     wait_while(work, lambda: "%" not in work.status())
     assert "Baked" in work.status()
@@ -167,7 +167,7 @@ def check_the_interval_of_the_mean_holds():
             for mean, noise in ((1.02, 0.2), (1.0, 0.3))
         )
         found = figures.mean_off(baked, cycles, mask)
-        off, within = found["leaf_mean_off_percent"], found["leaf_mean_off_within"]
+        off, within = found["isosurface_mean_off_percent"], found["isosurface_mean_off_within"]
         held += abs(off - 2.0) < within
     assert 365 < held < 394
 

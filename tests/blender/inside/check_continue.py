@@ -12,7 +12,7 @@ from leaflight_addon.show import preview
 from leaflight_addon.stage import staleness
 from leaflight_addon.store import cache
 from leaflight_addon.ui import bake_panel
-from rounds import UNREACHED, assert_shows_round, begin, drawn, state, stop
+from passes import UNREACHED, assert_shows_pass, begin, drawn, state, stop
 from tools import assert_shows
 
 
@@ -22,99 +22,99 @@ def check_a_kept_bake_is_continued(endless):
         bpy.ops.leaflight.continue_bake()
     bpy.ops.leaflight.keep_bake()
     kept = cache.bake_of(endless)
-    noise = kept.statistics["estimated_noise_percent"]
+    noise = kept.statistics.estimated_noise_percent
     # The rest of the error is what texels miss, which stays.
-    missed = kept.statistics["estimated_error_percent"] ** 2 - noise**2
+    missed = kept.statistics.estimated_error_percent**2 - noise**2
     endless.leaflight.error = (missed + (0.7 * noise) ** 2) ** 0.5
     assert bpy.ops.leaflight.continue_bake() == {"FINISHED"}
     ours = cache.bake_of(endless)
     assert ours.metadata["continued"] == kept.id and endless.leaflight.bake_id == ours.id
-    assert 0 < ours.statistics["estimated_noise_percent"] < 0.8 * noise
+    assert 0 < ours.statistics.estimated_noise_percent < 0.8 * noise
     assert "was asked for" in endless.leaflight.bake_outcome
-    assert endless.leaflight.bake_seconds > kept.statistics["seconds"]
+    assert endless.leaflight.bake_seconds > kept.statistics.seconds
     assert_shows(endless, 50.0)
     # Both are kept, and what is good enough is not continued.
     assert len(list(Path(endless.leaflight.bake_folder).glob("*.vdb"))) == 2
-    endless.leaflight.error = 1.1 * ours.statistics["estimated_error_percent"]
+    endless.leaflight.error = 1.1 * ours.statistics.estimated_error_percent
     with pytest.raises(RuntimeError, match="ask for a smaller error to continue it"):
         bpy.ops.leaflight.continue_bake()
     assert cache.bake_of(endless) is ours
 
 
-def check_a_continued_bake_shows_its_rounds_and_is_stopped(rounds):
-    rounds.leaflight.error = 20.0
+def check_a_continued_bake_shows_its_passes_and_is_stopped(passes):
+    passes.leaflight.error = 20.0
     bpy.ops.leaflight.bake()
-    rounds.leaflight.error = UNREACHED
-    before, first = state(), cache.bake_of(rounds)
-    more = first.statistics["rounds"] + 1
-    job, work = begin(rounds, more, continue_bake.ContinueJob)
+    passes.leaflight.error = UNREACHED
+    before, first = state(), cache.bake_of(passes)
+    more = first.statistics.passes + 1
+    job, work = begin(passes, more, continue_bake.ContinueJob)
     job.show()
-    assert_shows_round(rounds, preview.of(rounds).bake)
+    assert_shows_pass(passes, preview.of(passes).bake)
     assert "keep" in stop(job, work)
-    assert job.round.metadata["continued"] == first.id
+    assert job.latest.metadata["continued"] == first.id
     bpy.ops.leaflight.throw_bake_away()
     assert state() == before
 
 
-def check_only_what_can_be_is_continued(rounds, tmp_path):
+def check_only_what_can_be_is_continued(passes, tmp_path):
     with pytest.raises(RuntimeError, match="Bake the flattened illumination first"):
         bpy.ops.leaflight.continue_bake()
     path = str(tmp_path / "fixed.vdb")
     fixed = {"isovalues": (40.0, 60.0), "samples": 1, "photons": 1000}
-    leaflight.thesis.bake(cache.world_volume(rounds), leaflight.cornell_box(), **fixed).save(path)
+    leaflight.thesis.bake(cache.world_volume(passes), leaflight.cornell_box(), **fixed).save(path)
     bpy.ops.leaflight.load_bake(filepath=path)
     assert "leaflight.continue_bake" not in drawn(bake_panel.LEAFLIGHT_PT_bake)
     with pytest.raises(RuntimeError, match="Only a bake that goes by its error"):
         bpy.ops.leaflight.continue_bake()
-    rounds.leaflight.error = 20.0
+    passes.leaflight.error = 20.0
     bpy.ops.leaflight.bake()
     assert "leaflight.continue_bake" in drawn(bake_panel.LEAFLIGHT_PT_bake)
-    rounds.leaflight.error = 10.0
-    rounds.leaflight.high = 55.0
+    passes.leaflight.error = 10.0
+    passes.leaflight.high = 55.0
     staleness.forget()
     with pytest.raises(RuntimeError, match="The scene has changed since the bake"):
         bpy.ops.leaflight.continue_bake()
 
 
 class _Interrupted(bake.BakeJob):
-    """Ends after its first round, as if Blender had."""
+    """Ends after its first pass, as if Blender had."""
 
     def __init__(self, context, obj):
         super().__init__(context, obj)
         self.checkpoint = replace(self.checkpoint, seconds=0.0)
 
-    def _light(self, on_round, progress):
-        def end(round):
-            on_round(round)
+    def _light(self, on_pass, progress):
+        def end(bake):
+            on_pass(bake)
             progress.cancel()
 
-        return super()._light(on_round=end, progress=progress)
+        return super()._light(on_pass=end, progress=progress)
 
 
-def check_an_interrupted_bake_is_resumed(rounds):
+def check_an_interrupted_bake_is_resumed(passes):
     with pytest.raises(RuntimeError, match="No bake of this volume was interrupted"):
         bpy.ops.leaflight.resume_bake()
-    rounds.leaflight.error = 0.3
-    job = _Interrupted(bpy.context, rounds)
+    passes.leaflight.error = 0.3
+    job = _Interrupted(bpy.context, passes)
     with pytest.raises(leaflight.Cancelled):
         job.run(leaflight.Progress())
     assert "leaflight.resume_bake" in drawn(bake_panel.LEAFLIGHT_PT_bake)
     # Of another bake than that of the settings.
-    rounds.leaflight.error = 0.31
+    passes.leaflight.error = 0.31
     with pytest.raises(RuntimeError, match="of another bake"):
         bpy.ops.leaflight.resume_bake()
-    rounds.leaflight.error = 0.3
+    passes.leaflight.error = 0.3
     assert bpy.ops.leaflight.resume_bake() == {"FINISHED"}
-    resumed = cache.bake_of(rounds)
+    resumed = cache.bake_of(passes)
     assert "leaflight.resume_bake" not in drawn(bake_panel.LEAFLIGHT_PT_bake)
-    assert not list(Path(rounds.leaflight.bake_folder).glob("*.checkpoint"))
+    assert not list(Path(passes.leaflight.bake_folder).glob("*.checkpoint"))
     bpy.ops.leaflight.bake()
-    whole = cache.bake_of(rounds)
-    assert whole.id == resumed.id and whole.statistics["rounds"] > 1
+    whole = cache.bake_of(passes)
+    assert whole.id == resumed.id and whole.statistics.passes > 1
     assert (whole.grid.dense("radiance") == resumed.grid.dense("radiance")).all()
     # What is thrown away is not gone on with either.
-    rounds.leaflight.error = UNREACHED
-    job, work = begin(rounds)
+    passes.leaflight.error = UNREACHED
+    job, work = begin(passes)
     job.checkpoint.path.write_bytes(b"of this bake")
     stop(job, work)
     bpy.ops.leaflight.throw_bake_away()

@@ -188,7 +188,7 @@ def check_a_linked_duplicate_shares_the_mesh_for_as_long_as_it_shows_the_same(sa
 def check_a_linked_duplicate_may_look_otherwise(saved):
     copy = _duplicate(saved, True)
     copy.leaflight.capped = True
-    assert copy.data.materials[0] == copy.leaflight.leaf_material
+    assert copy.data.materials[0] == copy.leaflight.isosurface_material
     assert saved.data.materials[0] == saved.leaflight.baked_material
     assert_lit(saved)
 
@@ -218,7 +218,7 @@ def check_a_copy_of_the_whole_scene_goes_on_alone(saved):
 
 
 def check_walls_are_known_after_a_rename_and_in_a_copy_of_the_scene(saved):
-    saved.leaflight.light_surroundings = True
+    saved.leaflight.light_walls = True
     bpy.ops.leaflight.bake()
     scene = bpy.context.scene
     count = len(_displays(scene))

@@ -105,7 +105,7 @@ def check_a_web_page_and_stills_of_the_same_view(baked, tmp_path):
     assert export(tmp_path / "coarse.html", coarser=1) == {"FINISHED"}
     coarse = (tmp_path / "coarse.html").stat().st_size
     assert coarse < page.stat().st_size - 10_000
-    # Without walls only the light of the bake is seen, on outer sides. It follows its lamps.
+    # Without walls only the light of the bake is seen, on fronts. It follows its lamps.
     bake, camera = cache.bake_of(baked), bpy.context.scene.camera
     for obj in bpy.context.scene.objects:
         obj.hide_render = obj not in (baked, camera) and obj.type != "LIGHT"

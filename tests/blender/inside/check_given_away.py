@@ -61,7 +61,7 @@ def bake_in_a_file(tmp_path):
 def check_it_opens_lit(boxed, tmp_path, shading):
     """By volume texture and by vertex attribute; lit walls, what is seen through, and cuts, too."""
     boxed.leaflight.bake_folder = ""
-    boxed.leaflight.light_surroundings = True
+    boxed.leaflight.light_walls = True
     boxed.leaflight.shading = shading
     boxed.leaflight.isovalue = 47.0
     blender.add_isosurface(boxed, 40.0, opacity=0.5).leaflight_look.is_cut = False

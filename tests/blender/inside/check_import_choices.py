@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from blends import open_saved
 from leaflight_addon.importing import stored_facts
-from leaflight_addon.show import leaves
+from leaflight_addon.show import isosurfaces
 from leaflight_addon.store import cache, source_files
 from leaflight_addon.ui import data_picture, distribution
 from tools import assert_shows, close, error_of
@@ -71,14 +71,14 @@ def check_a_volume_of_another_space_stands_beside_the_first(tmp_path):
     boxes = []
     for name in ("a.nii", "b.nii", "c.npy"):
         obj = imported(tmp_path / name)
-        boxes.append(leaves.world_box(obj))
+        boxes.append(isosurfaces.world_box(obj))
     for (low, high), (next_low, next_high) in zip(boxes, boxes[1:]):
         assert 0 < next_low[0] - high[0] < 0.5
         close([next_low[2], (next_low + next_high)[1]], [low[2], (low + high)[1]], 1e-4)
     # One of the first's patient lies over it, unless another place is asked for.
     close(imported(tmp_path / "a.nii").matrix_world, bpy.data.objects["a"].matrix_world, 1e-6)
     obj = imported(tmp_path / "a.nii", size_from="FIT")
-    close(leaves.world_box(obj), boxes[0], 1e-5)
+    close(isosurfaces.world_box(obj), boxes[0], 1e-5)
 
 
 def _shifted(distance):

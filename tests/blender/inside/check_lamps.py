@@ -8,7 +8,7 @@ from leaflight_addon.show import display, lamps
 from leaflight_addon.stage import staleness
 from leaflight_addon.store import cache
 from leaflight_addon.ui import bake_panel
-from rounds import drawn
+from passes import drawn
 from tools import add_light, close, colours_of, render_exr, vertices_of
 
 EXACT = "Lamps have changed since the bake: all light is scaled, exactly"
@@ -16,12 +16,12 @@ SCALED = "Lamps have changed since the bake: direct light is exact, indirect lig
 
 
 @pytest.fixture
-def lit(rounds):
-    """Baked in rounds, with its walls; shown by vertex attributes."""
-    rounds.leaflight.error = 20.0
-    rounds.leaflight.light_surroundings = True
+def lit(passes):
+    """Baked in passes, with its walls; shown by vertex attributes."""
+    passes.leaflight.error = 20.0
+    passes.leaflight.light_walls = True
     bpy.ops.leaflight.bake()
-    return rounds
+    return passes
 
 
 def lamp():
@@ -109,25 +109,25 @@ def check_a_lamp_that_is_moved_or_of_another_shape_needs_a_bake(lit):
     assert_scaled(lit, before, 2.0)
 
 
-def check_of_two_lamps_each_follows_by_itself(rounds):
+def check_of_two_lamps_each_follows_by_itself(passes):
     lamp_object = bpy.data.objects["lamp"]
     middle = np.array(lamp_object.location) - (0, 0, 2)
     side = add_light("POINT", tuple(middle - (8, 8, 0)), energy=4000.0, color=(1.0, 0.5, 0.0))
-    rounds.leaflight.error = 20.0
+    passes.leaflight.error = 20.0
     bpy.ops.leaflight.bake()
-    before = colours_of(rounds)
+    before = colours_of(passes)
     side.data.energy *= 0.5
     bpy.context.view_layer.update()
-    assert SCALED in drawn(bake_panel.LEAFLIGHT_PT_bake_details) and change(rounds) == ""
-    bake = cache.bake_of(rounds).relit({side.name: 0.5})
-    points = vertices_of(rounds)
-    expected = bake.grid.lookup(cache.volume_of(rounds).field(), points)
-    close(colours_of(rounds), expected, 1e-4 * expected.max())
-    assert np.abs(colours_of(rounds) - before).max() > 0.01 * before.max()
+    assert SCALED in drawn(bake_panel.LEAFLIGHT_PT_bake_details) and change(passes) == ""
+    bake = cache.bake_of(passes).relit({side.name: 0.5})
+    points = vertices_of(passes)
+    expected = bake.grid.lookup(cache.volume_of(passes).field(), points)
+    close(colours_of(passes), expected, 1e-4 * expected.max())
+    assert np.abs(colours_of(passes) - before).max() > 0.01 * before.max()
     # Light of a color that was not there is not known.
     side.data.color = (1.0, 0.5, 1.0)
     bpy.context.view_layer.update()
-    assert "The scene has changed since the bake" in change(rounds)
+    assert "The scene has changed since the bake" in change(passes)
 
 
 def check_undo_files_frames_and_renders(lit, tmp_path):

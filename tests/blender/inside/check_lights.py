@@ -9,7 +9,7 @@ import pytest
 from leaflight import LeaflightError
 from leaflight.measure import blender_versions
 from leaflight_addon import versions
-from leaflight_addon.show import leaves
+from leaflight_addon.show import isosurfaces
 from leaflight_addon.stage import scene_export, world
 from tools import (
     add_light,
@@ -38,7 +38,7 @@ def assert_probe_agrees(probe, tmp_path, record_property):
 
     def compare(samples=256, most=0.005):
         bpy.context.view_layer.update()
-        description, warnings = export(bpy.data.objects.new("Leaf", None))
+        description, warnings = export(bpy.data.objects.new("Isosurface", None))
         assert warnings == []
         expected, error = traced_probe(description)
         assert expected.min() > 1e-3
@@ -53,8 +53,8 @@ def assert_probe_agrees(probe, tmp_path, record_property):
     return compare
 
 
-def export(leaf):
-    description, _, warnings = scene_export.export_scene(bpy.context, leaf)
+def export(isosurface):
+    description, _, warnings = scene_export.export_scene(bpy.context, isosurface)
     return description, warnings
 
 
@@ -62,8 +62,8 @@ def export(leaf):
 def without_a_volume(monkeypatch):
     """These scenes have none; what is lit would lie below the probe."""
     box = np.array([[-1.0, -1.0, -1.0], [1.0, 1.0, 0.0]])
-    monkeypatch.setattr(leaves, "world_box", lambda obj: box)
-    monkeypatch.setattr(leaves, "export_leaves", lambda obj, several: None)
+    monkeypatch.setattr(isosurfaces, "world_box", lambda obj: box)
+    monkeypatch.setattr(isosurfaces, "export_isosurfaces", lambda obj, several: None)
 
 
 @pytest.mark.parametrize("shape", ["SQUARE", "RECTANGLE", "DISK", "ELLIPSE"])
@@ -249,7 +249,7 @@ def check_a_light_that_cannot_be_baked_is_named(spoil, reason):
 def sentence_of_export():
     bpy.context.view_layer.update()
     with pytest.raises(LeaflightError) as caught:
-        export(bpy.data.objects.new("Leaf", None))
+        export(bpy.data.objects.new("Isosurface", None))
     sentence = str(caught.value)
     assert "\n" not in sentence and sentence.endswith(".") and ":" in sentence
     return sentence
@@ -260,7 +260,7 @@ def check_a_wide_point_light_nearby_is_warned_of(probe):
     for radius, warned in ((0.05, False), (0.2, True)):
         lamp.data.shadow_soft_size = radius
         bpy.context.view_layer.update()
-        _, warnings = export(bpy.data.objects.new("Leaf", None))
+        _, warnings = export(bpy.data.objects.new("Isosurface", None))
         assert len(warnings) == warned and all("4 %" in sentence for sentence in warnings)
 
 
@@ -279,10 +279,10 @@ def check_light_linking_is_warned_of(probe):
     for name in ("receiver_collection", "blocker_collection"):
         setattr(lamp.light_linking, name, bpy.data.collections.new("Few"))
         bpy.context.view_layer.update()
-        (warning,) = export(bpy.data.objects.new("Leaf", None))[1]
+        (warning,) = export(bpy.data.objects.new("Isosurface", None))[1]
         assert f'"{lamp.name}"' in warning and "light linking" in warning
         setattr(lamp.light_linking, name, None)
-    assert not export(bpy.data.objects.new("Leaf", None))[1]
+    assert not export(bpy.data.objects.new("Isosurface", None))[1]
 
 
 def check_another_working_space_is_refused(probe):
@@ -297,7 +297,7 @@ def check_versions_that_were_never_compared_are_warned_of(probe, monkeypatch):
     add_light("POINT", (0.0, 0.0, 9.0), energy=10.0)
     bpy.context.view_layer.update()
     monkeypatch.setattr(blender_versions, "CHECKED", ((3, 6),))
-    (warning,) = export(bpy.data.objects.new("Leaf", None))[1]
+    (warning,) = export(bpy.data.objects.new("Isosurface", None))[1]
     assert "Render Comparison" in warning
 
 
@@ -305,10 +305,10 @@ def check_a_light_that_some_rays_do_not_see_is_warned_of(probe):
     lamp = add_light("POINT", (0.0, 0.0, 9.0), energy=10.0)
     lamp.visible_camera = False
     bpy.context.view_layer.update()
-    assert not export(bpy.data.objects.new("Leaf", None))[1]
+    assert not export(bpy.data.objects.new("Isosurface", None))[1]
     lamp.visible_glossy = False
     bpy.context.view_layer.update()
-    (warning,) = export(bpy.data.objects.new("Leaf", None))[1]
+    (warning,) = export(bpy.data.objects.new("Isosurface", None))[1]
     assert f'"{lamp.name}"' in warning
 
 

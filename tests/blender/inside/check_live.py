@@ -12,7 +12,7 @@ from leaflight_addon.show import display, preview
 from leaflight_addon.stage import staleness
 from leaflight_addon.store import cache
 from leaflight_addon.ui import bake_panel
-from rounds import drawn
+from passes import drawn
 from tools import assert_shows, close, colours_of, to_world, vertices_of
 
 CHANGED = "The scene has changed since the bake: bake again"
@@ -25,10 +25,10 @@ class Held:
         self.may_pass = False
         light = live.LiveJob._light
 
-        def wait(job, on_round, progress):
+        def wait(job, on_pass, progress):
             while not self.may_pass and not progress.cancelled:
                 time.sleep(0.005)
-            return light(job, on_round=on_round, progress=progress)
+            return light(job, on_pass=on_pass, progress=progress)
 
         monkeypatch.setattr(live.LiveJob, "_light", wait)
 
@@ -46,16 +46,16 @@ def held(monkeypatch):
 
 
 @pytest.fixture
-def lit(rounds, held):
+def lit(passes, held):
     """Baked with its walls, and live."""
-    rounds.leaflight.error = 20.0
-    rounds.leaflight.resolution = 16
-    rounds.leaflight.light_surroundings = True
+    passes.leaflight.error = 20.0
+    passes.leaflight.resolution = 16
+    passes.leaflight.light_walls = True
     bpy.ops.leaflight.bake()
     bpy.context.scene.leaflight_live = True
     finish(held)
-    assert live.at_work() is None and preview.of(rounds) is None
-    return rounds
+    assert live.at_work() is None and preview.of(passes) is None
+    return passes
 
 
 def lamp():
@@ -92,7 +92,7 @@ def to_passes():
 
 
 def has_lit_walls():
-    return live._job.round is not None and live._job.round.surroundings is not None
+    return live._job.latest is not None and live._job.latest.walls is not None
 
 
 def finish(held):
@@ -150,7 +150,7 @@ def check_a_lamp_that_moves_lights_at_once_and_finally(lit, held):
     assert cache.bake_of(lit).id == fresh.id != bake_id
     assert change(lit) == "" and preview.of(lit) is None
     assert_shows(lit, 50.0)
-    expected = [fresh.surroundings.radiance(m, 50.0) for m in range(fresh.surroundings.count)]
+    expected = [fresh.walls.radiance(m, 50.0) for m in range(fresh.walls.count)]
     close(walls(), np.concatenate(expected), 1e-5)
     assert "leaflight.stop_live" not in drawn(bake_panel.LEAFLIGHT_PT_bake)
 
@@ -192,7 +192,7 @@ def check_walls_and_the_volume_move(lit, held):
     assert_shows_moved(lit, fresh)
     shown = bpy.data.objects[f"{name} Lit"]
     index = shown["leaflight_wall"]
-    expected = preview.of(lit).bake.surroundings.mesh(index)[0]
+    expected = preview.of(lit).bake.walls.mesh(index)[0]
     close([vertex.co for vertex in shown.data.vertices], expected, 1e-5)
     lit.location.z += 0.05
     bpy.context.view_layer.update()
@@ -280,18 +280,18 @@ def check_what_cannot_be_live_says_so(lit, held):
     assert live.sentence() == "" and change(lit) == ""
 
 
-def check_scripts_and_other_scenes_are_left_alone(rounds, held, monkeypatch):
+def check_scripts_and_other_scenes_are_left_alone(passes, held, monkeypatch):
     scene = bpy.context.scene
     scene.leaflight_live = True
     move_lamp()
     assert live._tick() is None and live.at_work() is None
-    rounds.leaflight.error = 20.0
-    rounds.leaflight.resolution = 16
+    passes.leaflight.error = 20.0
+    passes.leaflight.resolution = 16
     bpy.ops.leaflight.bake()
     finish(held)
     scene.leaflight_live = False
     move_lamp()
-    assert live._tick() is None and change(rounds) == CHANGED
+    assert live._tick() is None and change(passes) == CHANGED
     monkeypatch.setattr(live, "_is_in_window", lambda: False)
     scene.leaflight_live = True
     move_lamp()

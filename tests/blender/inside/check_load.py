@@ -34,7 +34,7 @@ def check_another_bake_under_the_right_name_is_not_taken_for_it(saved):
     assert first.name in sentence and "another bake" in sentence and "\n" not in sentence
     assert staleness.change_since_bake(bpy.context, obj) == sentence
     assert "radiance" not in obj.data.attributes
-    assert obj.data.materials[0] == obj.leaflight.leaf_material
+    assert obj.data.materials[0] == obj.leaflight.isosurface_material
 
 
 @pytest.mark.parametrize("damage", ["gone", "another", "text"])

@@ -89,18 +89,18 @@ def check_gloss_shines_in_the_lamps_and_not_in_comparisons(baked, tmp_path):
     coat = baked.data.materials[0].node_tree.nodes["coat"]
     assert coat.inputs["Roughness"].default_value == pytest.approx(0.2)
     # A new color is none of the coat's.
-    baked.leaflight.leaf_albedo = (0.5, 0.1, 0.1)
+    baked.leaflight.isosurface_albedo = (0.5, 0.1, 0.1)
     assert tuple(coat.inputs[0].default_value) == (1.0, 1.0, 1.0, 1.0)
 
 
 def check_a_look_is_color_and_gloss_and_stays(bumps, tmp_path):
-    bpy.ops.leaflight.leaf_preset(preset="IVORY")
+    bpy.ops.leaflight.isosurface_preset(preset="IVORY")
     save(tmp_path / "scene.blend")
     obj = open_blend(tmp_path / "scene.blend")
     assert obj.leaflight_look.gloss == 1.0 and surface_material.shows_its_view(obj)
-    bpy.ops.leaflight.leaf_preset(preset="VIRIDIS")
-    assert len(obj.leaflight.leaf_stops) == 9 and obj.leaflight_look.gloss == 0.0
-    close(obj.leaflight.leaf_stops[8].color, (0.984, 0.799, 0.019), 2e-3)
+    bpy.ops.leaflight.isosurface_preset(preset="VIRIDIS")
+    assert len(obj.leaflight.isosurface_stops) == 9 and obj.leaflight_look.gloss == 0.0
+    close(obj.leaflight.isosurface_stops[8].color, (0.984, 0.799, 0.019), 2e-3)
 
 
 @pytest.mark.parametrize("kept", ["OUTSIDE", "INSIDE"])

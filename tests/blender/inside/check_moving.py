@@ -9,7 +9,7 @@ from leaflight_addon.show import isovalues, properties, surface_object, whole_de
 from leaflight_addon.stage import scene_export, staleness
 from leaflight_addon.store import cache
 from leaflight_addon.ui import bake_panel
-from rounds import drawn
+from passes import drawn
 from tools import (
     Clock,
     assert_shows,
@@ -185,7 +185,7 @@ def check_a_scrub_step_reads_no_scene(baked, interactive, exports, ramp):
         for _ in range(2):
             bpy.ops.leaflight.add_stop()
             edit_as_the_slider_does(baked, baked.leaflight.isovalue + 5.0)
-        baked.leaflight.leaf_stops[0].color = (0.1, 0.2, 0.3)
+        baked.leaflight.isosurface_stops[0].color = (0.1, 0.2, 0.3)
         bpy.ops.leaflight.bake()
     assert staleness.change_since_bake(bpy.context, baked) == ""
     exports.clear()

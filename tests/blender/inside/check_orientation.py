@@ -6,7 +6,7 @@ import nibabel
 import numpy as np
 import pytest
 from blends import open_saved
-from leaflight_addon.show import leaves
+from leaflight_addon.show import isosurfaces
 from leaflight_addon.stage import orientation, stage
 from tools import close, to_world, vertices_of
 
@@ -46,7 +46,7 @@ def check_the_menus_give_the_axes_that_they_name(scan, up, front):
         -x for x in orientation.AXES[front]
     )
     assert np.linalg.det(np.array(scan.matrix_world)[:3, :3]) > 0
-    assert abs(leaves.world_box(scan)[0, 2]) < 1e-5
+    assert abs(isosurfaces.world_box(scan)[0, 2]) < 1e-5
 
 
 @pytest.mark.parametrize(
@@ -136,4 +136,4 @@ def check_the_import_takes_them(bump_file):
     obj = bpy.context.object
     bpy.context.view_layer.update()
     assert _axes(obj)[1:] == ("NEG_X", "NEG_Z") and not obj.leaflight_orientation.is_unknown
-    close(leaves.world_box(obj)[0, 2], 0, 1e-5)
+    close(isosurfaces.world_box(obj)[0, 2], 0, 1e-5)

@@ -16,10 +16,10 @@ def _cloud():
     return cloud
 
 
-def _traced(leaf, count):
-    description, _, _ = scene_export.export_scene(bpy.context, leaf)
-    window = (leaf.leaflight.low, leaf.leaflight.high)
-    scene = core_scene(description, [cache.world_volume(leaf).field()], window)
+def _traced(isosurface, count):
+    description, _, _ = scene_export.export_scene(bpy.context, isosurface)
+    window = (isosurface.leaflight.low, isosurface.leaflight.high)
+    scene = core_scene(description, [cache.world_volume(isosurface).field()], window)
     return _core.photon_points(scene, count)
 
 
@@ -36,7 +36,7 @@ def check_the_cloud_holds_the_cores_photons(boxed):
     assert len(positions) > 200
     close(vertices_of(cloud), positions, 1e-5)
     close(colours_of(cloud, "flux"), flux / flux.mean(), 1e-5)
-    close(_values(cloud, "leaf_coordinate", np.float32), c, 1e-5)
+    close(_values(cloud, "common_isovalue", np.float32), c, 1e-5)
     np.testing.assert_array_equal(_values(cloud, "direct", bool), direct.astype(bool))
 
 

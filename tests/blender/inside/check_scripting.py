@@ -53,11 +53,13 @@ def check_a_comparison_returns_its_figures(volume, tmp_path):
     scene = bpy.context.scene
     scene.render.resolution_x = scene.render.resolution_y = 64
     found = blender.compare(volume, tmp_path / "images", samples=32, baked_samples=4, share=0.5)
-    assert 0 < found["leaf_rms_percent"] < 20 and found["isovalue"] == volume.leaflight.isovalue
+    assert (
+        0 < found["isosurface_rms_percent"] < 20 and found["isovalue"] == volume.leaflight.isovalue
+    )
     # Of the volume's own isosurface alone.
     blender.add_isosurface(volume, volume.leaflight.isovalue - 20.0, opacity=1.0)
     again = blender.compare(volume, tmp_path / "images", samples=16, baked_samples=4, share=0.5)
-    assert again["samples"] == 16 and again["leaf_pixels"] == found["leaf_pixels"] > 0
+    assert again["samples"] == 16 and again["isosurface_pixels"] == found["isosurface_pixels"] > 0
     assert len(volume.children) == 1 and not volume.children[0].hide_render
     picture = bpy.data.images.load(str(next((tmp_path / "images").glob("*_baked.png"))))
     assert tuple(picture.size) == (32, 32)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Several volumes in one scene: baked together, their isovalues linked by the leaf coordinate."""
+"""Several volumes in one scene: baked together, their isovalues linked by the common isovalue."""
 
 import bpy
 import numpy as np
@@ -58,8 +58,8 @@ def check_one_bake_holds_both(pair, active):
     assert len({obj.leaflight.bake_id for obj in pair}) == 1
     bake = cache.bake_of(pair[0])
     assert bake is cache.bake_of(pair[1]) and len(bake.grids) == 2
-    assert [one.isovalues for one in bake.scene.leaves] == [(20.0, 100.0), (100.0, 160.0)]
-    assert [one.name for one in bake.scene.leaves] == [obj.name for obj in pair]
+    assert [one.isovalues for one in bake.scene.isosurfaces] == [(20.0, 100.0), (100.0, 160.0)]
+    assert [one.name for one in bake.scene.isosurfaces] == [obj.name for obj in pair]
     for index, obj in enumerate(pair):
         vertices, _, radiance = mesh_arrays(obj)
         matrix = np.array(obj.matrix_world, np.float64)
@@ -77,8 +77,8 @@ def check_one_bake_holds_both(pair, active):
     assert len(paths) == 2
 
 
-def _leaf_coordinates(pair):
-    return [isovalues.leaf_coordinate(o.leaflight, o.leaflight.isovalue) for o in pair]
+def _common_isovalues(pair):
+    return [isovalues.common_isovalue(o.leaflight, o.leaflight.isovalue) for o in pair]
 
 
 def check_moving_one_moves_the_other(pair):
@@ -97,7 +97,7 @@ def check_moving_one_moves_the_other(pair):
     close([o.leaflight.isovalue for o in pair], [60.0, 130.0], 1e-5)
     for obj in pair:
         assert_shows(obj, obj.leaflight.isovalue)
-    close(_leaf_coordinates(pair), 0.5, 1e-6)
+    close(_common_isovalues(pair), 0.5, 1e-6)
 
 
 def check_unlinked_and_hidden_volumes_stay(pair):
@@ -147,7 +147,7 @@ def check_a_hidden_one_is_not_baked_and_its_file_not_overwritten(pair):
     second.hide_render = True
     bpy.context.view_layer.update()
     description, volumes, _ = scene_export.export_scene(bpy.context, first)
-    assert volumes == [first] and description.leaves[0].isovalues is None
+    assert volumes == [first] and description.isosurfaces[0].isovalues is None
     bpy.ops.leaflight.bake()
     cache.clear()
     assert len(cache.bake_of(first).grids) == 1 and len(cache.bake_of(second).grids) == 2

@@ -11,17 +11,17 @@ SIZE, WIDTH = 96, 2.4
 SLOPE_X, SLOPE_Y, HEIGHT = 0.3, 0.2, 0.8
 
 
-def _tilted_plane(leaf):
-    """A plane through the volume, with the leaf's transform and so its object coordinates."""
+def _tilted_plane(isosurface):
+    """A plane through the volume, with the isosurface's transform and so its object coordinates."""
     corners = [(-1.2, -1.2), (1.2, -1.2), (1.2, 1.2), (-1.2, 1.2)]
     world = np.array([(x, y, HEIGHT + SLOPE_X * x + SLOPE_Y * y) for x, y in corners])
-    inverse = np.linalg.inv(np.array(leaf.matrix_world, np.float64))
+    inverse = np.linalg.inv(np.array(isosurface.matrix_world, np.float64))
     local = world @ inverse[:3, :3].T + inverse[:3, 3]
     mesh = bpy.data.meshes.new("Plane")
     mesh.from_pydata(local.tolist(), [], [(0, 1, 2, 3)])
-    mesh.materials.append(leaf.data.materials[0])
+    mesh.materials.append(isosurface.data.materials[0])
     plane = bpy.data.objects.new("Plane", mesh)
-    plane.matrix_world = leaf.matrix_world
+    plane.matrix_world = isosurface.matrix_world
     bpy.context.scene.collection.objects.link(plane)
 
 

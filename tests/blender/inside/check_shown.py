@@ -236,20 +236,20 @@ def check_nothing_is_compiled_anew_while_values_move(baked):
 
 def check_a_new_color_changes_what_the_surface_reflects(boxed, tmp_path):
     """Not what it emits by itself."""
-    boxed.leaflight.leaf_emission_strength = 0.1
+    boxed.leaflight.isosurface_emission_strength = 0.1
     bpy.ops.leaflight.bake()
     assert not surface_material.is_recolored(boxed)
-    albedo = np.array(boxed.leaflight.leaf_albedo)
+    albedo = np.array(boxed.leaflight.isosurface_albedo)
     look_down(5.0, 1.0)
     before = _seen_from_above([boxed], tmp_path / "before.exr", "CYCLES")
-    boxed.leaflight.leaf_albedo = new = (0.6, 0.3, 0.15)
+    boxed.leaflight.isosurface_albedo = new = (0.6, 0.3, 0.15)
     assert surface_material.is_recolored(boxed)
     after = _seen_from_above([boxed], tmp_path / "after.exr", "CYCLES")
     lit = before.min(axis=-1) > 0.11
     assert lit.sum() > 100
     expected = 0.1 + (before - 0.1) * new / albedo
     close(after[lit], expected[lit], 1e-3)
-    boxed.leaflight.leaf_albedo = albedo
+    boxed.leaflight.isosurface_albedo = albedo
     assert not surface_material.is_recolored(boxed)
 
 

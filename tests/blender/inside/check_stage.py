@@ -139,7 +139,7 @@ def check_a_stage_comes_back_as_it_was_described(bumps, preset):
     found, _, warnings = scene_export.export_scene(bpy.context, bumps)
     assert warnings == []
     assert len(found.meshes) == len(wanted.meshes) and len(found.lights) == len(wanted.lights)
-    close(found.leaves[0].albedo, wanted.leaves[0].albedo, 1e-6)
+    close(found.isosurfaces[0].albedo, wanted.isosurfaces[0].albedo, 1e-6)
     assert found.exposure == pytest.approx(wanted.exposure)
     for mesh in wanted.meshes:
         same = _find(found.meshes, mesh.name)
@@ -241,12 +241,12 @@ def check_the_camera_stands_before_the_face_in_a_file_that_counts_towards_the_ba
 
 def check_a_color_that_was_chosen_stays(bumps):
     _stage("STUDIO")
-    first = tuple(bumps.leaflight.leaf_albedo)
+    first = tuple(bumps.leaflight.isosurface_albedo)
     _stage("CORNELL")
-    assert tuple(bumps.leaflight.leaf_albedo) != first
-    bumps.leaflight.leaf_albedo = (0.1, 0.2, 0.3)
+    assert tuple(bumps.leaflight.isosurface_albedo) != first
+    bumps.leaflight.isosurface_albedo = (0.1, 0.2, 0.3)
     _stage("STUDIO")
-    close(bumps.leaflight.leaf_albedo, (0.1, 0.2, 0.3), 1e-6)
+    close(bumps.leaflight.isosurface_albedo, (0.1, 0.2, 0.3), 1e-6)
 
 
 def check_renders_take_few_samples_and_overlays_are_off(bumps):

@@ -19,13 +19,13 @@ def _stage(preset):
 
 def check_what_was_lit_by_the_last_bake_goes_with_its_stage(bumps):
     _stage("CORNELL")
-    assert bumps.leaflight.light_surroundings
+    assert bumps.leaflight.light_walls
     bpy.ops.leaflight.bake()
     assert any(obj.name == "floor Lit" for obj in bpy.context.scene.objects)
     _stage("LIGHT_TENT")
     assert not any(obj.name.endswith(" Lit") for obj in bpy.context.scene.objects)
     bpy.ops.leaflight.bake()
-    assert bumps.leaflight.bake_surroundings and bpy.data.objects["floor"].hide_render
+    assert bumps.leaflight.bake_walls and bpy.data.objects["floor"].hide_render
 
 
 def check_walls_and_isosurface_lose_their_light_together(bumps):

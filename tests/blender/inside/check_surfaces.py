@@ -6,7 +6,7 @@ import math
 import bpy
 import numpy as np
 import pytest
-from leaflight_addon.show import leaves
+from leaflight_addon.show import isosurfaces
 from leaflight_addon.stage import scene_export
 from tools import (
     add_light,
@@ -22,15 +22,15 @@ from tools import (
 @pytest.fixture
 def probe(monkeypatch):
     box = np.array([[-1.0, -1.0, -1.0], [1.0, 1.0, 0.0]])
-    monkeypatch.setattr(leaves, "world_box", lambda obj: box)
-    monkeypatch.setattr(leaves, "export_leaves", lambda obj, several: None)
+    monkeypatch.setattr(isosurfaces, "world_box", lambda obj: box)
+    monkeypatch.setattr(isosurfaces, "export_isosurfaces", lambda obj, several: None)
     return build_probe((0.8, 0.5, 0.3))
 
 
 def assert_probe_agrees(tmp_path, samples):
     bpy.context.view_layer.update()
-    leaf = bpy.data.objects.new("Leaf", None)
-    description, _, warnings = scene_export.export_scene(bpy.context, leaf)
+    isosurface = bpy.data.objects.new("Isosurface", None)
+    description, _, warnings = scene_export.export_scene(bpy.context, isosurface)
     assert warnings == []
     expected, error = traced_probe(description, 1 << 20)
     assert np.all(error < 0.003 * expected)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The surroundings show the light of the present isosurface."""
+"""The walls show the light of the present isosurface."""
 
 import bpy
 import numpy as np
@@ -12,7 +12,7 @@ from tools import close, colours_of, render_exr
 
 @pytest.fixture
 def lit(boxed):
-    boxed.leaflight.light_surroundings = True
+    boxed.leaflight.light_walls = True
     bpy.ops.leaflight.bake()
     return boxed
 
@@ -25,12 +25,12 @@ def assert_walls_show(lit, c, tolerance=1e-5):
     bake = cache.bake_of(lit)
     assert len(displays()) == len(bake.scene.meshes) > 3
     for obj in displays():
-        vertices, triangles = bake.surroundings.mesh(obj["leaflight_wall"])
+        vertices, triangles = bake.walls.mesh(obj["leaflight_wall"])
         assert len(obj.data.polygons) == len(triangles)
         found = np.array([vertex.co for vertex in obj.data.vertices])
         close(found, vertices, 1e-5)
         for name, back in (("radiance", False), ("radiance_back", True)):
-            expected = bake.surroundings.radiance(obj["leaflight_wall"], c, back=back)
+            expected = bake.walls.radiance(obj["leaflight_wall"], c, back=back)
             close(colours_of(obj, name), expected, tolerance)
 
 
@@ -126,8 +126,8 @@ def check_switched_off_and_on(lit):
     assert len(bpy.data.meshes) == meshes
 
 
-def check_a_bake_without_surroundings_shows_the_walls_themselves(lit):
-    lit.leaflight.light_surroundings = False
+def check_a_bake_without_walls_shows_the_walls_themselves(lit):
+    lit.leaflight.light_walls = False
     bpy.ops.leaflight.bake()
     assert not displays() and not bpy.data.objects["floor"].hide_render
 
@@ -144,7 +144,7 @@ def check_undo(lit):
     assert not displays() and not bpy.data.objects["floor"].hide_render
 
 
-def check_the_leaf_that_is_seen_lights_them_in_a_saved_file_too(lit, tmp_path):
+def check_the_isosurface_that_is_seen_lights_them_in_a_saved_file_too(lit, tmp_path):
     name = lit.name
     lit.leaflight.isovalue = 40.0
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
@@ -156,17 +156,17 @@ def check_the_leaf_that_is_seen_lights_them_in_a_saved_file_too(lit, tmp_path):
     assert_walls_show(lit, 70.0)
 
 
-def check_walls_are_of_the_same_round_as_the_isosurface(lit):
-    """A round that has the light of the walls shows it; without the round all is as before."""
+def check_walls_are_of_the_same_pass_as_the_isosurface(lit):
+    """A pass that has the light of the walls shows it; without the pass all is as before."""
     scene, other = bpy.context.scene, cache.bake_of(lit)
     lit.leaflight.seed += 1
     bpy.ops.leaflight.bake()
     c = lit.leaflight.isovalue
     assert_walls_show(lit, c)
     preview.put(lit, other, 0, [x for row in lit.matrix_world for x in row])
-    walls.show_round(scene)
+    walls.show_pass(scene)
     index = displays()[0]["leaflight_wall"]
-    close(colours_of(displays()[0]), other.surroundings.radiance(index, c, back=False), 1e-5)
-    surface_object.forget_rounds()
+    close(colours_of(displays()[0]), other.walls.radiance(index, c, back=False), 1e-5)
+    surface_object.forget_passes()
     walls.refresh(scene)
     assert_walls_show(lit, c)

@@ -12,7 +12,7 @@ from boxes import build_cornell_box
 from leaflight.bake import baked as bake_of_package
 from leaflight_addon.show import whole_detail
 from leaflight_addon.store import bake_files
-from rounds import UNREACHED
+from passes import UNREACHED
 from tools import Clock, end_all
 
 N = 24
@@ -82,8 +82,8 @@ def saved(boxed, tmp_path):
 
 
 @pytest.fixture
-def rounds(boxed):
-    """The boxed bumps, to be baked in rounds in a window of their isovalues."""
+def passes(boxed):
+    """The boxed bumps, to be baked in passes in a window of their isovalues."""
     boxed.leaflight.property_unset("error")
     boxed.leaflight.use_resolution = False
     boxed.leaflight.low, boxed.leaflight.high = 40.0, 60.0
@@ -93,9 +93,9 @@ def rounds(boxed):
 
 
 @pytest.fixture
-def endless(rounds):
-    rounds.leaflight.error = UNREACHED
-    return rounds
+def endless(passes):
+    passes.leaflight.error = UNREACHED
+    return passes
 
 
 @pytest.fixture

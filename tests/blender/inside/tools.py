@@ -9,7 +9,7 @@ import bpy
 import leaflight
 import numpy as np
 import pytest
-from leaflight.scene.scene import Leaves, core_scene
+from leaflight.scene.scene import Isosurfaces, core_scene
 from leaflight_addon import versions
 from leaflight_addon.operators import background
 from leaflight_addon.show import whole_detail
@@ -237,9 +237,9 @@ def traced_probe(description, samples=1 << 19):
     values[1:3, 1:3, 1:3] = 1.0
     matrix = np.diag([0.01, 0.01, 0.01, 1.0])
     matrix[2, 3] = -5.0
-    description = replace(description, leaves=[Leaves("far", (0.0, 0.0, 0.0))])
+    description = replace(description, isosurfaces=[Isosurfaces("far", (0.0, 0.0, 0.0))])
     scene = core_scene(description, [leaflight._core.Field(values, matrix)], (0.1, 0.9))
-    radiance, error = leaflight._core.reference_surroundings(
+    radiance, error = leaflight._core.reference_walls(
         scene, 0, [0], np.full((1, 2), 1 / 3), 0.5, samples
     )
     return radiance[0], error[0]

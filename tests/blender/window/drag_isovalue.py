@@ -79,7 +79,7 @@ def import_volume(path, low, high):
     view_area().spaces.active.shading.type = "SOLID"
     view_area().spaces.active.region_3d.view_perspective = "CAMERA"
     settings = bpy.context.object.leaflight
-    settings.light_surroundings = False
+    settings.light_walls = False
     settings.limit_isovalue((float(values.min()), float(values.max())), (low, high), low)
     settings.low, settings.high = low, high
     # Few triangles, until the slider is found.
@@ -186,20 +186,20 @@ def rest(name=None):
 
 
 def bake_alone():
-    """A while of the bake, with rounds that are shown, and nobody at the mouse."""
-    while not bpy.context.object.data.get("leaflight_shown", "").count(" round "):
+    """A while of the bake, with passes that are shown, and nobody at the mouse."""
+    while not bpy.context.object.data.get("leaflight_shown", "").count(" pass "):
         if background.running() is None:
-            raise RuntimeError("The bake has shown no round.")
+            raise RuntimeError("The bake has shown no pass.")
         yield 0.05
     pictures.clear()
-    start, before, rounds = time.perf_counter(), None, 0
+    start, before, passes = time.perf_counter(), None, 0
     told = set()
     while time.perf_counter() < start + 5.0:
         label = surface_object.label_of(bpy.context.object.data)
-        rounds, before = rounds + (label != before), label
+        passes, before = passes + (label != before), label
         told.add(background.running().status())
         yield 0.02
-    found["bake alone"] = {"pictures": len(pictures), "rounds": rounds, "told": len(told)}
+    found["bake alone"] = {"pictures": len(pictures), "passes": passes, "told": len(told)}
 
 
 assert leaflight.__version__

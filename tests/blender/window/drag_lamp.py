@@ -191,7 +191,7 @@ def move_and_wait():
     direct = [when for when, of_moved in shown if of_moved]
     seconds["direct"], seconds["sharp"] = direct[0], direct[-1]
     seconds["final"] = shown[-1][0]
-    found["final"] = not is_moved() and " round " not in label()
+    found["final"] = not is_moved() and " pass " not in label()
     yield from picture("final")
     write_all()
 

@@ -115,15 +115,14 @@ def stage_and_bake():
         "overlays": view_area().spaces.active.overlay.show_overlays,
     }
     # For the time of the test: no newcomer's settings.
-    volume().leaflight.quality = "DRAFT"
     volume().leaflight.resolution = 48
-    rounds = note_rounds()
+    passes = note_passes()
     yield from click(header_button(386))
     yield from stepwise.until(lambda: background.running() is not None)
     yield from stepwise.until(lambda: background.running() is None)
     print("baked", flush=True)
     found["bake"] = {
-        "rounds": len(rounds),
+        "passes": len(passes),
         "lit": "radiance" in volume().data.attributes,
         "clicks": found["clicks"],
         "failure": background.failure(),
@@ -133,23 +132,23 @@ def stage_and_bake():
     yield from take_pictures()
 
 
-def note_rounds():
-    """The set of rounds that the next bake shows, which waits with each until it was shown."""
+def note_passes():
+    """The set of passes that the next bake shows, which waits with each until it was shown."""
     shown, light, show = set(), bake.BakeJob._light, bake.BakeJob.show
 
-    def until_shown(job, on_round, progress):
+    def until_shown(job, on_pass, progress):
         def hold(baked):
-            on_round(baked)
+            on_pass(baked)
             while job._shown is not baked and not progress.cancelled:
                 time.sleep(0.01)
 
         bake.BakeJob._light = light
-        return light(job, on_round=hold, progress=progress)
+        return light(job, on_pass=hold, progress=progress)
 
     def note(job):
         show(job)
         label = surface_object.label_of(volume().data) or ""
-        shown.update({label} if " round " in label else ())
+        shown.update({label} if " pass " in label else ())
 
     bake.BakeJob._light, bake.BakeJob.show = until_shown, note
     return shown
@@ -188,7 +187,7 @@ def stop_and_keep():
     volume().leaflight.use_resolution = False
     yield from click(header_button(386))
     yield from stepwise.until(lambda: background.running() is not None)
-    yield from stepwise.until(lambda: " round " in (surface_object.label_of(volume().data) or ""))
+    yield from stepwise.until(lambda: " pass " in (surface_object.label_of(volume().data) or ""))
     yield from key("ESC")
     start = time.perf_counter()
     yield from stepwise.until(lambda: background.running() is None)

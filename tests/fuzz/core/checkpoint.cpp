@@ -19,12 +19,12 @@ void read(const std::filesystem::path& path) {
   const std::string text = read_checkpoint(path);
   fuzz::require(text.size() < std::filesystem::file_size(path), "more text than the file has");
   read_checkpoint_state(path, [](std::istream& stream) {
-    Keeper keeper(stream);
+    Archive archive(stream);
     int number = 0;
-    keeper(number);
+    archive(number);
     for (int i = 0; i < 3; ++i) {
       std::vector<Average> items;
-      keeper(items, most);
+      archive(items, most);
       fuzz::require(items.size() <= most, "more items than there can be");
     }
   });

@@ -7,7 +7,7 @@
 
 #include "bytes.h"
 #include "said.h"
-#include "trace/leaf_ray.h"
+#include "trace/isosurface_ray.h"
 
 namespace leaflight::fuzz {
 
@@ -55,7 +55,7 @@ bool all_finite(const Vertices& vertices) {
 // A ray through the field from anywhere; what it hits lies in a cell, at a distance.
 template <int D>
 void shoot(const Field<D>& field, double isovalue, Bytes& bytes) {
-  LeafRay<D> ray;
+  IsosurfaceRay<D> ray;
   for (int a = 0; a < D; ++a) {
     ray.position[a] = bytes.take<float>();
     ray.direction[a] = bytes.take<float>();
@@ -65,7 +65,7 @@ void shoot(const Field<D>& field, double isovalue, Bytes& bytes) {
   const auto hit = intersect(field, ray);
   require(hit.has_value() == occluded(field, ray), "a ray that hits is not blocked");
   if (!hit) return;
-  // 0 from within what rounding leaves of the leaf, of values up to 1e38.
+  // 0 from within what rounding leaves of the isosurface, of values up to 1e38.
   require(hit->t >= 0 && std::isfinite(hit->t), "a hit at no distance");
   for (int a = 0; a < D; ++a) {
     const double x = hit->point.local[a];

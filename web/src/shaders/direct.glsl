@@ -31,7 +31,7 @@ vec3 unshadowed(int point, vec3 place, vec3 normal, vec3 geometricNormal) {
   return amount.rgb * (share * cosine * perDistance * perDistance);
 }
 
-// Of a leaf at index coordinates.
+// Of an isosurface at index coordinates.
 vec3 directIrradiance(vec3 place, vec3 gradient, float isovalue, bool isInner) {
   vec3 texel = clamp(place * (vec3(mapTexels - 1) / vec3(dims - 1)), vec3(0.0), vec3(mapTexels - 1));
   ivec3 cell = min(ivec3(texel), mapTexels - 2);

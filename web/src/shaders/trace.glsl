@@ -1,5 +1,5 @@
 // Where a ray first meets an isosurface of the trilinear field, by the rules of the core
-// (core/src/trace/leaf_ray.cpp, core/src/trace/cell_crossing.h).
+// (core/src/trace/isosurface_ray.cpp, core/src/trace/cell_crossing.h).
 
 uniform usampler3D values;        // codes of four voxels: at (x, y), (x + 1, y), (x, y + 1), both
 uniform usampler3D bounds;        // least and greatest code of 4^3 cells

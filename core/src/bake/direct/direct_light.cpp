@@ -52,7 +52,7 @@ Index<D> map_resolution(const Field<D>& field, const IsovalueWindow& window, con
 template <int D>
 DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
                             const std::vector<LightPoint<D>>& points, const Index<D>& resolution,
-                            bool inner, Progress& progress, bool quick)
+                            bool back, Progress& progress, bool quick)
     : window_(tracer.scene().volumes[volume].isovalues(tracer.scene().window)),
       albedo_(tracer.scene().volumes[volume].albedo),
       emission_(tracer.scene().volumes[volume].emission),
@@ -73,7 +73,7 @@ DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
     if (other == volume) continue;
     others.push_back(std::make_unique<VisibilityThrough<D>>(tracer, other, volume, maps->lattice));
   }
-  for (int side = 0; side < (inner ? 2 : 1); ++side) {
+  for (int side = 0; side < (back ? 2 : 1); ++side) {
     maps->codes[side].resize(active * count + block);  // whole blocks are read
     const VisibilityCode code{window_, side != 0};
     for (std::size_t first = 0; first < count; first += points_at_once) {
@@ -111,11 +111,11 @@ DirectLight<D> DirectLight<D>::scaled(const std::vector<Rgb>& lights) const {
 }
 
 template <int D>
-float DirectLight<D>::greatest(std::size_t point, const TexelWeights<D>& near, bool inner) const {
+float DirectLight<D>::greatest(std::size_t point, const TexelWeights<D>& near, bool back) const {
   float sum = 0;
   for (int i = 0; i < (1 << D); ++i) {
     if (!(near.weight[i] > 0)) continue;
-    sum += near.weight[i] * maps_->codes[inner][near.slot[i] * points_.size() + point];
+    sum += near.weight[i] * maps_->codes[back][near.slot[i] * points_.size() + point];
   }
   return sum;
 }
@@ -143,14 +143,14 @@ void DirectLight<D>::fill_blocks() {
 }
 
 template <int D>
-Rgb DirectLight<D>::radiance(const IsosurfacePoint<D>& point, bool inner) const {
+Rgb DirectLight<D>::radiance(const IsosurfacePoint<D>& point, bool back) const {
   const double h = point.value;
   if (std::isnan(h)) return Rgb(0);
-  // Towards higher values, the inner side.
+  // Towards higher values, the back.
   const Vec<D> gradient = to_index_.pull_back_gradient(point.gradient);
   const double length = gradient.length();
   if (!(length > 0)) return Rgb(0);
-  const double outward = (inner ? 1 : -1) / length;
+  const double outward = (back ? 1 : -1) / length;
   const Vec<D, float> normal(gradient * outward);
   const Vec<D, float> geometric(to_index_.pull_back_gradient(surface_gradient(
                                     point.corners, point.at.local, point.gradient)) *
@@ -158,9 +158,9 @@ Rgb DirectLight<D>::radiance(const IsosurfacePoint<D>& point, bool inner) const 
   const Vec<D> place = to_frame_.point(point.position);
   const Vec<D, float> x(place);
   const TexelWeights<D> near = linear_weights(maps_->lattice, point.position);
-  const std::uint8_t* maps = maps_->codes[inner].data();
+  const std::uint8_t* maps = maps_->codes[back].data();
   const bool has_dark = maps_->has_dark;
-  const float own = VisibilityCode{window_, inner}(h);
+  const float own = VisibilityCode{window_, back}(h);
   std::array<float, 3> irradiance{};
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     const Block& of = blocks_[b];

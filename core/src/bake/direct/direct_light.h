@@ -20,18 +20,18 @@ struct IsosurfacePoint {
 template <int D>
 IsosurfacePoint<D> isosurface_point(const Field<D>& field, const Vec<D>& index_position);
 
-// Direct light of a scene's light points at any point of any leaf of a volume, computed where it is
-// shown: the cosine and the distance are those of the point itself. For each texel and light point
-// it keeps the greatest value on the way, which tells whether the leaf of any isovalue
-// throws a shadow there (for inner sides the least value). Nothing of it is averaged or random.
+// Direct light of a scene's light points at any point of any isosurface of a volume, computed where
+// it is shown: the cosine and the distance are those of the point itself. For each texel and light
+// point it keeps the greatest value on the way, which tells whether the isosurface of any isovalue
+// throws a shadow there (for backs the least value). Nothing of it is averaged or random.
 template <int D>
 class DirectLight {
  public:
-  // Of a volume by its number; `resolution`: of the maps; `inner`: of the inner sides, too, which
+  // Of a volume by its number; `resolution`: of the maps; `back`: of the backs, too, which
   // needs the scene's only volume; `quick`: as VisibilitySweep has it. The result is the same for
   // any number of threads. Throws Cancelled.
   DirectLight(const SceneTracer<D>& tracer, int volume, const std::vector<LightPoint<D>>& points,
-              const Index<D>& resolution, bool inner, Progress& progress, bool quick = false);
+              const Index<D>& resolution, bool back, Progress& progress, bool quick = false);
 
   // With other strengths of the scene's lights: a factor per channel for each. Shares the maps.
   DirectLight scaled(const std::vector<Rgb>& lights) const;
@@ -43,22 +43,22 @@ class DirectLight {
   const Affine<D>& index_to_frame() const { return to_frame_; }
   // Of the field's values.
   const IsovalueWindow& window() const { return window_; }
-  bool has_inner() const { return !maps_->codes[1].empty(); }
+  bool has_back() const { return !maps_->codes[1].empty(); }
   // VisibilityCode of the way from an active texel to a point.
-  std::uint8_t code(std::size_t point, std::size_t slot, bool inner) const {
-    return maps_->codes[inner][slot * points_.size() + point];
+  std::uint8_t code(std::size_t point, std::size_t slot, bool back) const {
+    return maps_->codes[back][slot * points_.size() + point];
   }
 
-  // Radiance [W/(m^2 sr)] that the leaf through an index position of the field, which must be that
-  // of the volume, reflects on one of its sides; zero where no leaf passes.
-  Rgb radiance(const IsosurfacePoint<D>& point, bool inner) const;
-  Rgb radiance(const Field<D>& field, const Vec<D>& index_position, bool inner) const {
-    return radiance(isosurface_point(field, index_position), inner);
+  // Radiance [W/(m^2 sr)] that the isosurface through an index position of the field, which must be
+  // that of the volume, reflects on one of its sides; zero where no isosurface passes.
+  Rgb radiance(const IsosurfacePoint<D>& point, bool back) const;
+  Rgb radiance(const Field<D>& field, const Vec<D>& index_position, bool back) const {
+    return radiance(isosurface_point(field, index_position), back);
   }
-  // What the leaf emits by itself, [W/(m^2 sr)].
+  // What the isosurface emits by itself, [W/(m^2 sr)].
   Rgb emission(const Field<D>& field, const Vec<D>& index_position) const;
   // The greatest code on the way to a point from where a position has these weights in lattice().
-  float greatest(std::size_t point, const TexelWeights<D>& near, bool inner) const;
+  float greatest(std::size_t point, const TexelWeights<D>& near, bool back) const;
 
  private:
   // Points are taken so many at a time, by instructions that do the same for several.

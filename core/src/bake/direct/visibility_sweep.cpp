@@ -9,7 +9,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "bake/texels/swept_volume.h"
+#include "bake/texels/line_volume.h"
 #include "trace/line_bundle.h"
 
 namespace leaflight {
@@ -18,7 +18,7 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 // Voxels between neighbouring lines at most, where texels are not finer.
 constexpr double widest_spacing = 1;
-// Stands for masked voxels: no leaf passes beside them.
+// Stands for masked voxels: no isosurface passes beside them.
 constexpr float masked_code = -1e9f;
 
 // A plane of codes, axis `u` fastest.
@@ -212,7 +212,7 @@ class AxisSweep {
           const Vec<D> normal = source_.normal.dot(way) < 0 ? -source_.normal : source_.normal;
           origin = leave_plane<D>(source_.position, source_.sphere ? way : normal);
         }
-        if (const auto hit = tracer_.surroundings().intersect(origin, way, infinity)) {
+        if (const auto hit = tracer_.walls().intersect(origin, way, infinity)) {
           walls_[static_cast<std::size_t>(v) * u_lines() + u] = t + hit->t / length;
         }
       }
@@ -236,7 +236,7 @@ class AxisSweep {
     if (turned) next = plane_size;
     const std::size_t row_stride =
         turned || axis_ == D - 1 ? codes.u_count : next * field_.dims[axis_];
-    const auto scale = static_cast<float>(code_.inner ? -code_.scale() : code_.scale());
+    const auto scale = static_cast<float>(code_.back ? -code_.scale() : code_.scale());
     const float zero = code_(0);
     const auto part = static_cast<float>(plane.between);
     std::visit(
@@ -327,7 +327,7 @@ class AxisSweep {
         const int u = column.place.below, next = std::min(u + 1, u_lines() - 1);
         const float code = row_[u] + (row_[next] - row_[u]) * column.place.part;
         node[across_[0]] = column.node;
-        // Rounded down: a leaf in a flat part of the field does not hide itself.
+        // Rounded down: an isosurface in a flat part of the field does not hide itself.
         found[nodes_.linear(node)] = static_cast<std::uint8_t>(code);
         if (!meshes_) continue;
         // Beyond a mesh if most of the lines beside the node, by their weights, are.

@@ -5,19 +5,19 @@
 #include "math/large_array.h"
 #include "math/progress.h"
 #include "trace/scene_tracer.h"
-#include "transport/luminaire_sampling.h"
+#include "transport/lamp_sampling.h"
 
 namespace leaflight {
 
 // Values of a field as bytes that tell shadows: 1 to 253 over the window, 0 below it, 254 above it,
-// 255 behind a mesh, where nothing is lit. For inner sides the order of the values is turned
+// 255 behind a mesh, where nothing is lit. For backs the order of the values is turned
 // around.
 struct VisibilityCode {
   IsovalueWindow window;
-  bool inner = false;
+  bool back = false;
 
   float operator()(double h) const {
-    return static_cast<float>(1 + (inner ? window.max - h : h - window.min) * scale());
+    return static_cast<float>(1 + (back ? window.max - h : h - window.min) * scale());
   }
   double scale() const { return 252 / window.height(); }
   static constexpr float most = 254;
@@ -25,8 +25,8 @@ struct VisibilityCode {
 };
 
 // Sweeps through one volume from points of light. For each of the nodes, all texels of a lattice,
-// it finds the greatest code on its way to the point, from one texel away from the node on: a leaf
-// of a greater value is lit there. Beyond the surroundings nothing is.
+// it finds the greatest code on its way to the point, from one texel away from the node on: a
+// isosurface of a greater value is lit there. Beyond the walls nothing is.
 //
 // Planes of the field are taken in the order in which the light passes them. Lines from the light
 // carry the greatest value so far; they are less than a voxel apart, since twice as many take over
@@ -35,7 +35,7 @@ struct VisibilityCode {
 template <int D>
 class VisibilitySweep {
  public:
-  // `meshes`: whether the surroundings end the way. `quick`: planes and lines are as far apart as
+  // `meshes`: whether the walls end the way. `quick`: planes and lines are as far apart as
   // nodes, which may miss what is thinner. All that is given must outlive it.
   VisibilitySweep(const SceneTracer<D>& tracer, int volume, const TexelLattice<D>& nodes,
                   bool meshes = true, bool quick = false);

@@ -5,9 +5,9 @@
 
 namespace leaflight {
 
-// How the isosurfaces of another volume stand in the way of light to those of one: of the same leaf
-// coordinate, which both volumes' codes stand for. Nodes of the other volume are swept, and looked
-// up where the way from a node of this one to the light enters the other volume.
+// How the isosurfaces of another volume stand in the way of light to those of one: of the same
+// common isovalue, which both volumes' codes stand for. Nodes of the other volume are swept,
+// and looked up where the way from a node of this one to the light enters the other volume.
 template <int D>
 class VisibilityThrough {
  public:

@@ -5,7 +5,7 @@
 
 #include <chrono>
 
-#include "bake/driver/rounds.h"
+#include "bake/driver/passes.h"
 #include "math/platform.h"
 
 namespace leaflight {
@@ -28,15 +28,15 @@ Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan
     baked.statistics.skipped = plan.skipped;
   };
   BakeHooks<D> timed = hooks;
-  if (hooks.on_round) {
-    timed.on_round = [&](Baked<D>&& baked) {
+  if (hooks.on_pass) {
+    timed.on_pass = [&](Baked<D>&& baked) {
       finish(baked);
-      hooks.on_round(std::move(baked));
+      hooks.on_pass(std::move(baked));
     };
   }
   tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
   Baked<D> baked =
-      arena.execute([&] { return bake_in_rounds(scene, settings, plan, progress, timed); });
+      arena.execute([&] { return bake_in_passes(scene, settings, plan, progress, timed); });
   finish(baked);
   return baked;
 }

@@ -5,13 +5,13 @@
 
 #include "bake/output/radiance_grid.h"
 #include "bake/texels/checkpoint.h"
-#include "bake/texels/leaf_error.h"
-#include "bake/walls/surroundings_radiance.h"
+#include "bake/texels/isovalue_error.h"
+#include "bake/walls/wall_radiance.h"
 
 namespace leaflight {
 
 // Lights all isosurfaces of a scene in blocks, which are independent of each other, and has a whole
-// bake after any number of them. The driver (rounds.h) decides how many there are. The same blocks
+// bake after any number of them. The driver (passes.h) decides how many there are. The same blocks
 // give the same bits.
 template <int D>
 class Integrator {
@@ -23,7 +23,7 @@ class Integrator {
   virtual void add(int blocks, const std::function<bool()>& go_on = {}) = 0;
   // Its state, as it is whenever go_on() is called. An add() that was interrupted goes on with one
   // of the blocks that are missing then.
-  virtual void keep(Keeper& keeper) = 0;
+  virtual void serialize(Archive& archive) = 0;
   // All that are averaged, with those of a bake that it goes on with.
   virtual int blocks() const = 0;
   // Of a block, in the unit of the progress.
@@ -33,8 +33,8 @@ class Integrator {
   virtual std::vector<RadianceGrid<D>> grids() = 0;
   // Of what grids() found: noise by the standard errors of the texels, what they miss estimated
   // from their neighbours.
-  virtual const LeafErrors& errors() const = 0;
-  virtual SurroundingsRadiance<D> surroundings() = 0;
+  virtual const IsovalueErrors& errors() const = 0;
+  virtual WallRadiance<D> walls() = 0;
 };
 
 }  // namespace leaflight

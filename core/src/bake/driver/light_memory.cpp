@@ -5,20 +5,20 @@
 #include <cmath>
 
 #include "bake/direct/direct_light.h"
-#include "bake/driver/rounds_texels.h"
+#include "bake/driver/pass_texels.h"
 #include "bake/plan/plan.h"
 #include "math/error.h"
 
 namespace leaflight {
 namespace {
 
-// Bytes, as measured (docs/clusters.md): of texels of the result and of soft light at the end of a
-// round, when most is held; of the file's grids beside what they are made of; and of a voxel in the
-// nodes of the grid of values.
+// Bytes, as measured (docs/clusters.md): of texels of the result and of indirect light at the end
+// of a pass, when most is held; of the file's grids beside what they are made of; and of a voxel in
+// the nodes of the grid of values.
 struct TexelBytes {
-  double direct, soft;
+  double direct, indirect;
 };
-constexpr TexelBytes outer_side{150, 100}, both_sides{265, 160}, surroundings{30, 30};
+constexpr TexelBytes front_side{150, 100}, both_sides{265, 160}, walls{30, 30};
 constexpr double saved_texel = 100, saved_voxel = 0.27, photon_texel = 90, fixed = 16 << 20;
 // Resolutions are tried until one is this much finer than what fits.
 constexpr double step = 1.05;
@@ -33,20 +33,20 @@ class LightMemory {
     const Plan plan = make_plan(scene, settings);
     points_ = split_light(SceneTracer<3>(scene)).points.size();
     sides_ = plan.back ? 2 : 1;
-    a_texel_ = plan.back ? both_sides : outer_side;
-    if (plan.surroundings) {
-      a_texel_.direct += surroundings.direct;
-      a_texel_.soft += surroundings.soft;
+    a_texel_ = plan.back ? both_sides : front_side;
+    if (plan.walls) {
+      a_texel_.direct += walls.direct;
+      a_texel_.indirect += walls.indirect;
     }
-    if (!plan.indirect) a_texel_.soft = 0;
+    if (!plan.indirect) a_texel_.indirect = 0;
   }
 
   std::uint64_t bytes(const Index<3>& resolution) const {
     BakeSettings<3> settings = settings_;
     settings.resolution = resolution;
-    const RoundsResolutions<3> chosen = rounds_resolutions(field_, window_, settings);
+    const PassResolutions<3> chosen = pass_resolutions(field_, window_, settings);
     const double direct = texels(chosen.shown);
-    const double lit = direct * a_texel_.direct + texels(chosen.soft) * a_texel_.soft +
+    const double lit = direct * a_texel_.direct + texels(chosen.indirect) * a_texel_.indirect +
                        texels(chosen.photons) * photon_texel;
     const double maps =
         sides_ * static_cast<double>(map_bytes(field_, window_, chosen.shown, points_));

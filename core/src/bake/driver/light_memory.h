@@ -6,7 +6,7 @@
 
 namespace leaflight {
 
-// About how many bytes a bake in rounds takes at most, besides the arrays of the volume
+// About how many bytes a bake in passes takes at most, besides the arrays of the volume
 // (math/large_array.h).
 std::uint64_t light_memory(const Scene<3>& scene, const BakeSettings<3>& settings);
 

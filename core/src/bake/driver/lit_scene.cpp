@@ -27,14 +27,14 @@ LitScene<D>::LitScene(const Scene<D>& scene, const BakeSettings<D>& settings_, c
 template <int D>
 void LitScene<D>::learn_direct(const std::vector<Index<D>>& texels) {
   progress.begin("Direct light");
-  // The light of inner sides would take two maps where other volumes stand in its way.
-  const bool inner = plan.back && volumes.size() == 1;
+  // The light of backs would take two maps where other volumes stand in its way.
+  const bool back = plan.back && volumes.size() == 1;
   for (std::size_t v = 0; v < volumes.size(); ++v) {
     if (!stores_light_of(v)) continue;
     const Index<D> resolution = map_resolution(volumes[v].volume().field, volumes[v].window(),
                                                texels[v], split.points.size());
     direct[v] = std::make_shared<const DirectLight<D>>(tracer, static_cast<int>(v), split.points,
-                                                       resolution, inner, progress);
+                                                       resolution, back, progress);
   }
 }
 

@@ -6,7 +6,7 @@
 
 #include "bake/direct/direct_light.h"
 #include "bake/plan/plan.h"
-#include "bake/texels/swept_volume.h"
+#include "bake/texels/line_volume.h"
 #include "transport/light_sampler.h"
 
 namespace leaflight {
@@ -20,7 +20,7 @@ struct LitScene {
   SceneTracer<D> tracer;
   LightSampler<D> lights;
   SplitLight<D> split;
-  std::vector<SweptVolume<D>> volumes;
+  std::vector<LineVolume<D>> volumes;
   // Of each volume, once it is known; null where no texel stores light.
   std::vector<std::shared_ptr<const DirectLight<D>>> direct;
   std::atomic<std::uint64_t> rays{0};

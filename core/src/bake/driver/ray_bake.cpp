@@ -6,34 +6,34 @@
 namespace leaflight {
 namespace {
 
-// Paths of a texel, and of a vertex of the surroundings at a node, in a block.
+// Paths of a texel, and of a vertex of the walls at a node, in a block.
 constexpr int texel_samples = 1, vertex_samples = 4;
 
 }  // namespace
 
 template <int D>
-RayBake<D>::RayBake(LitScene<D>& scene, std::vector<SweptTexels<D>> texels,
-                    const std::vector<KeptLight<D>>* kept)
+RayBake<D>::RayBake(LitScene<D>& scene, std::vector<BakeTexels<D>> texels,
+                    const std::vector<PreviousLight<D>>* previous)
     : scene_(scene),
       wide_(scene.tracer, scene.split),
       photons_(texels[0].photon_count),
-      kept_blocks_(kept ? kept->front().blocks() : 0),
+      previous_blocks_(previous ? previous->front().blocks() : 0),
       errors_(scene.tracer.scene().window) {
   for (std::size_t v = 0; v < texels.size(); ++v) {
     shown_.push_back(texels[v].shown.lattice.resolution);
-    lattices_.push_back(texels[v].soft.lattice);
+    lattices_.push_back(texels[v].indirect.lattice);
     stored_.emplace_back();
     if (!scene.stores_light_of(v)) continue;
     texels[v].photon_count = 0;
-    stored_[v] = std::make_unique<SweptBake<D>>(scene, v, std::move(texels[v]),
-                                                kept ? &(*kept)[v] : nullptr);
+    stored_[v] = std::make_unique<LineBake<D>>(scene, v, std::move(texels[v]),
+                                               previous ? &(*previous)[v] : nullptr);
   }
-  if (scene.plan.surroundings) walls_.emplace(scene.tracer);
+  if (scene.plan.walls) walls_.emplace(scene.tracer);
 }
 
 template <int D>
-const LightSampler<D>& RayBake<D>::sampled(bool inner) const {
-  return inner && stored_.size() > 1 ? scene_.lights : wide_;
+const LightSampler<D>& RayBake<D>::sampled(bool back) const {
+  return back && stored_.size() > 1 ? scene_.lights : wide_;
 }
 
 template <int D>
@@ -51,9 +51,9 @@ template <int D>
 void RayBake<D>::add(int blocks, const std::function<bool()>& go_on) {
   if (!scene_.plan.indirect) return;
   // A bake that is continued has texels in its file, but no walls.
-  while (walls_ && walls_->blocks() < kept_blocks_) add_block(walls_->blocks(), false);
+  while (walls_ && walls_->blocks() < previous_blocks_) add_block(walls_->blocks(), false);
   for (int i = 0; i < blocks; ++i) {
-    add_block(kept_blocks_ + blocks_, true);
+    add_block(previous_blocks_ + blocks_, true);
     ++blocks_;
     if (go_on && !go_on()) break;
   }
@@ -66,18 +66,18 @@ template <int D>
 void RayBake<D>::add_block(int number, bool texels) {
   const std::uint64_t seed = random_for(scene_.settings.seed, Purpose::ray_block, number).bits();
   PhotonCaches<D> photons;
-  std::vector<LeafRadiance<D>> leaves(stored_.size());
+  std::vector<IsosurfaceRadiance<D>> isosurfaces(stored_.size());
   if (scene_.plan.caustics) {
     photons = trace_caustics(seed);
-    for (std::size_t v = 0; v < leaves.size(); ++v) {
-      leaves[v] = {&lattices_[v], photons.leaves[v].get()};
+    for (std::size_t v = 0; v < isosurfaces.size(); ++v) {
+      isosurfaces[v] = {&lattices_[v], photons.isosurfaces[v].get()};
     }
   }
-  const CausticPhotons<D> caustics{leaves, photons.surroundings.get()};
+  const CausticPhotons<D> caustics{isosurfaces, photons.walls.get()};
   const auto estimator =
       make_path_estimator(scene_.tracer, scene_.lights, scene_.plan.caustics ? &caustics : nullptr);
-  const auto from = [&](bool inner) {
-    return PointSampler<D>{sampled(inner), leaves, caustics.surroundings, scene_.plan.caustics};
+  const auto from = [&](bool back) {
+    return PointSampler<D>{sampled(back), isosurfaces, caustics.walls, scene_.plan.caustics};
   };
   scene_.progress.begin("Indirect light");
   for (std::size_t v = 0; texels && v < stored_.size(); ++v) {
@@ -101,14 +101,14 @@ PhotonCaches<D> RayBake<D>::trace_caustics(std::uint64_t seed) const {
   settings.caustic_photons = photons_;
   Plan plan = scene_.plan;
   plan.photons = false;
-  plan.surroundings_cache = !scene_.tracer.meshes().empty();
+  plan.wall_cache = !scene_.tracer.meshes().empty();
   return trace_into_caches(scene_.tracer, scene_.lights, lattices_, settings, plan, scene_.progress,
                            scene_.rays);
 }
 
-// Of leaves as if they were white.
+// Of isosurfaces as if they were white.
 template <int D>
-void RayBake<D>::gather(std::size_t volume, bool inner, const PointSampler<D>& from,
+void RayBake<D>::gather(std::size_t volume, bool back, const PointSampler<D>& from,
                         const IndirectEstimator<D>& estimator, std::uint64_t seed,
                         TexelMoments& moments) {
   const TexelLattice<D>& lattice = lattices_[volume];
@@ -119,8 +119,8 @@ void RayBake<D>::gather(std::size_t volume, bool inner, const PointSampler<D>& f
         std::uint64_t rays = 0;
         for (std::size_t s = begin; s < end && !scene_.progress.cancelled(); ++s) {
           const std::uint32_t texel = lattice.active[s];
-          const SampleKeys keys = sample_keys(seed, Purpose::texel, 2 * volume + inner, texel);
-          for_each_texel_sample(scene_.tracer, static_cast<int>(volume), inner, lattice, texel,
+          const SampleKeys keys = sample_keys(seed, Purpose::texel, 2 * volume + back, texel);
+          for_each_texel_sample(scene_.tracer, static_cast<int>(volume), back, lattice, texel,
                                 texel_samples, keys.position, [&](SurfacePoint<D> point, int i) {
                                   point.albedo = Rgb(1);
                                   point.emission = Rgb(0);
@@ -134,18 +134,18 @@ void RayBake<D>::gather(std::size_t volume, bool inner, const PointSampler<D>& f
 }
 
 template <int D>
-void RayBake<D>::keep(Keeper& keeper) {
-  keeper(blocks_);
+void RayBake<D>::serialize(Archive& archive) {
+  archive(blocks_);
   for (const auto& one : stored_) {
-    if (one) one->keep(keeper);
+    if (one) one->serialize(archive);
   }
-  if (walls_) walls_->keep(keeper);
+  if (walls_) walls_->serialize(archive);
 }
 
 template <int D>
 std::vector<RadianceGrid<D>> RayBake<D>::grids() {
   std::vector<RadianceGrid<D>> grids;
-  errors_ = LeafErrors(scene_.tracer.scene().window);
+  errors_ = IsovalueErrors(scene_.tracer.scene().window);
   bool any = false;
   for (std::size_t v = 0; v < stored_.size(); ++v) {
     if (stored_[v]) {
@@ -157,7 +157,7 @@ std::vector<RadianceGrid<D>> RayBake<D>::grids() {
       grids.emplace_back().lattice = inactive_lattice<D>(field.dims, shown_[v]);
     }
   }
-  // Where isosurfaces store no light, the noise of the surroundings is all that there is.
+  // Where isosurfaces store no light, the noise of the walls is all that there is.
   if (!any && walls_) walls_->add_noise(scene_.settings.exposure, errors_, scene_.progress);
   return grids;
 }

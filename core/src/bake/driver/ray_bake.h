@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "bake/driver/swept_bake.h"
+#include "bake/driver/line_bake.h"
 #include "bake/texels/point_sampler.h"
 #include "bake/walls/wall_light.h"
 
@@ -14,36 +14,36 @@ namespace leaflight {
 template <int D>
 class RayBake final : public Integrator<D> {
  public:
-  // `kept`: of each volume, of the same texels and settings; null: nothing.
-  RayBake(LitScene<D>& scene, std::vector<SweptTexels<D>> texels,
-          const std::vector<KeptLight<D>>* kept = nullptr);
+  // `previous`: of each volume, of the same texels and settings; null: nothing.
+  RayBake(LitScene<D>& scene, std::vector<BakeTexels<D>> texels,
+          const std::vector<PreviousLight<D>>* previous = nullptr);
 
   void add(int blocks, const std::function<bool()>& go_on = {}) override;
-  void keep(Keeper& keeper) override;
-  int blocks() const override { return kept_blocks_ + blocks_; }
+  void serialize(Archive& archive) override;
+  int blocks() const override { return previous_blocks_ + blocks_; }
   double cost() const override;
 
   std::vector<RadianceGrid<D>> grids() override;
-  const LeafErrors& errors() const override { return errors_; }
-  SurroundingsRadiance<D> surroundings() override { return walls_->radiance(scene_.progress); }
+  const IsovalueErrors& errors() const override { return errors_; }
+  WallRadiance<D> walls() override { return walls_->radiance(scene_.progress); }
 
  private:
   void add_block(int number, bool texels);
   PhotonCaches<D> trace_caustics(std::uint64_t seed) const;
-  void gather(std::size_t volume, bool inner, const PointSampler<D>& from,
+  void gather(std::size_t volume, bool back, const PointSampler<D>& from,
               const IndirectEstimator<D>& estimator, std::uint64_t seed, TexelMoments& moments);
   // What direct light of a side its maps lack.
-  const LightSampler<D>& sampled(bool inner) const;
+  const LightSampler<D>& sampled(bool back) const;
 
   LitScene<D>& scene_;
   LightSampler<D> wide_;  // without the lights' points
   std::vector<Index<D>> shown_;
-  std::vector<TexelLattice<D>> lattices_;              // of indirect light, of each volume
-  std::vector<std::unique_ptr<SweptBake<D>>> stored_;  // of each volume; null: none
-  std::uint64_t photons_;                              // of a block
+  std::vector<TexelLattice<D>> lattices_;             // of indirect light, of each volume
+  std::vector<std::unique_ptr<LineBake<D>>> stored_;  // of each volume; null: none
+  std::uint64_t photons_;                             // of a block
   std::optional<WallLight<D>> walls_;
-  int blocks_ = 0, kept_blocks_;
-  LeafErrors errors_;
+  int blocks_ = 0, previous_blocks_;
+  IsovalueErrors errors_;
 };
 
 }  // namespace leaflight

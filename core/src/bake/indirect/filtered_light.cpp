@@ -25,7 +25,7 @@ constexpr float apart = 0.75f;
 template <int D>
 class Neighbours {
  public:
-  Neighbours(const SweptLattice<D>& texels, int reach) : texels_(texels), reach_(reach) {
+  Neighbours(const IndexedLattice<D>& texels, int reach) : texels_(texels), reach_(reach) {
     Index<D> low, high;
     low.fill(-1);
     high.fill(2);
@@ -70,7 +70,7 @@ class Neighbours {
     return false;
   }
 
-  const SweptLattice<D>& texels_;
+  const IndexedLattice<D>& texels_;
   int reach_;
   std::vector<Neighbour> all_;
 };
@@ -200,7 +200,7 @@ void shrink(const Neighbours<D>& neighbours, const std::vector<Offset>& offsets,
 }  // namespace
 
 template <int D>
-std::vector<TexelSurface<D>> texel_surfaces(const SweptVolume<D>& volume,
+std::vector<TexelSurface<D>> texel_surfaces(const LineVolume<D>& volume,
                                             const TexelLattice<D>& lattice, Progress& progress) {
   const Field<D>& field = volume.volume().field;
   const Affine<D> to_index = inverse(volume.tracer.index_to_frame(volume.number));
@@ -222,7 +222,7 @@ std::vector<TexelSurface<D>> texel_surfaces(const SweptVolume<D>& volume,
 }
 
 template <int D>
-void filter_along_isosurfaces(const SweptLattice<D>& texels,
+void filter_along_isosurfaces(const IndexedLattice<D>& texels,
                               const std::vector<TexelSurface<D>>& surfaces,
                               std::array<NoisyLight, 2>& sides, Progress& progress) {
   SideOffsets offsets;
@@ -238,14 +238,14 @@ void filter_along_isosurfaces(const SweptLattice<D>& texels,
   }
 }
 
-template std::vector<TexelSurface<2>> texel_surfaces<2>(const SweptVolume<2>&,
+template std::vector<TexelSurface<2>> texel_surfaces<2>(const LineVolume<2>&,
                                                         const TexelLattice<2>&, Progress&);
-template std::vector<TexelSurface<3>> texel_surfaces<3>(const SweptVolume<3>&,
+template std::vector<TexelSurface<3>> texel_surfaces<3>(const LineVolume<3>&,
                                                         const TexelLattice<3>&, Progress&);
-template void filter_along_isosurfaces<2>(const SweptLattice<2>&,
+template void filter_along_isosurfaces<2>(const IndexedLattice<2>&,
                                           const std::vector<TexelSurface<2>>&,
                                           std::array<NoisyLight, 2>&, Progress&);
-template void filter_along_isosurfaces<3>(const SweptLattice<3>&,
+template void filter_along_isosurfaces<3>(const IndexedLattice<3>&,
                                           const std::vector<TexelSurface<3>>&,
                                           std::array<NoisyLight, 2>&, Progress&);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "bake/texels/swept_volume.h"
+#include "bake/texels/line_volume.h"
 #include "math/sample_average.h"
 
 namespace leaflight {
@@ -21,7 +21,7 @@ struct TexelSurface {
 };
 
 template <int D>
-std::vector<TexelSurface<D>> texel_surfaces(const SweptVolume<D>& volume,
+std::vector<TexelSurface<D>> texel_surfaces(const LineVolume<D>& volume,
                                             const TexelLattice<D>& lattice, Progress& progress);
 
 // Takes noise from indirect light: each texel moves towards the mean of its neighbours on about the
@@ -30,9 +30,9 @@ std::vector<TexelSurface<D>> texel_surfaces(const SweptVolume<D>& volume,
 // rest is noise, and the step is the longer, the more of it is noise (shrinkage, James and Stein
 // 1961). So more blocks mean less filtering, and the result goes to the truth. Variances become
 // those of the results, with what the step changes of the light itself counted as error. `sides`:
-// the outer and the inner one, which is empty where it is not baked.
+// the front and the back one, which is empty where it is not baked.
 template <int D>
-void filter_along_isosurfaces(const SweptLattice<D>& texels,
+void filter_along_isosurfaces(const IndexedLattice<D>& texels,
                               const std::vector<TexelSurface<D>>& surfaces,
                               std::array<NoisyLight, 2>& sides, Progress& progress);
 

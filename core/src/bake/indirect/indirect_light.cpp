@@ -21,13 +21,13 @@ Vec<D> line_direction(const std::array<double, 2>& u) {
 }  // namespace
 
 template <int D>
-IndirectLight<D>::IndirectLight(const SweptVolume<D>& volume, SweptLattice<D> texels, int spacing,
-                                bool inner, std::uint64_t seed, int first_block)
+IndirectLight<D>::IndirectLight(const LineVolume<D>& volume, IndexedLattice<D> texels, int spacing,
+                                bool back, std::uint64_t seed, int first_block)
     : volume_(volume),
       texels_(std::move(texels)),
       spacing_(spacing),
       seed_(seed),
-      sides_(inner ? 2 : 1),
+      sides_(back ? 2 : 1),
       drawn_(first_block) {
   clear();
 }
@@ -44,7 +44,7 @@ void IndirectLight<D>::clear(bool again) {
 template <int D>
 void IndirectLight<D>::add_block(const GatheredRadiance<D>& from, Progress& progress,
                                  std::atomic<std::uint64_t>& lines, int directions) {
-  sweep(drawn_, from, progress, lines, directions);
+  trace(drawn_, from, progress, lines, directions);
   close_block(progress);
 }
 
@@ -64,10 +64,10 @@ void IndirectLight<D>::add_block_of_others(const std::string& bytes, Progress& p
 }
 
 template <int D>
-std::string IndirectLight<D>::sweep_for_others(int number, const GatheredRadiance<D>& from,
-                                               Progress& progress) {
+std::string IndirectLight<D>::traced_block(int number, const GatheredRadiance<D>& from,
+                                           Progress& progress) {
   std::atomic<std::uint64_t> lines{0};
-  sweep(number, from, progress, lines, directions_per_block);
+  trace(number, from, progress, lines, directions_per_block);
   std::string bytes = block_bytes(moments_, lines);
   release();
   return bytes;
@@ -79,14 +79,15 @@ void IndirectLight<D>::release() {
 }
 
 template <int D>
-void IndirectLight<D>::sweep(int number, const GatheredRadiance<D>& from, Progress& progress,
+void IndirectLight<D>::trace(int number, const GatheredRadiance<D>& from, Progress& progress,
                              std::atomic<std::uint64_t>& lines, int directions) {
   for (TexelMoments& side : moments_) side.open();
-  Random random = random_for(seed_, Purpose::gather_sweep, number);
+  Random random = random_for(seed_, Purpose::gather_lines, number);
   const std::uint64_t direction_key = random.bits(), offset_key = random.bits();
   for (int i = 0; i < directions; ++i) {
-    sweep_gather(volume_, texels_, from, line_direction<D>(sobol_point(i, direction_key)), spacing_,
-                 sobol_point(i, offset_key), random.bits(), progress, lines, moments_);
+    gather_along_lines(volume_, texels_, from, line_direction<D>(sobol_point(i, direction_key)),
+                       spacing_, sobol_point(i, offset_key), random.bits(), progress, lines,
+                       moments_);
     progress.advance(cost() / directions_per_block);
   }
 }
@@ -99,10 +100,10 @@ void IndirectLight<D>::close_block(Progress& progress) {
 }
 
 template <int D>
-void IndirectLight<D>::keep(Keeper& keeper) {
-  keeper(blocks_);
-  keeper(drawn_);
-  for (TexelMoments& side : moments_) side.keep(keeper);
+void IndirectLight<D>::serialize(Archive& archive) {
+  archive(blocks_);
+  archive(drawn_);
+  for (TexelMoments& side : moments_) side.serialize(archive);
 }
 
 template <int D>
@@ -114,13 +115,13 @@ double IndirectLight<D>::cost() const {
 }
 
 template <int D>
-std::vector<Average> IndirectLight<D>::averages(bool inner) const {
-  return moments_[inner].averages();
+std::vector<Average> IndirectLight<D>::averages(bool back) const {
+  return moments_[back].averages();
 }
 
 template <int D>
-std::vector<HalfDifference> IndirectLight<D>::halves(bool inner) const {
-  return moments_[inner].halves();
+std::vector<HalfDifference> IndirectLight<D>::halves(bool back) const {
+  return moments_[back].halves();
 }
 
 template <int D>
@@ -136,7 +137,7 @@ std::vector<Average> interpolated(const TexelLattice<D>& from, const std::vector
         if (!(near.weight[i] > 0)) continue;
         const Average& there = averages[near.slot[i]];
         result[s].mean += there.mean * near.weight[i];
-        // Texels that are swept along the same lines err alike.
+        // Texels that are crossed by the same lines err alike.
         error += near.weight[i] * std::sqrt(there.variance);
         result[s].samples = std::max(result[s].samples, there.samples);
       }

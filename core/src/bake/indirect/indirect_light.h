@@ -2,13 +2,13 @@
 #pragma once
 
 #include "bake/indirect/block_workers.h"
-#include "bake/indirect/gather_sweep.h"
+#include "bake/indirect/gather_lines.h"
 
 namespace leaflight {
 
-// Soft light on the leaves of one volume as if they were white, at the texels of a lattice, by
-// sweeps along directions, in blocks. Its lattice may be coarser than that of direct light: soft
-// light varies less, and each direction then costs less.
+// Indirect light on the isosurfaces of one volume as if they were white, at the texels of a
+// lattice, by line passes, in blocks. Its lattice may be coarser than that of direct
+// light: indirect light varies less, and each direction then costs less.
 template <int D>
 class IndirectLight {
  public:
@@ -16,42 +16,42 @@ class IndirectLight {
 
   // `spacing`: of the lines, in texels; each texel then takes one of spacing^(D - 1) directions.
   // `first_block`: how many blocks of the seed others have drawn.
-  IndirectLight(const SweptVolume<D>& volume, SweptLattice<D> texels, int spacing, bool inner,
+  IndirectLight(const LineVolume<D>& volume, IndexedLattice<D> texels, int spacing, bool back,
                 std::uint64_t seed, int first_block = 0);
 
-  const SweptLattice<D>& texels() const { return texels_; }
+  const IndexedLattice<D>& texels() const { return texels_; }
 
   // One block of directions, given what lines meet; all blocks that are averaged have as many.
   void add_block(const GatheredRadiance<D>& from, Progress& progress,
                  std::atomic<std::uint64_t>& lines, int directions = directions_per_block);
   // One of which fill() makes the open sums.
   void add_block_by(const std::function<void(SideMoments&)>& fill, Progress& progress);
-  // One that a sweeper has swept, as block_bytes(); its number is next_block().
+  // One that a BlockTracer has traced, as block_bytes(); its number is next_block().
   void add_block_of_others(const std::string& bytes, Progress& progress,
                            std::atomic<std::uint64_t>& lines);
   int next_block() const { return drawn_; }
   // A block of this number for another that has asked for it.
-  std::string sweep_for_others(int number, const GatheredRadiance<D>& from, Progress& progress);
+  std::string traced_block(int number, const GatheredRadiance<D>& from, Progress& progress);
   // Frees what only blocks need, until the next.
   void release();
   // Its state between two blocks.
-  void keep(Keeper& keeper);
+  void serialize(Archive& archive);
   int blocks() const { return blocks_; }
   // What a block costs, in points of lines.
   double cost() const;
   // Begins anew, with other directions, or again with those of the last block.
   void clear(bool again = false);
 
-  std::vector<Average> averages(bool inner) const;
-  std::vector<HalfDifference> halves(bool inner) const;
+  std::vector<Average> averages(bool back) const;
+  std::vector<HalfDifference> halves(bool back) const;
 
  private:
-  void sweep(int number, const GatheredRadiance<D>& from, Progress& progress,
+  void trace(int number, const GatheredRadiance<D>& from, Progress& progress,
              std::atomic<std::uint64_t>& lines, int directions);
   void close_block(Progress& progress);
 
-  SweptVolume<D> volume_;
-  SweptLattice<D> texels_;
+  LineVolume<D> volume_;
+  IndexedLattice<D> texels_;
   int spacing_;
   std::uint64_t seed_;
   int sides_;

@@ -27,28 +27,27 @@ PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampl
     fewest = std::min(fewest, settings.caustic_photons);
   }
   const double photon_flux = lights.largest_flux_height() / static_cast<double>(fewest);
-  const SideContents inner = plan.back         ? SideContents::indirect
-                             : plan.inner_side ? SideContents::all
-                                               : SideContents::nothing;
+  const SideContents back = plan.back        ? SideContents::indirect
+                            : plan.back_side ? SideContents::all
+                                             : SideContents::nothing;
   PhotonCaches<D> caches;
   for (std::size_t v = 0; v < lattices.size(); ++v) {
-    caches.leaves.push_back(std::make_unique<LeafCache<D>>(tracer, static_cast<int>(v), lattices[v],
-                                                           inner, settings.density, plan.caustics,
-                                                           photon_flux, photons));
+    caches.isosurfaces.push_back(std::make_unique<IsosurfaceCache<D>>(
+        tracer, static_cast<int>(v), lattices[v], back, settings.density, plan.caustics,
+        photon_flux, photons));
   }
-  if (plan.surroundings_cache || lights_walls) {
-    caches.surroundings =
-        std::make_unique<SurfaceCache<D>>(tracer, plan.caustics, photon_flux, photons);
+  if (plan.wall_cache || lights_walls) {
+    caches.walls = std::make_unique<SurfaceCache<D>>(tracer, plan.caustics, photon_flux, photons);
   }
   const auto trace = [&](PhotonPaths paths, std::uint64_t count) {
     const auto store = [&](const PhotonHit<D>& photon) {
       // Caustic photons bring these.
       const bool caustic = photon.arrival == Arrival::caustic;
       if (paths == PhotonPaths::all && plan.caustics && caustic) return;
-      if (photon.point.kind() == HitKind::leaf) {
-        caches.leaves[photon.point.leaf().volume]->deposit(photon);
-      } else if (plan.surroundings_cache) {
-        caches.surroundings->deposit(photon);
+      if (photon.point.kind() == HitKind::isosurface) {
+        caches.isosurfaces[photon.point.isosurface().volume]->deposit(photon);
+      } else if (plan.wall_cache) {
+        caches.walls->deposit(photon);
       }
     };
     parallel_range(count, photons_per_piece, rays_per_photon, progress,
@@ -65,14 +64,14 @@ PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampl
     progress.begin("Tracing caustics");
     trace(PhotonPaths::caustics, settings.caustic_photons);
   }
-  for (const auto& cache : caches.leaves) cache->finish(progress);
-  if (!plan.surroundings_cache || !lights_walls) return caches;
-  progress.begin("Lighting the surroundings");
-  SurfaceCache<D>& surroundings = *caches.surroundings;
-  parallel_range(surroundings.entries(), 256, 0, progress, [&](std::size_t begin, std::size_t end) {
+  for (const auto& cache : caches.isosurfaces) cache->finish(progress);
+  if (!plan.wall_cache || !lights_walls) return caches;
+  progress.begin("Lighting the walls");
+  SurfaceCache<D>& walls = *caches.walls;
+  parallel_range(walls.entries(), 256, 0, progress, [&](std::size_t begin, std::size_t end) {
     std::uint64_t traced = 0;
     for (std::size_t e = begin; e < end; ++e) {
-      surroundings.finish(e, lights, settings.wall_samples, settings.seed, traced);
+      walls.finish(e, lights, settings.wall_samples, settings.seed, traced);
     }
     rays += traced;
   });

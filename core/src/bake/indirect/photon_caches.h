@@ -6,7 +6,7 @@
 
 #include "bake/plan/plan.h"
 #include "math/progress.h"
-#include "transport/leaf_cache.h"
+#include "transport/isosurface_cache.h"
 #include "transport/surface_cache.h"
 
 namespace leaflight {
@@ -14,18 +14,18 @@ namespace leaflight {
 // Rays that a photon takes on average, for the progress of a bake.
 inline constexpr double rays_per_photon = 3;
 
-// What photons tell of the light on leaves and surroundings; empty where a bake needs none.
+// What photons tell of the light on isosurfaces and walls; empty where a bake needs none.
 template <int D>
 struct PhotonCaches {
-  std::vector<std::unique_ptr<LeafCache<D>>> leaves;  // per volume
-  std::unique_ptr<SurfaceCache<D>> surroundings;
+  std::vector<std::unique_ptr<IsosurfaceCache<D>>> isosurfaces;  // per volume
+  std::unique_ptr<SurfaceCache<D>> walls;
 };
 
 struct PhotonSettings {
   std::uint64_t seed = 0;
   std::uint64_t photons = 0, caustic_photons = 0;  // how many the passes trace
   bool density = false;                            // of the photons is looked up with all its noise
-  int wall_samples = 0;  // shadow rays of each entry of the surroundings' light; 0: not looked up
+  int wall_samples = 0;  // shadow rays of each entry of the walls' light; 0: not looked up
 };
 
 // Traces the photons, and the caustic photons, that the plan asks for. The lattices, one per

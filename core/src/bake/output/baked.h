@@ -3,8 +3,8 @@
 
 #include "bake/output/radiance_grid.h"
 #include "bake/plan/plan.h"
-#include "bake/texels/leaf_error.h"
-#include "bake/walls/surroundings_radiance.h"
+#include "bake/texels/isovalue_error.h"
+#include "bake/walls/wall_radiance.h"
 
 namespace leaflight {
 
@@ -13,17 +13,17 @@ struct BakeStatistics {
   std::uint64_t rays = 0;
   std::uint64_t peak_memory_bytes = 0;
   std::vector<SkippedPass> skipped;
-  int rounds = 1;
+  int passes = 1;
   int blocks = 0;  // of indirect light, in the averages
   double noise_percent = 0, error_percent = 0;
-  WorstLeaf worst;       // of the isosurfaces
+  WorstIsovalue worst;   // of the isosurfaces
   bool stopped = false;  // by time or by the caller, before the error was reached
 };
 
 template <int D>
 struct Baked {
   std::vector<RadianceGrid<D>> grids;  // one per volume
-  SurroundingsRadiance<D> surroundings;
+  WallRadiance<D> walls;
   BakeStatistics statistics;
 };
 

@@ -90,7 +90,7 @@ void lit_contour(const ShownGrid<3>& shown, const Field<3>& field, double isoval
                  const LitContourSettings& settings, LitMesh& mesh) {
   const RadianceGrid<3>& grid = shown.grid;
   if (settings.radiance_back && !grid.has_back()) {
-    throw Error("This bake does not hold the inner side of its isosurfaces; bake both sides.");
+    throw Error("This bake does not hold the back of its isosurfaces; bake both sides.");
   }
   const MarchingCubes cubes(field, isovalue);
   const Lookup look_up(shown, field, settings, mesh);

@@ -8,9 +8,9 @@
 
 namespace leaflight {
 
-// A leaf's mesh, and what a bake says of it at its vertices.
+// An isosurface's mesh, and what a bake says of it at its vertices.
 struct LitMesh : IsosurfaceMesh {
-  // [W/(m^2 sr)], of the outer and the inner side; empty where not wished.
+  // [W/(m^2 sr)], of the front and the back; empty where not wished.
   std::vector<Vec<3, float>> radiance, radiance_back;
   std::size_t contoured = 0;  // triangles before edges were cut
 };
@@ -25,7 +25,7 @@ struct LitContourSettings {
 
 // The contour of the volume that the grid lights, with edges cut in two as often as texels are
 // narrower than voxels there, so that vertices show them. Uses the mesh's memory again. The result
-// does not depend on the number of threads. Throws Error where the inner side was not baked.
+// does not depend on the number of threads. Throws Error where the back was not baked.
 void lit_contour(const ShownGrid<3>& shown, const Field<3>& field, double isovalue,
                  const LitContourSettings& settings, LitMesh& mesh);
 

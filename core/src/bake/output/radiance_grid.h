@@ -10,8 +10,8 @@
 
 namespace leaflight {
 
-// Indirect light of white leaves before the filter, at its own texels, by side: what a bake goes on
-// with. Not a number where no line has passed.
+// Indirect light of white isosurfaces before the filter, at its own texels, by side: what a bake
+// goes on with. Not a number where no line has passed.
 template <int D>
 struct UnfilteredLight {
   Index<D> resolution{};
@@ -24,22 +24,22 @@ struct UnfilteredLight {
 template <int D>
 struct RadianceGrid {
   TexelLattice<D> lattice;
-  // The outer side.
+  // The front.
   std::vector<Vec<3, float>> radiance;
   std::vector<Vec<3, float>> radiance_indirect;  // all of it but direct light
   std::vector<float> radiance_error;             // standard error of the mean over the channels
-  // The inner side; empty where it was not baked.
+  // The back; empty where it was not baked.
   std::vector<Vec<3, float>> radiance_back, radiance_back_indirect;
   // Exact direct light, which with radiance_indirect is all light; null: texels hold all that is
   // known. What it does not hold is in radiance_indirect.
   std::shared_ptr<const DirectLight<D>> direct;
-  UnfilteredLight<D> unfiltered;  // of bakes in rounds
+  UnfilteredLight<D> unfiltered;  // of bakes in passes
 
   bool has_back() const { return !radiance_back.empty(); }
   std::size_t texels() const { return lattice.active.size(); }
 };
 
-// Averages of the outer and the inner side; the latter's are empty where it is not baked.
+// Averages of the front and the back; the latter's are empty where it is not baked.
 using SideAverages = std::array<std::vector<Average>, 2>;
 
 // A grid without its lattice, from averages of the active texels.
@@ -50,8 +50,9 @@ RadianceGrid<D> make_grid(SideAverages direct, SideAverages indirect);
 template <int D>
 struct ShownGrid {
   const RadianceGrid<D>& grid;
-  const DirectLight<D>* direct;     // of the strengths; null: texels hold all that is known
-  Vec<3, float> indirect{1, 1, 1};  // a factor of all other light but what the leaf itself emits
+  const DirectLight<D>* direct;  // of the strengths; null: texels hold all that is known
+  Vec<3, float> indirect{1, 1,
+                         1};  // a factor of all other light but what the isosurface itself emits
 
   ShownGrid(const RadianceGrid<D>& baked)  // NOLINT: a grid is shown as it was baked
       : grid(baked), direct(baked.direct.get()) {}
@@ -60,15 +61,15 @@ struct ShownGrid {
 
   // Of one side; null: its texels hold all that is known.
   const DirectLight<D>* direct_of(bool back) const {
-    return direct && (!back || direct->has_inner()) ? direct : nullptr;
+    return direct && (!back || direct->has_back()) ? direct : nullptr;
   }
   // What radiance_indirect says, at these strengths.
   Vec<3, float> scaled(const Vec<3, float>& light, const Field<D>& field,
                        const Vec<D>& index_position) const;
 };
 
-// Radiance of the leaf through an index position of the field that was lit, on one of its sides,
-// which the grid must hold.
+// Radiance of the isosurface through an index position of the field that was lit, on one of its
+// sides, which the grid must hold.
 template <int D>
 Vec<3, float> radiance_at(const ShownGrid<D>& shown, const Field<D>& field,
                           const Vec<D>& index_position, bool back);

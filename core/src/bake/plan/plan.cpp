@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "scene/open_leaves.h"
+#include "scene/open_isosurfaces.h"
 
 namespace leaflight {
 namespace {
@@ -55,8 +55,8 @@ bool overlaps_domain(const Field<D>& field, const std::vector<Vec<D>>& points) {
   return box.overlaps(domain);
 }
 
-// A light or an emissive mesh in the domain may stand inside a leaf. Leaves that glow light each
-// other from inside, those of other volumes, too.
+// A light or an emissive mesh in the domain may stand inside an isosurface. Isosurfaces that glow
+// light each other from inside, those of other volumes, too.
 template <int D>
 bool light_in_domain(const Scene<D>& scene, const Volume<D>& volume) {
   if (volume.emission.largest() > 0) return true;
@@ -77,12 +77,11 @@ bool light_in_domain(const Scene<D>& scene, const Volume<D>& volume) {
 template <int D>
 Plan make_plan(const Scene<D>& scene, const BakeSettings<D>& settings) {
   static const IndirectMethod passes{"passes", true, true, false};
-  return make_plan(scene, passes, settings.both_sides, settings.surroundings);
+  return make_plan(scene, passes, settings.both_sides, settings.walls);
 }
 
 template <int D>
-Plan make_plan(const Scene<D>& scene, const IndirectMethod& method, bool both_sides,
-               bool surroundings) {
+Plan make_plan(const Scene<D>& scene, const IndirectMethod& method, bool both_sides, bool walls) {
   Plan plan;
   const auto skip = [&](bool Plan::*pass, const std::string& name, const std::string& reason) {
     plan.*pass = false;
@@ -104,35 +103,34 @@ Plan make_plan(const Scene<D>& scene, const IndirectMethod& method, bool both_si
   } else if (!method.photons) {
     skip(&Plan::photons, "photons", "the " + method.name + " estimator needs none");
   }
-  if (!surroundings) {
-    skip(&Plan::surroundings, "radiance of the surroundings", "it was not asked for");
+  if (!walls) {
+    skip(&Plan::walls, "radiance of the walls", "it was not asked for");
   } else if (scene.meshes.empty()) {
-    skip(&Plan::surroundings, "radiance of the surroundings", "nothing surrounds the volume");
+    skip(&Plan::walls, "radiance of the walls", "nothing surrounds the volume");
   }
-  if (!plan.photons && !(plan.caustics && plan.surroundings)) {
-    skip(&Plan::surroundings_cache, "surroundings cache", "no photons are traced");
+  if (!plan.photons && !(plan.caustics && plan.walls)) {
+    skip(&Plan::wall_cache, "cache of the walls", "no photons are traced");
   } else if (scene.meshes.empty()) {
-    skip(&Plan::surroundings_cache, "surroundings cache", "nothing surrounds the volume");
-  } else if (!method.surroundings && !plan.surroundings) {
-    skip(&Plan::surroundings_cache, "surroundings cache",
-         "the " + method.name + " estimator needs none");
+    skip(&Plan::wall_cache, "cache of the walls", "nothing surrounds the volume");
+  } else if (!method.walls && !plan.walls) {
+    skip(&Plan::wall_cache, "cache of the walls", "the " + method.name + " estimator needs none");
   }
   bool inside = false, open = false;
   for (const Volume<D>& volume : scene.volumes) {
-    open = open || leaves_are_open(volume, scene.window);
+    open = open || isosurfaces_are_open(volume, scene.window);
     inside = inside || light_in_domain(scene, volume);
   }
   const std::string dark =
       "every isosurface of the window is closed and no light stands within the volume";
   if (!plan.photons) {
-    skip(&Plan::inner_side, "inner side", "no photons are traced");
+    skip(&Plan::back_side, "back", "no photons are traced");
   } else if (!open && !inside) {
-    skip(&Plan::inner_side, "inner side", dark);
+    skip(&Plan::back_side, "back", dark);
   }
   if (!open && !inside) {
-    skip(&Plan::back, "radiance of the inner side", dark);
+    skip(&Plan::back, "radiance of the back", dark);
   } else if (!both_sides) {
-    skip(&Plan::back, "radiance of the inner side", "it was not asked for");
+    skip(&Plan::back, "radiance of the back", "it was not asked for");
   }
   return plan;
 }
@@ -144,7 +142,7 @@ Error nothing_to_bake(const Scene<D>& scene) {
     return Error("What the isosurfaces of the volume '" + volume.name +
                  "' show depends on the view, since they are " +
                  (volume.scattering == Scattering::mirror ? "mirrors" : "glass") +
-                 ", and nothing else is to be baked; bake the surroundings too.");
+                 ", and nothing else is to be baked; bake the walls too.");
   }
   return Error("No isosurface of the isovalue window passes through the volume; widen the window.");
 }

@@ -13,10 +13,10 @@ struct BakeSettings {
   double error = 1.5;     // the RMS error of colours to reach, in percent
   double seconds = 0;     // no pass begins after so many; 0: no limit
   std::uint64_t seed = 0;
-  int threads = 0;            // 0: all
-  double exposure = 1;        // radiance times this is a displayed colour, whose differences count
-  bool both_sides = false;    // the inner side's radiance too, where light can reach it
-  bool surroundings = false;  // the radiance of the surroundings too, per leaf coordinate
+  int threads = 0;          // 0: all
+  double exposure = 1;      // radiance times this is a displayed colour, whose differences count
+  bool both_sides = false;  // the back's radiance too, where light can reach it
+  bool walls = false;       // the radiance of the walls too, per common isovalue
 };
 
 // Throw Error for numbers that make no sense.

@@ -13,10 +13,10 @@ namespace leaflight {
 
 // The state of something that is under way, to a stream or from one: what comes back has the same
 // bits. The streams throw on failure.
-class Keeper {
+class Archive {
  public:
-  explicit Keeper(std::ostream& to) : to_(&to) {}
-  explicit Keeper(std::istream& from) : from_(&from) {}
+  explicit Archive(std::ostream& to) : to_(&to) {}
+  explicit Archive(std::istream& from) : from_(&from) {}
 
   bool restores() const { return from_ != nullptr; }
   template <class Number>
@@ -47,7 +47,7 @@ class Keeper {
   std::istream* from_ = nullptr;
 };
 
-// What a bake in rounds does against being interrupted.
+// What a bake in passes does against being interrupted.
 struct Checkpoints {
   using Write = std::function<void(std::ostream&)>;
 

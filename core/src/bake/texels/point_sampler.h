@@ -19,13 +19,13 @@ inline SampleKeys sample_keys(std::uint64_t seed, Purpose purpose, std::uint64_t
   return {random.bits(), random.bits(), random.bits(), random.bits()};
 }
 
-// One-sample estimates, number i of the keys, of the radiance of a point, of a leaf or of the
-// surroundings. Each adds the rays it traces to `rays`.
+// One-sample estimates, number i of the keys, of the radiance of a point, of an isosurface or of
+// the walls. Each adds the rays it traces to `rays`.
 template <int D>
 struct PointSampler {
   const LightSampler<D>& lights;
-  const std::vector<LeafRadiance<D>>& leaves;
-  const SurfaceCache<D>* surroundings;  // null if nothing looks it up
+  const std::vector<IsosurfaceRadiance<D>>& isosurfaces;
+  const SurfaceCache<D>* walls;  // null if nothing looks it up
   bool caustics;
 
   Rgb direct(const SurfacePoint<D>& point, const SampleKeys& keys, int i,
@@ -34,7 +34,7 @@ struct PointSampler {
     return lights.direct_radiance(point, choice, sobol_point(i, keys.light), rays);
   }
 
-  // All but direct light; the estimator may be null where there is no soft light.
+  // All but direct light; the estimator may be null where there is no indirect light.
   Rgb indirect(const SurfacePoint<D>& point, const IndirectEstimator<D>* estimator,
                const SampleKeys& keys, int i, std::uint64_t& rays) const {
     Rgb radiance = point.emission;
@@ -42,7 +42,7 @@ struct PointSampler {
       Random random(keys.paths, 0, i);
       radiance += estimator->indirect_radiance(point, sobol_point(i, keys.gather), random, rays);
     }
-    if (caustics) radiance += caustic_radiance(leaves, surroundings, point);
+    if (caustics) radiance += caustic_radiance(isosurfaces, walls, point);
     return radiance;
   }
 };

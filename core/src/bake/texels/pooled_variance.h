@@ -17,8 +17,8 @@ inline constexpr int blocks_per_texel = 4;
 // freedom, and a texel whose few samples all missed the light would claim to be certain; next to
 // each other, texels are lit alike.
 //
-// A texel that leaves reach somewhere, but in which no sample was found, takes its neighbours' mean
-// and the variance among them.
+// A texel that isosurfaces reach somewhere, but in which no sample was found, takes its neighbours'
+// mean and the variance among them.
 template <int D>
 void pool_variances(const TexelLattice<D>& lattice, std::vector<Average>& averages,
                     Progress& progress);

@@ -40,10 +40,10 @@ class TexelMoments {
  public:
   explicit TexelMoments(std::size_t texels = 0) : blocks_(texels) {}
 
-  std::vector<TexelSum> sums;  // of the block that is swept, from open() to release()
+  std::vector<TexelSum> sums;  // of the block in progress, from open() to release()
 
   bool empty() const { return blocks_.empty(); }
-  // Blocks can be swept from now on.
+  // Blocks can be added from now on.
   void open() { sums.resize(blocks_.size()); }
   // None are for a while, and the memory of their sums is free. A block that is not closed is
   // forgotten.
@@ -55,9 +55,9 @@ class TexelMoments {
     });
   }
   // Between blocks.
-  void keep(Keeper& keeper) {
+  void serialize(Archive& archive) {
     const std::size_t texels = blocks_.size();
-    keeper(blocks_, texels);
+    archive(blocks_, texels);
     if (blocks_.size() != texels) {
       throw Error("The checkpoint is of another bake; bake the volume anew.");
     }
@@ -114,7 +114,7 @@ class TexelMoments {
   static constexpr std::size_t bytes_a_texel = sizeof(TexelSum) + sizeof(Blocks);
 };
 
-// Of the outer and the inner side; the latter is empty where it is not baked.
+// Of the front and the back; the latter is empty where it is not baked.
 using SideMoments = std::array<TexelMoments, 2>;
 
 }  // namespace leaflight

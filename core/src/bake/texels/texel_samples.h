@@ -38,9 +38,9 @@ struct TexelBox {
   }
 };
 
-// A position moved along the gradient to the leaf of an isovalue, nearly, by Newton's method.
+// A position moved along the gradient to the isosurface of an isovalue, nearly, by Newton's method.
 template <int D>
-Vec<D> moved_to_leaf(const Field<D>& field, Vec<D> position, double isovalue) {
+Vec<D> moved_to_isosurface(const Field<D>& field, Vec<D> position, double isovalue) {
   constexpr int steps = 8;
   for (int i = 0; i < steps; ++i) {
     const CellPoint<D> point = locate(field, position);
@@ -54,12 +54,12 @@ Vec<D> moved_to_leaf(const Field<D>& field, Vec<D> position, double isovalue) {
 }
 
 // Calls visit(SurfacePoint, i) for up to `samples` points i = 0, 1, ... of a texel, seen from the
-// given side, uniform in the volume: a point x lies on the leaf c = h(x), so this samples the graph
-// of h (thesis 4.5), and all leaves through the texel at once. Points whose leaf is outside the
-// window, in a masked cell, without a gradient or inside another volume's leaf are passed over.
-// Where the texel's own box holds too few, the neighbourhood that a trilinear lookup can reach is
-// searched; where that holds none, because the window is narrow, its points are moved to the leaf
-// in the middle of the window. Returns the number of points visited.
+// given side, uniform in the volume: a point x lies on the isosurface c = h(x), so this samples the
+// graph of h (thesis 4.5), and all isosurfaces through the texel at once. Points whose isosurface
+// is outside the window, in a masked cell, without a gradient or inside another volume's isosurface
+// are passed over. Where the texel's own box holds too few, the neighbourhood that a trilinear
+// lookup can reach is searched; where that holds none, because the window is narrow, its points are
+// moved to the isosurface in the middle of the window. Returns the number of points visited.
 template <int D, class Visit>
 int for_each_texel_sample(const SceneTracer<D>& tracer, int volume, bool above,
                           const TexelLattice<D>& lattice, std::uint32_t texel, int samples,
@@ -76,9 +76,9 @@ int for_each_texel_sample(const SceneTracer<D>& tracer, int volume, bool above,
   const auto try_point = [&](const Vec<D>& position) {
     const CellPoint<D> point = locate(field, position);
     const double h = interpolate(load_corners(field, point.cell), point.local);
-    const double c = of.leaf_coordinate(h);
+    const double c = of.common_isovalue(h);
     if (!window.contains(c)) return;
-    const SurfacePoint<D> surface = tracer.leaf_point(volume, point, c, above);
+    const SurfacePoint<D> surface = tracer.isosurface_point(volume, point, c, above);
     if (surface.kind() == HitKind::none) return;
     if (tracer.is_covered(volume, surface.position, c)) return;
     visit(surface, visited++);
@@ -93,7 +93,7 @@ int for_each_texel_sample(const SceneTracer<D>& tracer, int volume, bool above,
   const TexelBox<D> box(lattice, texel, 1);
   const double middle = of.isovalue(0.5 * (window.min + window.max));
   for (int i = 0; i < samples; ++i) {
-    const Vec<D> position = moved_to_leaf(field, box.point(i, key), middle);
+    const Vec<D> position = moved_to_isosurface(field, box.point(i, key), middle);
     if (box.contains(position)) try_point(position);
   }
   return visited;

@@ -35,8 +35,8 @@ struct WayTo {
 };
 
 template <int D>
-BlockingLeaves blocking(const WayTo<D>& way, const LightSource<D>& source, SurfacePoint<D> from,
-                        const SceneTracer<D>& tracer) {
+BlockingIsovalues blocking(const WayTo<D>& way, const LightSource<D>& source, SurfacePoint<D> from,
+                           const SceneTracer<D>& tracer) {
   if (way.share == 0) return {0, 0};
   if (way.share < 0) from.geometric_normal = -from.geometric_normal;
   if (source.infinite) return tracer.blocking(from, way.direction);
@@ -48,8 +48,8 @@ BlockingLeaves blocking(const WayTo<D>& way, const LightSource<D>& source, Surfa
 
 template <int D>
 MeshDirectLight<D>::MeshDirectLight(const SceneTracer<D>& tracer,
-                                    const std::vector<RefinedMesh<D>>& meshes, Progress& progress,
-                                    bool quick)
+                                    const std::vector<SubdividedMesh<D>>& meshes,
+                                    Progress& progress, bool quick)
     : sets_(interleaved_points(tracer)), scales_(tracer.lights().size() + 1, Rgb(1)) {
   auto ways = std::make_shared<std::vector<MeshWays>>(meshes.size());
   for (std::size_t m = 0; m < meshes.size(); ++m) {
@@ -93,11 +93,11 @@ typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTra
               of.unshadowed[way.share < 0][(light < 0 ? lights - 1 : light) * vertices + v] +=
                   Vec<3, float>(source.amount) * static_cast<float>(std::abs(way.share));
               if (set != of.sets[v] || (quick && (i + set) % quick_share != 0)) continue;
-              const BlockingLeaves leaves = blocking(way, source, from, tracer);
-              of.ways[v * points + i] = {static_cast<float>(leaves.greatest),
+              const BlockingIsovalues isosurfaces = blocking(way, source, from, tracer);
+              of.ways[v * points + i] = {static_cast<float>(isosurfaces.greatest),
                                          static_cast<float>(way.share)};
               if (!of.least.empty()) {
-                of.least[v * points + i] = static_cast<float>(leaves.least);
+                of.least[v * points + i] = static_cast<float>(isosurfaces.least);
               }
             }
           }

@@ -4,14 +4,14 @@
 #include <memory>
 
 #include "bake/walls/mesh_neighbours.h"
-#include "bake/walls/refined_mesh.h"
+#include "bake/walls/subdivided_mesh.h"
 #include "math/progress.h"
 #include "transport/light_points.h"
 
 namespace leaflight {
 
 // Direct light of a scene's light points at the vertices of its diffuse meshes. For each vertex and
-// point it keeps which leaves block the way, and so the shadow of every isosurface there.
+// point it keeps which isosurfaces block the way, and so the shadow of every isosurface there.
 // Neighbouring vertices use other sets of points, and the part of the light that reaches a vertex
 // is the mean over it and its neighbours (interleaved sampling, Keller and Heidrich 2001): shadows
 // are as smooth as by all sets, and their edges as wide as an edge of the mesh. The result is the
@@ -20,20 +20,21 @@ template <int D>
 class MeshDirectLight {
  public:
   // `quick`: one way of every `quick_share` tells the shadow. Throws Cancelled.
-  MeshDirectLight(const SceneTracer<D>& tracer, const std::vector<RefinedMesh<D>>& meshes,
+  MeshDirectLight(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes,
                   Progress& progress, bool quick = false);
 
   // With other strengths of the scene's lights: a factor per channel for each. Shares the ways.
   MeshDirectLight scaled(const std::vector<Rgb>& lights) const;
 
-  // Radiance [W/(m^2 sr)] that one side of a mesh reflects at its fine vertices beside the leaf c.
+  // Radiance [W/(m^2 sr)] that one side of a mesh reflects at its fine vertices beside the
+  // isosurface c.
   std::vector<Vec<3, float>> radiance(int mesh, double c, bool back) const;
   // The same if nothing stood in the way of the light.
   std::vector<Vec<3, float>> unshadowed(int mesh, bool back) const;
 
   // From one vertex to one point of its set.
   struct Way {
-    float greatest;  // the leaf coordinate; infinite where a mesh stands in the way
+    float greatest;  // the common isovalue; infinite where a mesh stands in the way
     // Irradiance over the point's amount if nothing did: positive on the mesh's front, negative on
     // its back.
     float share;
@@ -42,7 +43,7 @@ class MeshDirectLight {
     MeshNeighbours neighbours;
     std::vector<std::uint8_t> sets;  // of the vertices
     std::vector<Way> ways;           // [vertex * points + point]
-    std::vector<float> least;        // as BlockingLeaves has it; empty where nothing has openings
+    std::vector<float> least;  // as BlockingIsovalues has it; empty where nothing has openings
     // By side: radiance if nothing stood in the way of a light, by all sets; [light * vertices +
     // vertex], last of all that is no light.
     std::array<std::vector<Vec<3, float>>, 2> unshadowed;

@@ -13,7 +13,7 @@ constexpr std::size_t vertices_per_piece = 64;
 // hardly count into the error.
 constexpr int smoothing_passes = 9;
 
-// A side of the surroundings is tried at every so many vertices before it is lit.
+// A side of the walls is tried at every so many vertices before it is lit.
 constexpr std::size_t probe_stride = 16;
 // For the progress.
 constexpr double rays_per_sample = 2;
@@ -29,11 +29,11 @@ template <int D>
 WallLight<D>::WallLight(const SceneTracer<D>& tracer)
     : tracer_(tracer),
       nodes_(tracer.scene()),
-      meshes_(refine(tracer.scene())),
+      meshes_(subdivide(tracer.scene())),
       sums_(meshes_.size()) {
   for (std::size_t m = 0; m < meshes_.size(); ++m) {
     const std::size_t count =
-        is_diffuse(m) ? meshes_[m].coarse.places.size() * LeafNodes::count : 0;
+        is_diffuse(m) ? meshes_[m].coarse.places.size() * IsovalueNodes::count : 0;
     for (Halves& side : sums_[m]) side.fill(std::vector<Vec<3, float>>(count, Vec<3, float>(0)));
   }
 }
@@ -54,7 +54,7 @@ std::vector<Vec<3, float>> WallLight<D>::means(std::size_t mesh, bool back, std:
                                                std::atomic<std::uint64_t>& rays) const {
   const FineMesh<D>& lit = meshes_[mesh].coarse;
   const std::size_t n = (lit.places.size() + stride - 1) / stride;
-  std::vector<Vec<3, float>> means(n * LeafNodes::count);
+  std::vector<Vec<3, float>> means(n * IsovalueNodes::count);
   parallel_range(means.size(), vertices_per_piece, rays_per_sample * samples.count, progress,
                  [&](std::size_t begin, std::size_t end) {
                    std::uint64_t traced = 0;
@@ -65,7 +65,7 @@ std::vector<Vec<3, float>> WallLight<D>::means(std::size_t mesh, bool back, std:
                      // All nodes of a vertex share their random numbers: what noise is left stands
                      // still while the isovalue moves.
                      const SampleKeys keys =
-                         sample_keys(samples.seed, Purpose::surroundings, 2 * mesh + back,
+                         sample_keys(samples.seed, Purpose::walls, 2 * mesh + back,
                                      static_cast<std::uint32_t>(vertex));
                      Imath::V3d sum(0);
                      for (int i = samples.first; i < samples.first + samples.count; ++i) {
@@ -83,7 +83,7 @@ template <int D>
 void WallLight<D>::add(const PointSampler<D>& from, const IndirectEstimator<D>* estimator,
                        const WallSamples& samples, Progress& progress,
                        std::atomic<std::uint64_t>& rays) {
-  progress.begin("Radiance of the surroundings");
+  progress.begin("Radiance of the walls");
   for (std::size_t m = 0; m < meshes_.size(); ++m) {
     for (const bool back : {false, true}) {
       Halves& sums = sums_[m][back];
@@ -103,11 +103,11 @@ void WallLight<D>::add(const PointSampler<D>& from, const IndirectEstimator<D>* 
 }
 
 template <int D>
-void WallLight<D>::keep(Keeper& keeper) {
-  keeper(added_);
+void WallLight<D>::serialize(Archive& archive) {
+  archive(added_);
   for (auto& sides : sums_) {
     for (Halves& side : sides) {
-      for (auto& half : side) keeper(half, half.size());
+      for (auto& half : side) archive(half, half.size());
     }
   }
 }
@@ -125,11 +125,11 @@ Halves WallLight<D>::smoothed(std::size_t mesh, bool back, Progress& progress) c
 }
 
 template <int D>
-SurroundingsRadiance<D> WallLight<D>::radiance(Progress& progress) {
+WallRadiance<D> WallLight<D>::radiance(Progress& progress) {
   if (!direct_) {
     direct_ = std::make_shared<const MeshDirectLight<D>>(tracer_, meshes_, progress);
   }
-  SurroundingsRadiance<D> result;
+  WallRadiance<D> result;
   result.direct = direct_;
   result.nodes = nodes_;
   result.meshes = meshes_;
@@ -143,7 +143,7 @@ SurroundingsRadiance<D> WallLight<D>::radiance(Progress& progress) {
 }
 
 template <int D>
-void WallLight<D>::add_noise(double exposure, LeafErrors& errors, Progress& progress) {
+void WallLight<D>::add_noise(double exposure, IsovalueErrors& errors, Progress& progress) {
   for (std::size_t m = 0; m < meshes_.size(); ++m) {
     for (const bool back : {false, true}) {
       const Halves halves = smoothed(m, back, progress);

@@ -4,10 +4,10 @@
 #include <atomic>
 
 #include "bake/texels/checkpoint.h"
-#include "bake/texels/leaf_error.h"
+#include "bake/texels/isovalue_error.h"
 #include "bake/texels/point_sampler.h"
-#include "bake/walls/smooth_surroundings.h"
-#include "bake/walls/surroundings_radiance.h"
+#include "bake/walls/smooth_walls.h"
+#include "bake/walls/wall_radiance.h"
 
 namespace leaflight {
 
@@ -17,7 +17,7 @@ struct WallSamples {
   int first, count;
 };
 
-// The radiance of both sides of the diffuse surroundings from any number of samples: the direct
+// The radiance of both sides of the diffuse walls from any number of samples: the direct
 // light of points for all c, all else at every node of c. Samples come in two halves, by which
 // noise is known and taken out.
 template <int D>
@@ -29,17 +29,17 @@ class WallLight {
   // Vertices at nodes, of both sides.
   double entries() const;
   // For one half, in turns. `from`: of all light but that of points. The estimator may be null
-  // where there is no soft light. Adds the rays traced to `rays`.
+  // where there is no indirect light. Adds the rays traced to `rays`.
   void add(const PointSampler<D>& from, const IndirectEstimator<D>* estimator,
            const WallSamples& samples, Progress& progress, std::atomic<std::uint64_t>& rays);
   // How often samples were added.
   int blocks() const { return added_; }
   // Its state.
-  void keep(Keeper& keeper);
+  void serialize(Archive& archive);
 
-  SurroundingsRadiance<D> radiance(Progress& progress);
+  WallRadiance<D> radiance(Progress& progress);
   // The noise of that, each vertex alike.
-  void add_noise(double exposure, LeafErrors& errors, Progress& progress);
+  void add_noise(double exposure, IsovalueErrors& errors, Progress& progress);
 
  private:
   std::vector<Vec<3, float>> means(std::size_t mesh, bool back, std::size_t stride,
@@ -53,8 +53,8 @@ class WallLight {
   }
 
   const SceneTracer<D>& tracer_;
-  LeafNodes nodes_;
-  std::vector<RefinedMesh<D>> meshes_;
+  IsovalueNodes nodes_;
+  std::vector<SubdividedMesh<D>> meshes_;
   // Sums of means, by mesh and side; [node * vertices + vertex]. Empty where it is dark.
   std::vector<std::array<Halves, 2>> sums_;
   int added_ = 0;

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How the isosurfaces of a volume object look, in the terms of the bake."""
+
+import leaflight
+import numpy as np
+from leaflight.scene.scene import Isosurfaces, is_color
+
+from ..store import cache
+
+LeaflightError = leaflight.LeaflightError
+
+
+def export_isosurfaces(obj, several):
+    """The Isosurfaces of a volume object; several: whether others are baked with it.
+
+    Raises LeaflightError.
+    """
+    settings = obj.leaflight
+    strength = settings.isosurface_emission_strength
+    return Isosurfaces(
+        name=obj.name,
+        albedo=albedo_ramp(obj),
+        emission=tuple(strength * x for x in settings.isosurface_emission),
+        scattering=settings.isosurface_scattering.lower(),
+        ior=settings.isosurface_ior,
+        isovalues=(settings.low, settings.high) if several else None,
+        capped=settings.capped,
+    )
+
+
+def import_isosurfaces(settings, look):
+    """Gives the settings of a volume object the look of Isosurfaces; of emission one colour."""
+    settings.capped = look.capped
+    settings.isosurface_scattering = look.scattering.upper()
+    settings.isosurface_ior = look.ior
+    settings.isosurface_stops.clear()
+    if is_color(look.albedo):
+        settings.isosurface_albedo = look.albedo
+    else:
+        for isovalue, color in look.albedo:
+            add_stop(settings, isovalue, color)
+    emission = colours(look.emission)[0]
+    strength = float(emission.max())
+    settings.isosurface_emission_strength = strength
+    if strength > 0:
+        settings.isosurface_emission = emission / strength
+
+
+def add_stop(settings, isovalue, color):
+    """Adds a stop to the color ramp, and chooses it."""
+    stop = settings.isosurface_stops.add()
+    stop.isovalue, stop.color = isovalue, color
+    settings.isosurface_stop = len(settings.isosurface_stops) - 1
+
+
+def _stops(obj):
+    """(isovalue, color) of each stop, in ascending isovalue; none where one color is for all."""
+    return sorted((stop.isovalue, tuple(stop.color)) for stop in obj.leaflight.isosurface_stops)
+
+
+def albedo_ramp(obj):
+    """The albedo as one colour, or as stops (isovalue, colour) in ascending isovalue.
+
+    Raises LeaflightError when two stops have the same isovalue.
+    """
+    stops = _stops(obj)
+    for (below, _), (above, _) in zip(stops, stops[1:]):
+        if not below < above:
+            raise LeaflightError(
+                f'The color ramp of "{obj.name}" has two stops at isovalue {above:g}: move or '
+                "remove one."
+            )
+    return stops or tuple(obj.leaflight.isosurface_albedo)
+
+
+def colours(ramp):
+    """All colours (n, 3) of a ramp: one colour, or stops (isovalue, colour)."""
+    return np.array([ramp] if is_color(ramp) else [colour for _, colour in ramp])
+
+
+def albedo_at(obj, isovalue):
+    """The albedo (r, g, b) of one isosurface."""
+    return color_at(_stops(obj) or tuple(obj.leaflight.isosurface_albedo), isovalue)
+
+
+def color_at(ramp, isovalue):
+    """The color (r, g, b) of a ramp, which is one color or stops in ascending isovalue."""
+    if is_color(ramp):
+        return tuple(ramp)
+    positions = [position for position, _ in ramp]
+    channels = zip(*(color for _, color in ramp))
+    return tuple(float(np.interp(isovalue, positions, channel)) for channel in channels)
+
+
+def emission_of(obj):
+    """The radiance (r, g, b) that all isosurfaces emit by themselves."""
+    settings = obj.leaflight
+    return tuple(settings.isosurface_emission_strength * x for x in settings.isosurface_emission)
+
+
+def world_box(obj):
+    """Lowest and highest corner (2, 3) of the volume in world space. Raises LeaflightError."""
+    low, high = np.asarray(cache.volume_of(obj).field().bounds, np.float64)
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+    matrix = np.array(obj.matrix_world, np.float64)
+    world = (low + corners * (high - low)) @ matrix[:3, :3].T + matrix[:3, 3]
+    return np.array([world.min(axis=0), world.max(axis=0)])

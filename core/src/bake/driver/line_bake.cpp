@@ -1,0 +1,446 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/driver/line_bake.h"
+
+#include <cmath>
+#include <limits>
+
+#include "bake/texels/pooled_variance.h"
+#include "bake/walls/light_walls.h"
+#include "math/error.h"
+#include "math/sampling.h"
+
+namespace leaflight {
+namespace {
+
+constexpr int wall_samples = 2, walls_samples = 16;
+// How often the indirect light that lines meet is gathered anew before it counts, each time along
+// so many directions. It begins as none: what photons tell of it is too coarse, and what leaks
+// through a wall stays in a closed cavity for many bounces.
+constexpr int bounces = 2, bounce_directions = 8;
+// The light of a bounce over that of the one before, at most: of what reflects all, it may be more
+// by chance.
+constexpr Real most_bounced = Real(0.8);
+
+template <int D>
+Rgb emission_near(const Volume<D>& volume, const IsovalueWindow& window,
+                  const Vec<D>& index_position) {
+  if (!(volume.emission.largest() > 0)) return Rgb(0);
+  const CellPoint<D> at = locate(volume.field, index_position);
+  const double h = interpolate(load_corners(volume.field, at.cell), at.local);
+  const double c = std::isnan(h) ? window.min : volume.common_isovalue(h);
+  return volume.emission.at(std::clamp(c, window.min, window.max));
+}
+
+Rgb mean_of(const std::vector<Rgb>& light) {
+  Imath::V3d sum(0);
+  for (const Rgb& one : light) sum += Imath::V3d(one);
+  return light.empty() ? Rgb(0) : Rgb(sum / static_cast<double>(light.size()));
+}
+
+// Adds the bounces that are yet to come, as if all were a geometric series. `first`: the mean light
+// of the first bounce; `light` has two.
+void add_later_bounces(std::vector<Rgb>& light, const Rgb& first) {
+  static_assert(bounces == 2);
+  const Rgb mean = mean_of(light);
+  Rgb scale(1);
+  for (int i = 0; i < 3; ++i) {
+    const Real second = std::max(Real(0), mean[i] - first[i]);
+    if (!(first[i] > 0 && second > 0)) continue;
+    const Real ratio = std::min(second / first[i], most_bounced);
+    scale[i] += second / mean[i] * ratio / (1 - ratio);
+  }
+  for (Rgb& one : light) one *= scale;
+}
+
+}  // namespace
+
+template <int D>
+LineBake<D>::LineBake(LitScene<D>& scene, std::size_t volume, BakeTexels<D> texels,
+                      const PreviousLight<D>* previous, const BlockWorkers* workers)
+    : volume_(scene.volumes[volume]),
+      lights_(scene.lights),
+      split_(scene.split),
+      direct_(scene.direct[volume]),
+      settings_(scene.settings),
+      plan_(scene.plan),
+      progress_(scene.progress),
+      rays_(scene.rays),
+      previous_(previous),
+      workers_(workers),
+      texels_(std::move(texels.shown)),
+      errors_(volume_.tracer.scene().window) {
+  if (split_.wide) sky_.emplace(*split_.wide);
+  if (!plan_.indirect) return;
+  indirect_ = std::make_unique<IndirectLight<D>>(volume_, std::move(texels.indirect),
+                                                 texels.spacing, plan_.back, settings_.seed,
+                                                 previous ? 1 + previous->blocks() : 0);
+  if (texels.photon_count > 0) trace_photons(texels.photons, texels.photon_count);
+}
+
+template <int D>
+void LineBake<D>::add(int blocks, const std::function<bool()>& go_on) {
+  if (!indirect_) return;
+  progress_.begin("Indirect light");
+  // It is what it was where an interrupted add() goes on.
+  if (indirect_sides_[0].empty()) {
+    learn_back_direct();
+    learn_indirect();
+  }
+  learn_direct_lookup();
+  const auto ended = [&] { return go_on && !go_on(); };
+  bool stopped = false;
+  while (!previous_ && bounces_ < bounces && !stopped) {
+    const std::array<Rgb, 2> before{mean_of(indirect_sides_[0]), mean_of(indirect_sides_[1])};
+    indirect_->add_block(gathered(), progress_, rays_, bounce_directions);
+    learn_indirect();
+    const bool was_last = ++bounces_ == bounces;
+    // All bounces are along the same directions, so that they compare.
+    indirect_->clear(!was_last);
+    if (was_last) {
+      for (int side = 0; side < (plan_.back ? 2 : 1); ++side) {
+        add_later_bounces(indirect_sides_[side], before[side]);
+      }
+    }
+    stopped = ended();
+  }
+  if (workers_ && blocks > 0 && !stopped) {
+    workers_->begin(indirect_->next_block(), blocks, [this](std::ostream& stream) {
+      Archive archive(stream);
+      serialize_lookups(archive);
+    });
+  }
+  for (int i = 0; i < blocks && !stopped; ++i) {
+    const std::string bytes = workers_ ? workers_->take(indirect_->next_block()) : std::string();
+    if (bytes.empty()) {
+      indirect_->add_block(gathered(), progress_, rays_);
+    } else {
+      indirect_->add_block_of_others(bytes, progress_, rays_);
+    }
+    stopped = ended();
+  }
+  release();
+}
+
+template <int D>
+void LineBake<D>::add_block(const std::function<void(SideMoments&)>& fill) {
+  indirect_->add_block_by(fill, progress_);
+}
+
+// What only lines look up takes as much memory as the result does.
+template <int D>
+void LineBake<D>::release() {
+  indirect_->release();
+  back_direct_ = {};
+  indirect_sides_ = {};
+  direct_lookup_ = {};
+}
+
+template <int D>
+void LineBake<D>::serialize(Archive& archive) {
+  if (!indirect_) return;
+  indirect_->serialize(archive);
+  archive(bounces_);
+  serialize_indirect(archive);
+}
+
+template <int D>
+void LineBake<D>::serialize_indirect(Archive& archive) {
+  const std::size_t texels = indirect_->texels().lattice.active.size();
+  for (std::vector<Rgb>& side : indirect_sides_) archive(side, texels);
+  archive(back_direct_, texels);
+}
+
+template <int D>
+void LineBake<D>::serialize_lookups(Archive& archive) {
+  serialize_indirect(archive);
+  bool walls = photons_.walls != nullptr;
+  archive(walls);
+  if (archive.restores()) {
+    learn_direct_lookup();
+    if (walls && !photons_.walls) {
+      photons_.walls = std::make_unique<SurfaceCache<D>>(volume_.tracer, false, 1.0, 1);
+    }
+  }
+  if (walls) {
+    std::vector<Rgb>& radiance = photons_.walls->finished();
+    archive(radiance, radiance.size());
+  }
+}
+
+template <int D>
+std::string LineBake<D>::traced_block(int number) {
+  if (!indirect_ || indirect_sides_[0].empty()) {
+    throw Error("A block of indirect light needs what its lines look up.");
+  }
+  return indirect_->traced_block(number, gathered(), progress_);
+}
+
+template <int D>
+std::vector<RadianceGrid<D>> LineBake<D>::grids() {
+  std::vector<RadianceGrid<D>> grids;
+  grids.push_back(grid());
+  return grids;
+}
+
+template <int D>
+RadianceGrid<D> LineBake<D>::grid() {
+  progress_.begin("Radiance of the texels");
+  SideAverages direct, indirect;
+  UnfilteredLight<D> unfiltered;
+  const std::size_t sides = plan_.back ? 2 : 1;
+  std::array<NoisyLight, 2> light = filtered_light(unfiltered);
+  for (std::size_t side = 0; side < sides; ++side) {
+    const bool back = side != 0;
+    direct[side] = direct_averages(back);
+    if (indirect_) {
+      indirect[side] = interpolated(indirect_->texels().lattice, light[side].averages,
+                                    texels_.lattice, progress_);
+    } else {
+      indirect[side].resize(direct[side].size());
+    }
+    light[side] = {};
+    finish(indirect[side]);
+  }
+  progress_.check();
+  measure_errors(direct[0], indirect[0]);
+  progress_.check();
+  RadianceGrid<D> result = make_grid<D>(std::move(direct), std::move(indirect));
+  result.lattice = texels_.lattice;
+  result.direct = direct_;
+  result.unfiltered = std::move(unfiltered);
+  return result;
+}
+
+// Of white isosurfaces, by side.
+template <int D>
+std::array<NoisyLight, 2> LineBake<D>::filtered_light(UnfilteredLight<D>& unfiltered) {
+  std::array<NoisyLight, 2> light;
+  if (!indirect_) return light;
+  const IndexedLattice<D>& texels = indirect_->texels();
+  unfiltered.resolution = texels.lattice.resolution;
+  unfiltered.texels = texels.lattice.active;
+  for (std::size_t side = 0; side < (plan_.back ? 2 : 1); ++side) {
+    light[side] = {indirect_->averages(side != 0), indirect_->halves(side != 0)};
+    if (previous_) previous_->blend(light[side], indirect_->blocks(), side != 0);
+    unfiltered.sides[side].reserve(light[side].averages.size());
+    for (const Average& average : light[side].averages) {
+      const Vec<3, float> unknown(std::numeric_limits<float>::quiet_NaN());
+      unfiltered.sides[side].push_back(average.samples > 0 ? Vec<3, float>(average.mean) : unknown);
+    }
+    pool_variances(texels.lattice, light[side].averages, progress_);
+    if (side == 0) measure_texture(light[side]);
+  }
+  if (surfaces_.empty()) surfaces_ = texel_surfaces(volume_, texels.lattice, progress_);
+  filter_along_isosurfaces(texels, surfaces_, light, progress_);
+  return light;
+}
+
+template <int D>
+WallRadiance<D> LineBake<D>::walls() {
+  progress_.begin("Radiance of the walls");
+  std::vector<IsosurfaceRadiance<D>> isosurfaces(1);
+  std::unique_ptr<IndirectEstimator<D>> estimator;
+  if (indirect_) {
+    const TexelLattice<D>& lattice = indirect_->texels().lattice;
+    learn_indirect();
+    isosurfaces[0].lattice = &lattice;
+    isosurfaces[0].photons = photons_.isosurfaces[0].get();
+    for (int side = 0; side < 2; ++side) {
+      std::vector<Rgb>& all = isosurfaces[0].radiance[side];
+      all.assign(lattice.active.size(), Rgb(0));
+      if (side == 0 || plan_.back) {
+        all = direct_at(lattice, side != 0);
+      }
+      for (std::size_t s = 0; s < indirect_sides_[side].size(); ++s) {
+        all[s] += indirect_sides_[side][s] *
+                  albedo_near(volume_.volume(), lattice.centre(lattice.active[s]));
+      }
+    }
+    estimator = make_gather_estimator(volume_.tracer, lights_, isosurfaces, *photons_.walls);
+  }
+  const PointSampler<D> sampler{lights_, isosurfaces, photons_.walls.get(), false};
+  return light_walls(volume_.tracer, sampler, estimator.get(), walls_samples, settings_.seed,
+                     progress_, rays_);
+}
+
+template <int D>
+void LineBake<D>::trace_photons(const TexelLattice<D>& texels, std::uint64_t count) {
+  PhotonSettings settings;
+  settings.seed = settings_.seed;
+  settings.photons = count;
+  settings.wall_samples = wall_samples;
+  lattices_ = {texels};
+  photons_ =
+      trace_into_caches(volume_.tracer, lights_, lattices_, settings, plan_, progress_, rays_);
+}
+
+template <int D>
+std::vector<Rgb> LineBake<D>::indirect_of_photons(bool back) const {
+  const TexelLattice<D>& texels = lattices_[0];
+  const auto brdf = static_cast<Real>(1 / projected_hemisphere<D>);
+  std::vector<Average> known(texels.active.size());
+  for (std::size_t s = 0; s < known.size(); ++s) {
+    known[s].mean = photons_.isosurfaces[0]->irradiance(static_cast<std::int32_t>(s), back) * brdf;
+  }
+  known = interpolated(texels, known, indirect_->texels().lattice, progress_);
+  std::vector<Rgb> indirect(known.size());
+  for (std::size_t s = 0; s < known.size(); ++s) indirect[s] = known[s].mean;
+  return indirect;
+}
+
+template <int D>
+std::vector<Rgb> LineBake<D>::direct_at(const TexelLattice<D>& lattice, bool back) const {
+  std::vector<Rgb> found(lattice.active.size(), Rgb(0));
+  if (back && !direct_->has_back()) return found;
+  const Field<D>& field = volume_.volume().field;
+  parallel_range(found.size(), 1024, 0, progress_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s) {
+      found[s] = direct_->radiance(field, lattice.centre(lattice.active[s]), back);
+    }
+  });
+  return found;
+}
+
+// Without an error.
+template <int D>
+std::vector<Average> LineBake<D>::direct_averages(bool back) {
+  std::vector<Rgb>& known = direct_texels_[back];
+  if (known.empty()) known = direct_at(texels_.lattice, back);
+  std::vector<Average> averages(known.size());
+  for (std::size_t s = 0; s < known.size(); ++s) averages[s].mean = known[s];
+  return averages;
+}
+
+template <int D>
+void LineBake<D>::learn_direct_lookup() {
+  if (direct_lookup_.sources() == 0) {
+    direct_lookup_ = DirectLookup<D>(volume_, indirect_->texels(), *direct_, progress_);
+  }
+}
+
+// Photons tell of the back where no lines gather for it.
+template <int D>
+void LineBake<D>::learn_indirect() {
+  for (int side = 0; side < 2; ++side) {
+    const bool gathers = side == 0 || plan_.back;
+    if (!gathers || (!previous_ && indirect_->blocks() == 0)) {
+      if (gathers) indirect_sides_[side].assign(indirect_->texels().lattice.active.size(), Rgb(0));
+      if (indirect_sides_[side].empty()) indirect_sides_[side] = indirect_of_photons(side != 0);
+      continue;
+    }
+    NoisyLight light{indirect_->averages(side != 0), {}};
+    if (previous_) previous_->blend(light, indirect_->blocks(), side != 0);
+    indirect_sides_[side] = filled_means(indirect_->texels().lattice, light.averages, progress_);
+  }
+}
+
+template <int D>
+void LineBake<D>::learn_back_direct() {
+  if (!plan_.back) return;
+  back_direct_ = direct_at(indirect_->texels().lattice, true);
+}
+
+template <int D>
+GatheredRadiance<D> LineBake<D>::gathered() const {
+  return {indirect_->texels(),    {&indirect_sides_[0], &indirect_sides_[1]},
+          &back_direct_,          direct_lookup_,
+          photons_.walls.get(),   split_.mesh_is_wide,
+          sky_ ? &*sky_ : nullptr};
+}
+
+// From white isosurfaces to those of the scene.
+template <int D>
+void LineBake<D>::finish(std::vector<Average>& indirect) const {
+  const Volume<D>& of = volume_.volume();
+  const IsovalueWindow& window = volume_.tracer.scene().window;
+  for (std::size_t s = 0; s < indirect.size(); ++s) {
+    const Vec<D> centre = texels_.lattice.centre(texels_.lattice.active[s]);
+    const Rgb albedo = albedo_near(of, centre);
+    indirect[s].mean *= albedo;
+    const auto scale = static_cast<float>(average(albedo));
+    indirect[s].variance *= scale * scale;
+    indirect[s].mean += emission_near(of, window, centre);
+  }
+}
+
+// From how far a texel is from the mean of its neighbours before and after along each axis, as two
+// halves of the blocks tell it, whose product has no noise on average. Where light bends evenly,
+// interpolation errs by a quarter of that distance at most; where it jumps, by half of it.
+template <int D>
+void LineBake<D>::measure_texture(const NoisyLight& light) {
+  constexpr float share = 0.5f;
+  const IndexedLattice<D>& texels = indirect_->texels();
+  const TexelLattice<D>& lattice = texels.lattice;
+  texture_.resize(lattice.active.size());
+  parallel_range(texture_.size(), 2048, 0, progress_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s) {
+      const Index<D> texel = lattice.texel(lattice.active[s]);
+      const float p = light.halves[s].first_share;
+      float sum = 0;
+      for (int a = 0; a < D; ++a) {
+        Index<D> before = texel, after = texel;
+        if (--before[a] < 0 || ++after[a] >= lattice.resolution[a]) continue;
+        const std::int32_t b = texels.slots[lattice.linear(before)];
+        const std::int32_t c = texels.slots[lattice.linear(after)];
+        if (b == TexelLattice<D>::inactive || c == TexelLattice<D>::inactive) continue;
+        const Imath::V3f off(light.averages[s].mean -
+                             (light.averages[b].mean + light.averages[c].mean) * Real(0.5));
+        const HalfDifference &own = light.halves[s], &low = light.halves[b],
+                             &high = light.halves[c];
+        if (!(own.is_known && low.is_known && high.is_known)) continue;
+        const Imath::V3f apart =
+            own.first_less_second - (low.first_less_second + high.first_less_second) * 0.5f;
+        sum += off.length2() + (1 - 2 * p) * off.dot(apart) - p * (1 - p) * apart.length2();
+      }
+      texture_[s] = share * share * sum / 3;
+    }
+  });
+}
+
+// At points of the isosurfaces, as many for an area of isosurfaces wherever it is.
+template <int D>
+void LineBake<D>::measure_errors(const std::vector<Average>& direct,
+                                 const std::vector<Average>& indirect) {
+  constexpr std::size_t most_points = 1 << 16;
+  const TexelLattice<D>& lattice = texels_.lattice;
+  const Volume<D>& of = volume_.volume();
+  const std::size_t step = 1 + lattice.active.size() / most_points;
+  const double exposure2 = settings_.exposure * settings_.exposure;
+  errors_ = IsovalueErrors(volume_.tracer.scene().window);
+  for (std::size_t s = 0; s < direct.size(); s += step) {
+    Random random = random_for(settings_.seed, Purpose::noise, s);
+    Vec<D> position = lattice.centre(lattice.active[s]);
+    for (int a = 0; a < D; ++a) {
+      position[a] += (random.uniform() - 0.5) * lattice.voxels_per_texel[a];
+    }
+    const CellPoint<D> at = locate(of.field, position);
+    const double h = interpolate(load_corners(of.field, at.cell), at.local);
+    if (!volume_.window().contains(h)) continue;
+    IsovalueError error;
+    if (indirect_) {
+      const IndexedLattice<D>& coarse = indirect_->texels();
+      const std::int32_t near = coarse.slot_near(position / coarse.lattice.voxels_per_texel);
+      const double albedo = average(albedo_near(of, position));
+      if (near >= 0) error.texture = exposure2 * albedo * albedo * texture_[near];
+    }
+    const TexelWeights<D> near = linear_weights(lattice, position);
+    double colour = 0, deviation = 0;
+    for (int i = 0; i < (1 << D); ++i) {
+      const double w = near.weight[i];
+      if (!(w > 0)) continue;
+      const Average &d = direct[near.slot[i]], &m = indirect[near.slot[i]];
+      colour += w * average(d.mean + m.mean);
+      deviation += w * std::sqrt(m.variance);
+    }
+    error.noise = exposure2 * deviation * deviation;
+    // What is beyond white does not count.
+    if (colour * settings_.exposure > 1) error = {};
+    const double area = static_cast<double>(step) * shading_gradient(of.field, at).length();
+    errors_.add(of.common_isovalue(h), area, error);
+  }
+}
+
+template class LineBake<2>;
+template class LineBake<3>;
+
+}  // namespace leaflight

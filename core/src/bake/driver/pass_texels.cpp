@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/driver/pass_texels.h"
+
+#include <algorithm>
+#include <functional>
+
+namespace leaflight {
+namespace {
+
+// Texels that a bake has by default, at most, where they are finer than voxels.
+constexpr std::size_t most_finer_texels = 2'500'000, most_finer_indirect_texels = 500'000;
+constexpr int most_halvings = 2;
+// Where isosurfaces pass more voxels than these, indirect light's lines are two texels apart, its
+// texels are coarser than voxels, those that photons fall into are.
+constexpr std::size_t most_dense_voxels = 200'000, most_indirect_voxels = 20'000'000,
+                      most_photon_voxels = 300'000;
+constexpr int widest_texel = 8;
+// Of a block of rays, which has photons of its own.
+constexpr std::uint64_t ray_photons = 100'000;
+// Of indirect light where each texel takes rays of its own.
+constexpr std::size_t most_ray_texels = 500'000;
+// Of indirect light where a resolution is given; or as many as are given.
+constexpr std::size_t most_given_indirect_texels = 500'000;
+// Those of a first picture are so many voxels wide.
+constexpr int preview_width = 4;
+// Photons tell of the light that has bounced more than once before line passes know it, and of the
+// indirect light of the walls.
+constexpr std::uint64_t photons = 400'000, preview_photons = 20'000;
+
+// How many texels isosurfaces pass.
+template <int D>
+using Counted = std::function<std::size_t(const Index<D>& resolution)>;
+
+// Texels half as wide where they are few. `count`: of the resolution.
+template <int D>
+Index<D> finest(Index<D> resolution, std::size_t count, std::size_t most,
+                const Counted<D>& counted) {
+  for (int i = 0; i < most_halvings && count << D <= most; ++i) {
+    resolution = finer_resolution<D>(resolution);
+    count = counted(resolution);
+  }
+  return resolution;
+}
+
+// How wide texels are for isosurfaces to pass at most so many, given the voxels that they pass.
+int width_for(std::size_t voxels, std::size_t most, int dimension) {
+  int width = 1;
+  while (width < widest_texel && voxels > most) {
+    width *= 2;
+    voxels >>= dimension;
+  }
+  return width;
+}
+
+// Without active texels where mirrors and glass show what depends on the view.
+template <int D>
+TexelLattice<D> lattice_of(const LineVolume<D>& volume, const Index<D>& resolution) {
+  const Field<D>& field = volume.volume().field;
+  if (volume.volume().scattering != Scattering::diffuse) {
+    return inactive_lattice<D>(field.dims, resolution);
+  }
+  const IsovalueWindow window = volume.window();
+  return make_lattice(field, resolution, window.min, window.max);
+}
+
+}  // namespace
+
+template <int D>
+PassResolutions<D> pass_resolutions(const Field<D>& field, const IsovalueWindow& window,
+                                    const BakeSettings<D>& settings) {
+  const Counted<D> counted = [&](const Index<D>& resolution) {
+    return active_texels(field, resolution, window.min, window.max);
+  };
+  const bool given = settings.resolution != Index<D>{};
+  const std::size_t voxels = counted(field.dims);
+  PassResolutions<D> found;
+  int width = width_for(voxels, most_indirect_voxels, D);
+  found.indirect = coarser_resolution<D>(field.dims, width);
+  if (given) {
+    check_resolution<D>(settings.resolution);
+    found.shown = settings.resolution;
+    // Indirect light finer than what is asked for is of no use, unless it costs little.
+    const std::size_t asked = counted(found.shown);
+    if (asked >= most_given_indirect_texels && counted(found.indirect) > asked)
+      found.indirect = found.shown;
+    while (counted(found.indirect) > std::max(most_given_indirect_texels, asked)) {
+      width *= 2;
+      found.indirect = coarser_resolution<D>(field.dims, width);
+    }
+  } else {
+    found.shown = finest<D>(field.dims, voxels, most_finer_texels, counted);
+    if (width == 1)
+      found.indirect = finest<D>(field.dims, voxels, most_finer_indirect_texels, counted);
+  }
+  found.spacing = voxels > most_dense_voxels ? 2 : 1;
+  found.photons = coarser_resolution<D>(field.dims, width_for(voxels, most_photon_voxels, D));
+  return found;
+}
+
+template <int D>
+BakeTexels<D> pass_texels(const LineVolume<D>& volume, const BakeSettings<D>& settings) {
+  const PassResolutions<D> chosen =
+      pass_resolutions(volume.volume().field, volume.window(), settings);
+  BakeTexels<D> texels;
+  texels.shown = IndexedLattice<D>(lattice_of(volume, chosen.shown));
+  texels.indirect = IndexedLattice<D>(lattice_of(volume, chosen.indirect));
+  texels.spacing = chosen.spacing;
+  texels.photons = lattice_of(volume, chosen.photons);
+  texels.photon_count = photons;
+  return texels;
+}
+
+template <int D>
+BakeTexels<D> ray_texels(const LineVolume<D>& volume, const BakeSettings<D>& settings) {
+  BakeTexels<D> texels = pass_texels(volume, settings);
+  const Field<D>& field = volume.volume().field;
+  const IsovalueWindow window = volume.window();
+  Index<D> indirect = field.dims;
+  for (int a = 0; a < D; ++a)
+    indirect[a] = std::min(indirect[a], texels.shown.lattice.resolution[a]);
+  while (active_texels(field, indirect, window.min, window.max) > most_ray_texels &&
+         *std::min_element(indirect.begin(), indirect.end()) > 2 * widest_texel) {
+    indirect = coarser_resolution<D>(indirect, 2);
+  }
+  texels.indirect = IndexedLattice<D>(lattice_of(volume, indirect));
+  texels.photon_count = ray_photons;
+  return texels;
+}
+
+template <int D>
+BakeTexels<D> preview_texels(const LineVolume<D>& volume, const Index<D>& resolution) {
+  const Index<D> of_voxels = coarser_resolution<D>(volume.volume().field.dims, preview_width);
+  const Index<D> of_texels = coarser_resolution<D>(resolution, preview_width);
+  Index<D> coarser;
+  for (int a = 0; a < D; ++a) coarser[a] = std::min(of_voxels[a], of_texels[a]);
+  BakeTexels<D> texels;
+  texels.photons = lattice_of(volume, coarser);
+  texels.shown = texels.indirect = IndexedLattice<D>(texels.photons);
+  texels.photon_count = preview_photons;
+  return texels;
+}
+
+template PassResolutions<2> pass_resolutions(const Field<2>&, const IsovalueWindow&,
+                                             const BakeSettings<2>&);
+template PassResolutions<3> pass_resolutions(const Field<3>&, const IsovalueWindow&,
+                                             const BakeSettings<3>&);
+template BakeTexels<2> pass_texels(const LineVolume<2>&, const BakeSettings<2>&);
+template BakeTexels<3> pass_texels(const LineVolume<3>&, const BakeSettings<3>&);
+template BakeTexels<2> ray_texels(const LineVolume<2>&, const BakeSettings<2>&);
+template BakeTexels<3> ray_texels(const LineVolume<3>&, const BakeSettings<3>&);
+template BakeTexels<2> preview_texels(const LineVolume<2>&, const Index<2>&);
+template BakeTexels<3> preview_texels(const LineVolume<3>&, const Index<3>&);
+
+}  // namespace leaflight

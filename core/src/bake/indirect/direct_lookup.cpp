@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/indirect/direct_lookup.h"
+
+#include <cmath>
+
+#include "math/discrete_distribution.h"
+#include "math/sampling.h"
+
+namespace leaflight {
+namespace {
+
+// Numbers of points that stand for all, with the share of all light that each stands for divided by
+// its own: all of them if they are few, or some by the light that they bring to the middle.
+template <int D>
+std::vector<std::pair<std::size_t, double>> stand_ins(const DirectLight<D>& direct, int most) {
+  std::vector<std::pair<std::size_t, double>> chosen;
+  const std::size_t count = direct.points();
+  if (count == 0) return chosen;
+  std::vector<double> light(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const LightSource<D>& source = direct.point(i).source;
+    const double distance = source.infinite ? 1 : source.position.length();
+    const Vec<D> way =
+        source.infinite || !(distance > 0) ? source.direction : -source.position / distance;
+    // What shines elsewhere may be seen, too.
+    light[i] = average(source.amount) * (source.strength(way, std::max(distance, 0.1)) + 0.05);
+  }
+  const DiscreteDistribution by_light(std::move(light));
+  const int wanted = static_cast<int>(std::min<std::size_t>(count, most));
+  for (int k = 0; k < wanted; ++k) {
+    if (wanted == static_cast<int>(count)) {
+      chosen.emplace_back(k, count);
+    } else {
+      const auto picked = by_light.pick((k + 0.5) / wanted);
+      chosen.emplace_back(picked.index, 1 / picked.probability);
+    }
+  }
+  return chosen;
+}
+
+}  // namespace
+
+template <int D>
+DirectLookup<D>::DirectLookup(const LineVolume<D>& volume, const IndexedLattice<D>& texels,
+                              const DirectLight<D>& direct, Progress& progress)
+    : code_{volume.window(), false} {
+  const TexelLattice<D>& lattice = texels.lattice;
+  const Field<D>& field = volume.volume().field;
+  const Affine<D>& to_frame = volume.tracer.index_to_frame(volume.number);
+  const Affine<D> to_index = inverse(to_frame);
+  const auto chosen = stand_ins(direct, most_sources);
+  for (const auto& [number, times] : chosen) {
+    amounts_.push_back(direct.point(number).source.amount * static_cast<Real>(times));
+    reflected_.emplace_back(lattice.texels(), 0u);
+  }
+  parallel_range(lattice.active.size(), 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s) {
+      const std::uint32_t texel = lattice.active[s];
+      const Vec<D> position = lattice.centre(texel);
+      const Vec<D> gradient =
+          to_index.pull_back_gradient(shading_gradient(field, locate(field, position)));
+      const double steep = gradient.length();
+      if (!(steep > 0)) continue;
+      const Vec<D> normal = gradient / -steep, place = to_frame.point(position);
+      const TexelWeights<D> near = linear_weights(direct.lattice(), position);
+      for (std::size_t k = 0; k < chosen.size(); ++k) {
+        const LightSource<D>& source = direct.point(chosen[k].first).source;
+        Vec<D> way = source.direction;
+        double distance = 1;
+        if (!source.infinite) {
+          way = place - source.position;
+          distance = way.length();
+          way /= distance;
+        }
+        const double cosine = -way.dot(normal);
+        if (!(cosine > 0)) continue;
+        const auto share =
+            static_cast<float>(source.strength(way, distance) * cosine / projected_hemisphere<D>);
+        const float greatest = direct.greatest(chosen[k].first, near, false);
+        std::uint32_t& packed = reflected_[k][texel];
+        std::memcpy(&packed, &share, sizeof share);
+        packed = (packed & ~0xffu) | static_cast<std::uint32_t>(greatest);
+      }
+    }
+  });
+}
+
+template class DirectLookup<2>;
+template class DirectLookup<3>;
+
+}  // namespace leaflight

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/indirect/previous_light.h"
+
+#include <Imath/half.h>
+
+#include <cmath>
+
+namespace leaflight {
+
+template <int D>
+PreviousLight<D>::PreviousLight(const RadianceGrid<D>& grid, int passes, int blocks)
+    : resolution_(grid.lattice.resolution),
+      active_(grid.lattice.active),
+      light_(grid.unfiltered),
+      passes_(passes),
+      blocks_(blocks) {
+  for (auto& side : light_.sides) {
+    for (auto& light : side) {
+      for (int i = 0; i < 3; ++i) light[i] = static_cast<float>(half(light[i]));
+    }
+  }
+}
+
+template <int D>
+bool PreviousLight<D>::fits(const TexelLattice<D>& shown, const TexelLattice<D>& indirect,
+                            bool back) const {
+  return active_ == shown.active && light_.resolution == indirect.resolution &&
+         light_.texels == indirect.active && light_.sides[1].empty() != back;
+}
+
+template <int D>
+float PreviousLight<D>::share(std::size_t slot, const Average& now, int blocks, bool back) const {
+  if (std::isnan(light_.sides[back][slot].x)) return 0;
+  if (!(now.samples > 0)) return 1;
+  return static_cast<float>(blocks_) / static_cast<float>(blocks_ + blocks);
+}
+
+template <int D>
+void PreviousLight<D>::blend(NoisyLight& light, int blocks, bool back) const {
+  for (std::size_t s = 0; s < light.averages.size(); ++s) {
+    Average& now = light.averages[s];
+    const float w = share(s, now, blocks, back);
+    if (w == 0) continue;
+    const Imath::V3f previous(light_.sides[back][s]), apart = previous - Imath::V3f(now.mean);
+    now.mean += Rgb(apart * w);
+    if (w == 1) {
+      // Of an unknown number of samples: one at least.
+      now.samples = 1;
+      continue;
+    }
+    now.variance *= 1 - w;
+    now.samples /= 1 - w;
+    if (light.halves.empty()) continue;
+    HalfDifference& halves = light.halves[s];
+    halves = {apart, w, halves.weight / (1 - w), true};
+  }
+}
+
+template class PreviousLight<2>;
+template class PreviousLight<3>;
+
+}  // namespace leaflight

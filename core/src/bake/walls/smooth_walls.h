@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "bake/walls/subdivided_mesh.h"
+#include "math/progress.h"
+
+namespace leaflight {
+
+// What samples say of one side of a mesh, [node * vertices + vertex]: two halves of the samples,
+// each with a mean of its own.
+using Halves = std::array<std::vector<Vec<3, float>>, 2>;
+
+std::vector<Vec<3, float>> mean(const Halves& halves);
+
+// Both halves, with the noise taken out that few samples leave: each vertex becomes the
+// mean of those around it that differ from it by no more than their noise lets expect, so that
+// edges of shadows stay. The noise is known from how far the halves lie apart; the weights of one
+// half come from the other, which knows nothing of its noise (Rousselle 2012). Each pass reaches
+// one facet further.
+template <int D>
+Halves smooth(const FineMesh<D>& mesh, Halves halves, int passes, Progress& progress);
+
+}  // namespace leaflight

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "scene/scene.h"
+
+namespace leaflight {
+
+// Whether an isosurface of a window of common isovalues is open: it ends at the border of the
+// domain or at a masked cell, where light can reach its inside.
+template <int D>
+bool isosurfaces_are_open(const Volume<D>& volume, const IsovalueWindow& window);
+
+}  // namespace leaflight

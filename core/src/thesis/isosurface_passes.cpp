@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "thesis/isosurface_passes.h"
+
+#include "thesis/scattered_averages.h"
+
+namespace leaflight {
+namespace {
+
+// Averages radiance(point, keys, i, rays) over the samples of each texel, or over scattered ones;
+// where it is not random, one estimate at each of those is enough.
+template <int D, class Radiance>
+std::vector<Average> average_isosurfaces(FixedBake<D>& bake, const IsosurfaceTexels<D>& texels,
+                                         double rays_per_sample, bool is_random,
+                                         Radiance radiance) {
+  IsosurfaceSamples samples{texels.volume, texels.above, bake.settings.samples, rays_per_sample,
+                            bake.settings.seed};
+  if (!bake.strewn || texels.lattice.active.empty()) {
+    return average_texels(bake.tracer, texels.lattice, samples, bake.progress, bake.rays, radiance);
+  }
+  if (!is_random) samples.count = 1;
+  return average_scattered(bake.tracer, texels.lattice, samples,
+                           bake.strewn->positions[texels.volume], bake.strewn->filter,
+                           bake.progress, bake.rays, radiance);
+}
+
+// What all samples of a texel have in common, and so do not show.
+template <int D>
+void add_shared_variance(const FixedBake<D>& bake, const IsosurfaceTexels<D>& texels,
+                         const IndirectEstimator<D>* estimator, std::vector<Average>& averages) {
+  const Volume<D>& of = bake.tracer.scene().volumes[texels.volume];
+  for (std::size_t s = 0; s < averages.size(); ++s) {
+    const Vec<D> centre = texels.lattice.centre(texels.lattice.active[s]);
+    const IsosurfaceTexel<D> texel{texels.volume, texels.above, centre, albedo_near(of, centre)};
+    if (estimator) averages[s].variance += estimator->shared_variance(texel, averages[s].mean);
+    if (bake.plan.caustics) averages[s].variance += caustic_variance(bake.isosurfaces, texel);
+  }
+}
+
+}  // namespace
+
+template <int D>
+std::vector<Average> direct_pass(FixedBake<D>& bake, const IsosurfaceTexels<D>& texels) {
+  const PointSampler<D> from = bake.sampler();
+  return average_isosurfaces(
+      bake, texels, 1, true,
+      [&](const SurfacePoint<D>& point, const SampleKeys& keys, int i, std::uint64_t& rays) {
+        return from.direct(point, keys, i, rays);
+      });
+}
+
+template <int D>
+std::vector<Average> indirect_pass(FixedBake<D>& bake, const IsosurfaceTexels<D>& texels,
+                                   const IndirectEstimator<D>* estimator) {
+  const PointSampler<D> from = bake.sampler();
+  std::vector<Average> averages(texels.lattice.active.size());
+  const bool glows = bake.tracer.scene().volumes[texels.volume].emission.largest() > 0;
+  if (estimator || bake.plan.caustics || glows) {
+    averages = average_isosurfaces(
+        bake, texels, estimator ? bake.indirect_rays() : 0, estimator && estimator->is_random(),
+        [&](const SurfacePoint<D>& point, const SampleKeys& keys, int i, std::uint64_t& rays) {
+          return from.indirect(point, estimator, keys, i, rays);
+        });
+  }
+  add_shared_variance(bake, texels, estimator, averages);
+  return averages;
+}
+
+template std::vector<Average> direct_pass(FixedBake<2>&, const IsosurfaceTexels<2>&);
+template std::vector<Average> direct_pass(FixedBake<3>&, const IsosurfaceTexels<3>&);
+template std::vector<Average> indirect_pass(FixedBake<2>&, const IsosurfaceTexels<2>&,
+                                            const IndirectEstimator<2>*);
+template std::vector<Average> indirect_pass(FixedBake<3>&, const IsosurfaceTexels<3>&,
+                                            const IndirectEstimator<3>*);
+
+}  // namespace leaflight

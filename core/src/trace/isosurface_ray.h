@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <limits>
+#include <optional>
+
+#include "field/field.h"
+
+namespace leaflight {
+
+// A ray that stays in the isosurface of its isovalue (thesis Table 4.1), in index coordinates.
+template <int D>
+struct IsosurfaceRay {
+  CellPoint<D> origin;  // ignored unless it starts on its isosurface
+  Vec<D> position;      // index coordinates, anywhere
+  Vec<D> direction;     // index coordinates per unit of t
+  double isovalue = 0;
+  double t_max = std::numeric_limits<double>::infinity();
+  bool starts_on_isosurface = false;
+  bool starts_above = false;  // the side into which a ray that starts on its isosurface departs
+};
+
+template <int D>
+struct IsosurfaceHit {
+  double t = 0;
+  CellPoint<D> point;
+  bool from_above = false;  // the ray arrived from the side h >= c, the inside
+};
+
+// The first point in (0, t_max] where the sign of h - c changes along the ray; h == c counts as
+// above. There is no surface where the ray enters or leaves the domain or a masked cell.
+template <int D>
+std::optional<IsosurfaceHit<D>> intersect(const Field<D>& field, const IsosurfaceRay<D>& ray);
+
+// Whether there is such a point.
+template <int D>
+bool occluded(const Field<D>& field, const IsosurfaceRay<D>& ray);
+
+}  // namespace leaflight

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace leaflight {
+
+struct WallHit {
+  double t = 0;
+  int mesh = 0;
+  int facet = 0;
+  double u = 0, v = 0;  // barycentric coordinates of the facet's second and third vertex
+};
+
+// Rays against the meshes, through Embree in robust mode; the segments of the plane are extruded to
+// rectangles about it. Coordinates are the caller's, in single precision.
+template <int D>
+class Walls {
+ public:
+  explicit Walls(const std::vector<Mesh<D>>& meshes);
+  ~Walls();
+  Walls(const Walls&) = delete;
+  Walls& operator=(const Walls&) = delete;
+
+  std::optional<WallHit> intersect(const Vec<D>& origin, const Vec<D>& direction,
+                                   double t_max) const;
+  bool occluded(const Vec<D>& origin, const Vec<D>& direction, double t_max) const;
+
+ private:
+  struct Embree;
+  std::unique_ptr<Embree> embree_;
+};
+
+}  // namespace leaflight

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "arrays.h"
+#include "bake/walls/wall_radiance.h"
+#include "bindings.h"
+
+namespace leaflight::python {
+namespace {
+
+template <int D>
+py::array_t<float> indirect(const WallRadiance<D>& walls, std::size_t mesh, bool back) {
+  std::vector<Vec<3, float>> radiance = walls.radiance.at(mesh)[back];
+  const auto vertices = static_cast<py::ssize_t>(walls.meshes[mesh].coarse.vertices.size());
+  radiance.resize(IsovalueNodes::count * vertices, Vec<3, float>(0));
+  return adopt<float>(std::move(radiance), {IsovalueNodes::count, vertices, 3});
+}
+
+template <int D>
+py::array_t<std::uint32_t> between(const WallRadiance<D>& walls, std::size_t mesh) {
+  auto pairs = walls.meshes.at(mesh).between;
+  const auto count = static_cast<py::ssize_t>(pairs.size());
+  return adopt<std::uint32_t>(std::move(pairs), {count, 2});
+}
+
+template <int D>
+py::tuple direct_ways(const WallRadiance<D>& walls, std::size_t mesh) {
+  static_cast<void>(walls.meshes.at(mesh));
+  const auto& of = walls.direct->ways(static_cast<int>(mesh));
+  std::vector<float> greatest, shares, least = of.least;
+  for (const auto& way : of.ways) {
+    greatest.push_back(way.greatest);
+    shares.push_back(way.share);
+  }
+  const auto vertices = static_cast<py::ssize_t>(of.sets.size());
+  const auto points = static_cast<py::ssize_t>(walls.direct->sets()[0].size());
+  const auto colors = [&](std::vector<Vec<3, float>> values) {
+    return adopt<float>(std::move(values), {vertices, 3});
+  };
+  return py::make_tuple(
+      adopt<std::uint8_t>(std::vector(of.sets), {vertices}),
+      least.empty() ? py::object(py::none()) : adopt<float>(std::move(least), {vertices, points}),
+      adopt<float>(std::move(greatest), {vertices, points}),
+      adopt<float>(std::move(shares), {vertices, points}),
+      colors(walls.direct->unshadowed(static_cast<int>(mesh), false)),
+      colors(walls.direct->unshadowed(static_cast<int>(mesh), true)));
+}
+
+template <int D>
+py::array_t<float> point_amounts(const WallRadiance<D>& walls) {
+  std::vector<Vec<3, float>> amounts;
+  for (const auto& set : walls.direct->sets()) {
+    for (const LightPoint<D>& point : set) amounts.emplace_back(point.source.amount);
+  }
+  const auto points = static_cast<py::ssize_t>(amounts.size()) / light_point_sets;
+  return adopt<float>(std::move(amounts), {light_point_sets, points, 3});
+}
+
+template <int D>
+void bind_radiance(py::module_& module, const std::string& suffix) {
+  using Walls = WallRadiance<D>;
+  py::class_<Walls, std::shared_ptr<Walls>>(
+      module, ("WallRadiance" + suffix).c_str(),
+      "The radiance of the walls over the common isovalue, at the vertices of fine meshes.")
+      .def_property_readonly(
+          "count", [](const Walls& s) { return s.radiance.size(); }, "Number of meshes.")
+      .def_property_readonly(
+          "nodes",
+          [](const Walls& s) {
+            std::vector<double> nodes;
+            for (int i = 0; i < IsovalueNodes::count; ++i) nodes.push_back(s.nodes.node(i));
+            return nodes;
+          },
+          "The common isovalues, ascending, between which indirect light is linear.")
+      .def(
+          "mesh",
+          [](const Walls& s, std::size_t i) {
+            std::vector<Vec<D, float>> vertices = s.meshes.at(i).fine.vertices;
+            std::vector<std::array<std::int32_t, static_cast<std::size_t>(D)>> facets;
+            for (const auto& facet : s.meshes.at(i).fine.facets) {
+              auto& numbers = facets.emplace_back();
+              std::copy(facet.begin(), facet.end(), numbers.begin());
+            }
+            const auto n = static_cast<py::ssize_t>(vertices.size());
+            const auto m = static_cast<py::ssize_t>(facets.size());
+            return py::make_tuple(adopt<float>(std::move(vertices), {n, D}),
+                                  adopt<std::int32_t>(std::move(facets), {m, D}));
+          },
+          py::arg("mesh"), "(vertices float32 (n, D) world, facets int32 (m, D)).")
+      .def(
+          "places",
+          [](const Walls& s, std::size_t i) {
+            std::vector<std::int32_t> facets;
+            std::vector<std::array<double, 2>> coordinates;
+            for (const FacetPoint& p : s.meshes.at(i).fine.places) {
+              facets.push_back(p.facet);
+              coordinates.push_back({p.u, p.v});
+            }
+            const auto n = static_cast<py::ssize_t>(facets.size());
+            return py::make_tuple(adopt<std::int32_t>(std::move(facets), {n}),
+                                  adopt<double>(std::move(coordinates), {n, 2}));
+          },
+          py::arg("mesh"),
+          "Where the vertices were lit: (facets int32 (n,) of the original mesh, barycentric\n"
+          "coordinates (n, 2)), for reference_walls().")
+      .def(
+          "radiance",
+          [](const Walls& s, std::size_t i, double c, bool back) {
+            static_cast<void>(s.meshes.at(i));
+            auto radiance = radiance_at(s, static_cast<int>(i), c, back);
+            const auto n = static_cast<py::ssize_t>(radiance.size());
+            return adopt<float>(std::move(radiance), {n, 3});
+          },
+          py::arg("mesh"), py::arg("c"), py::arg("back") = false,
+          "float32 (n, 3) at the vertices of a fine mesh, seen from its normals' side or from\n"
+          "behind.")
+      .def(
+          "relit",
+          [](const Walls& s, const Scene<D>& scene, const std::vector<Tuple<3>>& lights,
+             const Tuple<3>& indirect) {
+            const py::gil_scoped_release unlocked;
+            return std::make_shared<Walls>(
+                relit(s, scene.meshes, to_colors(lights), Vec<3, float>(to_color(indirect))));
+          },
+          py::arg("scene"), py::arg("lights"), py::arg("indirect"),
+          "The same with the lights of the scene that was baked at other strengths, as\n"
+          "RadianceGrid.relit() has it.")
+      .def(
+          "moved",
+          [](const Walls& s, const Scene<D>& earlier, const Scene<D>& scene,
+             const std::vector<int>& same_as, const Tuple<3>& factor, Progress& progress,
+             bool quick) {
+            const py::gil_scoped_release unlocked;
+            return std::make_shared<Walls>(moved(s, earlier, scene, same_as,
+                                                 Vec<3, float>(to_color(factor)), progress, quick));
+          },
+          py::arg("earlier"), py::arg("scene"), py::arg("same_as"), py::arg("indirect"),
+          py::arg("progress"), py::arg("quick") = false,
+          "The same beside another scene than that which was baked, `earlier`: direct light is\n"
+          "exact, all else but the meshes' own emission brighter by the factors (r, g, b).\n"
+          "same_as: of each mesh of the scene its number in the earlier one, or -1. quick:\n"
+          "fewer ways tell the shadows. Raises Cancelled.")
+      .def("indirect", &indirect<D>, py::arg("mesh"), py::arg("back") = false,
+           "Its part but direct light: float32 (nodes, m, 3) at the vertices of a coarser mesh.")
+      .def("between", &between<D>, py::arg("mesh"),
+           "uint32 (n, 2): the vertices of the coarser mesh that each vertex lies halfway between.")
+      .def(
+          "direct_ways", &direct_ways<D>, py::arg("mesh"),
+          "Of the vertices of a fine mesh, each of which has one of several sets of light points:\n"
+          "the number of its set, uint8 (n,); for each point the least and the greatest "
+          "isosurface\n"
+          "coordinate on the way to it, between which isosurfaces block it, float32 (n, points), "
+          "the\n"
+          "least None where isosurfaces are closed, the greatest infinite behind a mesh; the "
+          "irradiance\n"
+          "if nothing stood in\n"
+          "the way over the amount of the point, negative behind the vertex, float32 (n, points);\n"
+          "and the radiance by all sets if nothing did, of the front and of the back, float32\n"
+          "(n, 3). A side reflects that radiance times the mean over each vertex and its "
+          "neighbours\n"
+          "of the share of their sets' light that no isosurface blocks.")
+      .def_property_readonly("point_amounts", &point_amounts<D>,
+                             "float32 (sets, points, 3): linear RGB of the light points.");
+}
+
+}  // namespace
+
+void bind_walls(py::module_& module) {
+  bind_radiance<3>(module, "");
+  bind_radiance<2>(module, "2");
+}
+
+}  // namespace leaflight::python

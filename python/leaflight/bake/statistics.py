@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The cost of a bake, and its estimated error."""
+
+from dataclasses import asdict, dataclass
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """The cost of a bake in passes, or of one with a fixed number of samples (../thesis).
+
+    seconds: of the bake, without reading and writing files; rays: traced, lines included; texels:
+    that hold radiance; peak_memory_bytes: of the process.
+    skipped_passes: (name, reason) of each part of the work that the scene does not need.
+    passes, blocks: that the averages hold; stopped: a stop or the time ended the bake before it
+    reached its error.
+    estimated_error_percent: of what compare() calls rms_percent; estimated_noise_percent: its part
+    that more passes reduce; worst_error_percent, worst_isovalue: of the isosurface that errs most.
+    estimated_rms_percent: the RMS of the noise that the texels report, in the units of compare();
+    bakes that on_pass is given have None, as it takes its time.
+    A fixed number of samples has no passes and estimates no error: 0 and None.
+    """
+
+    seconds: float
+    rays: int
+    texels: int
+    peak_memory_bytes: int
+    skipped_passes: tuple
+    passes: int = 0
+    blocks: int = 0
+    stopped: bool = False
+    estimated_error_percent: float | None = None
+    estimated_noise_percent: float | None = None
+    worst_error_percent: float | None = None
+    worst_isovalue: float | None = None
+    estimated_rms_percent: float | None = None
+
+    @property
+    def rays_per_second(self):
+        return self.rays / max(self.seconds, 1e-9)
+
+    def record(self):
+        """As JSON has it, with rays_per_second."""
+        return {**asdict(self), "rays_per_second": self.rays_per_second}
+
+
+def statistics_of(record):
+    """The Statistics of a record(), or of the core. Raises KeyError, TypeError, ValueError."""
+    known = {name: value for name, value in record.items() if name != "rays_per_second"}
+    skipped = tuple((str(name), str(reason)) for name, reason in known.pop("skipped_passes"))
+    return Statistics(skipped_passes=skipped, **known)

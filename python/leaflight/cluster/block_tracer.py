@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What runs in the processes of workers: blocks of the bake that they were asked for last.
+
+A worker keeps what one bake needs, and no more: its memory is that of one bake, however many there
+are.
+"""
+
+import threading
+from dataclasses import dataclass
+
+import leaflight._core as _core
+
+from .._core import LeaflightError, Progress
+from ..scene.scene import SceneDescription, core_scene
+from ..version import __version__
+from ..volume.volume import Volume
+
+
+@dataclass(frozen=True, eq=False)
+class Recipe:
+    """What a worker needs of a bake: key tells bakes apart; arrays: of each volume, its values, or
+    the file (.npy) on this machine that holds them; settings: of the core, by their names; the
+    others as in Bake.
+    """
+
+    key: str
+    arrays: list
+    matrices: list
+    scene: SceneDescription
+    isovalues: tuple
+    settings: dict
+    version: str = __version__
+
+    def scene_of_core(self):
+        volumes = [
+            Volume(load(array), matrix, f"volume {k}")
+            for k, (array, matrix) in enumerate(zip(self.arrays, self.matrices))
+        ]
+        return core_scene(self.scene, [volume.field() for volume in volumes], self.isovalues)
+
+
+@dataclass(frozen=True, eq=False)
+class LookedUp:
+    """What lines look up; name tells one from those before."""
+
+    name: str
+    state: bytes
+
+
+def load(array):
+    """The values of a volume; those of a file are shared by all processes that read it."""
+    import numpy as np
+
+    return np.load(array, mmap_mode="r") if isinstance(array, str) else array
+
+
+class _Tracer:
+    """Of one bake."""
+
+    def __init__(self, recipe):
+        if recipe.version != __version__:
+            raise LeaflightError(
+                f"A worker has Leaflight {__version__}, and this is {recipe.version}: install the "
+                "same on all machines."
+            )
+        self.key, self.progress = recipe.key, Progress()
+        settings = _core.BakeSettings()
+        for name, value in recipe.settings.items():
+            setattr(settings, name, value)
+        self._known = None
+        self._core = _core.BlockTracer(recipe.scene_of_core(), settings, self.progress)
+
+    def look_up(self, looked_up):
+        if looked_up.name != self._known:
+            self._core.look_up(looked_up.state)
+            self._known = looked_up.name
+
+    def trace(self, number):
+        return self._core.trace(number)
+
+
+_lock = threading.Lock()
+_tracer = None
+
+
+def trace(recipe, looked_up, number):
+    """One block of indirect light of a bake: bytes for _core.bake()'s workers.
+
+    looked_up: LookedUp. Raises LeaflightError, Cancelled after cancel().
+    """
+    global _tracer
+    # What one block needs is shared by all, and each uses all threads that it may.
+    with _lock:
+        if _tracer is None or _tracer.key != recipe.key:
+            _tracer = None
+            _tracer = _Tracer(recipe)
+        _tracer.look_up(looked_up)
+        return _tracer.trace(number)
+
+
+def cancel(key):
+    """Ends what this worker does for a bake, from another thread."""
+    tracer = _tracer
+    if tracer is not None and tracer.key == key:
+        tracer.progress.cancel()
+
+
+def forget(key):
+    """Frees what this worker keeps of a bake."""
+    global _tracer
+    with _lock:
+        if _tracer is not None and _tracer.key == key:
+            _tracer = None

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the checks of bakes in passes share."""
+
+import math
+import os
+import time
+from dataclasses import replace
+from types import SimpleNamespace
+
+import bpy
+import leaflight
+import pytest
+from leaflight_addon.bake import bake
+from tools import close, mesh_arrays, start, to_world, wait_while
+
+# Takes all the passes that a bake may have, five, which is more than any of these checks lets be.
+UNREACHED = 0.01
+
+
+def state():
+    """All that a bake which is thrown away must leave alone."""
+    obj = bpy.context.object
+    return {
+        "objects": sorted(o.name for o in bpy.data.objects),
+        "meshes": sorted(m.name for m in bpy.data.meshes),
+        "materials": sorted(m.name for m in bpy.data.materials),
+        "images": sorted(i.name for i in bpy.data.images),
+        "material": obj.data.materials[0].name,
+        "nodes": sorted(n.type for n in obj.data.materials[0].node_tree.nodes),
+        "attributes": sorted(a.name for a in obj.data.attributes),
+        "bake": obj.leaflight.bake_id,
+        "vertices": mesh_arrays(obj)[0].tobytes(),
+        "isovalue": obj.leaflight.isovalue,
+        "files": sorted(os.listdir(obj.leaflight.bake_folder)),
+    }
+
+
+def begin(obj, passes=1, kind=bake.BakeJob):
+    """A bake in progress with so many passes done, as a BakeJob and its BackgroundWork.
+
+    The next pass waits until job.most allows it, or until the bake is cancelled.
+    """
+
+    class Held(kind):
+        most = passes
+
+        def __init__(self, context, obj):
+            super().__init__(context, obj)
+            # No file while it waits.
+            self.checkpoint = replace(self.checkpoint, seconds=math.inf)
+
+        def _light(self, on_pass, progress):
+            def hold(baked):
+                while baked.statistics.passes > self.most and not progress.cancelled:
+                    time.sleep(0.005)
+                if not progress.cancelled:
+                    on_pass(baked)
+
+            return super()._light(on_pass=hold, progress=progress)
+
+    job = Held(bpy.context, obj)
+    work = start(job)
+    wait_while(work, lambda: passes_of(job) < passes)
+    return job, work
+
+
+def passes_of(job):
+    return 0 if job.latest is None else job.latest.statistics.passes
+
+
+def stop(job, work):
+    work.cancel()
+    with pytest.raises(leaflight.Cancelled):
+        work.result()
+    return job.ended()
+
+
+def assert_shows_pass(obj, shown):
+    vertices, _, radiance = mesh_arrays(obj)
+    expected = shown.radiance(to_world(obj, vertices))
+    assert len(vertices) > 100 and radiance.max() > 0.01
+    close(radiance, expected, 1e-4 * expected.max())
+
+
+class Layout:
+    """Takes what a panel draws."""
+
+    def __init__(self, drawn):
+        self._drawn = drawn
+
+    def _sub(self, **_):
+        return Layout(self._drawn)
+
+    row = column = _sub
+    scale_y, active = 1.0, True
+
+    def prop(self, _data, name, **_):
+        self._drawn.append(name)
+
+    def prop_enum(self, _data, _name, value):
+        self._drawn.append(value)
+
+    def operator(self, name, **_):
+        self._drawn.append(name)
+
+    def label(self, text, **_):
+        self._drawn.append(text)
+
+
+def drawn(panel):
+    found = []
+    context = SimpleNamespace(
+        object=bpy.context.object,
+        scene=bpy.context.scene,
+        preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0)),
+        region=SimpleNamespace(width=2000),
+        view_layer=bpy.context.view_layer,
+        evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get,
+    )
+    methods = {name: f for name, f in vars(panel).items() if callable(f)}
+    drawing = type("Drawing", (), methods)()
+    drawing.layout = Layout(found)
+    drawing.draw(context)
+    return found

@@ -1,0 +1,345 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Bakes in passes of lines through the volume.
+#include "bake/driver/passes.h"
+
+#include <gtest/gtest.h>
+
+#include "cancelling.h"
+#include "math/error.h"
+#include "math/sampling.h"
+#include "whole_passes.h"
+
+namespace leaflight {
+namespace {
+
+using test::expect_same_light;
+using test::in_passes;
+using test::kept_of;
+using test::of_all_light;
+using test::same_bits;
+using test::small_scene;
+using test::stopped_after;
+
+TEST(Passes, AreTheSameForAnyNumberOfThreads) {
+  const Scene<3> scene = test::cornell(test::torus(17), {0.6, 0.95});
+  BakeSettings<3> settings = of_all_light(33);
+  std::vector<Baked<3>> bakes;
+  for (const int threads : {1, 2, 5}) {
+    settings.threads = threads;
+    Progress progress;
+    bakes.push_back(bake(scene, settings, progress));
+  }
+  expect_same_light(bakes);
+}
+
+TEST(Passes, StoppedAfterTheSamePassAreTheSame) {
+  const Scene<3> scene = small_scene();
+  BakeSettings<3> settings = in_passes();
+  settings.error = test::sanitized ? 0.02 : 0.1;  // it takes several passes
+  std::vector<RadianceGrid<3>> passes;
+  Progress whole;
+  const auto look = [&](Baked<3>&& baked) {
+    EXPECT_EQ(baked.statistics.passes, static_cast<int>(passes.size()) + 1);
+    passes.push_back(std::move(baked.grids[0]));
+  };
+  const Baked<3> all = bake<3>(scene, settings, whole, {look});
+  passes.push_back(all.grids[0]);
+  EXPECT_FALSE(all.statistics.stopped);
+  ASSERT_GE(passes.size(), 2u);
+  Progress progress;
+  const Baked<3> stopped =
+      bake<3>(scene, settings, progress, {[&](Baked<3>&&) { progress.stop(); }});
+  EXPECT_TRUE(stopped.statistics.stopped);
+  EXPECT_EQ(stopped.statistics.passes, 1);
+  EXPECT_TRUE(same_bits(passes[0], stopped.grids[0]));
+  // Nobody needs to look on.
+  Progress alone;
+  EXPECT_TRUE(same_bits(all.grids[0], bake(scene, settings, alone).grids[0]));
+}
+
+TEST(Passes, ContinuedAreTheSameForAnyNumberOfThreads) {
+  const Scene<3> scene = test::cornell(test::torus(17), {0.6, 0.95});
+  BakeSettings<3> settings = of_all_light(17);
+  Progress progress;
+  std::vector<Baked<3>> bakes;
+  for (const int threads : {1, 2, 5}) {
+    settings.threads = threads;
+    const std::vector<PreviousLight<3>> previous = kept_of(stopped_after(1, scene, settings));
+    bakes.push_back(bake<3>(scene, settings, progress, {{}, &previous}));
+    EXPECT_EQ(bakes.back().statistics.passes, 2);
+  }
+  expect_same_light(bakes);
+}
+
+// The mean difference of two grids, of both sides, over the mean of the second; and how the means
+// differ.
+struct Difference {
+  double of_texels = 0, of_means = 0;
+
+  Difference(const RadianceGrid<3>& a, const RadianceGrid<3>& b) {
+    add(a.radiance, b.radiance);
+    add(a.radiance_back, b.radiance_back);
+    of_texels /= all;
+    of_means /= all;
+  }
+
+ private:
+  void add(const std::vector<Vec<3, float>>& a, const std::vector<Vec<3, float>>& b) {
+    for (std::size_t s = 0; s < a.size(); ++s) {
+      of_texels += std::abs(a[s].y - b[s].y);
+      of_means += a[s].y - b[s].y;
+      all += b[s].y;
+    }
+  }
+  double all = 0;
+};
+
+TEST(Passes, ContinuedErrAsIfTheyHadNeverBeenStopped) {
+  if (test::sanitized) GTEST_SKIP() << "statistics are for other builds";
+  Scene<3> glowing = test::cornell(test::ball<3>(25), {0.6, 0.9});
+  glowing.volumes[0].emission = ColorRamp(Rgb(0.05f, 0.1f, 0));
+  const struct {
+    const char* name;
+    Scene<3> scene;
+    int texels;
+  } cases[] = {{"torus", test::cornell(test::torus(25), {0.7, 0.95}), 25},
+               {"glowing ball", glowing, 25},
+               {"texels of another width", glowing, 31}};
+  for (const auto& [name, scene, texels] : cases) {
+    BakeSettings<3> settings = in_passes(0.05);
+    settings.both_sides = true;
+    settings.resolution = Index<3>{texels, texels, texels};
+    settings.seed = 9;
+    const Baked<3> truth = stopped_after(5, scene, settings);
+    // One alone may be nearer by chance.
+    constexpr int seeds = 4;
+    double now = 0, then = 0, means = 0, noise = 0;
+    for (int seed = 0; seed < seeds; ++seed) {
+      settings.seed = seed;
+      const Baked<3> uninterrupted = stopped_after(2, scene, settings);
+      const std::vector<PreviousLight<3>> previous = kept_of(stopped_after(1, scene, settings));
+      const Baked<3> continued = stopped_after(1, scene, settings, &previous);
+      const Difference one(continued.grids[0], truth.grids[0]);
+      const Difference other(uninterrupted.grids[0], truth.grids[0]);
+      now += one.of_texels / seeds;
+      then += other.of_texels / seeds;
+      means += (one.of_means - other.of_means) / seeds;
+      noise += continued.statistics.noise_percent / uninterrupted.statistics.noise_percent / seeds;
+    }
+    EXPECT_LT(now, 1.1 * then) << name;
+    EXPECT_NEAR(means, 0, 0.01) << name;
+    EXPECT_NEAR(noise, 1, 0.25) << name;
+  }
+}
+
+TEST(Passes, ContinuedLookPreviousLightUp) {
+  Scene<3> glowing = small_scene();
+  glowing.volumes[0].emission = ColorRamp(Rgb(0.05f, 0.1f, 0));
+  BakeSettings<3> settings = in_passes(0.05);
+  settings.both_sides = true;
+  settings.resolution = {17, 17, 17};
+  const Baked<3> uninterrupted = stopped_after(2, glowing, settings);
+  const std::vector<PreviousLight<3>> previous = kept_of(stopped_after(1, glowing, settings));
+  const Baked<3> continued = stopped_after(1, glowing, settings, &previous);
+  // Within the ball most light is reflected more than once.
+  EXPECT_NEAR(Difference(continued.grids[0], uninterrupted.grids[0]).of_means, 0,
+              test::sanitized ? 0.05 : 0.02);
+}
+
+// Whether the error that bakes report is the one they make, beside a much finer one of other nets.
+TEST(Passes, ContinuedKnowTheirError) {
+  if (test::sanitized) GTEST_SKIP() << "statistics are for other builds";
+  const Scene<3> scene = test::cornell(test::torus(25), {0.7, 0.95});
+  BakeSettings<3> settings = in_passes(0.1);
+  settings.resolution = {25, 25, 25};
+  settings.seed = 9;
+  Progress progress;
+  const Baked<3> truth = bake(scene, settings, progress);
+  const auto coverage = [&](const Baked<3>& baked) {
+    const RadianceGrid<3>&a = baked.grids[0], &b = truth.grids[0];
+    std::size_t within = 0;
+    for (std::size_t s = 0; s < a.radiance.size(); ++s) {
+      const Vec<3, float> off = a.radiance[s] - b.radiance[s];
+      const double error = std::hypot(a.radiance_error[s], b.radiance_error[s]);
+      within += std::abs(off.x + off.y + off.z) / 3 <= 1.96 * error;
+    }
+    return static_cast<double>(within) / static_cast<double>(a.radiance.size());
+  };
+  double sum = 0;
+  constexpr int seeds = 4;
+  for (int seed = 0; seed < seeds; ++seed) {
+    settings.seed = seed;
+    const std::vector<PreviousLight<3>> previous = kept_of(stopped_after(1, scene, settings));
+    const Baked<3> continued = stopped_after(1, scene, settings, &previous);
+    // Once more.
+    const std::vector<PreviousLight<3>> again = kept_of(continued);
+    const double twice = coverage(stopped_after(1, scene, settings, &again));
+    sum += (coverage(continued) + twice) / 2;
+  }
+  EXPECT_NEAR(sum / seeds, 0.95, 0.03);
+}
+
+TEST(Passes, GoOnWithTheirOwnTexelsAlone) {
+  const Scene<3> scene = small_scene();
+  BakeSettings<3> settings = in_passes(5);
+  settings.resolution = {17, 17, 17};
+  BakeSettings<3> coarse = settings;
+  coarse.resolution = {9, 9, 9};
+  Progress progress;
+  const std::vector<PreviousLight<3>> other = kept_of(bake(scene, coarse, progress));
+  // A first picture has other texels, too: the bake begins anew.
+  EXPECT_TRUE(same_bits(bake(scene, settings, progress).grids[0],
+                        bake<3>(scene, settings, progress, {{}, &other}).grids[0]));
+  const Scene<3> wider = test::cornell(test::ball<3>(17), {0.4, 0.9});
+  EXPECT_THROW(bake<3>(wider, coarse, progress, {{}, &other}), Error);
+}
+
+TEST(Passes, EndInTime) {
+  BakeSettings<3> settings = in_passes();
+  settings.error = 1e-4;
+  settings.seconds = 1e-9;  // over before the second pass
+  Progress progress;
+  const Baked<3> baked = bake(small_scene(), settings, progress);
+  EXPECT_TRUE(baked.statistics.stopped);
+  EXPECT_GT(baked.statistics.noise_percent, 1e-4);
+}
+
+double seconds_to_cancel_passes() {
+  const Scene<3> scene = test::cornell(test::ball<3>(65), {0.3, 0.9});
+  BakeSettings<3> settings = in_passes();
+  settings.error = 1e-4;  // not reached
+  return test::seconds_to_cancel([&](Progress& progress) { bake(scene, settings, progress); });
+}
+
+TEST(Passes, AreCancelled) { seconds_to_cancel_passes(); }
+
+TEST(Passes, AreCancelledWithinHalfASecond) {
+  EXPECT_LT(seconds_to_cancel_passes(), test::sanitized ? 5 : 0.5);
+}
+
+// The radiance of each texel's centre, whose isosurface is that of the centre.
+template <class Check>
+void for_each_centre(const Scene<3>& scene, const Baked<3>& baked, Check check) {
+  const RadianceGrid<3>& grid = baked.grids[0];
+  const Field<3>& field = test::field_of(scene);
+  std::size_t checked = 0;
+  for (std::size_t s = 0; s < grid.lattice.active.size(); ++s) {
+    const Vec3 centre = grid.lattice.centre(grid.lattice.active[s]);
+    const CellPoint<3> at = locate(field, centre);
+    const double c = interpolate(load_corners(field, at.cell), at.local);
+    if (!scene.window.contains(c)) continue;
+    check(field.index_to_world.point(centre), c, s);
+    ++checked;
+  }
+  EXPECT_GT(checked, 100u);
+}
+
+TEST(Passes, PlanesInTheSunAreExact) {
+  // h falls with z, so that isosurfaces are planes which face up.
+  Scene<3> scene = test::scene_of(test::sampled<3>(9, [](const Vec3& x) { return 1 - x.z; }),
+                                  Rgb(0.5f), {0.2, 0.8});
+  const Vec3 down = Vec3(0.3, -0.2, -1).normalized();
+  scene.lights.push_back(SunLight<3>{"sun", down, Rgb(2, 1, 0.5f)});
+  Progress progress;
+  const Baked<3> baked = bake(scene, in_passes(), progress);
+  for_each_centre(scene, baked, [&](const Vec3&, double, std::size_t s) {
+    const double factor = 0.5 / pi * -down.z;
+    const auto& radiance = baked.grids[0].radiance[s];
+    EXPECT_NEAR(radiance.x, 2 * factor, 1e-5);
+    EXPECT_NEAR(radiance.z, 0.5 * factor, 1e-5);
+    EXPECT_LT(baked.grids[0].radiance_error[s], 1e-4);
+  });
+}
+
+TEST(Passes, PlanesUnderAPointLightFollowItsLaw) {
+  Scene<3> scene = test::scene_of(test::sampled<3>(17, [](const Vec3& x) { return 1 - x.z; }),
+                                  Rgb(0.8f), {0.2, 0.8});
+  const Vec3 lamp(0.4, 0.7, 1.5);
+  PointLight<3> light;
+  light.position = lamp;
+  light.intensity = Rgb(3.0f);
+  scene.lights.push_back(light);
+  BakeSettings<3> settings = in_passes();
+  settings.resolution = {65, 65, 65};  // by default, but with sanitizers too
+  Progress progress;
+  const Baked<3> baked = bake(scene, settings, progress);
+  for_each_centre(scene, baked, [&](const Vec3& x, double, std::size_t s) {
+    const Vec3 way = lamp - x;
+    const double expected = 0.8 / pi * 3 * way.z / std::pow(way.length(), 3);
+    // What a texel's width changes of it.
+    EXPECT_NEAR(baked.grids[0].radiance[s].x, expected, 0.02 * expected);
+  });
+}
+
+TEST(Passes, ALightWithinTheVolumeShinesToAllSides) {
+  // Spheres of radius 0.4 to 0.1 about the light.
+  Scene<3> scene = test::scene_of(test::ball<3>(test::sanitized ? 17 : 49), Rgb(0.5f), {0.6, 0.9});
+  PointLight<3> light;
+  light.position = Vec3(0.5);
+  light.intensity = Rgb(1.0f);
+  scene.lights.push_back(light);
+  BakeSettings<3> settings = in_passes();
+  settings.both_sides = true;
+  Progress progress;
+  const Baked<3> baked = bake(scene, settings, progress);
+  ASSERT_TRUE(baked.grids[0].has_back());
+  double ratio = 0;
+  int count = 0;
+  for_each_centre(scene, baked, [&](const Vec3& x, double c, std::size_t s) {
+    if (c > 0.8) return;  // texels are wide for so small a sphere
+    // The inside receives I / r^2 and, as a sphere sees itself alike everywhere, as much again from
+    // itself as it reflects: a / (1 - a) I / (pi r^2) with the albedo a of a half.
+    const double expected = 1 / (pi * (x - Vec3(0.5)).length2());
+    EXPECT_LT(baked.grids[0].radiance[s].x, 0.02 * expected);
+    ratio += baked.grids[0].radiance_back[s].x / expected;
+    ++count;
+  });
+  if (test::sanitized) return;
+  // Lines look indirect light up half a texel nearer to the light than the isosurface that they
+  // meet.
+  EXPECT_NEAR(ratio / count, 1, 0.08);
+}
+
+TEST(Passes, FurnaceIsUniform) {
+  if (test::sanitized) GTEST_SKIP() << "statistics are for other builds";
+  const Scene<3> scene = test::furnace(test::torus(17), {0.7, 0.95}, 1, 0.5f);
+  BakeSettings<3> settings = in_passes();
+  settings.exposure = 0.2;  // so that no colour is white, whose noise would not count
+  Progress progress;
+  const Baked<3> baked = bake(scene, settings, progress);
+  double sum = 0, square = 0;
+  int count = 0;
+  for_each_centre(scene, baked, [&](const Vec3&, double, std::size_t s) {
+    const double off = baked.grids[0].radiance[s].y / 2 - 1;  // emission / (1 - albedo) = 2
+    sum += off;
+    square += off * off;
+    ++count;
+  });
+  EXPECT_NEAR(sum / count, 0, 0.02);
+  EXPECT_LT(std::sqrt(square / count), 0.15);
+}
+
+TEST(Passes, AgreeWithThePathTracer) {
+  if (test::sanitized) GTEST_SKIP() << "statistics are for other builds";
+  const struct {
+    const char* name;
+    Scene<3> scene;
+    double c;
+  } cases[] = {{"ball", test::cornell(test::ball<3>(25), {0.6, 0.9}), 0.7},
+               {"torus", test::cornell(test::torus(33), {0.75, 0.95}), 0.85}};
+  for (const auto& [name, scene, c] : cases) {
+    const std::vector<Vec3> points = test::isosurface_points(test::field_of(scene), c, 40);
+    Progress progress;
+    const auto truth =
+        reference_radiance(scene, points, test::reference_settings(c, 2048, 5), progress);
+    const Baked<3> baked = bake(scene, in_passes(), progress);
+    const test::Agreement agreement = test::compare(points.size(), truth, [&](std::size_t i) {
+      return test::lookup_world(scene, baked, points[i]);
+    });
+    EXPECT_NEAR(agreement.mean_ratio, 1, 0.01) << name;
+    EXPECT_LT(agreement.relative_rms, 0.035) << name;
+  }
+}
+
+}  // namespace
+}  // namespace leaflight

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What tests of bakes in passes share: small ones, and whether two are the same.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "agreement.h"
+#include "bake/driver/bake.h"
+#include "bake/plan/settings.h"
+
+namespace leaflight::test {
+
+inline BakeSettings<3> in_passes(double error = 1.5) {
+  BakeSettings<3> settings;
+  settings.error = sanitized ? 20 * error : error;
+  if (sanitized) settings.resolution = {17, 17, 17};
+  return settings;
+}
+
+template <class T>
+bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+  if (a.size() != b.size()) return false;
+  return a.empty() || std::memcmp(static_cast<const void*>(a.data()),
+                                  static_cast<const void*>(b.data()), a.size() * sizeof(T)) == 0;
+}
+
+inline bool same_bits(const RadianceGrid<3>& a, const RadianceGrid<3>& b) {
+  return a.lattice.active == b.lattice.active && same_bits(a.radiance, b.radiance) &&
+         same_bits(a.radiance_indirect, b.radiance_indirect) &&
+         same_bits(a.radiance_error, b.radiance_error) &&
+         same_bits(a.radiance_back, b.radiance_back);
+}
+
+// Both sides of isosurfaces, and the walls.
+inline BakeSettings<3> of_all_light(int texels) {
+  BakeSettings<3> settings = in_passes();
+  settings.both_sides = true;
+  settings.walls = !sanitized;
+  settings.resolution = Index<3>{texels, texels, texels};
+  return settings;
+}
+
+inline void expect_same_light(const std::vector<Baked<3>>& bakes) {
+  for (const Baked<3>& other : bakes) {
+    EXPECT_TRUE(same_bits(bakes[0].grids[0], other.grids[0]));
+    ASSERT_EQ(bakes[0].walls.radiance.size(), other.walls.radiance.size());
+    for (std::size_t m = 0; m < other.walls.radiance.size(); ++m) {
+      EXPECT_TRUE(same_bits(bakes[0].walls.radiance[m][0], other.walls.radiance[m][0]));
+    }
+  }
+}
+
+inline Scene<3> small_scene() { return cornell(ball<3>(17), {0.6, 0.9}); }
+
+// What a bake that goes on is given of one that was stopped.
+inline std::vector<PreviousLight<3>> kept_of(const Baked<3>& baked) {
+  const BakeStatistics& s = baked.statistics;
+  std::vector<PreviousLight<3>> previous;
+  for (const auto& grid : baked.grids) previous.emplace_back(grid, s.passes, s.blocks);
+  return previous;
+}
+
+inline Baked<3> stopped_after(int passes, const Scene<3>& scene, const BakeSettings<3>& settings,
+                              const std::vector<PreviousLight<3>>* previous = nullptr) {
+  Progress progress;
+  const auto look = [&](Baked<3>&&) {
+    if (--passes == 0) progress.stop();
+  };
+  return bake<3>(scene, settings, progress, {look, previous});
+}
+
+}  // namespace leaflight::test

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The isosurfaces of one volume: a box from which its rays are sent.
+
+import * as three from 'three';
+
+import {
+  type Bake,
+  type Header,
+  type LightData,
+  type Vector,
+  type VolumeData,
+  rampAt,
+} from './bake';
+import { bricksOf, textureSize } from './bricks';
+import { colorWords } from './colors';
+import { mapTextures, mapUniforms } from './maps';
+import direct from './shaders/direct.glsl';
+import display from './shaders/display.glsl';
+import gradient from './shaders/gradient.glsl';
+import fragment from './shaders/isosurface.frag.glsl';
+import vertex from './shaders/isosurface.vert.glsl';
+import lamps from './shaders/lamps.glsl';
+import light from './shaders/light.glsl';
+import precision from './shaders/precision.glsl';
+import trace from './shaders/trace.glsl';
+import { lampUniforms } from './lamps';
+import { clipPlane, type Look } from './look';
+import { given, volumeTextures } from './volume_textures';
+
+const NO_DATA = 65535;
+
+// Directions in the world: through the lower left corner of the picture, and from pixel to pixel.
+export interface Rays {
+  corner: three.Vector3;
+  right: three.Vector3;
+  up: three.Vector3;
+}
+
+// What is drawn: as isosurface.frag.glsl numbers it.
+export enum Result {
+  Picture,
+  Fetches,
+  Distances,
+}
+
+export class Isosurface {
+  readonly mesh: three.Mesh<three.BufferGeometry, three.RawShaderMaterial>;
+  private readonly indexToWorld = new three.Matrix4();
+  private readonly worldToIndex: three.Matrix4;
+  private readonly waysToIndex: three.Matrix3;
+
+  static async of(bake: Bake, data: VolumeData): Promise<Isosurface> {
+    const bytes = await bake.block(data.values, data.bits === 8 ? 1 : 2);
+    const codes = data.bits === 8 ? bytes : new Uint16Array(bytes.buffer);
+    const textures = {
+      ...volumeTextures(codes, data.dims),
+      ...(await lightTextures(bake, data.light)),
+      ...(data.direct && (await mapTextures(bake, data, data.direct, codes))),
+    };
+    return new Isosurface(bake.header, data, textures);
+  }
+
+  private constructor(
+    private readonly header: Header,
+    private readonly data: VolumeData,
+    textures: Record<string, three.Texture>,
+  ) {
+    this.indexToWorld.set(...(data.indexToWorld as Parameters<three.Matrix4['set']>));
+    this.worldToIndex = this.indexToWorld.clone().invert();
+    this.waysToIndex = new three.Matrix3().setFromMatrix4(this.worldToIndex);
+    const last = data.dims.map((n) => n - 1) as Vector;
+    const lights = data.direct ? direct : '';
+    const material = new three.RawShaderMaterial({
+      glslVersion: three.GLSL3,
+      vertexShader: vertex,
+      fragmentShader: [precision, trace, display, gradient, lights, lamps, light, fragment].join('\n'),
+      defines: data.direct ? { DIRECT: '' } : {},
+      side: three.BackSide,
+      transparent: true,
+      blending: three.CustomBlending,
+      blendSrc: three.OneFactor,
+      blendDst: three.OneMinusSrcAlphaFactor,
+      uniforms: uniformsOf(header, data, textures, this.indexToWorld, this.worldToIndex),
+    });
+    const box = new three.BoxGeometry(...last).translate(...(last.map((x) => 0.5 * x) as Vector));
+    this.mesh = new three.Mesh(box, material);
+    this.mesh.frustumCulled = false;
+    this.mesh.matrixAutoUpdate = false;
+    this.mesh.matrix.copy(this.indexToWorld);
+    this.mesh.renderOrder = 1;
+  }
+
+  // The isovalue, in data units, at a common isovalue.
+  isovalueAt(c: number): number {
+    const [low, high] = this.data.isovalues;
+    return low + c * (high - low);
+  }
+
+  show(look: Look, camera: three.Camera, rays: Rays, result: Result): void {
+    const { uniforms } = this.mesh.material;
+    const code = (c: number) => (this.isovalueAt(c) - this.data.offset) / this.data.scale;
+    const own = [look.isovalue, look.second ?? look.isovalue].map((c) => this.isovalueAt(c));
+    uniforms.isovalue.value = code(look.isovalue);
+    uniforms.secondIsovalue.value = code(look.second ?? look.isovalue);
+    uniforms.hasSecond.value = look.second !== null;
+    uniforms.opacity.value = look.opacity;
+    uniforms.isLocal.value = look.isLocal;
+    uniforms.gain.value = 2 ** look.stops;
+    uniforms.albedo.value = own.flatMap((c) => rampAt(this.data.albedo, c));
+    uniforms.emission.value = own.flatMap((c) => rampAt(this.data.emission, c));
+    const eye = camera.getWorldPosition(new three.Vector3());
+    uniforms.worldEye.value = eye;
+    uniforms.eye.value = eye.clone().applyMatrix4(this.worldToIndex);
+    for (const name of ['corner', 'right', 'up'] as const) {
+      uniforms[name].value = rays[name].clone().applyMatrix3(this.waysToIndex);
+    }
+    uniforms.indexToClip.value = new three.Matrix4()
+      .multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse)
+      .multiply(this.indexToWorld);
+    uniforms.clip.value = this.clipPlane(look);
+    uniforms.result.value = result;
+    this.mesh.material.blending = result === Result.Picture ? three.CustomBlending : three.NoBlending;
+  }
+
+  // Of the plane in the world, in index coordinates.
+  private clipPlane(look: Look): three.Vector4 {
+    if (look.clip === null) return new three.Vector4();
+    const { normal, distance } = clipPlane(look.clip, this.header.bounds);
+    const plane = new three.Vector4(...normal, -distance);
+    return plane.applyMatrix4(this.indexToWorld.clone().transpose());
+  }
+}
+
+function uniformsOf(
+  header: Header,
+  data: VolumeData,
+  textures: Record<string, three.Texture>,
+  indexToWorld: three.Matrix4,
+  worldToIndex: three.Matrix4,
+): Record<string, three.IUniform> {
+  const texelScale = data.light.texels.map((n, a) => (n - 1) / (data.dims[a] - 1));
+  const window = header.window.map((c) => {
+    const [low, high] = data.isovalues;
+    return (low + c * (high - low) - data.offset) / data.scale;
+  });
+  const constant = {
+    ...textures,
+    dims: data.dims,
+    noData: data.masked ? NO_DATA : -1,
+    brick: data.light.brick,
+    bricks: data.light.bricks,
+    texelScale: new three.Vector3(...texelScale),
+    textureScale: new three.Vector3(...textureSize(data.light).map((n) => 1 / n)),
+    ...(data.direct && mapUniforms(data.direct)),
+    innerHasMaps: data.direct !== null && data.direct.inner !== null,
+    innerIs: ['baked', 'dark', 'local'].indexOf(data.innerIs),
+    indexToWorld,
+    normalToWorld: new three.Matrix3().setFromMatrix4(worldToIndex).transpose(),
+    unbaked: header.unbaked,
+    window: new three.Vector2(...window),
+  };
+  const varying = [
+    'isovalue', 'secondIsovalue', 'hasSecond', 'opacity', 'isLocal', 'gain', 'albedo', 'emission',
+    'worldEye', 'eye', 'corner', 'right', 'up', 'indexToClip', 'clip', 'result',
+  ]; // prettier-ignore
+  return Object.fromEntries([
+    ...Object.entries(lampUniforms(header)),
+    ...Object.entries(constant).map(([name, value]) => [name, { value }]),
+    ...varying.map((name) => [name, { value: null }]),
+  ]) as Record<string, three.IUniform>;
+}
+
+interface LightTextures {
+  table: three.Data3DTexture;
+  outer: three.Data3DTexture;
+  inner: three.Data3DTexture;
+}
+
+async function lightTextures(bake: Bake, data: LightData): Promise<LightTextures> {
+  const { table, from, to } = await bricksOf(bake, data);
+  const side = async (block: number) => {
+    const words = colorWords(await bake.block(block, 1));
+    const size = textureSize(data);
+    const texels = new Uint32Array(size[0] * size[1] * size[2]);
+    for (let i = 0; i < to.length; ++i) texels[to[i]] = words[from[i]];
+    const texture = new three.Data3DTexture(texels, ...size);
+    texture.format = three.RGBFormat;
+    texture.type = three.UnsignedInt5999Type;
+    texture.internalFormat = 'RGB9_E5';
+    texture.minFilter = three.LinearFilter;
+    texture.magFilter = three.LinearFilter;
+    return given(texture);
+  };
+  const outer = await side(data.outer);
+  return { table, outer, inner: data.inner === null ? outer : await side(data.inner) };
+}
