@@ -9,7 +9,7 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight import Cancelled, LeaflightError, Progress, _core, load_bake
-from leaflight.bake.provenance import read_bake_id, values_sha256
+from leaflight.bake.provenance import provenance_from_json, read_bake_id, values_sha256
 from same_bytes import assert_same_bake
 from waiting import HANG, wait_for
 
@@ -51,20 +51,23 @@ def test_saved_and_loaded(box_bake, box_file):
         loaded.grid.dense("radiance"), box_bake.grid.dense("radiance"), rtol=2**-11, atol=1e-6
     )
     assert loaded.isovalues == box_bake.isovalues
-    assert loaded.metadata == box_bake.metadata
+    assert loaded.provenance == box_bake.provenance
     assert loaded.statistics == box_bake.statistics
     assert loaded.scene.exposure == box_bake.scene.exposure
     assert [mesh.name for mesh in loaded.scene.meshes] == [m.name for m in box_bake.scene.meshes]
 
 
-def test_saved_metadata(box_bake):
-    metadata = box_bake.metadata
-    assert metadata["leaflight_version"] == leaflight.__version__
-    assert metadata["seed"] == "0"
-    (volume,) = json.loads(metadata["volumes"])
-    assert len(volume["values_sha256"]) == len(metadata["scene_sha256"]) == 64
-    assert volume["name"] == volume["source"] == "bump_box" and volume["capped"] is False
-    assert metadata["both_sides"] == metadata["walls"] == "false"
+def test_provenance(box_bake):
+    known = box_bake.provenance
+    assert known.leaflight_version == leaflight.__version__ and known.seed == 0
+    (volume,) = known.volumes
+    assert len(volume.values_sha256) == 64 and volume.resolution == (20, 20, 20)
+    assert volume.name == volume.source == "bump_box" and volume.capped is False
+    assert known.both_sides is known.walls is False
+    assert provenance_from_json(known.to_json()) == known
+    for wrong in ({"seed": "0"}, {"scene": 1}, {"isovalues": [1]}, {"more": 1}, {"volumes": [{}]}):
+        with pytest.raises((KeyError, TypeError, ValueError)):
+            provenance_from_json(json.dumps({**json.loads(known.to_json()), **wrong}))
 
 
 def test_id_tells_bakes_apart_and_is_read_from_the_first_bytes(small, bump_scene, tmp_path):
@@ -83,7 +86,7 @@ def test_id_tells_bakes_apart_and_is_read_from_the_first_bytes(small, bump_scene
         load_bake(path)
 
 
-def test_the_stamp_of_values_is_that_of_the_file(small, bump_scene, tmp_path):
+def test_the_hash_of_values_is_that_of_the_file(small, bump_scene, tmp_path):
     values = leaflight.bump_box(12).values.copy()
     values[:2] = 0.0
     values[0, 3] = -0.0
@@ -91,11 +94,11 @@ def test_the_stamp_of_values_is_that_of_the_file(small, bump_scene, tmp_path):
     volume = leaflight.Volume(values, np.eye(4), "odd")
     leaflight.bake(volume, bump_scene, **small).save(tmp_path / "odd.vdb")
     loaded = load_bake(tmp_path / "odd.vdb")
-    (record,) = json.loads(loaded.metadata["volumes"])
+    (record,) = loaded.provenance.volumes
     assert np.isnan(loaded.volume.values).sum() == 1
-    assert values_sha256(loaded.volume) == record["values_sha256"] == values_sha256(volume)
+    assert values_sha256(loaded.volume) == record.values_sha256 == values_sha256(volume)
     values[6, 6, 6] += 1.0
-    assert values_sha256(leaflight.Volume(values, np.eye(4), "odd")) != record["values_sha256"]
+    assert values_sha256(leaflight.Volume(values, np.eye(4), "odd")) != record.values_sha256
 
 
 def test_a_file_whose_id_is_not_that_of_its_contents_is_refused(box_file, box_bake, tmp_path):
@@ -121,7 +124,7 @@ def test_a_bake_without_id_is_told_from_other_files(box_bake, tmp_path):
     """As Leaflight wrote them before bakes had one."""
     path = tmp_path / "old.vdb"
     fields = [volume.field() for volume in box_bake.volumes]
-    metadata = dict(box_bake.metadata, statistics=json.dumps(box_bake.statistics.record()))
+    metadata = {"statistics": json.dumps(box_bake.statistics.record())}
     _core.write_bake(str(path), fields, box_bake.grids, None, metadata)
     with pytest.raises(LeaflightError, match="an earlier Leaflight; bake"):
         load_bake(path)

@@ -146,7 +146,7 @@ def test_default_texels_are_the_finest_that_fit(monkeypatch):
     name, reason = bake.statistics.skipped_passes[-1]
     assert name == "finer texels" and "memory" in reason
     # What was chosen stands in the bake, as if it had been asked for.
-    assert json.loads(bake.metadata["asked_resolution"]) == list(bake.grid.resolution)
+    assert list(bake.provenance.asked_resolution) == list(bake.grid.resolution)
 
     limit_memory(None)
     monkeypatch.setattr(_core, "machine_memory", lambda: 16 << 30)

@@ -60,7 +60,7 @@ def test_each_pass_leaves_a_better_bake(box, tmp_path):
     # A pass is kept as any bake is.
     seen[0].save(tmp_path / "first.vdb")
     first = load_bake(tmp_path / "first.vdb")
-    assert first.id == seen[0].id and first.metadata["passes"] == "1"
+    assert first.id == seen[0].id and first.provenance.passes == 1
     np.testing.assert_allclose(
         first.radiance(points), seen[0].radiance(points), rtol=2**-10, atol=1e-6
     )
@@ -83,7 +83,7 @@ def test_a_smaller_error_is_nearer_to_the_truth(box):
 def test_stopped_after_the_same_pass_bits_are_equal(box, passes):
     one, seen = stopped_after(passes, box, threads=1)
     two, _ = stopped_after(passes, box, threads=2)
-    assert one.id == two.id and one.metadata == two.metadata
+    assert one.id == two.id and one.provenance == two.provenance
     assert one.statistics.passes == passes == len(seen) and one.statistics.stopped
     for name in ("radiance", "radiance_indirect", "radiance_error"):
         assert one.grid.dense(name).tobytes() == two.grid.dense(name).tobytes()
@@ -96,8 +96,8 @@ def test_a_stopped_bake_is_kept_like_any_other(box, tmp_path):
     baked.save(tmp_path / "kept.vdb")
     loaded = load_bake(tmp_path / "kept.vdb")
     assert loaded.id == baked.id and loaded.statistics == baked.statistics
-    assert loaded.statistics.stopped and loaded.metadata["passes"] == "2"
-    assert float(loaded.metadata["error"]) == UNREACHED and loaded.metadata["fixed"] == ""
+    assert loaded.statistics.stopped and loaded.provenance.passes == 2
+    assert loaded.provenance.error == UNREACHED and loaded.provenance.fixed is None
     assert "was not reached: it was stopped or its time was over" in outcome(loaded)
 
 
@@ -132,12 +132,12 @@ def test_what_goes_wrong_in_on_pass_ends_the_bake(box):
 def test_what_to_do_where_the_error_was_not_reached(box):
     """As passes ended by themselves, by what is most of the error."""
     baked = box(error=20.0)
-    metadata = {**baked.metadata, "error": "1.0"}
+    provenance = replace(baked.provenance, error=1.0)
     for noise, sentence in ((1.2, "detail finer than the texels"), (4.0, "has: continue it")):
         statistics = replace(
             baked.statistics, estimated_error_percent=5.0, estimated_noise_percent=noise
         )
-        told = outcome(replace(baked, metadata=metadata, statistics=statistics))
+        told = outcome(replace(baked, provenance=provenance, statistics=statistics))
         assert sentence in told and "\n" not in told
 
 
@@ -148,12 +148,9 @@ def test_bad_limits(box, limit, value):
         box(**{limit: value})
 
 
-def test_a_bake_from_before_the_passes_is_told_from_other_files(box_bake, tmp_path):
+def test_a_bake_without_provenance_is_of_an_earlier_leaflight(box_bake, tmp_path):
     path = tmp_path / "old.vdb"
-    metadata = dict(
-        box_bake.metadata, id=box_bake.id, statistics=json.dumps(box_bake.statistics.record())
-    )
-    del metadata["passes"], metadata["error"]
+    metadata = {"id": box_bake.id, "statistics": json.dumps(box_bake.statistics.record())}
     fields = [volume.field() for volume in box_bake.volumes]
     _core.write_bake(str(path), fields, box_bake.grids, None, metadata)
     with pytest.raises(LeaflightError, match="old.vdb: this is a bake of an earlier Leaflight"):

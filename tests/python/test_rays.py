@@ -58,7 +58,7 @@ def test_an_error_is_reached_in_passes(two, mirror):
         seen = []
         baked = bake(error=4.0, on_pass=seen.append)
         assert 0 < baked.statistics.estimated_error_percent < 4.0
-        assert not baked.statistics.stopped and int(baked.metadata["blocks"]) >= 4
+        assert not baked.statistics.stopped and baked.provenance.blocks >= 4
         assert len(seen) == baked.statistics.passes - 1
         assert "4 % was asked for" in outcome(baked)
 
@@ -104,7 +104,7 @@ def test_it_is_continued_from_its_file(two, tmp_path):
     more = [resume(one, error=2.0) for one in (first, loaded)]
     assert_same_light(*more)
     was, now = (one.statistics.estimated_error_percent for one in (first, more[0]))
-    assert now < was and int(more[0].metadata["blocks"]) > int(first.metadata["blocks"])
+    assert now < was and more[0].provenance.blocks > first.provenance.blocks
 
 
 def test_lamps_of_several_volumes_are_relit(two):

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bakes of several volumes, of backs, of the walls and of capped volumes."""
 
-import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -77,9 +76,9 @@ def test_one_scene_for_any_volumes(small):
 def test_saved_and_loaded(lapr_bake, lapr_file):
     loaded = load_bake(lapr_file)
     assert [volume.name for volume in loaded.volumes] == ["dirt", "water"]
-    assert loaded.metadata == lapr_bake.metadata and loaded.statistics == lapr_bake.statistics
-    records = json.loads(loaded.metadata["volumes"])
-    assert [record["source"] for record in records] == ["lapr:0", "lapr:1"]
+    assert loaded.provenance == lapr_bake.provenance and loaded.statistics == lapr_bake.statistics
+    records = loaded.provenance.volumes
+    assert [record.source for record in records] == ["lapr:0", "lapr:1"]
     for ours, theirs in zip(loaded.volumes, lapr_bake.volumes):
         np.testing.assert_array_equal(ours.values, theirs.values)
     for name in ("radiance", "radiance_indirect", "radiance_back"):
@@ -154,7 +153,7 @@ def test_capped(capped):
     scene = leaflight.cornell_box()
     scene = replace(scene, isosurfaces=[replace(scene.isosurfaces[0], capped=capped)])
     baked = leaflight.bake(volume, scene, isovalues=(0.2, 0.8), error=20.0)
-    assert json.loads(baked.metadata["volumes"])[0]["capped"] is capped
+    assert baked.provenance.volumes[0].capped is capped
     assert baked.volume.values.shape == ((11,) * 3 if capped else (9,) * 3)
     surface = baked.surface(0.5)
     at_rim = np.abs(surface.vertices[:, 0] - 1) > 0.999

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bakes with fixed samples: their estimators and strategies by the names that Python has."""
 
-import json
 from dataclasses import asdict
 
 import leaflight
@@ -97,16 +96,17 @@ def test_filters(bake_flat):
 def test_metadata(bake_box, tmp_path):
     scattered = Scattered("importance", 500, filter="tent", radius=2)
     baked = bake_box(estimator="thesis", scattered=scattered)
-    record = json.loads(baked.metadata["fixed"])
+    record = baked.provenance.fixed
     assert record["photon_map"] == asdict(PhotonMap()) and record["scattered"] == asdict(scattered)
     assert record["estimator"] == "thesis" and record["photons"] == record["caustic_photons"]
     baked.save(tmp_path / "x.vdb")
-    assert leaflight.load_bake(tmp_path / "x.vdb").metadata == baked.metadata
+    assert leaflight.load_bake(tmp_path / "x.vdb").provenance == baked.provenance
     plain = bake_box()
-    record = json.loads(plain.metadata["fixed"])
+    record = plain.provenance.fixed
     assert record["photon_map"] is None and record["scattered"] is None
     assert plain.id != baked.id != bake_box(samples=3).id
-    assert plain.metadata["error"] == plain.metadata["passes"] == "" == outcome(plain)
+    assert plain.provenance.error is None and plain.provenance.passes == 0
+    assert outcome(plain) == ""
     assert plain.statistics.estimated_error_percent is None
 
 
@@ -128,8 +128,8 @@ def test_only_some_texels(bump_scene, fixed_work):
     np.testing.assert_array_equal(some.radiance(points), whole.radiance(points))
     assert whole.radiance(points).min() > 0
     assert 8 <= some.grid.texels <= 40 < whole.grid.texels
-    assert json.loads(some.metadata["fixed"])["only_at_sha256"]
-    assert not json.loads(whole.metadata["fixed"])["only_at_sha256"]
+    assert some.provenance.fixed["only_at_sha256"]
+    assert not whole.provenance.fixed["only_at_sha256"]
     with pytest.raises(LeaflightError, match="holds no points"):
         thesis.bake(volume, bump_scene, only_at=points[:0], **settings)
     with pytest.raises(LeaflightError, match="needs all texels; bake those"):

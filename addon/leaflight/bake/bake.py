@@ -75,7 +75,7 @@ class BakeJob(background.Job):
         self.names = [volume.name for volume in volumes]
         self.matrices = [[x for row in obj.matrix_world for x in row] for obj in volumes]
         self.frames = [volume.leaflight.frame for volume in volumes]
-        self.provenance = [source_files.provenance(volume.leaflight) for volume in volumes]
+        self.file_states = [source_files.file_state(volume.leaflight) for volume in volumes]
         self.fingerprint = scene_export.fingerprint(volumes, scene)
         self.bake = None
         self.latest = None
@@ -173,7 +173,7 @@ class BakeJob(background.Job):
                 self.columns[index],
                 fingerprint=self.fingerprint,
                 seconds=self.seconds,
-                source_stamp=self.provenance[index],
+                source_stamp=self.file_states[index],
             )
         volumes[self.leader].leaflight.bake_warnings = "\n".join(self.warnings)
         scene = bpy.data.scenes.get(self.scene_name)

@@ -26,7 +26,7 @@ def light(obj, bake, index, path, matrix, columns, *, fingerprint, seconds, sour
     settings.bake_seconds = seconds
     settings.bake_outcome = outcome(bake)
     settings.bake_error = bake.statistics.estimated_error_percent if settings.bake_outcome else 0
-    settings.bake_target = float(bake.metadata["error"] or 0)
+    settings.bake_target = bake.provenance.error or 0
     settings.bake_values = cache.values_sha256(bake, index)
     settings.bake_source_stamp = source_stamp
     settings.atlas_columns = columns

@@ -61,7 +61,7 @@ class LEAFLIGHT_OT_load_bake(bpy.types.Operator, ImportHelper):
             if obj is None:
                 volumes[index] = obj = _create(context, bake, index)
             else:
-                matrix, stamp = _transform(obj, bake, index), source_files.provenance(obj.leaflight)
+                matrix, stamp = _transform(obj, bake, index), source_files.file_state(obj.leaflight)
                 obj.leaflight.capped = bake.scene.isosurfaces[index].capped
             lighting.light(
                 obj,

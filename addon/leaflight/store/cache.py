@@ -5,7 +5,6 @@ Nothing here is saved with the scene or refers to a Blender object, so neither u
 file can invalidate it: what is missing is read again from its file.
 """
 
-import json
 from dataclasses import replace
 
 import bpy
@@ -87,7 +86,7 @@ def keep_bake(bake):
 
 def values_sha256(bake, index):
     """The hash of a volume's values in a bake, by leaflight.bake.provenance.values_sha256."""
-    return json.loads(bake.metadata["volumes"])[index]["values_sha256"]
+    return bake.provenance.volumes[index].values_sha256
 
 
 def forget_unused():

@@ -127,10 +127,10 @@ def _install(missing):
 def key_of(settings):
     """Tells the volumes of files apart, and one file before and after a change."""
     choices = choices_of(settings)
-    return (path_of(settings), *choices.values(), settings.capped, provenance(settings))
+    return (path_of(settings), *choices.values(), settings.capped, file_state(settings))
 
 
-def provenance(settings):
+def file_state(settings):
     """A text that differs once the file, or one of a folder of slices, was written; else empty."""
     path = Path(path_of(settings))
     try:
@@ -150,7 +150,7 @@ def source_of(settings):
 def changed_since_bake(obj):
     """Whether the volume's file holds other values than were baked; one that is gone does not."""
     settings = obj.leaflight
-    now = provenance(settings) if settings.source else ""
+    now = file_state(settings) if settings.source else ""
     if not now or now == settings.bake_source_stamp:
         return False
     key = key_of(settings)

@@ -71,7 +71,7 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
     def _draw_offer(self, context, job):
         reached = job.latest.statistics.estimated_error_percent
         text = iface_("Stopped at %s %%, target %s %%")
-        numbers = f"{reached:.2g}", f"{float(job.latest.metadata['error'] or 0):.2g}"
+        numbers = f"{reached:.2g}", f"{job.latest.provenance.error or 0:.2g}"
         sentence(context, self.layout, text % numbers, icon="QUESTION")
         row = self.layout.row(align=True)
         row.operator(stopped.LEAFLIGHT_OT_keep_bake.bl_idname, icon="CHECKMARK")

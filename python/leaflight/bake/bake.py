@@ -17,7 +17,7 @@ from .baked import Bake
 from .color_error import estimated_rms_percent
 from .fit_memory import coarser_texels, fit_memory
 from .settings import bake_settings, isovalue_window
-from .provenance import provenance, provenance_after
+from .provenance import provenance_of
 from .statistics import statistics_of
 
 
@@ -109,8 +109,8 @@ def bake(
     return replace(baked, statistics=replace(baked.statistics, skipped_passes=skipped))
 
 
-def provenance_of(volumes, scene=None, **settings):
-    """The metadata of the bake that bake() would make of the same arguments, before its passes."""
+def asked_provenance(volumes, scene=None, **settings):
+    """The Provenance of the bake that bake() would make of these arguments, before its passes."""
     return _asked(volumes, scene, **settings)[-1]
 
 
@@ -125,7 +125,7 @@ def worker_memory(volumes, scene=None, **settings):
 
 
 def _asked(volumes, scene=None, *, isovalues=None, **settings):
-    """Of the arguments of bake(): volumes, scene, window, the core's settings and the metadata."""
+    """Of the arguments of bake(): volumes, scene, window, the core's settings, the Provenance."""
     volumes, description, window = placed(volumes, scene, isovalues)
     dims, exposure = volumes[0].field().dims, description.exposure
     settings = bake_settings(_core.BakeSettings, dims, exposure=exposure, **settings)
@@ -136,7 +136,7 @@ def _asked(volumes, scene=None, *, isovalues=None, **settings):
         description,
         window,
         settings,
-        provenance(volumes, description, window, settings),
+        provenance_of(volumes, description, window, settings),
     )
 
 
@@ -145,7 +145,7 @@ def lit(
     description,
     window,
     settings,
-    metadata,
+    provenance,
     previous,
     on_pass,
     progress,
@@ -154,8 +154,8 @@ def lit(
 ):
     """The Bake of volumes and a scene that fit each other, as placed() leaves them.
 
-    settings: _core.BakeSettings. metadata: of provenance(). previous: the Bake in passes that this
-    one goes on with, or None. on_pass, progress, checkpoint, workers: as of bake(). Raises
+    settings: _core.BakeSettings. provenance: of provenance_of(). previous: the Bake in passes that
+    this one goes on with, or None. on_pass, progress, checkpoint, workers: as of bake(). Raises
     LeaflightError, Cancelled.
     """
 
@@ -170,17 +170,18 @@ def lit(
                 seconds=statistics.seconds + previous.statistics.seconds,
                 rays=statistics.rays + previous.statistics.rays,
             )
-        known = provenance_after(metadata, grids, statistics.passes, statistics.blocks, continued)
+        known = provenance.after(grids, statistics.passes, statistics.blocks, continued)
         walls = baked.walls
         return Bake(volumes, description, window, grids, walls, statistics, known)
 
     light = None
     if previous is not None:
-        light = (previous.grids, int(previous.metadata["passes"]), int(previous.metadata["blocks"]))
+        known = previous.provenance
+        light = (previous.grids, known.passes, known.blocks)
     core = core_scene(description, [volume.field() for volume in volumes], window)
     look = None if on_pass is None else lambda baked: on_pass(whole(baked))
     progress = progress or _core.Progress()
-    rest = checkpoint.arguments(metadata) if checkpoint else {}
+    rest = checkpoint.arguments(provenance) if checkpoint else {}
     with contextlib.ExitStack() as shared:
         if workers is not None:
             tracing = workers.tracing(volumes, description, window, settings, progress)

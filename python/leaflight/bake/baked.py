@@ -17,7 +17,7 @@ from ..scene.on_mesh import interpolated
 from ..scene.scene import SceneDescription, core_scene, isovalue_at
 from ..volume.setting_error import SettingError
 from .relit import relit
-from .provenance import id_of
+from .provenance import Provenance
 from .statistics import Statistics
 
 # How much colours at the ends of a small mesh's edge may differ: light is linear in between.
@@ -53,7 +53,7 @@ class Bake:
     0..1 with several. isovalues: (lo, hi), the baked window of it.
     grids: one _core.RadianceGrid for each volume; walls: _core.WallRadiance or None.
     statistics: the cost and the estimated error, see Statistics.
-    metadata: text by key, everything the result depends on; equal bakes have equal metadata.
+    provenance: everything the result depends on, a Provenance; equal bakes have equal ones.
     original: of a bake that relit() or moved() made, the one that was baked; else None.
     factors: of a bake that relit() made, (r, g, b) of each lamp of the scene: how much brighter it
         is than it was baked; else None.
@@ -65,7 +65,7 @@ class Bake:
     grids: list
     walls: object
     statistics: Statistics
-    metadata: dict
+    provenance: Provenance
     original: "Bake" = None
     factors: tuple = None
     # Of rooms above: __init__.py sets them.
@@ -114,7 +114,7 @@ class Bake:
     @property
     def id(self):
         """Tells bakes apart, 32 digits: equal bakes have equal ones, on any machine."""
-        return id_of(self.metadata)
+        return self.provenance.id
 
     @property
     def largest_step(self):
@@ -133,7 +133,11 @@ class Bake:
                 "which can be relit and moved at any time, or bake again."
             )
         check_writable(path, ".vdb")
-        metadata = dict(self.metadata, id=self.id, statistics=json.dumps(self.statistics.record()))
+        metadata = {
+            "id": self.id,
+            "provenance": self.provenance.to_json(),
+            "statistics": json.dumps(self.statistics.record()),
+        }
         fields = [volume.field() for volume in self.volumes]
         _core.write_bake(path, fields, self.grids, self.walls, metadata, progress)
 
@@ -200,7 +204,7 @@ class Bake:
         """
         if not back or self.grids[volume].has_back:
             return False
-        if not json.loads(self.metadata["both_sides"]):
+        if not self.provenance.both_sides:
             raise SettingError("The back was not baked: bake again with both sides.", "both-sides")
         return True
 

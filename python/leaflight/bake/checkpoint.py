@@ -2,12 +2,13 @@
 """What an interrupted bake in passes leaves, and goes on from with the same bits."""
 
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import leaflight._core as _core
 
 from .._core import LeaflightError
+from .provenance import provenance_from_json
 
 # Between two checkpoints, at most, as long as a block of light takes no longer.
 SECONDS = 25.0
@@ -32,13 +33,14 @@ class Checkpoint:
     resume: bool = False
     seconds: float = None
 
-    def arguments(self, metadata):
-        """Those of _core.bake() for the bake of this metadata. Raises LeaflightError."""
-        text = json.dumps({"metadata": metadata, "recipe": self.recipe})
+    def arguments(self, provenance):
+        """Those of _core.bake() for the bake of this Provenance. Raises LeaflightError."""
+        text = json.dumps({"provenance": provenance.to_json(), "recipe": self.recipe})
         seconds = SECONDS if self.seconds is None else self.seconds
         arguments = {"checkpoint": (self.path, text, seconds)}
         if self.resume:
-            if _without_sources(_read(self.path)["metadata"]) != _without_sources(metadata):
+            left = _read(self.path)["provenance"]
+            if _without_sources(left) != _without_sources(provenance):
                 raise LeaflightError(
                     f"{self.path}: this is the checkpoint of another bake, or the volume, the "
                     "scene or the program has changed since; bake anew."
@@ -59,19 +61,17 @@ def read_recipe(path):
     return _read(path)["recipe"]
 
 
-def _without_sources(metadata):
+def _without_sources(provenance):
     """Where a volume came from may be said in other words now, such as by a whole path."""
-    records = json.loads(metadata["volumes"])
-    for record in records:
-        record.pop("source", None)
-    return {**metadata, "volumes": records}
+    volumes = tuple(replace(volume, source="") for volume in provenance.volumes)
+    return replace(provenance, volumes=volumes)
 
 
 def _read(path):
     try:
         text = json.loads(_core.read_checkpoint(path))
-        if not isinstance(text["metadata"]["volumes"], str) or not isinstance(text["recipe"], dict):
+        if not isinstance(text["recipe"], dict):
             raise ValueError
-        return text
+        return {**text, "provenance": provenance_from_json(text["provenance"])}
     except (KeyError, TypeError, ValueError, RecursionError):
         raise LeaflightError(f"{path}: this is no checkpoint of a bake; bake anew.") from None

@@ -12,7 +12,7 @@ from ..scene.scene import core_scene
 from ..volume.units import METERS
 from ..volume.volume import Volume
 from .baked import Bake
-from .provenance import EARLIER, METADATA, read_bake_id
+from .provenance import EARLIER, provenance_from_json, read_bake_id
 from .statistics import statistics_of
 
 
@@ -28,43 +28,41 @@ def load_bake(path):
                 raise LeaflightError(f"{path}: this bake is damaged; fetch it again.") from None
     try:
         fields, grids, walls, metadata = _core.read_bake(path)
-        record = json.loads(metadata["statistics"])
-        lo, hi = (float(isovalue) for isovalue in json.loads(metadata["isovalues"]))
-        scene = scene_from_json(metadata["scene"], str(path))
-        records = json.loads(metadata["volumes"])
-        names = [str(record["name"]) for record in records]
-        units = [record["unit"] for record in records]
-        patients = [bool(record["patient"]) for record in records]
-        if not len(names) == len(fields) == len(grids) == len(scene.isosurfaces):
-            raise ValueError("the number of volumes differs")
-        if not {"", *METERS} >= set(units):
-            raise ValueError("there is no such unit")
-        if not {"passes", "blocks", "map_resolution"} <= metadata.keys():
+        if "provenance" not in metadata:
             raise LeaflightError(f"{path}: {EARLIER}.")
-        statistics = statistics_of(record)
-        # OpenVDB adds text of its own.
-        metadata = {key: metadata[key] for key in METADATA}
-        maps = json.loads(metadata["map_resolution"] or "[]")
+        provenance = provenance_from_json(metadata["provenance"])
+        statistics = statistics_of(json.loads(metadata["statistics"]))
+        lo, hi = map(float, provenance.isovalues)
+        scene = scene_from_json(provenance.scene, str(path))
+        records = provenance.volumes
+        if not len(records) == len(fields) == len(grids) == len(scene.isosurfaces):
+            raise ValueError("the number of volumes differs")
+        if not {"", *METERS} >= {record.unit for record in records}:
+            raise ValueError("there is no such unit")
     except (KeyError, TypeError, ValueError, OverflowError, RecursionError):
         raise LeaflightError(
             f"{path}: this .vdb lacks the metadata of a bake; bake the volume again."
         ) from None
     volumes = [
-        Volume(*field, name, str(path), unit=unit, patient=patient)
-        for field, name, unit, patient in zip(fields, names, units, patients)
+        Volume(*field, record.name, str(path), unit=record.unit, patient=bool(record.patient))
+        for field, record in zip(fields, records)
     ]
     for volume in volumes:
         volume.field()
     core = core_scene(scene, [volume.field() for volume in volumes], (lo, hi))
     if walls is not None:
         _core.attach_walls(walls, core, _core.Progress())
-    bake = Bake(volumes, scene, (lo, hi), grids, walls, statistics, metadata)
+    bake = Bake(volumes, scene, (lo, hi), grids, walls, statistics, provenance)
     if bake.id != identifier:
         raise LeaflightError(f"{path}: its metadata were changed; bake the volume again.")
-    for number, (grid, resolution) in enumerate(zip(grids, maps)):
-        if resolution:
+    for number, (grid, record) in enumerate(zip(grids, records)):
+        if record.map_resolution:
             grid.direct = _core.DirectLight(
-                core, number, resolution, grid.has_back and len(grids) == 1, _core.Progress()
+                core,
+                number,
+                record.map_resolution,
+                grid.has_back and len(grids) == 1,
+                _core.Progress(),
             )
     return bake
 

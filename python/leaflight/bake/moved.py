@@ -6,8 +6,6 @@ direct light is exact. All other light of isosurfaces and walls is that of the b
 factor per channel: the growth of the light that returns to isosurfaces after one reflection.
 """
 
-import hashlib
-import json
 from dataclasses import replace
 
 import leaflight._core as _core
@@ -51,7 +49,7 @@ def moved(bake, volumes, scene, *, isovalues=None, quick=False, walls=True, prog
         volumes=volumes,
         scene=description,
         walls=None,
-        metadata=_metadata(original, volumes, description),
+        provenance=_provenance(original, volumes, description),
         original=original,
     )
     now = result.core_scene()
@@ -61,9 +59,9 @@ def moved(bake, volumes, scene, *, isovalues=None, quick=False, walls=True, prog
         _grid(original.grids[number], now, number, volume, quick, factor, progress)
         for number, volume in enumerate(volumes)
     ]
-    maps = [grid.direct and grid.direct.resolution for grid in grids]
-    metadata = {**result.metadata, "map_resolution": json.dumps(maps)}
-    result = replace(result, grids=grids, metadata=metadata)
+    known = result.provenance
+    known = known.after(grids, known.passes, known.blocks, known.continued)
+    result = replace(result, grids=grids, provenance=known)
     return lit_walls(result, quick, progress) if walls else result
 
 
@@ -91,10 +89,10 @@ def _check(bake, volumes, description, window):
         raise LeaflightError("The range of isovalues has changed since the bake: bake again.")
     if any(a.scattering != b.scattering for a, b in zip(before, now)):
         raise LeaflightError("The material of a volume has changed since the bake: bake again.")
-    records = json.loads(bake.metadata["volumes"])
+    records = bake.provenance.volumes
     for volume, baked, record in zip(volumes, bake.volumes, records):
         same_array = volume.values is baked.values
-        if not same_array and values_sha256(volume) != record["values_sha256"]:
+        if not same_array and values_sha256(volume) != record.values_sha256:
             raise LeaflightError(
                 f"{volume.name}: its values have changed since the bake: bake again."
             )
@@ -105,20 +103,14 @@ def _as_before(volume, baked):
     return baked if (volume.index_to_world == baked.index_to_world).all() else volume
 
 
-def _metadata(bake, volumes, description):
-    records = [
-        {**record, "index_to_world": volume.index_to_world.tolist()}
-        for record, volume in zip(json.loads(bake.metadata["volumes"]), volumes)
-    ]
+def _provenance(bake, volumes, description):
+    records = tuple(
+        replace(record, index_to_world=tuple(map(tuple, volume.index_to_world.tolist())))
+        for record, volume in zip(bake.provenance.volumes, volumes)
+    )
     scene = scene_to_json(description)
-    return {
-        **bake.metadata,
-        "volumes": json.dumps(records),
-        "scene": scene,
-        "scene_sha256": hashlib.sha256(scene.encode()).hexdigest(),
-        # Tells it from a bake of that scene.
-        "continued": bake.id,
-    }
+    # `continued` tells it from a bake of that scene.
+    return replace(bake.provenance, volumes=records, scene=scene, continued=bake.id)
 
 
 def _growth(bake):

@@ -9,7 +9,7 @@ def outcome(bake, why="it was stopped or its time was over"):
 
     why: it was stopped, if it was. An empty text where the amount of work was fixed.
     """
-    if bake.metadata["fixed"]:
+    if bake.provenance.fixed is not None:
         return ""
     text = _reached(bake, why)
     reasons = [reason for name, reason in bake.statistics.skipped_passes if name == FINER_TEXELS]
@@ -18,7 +18,7 @@ def outcome(bake, why="it was stopped or its time was over"):
 
 def _reached(bake, why):
     statistics = bake.statistics
-    asked = float(bake.metadata["error"])
+    asked = bake.provenance.error
     reached = statistics.estimated_error_percent
     passes = f"{statistics.passes} pass{'es' if statistics.passes > 1 else ''}"
     text = f"estimated error {reached:.2f} %{_worst(statistics)} after {passes}"
@@ -26,7 +26,7 @@ def _reached(bake, why):
         return f"{text}; {asked:g} % was asked for"
     if statistics.stopped:
         return f"{text}; the {asked:g} % asked for was not reached: {why}"
-    if not bake.metadata["blocks"]:
+    if not bake.provenance.blocks:
         return f"{text}; the {asked:g} % asked for was not reached with so few samples"
     # As variances: the rest is what the texels' width leaves out, which no more passes bring.
     if 2 * statistics.estimated_noise_percent**2 < reached**2:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What tells bakes apart, and the volumes that they were made of."""
+"""What a bake was made from: all that its light depends on."""
 
 import hashlib
 import json
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import leaflight._core as _core
@@ -12,96 +13,143 @@ from .._core import LeaflightError
 from ..io.scene_file import scene_to_json
 from ..version import __version__
 
-# What a bake depends on, as text; "name" would rename the grid that OpenVDB attaches it to.
-# "volumes" is a list of {"name", "source", "values_sha256", "index_to_world", "unit", "resolution",
-# "capped", "patient"}. "map_resolution": of the maps that lookups compute direct light from, a list
-# with null for a volume without, empty where there are none. "error": in percent;
-# "asked_resolution": zeros for none; "blocks": of indirect light, how many its averages hold;
-# "continued": the id of the bake that this one went on with. "fixed": the settings of a bake with
-# fixed samples (../thesis), for which those are empty; empty of any other.
-METADATA = (
-    "leaflight_version",
-    "volumes",
-    "scene",
-    "scene_sha256",
-    "isovalues",
-    "error",
-    "asked_resolution",
-    "map_resolution",
-    "passes",
-    "blocks",
-    "continued",
-    "seed",
-    "both_sides",
-    "walls",
-    "fixed",
-)
 # What a file is that lacks some of it.
 EARLIER = "this is a bake of an earlier Leaflight; bake the volume again"
 
 
-def provenance(volumes, description, window, settings, fixed=None):
-    """The metadata of a bake before its first pass.
+@dataclass(frozen=True)
+class VolumeRecord:
+    """A volume that was baked.
+
+    values_sha256: of values_sha256(); index_to_world: four rows; the others as of a Volume and of
+    Isosurfaces. resolution: of the texels, () before the first pass; map_resolution: of the
+    visibility maps, () where there are none.
+    """
+
+    name: str
+    source: str
+    values_sha256: str
+    index_to_world: tuple
+    unit: str
+    capped: bool
+    patient: bool
+    resolution: tuple = ()
+    map_resolution: tuple = ()
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """Everything that the light of a bake depends on; equal bakes have equal ones.
+
+    volumes: a VolumeRecord of each; scene: the text of a scene file; isovalues: the window.
+    seed, both_sides, walls, error: as of bake(); asked_resolution: zeros where none was asked for.
+    passes, blocks: of indirect light, in the averages; continued: the id of the bake that this one
+    went on with, or ""; fixed: the settings of a fixed number of samples (../thesis), or None, for
+    which error is None and there are no passes.
+    lamps: (r, g, b) of each lamp of a bake that relit() made, which no file holds; else None.
+    """
+
+    volumes: tuple
+    scene: str
+    isovalues: tuple
+    seed: int
+    both_sides: bool
+    walls: bool
+    error: float | None
+    asked_resolution: tuple
+    passes: int = 0
+    blocks: int = 0
+    continued: str = ""
+    fixed: dict | None = None
+    lamps: tuple | None = None
+    leaflight_version: str = __version__
+
+    @property
+    def id(self):
+        """Tells bakes apart, 32 digits."""
+        return hashlib.sha256(self.to_json().encode()).hexdigest()[:32]
+
+    def to_json(self):
+        return json.dumps(asdict(self), sort_keys=True)
+
+    def after(self, grids, passes=0, blocks=0, continued=""):
+        """That of the bake with these grids after so many passes and blocks."""
+        volumes = tuple(
+            replace(
+                volume,
+                resolution=tuple(grid.resolution),
+                map_resolution=tuple(grid.direct.resolution) if grid.direct else (),
+            )
+            for volume, grid in zip(self.volumes, grids)
+        )
+        return replace(self, volumes=volumes, passes=passes, blocks=blocks, continued=continued)
+
+    def alike(self, other):
+        """Whether it is of the same bake but for how far that came and where its volumes lie."""
+        return self._asked() == other._asked()
+
+    def _asked(self):
+        volumes = tuple(
+            replace(volume, name="", source="", resolution=(), map_resolution=())
+            for volume in self.volumes
+        )
+        return replace(self, volumes=volumes, passes=0, blocks=0, continued="")
+
+
+def provenance_of(volumes, description, window, settings, fixed=None):
+    """The Provenance of a bake before its first pass.
 
     settings: of the core; fixed: what depends on those of fixed samples, None where there are none.
     """
-    records = [
-        {
-            "name": volume.name,
-            "source": volume.source,
-            "values_sha256": values_sha256(volume),
-            "index_to_world": np.asarray(volume.index_to_world, np.float64).tolist(),
-            "unit": volume.unit,
-            "capped": look.capped,
-            "patient": volume.patient,
-        }
+    records = tuple(
+        VolumeRecord(
+            volume.name,
+            volume.source,
+            values_sha256(volume),
+            _frozen(np.asarray(volume.index_to_world, np.float64).tolist()),
+            volume.unit,
+            look.capped,
+            volume.patient,
+        )
         for volume, look in zip(volumes, description.isosurfaces)
-    ]
-    scene = scene_to_json(description)
-    return {
-        "leaflight_version": __version__,
-        "volumes": json.dumps(records),
-        "scene": scene,
-        "scene_sha256": hashlib.sha256(scene.encode()).hexdigest(),
-        "isovalues": json.dumps(window),
-        "error": json.dumps(settings.error) if fixed is None else "",
-        "asked_resolution": json.dumps(settings.resolution) if fixed is None else "",
-        "map_resolution": "",
-        "passes": "",
-        "blocks": "",
-        "continued": "",
-        "seed": str(settings.seed),
-        "both_sides": json.dumps(settings.both_sides),
-        "walls": json.dumps(settings.walls),
-        "fixed": "" if fixed is None else json.dumps(fixed),
-    }
+    )
+    return Provenance(
+        volumes=records,
+        scene=scene_to_json(description),
+        isovalues=tuple(map(float, window)),
+        seed=settings.seed,
+        both_sides=settings.both_sides,
+        walls=settings.walls,
+        error=settings.error if fixed is None else None,
+        asked_resolution=tuple(settings.resolution) if fixed is None else (),
+        fixed=_frozen(fixed),
+    )
 
 
-def provenance_after(metadata, grids, passes=0, blocks=0, continued=""):
-    """The metadata of a bake with these grids after so many passes and blocks of light.
+def provenance_from_json(text):
+    """The Provenance of a to_json(). Raises KeyError, TypeError, ValueError for any other text."""
+    record = _frozen(json.loads(text))
+    volumes = tuple(VolumeRecord(**volume) for volume in record.pop("volumes"))
+    found = Provenance(volumes=volumes, **record)
+    texts = [found.scene, found.continued, found.leaflight_version]
+    for volume in volumes:
+        texts += [volume.name, volume.source, volume.values_sha256, volume.unit]
+    numbers = [found.seed, found.passes, found.blocks, *found.isovalues]
+    numbers += [] if found.error is None else [found.error]
+    if not all(isinstance(text, str) for text in texts):
+        raise TypeError("a text is none")
+    if not all(isinstance(number, (int, float)) for number in numbers):
+        raise TypeError("a number is none")
+    if len(found.isovalues) != 2 or found.lamps is not None:
+        raise ValueError("no window, or lamps")
+    return found
 
-    metadata: of provenance(), or of a bake that it goes on with, whose id is `continued`.
-    """
-    volumes = [
-        {**volume, "resolution": list(grid.resolution)}
-        for volume, grid in zip(json.loads(metadata["volumes"]), grids)
-    ]
-    changed = {"volumes": json.dumps(volumes)}
-    maps = [grid.map_resolution for grid in grids]
-    changed["map_resolution"] = json.dumps(maps) if any(maps) else ""
-    if not metadata["fixed"]:
-        changed["passes"] = str(passes)
-        changed["blocks"] = str(blocks) if blocks else ""
-        changed["continued"] = continued
-    return {**metadata, **changed}
 
-
-def id_of(metadata):
-    """The id of the bake with this metadata: 32 digits."""
-    # Of a bake whose lamps have other strengths (relit.py), which no file holds.
-    lamps = [metadata["lamps"]] if "lamps" in metadata else []
-    text = json.dumps([metadata[key] for key in METADATA] + lamps)
-    return hashlib.sha256(text.encode()).hexdigest()[:32]
+def _frozen(value):
+    """With tuples in the place of lists, at any depth."""
+    if isinstance(value, dict):
+        return {key: _frozen(each) for key, each in value.items()}
+    return tuple(map(_frozen, value)) if isinstance(value, (list, tuple)) else value
 
 
 def read_bake_id(path):

@@ -7,7 +7,6 @@ one reflection. That is exact where one lamp, or all lamps alike, are changed an
 emits; otherwise it is approximate, because indirect light then also changes its distribution.
 """
 
-import json
 import math
 from dataclasses import replace
 from numbers import Real
@@ -49,7 +48,7 @@ def relit(bake, lamps):
         scene=replace(original.scene, lights=lights),
         grids=grids,
         walls=walls,
-        metadata=dict(original.metadata, lamps=json.dumps(factors)),
+        provenance=replace(original.provenance, lamps=tuple(map(tuple, factors))),
         original=original,
         factors=factors,
     )

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Going on with a bake in passes: with one that was stopped, or that shall err less."""
 
-import json
+from dataclasses import replace
 
 import leaflight._core as _core
 
@@ -38,12 +38,12 @@ def resume(
     progress, checkpoint, workers: as of bake().
     Raises LeaflightError where there is nothing to go on with, Cancelled.
     """
-    metadata = previous.metadata
+    provenance = previous.provenance
     if previous.original is not None:
         raise LeaflightError(
             "A bake with other lamps or in another scene does not go on: resume its original."
         )
-    if not metadata["blocks"]:
+    if not provenance.blocks:
         raise LeaflightError(
             "This bake did a fixed amount of work, so it cannot be continued: bake the volume "
             "again."
@@ -56,32 +56,26 @@ def resume(
             "for a smaller error to continue it.",
             "error",
         )
-    metadata = {
-        **metadata,
-        "leaflight_version": __version__,
-        "error": json.dumps(settings.error),
-        "walls": json.dumps(settings.walls),
-    }
+    provenance = replace(
+        provenance, leaflight_version=__version__, error=settings.error, walls=settings.walls
+    )
     lights = previous.volumes, previous.scene, previous.isovalues
-    return lit(*lights, settings, metadata, previous, on_pass, progress, checkpoint, workers)
+    return lit(*lights, settings, provenance, previous, on_pass, progress, checkpoint, workers)
 
 
 def _settings(previous, error, time, walls, threads):
     """The core's settings, as those of the bake were."""
-    known = {
-        key: json.loads(previous.metadata[key])
-        for key in ("error", "asked_resolution", "both_sides", "walls", "seed")
-    }
-    resolution = known["asked_resolution"]
+    known = previous.provenance
+    resolution = known.asked_resolution
     return bake_settings(
         _core.BakeSettings,
         previous.volume.field().dims,
-        error=known["error"] if error is None else error,
+        error=known.error if error is None else error,
         time=time,
         resolution=resolution if any(resolution) else None,
-        seed=known["seed"],
+        seed=known.seed,
         threads=threads,
         exposure=previous.scene.exposure,
-        both_sides=known["both_sides"],
-        walls=known["walls"] if walls is None else walls,
+        both_sides=known.both_sides,
+        walls=known.walls if walls is None else walls,
     )

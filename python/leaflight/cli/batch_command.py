@@ -4,7 +4,6 @@
 Workers run `bake_line` of this module; the machines of a scheduler see the same files.
 """
 
-import json
 import os
 import shlex
 import time
@@ -12,19 +11,14 @@ from concurrent.futures import CancelledError
 from pathlib import Path
 
 from .._core import Cancelled, LeaflightError, Progress
-from ..bake.bake import bake, provenance_of
+from ..bake.bake import asked_provenance, bake
 from ..bake.load_bake import load_bake
-from ..bake.provenance import METADATA
 from ..cluster.tasks import at_workers
 from ..io.output import check_writable
 from .bake_command import bake_settings, checkpoint_of, path_anywhere
 from .lighting import to_light
 from ..progress_bar import run_with_progress
 from .workers import workers_of
-
-# Of bakes alike; `passes` and what follows from them tell how far each came.
-_KNOWN_AFTERWARDS = ("volumes", "map_resolution", "passes", "blocks", "continued")
-_ASKED = tuple(key for key in METADATA if key not in _KNOWN_AFTERWARDS)
 
 
 def run_batch(options):
@@ -57,7 +51,7 @@ def bake_line(options, threads):
     start = time.perf_counter()
     volumes, scene = to_light(options, ".vdb")
     settings = {**bake_settings(options), "threads": threads}
-    asked = provenance_of(volumes, scene, **settings)
+    asked = asked_provenance(volumes, scene, **settings)
     if _is_baked(options.out, asked):
         return {"out": options.out, "seconds": None}
     checkpoint = checkpoint_of(options, resumed=True)
@@ -104,18 +98,11 @@ def _outcome(future):
 
 
 def _is_baked(path, asked):
-    """Whether a file is a whole bake of this metadata before its passes."""
+    """Whether a file is a whole bake of this Provenance before its passes."""
     try:
-        found = load_bake(path).metadata
+        return load_bake(path).provenance.alike(asked)
     except LeaflightError:
         return False
-    return _volumes(found) == _volumes(asked) and all(found[key] == asked[key] for key in _ASKED)
-
-
-def _volumes(metadata):
-    """What tells volumes apart, wherever they came from."""
-    records = json.loads(metadata["volumes"])
-    return [[one[key] for key in ("values_sha256", "index_to_world")] for one in records]
 
 
 def _read_list(path):

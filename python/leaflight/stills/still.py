@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """still(): one isosurface with its baked light, seen by a camera, ray by ray."""
 
-import json
-
 import leaflight._core as _core
 import numpy as np
 
@@ -89,7 +87,7 @@ def back_side(bake, volume):
     """What is known of a volume's back: "baked", "dark" or "local", to be shaded locally."""
     if bake.grids[volume].has_back:
         return "baked"
-    return "dark" if json.loads(bake.metadata["both_sides"]) else "local"
+    return "dark" if bake.provenance.both_sides else "local"
 
 
 class SeenIsosurface:

@@ -6,7 +6,7 @@ import leaflight._core as _core
 from ..bake.bake import placed
 from ..bake.baked import Bake
 from ..bake.color_error import estimated_rms_percent
-from ..bake.provenance import provenance, provenance_after
+from ..bake.provenance import provenance_of
 from ..bake.statistics import statistics_of
 from ..progress_bar import with_progress
 from ..scene.scene import core_scene
@@ -62,10 +62,10 @@ def bake(
     baked = _core.bake_with_fixed_samples(core, settings, progress or _core.Progress())
     noise = estimated_rms_percent(baked.grids, description.exposure)
     statistics = fixed_statistics(baked, noise)
-    metadata = provenance(volumes, description, window, settings, fixed.record())
-    metadata = provenance_after(metadata, baked.grids)
+    provenance = provenance_of(volumes, description, window, settings, fixed.record())
+    provenance = provenance.after(baked.grids)
     walls = baked.walls
-    return Bake(volumes, description, window, baked.grids, walls, statistics, metadata)
+    return Bake(volumes, description, window, baked.grids, walls, statistics, provenance)
 
 
 def fixed_statistics(baked, noise=None):

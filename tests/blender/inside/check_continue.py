@@ -28,7 +28,7 @@ def check_a_kept_bake_is_continued(endless):
     endless.leaflight.error = (missed + (0.7 * noise) ** 2) ** 0.5
     assert bpy.ops.leaflight.continue_bake() == {"FINISHED"}
     ours = cache.bake_of(endless)
-    assert ours.metadata["continued"] == kept.id and endless.leaflight.bake_id == ours.id
+    assert ours.provenance.continued == kept.id and endless.leaflight.bake_id == ours.id
     assert 0 < ours.statistics.estimated_noise_percent < 0.8 * noise
     assert "was asked for" in endless.leaflight.bake_outcome
     assert endless.leaflight.bake_seconds > kept.statistics.seconds
@@ -51,7 +51,7 @@ def check_a_continued_bake_shows_its_passes_and_is_stopped(passes):
     job.show()
     assert_shows_pass(passes, preview.of(passes).bake)
     assert "keep" in stop(job, work)
-    assert job.latest.metadata["continued"] == first.id
+    assert job.latest.provenance.continued == first.id
     bpy.ops.leaflight.throw_bake_away()
     assert state() == before
 

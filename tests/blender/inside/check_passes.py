@@ -34,7 +34,7 @@ def check_a_bake_goes_on_until_its_error(passes):
     passes.leaflight.error = 4.0
     bpy.ops.leaflight.bake()
     ours = cache.bake_of(passes)
-    assert ours.metadata["error"] == "4.0"
+    assert ours.provenance.error == 4.0
     assert 0 < ours.statistics.estimated_error_percent <= 4.0
     assert passes.leaflight.bake_outcome.endswith("4 % was asked for")
     assert_shows(passes, 50.0)
@@ -155,7 +155,7 @@ def check_a_stopped_bake_is_kept(endless):
     assert stopped.offered() is None and preview.of(endless) is None
     ours = cache.bake_of(endless)
     assert ours is job.latest and ours.statistics.stopped
-    assert int(ours.metadata["passes"]) == ours.statistics.passes == 2
+    assert ours.provenance.passes == ours.statistics.passes == 2
     assert_shows(endless, 50.0)
     assert endless.data.materials[0] == endless.leaflight.baked_material
     loaded = leaflight.load_bake(bpy.path.abspath(endless.leaflight.bake_path))

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Smooth: at import and afterwards, in files and in the record of a bake."""
 
-import json
-
 import bpy
 import leaflight
 import numpy as np
@@ -59,8 +57,8 @@ def check_a_bake_keeps_what_it_was_made_of(steps):
     build_cornell_box()
     obj.leaflight.error, obj.leaflight.resolution = 50.0, 16
     bpy.ops.leaflight.bake()
-    (record,) = json.loads(cache.bake_of(obj).metadata["volumes"])
-    assert record["source"] == f"{steps}, smoothed by 0.5 voxels"
+    (record,) = cache.bake_of(obj).provenance.volumes
+    assert record.source == f"{steps}, smoothed by 0.5 voxels"
     assert "radiance" in obj.data.attributes
     assert staleness.change_since_bake(bpy.context, obj) == ""
     bpy.ops.leaflight.smooth(amount="2")
