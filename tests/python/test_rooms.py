@@ -115,3 +115,17 @@ def imports(folder):
                     whole = [part for part in (*target, name) if part]
                     found.append((place[0], whole[0], path.relative_to(ROOT), node.lineno))
     return found
+
+
+def test_functions_are_short():
+    """At most 60 lines, docstrings aside."""
+    files = [*(ROOT / "python").rglob("*.py"), *(ROOT / "addon").rglob("*.py")]
+    long = []
+    for file in files:
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.FunctionDef):
+                text = ast.get_docstring(node, clean=False)
+                lines = node.end_lineno - node.lineno - (text.count("\n") if text else -1)
+                if lines > 60:
+                    long.append(f"{file.relative_to(ROOT)}:{node.lineno} {node.name}: {lines}")
+    assert len(files) > 200 and not long, "\n".join(long)

@@ -94,22 +94,7 @@ def report(folder, effort, run, data=None, tables=TABLES):
         "The thesis's data sets (Fig. 5.14)": sections.data_text(rows, absent, effort.data),
         "Memory": sections.memory_text(curves, rows),
     }
-    lines = [
-        "# Report",
-        "",
-        f"Written by `scripts/leaflight report` with seed {seed} on {os.cpu_count()} cores, from "
-        "nothing but the program, the data and the seed: errors come out the same in every run, "
-        "seconds do not.",
-        *_reductions(effort),
-        "",
-        "## What to choose when",
-        "",
-        *advice(curves, analysis, rows),
-    ]
-    for title, part in parts.items():
-        lines += ["", f"## {title}", "", *part]
-    lines += ["", "## The thesis's tables", "", TABLES_SAY]
-    lines += _tables_text(done, "###")
+    text = _page(effort, parts, advice(curves, analysis, rows), done)
     found = {
         "curves": sections.curve_rows(curves),
         "slopes": _split(sections.slope_rows(curves, analysis)),
@@ -123,13 +108,33 @@ def report(folder, effort, run, data=None, tables=TABLES):
         "images/convergence.png": convergence(curves, analysis.errors),
         **{f"csv/{name}.csv": _csv(rows) for name, rows in found.items() if rows},
         **_table_files(done, seed, each=False),
-        "report.md": "\n".join(lines) + "\n",
+        "report.md": text,
     }
     if analysis.break_even:
         picture = break_even(analysis.break_even, sections.THESIS_BREAK_EVEN)
         files["images/break_even.png"] = picture
     _write(folder, files)
     return {**_result(folder, seed, done, judged), **_finite(found)}
+
+
+def _page(effort, parts, choices, tables):
+    """The text of the report. parts: lines by their title; choices: of advice()."""
+    lines = [
+        "# Report",
+        "",
+        f"Written by `scripts/leaflight report` with seed {effort.tables.seed} on "
+        f"{os.cpu_count()} cores, from nothing but the program, the data and the seed: errors come "
+        "out the same in every run, seconds do not.",
+        *_reductions(effort),
+        "",
+        "## What to choose when",
+        "",
+        *choices,
+    ]
+    for title, part in parts.items():
+        lines += ["", f"## {title}", "", *part]
+    lines += ["", "## The thesis's tables", "", TABLES_SAY, *_tables_text(tables, "###")]
+    return "\n".join(lines) + "\n"
 
 
 def report_tables(folder, effort, run, tables=TABLES):

@@ -114,9 +114,6 @@ def stage_and_bake():
         "shading": view_area().spaces.active.shading.type,
         "overlays": view_area().spaces.active.overlay.show_overlays,
     }
-    # No newcomer's settings: several passes that take little time.
-    volume().leaflight.error = 0.15
-    volume().leaflight.resolution = 48
     passes = note_passes()
     yield from click(header_button(386))
     yield from stepwise.until(lambda: background.running() is not None)

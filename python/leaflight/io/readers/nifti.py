@@ -22,28 +22,8 @@ def open_volume(path):
 
     Values that the header scales become float32.
     """
-    try:
-        with _quiet_nibabel():
-            # A mapped file might change behind our back.
-            image = nibabel.load(path, mmap=False)
-        affine = np.array(image.affine, dtype=np.float64)
-        proxy = image.dataobj
-        shape, dtype = image.shape, image.get_data_dtype()
-        unit = unit_of(image.header.get_xyzt_units()[0])
-    except (
-        nibabel.filebasedimages.ImageFileError,
-        nibabel.spatialimages.HeaderDataError,
-        EOFError,
-        KeyError,
-        OSError,
-        OverflowError,
-        ValueError,
-        zlib.error,
-    ):
-        raise LeaflightError(
-            f"{path}: this is not a readable NIfTI file; it is damaged or of another kind."
-        ) from None
-
+    image, affine, unit = _image(path)
+    proxy, shape, dtype = image.dataobj, image.shape, image.get_data_dtype()
     while len(shape) > 3 and shape[-1] == 1:
         shape = shape[:-1]
     check_shape(path, shape)
@@ -90,6 +70,30 @@ def open_volume(path):
         # By the format's rule.
         patient=True,
     )
+
+
+def _image(path):
+    """(the image of nibabel, its affine, its unit)."""
+    try:
+        with _quiet_nibabel():
+            # A mapped file might change behind our back.
+            image = nibabel.load(path, mmap=False)
+        unit = unit_of(image.header.get_xyzt_units()[0])
+        image.get_data_dtype()
+        return image, np.array(image.affine, dtype=np.float64), unit
+    except (
+        nibabel.filebasedimages.ImageFileError,
+        nibabel.spatialimages.HeaderDataError,
+        EOFError,
+        KeyError,
+        OSError,
+        OverflowError,
+        ValueError,
+        zlib.error,
+    ):
+        raise LeaflightError(
+            f"{path}: this is not a readable NIfTI file; it is damaged or of another kind."
+        ) from None
 
 
 @contextmanager
