@@ -119,7 +119,7 @@ def sentence():
 
 
 def stop():
-    """Isosurfaces what is shown as it is, until something moves again."""
+    """Leaves what is shown as it is, until something moves again."""
     if _work is not None:
         _work.cancel()
 

@@ -12,7 +12,7 @@ from . import added, lamps, preview
 
 LeaflightError = leaflight.LeaflightError
 
-# Colour attributes: what leaves the front of the surface, and the inner one where it is baked.
+# Colour attributes: what leaves the front of the surface, and the back where it is baked.
 RADIANCE = "radiance"
 RADIANCE_BACK = "radiance_back"
 

@@ -2,7 +2,7 @@
 """Materials of isosurfaces, and of baked radiance: emission of a volume texture or a vertex
 attribute.
 
-Where only the front of an isosurface is baked and the inner one is seen, through a cut at the
+Where only the front of an isosurface is baked and the back is seen, through a cut at the
 border of the volume, the material is the plain Lambertian isosurface there.
 
 The volume texture is an atlas of slices without padding. Eight lookups without interpolation and a
@@ -180,7 +180,7 @@ def is_recolored(material):
 def build_atlas(material, images, resolution, columns, texel_from_object, view=View()):
     """Emission of a radiance grid of this resolution (nx, ny, nz), from its atlas.
 
-    images: the atlas of the front and, if it was baked, of the inner one. columns: tiles in a
+    images: the atlas of the front and, if it was baked, of the back. columns: tiles in a
     row of an image. texel_from_object: (4, 4), from the object's coordinates to those of texel
     centres. The resolution is at least 2 along each axis.
     """
@@ -381,11 +381,11 @@ class _Graph:
         return node.outputs["Vector"]
 
     def emit_sides(self, front, back=None):
-        """Emission of one colour on each side; without the inner one, the Lambertian isosurface
+        """Emission of one colour on each side; without the back, the Lambertian isosurface
         there.
 
         Where others show through, nothing is there: who looks at the front of a surface does
-        not look for the inner one behind it.
+        not look for the back behind it.
         """
         if back is not None:
             radiance = self.mix(front, back, self.backfacing())

@@ -52,7 +52,7 @@ def make_now(objects):
 
 
 def forget():
-    """Isosurfaces all surfaces as they are."""
+    """Leaves all surfaces as they are."""
     _jobs.clear()
 
 

@@ -20,7 +20,7 @@ LARGEST_ATLAS = 8192
 
 def label(identifier, index, back):
     """What the header of an atlas holds."""
-    return f"Leaflight {identifier} volume {index + 1} {'inner' if back else 'outer'} side"
+    return f"Leaflight {identifier} volume {index + 1} {'back' if back else 'front'}"
 
 
 def path_of(bake_path, index=0, back=False):

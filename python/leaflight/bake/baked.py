@@ -216,7 +216,7 @@ class Bake:
     def reference(
         self, points, isovalue, spp=1024, seed=0, threads=0, progress=None, volume=0, back=False
     ):
-        """Path-traced radiance at points (n, 3) of an isosurface, on its outer or back.
+        """Path-traced radiance at points (n, 3) of an isosurface, on its front or back.
 
         Returns (radiance, standard_error), float32 (n, 3) each. Raises LeaflightError, Cancelled.
         """

@@ -34,7 +34,7 @@ class ShownVolume:
 
     @property
     def sides(self):
-        """Of isosurfaces, False the outer one, that the page has light for."""
+        """Of isosurfaces, False for the front, that the page has light for."""
         return (False, True) if back_side(self.bake, self.number) == "baked" else (False,)
 
     def has_maps(self, back):
