@@ -58,7 +58,7 @@ else:
     from .export import export_bake
     from .importing import import_image, import_volume
     from .show import flat_properties, look_properties, properties
-    from .stage import aside, open_example, orientation, stage, stage_settings
+    from .stage import hidden, open_example, orientation, stage, stage_settings
     from .store import preferences
     from .ui import (
         add_isosurface,
@@ -83,7 +83,7 @@ else:
         add_isosurface,
         orientation,
         stage_settings,
-        aside,
+        hidden,
         stage,
         open_example,
         bake,

@@ -43,10 +43,10 @@ def import_volume(path, **options):
 
 
 def stage(obj, preset="STUDIO", **options):
-    """Puts walls, lights and a camera around the volumes, and sets other objects aside.
+    """Puts walls, lights and a camera around the volumes, and hides other objects.
 
     preset: the identifier of one of the stages of the panel; options: those of the operator, such
-        as collection (the name of your own, for the preset MY_SCENE) and set_aside.
+        as collection (the name of your own, for the preset MY_SCENE) and hide_others.
     """
     with _active(obj):
         _call(bpy.ops.leaflight.stage, preset=preset, **options)

@@ -14,7 +14,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 from leaflight import progress_bar
 from leaflight.cluster.workers import Workers
-from leaflight.io import apart
+from leaflight.io import reader_process
 from leaflight.volume.particles import lapr
 from leaflight_command import main
 from waiting import HANG
@@ -53,7 +53,7 @@ def unhurried():
     """However slow the machine, the package neither gives up nor shows how far it is."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(progress_bar, "PATIENCE_SECONDS", math.inf)
-        patch.setattr(apart, "WAIT", HANG)
+        patch.setattr(reader_process, "WAIT", HANG)
         # The last is patience_seconds.
         patch.setattr(Workers.__init__, "__defaults__", (None, None, HANG))
         yield
@@ -114,7 +114,7 @@ def lapr_scene():
 def lapr_bake(lapr_scene):
     """Two volumes, both sides and the walls; open at the border, so that light gets in."""
     volumes = [replace(one, values=one.values[:, :, :20].copy()) for one in lapr(30)]
-    return leaflight.bake(volumes, lapr_scene, error=2.0, both_sides=True, walls=True)
+    return leaflight.bake(volumes, lapr_scene, error=5.0, both_sides=True, walls=True)
 
 
 @pytest.fixture(scope="session")

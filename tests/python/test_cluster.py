@@ -49,7 +49,7 @@ def check_same(bake, other):
             np.testing.assert_array_equal(ours, theirs)
 
 
-@pytest.mark.parametrize("count", [1, 4])
+@pytest.mark.parametrize("count", [1, pytest.param(4, marks=pytest.mark.slow)])
 def test_any_number_of_workers(volume, alone, count):
     with Workers(count) as workers:
         assert workers.processes() == count

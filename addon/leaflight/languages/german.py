@@ -89,8 +89,8 @@ MESSAGES = {
     "Lamps have changed since the bake: direct light is exact, indirect light scaled": (
         "Lampen sind seit dem Beleuchten geändert: direktes Licht ist genau, indirektes geschätzt"
     ),
-    "Set aside: %s": "Beiseite: %s",
-    "Bring Back": "Zurückholen",
+    "Hidden: %s": "Ausgeblendet: %s",
+    "Show Hidden": "Ausgeblendete zeigen",
     "Isosurfaces": "Isoflächen",
     "Capped": "Geschlossen",
     "Hide Dust": "Staub ausblenden",

@@ -17,7 +17,7 @@ from ..show import added, isovalues, surface_object, walls
 from ..store import frame_bakes
 from ..translations import iface_
 from . import (
-    aside,
+    hidden,
     camera,
     facing,
     framing,
@@ -36,8 +36,8 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.stage"
     bl_label = "Stage"
     bl_description = (
-        "Put walls, lights and a camera around the volumes, as objects that you may edit, set "
-        "other objects aside, and light the viewport. Another stage replaces the one before"
+        "Put walls, lights and a camera around the volumes, as objects that you may edit, hide "
+        "others, and light the viewport. Another stage replaces the one before"
     )
     bl_options = {"REGISTER", "UNDO"}
 
@@ -48,10 +48,10 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
         name="Collection",
         description="Collection of your own objects and lights that shall surround the volumes",
     )
-    set_aside: BoolProperty(
-        name="Set Others Aside",
+    hide_others: BoolProperty(
+        name="Hide Others",
         description="Hide all other objects from view and from renders, so that they are not baked "
-        "with the stage. Nothing is deleted, and Bring Back shows them again",
+        "with the stage. Nothing is deleted, and Show Hidden shows them again",
         default=True,
     )
 
@@ -71,10 +71,10 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
         layout.prop(self, "preset")
         if self.preset == presets.MY_SCENE:
             layout.prop_search(self, "collection", bpy.data, "collections")
-        layout.prop(self, "set_aside")
-        hidden = aside.all_aside(context.scene)
-        if hidden:
-            layout.label(text=iface_("Set aside: %s") % aside.names(hidden), icon="HIDE_ON")
+        layout.prop(self, "hide_others")
+        others = hidden.all_hidden(context.scene)
+        if others:
+            layout.label(text=iface_("Hidden: %s") % hidden.names(others), icon="HIDE_ON")
 
     def execute(self, context):
         scene = context.scene
@@ -82,7 +82,7 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
         try:
             volumes = scene_export.volume_objects(context, isosurface)
             own = self._own_collection()
-            was_lit = build(context, isosurface, volumes, self.preset, own, self.set_aside)
+            was_lit = build(context, isosurface, volumes, self.preset, own, self.hide_others)
         except leaflight.LeaflightError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -107,7 +107,7 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
         return collection
 
     def _warn(self, context, isosurface):
-        """Says now what would stop or spoil the bake later, and what was set aside."""
+        """Says now what would stop or spoil the bake later, and what was hidden."""
         try:
             description, _, warnings = scene_export.export_scene(context, isosurface)
             scene_export.check_light(description)
@@ -116,9 +116,9 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
         context.scene.leaflight_stage.warnings = "\n".join(warnings)
         for warning in warnings:
             self.report({"WARNING"}, warning)
-        hidden = aside.all_aside(context.scene)
-        if hidden:
-            self.report({"INFO"}, f"Set aside, not deleted: {aside.names(hidden)}")
+        others = hidden.all_hidden(context.scene)
+        if others:
+            self.report({"INFO"}, f"Hidden, not deleted: {hidden.names(others)}")
 
 
 class LEAFLIGHT_OT_frame_isosurface(checks.VolumeOperator, bpy.types.Operator):
@@ -145,13 +145,13 @@ class LEAFLIGHT_OT_frame_isosurface(checks.VolumeOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-def build(context, isosurface, volumes, preset, own=None, set_aside=None):
+def build(context, isosurface, volumes, preset, own=None, hide_others=None):
     """Puts a stage around the isosurfaces of volume objects, which face the camera as `isosurface`
     does.
 
-    own: the collection of My Scene. set_aside: whether other objects are, or None where that stays
-    as it is. Returns whether a bake had lit the volumes: its light goes with
-    the stage that it was made for. Raises LeaflightError before anything changes.
+    own: the collection of My Scene. hide_others: None leaves other objects as they are. Returns
+    whether a bake had lit the volumes: its light goes with the stage that it was made for. Raises
+    LeaflightError before anything changes.
     """
     scene = context.scene
     context.view_layer.update()
@@ -163,10 +163,10 @@ def build(context, isosurface, volumes, preset, own=None, set_aside=None):
     background.forget_failure()
     _remember(scene, preset, own)
     _remove_stage(scene)
-    if set_aside is not None:
-        aside.bring_back(scene, aside.all_aside(scene))
-    if set_aside:
-        aside.set_aside(scene, aside.would_render(scene, set(own.all_objects) if own else ()))
+    if hide_others is not None:
+        hidden.show(scene, hidden.all_hidden(scene))
+    if hide_others:
+        hidden.hide(scene, hidden.would_render(scene, set(own.all_objects) if own else ()))
     if description is None:
         _use(scene, own)
     else:

@@ -5,7 +5,7 @@ import bpy
 
 from ..operators import background
 from ..operators.active_volume import active_volume
-from ..stage import aside, presets, stage
+from ..stage import hidden, presets, stage
 from ..stage import orientation as orientation_of
 from ..translations import iface_
 from .sidebar import VolumePanel, sentence, split
@@ -26,10 +26,10 @@ class LEAFLIGHT_PT_stage(VolumePanel, bpy.types.Panel):
         overlay = getattr(context.space_data, "overlay", None)
         if overlay is not None:
             layout.prop(overlay, "show_overlays", text="Grid and Outlines")
-        hidden = aside.all_aside(context.scene)
-        if hidden:
-            sentence(context, layout, iface_("Set aside: %s") % aside.names(hidden), icon="HIDE_ON")
-            layout.operator(aside.LEAFLIGHT_OT_bring_back.bl_idname, icon="LOOP_BACK")
+        others = hidden.all_hidden(context.scene)
+        if others:
+            sentence(context, layout, iface_("Hidden: %s") % hidden.names(others), icon="HIDE_ON")
+            layout.operator(hidden.LEAFLIGHT_OT_show_hidden.bl_idname, icon="LOOP_BACK")
         for warning in chosen.warnings.splitlines():
             sentence(context, layout, warning, icon="ERROR")
         if active_volume(context).leaflight.bake_walls:

@@ -6,7 +6,7 @@ import json
 import leaflight._core as _core
 
 from .._core import LeaflightError
-from ..io.apart import Apart
+from ..io.reader_process import ReaderProcess
 from ..io.scene_file import scene_from_json
 from ..scene.scene import core_scene
 from ..volume.units import METERS
@@ -21,7 +21,7 @@ def load_bake(path):
     identifier = read_bake_id(path)
     if not _core.has_seal(path):
         # Of an earlier Leaflight, cut, or saved by another program: nothing tells that it is whole.
-        with Apart(path, "OpenVDB file", __name__, "can_be_read") as process:
+        with ReaderProcess(path, "OpenVDB file", __name__, "can_be_read") as process:
             try:
                 process.answer()
             except ValueError:

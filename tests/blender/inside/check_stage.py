@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stage: what it puts around volumes, sets aside and brings back, and a camera that sees it."""
+"""Stage: what it puts around volumes, hides and shows again, and a camera that sees it."""
 
 import math
 
@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from bpy_extras.object_utils import world_to_camera_view
 from leaflight_addon.stage import (
-    aside,
+    hidden,
     camera,
     facing,
     framing,
@@ -259,7 +259,7 @@ def check_renders_take_few_samples_and_overlays_are_off(bumps):
     assert not views or not all(view.overlay.show_overlays for view in views)
 
 
-def check_others_are_set_aside_and_brought_back(bumps):
+def check_others_are_hidden_and_shown_again(bumps):
     bpy.ops.mesh.primitive_cube_add()
     cube = bpy.context.object
     sun = add_light("SUN")
@@ -269,13 +269,13 @@ def check_others_are_set_aside_and_brought_back(bumps):
     _stage("CORNELL")
     names = {obj.name for obj, _ in _rendered()}
     assert cube.name not in names and sun.name not in names and "floor" in names
-    assert cube.hide_get() and set(aside.all_aside(bpy.context.scene)) == {cube, sun}
-    assert bpy.ops.leaflight.bring_back() == {"FINISHED"}
+    assert cube.hide_get() and set(hidden.all_hidden(bpy.context.scene)) == {cube, sun}
+    assert bpy.ops.leaflight.show_hidden() == {"FINISHED"}
     bpy.context.view_layer.update()
     assert {cube.name, sun.name} <= {obj.name for obj, _ in _rendered()}
     assert not cube.hide_get() and unseen.hide_render
-    with pytest.raises(RuntimeError, match="No object is set aside"):
-        bpy.ops.leaflight.bring_back()
+    with pytest.raises(RuntimeError, match="Stage has hidden no object"):
+        bpy.ops.leaflight.show_hidden()
 
 
 def _rendered():
@@ -288,7 +288,7 @@ def check_others_may_stay(bumps):
     cube = bpy.context.object
     bpy.context.view_layer.objects.active = bumps
     _stage("CORNELL")
-    _stage("CORNELL", set_aside=False)
+    _stage("CORNELL", hide_others=False)
     assert not cube.hide_render and not cube.hide_get()
 
 

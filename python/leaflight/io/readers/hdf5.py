@@ -9,7 +9,7 @@ import numpy as np
 
 from ...volume.volume import Volume
 from ...volume.voxels import new_voxels
-from ..apart import Apart
+from ..reader_process import ReaderProcess
 from .checks import choose_named, index_to_world, undecided
 from .stored import StoredVolume, lengths
 from .watched import STAGE, begin
@@ -51,7 +51,7 @@ def open_volume(path, dataset=None, spacing=None):
 
 
 def _apart(path, function, *options):
-    return Apart(path, "HDF5 file", __name__, function, *options)
+    return ReaderProcess(path, "HDF5 file", __name__, function, *options)
 
 
 def list_arrays(path):

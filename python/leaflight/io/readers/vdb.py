@@ -8,7 +8,7 @@ import numpy as np
 
 from ...volume.volume import Volume
 from ...volume.voxels import new_voxels
-from ..apart import Apart
+from ..reader_process import ReaderProcess
 from .stored import StoredVolume
 
 _MOST_VOXELS = 2**31 - 1
@@ -18,7 +18,7 @@ def open_volume(path, grid=""):
     """How many voxels are active only the grid itself tells."""
 
     def load(_frame, _channel, _progress):
-        with Apart(path, "OpenVDB file", __name__, "read_grid", grid) as process:
+        with ReaderProcess(path, "OpenVDB file", __name__, "read_grid", grid) as process:
             answer = process.answer()
             shape = tuple(answer["shape"])
             if len(shape) != 3 or not 0 < math.prod(shape) <= _MOST_VOXELS:

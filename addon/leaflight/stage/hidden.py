@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Objects that are set aside for a stage: out of sight and out of renders, until brought back."""
+"""Objects that a stage hides: out of sight and out of renders, until they are shown again."""
 
 import bpy
 
@@ -9,11 +9,11 @@ from ..show import display
 from ..translations import iface_
 
 # Whether the eye had hidden it before.
-_ASIDE = "leaflight_aside"
+_HIDDEN = "leaflight_hidden_by_stage"
 
 
-def is_aside(obj):
-    return _ASIDE in obj
+def is_hidden(obj):
+    return _HIDDEN in obj
 
 
 def would_render(scene, kept):
@@ -28,25 +28,25 @@ def would_render(scene, kept):
     ]
 
 
-def set_aside(scene, objects):
+def hide(scene, objects):
     for obj in objects:
-        obj[_ASIDE] = hidden = _is_hidden(scene, obj)
+        obj[_HIDDEN] = hidden = _is_hidden(scene, obj)
         obj.hide_render = True
         if not hidden:
             _hide(scene, obj, True)
 
 
-def bring_back(scene, objects):
+def show(scene, objects):
     for obj in objects:
-        hidden = obj[_ASIDE]
-        del obj[_ASIDE]
+        hidden = obj[_HIDDEN]
+        del obj[_HIDDEN]
         obj.hide_render = False
         if not hidden:
             _hide(scene, obj, False)
 
 
-def all_aside(scene):
-    return [obj for obj in scene.objects if is_aside(obj)]
+def all_hidden(scene):
+    return [obj for obj in scene.objects if is_hidden(obj)]
 
 
 def names(objects):
@@ -66,32 +66,32 @@ def _hide(scene, obj, hidden):
             obj.hide_set(hidden, view_layer=layer)
 
 
-class LEAFLIGHT_OT_bring_back(bpy.types.Operator):
-    bl_idname = "leaflight.bring_back"
-    bl_label = "Bring Back"
+class LEAFLIGHT_OT_show_hidden(bpy.types.Operator):
+    bl_idname = "leaflight.show_hidden"
+    bl_label = "Show Hidden"
     bl_description = (
-        "Show and render the objects again that Stage has set aside. They then stand in the stage "
+        "Show and render the objects again that Stage has hidden. They then stand in the stage "
         "and are baked with it"
     )
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
     def poll(cls, context):
-        if not all_aside(context.scene):
-            cls.poll_message_set("No object is set aside")
+        if not all_hidden(context.scene):
+            cls.poll_message_set("Stage has hidden no object")
             return False
         return checks.in_object_mode(cls, context)
 
     def execute(self, context):
-        objects = all_aside(context.scene)
-        bring_back(context.scene, objects)
-        self.report({"INFO"}, f"Brought back: {names(objects)}")
+        objects = all_hidden(context.scene)
+        show(context.scene, objects)
+        self.report({"INFO"}, f"Shown again: {names(objects)}")
         return {"FINISHED"}
 
 
 def register():
-    bpy.utils.register_class(LEAFLIGHT_OT_bring_back)
+    bpy.utils.register_class(LEAFLIGHT_OT_show_hidden)
 
 
 def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_OT_bring_back)
+    bpy.utils.unregister_class(LEAFLIGHT_OT_show_hidden)

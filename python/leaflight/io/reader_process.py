@@ -24,10 +24,10 @@ WAIT = 5
 # Bytes of an answer, and of what is filled between looks at the progress.
 _MOST_ANSWER, _PIECE = 1 << 24, 1 << 22
 _CHILD = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
-_CHILD += "from leaflight.io.apart import child; child()"
+_CHILD += "from leaflight.io.reader_process import child; child()"
 
 
-class Apart:
+class ReaderProcess:
     """A process that calls function(path, *options) of a module of this package; a context manager.
 
     kind: of file, for people. The function returns (answer, pieces): what JSON can hold, and the
