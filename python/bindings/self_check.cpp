@@ -43,7 +43,7 @@ std::vector<Library> libraries() {
   };
 }
 
-// What a ray meets in an isosurface of the scene, and where: ("isosurface" | "walls" | None, (x, y,
+// What a ray hits in a leaf of the scene, and where: ("isosurface" | "walls" | None, (x, y,
 // z)).
 py::tuple trace(const Scene<3>& scene, const Tuple<3>& origin, const Tuple<3>& direction,
                 double c) {

@@ -97,7 +97,6 @@ def test_volumes_of_two_units_share_a_world():
 
 def test_a_bake_of_no_unit_is_refused(head, tmp_path):
     path = tmp_path / "odd.vdb"
-    volumes = tuple(replace(volume, unit="parsec") for volume in head.provenance.volumes)
-    replace(head, provenance=replace(head.provenance, volumes=volumes)).save(path)
+    replace(head, provenance=head.provenance.with_volumes(unit="parsec")).save(path)
     with pytest.raises(LeaflightError, match="lacks the metadata of a bake"):
         leaflight.load_bake(path)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Imports and includes run one way: a room knows only those below it (docs/architecture.md)."""
+"""Imports and includes run one way: a room knows only those below it (docs/architecture.md).
+
+And functions are short.
+"""
 
 import ast
 import re

@@ -173,7 +173,7 @@ class BakeJob(background.Job):
                 self.columns[index],
                 fingerprint=self.fingerprint,
                 seconds=self.seconds,
-                source_stamp=self.file_states[index],
+                file_state=self.file_states[index],
             )
         volumes[self.leader].leaflight.bake_warnings = "\n".join(self.warnings)
         scene = bpy.data.scenes.get(self.scene_name)

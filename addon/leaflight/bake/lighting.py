@@ -8,11 +8,11 @@ from ..show import added, isovalues, lamps, surface_object, walls
 from ..store import bake_files, cache
 
 
-def light(obj, bake, index, path, matrix, columns, *, fingerprint, seconds, source_stamp):
+def light(obj, bake, index, path, matrix, columns, *, fingerprint, seconds, file_state):
     """Lights a volume object by one of the volumes of a bake, once show() is called.
 
     path: of the bake's file. matrix: the object's transform at the bake, 16 numbers row by row.
-    columns: of the atlas that was written. fingerprint: of the scene that was baked. source_stamp:
+    columns: of the atlas that was written. fingerprint: of the scene that was baked. file_state:
     of the volume's file then.
     """
     settings = obj.leaflight
@@ -28,7 +28,7 @@ def light(obj, bake, index, path, matrix, columns, *, fingerprint, seconds, sour
     settings.bake_error = bake.statistics.estimated_error_percent if settings.bake_outcome else 0
     settings.bake_target = bake.provenance.error or 0
     settings.bake_values = cache.values_sha256(bake, index)
-    settings.bake_source_stamp = source_stamp
+    settings.bake_file_state = file_state
     settings.atlas_columns = columns
     settings.bake_id = bake.id
     bake_files.remember(obj, path)

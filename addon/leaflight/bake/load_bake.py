@@ -57,11 +57,14 @@ class LEAFLIGHT_OT_load_bake(bpy.types.Operator, ImportHelper):
         seconds = bake.statistics.seconds
         created = None in volumes
         for index, obj in enumerate(volumes):
-            matrix, stamp = _IDENTITY, ""
+            matrix, file_state = _IDENTITY, ""
             if obj is None:
                 volumes[index] = obj = _create(context, bake, index)
             else:
-                matrix, stamp = _transform(obj, bake, index), source_files.file_state(obj.leaflight)
+                matrix, file_state = (
+                    _transform(obj, bake, index),
+                    source_files.file_state(obj.leaflight),
+                )
                 obj.leaflight.capped = bake.scene.isosurfaces[index].capped
             lighting.light(
                 obj,
@@ -72,7 +75,7 @@ class LEAFLIGHT_OT_load_bake(bpy.types.Operator, ImportHelper):
                 columns[index],
                 fingerprint=staleness.OTHER_SCENE,
                 seconds=seconds,
-                source_stamp=stamp,
+                file_state=file_state,
             )
             obj.leaflight.low, obj.leaflight.high = lighting.window(bake, index)
         if created and self.walls:

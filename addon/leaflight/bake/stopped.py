@@ -122,13 +122,4 @@ def _waits(operator):
 
 
 _CLASSES = (LEAFLIGHT_OT_stop_bake, LEAFLIGHT_OT_keep_bake, LEAFLIGHT_OT_throw_bake_away)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(_CLASSES)

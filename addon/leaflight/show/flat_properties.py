@@ -7,6 +7,7 @@ from bpy.props import BoolProperty, FloatProperty, IntProperty, PointerProperty,
 
 from .. import versions
 from . import graph_object
+from .properties import ERROR
 
 
 def _changed(settings, _context):
@@ -76,13 +77,7 @@ class LeaflightFlatSettings(bpy.types.PropertyGroup):
     error: FloatProperty(
         name="Error",
         description="The bake goes on until its error is this, in percent of the displayable range",
-        subtype="PERCENTAGE",
-        default=1.5,
-        min=0.01,
-        soft_min=0.2,
-        soft_max=10.0,
-        max=100.0,
-        precision=2,
+        **ERROR,
     )
     seed: IntProperty(name="Seed", description="Seed of the random numbers", min=0)
     bake_id: StringProperty(name="Bake Identifier")

@@ -44,6 +44,17 @@ QUALITY_ITEMS = [
     ("CUSTOM", "Custom", "The error that is set under Advanced"),
 ]
 
+# Of the property Error, in percent of the displayable range.
+ERROR = {
+    "subtype": "PERCENTAGE",
+    "default": QUALITIES["GOOD"],
+    "min": 0.01,
+    "soft_min": 0.2,
+    "soft_max": 10.0,
+    "max": 100.0,
+    "precision": 2,
+}
+
 # A library override may have other settings, and a bake of its own.
 _OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}
 _INSERTABLE = {"LIBRARY_OVERRIDABLE", "USE_INSERTION"}
@@ -269,13 +280,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         name="Error",
         description="The bake goes on until its error is this, in percent of the displayable "
         "range. Change it where Draft, Good and Final leave too much grain or take too long",
-        subtype="PERCENTAGE",
-        default=1.5,
-        min=0.01,
-        soft_min=0.2,
-        soft_max=10.0,
-        max=100.0,
-        precision=2,
+        **ERROR,
         override=_OVERRIDABLE,
     )
     use_time_limit: BoolProperty(
@@ -345,7 +350,7 @@ class LeaflightSettings(bpy.types.PropertyGroup):
     bake_id: StringProperty(name="Bake Identifier", override=_OVERRIDABLE)
     bake_home: StringProperty(name="Folder Where the Bake Was Last", override=_OVERRIDABLE)
     bake_values: StringProperty(name="Hash of the Values at the Bake", override=_OVERRIDABLE)
-    bake_source_stamp: StringProperty(name="Volume File at the Bake", override=_OVERRIDABLE)
+    bake_file_state: StringProperty(name="Volume File at the Bake", override=_OVERRIDABLE)
     bake_smooth: FloatProperty(name="Smoothing at the Bake", override=_OVERRIDABLE)
     bake_index: IntProperty(name="Place Among the Volumes Baked Together", override=_OVERRIDABLE)
     bake_low: FloatProperty(name="Lowest Isovalue of the Bake", override=_OVERRIDABLE)

@@ -295,13 +295,4 @@ def _use_camera(scene, isosurface, points):
 
 
 _CLASSES = (LEAFLIGHT_OT_stage, LEAFLIGHT_OT_frame_isosurface)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(_CLASSES)

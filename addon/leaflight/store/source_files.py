@@ -151,7 +151,7 @@ def changed_since_bake(obj):
     """Whether the volume's file holds other values than were baked; one that is gone does not."""
     settings = obj.leaflight
     now = file_state(settings) if settings.source else ""
-    if not now or now == settings.bake_source_stamp:
+    if not now or now == settings.bake_file_state:
         return False
     key = key_of(settings)
     if key not in _hashes:

@@ -148,13 +148,4 @@ _CLASSES = (
     LEAFLIGHT_OT_remove_isosurface,
     LEAFLIGHT_OT_add_clip_box,
 )
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(_CLASSES)

@@ -50,13 +50,4 @@ class LEAFLIGHT_PT_files(_AdvancedPanel, bpy.types.Panel):
 
 
 _CLASSES = (LEAFLIGHT_PT_advanced, LEAFLIGHT_PT_files)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(_CLASSES)

@@ -169,13 +169,4 @@ class LEAFLIGHT_PT_animation(VolumePanel, bpy.types.Panel):
 
 
 _CLASSES = (LEAFLIGHT_OT_animate, LEAFLIGHT_PT_animation)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(_CLASSES)

@@ -144,13 +144,4 @@ def _name_of_quality(settings):
 
 
 _CLASSES = (LEAFLIGHT_PT_bake, LEAFLIGHT_PT_bake_details)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(_CLASSES)

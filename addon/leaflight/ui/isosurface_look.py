@@ -18,7 +18,7 @@ def _items(looks):
     return [(key, look.name, look.text) for key, look in looks.items()]
 
 
-class LEAFLIGHT_OT_leaf_preset(checks.VolumeOperator, bpy.types.Operator):
+class LEAFLIGHT_OT_isosurface_preset(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.isosurface_preset"
     bl_label = "Look"
     bl_description = (
@@ -96,14 +96,5 @@ class LEAFLIGHT_OT_remove_stop(checks.VolumeOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-_CLASSES = (LEAFLIGHT_OT_leaf_preset, LEAFLIGHT_OT_add_stop, LEAFLIGHT_OT_remove_stop)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+_CLASSES = (LEAFLIGHT_OT_isosurface_preset, LEAFLIGHT_OT_add_stop, LEAFLIGHT_OT_remove_stop)
+register, unregister = bpy.utils.register_classes_factory(_CLASSES)

@@ -54,13 +54,4 @@ class LEAFLIGHT_PT_labels(VolumePanel, bpy.types.Panel):
 
 
 _CLASSES = (LEAFLIGHT_OT_add_scale_bar, LEAFLIGHT_OT_add_letters, LEAFLIGHT_PT_labels)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(_CLASSES)

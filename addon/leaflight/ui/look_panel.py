@@ -9,7 +9,7 @@ from . import isosurface_look
 from .sidebar import VolumePanel, sentence, split
 
 
-class LEAFLIGHT_PT_leaves(VolumePanel, bpy.types.Panel):
+class LEAFLIGHT_PT_isosurfaces(VolumePanel, bpy.types.Panel):
     bl_label = "Isosurfaces"
     bl_options = {"DEFAULT_CLOSED"}
 
@@ -19,7 +19,7 @@ class LEAFLIGHT_PT_leaves(VolumePanel, bpy.types.Panel):
         volume = active_volume(context)
         settings = volume.leaflight
         layout.operator_menu_enum(
-            isosurface_look.LEAFLIGHT_OT_leaf_preset.bl_idname, "preset", text="Look"
+            isosurface_look.LEAFLIGHT_OT_isosurface_preset.bl_idname, "preset", text="Look"
         )
         layout.prop(settings, "isosurface_scattering")
         if settings.isosurface_scattering == "GLASS":
@@ -68,14 +68,5 @@ class LEAFLIGHT_UL_stops(bpy.types.UIList):
         row.prop(item, "color", text="")
 
 
-_CLASSES = (LEAFLIGHT_UL_stops, LEAFLIGHT_PT_leaves)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+_CLASSES = (LEAFLIGHT_UL_stops, LEAFLIGHT_PT_isosurfaces)
+register, unregister = bpy.utils.register_classes_factory(_CLASSES)

@@ -12,7 +12,7 @@ namespace leaflight {
 
 enum class Scattering { diffuse, mirror, glass };
 
-// A mesh of the walls, alike on both sides. It stands in every isosurface: the thesis's prism over
+// A mesh of the walls, alike on both sides. It stands in every leaf: the thesis's prism over
 // the range of h (4.3.3).
 template <int D>
 struct Mesh {

@@ -140,7 +140,7 @@ Rgb PhotonMap<D>::irradiance(const Vec<D>& position, double c, bool above,
     for (const Neighbour& n : found) add(photons_[side.photon[n.number]]);
   };
   // Those whose offset along the isosurface and in the isovalue, scaled by kappa, is accepted. What
-  // the distance between the isosurfaces isosurfaces of an offset is its length along them; on
+  // the distance between the isosurfaces leaves of an offset is its length along them; on
   // curved isosurfaces the projection onto the tangent plane would be shorter, and count too many
   // (5 % too high on a sphere of radius 0.3 lit by 55,000 photons).
   const auto add_if = [&](auto accepts) {

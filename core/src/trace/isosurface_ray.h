@@ -8,7 +8,7 @@
 
 namespace leaflight {
 
-// A ray that stays in the isosurface of its isovalue (thesis Table 4.1), in index coordinates.
+// A ray that stays in the leaf of its isovalue (thesis Table 4.1), in index coordinates.
 template <int D>
 struct IsosurfaceRay {
   CellPoint<D> origin;  // ignored unless it starts on its isosurface

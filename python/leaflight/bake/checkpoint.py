@@ -2,7 +2,7 @@
 """What an interrupted bake in passes leaves, and goes on from with the same bits."""
 
 import json
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import leaflight._core as _core
@@ -40,7 +40,8 @@ class Checkpoint:
         arguments = {"checkpoint": (self.path, text, seconds)}
         if self.resume:
             left = _read(self.path)["provenance"]
-            if _without_sources(left) != _without_sources(provenance):
+            # The source of a volume may have other words now, such as a whole path.
+            if left.with_volumes(source="") != provenance.with_volumes(source=""):
                 raise LeaflightError(
                     f"{self.path}: this is the checkpoint of another bake, or the volume, the "
                     "scene or the program has changed since; bake anew."
@@ -59,12 +60,6 @@ class Checkpoint:
 def read_recipe(path):
     """The recipe of the bake that left a checkpoint. Raises LeaflightError."""
     return _read(path)["recipe"]
-
-
-def _without_sources(provenance):
-    """Where a volume came from may be said in other words now, such as by a whole path."""
-    volumes = tuple(replace(volume, source="") for volume in provenance.volumes)
-    return replace(provenance, volumes=volumes)
 
 
 def _read(path):

@@ -15,7 +15,7 @@ from ..io.scene_file import scene_to_json
 from ..volume.other_arrays import as_volumes
 from .bake import placed
 from .relit import can_be_relit
-from .provenance import values_sha256
+from .provenance import frozen, values_sha256
 
 # Texels of the maps that are made quickly, in those of the bake.
 _WIDER = 2
@@ -105,7 +105,7 @@ def _as_before(volume, baked):
 
 def _provenance(bake, volumes, description):
     records = tuple(
-        replace(record, index_to_world=tuple(map(tuple, volume.index_to_world.tolist())))
+        replace(record, index_to_world=frozen(volume.index_to_world.tolist()))
         for record, volume in zip(bake.provenance.volumes, volumes)
     )
     scene = scene_to_json(description)

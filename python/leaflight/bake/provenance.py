@@ -4,6 +4,7 @@
 import hashlib
 import json
 from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import leaflight._core as _core
@@ -64,7 +65,7 @@ class Provenance:
     lamps: tuple | None = None
     leaflight_version: str = __version__
 
-    @property
+    @cached_property
     def id(self):
         """Tells bakes apart, 32 digits."""
         return hashlib.sha256(self.to_json().encode()).hexdigest()[:32]
@@ -84,16 +85,17 @@ class Provenance:
         )
         return replace(self, volumes=volumes, passes=passes, blocks=blocks, continued=continued)
 
+    def with_volumes(self, **changes):
+        """The same with these fields in the record of each volume."""
+        return replace(self, volumes=tuple(replace(one, **changes) for one in self.volumes))
+
     def alike(self, other):
         """Whether it is of the same bake but for how far that came and where its volumes lie."""
         return self._asked() == other._asked()
 
     def _asked(self):
-        volumes = tuple(
-            replace(volume, name="", source="", resolution=(), map_resolution=())
-            for volume in self.volumes
-        )
-        return replace(self, volumes=volumes, passes=0, blocks=0, continued="")
+        asked = self.with_volumes(name="", source="", resolution=(), map_resolution=())
+        return replace(asked, passes=0, blocks=0, continued="")
 
 
 def provenance_of(volumes, description, window, settings, fixed=None):
@@ -106,7 +108,7 @@ def provenance_of(volumes, description, window, settings, fixed=None):
             volume.name,
             volume.source,
             values_sha256(volume),
-            _frozen(np.asarray(volume.index_to_world, np.float64).tolist()),
+            frozen(np.asarray(volume.index_to_world, np.float64).tolist()),
             volume.unit,
             look.capped,
             volume.patient,
@@ -122,13 +124,13 @@ def provenance_of(volumes, description, window, settings, fixed=None):
         walls=settings.walls,
         error=settings.error if fixed is None else None,
         asked_resolution=tuple(settings.resolution) if fixed is None else (),
-        fixed=_frozen(fixed),
+        fixed=frozen(fixed),
     )
 
 
 def provenance_from_json(text):
     """The Provenance of a to_json(). Raises KeyError, TypeError, ValueError for any other text."""
-    record = _frozen(json.loads(text))
+    record = frozen(json.loads(text))
     volumes = tuple(VolumeRecord(**volume) for volume in record.pop("volumes"))
     found = Provenance(volumes=volumes, **record)
     texts = [found.scene, found.continued, found.leaflight_version]
@@ -145,11 +147,11 @@ def provenance_from_json(text):
     return found
 
 
-def _frozen(value):
+def frozen(value):
     """With tuples in the place of lists, at any depth."""
     if isinstance(value, dict):
-        return {key: _frozen(each) for key, each in value.items()}
-    return tuple(map(_frozen, value)) if isinstance(value, (list, tuple)) else value
+        return {key: frozen(each) for key, each in value.items()}
+    return tuple(map(frozen, value)) if isinstance(value, (list, tuple)) else value
 
 
 def read_bake_id(path):

@@ -15,6 +15,7 @@ import numpy as np
 
 from .._core import LeaflightError
 from ..scene.scene import AreaLight, PointLight, is_color
+from .provenance import frozen
 
 
 def relit(bake, lamps):
@@ -48,7 +49,7 @@ def relit(bake, lamps):
         scene=replace(original.scene, lights=lights),
         grids=grids,
         walls=walls,
-        provenance=replace(original.provenance, lamps=tuple(map(tuple, factors))),
+        provenance=replace(original.provenance, lamps=frozen(factors)),
         original=original,
         factors=factors,
     )

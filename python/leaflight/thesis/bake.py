@@ -12,12 +12,7 @@ from ..progress_bar import with_progress
 from ..scene.scene import core_scene
 from .settings import FixedSamples
 
-ERRORS = (
-    "estimated_error_percent",
-    "estimated_noise_percent",
-    "worst_error_percent",
-    "worst_isovalue",
-)
+MEASURED = ("seconds", "rays", "texels", "peak_memory_bytes", "skipped_passes")
 
 
 @with_progress("bake")
@@ -70,6 +65,5 @@ def bake(
 
 def fixed_statistics(baked, noise=None):
     """The Statistics of a bake that has no passes, and estimates no error."""
-    nothing = dict.fromkeys(ERRORS)
-    record = {**baked.statistics, **nothing, "passes": 0, "blocks": 0, "stopped": False}
-    return statistics_of({**record, "estimated_rms_percent": noise})
+    known = {name: baked.statistics[name] for name in MEASURED}
+    return statistics_of({**known, "estimated_rms_percent": noise})
