@@ -49,10 +49,10 @@ def still(scan, out, options):
     if isovalue is None:
         isovalue = volume.leaflight.isovalue
     blender.stage(volume)
-    # One isosurface: a narrow window of isovalues is baked faster.
+    # One isosurface: a narrow isovalue range is baked faster.
     spread = 0.02 * (volume.leaflight.high - volume.leaflight.low)
-    window = (isovalue - spread, isovalue + spread)
-    blender.bake(volume, window, error=options.error, time_limit=options.time)
+    isovalue_range = (isovalue - spread, isovalue + spread)
+    blender.bake(volume, isovalue_range, error=options.error, time_limit=options.time)
     blender.show(volume, isovalue)
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"

@@ -23,7 +23,7 @@ def main():
     low, high = options.isovalues or (volume.leaflight.low, volume.leaflight.high)
     blender.stage(volume)
     print("Baked into", blender.bake(volume, (low, high), error=options.error))
-    # The very ends of the window are the last specks of the volume.
+    # The very ends of the isovalue range are the last specks of the volume.
     isovalues = np.linspace(low, high, options.frames + 2)[1:-1]
     blender.animate(volume, isovalues)
     render(options.out, options.size, options.samples)

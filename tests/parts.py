@@ -87,8 +87,8 @@ LONG_PARTS = (
     Part("faults", "validation/faults --seed 1 {select}", "--tries 20"),
     Part("races", "validation/races {select}"),
     Part("mutations", "validation/mutations {select}"),
-    Part("cycles", "scripts/leaflight report --cycles --quick --out build/test/cycles {select}"),
-    Part("tables", "scripts/leaflight report --tables --quick --out build/test/tables {select}"),
+    Part("cycles", "validation/report --cycles --quick --out build/test/cycles {select}"),
+    Part("tables", "validation/report --tables --quick --out build/test/tables {select}"),
 )
 
 # Before a release; 5.2 compiles Python 3.13 (scripts/python3.13), 5.2-window fetches a Debian sid.

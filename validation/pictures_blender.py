@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 SIZE = 360
-SHARES = (0.25, 0.5, 0.75)  # of the baked window
+SHARES = (0.25, 0.5, 0.75)  # of the baked isovalue range
 
 
 def main():

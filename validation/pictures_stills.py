@@ -20,14 +20,15 @@ SWEEP_FRAMES, SWEEP_MILLISECONDS = 48, 90
 
 @dataclass(frozen=True)
 class Still:
-    """window, isovalue: in data units; color: the albedo; turn: degrees around the vertical; zoom:
-    how much narrower the camera's angle is than the stage's; lights_stage: whether the bake lights
-    the stage, too, or Cycles does, by so many samples.
+    """isovalue_range, isovalue: in data units; color: the albedo; turn: degrees about the vertical.
+
+    zoom: how much narrower the camera's angle is than the stage's; lights_stage: whether the bake
+    lights the stage, too, or Cycles does, by so many samples.
     """
 
     path: Path
     preset: str
-    window: tuple
+    isovalue_range: tuple
     isovalue: float
     color: tuple
     turn: float = 0.0
@@ -97,7 +98,7 @@ def render_still(still, folder, picture):
     bpy.context.scene.camera.data.angle /= still.zoom
     settings = {"error": ERROR, "bake_folder": str(folder)}
     settings["light_walls"] = still.lights_stage
-    blender.bake(volume, isovalues=still.window, **settings)
+    blender.bake(volume, isovalues=still.isovalue_range, **settings)
     blender.show(volume, still.isovalue)
     rendered = folder / f"{picture.stem}.png"
     render(STILL_SIZE, still.samples, rendered)

@@ -6,11 +6,12 @@
 
 namespace leaflight::bench {
 
-// The bump box with n^3 nodes on the unit cube, nothing around it; all isovalues are in the window.
+// The bump box with n^3 nodes on the unit cube, nothing around it; all isovalues are in the
+// isovalue range.
 inline Scene<3> bump_box_scene(int n) {
   Field<3> field = test::field_from<3>(bump_box<3>(n), {n, n, n}, test::unit_cube<3>(n));
-  const IsovalueWindow window{field.min, field.max};
-  return test::scene_of<3>(std::move(field), Rgb(0.75), window);
+  const IsovalueRange isovalue_range{field.min, field.max};
+  return test::scene_of<3>(std::move(field), Rgb(0.75), isovalue_range);
 }
 
 // Index positions that fill the box of a field evenly, always the same.

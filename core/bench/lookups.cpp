@@ -13,7 +13,8 @@ void lookup(benchmark::State& state) {
   const Scene<3> scene = bench::bump_box_scene(static_cast<int>(state.range(0)));
   const Field<3>& field = test::field_of(scene);
   RadianceGrid<3> grid;
-  grid.lattice = make_lattice<3>(field, field.dims, scene.window.min, scene.window.max);
+  grid.lattice =
+      make_lattice<3>(field, field.dims, scene.isovalue_range.min, scene.isovalue_range.max);
   grid.radiance.assign(grid.lattice.active.size(), Vec<3, float>(0.5f));
   const std::vector<Vec3> positions = bench::random_positions(field, 1 << 16);
   std::size_t i = 0;

@@ -12,8 +12,8 @@ void make_lattice(benchmark::State& state) {
   const Scene<3> scene = bench::bump_box_scene(static_cast<int>(state.range(0)));
   const Field<3>& field = test::field_of(scene);
   for (auto _ : state) {
-    benchmark::DoNotOptimize(
-        leaflight::make_lattice<3>(field, field.dims, scene.window.min, scene.window.max));
+    benchmark::DoNotOptimize(leaflight::make_lattice<3>(field, field.dims, scene.isovalue_range.min,
+                                                        scene.isovalue_range.max));
   }
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(field.voxels()));
 }

@@ -97,7 +97,8 @@ void bind_baking(py::module_& module, const std::string& suffix) {
       py::arg("scene"), py::arg("settings"), py::arg("progress"), py::arg("on_pass") = py::none(),
       py::arg("previous") = py::none(), py::arg("checkpoint") = py::none(),
       py::arg("resumed") = py::none(), py::arg("workers") = py::none(),
-      "Lights all isosurfaces of the scene's window. `on_pass` is given what is baked after each\n"
+      "Lights all isosurfaces of the scene's isovalue range. `on_pass` is given what is baked "
+      "after each\n"
       "pass but the last, from the thread that bakes. `previous`: (grids, passes, blocks) of a\n"
       "bake to go on with. `checkpoint`: (file, text, seconds): the bake leaves\n"
       "its state there, with the text, so many seconds apart. `resumed`: such a file, of a bake "

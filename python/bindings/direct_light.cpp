@@ -75,17 +75,17 @@ void bind_direct_light(py::module_& module) {
           "its position in the frame and 1, or the direction to light from afar and 0;\n"
           "the normal along which it shines and 1, or 2 for both ways, or 0 for all directions;\n"
           "linear RGB irradiance [W/m^2] of a surface that faces it at distance 1 in the frame,\n"
-          "and how wide the indirect edge of its cone is, in cosines;\n"
+          "and how wide the soft edge of its cone is, in cosines;\n"
           "the axis of the cone and the cosine at which it ends, -2 for none.")
       .def_property_readonly(
           "index_to_frame", [](const Direct& d) { return from_affine(d.index_to_frame()); },
           "float64 (4, 4): the frame is the world, moved and scaled uniformly.")
       .def_property_readonly("has_back", &Direct::has_back, "Whether backs have maps.")
       .def("codes", &codes, py::arg("point"), py::arg("back") = false,
-           "uint8 (n,) of the active texels, in the order of mask(), for a light point. A "
+           "uint8 (n,) of the active texels, in the order of mask(), for a light point. An "
            "isosurface is\n"
            "lit at a texel if the code of its isovalue h is greater: 1 + 252 (h - lo) / (hi - lo)\n"
-           "within the window (lo, hi). 255 is behind a mesh. back: of backs, whose codes\n"
+           "within the isovalue range (lo, hi). 255 is behind a mesh. back: of backs, whose codes\n"
            "begin at hi.")
       .def(
           "mask", [](const Direct& d) { return active_mask(d.lattice()); },

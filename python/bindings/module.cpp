@@ -50,13 +50,13 @@ PYBIND11_MODULE(_core, module) {
            "A bake in passes ends after the pass under way, with what it has.")
       .def_property_readonly("stopped", &Progress::stopped);
 
-  python::bind_memory(module);
   python::bind_field(module);
   python::bind_scene(module);
   python::bind_direct_light(module);
   python::bind_radiance_grid(module);
   python::bind_walls(module);
   python::bind_bake(module);
+  python::bind_memory(module);
   python::bind_thesis(module);
   python::bind_workers(module);
   python::bind_photons(module);

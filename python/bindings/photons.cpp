@@ -25,7 +25,7 @@ py::tuple photon_points(const Scene<D>& scene, std::uint64_t count, std::uint64_
     watched.begin("Tracing photons");
     for (const auto& photon : collect_photons(tracer, lights, seed, count, watched, rays)) {
       positions.push_back(Vec<D>(photon.position) / tracer.frame().scale + tracer.frame().centre);
-      flux.emplace_back(photon.flux_height * static_cast<Real>(scene.window.height()));
+      flux.emplace_back(photon.flux_height * static_cast<Real>(scene.isovalue_range.height()));
       c.push_back(static_cast<float>(photon.c));
       direct.push_back(photon.direct);
     }
@@ -49,7 +49,7 @@ py::dict photon_balance(const Scene<D>& scene, std::uint64_t count, std::uint64_
         &balance);
   }
   const auto triple = [&](const Imath::V3d& v) {
-    const Imath::V3d flux_height = v * scene.window.height();
+    const Imath::V3d flux_height = v * scene.isovalue_range.height();
     return std::array<double, 3>{flux_height.x, flux_height.y, flux_height.z};
   };
   py::dict result;

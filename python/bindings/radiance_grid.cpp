@@ -163,7 +163,7 @@ void bind_grid(py::module_& module, const std::string& suffix) {
   using Grid = GridObject<D>;
   py::class_<Grid, std::shared_ptr<Grid>> grid(
       module, ("RadianceGrid" + suffix).c_str(),
-      "The radiance [W/(m^2 sr)] of every isosurface of one volume within a window.");
+      "The radiance [W/(m^2 sr)] of every isosurface of one volume within an isovalue range.");
   grid.def_property_readonly("resolution",
                              [](const Grid& g) { return g.baked->lattice.resolution; })
       .def_property_readonly(

@@ -67,9 +67,10 @@ template <int D>
 Mesh<D> make_mesh(const std::string& name, const Array<float>& vertices,
                   const Array<std::uint32_t>& facets, const Tuple<3>& albedo,
                   const std::string& scattering, double ior, const Tuple<3>& emission,
-                  std::shared_ptr<Texture> texture, const std::optional<Array<float>>& uv) {
+                  const std::optional<std::shared_ptr<Texture>>& texture,
+                  const std::optional<Array<float>>& uv) {
   const std::string of = "the mesh '" + name + "'";
-  if (uv.has_value() != (texture != nullptr)) {
+  if (uv.has_value() != texture.has_value()) {
     throw Error(uv ? "There are texture coordinates but no texture for " + of + "; give both."
                    : "There is a texture but no texture coordinates for " + of +
                          "; unwrap the mesh.");
@@ -83,7 +84,7 @@ Mesh<D> make_mesh(const std::string& name, const Array<float>& vertices,
   mesh.scattering = scattering_from(scattering, of);
   mesh.ior = ior;
   mesh.emission = to_color(emission);
-  mesh.texture = std::move(texture);
+  if (texture) mesh.texture = *texture;
   if (uv) mesh.uv = to_elements<typename Mesh<D>::FacetUv>(*uv, {D, 2}, "uv of " + of);
   return mesh;
 }
@@ -143,8 +144,8 @@ Volume<D> make_volume(const std::string& name, const Field<D>& field, const Stop
 
 template <int D>
 Scene<D> make_scene(std::vector<Volume<D>> volumes, std::vector<Mesh<D>> meshes,
-                    std::vector<Light<D>> lights, std::optional<Environment<D>> environment,
-                    std::pair<double, double> isovalues) {
+                    std::vector<Light<D>> lights, std::pair<double, double> isovalues,
+                    std::optional<Environment<D>> environment) {
   Scene<D> scene{std::move(volumes),
                  std::move(meshes),
                  std::move(lights),
@@ -199,7 +200,7 @@ void bind_lights(py::module_& module, const std::string& suffix) {
           py::arg("intensity"), py::arg("axis") = py::none(), py::arg("angle") = 0.0,
           py::arg("blend") = 0.0, py::arg("cosine_falloff") = false,
           "position: world; intensity: linear RGB, W/sr; axis: unit, of a spot's cone; angle: its\n"
-          "opening in radians; blend: the indirect part of the cone, 0..1.")
+          "opening in radians; blend: the soft part of the cone, 0..1.")
       .def_readonly("name", &PointLight<D>::name);
 
   py::class_<SunLight<D>>(module, ("SunLight" + suffix).c_str(), "Parallel light.")
@@ -254,7 +255,7 @@ void bind_objects(py::module_& module, const std::string& suffix) {
                        "Volumes, what surrounds them, and the common isovalues to light.")
       .def(
           py::init(&make_scene<D>), py::arg("volumes"), py::arg("meshes"), py::arg("lights"),
-          py::arg("environment") = py::none(), py::arg("isovalues"),
+          py::arg("isovalues"), py::arg("environment") = py::none(),
           "isovalues: (low, high) of the common isovalue. Raises LeaflightError naming the object\n"
           "that is wrong.");
 }

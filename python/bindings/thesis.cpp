@@ -65,18 +65,19 @@ void bind_fixed_samples(py::module_& module, const std::string& suffix) {
           "slabs, regular; `isovalues` of level_set: how many, or which) and interpolated "
           "(shepard,\n"
           "tent, box) into texels up to `radius` away, instead of samples in each texel.");
-  module.def(("bake_with_fixed_samples" + suffix).c_str(),
-             [](const Scene<D>& scene, const Settings& settings, Progress& progress) {
-               Baked<D> baked;
-               {
-                 const py::gil_scoped_release unlocked;
-                 baked = bake_with_fixed_samples(scene, settings, progress);
-               }
-               return BakedObjects<D>(std::move(baked));
-             },
-             py::arg("scene"), py::arg("settings"), py::arg("progress"),
-             "Lights all isosurfaces of the scene's window by a fixed number of samples. Raises\n"
-             "LeaflightError, or Cancelled.");
+  module.def(
+      ("bake_with_fixed_samples" + suffix).c_str(),
+      [](const Scene<D>& scene, const Settings& settings, Progress& progress) {
+        Baked<D> baked;
+        {
+          const py::gil_scoped_release unlocked;
+          baked = bake_with_fixed_samples(scene, settings, progress);
+        }
+        return BakedObjects<D>(std::move(baked));
+      },
+      py::arg("scene"), py::arg("settings"), py::arg("progress"),
+      "Lights all isosurfaces of the scene's isovalue range by a fixed number of samples. Raises\n"
+      "LeaflightError, or Cancelled.");
 }
 
 }  // namespace

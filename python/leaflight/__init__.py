@@ -30,7 +30,7 @@ from .version import __version__
 from .volume.memory import limit_memory
 from .volume.other_arrays import as_volume
 from .volume.particles import lapr, neuron, nucleons
-from .volume.volume import Volume, bump_box, default_isovalue, default_window
+from .volume.volume import Volume, bump_box, default_isovalue, default_isovalue_range
 
 __all__ = [
     "Bake",
@@ -48,7 +48,7 @@ __all__ = [
     "compare",
     "cornell_box",
     "default_isovalue",
-    "default_window",
+    "default_isovalue_range",
     "estimate",
     "export",
     "export_page",

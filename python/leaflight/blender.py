@@ -53,7 +53,7 @@ def stage(obj, preset="STUDIO", **options):
 
 
 def bake(obj, isovalues=None, **settings):
-    """Lights every isosurface of a window at once, of all volumes that render.
+    """Lights every isosurface of an isovalue range at once, of all volumes that render.
 
     isovalues: (lowest, highest), in data units; None leaves what is set. settings: attributes of
         obj.leaflight that the panel shows, such as error (percent), time_limit (seconds),

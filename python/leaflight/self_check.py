@@ -135,7 +135,7 @@ def check_rays(numpy, core):
         "ceiling", corners, numpy.array([[0, 1, 2]], dtype=numpy.int32), (0.5, 0.5, 0.5)
     )
     sky = core.Environment("sky", (1.0, 1.0, 1.0))
-    scene = core.Scene([volume], [ceiling], [], sky, isovalues=(0.0, 2.0))
+    scene = core.Scene([volume], [ceiling], [], (0.0, 2.0), sky)
     for origin, kind, z in (((0.9, 1.2, -1.0), "isosurface", 1.25), ((0.9, 1.2, 1.5), "walls", 3)):
         met, point = core.trace(scene, origin, (0.0, 0.0, 1.0), 1.25)
         if met != kind or not numpy.allclose(point, (*origin[:2], z), rtol=0, atol=1e-5):

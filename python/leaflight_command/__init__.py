@@ -12,10 +12,13 @@ from .parser import make_parser
 from .shared_options import UsageError
 
 
-def main(arguments=None):
-    """Runs one command; returns the exit status."""
+def main(arguments=None, parser=make_parser, command=None):
+    """Runs one command; returns the exit status.
+
+    parser, command: of a program beside `leaflight`, see leaflight.cli.run.
+    """
     try:
-        options = make_parser().parse_args(arguments)
+        options = parser().parse_args(arguments)
         from leaflight.cli import run
     except KeyboardInterrupt:
         return 130
@@ -24,12 +27,12 @@ def main(arguments=None):
         if sys.stderr is not None:
             print(f"leaflight: {why}", file=sys.stderr)
         return 2
-    return run(options)
+    return run(options, command)
 
 
-def program():
+def program(parser=make_parser, command=None):
     """Runs the command of the program's arguments and ends it with its exit status."""
-    status = main()
-    # What was done is done and told: Ctrl-C while Python takes its leave changes nothing.
+    status = main(None, parser, command)
+    # The work is done and reported: Ctrl-C while Python ends changes nothing.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     sys.exit(status)

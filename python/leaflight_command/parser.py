@@ -278,48 +278,6 @@ def _add_flatland(subparsers):
     resolution_options(parser)
 
 
-def _add_report(subparsers):
-    parser = subparsers.add_parser(
-        "report",
-        parents=[threads_options()],
-        help="measure errors and seconds, and write a report of them",
-    )
-    alone = parser.add_mutually_exclusive_group()
-    alone.add_argument(
-        "--tables", action="store_true", help="Tables 3.1 and 4.2 and Fig. 4.9 of the thesis alone"
-    )
-    alone.add_argument("--cycles", action="store_true", help="bakes against Cycles alone")
-    parser.add_argument(
-        "--quick", action="store_true", help="less of everything: ten minutes, not hours"
-    )
-    parser.add_argument(
-        "--out", default="report", metavar="DIR", help="folder to write into (report)"
-    )
-    parser.add_argument(
-        "--data", metavar="DIR", help="folder of real data sets, which are left out without it"
-    )
-
-
-def _add_bench(subparsers):
-    parser = subparsers.add_parser(
-        "bench",
-        parents=[threads_options()],
-        help="measure how fast bakes are, with Cycles beside them",
-    )
-    parser.add_argument(
-        "what",
-        choices=("bake", "scale", "rays", "scrub"),
-        help="bake: against Cycles to the same error; scale: by size and threads; rays: against "
-        "Embree; scrub: isovalues against VTK, and in Blender",
-    )
-    parser.add_argument("--quick", action="store_true", help="tiny, to see that it works")
-    parser.add_argument(
-        "--data", metavar="DIR", help="folder of real volumes, which are left out without it"
-    )
-    parser.add_argument("--only", metavar="TEXT", help="bakes with this in their name")
-    parser.add_argument("--out", metavar="FILE.md", help="document to write the tables into")
-
-
 _COMMANDS = (
     _add_info,
     _add_bake,
@@ -330,6 +288,4 @@ _COMMANDS = (
     _add_photons,
     _add_compare,
     _add_flatland,
-    _add_report,
-    _add_bench,
 )

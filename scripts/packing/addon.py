@@ -43,7 +43,7 @@ def extension(own):
     _copy_addon(folder)
     (folder / "wheels").mkdir()
     tags = sorted(path.name.split("-")[2] for path in own)
-    shipped = [*map(wheels.slim, own), *reader_wheels(tags)]
+    shipped = [*own, *reader_wheels(tags)]
     for path in shipped:
         shutil.copyfile(path, folder / "wheels" / path.name)
     manifest = folder / "blender_manifest.toml"
@@ -95,7 +95,7 @@ def legacy(own):
         for path in _addon_files():
             archive.write(path, f"leaflight_addon/{path.relative_to(ADDON).as_posix()}")
         archive.write(ROOT / "LICENSE", "leaflight_addon/LICENSE")
-        for path in [*map(wheels.slim, own), *reader_wheels(tags)]:
+        for path in [*own, *reader_wheels(tags)]:
             with zipfile.ZipFile(path) as wheel:
                 for name in wheel.namelist():
                     archive.writestr(f"modules/{name}", wheel.read(name))

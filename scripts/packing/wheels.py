@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The wheels of the package, the slim ones for the add-on, and the sdist."""
+"""The wheels of the package, and the sdist."""
 
 import json
 import re
@@ -7,14 +7,11 @@ import shutil
 from pathlib import Path
 
 from .private_libraries import make_private
-from .tools import OUT, ROOT, VENV, PackageError, digest, environment, run, version
+from .tools import OUT, ROOT, VENV, PackageError, digest, environment, run
 
 WORK = OUT / "work"
 # The recipe is part of what a finished wheel depends on.
 _RECIPE = sorted(Path(__file__).parent.glob("*.py"))
-# What a built wheel says of its slim form: some rooms are for the command line.
-SLIM_BUILD = "1slim"
-TOOLS = ("report", "bench")
 
 
 def wheel(python):
@@ -88,28 +85,10 @@ def unpack(path, folder):
     return unpacked
 
 
-def pack(folder, out, *options):
+def pack(folder, out):
     """The wheel of an unpacked one, with a new RECORD."""
-    text = run("wheel", "pack", "--dest-dir", out, *options, folder)
+    text = run("wheel", "pack", "--dest-dir", out, folder)
     return out / re.search(r"/([^/]+\.whl)\.\.\.OK", text)[1]
-
-
-def slim(path):
-    """The wheel without TOOLS, for Blender; it has a build tag to tell it from the whole."""
-    folder = WORK / "slim"
-    folder.mkdir(parents=True, exist_ok=True)
-    name = path.name.replace(f"-{version()}-", f"-{version()}-{SLIM_BUILD}-")
-    target, stamp = folder / name, folder / f"{name}.stamp"
-    wanted = digest(path, *_RECIPE)
-    if not target.exists() or not stamp.exists() or stamp.read_text() != wanted:
-        unpacked = unpack(path, WORK / "slim-unpacked")
-        for room in TOOLS:
-            shutil.rmtree(unpacked / "leaflight" / room)
-        made = pack(unpacked, folder, "--build-number", SLIM_BUILD)
-        if made != target:
-            raise PackageError(f"The slim wheel is named {made.name}, not {name}; look into it.")
-        stamp.write_text(wanted)
-    return target
 
 
 def sdist():

@@ -10,7 +10,7 @@ from pathlib import Path
 import leaflight
 import numpy as np
 import pytest
-from leaflight.measure.volume_recipes import COLIN27
+from volume_recipes import COLIN27
 
 SCRIPT = Path(__file__).resolve().parent / "window" / "drag_isovalue.py"
 

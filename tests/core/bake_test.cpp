@@ -80,10 +80,10 @@ TEST(Bake, RefusesBadScenes) {
   scene.meshes[0].facets[0][0] = 99;
   EXPECT_NE(message(scene).find("vertex 99"), std::string::npos);
   scene = small_scene();
-  scene.window = {0.9, 0.6};
+  scene.isovalue_range = {0.9, 0.6};
   EXPECT_NE(message(scene).find("is empty"), std::string::npos);
   scene = small_scene();
-  scene.window = {2, 3};
+  scene.isovalue_range = {2, 3};
   EXPECT_NE(message(scene).find("outside the data"), std::string::npos);
   scene = small_scene();
   scene.meshes[0].facets.clear();

@@ -64,7 +64,7 @@ test::Agreement against_rays(const Scene<D>& scene, bool back) {
     const CellPoint<D> at = locate(field, position);
     const double h = interpolate(load_corners(field, at.cell), at.local);
     const double c = scene.volumes[0].common_isovalue(h);
-    if (!scene.window.contains(c)) continue;
+    if (!scene.isovalue_range.contains(c)) continue;
     const SurfacePoint<D> point = tracer.isosurface_point(0, at, c, back);
     if (point.kind() == HitKind::none) continue;
     double truth = 0;
@@ -92,8 +92,8 @@ test::Agreement against_rays(const Scene<D>& scene, bool back) {
 }
 
 template <int D>
-Scene<D> lit(Field<D> field, const IsovalueWindow& window, const Light<D>& light) {
-  Scene<D> scene = test::scene_of(std::move(field), Rgb(0.8f, 0.6f, 0.4f), window);
+Scene<D> lit(Field<D> field, const IsovalueRange& isovalue_range, const Light<D>& light) {
+  Scene<D> scene = test::scene_of(std::move(field), Rgb(0.8f, 0.6f, 0.4f), isovalue_range);
   scene.lights.push_back(light);
   return scene;
 }
@@ -108,16 +108,18 @@ void expect_shadows(const char* name, const Scene<D>& scene, bool back = false,
 
 template <int D>
 void expect_shadows_of_all_lights(int n) {
-  const IsovalueWindow window{0.2, 0.9};
-  expect_shadows<D>("above", lit<D>(bumps<D>(n), window, lamp_above<D>()));
-  expect_shadows<D>("beside", lit<D>(bumps<D>(n), window, point_light<D>(along_all<D>(-0.4, 0.9))));
-  expect_shadows<D>("within", lit<D>(bumps<D>(n), window, point_light<D>(along_all<D>(0.9, 0.15))));
+  const IsovalueRange isovalue_range{0.2, 0.9};
+  expect_shadows<D>("above", lit<D>(bumps<D>(n), isovalue_range, lamp_above<D>()));
+  expect_shadows<D>("beside",
+                    lit<D>(bumps<D>(n), isovalue_range, point_light<D>(along_all<D>(-0.4, 0.9))));
+  expect_shadows<D>("within",
+                    lit<D>(bumps<D>(n), isovalue_range, point_light<D>(along_all<D>(0.9, 0.15))));
   Vec<D> oblique = along_all<D>(0.8, 0.3);
   oblique[D - 1] = -1;
-  expect_shadows<D>(
-      "sun", lit<D>(bumps<D>(n), window, SunLight<D>{"sun", oblique.normalized(), Rgb(1.0f)}));
-  expect_shadows<D>("sun along an axis",
-                    lit<D>(bumps<D>(n), window, SunLight<D>{"sun", along_all<D>(-1, 0), Rgb(1)}));
+  expect_shadows<D>("sun", lit<D>(bumps<D>(n), isovalue_range,
+                                  SunLight<D>{"sun", oblique.normalized(), Rgb(1.0f)}));
+  expect_shadows<D>("sun along an axis", lit<D>(bumps<D>(n), isovalue_range,
+                                                SunLight<D>{"sun", along_all<D>(-1, 0), Rgb(1)}));
 }
 
 TEST(DirectLightOfIsosurfaces, HasTheShadowsOfRays) { expect_shadows_of_all_lights<3>(41); }

@@ -16,10 +16,10 @@ Progress ignored;
 struct Filtering {
   Scene<3> scene;
   SceneTracer<3> tracer{scene};
-  EmptySpace<3> empty{scene.volumes[0].field, scene.window.min};
+  EmptySpace<3> empty{scene.volumes[0].field, scene.isovalue_range.min};
   LineVolume<3> volume{tracer, 0, empty};
   IndexedLattice<3> texels{make_lattice(scene.volumes[0].field, scene.volumes[0].field.dims,
-                                        scene.window.min, scene.window.max)};
+                                        scene.isovalue_range.min, scene.isovalue_range.max)};
 
   // The RMS error of the mean over the channels before and after, what variances say of the latter,
   // the share of texels that are within 1.96 standard errors of the truth, and the mean error.

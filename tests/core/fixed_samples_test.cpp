@@ -104,7 +104,7 @@ TEST(Plan, SaysWhatItSkipsAndWhy) {
 
 TEST(Plan, InnerSideIsNeededWhereAIsosurfaceIsOpen) {
   Scene<3> open = small_scene();
-  open.window = {0.1, 0.9};  // the lowest isosurfaces meet the border of the domain
+  open.isovalue_range = {0.1, 0.9};  // the lowest isosurfaces meet the border of the domain
   EXPECT_TRUE(plan_for(open, EstimatorName::gather).back_side);
   Scene<3> lit_inside = small_scene();
   lit_inside.lights.push_back(

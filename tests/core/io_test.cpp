@@ -255,10 +255,11 @@ TEST_F(Files, ExrTakesNoMemoryForRowsThatItDoesNotHave) {
   const std::vector<float> pixels(12 * 9 * 3, 1.0f);
   write_exr(path("i.exr"), pixels.data(), 12, 9, 3);
   std::string bytes = content("i.exr");
-  const auto window = [](std::array<std::int32_t, 4> box) {
+  const auto isovalue_range = [](std::array<std::int32_t, 4> box) {
     return std::string(reinterpret_cast<const char*>(box.data()), sizeof box);
   };
-  const std::string small = window({0, 0, 11, 8}), large = window({0, 0, 11'999, 15'999});
+  const std::string small = isovalue_range({0, 0, 11, 8}),
+                    large = isovalue_range({0, 0, 11'999, 15'999});
   for (std::size_t at; (at = bytes.find(small)) != bytes.npos;) bytes.replace(at, 16, large);
   // Room for the places of so many rows.
   write("j.exr", bytes + std::string(9000, '\0'));

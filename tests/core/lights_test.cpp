@@ -140,7 +140,7 @@ TEST(Lights, EnvironmentImageIntegratesToItsIrradiance) {
 
 TEST(Lights, ConstantEnvironmentIsAFurnace) {
   Scene<3> scene =
-      test::scene_of(test::ball<3>(33), Rgb(0.5f, 0.7f, 0.9f), IsovalueWindow{0.55, 0.9});
+      test::scene_of(test::ball<3>(33), Rgb(0.5f, 0.7f, 0.9f), IsovalueRange{0.55, 0.9});
   scene.environment = Environment<3>{};
   scene.environment->radiance = Rgb(2);
   FixedSettings<3> settings;
@@ -163,7 +163,7 @@ void expect_photons_agree(const Scene<D>& scene) {
       tracer, lights, PhotonPaths::all, 1, 0, count, count, [&](const PhotonHit<D>& photon) {
         if (photon.arrival == Arrival::direct && photon.point.kind() == HitKind::isosurface &&
             !photon.point.isosurface().above) {
-          const double flux = average(photon.flux_height) * scene.window.height();
+          const double flux = average(photon.flux_height) * scene.isovalue_range.height();
           landed += flux;
           landed2 += flux * flux;
         }
@@ -184,7 +184,7 @@ void expect_photons_agree(const Scene<D>& scene) {
     }
     const CellPoint<D> at = locate(volume.field, position);
     const double h = interpolate(load_corners(volume.field, at.cell), at.local);
-    if (!scene.window.contains(h)) continue;
+    if (!scene.isovalue_range.contains(h)) continue;
     const SurfacePoint<D> point = tracer.isosurface_point(0, at, h, false);
     if (point.kind() == HitKind::none) continue;
     const double choice = random.uniform(), u = random.uniform();
@@ -200,7 +200,7 @@ void expect_photons_agree(const Scene<D>& scene) {
 }
 
 TEST(Lights, PhotonsAgreeWithShadowRays) {
-  const Scene<3> empty = test::scene_of(test::ball<3>(33), Rgb(1), IsovalueWindow{0.55, 0.9});
+  const Scene<3> empty = test::scene_of(test::ball<3>(33), Rgb(1), IsovalueRange{0.55, 0.9});
   std::vector<Scene<3>> scenes(8, empty);
   scenes[0].lights = {PointLight<3>{"bulb", {0.5, 0.2, 1.2}, 0, Rgb(1), {}}};
   scenes[1].lights = {PointLight<3>{"ball", {0.5, 0.2, 1.2}, 0.2, Rgb(1), {}}};
@@ -219,7 +219,7 @@ TEST(Lights, PhotonsAgreeWithShadowRays) {
     SCOPED_TRACE(i);
     expect_photons_agree(scenes[i]);
   }
-  const Scene<2> flat = test::scene_of(test::ball<2>(65), Rgb(1), IsovalueWindow{0.55, 0.9});
+  const Scene<2> flat = test::scene_of(test::ball<2>(65), Rgb(1), IsovalueRange{0.55, 0.9});
   std::vector<Scene<2>> flat_scenes(4, flat);
   flat_scenes[0].lights = {PointLight<2>{"bulb", {0.5, 1.2}, 0.1, Rgb(1), {}}};
   flat_scenes[1].lights = {SunLight<2>{"sun", Vec<2>(0.6, -0.8), Rgb(1), 0.3}};

@@ -27,10 +27,10 @@ Affine<3> transform(const Place& place, int voxels) {
   return m;
 }
 
-Scene<3> placed(const Field<3>& field, const Place& place, const IsovalueWindow& window) {
+Scene<3> placed(const Field<3>& field, const Place& place, const IsovalueRange& isovalue_range) {
   return test::scene_of(
       make_field<3>(field.values, field.dims, transform(place, field.dims[0]), field.owner), Rgb(1),
-      window);
+      isovalue_range);
 }
 
 // h = i + 2j + 3k, which single precision holds exactly: the isosurfaces are planes.

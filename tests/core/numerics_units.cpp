@@ -21,7 +21,7 @@ Vec3 told(const Units& units, const Vec3& p) {
 }
 
 // A ball of 256 levels in a room with a lamp, all of it at multiples of 1/64. No level is an end of
-// the window, which rounding could leave out.
+// the isovalue range, which rounding could leave out.
 Scene<3> scene_in(const Units& units, bool glowing = false) {
   Field<3> field = test::sampled<3>(voxels, [&](const Vec3& x) {
     const double level = std::round(256 * (1 - (x - Vec3(0.45, 0.5, 0.55)).length()));

@@ -26,7 +26,7 @@ Field<3> field_of(const Index<3>& dims, const std::function<double(int, int, int
 struct Case {
   std::string name;
   Field<3> field;
-  IsovalueWindow window;
+  IsovalueRange isovalue_range;
 };
 
 double ball(int i, int j, int k) { return 1 - (Vec3(i, j, k) / 12 - Vec3(0.5)).length(); }
@@ -58,7 +58,7 @@ std::vector<Case> cases() {
       {"values 1e-30", field_of(cube, scaled(1e-30, 0)), {0.6e-30, 0.9e-30}},
       {"values 1e30", field_of(cube, scaled(1e30, 0)), {0.6e30, 0.9e30}},
       {"negative values", field_of(cube, scaled(1, -7)), {-6.4, -6.1}},
-      // Single precision has 8 values in this window.
+      // Single precision has 8 values in this isovalue range.
       {"1e6 and 0.5", field_of(cube, scaled(1, 1e6)), {1e6 + 0.5, 1e6 + 1}},
       {"1000 and 1e-3", field_of(cube, scaled(1e-3, 1000)), {1000.0006, 1000.0009}},
       {"values 1e-30 to 1e30",
@@ -72,7 +72,7 @@ std::vector<Case> cases() {
       {"noise", field_of(cube, any), {0.3, 0.7}},
       {"all isovalues", field_of(cube, ball), {1 - std::sqrt(0.75), 1}},
       {"beyond the isovalues", field_of(cube, ball), {-1e3, 1e3}},
-      {"narrow window", field_of(cube, ball), {0.7, 0.7 + 1e-12}},
+      {"narrow isovalue range", field_of(cube, ball), {0.7, 0.7 + 1e-12}},
       {"critical points", field_of(cube, critical), {-0.65, 0.65}},
       {"saddle", field_of(cube, saddle), {-1e-3, 1e-3}},
       {"2 x 2 x 2", field_of({2, 2, 2}, any), {0.3, 0.7}},
@@ -86,8 +86,8 @@ std::vector<Case> cases() {
 }
 
 // Under a lamp and a dim sky.
-Scene<3> lit(const Field<3>& field, const IsovalueWindow& window) {
-  Scene<3> scene = test::scene_of(field, Rgb(0.75f), window);
+Scene<3> lit(const Field<3>& field, const IsovalueRange& isovalue_range) {
+  Scene<3> scene = test::scene_of(field, Rgb(0.75f), isovalue_range);
   scene.lights = {
       AreaLight<3>{"lamp", {0.2, 0.2, 1.28}, {Vec3(0, 0.6, 0), Vec3(0.6, 0, 0)}, Rgb(3)}};
   scene.environment.emplace();
@@ -133,7 +133,7 @@ void expect_light(const Scene<3>& scene, const std::string& name) {
 }
 
 TEST(NumericsVolumes, BakesAreFinite) {
-  for (const Case& hard : cases()) expect_light(lit(hard.field, hard.window), hard.name);
+  for (const Case& hard : cases()) expect_light(lit(hard.field, hard.isovalue_range), hard.name);
 }
 
 // All the isosurfaces at once of two volumes whose values are 60 decades apart.
@@ -225,7 +225,7 @@ TEST(NumericsVolumes, FurnaceInAnyTransform) {
     const RadianceGrid<3> grid = bake_with_fixed_samples(scene, settings, progress).grids[0];
     double sum = 0, variance = 0, texels = 0;
     for (std::size_t s = 0; s < grid.radiance.size(); ++s) {
-      // Black texels are corners of the window's bounds that no isosurface of it reaches.
+      // Black texels are corners of the isovalue range's bounds that no isosurface of it reaches.
       texels += grid.radiance[s].x > 0;
       sum += grid.radiance[s].x;
       variance += grid.radiance_error[s] * grid.radiance_error[s];
@@ -267,8 +267,8 @@ TEST(NumericsVolumes, PhotonsInAnyTransform) {
   }
 }
 
-// A window is as narrow as its owner likes: the radiance is 2 on the isosurfaces of all.
-TEST(NumericsVolumes, FurnaceInNarrowWindows) {
+// An isovalue range is as narrow as its owner likes: the radiance is 2 on the isosurfaces of all.
+TEST(NumericsVolumes, FurnaceInNarrowRanges) {
   for (const double height : {1e-2, 1e-3, 1e-12}) {
     for (const EstimatorName estimator : estimators) {
       const Scene<3> scene = test::furnace(
@@ -289,7 +289,7 @@ TEST(NumericsVolumes, FurnaceInNarrowWindows) {
       const auto n = static_cast<double>(points.size());
       const double mean = sum / n, error = std::sqrt((square / n - mean * mean) / n);
       std::ostringstream what;
-      what << "furnace, window of " << height << ", " << traits_of(estimator).name;
+      what << "furnace, isovalue range of " << height << ", " << traits_of(estimator).name;
       // Neighbouring points share texels and photons: eight count as one. Shading normals cost 1 %.
       if (!test::sanitized) {
         EXPECT_LT(std::abs(mean - 2), 4 * std::sqrt(8) * error + 0.02) << what.str();

@@ -228,7 +228,7 @@ void for_each_centre(const Scene<3>& scene, const Baked<3>& baked, Check check) 
     const Vec3 centre = grid.lattice.centre(grid.lattice.active[s]);
     const CellPoint<3> at = locate(field, centre);
     const double c = interpolate(load_corners(field, at.cell), at.local);
-    if (!scene.window.contains(c)) continue;
+    if (!scene.isovalue_range.contains(c)) continue;
     check(field.index_to_world.point(centre), c, s);
     ++checked;
   }

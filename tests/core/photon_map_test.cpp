@@ -141,7 +141,7 @@ Scene<3> lit_ball<3>() {
 
 template <>
 Scene<2> lit_ball<2>() {
-  Scene<2> scene = test::scene_of(test::ball<2>(65), Rgb(0.75f), IsovalueWindow{0.55, 0.9});
+  Scene<2> scene = test::scene_of(test::ball<2>(65), Rgb(0.75f), IsovalueRange{0.55, 0.9});
   const auto add = [&](const Vec<2>& a, const Vec<2>& b, const Rgb& albedo) {
     Mesh<2> mesh;
     mesh.name = "wall";
@@ -197,7 +197,7 @@ void compare_with_volumetric(const Scene<D>& scene, std::uint64_t count) {
   Progress progress;
   const Field<D>& field = test::field_of(scene);
   const TexelLattice<D> lattice =
-      make_lattice(field, field.dims, scene.window.min, scene.window.max);
+      make_lattice(field, field.dims, scene.isovalue_range.min, scene.isovalue_range.max);
   IsosurfaceCache<D> cache(tracer, 0, lattice, SideContents::nothing, false, false,
                            lights.largest_flux_height() / static_cast<double>(count), count);
   trace_photons(tracer, lights, PhotonPaths::all, 1, 0, count, count,

@@ -15,9 +15,9 @@ constexpr int nodes = 17;
 
 // Values rise along x from 0 to 1, so that fronts face -x.
 template <int D>
-Scene<D> slope(const IsovalueWindow& window) {
+Scene<D> slope(const IsovalueRange& isovalue_range) {
   auto field = test::sampled<D>(nodes, [](const Vec<D>& x) { return x[0]; });
-  return test::scene_of(std::move(field), Rgb(1), window);
+  return test::scene_of(std::move(field), Rgb(1), isovalue_range);
 }
 
 // A grid in which no lamp shines, with indirect light of either side given at each index position.
@@ -25,7 +25,8 @@ template <int D, class Light>
 RadianceGrid<D> grid_of(const Scene<D>& scene, Light light) {
   RadianceGrid<D> grid;
   const Field<D>& field = test::field_of(scene);
-  grid.lattice = make_lattice(field, field.dims, scene.window.min, scene.window.max);
+  grid.lattice =
+      make_lattice(field, field.dims, scene.isovalue_range.min, scene.isovalue_range.max);
   const SceneTracer<D> tracer(scene);
   grid.direct = std::make_shared<const DirectLight<D>>(tracer, 0, std::vector<LightPoint<D>>(),
                                                        field.dims, true, ignored);

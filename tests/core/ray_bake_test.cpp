@@ -169,7 +169,7 @@ TEST(RayBake, ShadowsOfOtherVolumesAreThoseOfRays) {
       const Vec3 index = field.world_to_index.point(x);
       const SurfacePoint<3> point = tracer.isosurface_point(volume, locate(field, index), c, false);
       const TexelWeights<3> near = linear_weights(direct.lattice(), index);
-      const VisibilityCode code{scene.window, false};
+      const VisibilityCode code{scene.isovalue_range, false};
       for (std::size_t i = 0; i < direct.points(); ++i) {
         const LightSource<3>& source = direct.point(i).source;
         if ((source.position - point.position).dot(point.geometric_normal) <= 0) continue;

@@ -130,7 +130,7 @@ TEST(Reciprocity, OfPhotonsAndPaths) {
     const Flux paths = received(scene, 1, test::fewer(3000));
     // All photons belong to the isosurface of the paths.
     const double c = 0.5, height = 1e-6;
-    scene.window = {c - height / 2, c + height / 2};
+    scene.isovalue_range = {c - height / 2, c + height / 2};
     const SceneTracer<3> tracer(scene);
     const LightSampler<3> lights(tracer);
     const int plate = static_cast<int>(scene.meshes.size()) - 1;

@@ -16,7 +16,7 @@ namespace leaflight {
 namespace {
 
 template <int D>
-IsovalueWindow whole(const Field<D>& field) {
+IsovalueRange whole(const Field<D>& field) {
   return {field.min, field.max};
 }
 
@@ -121,7 +121,7 @@ TEST(SampleStrategy, ImportanceFollowsTheExtentsOfCells) {
   }
 }
 
-TEST(SampleStrategy, SamplesLieInTheWindow) {
+TEST(SampleStrategy, SamplesLieInTheRange) {
   const Field<3> field = bumps<3>(25);
   SampleSettings settings;
   settings.samples = 2000;
@@ -158,17 +158,17 @@ TEST(SampleStrategy, NoSampleInMaskedCells) {
 
 TEST(SampleStrategy, LevelSetSamplesLieUniformlyOnTheIsosurfaces) {
   const Field<3> field = test::ball<3>(41);
-  const IsovalueWindow window{0.6, 0.9};
+  const IsovalueRange isovalue_range{0.6, 0.9};
   SampleSettings settings;
   settings.strategy = SampleStrategy::level_set;
   settings.samples = 20'000;
   settings.isovalues = 4;
-  const std::vector<double> isovalues = adaptive_isovalues(field, window, 4);
+  const std::vector<double> isovalues = adaptive_isovalues(field, isovalue_range, 4);
   std::array<int, 4> count{};
   double area = 0;
   for (const double c : isovalues) area += (1 - c) * (1 - c);
   Vec3 mean(0.0);
-  for (const Vec3& p : sample_positions(field, window, settings)) {
+  for (const Vec3& p : sample_positions(field, isovalue_range, settings)) {
     const double h = value_at(field, p);
     const auto nearest =
         std::min_element(isovalues.begin(), isovalues.end(),
@@ -297,7 +297,7 @@ TEST(AdaptiveIsovalues, AreEquallySpacedOnARamp) {
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(isovalues[i], (i + 0.5) / 4, 0.05);
 }
 
-TEST(AdaptiveIsovalues, BadCountsAndWindowsAreErrors) {
+TEST(AdaptiveIsovalues, BadCountsAndRangesAreErrors) {
   const Field<2> field = bumps<2>(17);
   EXPECT_THROW(adaptive_isovalues(field, {0, 255}, 0), Error);
   EXPECT_THROW(adaptive_isovalues(field, {300, 400}, 3), Error);

@@ -558,7 +558,8 @@ TEST(Emission, Isosurfaces) {
                std::min(parts - 1, static_cast<int>((sample.point.position[a] + 0.5) * parts));
       }
       const double angle = D == 3 ? pi : 2;
-      const double steepness = sample.point.isosurface().gradient_length / scene.window.height();
+      const double steepness =
+          sample.point.isosurface().gradient_length / scene.isovalue_range.height();
       const double volume =
           sample.flux_height.x / (2 * angle * sample.point.emission.x * steepness);
       sum[part] += volume;

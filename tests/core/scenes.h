@@ -8,12 +8,12 @@ namespace leaflight::test {
 
 // One volume, nothing around it.
 template <int D>
-Scene<D> scene_of(Field<D> field, const Rgb& albedo, const IsovalueWindow& window) {
+Scene<D> scene_of(Field<D> field, const Rgb& albedo, const IsovalueRange& isovalue_range) {
   Scene<D> scene;
   scene.volumes.resize(1);
   scene.volumes[0].field = std::move(field);
   scene.volumes[0].albedo = albedo;
-  scene.window = window;
+  scene.isovalue_range = isovalue_range;
   return scene;
 }
 
@@ -62,8 +62,9 @@ inline std::vector<Side> cube_sides(double low, double high) {
 
 // A closed box whose walls emit `emission` and reflect `albedo`, around a field of the unit cube:
 // everything in it, if the isosurfaces are white, has the radiance emission / (1 - albedo).
-inline Scene<3> furnace(Field<3> field, const IsovalueWindow& window, Real emission, Real albedo) {
-  Scene<3> scene = scene_of(std::move(field), Rgb(1), window);
+inline Scene<3> furnace(Field<3> field, const IsovalueRange& isovalue_range, Real emission,
+                        Real albedo) {
+  Scene<3> scene = scene_of(std::move(field), Rgb(1), isovalue_range);
   for (const Side& side : cube_sides(-0.3, 1.3)) {
     scene.meshes.push_back(wall("wall", side.corner, side.u, side.v, Rgb(albedo)));
     scene.lights.push_back(AreaLight<3>{"glow", side.corner, {side.u, side.v}, Rgb(emission)});
@@ -72,8 +73,8 @@ inline Scene<3> furnace(Field<3> field, const IsovalueWindow& window, Real emiss
 }
 
 // A box open towards -y with a coloured wall on each side and a lamp below its ceiling.
-inline Scene<3> cornell(Field<3> field, const IsovalueWindow& window) {
-  Scene<3> scene = scene_of(std::move(field), Rgb(0.75f), window);
+inline Scene<3> cornell(Field<3> field, const IsovalueRange& isovalue_range) {
+  Scene<3> scene = scene_of(std::move(field), Rgb(0.75f), isovalue_range);
   const std::vector<Side> sides = cube_sides(-0.3, 1.3);
   const std::vector<Rgb> albedos{Rgb(0.63f, 0.06f, 0.05f), Rgb(0),    Rgb(0.7f),
                                  Rgb(0.14f, 0.45f, 0.09f), Rgb(0.7f), Rgb(0.7f)};

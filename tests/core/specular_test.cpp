@@ -198,7 +198,7 @@ TEST(Energy, IsConserved) {
   sky.environment = Environment<3>{};
   sky.environment->radiance = Rgb(1);
   expect_balance(sky);
-  Scene<2> flat = test::scene_of(test::ball<2>(65), Rgb(0.7f), IsovalueWindow{0.55, 0.9});
+  Scene<2> flat = test::scene_of(test::ball<2>(65), Rgb(0.7f), IsovalueRange{0.55, 0.9});
   flat.lights = {PointLight<2>{"bulb", {0.5, 1.2}, 0.1, Rgb(1), {}}};
   expect_balance(flat);
 }

@@ -23,7 +23,7 @@ struct Estimate {
 
 // What a texel stores, by its definition and by nothing that a bake does: points uniform over its
 // box of +-0.35 texels, weighted with |grad c|, each with one path, all independent. Nothing where
-// the box reaches out of the window: there a bake looks farther, and how far depends on its
+// the box reaches out of the isovalue range: there a bake looks farther, and how far depends on its
 // samples.
 template <int D>
 Estimate texel_truth(const SceneTracer<D>& tracer, const LightSampler<D>& lights,
@@ -47,7 +47,7 @@ Estimate texel_truth(const SceneTracer<D>& tracer, const LightSampler<D>& lights
     const CellPoint<D> at = locate(volume.field, position);
     const double c =
         volume.common_isovalue(interpolate(load_corners(volume.field, at.cell), at.local));
-    if (!tracer.scene().window.contains(c)) return {};
+    if (!tracer.scene().isovalue_range.contains(c)) return {};
     const SurfacePoint<D> point = tracer.isosurface_point(0, at, c, false);
     if (point.kind() == HitKind::none) return {};
     std::array<double, 5> u;
@@ -140,8 +140,8 @@ class TexelZ {
   TexelZ(Scene<D> scene, const Index<D>& resolution, int samples)
       : scene_(std::move(scene)), tracer_(scene_), lights_(tracer_), resolution_(resolution) {
     const auto paths = make_path_estimator(tracer_, lights_);
-    lattice_ =
-        make_lattice(test::field_of(scene_), resolution, scene_.window.min, scene_.window.max);
+    lattice_ = make_lattice(test::field_of(scene_), resolution, scene_.isovalue_range.min,
+                            scene_.isovalue_range.max);
     truth_.resize(lattice_.active.size());
     Progress progress;
     parallel_range(truth_.size(), 16, 0, progress, [&](std::size_t begin, std::size_t end) {

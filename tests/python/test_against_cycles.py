@@ -7,9 +7,9 @@ import json
 import shutil
 from dataclasses import replace
 
-import leaflight.report.against_cycles as against_cycles
-import leaflight.report.command as command_line
-import leaflight.report.report as report_module
+import reports.against_cycles as against_cycles
+import reports.command as command_line
+import reports.report as report_module
 import numpy as np
 import pytest
 from leaflight import Cancelled, LeaflightError, Progress, bake
@@ -18,8 +18,8 @@ from leaflight.bake.statistics import Statistics
 from leaflight.progress_bar import run_with_progress
 from leaflight.io.scene_file import packaged_scene
 from leaflight.measure.sides import IsosurfaceSide
-from leaflight.measure.volume_recipes import generated, tooth
-from leaflight.report.against_cycles import (
+from volume_recipes import generated, tooth
+from reports.against_cycles import (
     CASES,
     MET,
     MISSED,
@@ -32,8 +32,8 @@ from leaflight.report.against_cycles import (
     CyclesRow,
     measure_against_cycles,
 )
-from leaflight.report.cycles_section import bake_rows, cycles_rows, cycles_text
-from leaflight.report.report import report_cycles
+from reports.cycles_section import bake_rows, cycles_rows, cycles_text
+from reports.report import report_cycles
 from leaflight.volume.volume import bump_box
 
 pytestmark = pytest.mark.slow
@@ -258,7 +258,7 @@ def test_without_blender(tmp_path, monkeypatch):
     assert not (tmp_path / "new").exists()
 
 
-def test_command_line(cli, tmp_path, monkeypatch):
+def test_command_line(report_program, tmp_path, monkeypatch):
     asked = []
 
     def fake(*arguments, **work):
@@ -268,15 +268,15 @@ def test_command_line(cli, tmp_path, monkeypatch):
         return {"out": "x", "seed": 3, "passed": False, "rows": [], "against_cycles": rows}
 
     monkeypatch.setattr(command_line, "report_cycles", fake)
-    outcome = cli("report", "--cycles", "--out", tmp_path, "--data", tmp_path, "--seed", 3)
+    outcome = report_program("--cycles", "--out", tmp_path, "--data", tmp_path, "--seed", 3)
     assert outcome.status == 1 and "cycles.md: some errors" in outcome.out
     assert "a at 2.5 against Cycles: 3.00 %: missed" in outcome.out
-    cli("report", "--cycles", "--quick", "--out", tmp_path)
+    report_program("--cycles", "--quick", "--out", tmp_path)
     run = run_with_progress
     assert asked == [
         ((str(tmp_path), CyclesEffort(), run, str(tmp_path)), {"seed": 3, "threads": 0}),
         ((str(tmp_path), QUICK_CYCLES, run, None), {"seed": 0, "threads": 0}),
     ]
-    assert cli("report", "--cycles", "--tables").status == 2
-    outcome = cli("report", "--cycles", "--data", tmp_path / "none")
+    assert report_program("--cycles", "--tables").status == 2
+    outcome = report_program("--cycles", "--data", tmp_path / "none")
     assert outcome.status == 2 and "there is no such folder" in outcome.err

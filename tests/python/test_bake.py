@@ -159,7 +159,7 @@ def test_surface(box_bake):
 
 
 @pytest.mark.parametrize("isovalue", [29.0, 71.0, float("nan"), float("inf")])
-def test_isovalue_outside_the_window(box_bake, isovalue):
+def test_isovalue_outside_the_range(box_bake, isovalue):
     with pytest.raises(LeaflightError, match=r"30\.\.70"):
         box_bake.surface(isovalue)
     with pytest.raises(LeaflightError, match=r"30\.\.70"):

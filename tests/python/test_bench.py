@@ -9,24 +9,24 @@ import shutil
 from types import SimpleNamespace
 
 import leaflight
-import leaflight.bench.bakes as bakes_module
-import leaflight.bench.command as command_line
-import leaflight.bench.scale as scale_module
+import benchmarks.bakes as bakes_module
+import benchmarks.command as command_line
+import benchmarks.scale as scale_module
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from leaflight import Cancelled, LeaflightError, Progress
-from leaflight.bench.bakes import CASES, QUICK_BAKES, measure_bakes
-from leaflight.bench.blender_scrub import scrub_in_blender
-from leaflight.bench.cycles_peer import CORNERS, REFERENCE_PASSES, Peer
-from leaflight.bench.interpolation import FEWER, MORE, cost_at
-from leaflight.bench.machine import commit, machine
-from leaflight.bench.own_process import bake_bump_box
-from leaflight.bench.page import PAGE, check_page, write_page
-from leaflight.bench.repetitions import REPETITIONS, repetitions
-from leaflight.bench.scale import QUICK_SCALE, ScaleEffort, measure_scale
-from leaflight.bench.vtk_peer import VtkPeer
+from benchmarks.bakes import CASES, QUICK_BAKES, measure_bakes
+from benchmarks.blender_scrub import scrub_in_blender
+from benchmarks.cycles_peer import CORNERS, REFERENCE_PASSES, Peer
+from benchmarks.interpolation import FEWER, MORE, cost_at
+from benchmarks.machine import commit, machine
+from benchmarks.own_process import bake_bump_box
+from benchmarks.page import PAGE, check_page, write_page
+from benchmarks.repetitions import REPETITIONS, repetitions
+from benchmarks.scale import QUICK_SCALE, ScaleEffort, measure_scale
+from benchmarks.vtk_peer import VtkPeer
 from leaflight.measure.cycles import VertexBakes
 
 pytestmark = pytest.mark.slow
@@ -129,7 +129,7 @@ def noisy_cycles(scene, isovalue, mesh, passes, *, threads, progress):
 
 @pytest.fixture
 def peer(monkeypatch):
-    monkeypatch.setattr("leaflight.bench.cycles_peer.bake_vertices", noisy_cycles)
+    monkeypatch.setattr("benchmarks.cycles_peer.bake_vertices", noisy_cycles)
     mesh = np.zeros((20_000, 3)), None, np.zeros((40_000, 3), int)
     return Peer(SimpleNamespace(exposure=1.0), 1.0, mesh, 4096, 0, 0)
 
@@ -164,7 +164,7 @@ def test_seeds_of_the_reference_are_its_own(peer, monkeypatch):
         seen.append([seed for _, seed in arguments[3]])
         return noisy_cycles(*arguments, **options)
 
-    monkeypatch.setattr("leaflight.bench.cycles_peer.bake_vertices", noted)
+    monkeypatch.setattr("benchmarks.cycles_peer.bake_vertices", noted)
     truth, _ = peer.reference(4, None)
     peer.measured([4, 8], 0, truth, None)
     peer.measured([4, 8], 1, truth, None)
@@ -181,8 +181,8 @@ def finite(values):
 
 
 @needs_blender
-def test_quick_bakes(cli):
-    outcome = cli("bench", "bake", "--quick", "--json")
+def test_quick_bakes(bench_program):
+    outcome = bench_program("bake", "--quick", "--json")
     assert outcome.status == 0, outcome.err
     result = json.loads(outcome.out.splitlines()[-1])
     assert result["absent"] == [] and result["commit"] and result["machine"]["cores"] > 0
@@ -261,10 +261,10 @@ def test_no_break_even_outside(monkeypatch, tmp_path, errors, side):
     assert bound in page.read_text() and side in page.read_text()
 
 
-def test_quick_scale(cli, monkeypatch):
+def test_quick_scale(bench_program, monkeypatch):
     # With one processor, too, two threads may be asked for.
     monkeypatch.setattr(scale_module.os, "cpu_count", lambda: 2)
-    outcome = cli("bench", "scale", "--quick", "--json")
+    outcome = bench_program("scale", "--quick", "--json")
     assert outcome.status == 0, outcome.err
     result = json.loads(outcome.out.splitlines()[-1])
     assert [case["nodes"] for case in result["cases"]] == list(QUICK_SCALE.sizes)
@@ -317,14 +317,14 @@ def test_a_process_of_its_own():
         bake_bump_box(1, 0, 1, Progress())
 
 
-def test_without_blender(cli, tmp_path, monkeypatch):
+def test_without_blender(bench_program, tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
-    outcome = cli("bench", "bake", "--quick")
+    outcome = bench_program("bake", "--quick")
     assert outcome.status == 2 and outcome.out == ""
     assert "install the Debian package blender" in outcome.err and outcome.err.count("\n") == 1
 
 
-def test_bad_command_lines(cli, tmp_path):
+def test_bad_command_lines(bench_program, tmp_path):
     for arguments, sentence in (
         (
             ("bake", "--quick", "--out", tmp_path / "x.md"),
@@ -338,7 +338,7 @@ def test_bad_command_lines(cli, tmp_path):
         (("bake", "--out", tmp_path / "x.txt"), "must end in .md"),
         (("walk",), "invalid choice"),
     ):
-        outcome = cli("bench", *arguments)
+        outcome = bench_program(*arguments)
         assert outcome.status == 2 and sentence in outcome.err, arguments
         assert outcome.err.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
@@ -347,14 +347,14 @@ def test_bad_command_lines(cli, tmp_path):
 # Scrubbing.
 
 
-def test_scrub_quickly(cli):
+def test_scrub_quickly(bench_program):
     """VTK and the add-on in Blender are real; without VTK a sentence says what to install."""
     if importlib.util.find_spec("vtkmodules") is None:
-        outcome = cli("bench", "scrub", "--quick")
+        outcome = bench_program("scrub", "--quick")
         assert outcome.status == 2 and "python3-vtk9" in outcome.err
         assert outcome.err.count("\n") == 1
         pytest.skip("there is no VTK: install the Debian package python3-vtk9")
-    outcome = cli("bench", "scrub", "--quick", "--json")
+    outcome = bench_program("scrub", "--quick", "--json")
     assert outcome.status == 0, outcome.err
     result = json.loads(outcome.out.splitlines()[-1])
     assert len(result["cases"]) == 2 and result["absent"] == []
@@ -376,8 +376,8 @@ def test_vtk_contours_the_same_surface():
             assert peer.ask(isovalue)["triangles"] == pytest.approx(ours, rel=0.02)
 
 
-def test_scrub_without_its_peers(cli, tmp_path, monkeypatch):
-    monkeypatch.setattr("leaflight.bench.vtk_peer.find_spec", lambda _: None)
+def test_scrub_without_its_peers(tmp_path, monkeypatch):
+    monkeypatch.setattr("benchmarks.vtk_peer.find_spec", lambda _: None)
     with pytest.raises(LeaflightError, match="install the Debian package python3-vtk9"):
         VtkPeer(np.zeros((2, 2, 2)), np.zeros((2, 2, 2, 3)))
     monkeypatch.setenv("PATH", str(tmp_path))
@@ -451,8 +451,8 @@ def test_where_it_was_measured(tmp_path, monkeypatch):
     assert commit().startswith("version ")
 
 
-def test_written_where_asked(cli, tmp_path, monkeypatch):
+def test_written_where_asked(bench_program, tmp_path, monkeypatch):
     monkeypatch.setattr(command_line, "measure_scale", lambda *_, **__: dict(SCALE))
-    outcome = cli("bench", "scale", "--out", tmp_path / "x.md", "--json")
+    outcome = bench_program("scale", "--out", tmp_path / "x.md", "--json")
     assert outcome.status == 0 and "500000 ns a texel" in outcome.out
     assert "| bump box, 16^3 |" in (tmp_path / "x.md").read_text()

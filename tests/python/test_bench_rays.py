@@ -3,11 +3,11 @@
 
 import json
 
-import leaflight.bench.rays as rays_module
+import benchmarks.rays as rays_module
 import pytest
 from leaflight import Cancelled, LeaflightError, Progress
-from leaflight.bench.page import write_page
-from leaflight.bench.rays import KINDS, QUICK_RAYS, RayCase, measure_rays
+from benchmarks.page import write_page
+from benchmarks.rays import KINDS, QUICK_RAYS, RayCase, measure_rays
 
 
 def is_built():
@@ -27,8 +27,8 @@ def quietly(work, label):
 
 @pytest.mark.slow
 @needs_program
-def test_quick_rays(cli, tmp_path):
-    outcome = cli("bench", "rays", "--quick", "--json")
+def test_quick_rays(bench_program, tmp_path):
+    outcome = bench_program("rays", "--quick", "--json")
     assert outcome.status == 0, outcome.err
     result = json.loads(outcome.out.splitlines()[-1])
     assert [row["isovalue"] for row in result["cases"]] == [20.0, 47.0, 100.0]
@@ -68,9 +68,9 @@ def test_it_can_be_cancelled():
         measure_rays(effort, lambda work, _: work(progress))
 
 
-def test_without_the_program(monkeypatch, cli):
+def test_without_the_program(monkeypatch, bench_program):
     monkeypatch.setattr(rays_module, "PROGRAM", "absent")
-    with pytest.raises(LeaflightError, match="run scripts/setup"):
+    with pytest.raises(LeaflightError, match="cmake --build --preset bench"):
         rays_module.program()
-    outcome = cli("bench", "rays", "--only", "bump")
+    outcome = bench_program("rays", "--only", "bump")
     assert outcome.status == 2 and "leave it out (--only)" in outcome.err

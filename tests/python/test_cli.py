@@ -185,10 +185,10 @@ def test_plain_text(cli, box_file, tmp_path):
         (["bake", "bump_box", "--out", "/dev/null/x.vdb"], "folder"),
         (["surface", "OUT/no.vdb", "--isovalue", "47", "--out", "OUT/x.ply"], "no such file"),
         (["surface", "BAKE", "--isovalue", "47", "--out", "OUT/x.obj"], "must end in .ply"),
-        (["surface", "BAKE", "--isovalue", "7", "--out", "OUT/x.ply"], "window"),
+        (["surface", "BAKE", "--isovalue", "7", "--out", "OUT/x.ply"], "range"),
         (["surface", "BAKE", "--isovalue", "nan", "--out", "OUT/x.ply"], "finite"),
         (["surface", "BAKE", "--out", "OUT/x.ply"], "--isovalue"),
-        (["compare", "BAKE", "--isovalue", "700"], "window"),
+        (["compare", "BAKE", "--isovalue", "700"], "range"),
         (["compare", "BAKE", "--isovalue", "47", "--points", "0"], "point"),
         (["compare", "BAKE", "--isovalue", "47", "--volume", "1"], "no volume 1"),
         (["surface", "BAKE", "--isovalue", "47", "--back", "--out", "OUT/x.ply"], "--both-sides"),
@@ -199,7 +199,7 @@ def test_plain_text(cli, box_file, tmp_path):
         (["flatland", "bump_box", "--dims", "1", "--out", "OUT/x.exr"], "give more (--dims)."),
         (["flatland", "OUT/no.png", "--out", "OUT/x.exr"], "no such image"),
         (["flatland", "OUT/no.png", "--dims", "8", "--out", "OUT/x.exr"], "--dims"),
-        (["flatland", "bump_box", "--dims", "8", "--isolines", "900", *FLAT], "window"),
+        (["flatland", "bump_box", "--dims", "8", "--isolines", "900", *FLAT], "range"),
     ],
 )
 def test_errors(cli, tmp_path, box_file, arguments, sentence):

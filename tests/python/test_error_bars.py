@@ -4,7 +4,7 @@
 import leaflight
 import numpy as np
 import pytest
-from leaflight.report.coverage import QUANTILE, coverage
+from reports.coverage import QUANTILE, coverage
 from leaflight.volume.particles import neuron, nucleons
 
 SEEDS = 3
@@ -45,7 +45,7 @@ def test_intervals_hold(volumes, name, estimator):
 
 
 def test_no_texel_is_sure_to_be_dark(volumes):
-    """In the window's last texels hardly a sample is found; they take their neighbours' light."""
+    """In a range's last texels hardly a sample is found; they take their neighbours' light."""
     volume, scene, isovalues = volumes["nucleons"]
     grid = leaflight.thesis.bake(volume, scene, isovalues=isovalues, photons=10_000, samples=8).grid
     active = grid.mask().astype(bool)

@@ -321,7 +321,7 @@ def test_sentences(box_bake, tmp_path):
         ("x.obj", None, "is not known; known are .vti, .am, .vtp, .ply, .glb, .usda"),
         ("x.ply", (40.0, 47.0), "holds one isosurface"),
         ("x.am", (40.0,), "all isosurfaces"),
-        ("x.ply", (400.0,), "outside the baked window"),
+        ("x.ply", (400.0,), "outside the baked range"),
         ("nowhere/x.ply", (47.0,), "cannot write into the folder"),
     ):
         with pytest.raises(LeaflightError, match=re.escape(words)):

@@ -125,7 +125,7 @@ def test_a_picture_of_dim_lamps_is_exposed(baked):
     np.testing.assert_array_equal(*pixels)
 
 
-def test_isovalue_outside_the_window(baked):
+def test_isovalue_outside_the_range(baked):
     for isovalue in (19.0, 201.0, float("nan")):
         with pytest.raises(LeaflightError, match=r"20\.\.200"):
             baked.isolines(isovalue)

@@ -131,8 +131,8 @@ def test_memory_of_the_light_is_foreseen(tmp_path, settings):
     found = bake_apart(path, tmp_path / "box.vdb", **settings)
 
     volume = leaflight.read_volume(path)
-    _, description, window, of_core, _ = _asked(volume, None, **settings)
-    scene = core_scene(description, [volume.field()], window)
+    _, description, isovalue_range, of_core, _ = _asked(volume, None, **settings)
+    scene = core_scene(description, [volume.field()], isovalue_range)
     foreseen = _core.light_memory(scene, of_core)
     assert 0.6 < (found["held"] - found["begun"]) / foreseen < 1.15
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-OF_THE_COMMAND_LINE = {"cli", "report"}
+OF_THE_COMMAND_LINE = {"cli"}
 
 
 def test_no_error_outside_the_command_line_names_a_flag():

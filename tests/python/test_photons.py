@@ -33,10 +33,10 @@ def test_they_lie_on_their_isosurfaces(photons):
 
 
 def test_they_carry_the_light_of_the_lamp(photons, bump_scene):
-    """No more direct light than the lamp emits over the window, and a good part of that."""
+    """No more direct light than the lamp emits over the isovalue range, and a good part of that."""
     volume = leaflight.bump_box(24)
-    (volume,), scene, window = placed(volume, bump_scene, None)
-    core = core_scene(scene, [volume.field()], window)
+    (volume,), scene, isovalue_range = placed(volume, bump_scene, None)
+    core = core_scene(scene, [volume.field()], isovalue_range)
     emitted = np.array(_core.photon_balance(core, COUNT, 3)["emitted"])
     direct = photons.flux_height[photons.direct].sum(axis=0)
     assert (direct < emitted).all() and (direct > 0.05 * emitted).all()

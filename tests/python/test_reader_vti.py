@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from leaflight import LeaflightError, read_volume
 from leaflight.io.readers import probe
-from leaflight.measure.volume_recipes import read
 
 
 def header(size, data, *blocks):
@@ -156,13 +155,3 @@ def test_damaged(tmp_path, values):
         read_back(tmp_path / "x.vti", whole.replace(b"ZLib", b"LZ4"))
     with pytest.raises(LeaflightError, match="claims"):
         read_back(tmp_path / "x.vti", whole.replace(b"0 5 0 4", b"0 99999999 0 99999999"))
-
-
-def test_recipes_leave_out_what_is_absent(tmp_path, values):
-    recipe = read("x.vti", placed=False)
-    assert recipe(tmp_path, 1.0) is None and recipe(None, 1.0) is None
-    more = 'Origin="10 20 30" Spacing="1 2 3"'
-    (tmp_path / "x.vti").write_bytes(vti(values, "Float32", "appended", more=more))
-    (volume,) = recipe(tmp_path, 1.0)
-    assert np.diag(volume.index_to_world).tolist() == [1, 2, 3, 1]
-    assert not volume.index_to_world[:3, 3].any()

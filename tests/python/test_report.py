@@ -5,13 +5,13 @@ import csv
 import json
 from dataclasses import replace
 
-import leaflight.report.command as command_line
+import reports.command as command_line
 import numpy as np
 import pytest
 from leaflight import LeaflightError, Progress
-from leaflight.report.experiments import QUICK, Effort, Row, Trial, judged, table_3_1
-from leaflight.report.pictures import side_by_side, slice_picture, surface_picture, texture_picture
-from leaflight.report.report import COLUMNS, report_tables
+from reports.experiments import QUICK, Effort, Row, Trial, judged, table_3_1
+from reports.pictures import side_by_side, slice_picture, surface_picture, texture_picture
+from reports.report import COLUMNS, report_tables
 from leaflight.thesis import Scattered
 from PIL import Image
 
@@ -176,7 +176,7 @@ def test_pictures():
         assert (seen == (255, 0, 0)).all(axis=2).mean() > 0.2
 
 
-def test_command_line(cli, monkeypatch, tmp_path):
+def test_command_line(report_program, monkeypatch, tmp_path):
     """The exit status tells whether all errors are what they must be; these cannot."""
 
     def one_table(folder, effort, run):
@@ -184,7 +184,7 @@ def test_command_line(cli, monkeypatch, tmp_path):
 
     monkeypatch.setattr(command_line, "QUICK", TINY)
     monkeypatch.setattr(command_line, "report_tables", one_table)
-    outcome = cli("report", "--tables", "--quick", "--out", tmp_path, "--seed", 3, "--json")
+    outcome = report_program("--tables", "--quick", "--out", tmp_path, "--seed", 3, "--json")
     assert outcome.status == 1, outcome.err
     result = json.loads(outcome.out.splitlines()[-1])
     assert result["passed"] is False and result["seed"] == 3 and len(result["rows"]) == 6
@@ -192,13 +192,13 @@ def test_command_line(cli, monkeypatch, tmp_path):
     assert "thesis 2.2 %" in outcome.out and "not what they must be" in outcome.out
     good = {**result, "passed": True}
     monkeypatch.setattr(command_line, "report_tables", lambda *_: good)
-    assert cli("report", "--tables").status == 0
+    assert report_program("--tables").status == 0
 
 
-def test_bad_command_lines(cli, tmp_path):
+def test_bad_command_lines(report_program, tmp_path):
     blocked = tmp_path / "file"
     blocked.touch()
-    outcome = cli("report", "--tables", "--out", blocked / "folder")
+    outcome = report_program("--tables", "--out", blocked / "folder")
     assert outcome.status == 2 and "cannot make this folder" in outcome.err
     with pytest.raises(LeaflightError, match="folder"):
         report_tables(blocked, TINY, quietly)

@@ -6,7 +6,7 @@ import builtins
 import numpy as np
 import pytest
 from leaflight import LeaflightError
-from leaflight.report.fits import (
+from reports.fits import (
     break_even,
     check_statistics,
     cost,
@@ -145,6 +145,6 @@ def test_without_scipy(monkeypatch):
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(
         LeaflightError,
-        match=r"pip install 'leaflight\[report\]', or install the Debian package python3-scipy",
+        match="pip install scipy, or install the Debian package python3-scipy",
     ):
         check_statistics()

@@ -24,8 +24,6 @@ PACKAGE = (
     "flatland",
     "thesis",
     "measure",
-    "report",
-    "bench",
     "cli",
 )
 ADDON = ("store", "operators", "show", "stage", "bake", "compare", "export", "importing", "ui")
@@ -72,12 +70,6 @@ def test_no_include_runs_back_up():
         if CORE.index(room(target)) > CORE.index(room(path))
     ]
     assert not wrong, "\n".join(wrong)
-
-
-@pytest.mark.parametrize("room", ["report", "bench"])
-def test_the_addon_ships_without(room):
-    sources = (ROOT / "addon/leaflight").rglob("*.py")
-    assert not [path for path in sources if f"leaflight.{room}" in path.read_text()]
 
 
 SOURCES = ROOT / "core/src"
@@ -132,3 +124,20 @@ def test_functions_are_short():
                 if lines > 60:
                     long.append(f"{file.relative_to(ROOT)}:{node.lineno} {node.name}: {lines}")
     assert len(files) > 200 and not long, "\n".join(long)
+
+
+def test_functions_of_the_core_are_short():
+    """At most 60 lines, from the first column to a brace there."""
+    start = re.compile(r"(?!namespace|struct|class|enum|using|template|inline constexpr)[A-Za-z]")
+    long, found = [], 0
+    for path in core_sources():
+        lines = path.read_text().splitlines()
+        for i, line in enumerate(lines):
+            head = next((j for j in range(i, len(lines)) if lines[j].endswith(("{", ";", "}"))), i)
+            if not start.match(line) or not lines[head].endswith("{"):
+                continue
+            found += 1
+            count = lines.index("}", head) - i + 1
+            if count > 60:
+                long.append(f"{path.relative_to(ROOT)}:{i + 1}: {count}")
+    assert found > 500 and not long, "\n".join(long)

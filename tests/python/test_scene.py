@@ -107,7 +107,7 @@ def test_one_look_serves_all_volumes():
     volumes = [replace(brick(), name=name) for name in ("a", "b")]
     matched = match_isosurfaces(leaflight.cornell_box(), volumes)
     assert [isosurfaces.name for isosurfaces in matched.isosurfaces] == ["a", "b"]
-    assert matched.isosurfaces[0].isovalues == leaflight.default_window(volumes[0])
+    assert matched.isosurfaces[0].isovalues == leaflight.default_isovalue_range(volumes[0])
     single = match_isosurfaces(leaflight.cornell_box(), volumes[:1])
     assert single.isosurfaces[0].isovalues is None
 
@@ -121,8 +121,8 @@ def test_shipped_scenes_are_accepted_by_the_core(shipped):
     sources = [isosurfaces.source or "bump_box" for isosurfaces in shipped.isosurfaces]
     volumes = [open_volume(source, dims=[12]) for source in sources]
     description = match_isosurfaces(fit_scene(shipped, volumes), volumes)
-    window = (0.0, 1.0) if len(volumes) > 1 else (20.0, 90.0)
-    core_scene(description, [volume.field() for volume in volumes], window)
+    isovalue_range = (0.0, 1.0) if len(volumes) > 1 else (20.0, 90.0)
+    core_scene(description, [volume.field() for volume in volumes], isovalue_range)
 
 
 TRIANGLE = Mesh(

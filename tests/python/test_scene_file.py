@@ -322,10 +322,12 @@ def area_lights(draw):
     return AreaLight(draw(NAMES), draw(PLACES), *edges, draw(LIGHT), draw(st.booleans()))
 
 
-WINDOWS = st.tuples(SIZES, SIZES).filter(lambda window: window[0] < window[1])
+RANGES = st.tuples(SIZES, SIZES).filter(
+    lambda isovalue_range: isovalue_range[0] < isovalue_range[1]
+)
 ISOSURFACES = st.builds(
     Isosurfaces,
-    *(NAMES, ramps(ALBEDO), ramps(LIGHT), SCATTERING, IOR, st.none() | WINDOWS, st.booleans()),
+    *(NAMES, ramps(ALBEDO), ramps(LIGHT), SCATTERING, IOR, st.none() | RANGES, st.booleans()),
     st.none() | st.sampled_from(["lapr:0", "head.nii"]),
 )
 CONES = st.builds(Cone, UNIT, ANGLE, SHARES, st.booleans())

@@ -38,7 +38,7 @@ def test_volumes_shade_each_other(lapr_scene):
     dirt, water = (open_volume(f"lapr:{k}", dims=[24]) for k in (0, 1))
     both = leaflight.bake([dirt, water], lapr_scene, **settings)
     alone = replace(lapr_scene, isosurfaces=lapr_scene.isosurfaces[:1])
-    # Of a single volume the scene's isovalues are the window.
+    # Of a single volume the scene's isovalues are the isovalue range.
     single = leaflight.bake(dirt, alone, **settings)
     assert single.isovalues == (50, 200)
     points = single.surface(100.0).vertices
@@ -70,7 +70,7 @@ def test_one_scene_for_any_volumes(small):
     volumes = [leaflight.bump_box(8), replace(leaflight.bump_box(8), name="other")]
     baked = leaflight.bake(volumes, **small)
     assert [isosurfaces.name for isosurfaces in baked.scene.isosurfaces] == ["bump_box", "other"]
-    assert baked.scene.isosurfaces[1].isovalues == leaflight.default_window(volumes[1])
+    assert baked.scene.isosurfaces[1].isovalues == leaflight.default_isovalue_range(volumes[1])
 
 
 def test_saved_and_loaded(lapr_bake, lapr_file):
@@ -192,12 +192,12 @@ def test_volume_that_is_not_there(lapr_bake, volume):
             ask()
 
 
-def test_common_isovalue_outside_the_window(lapr_bake):
+def test_common_isovalue_outside_the_range(lapr_bake):
     with pytest.raises(LeaflightError, match=r"0\.\.1"):
         lapr_bake.surface(1.1, 1)
 
 
-def test_window_of_several_volumes(lapr_scene):
+def test_range_of_several_volumes(lapr_scene):
     volumes = [open_volume(f"lapr:{k}", dims=[12]) for k in (0, 1)]
     with pytest.raises(LeaflightError, match="outside"):
         leaflight.bake(volumes, lapr_scene, isovalues=(50, 200))

@@ -136,7 +136,7 @@ def test_sentences(cli, box_bake, box_file, tmp_path):
     out = tmp_path / "x.png"
     for arguments, words in (
         (["--out", tmp_path / "x.jpg"], "must end in .png or .exr"),
-        (["--out", out, "--isovalue", 400], "outside the baked window"),
+        (["--out", out, "--isovalue", 400], "outside the baked range"),
         (["--out", out, "--size", 0, 10], "(--size)"),
         (["--out", out, "--samples", 99], "(--samples)"),
         (["--out", out, "--view", 0, 90], "between -90 and 90"),

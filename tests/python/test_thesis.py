@@ -80,7 +80,7 @@ def test_level_sets_of_given_isovalues(bake_flat):
             np.abs(b.radiance(points) - truth.radiance(points)).mean() for b in (near, far)
         )
         assert near < 0.5 * far
-    with pytest.raises(LeaflightError, match="500.*not in the isovalue window"):
+    with pytest.raises(LeaflightError, match="500.*not in the isovalue range"):
         bake_flat(scattered=Scattered("level_set", 10, isovalues=[50.0, 500.0]))
 
 

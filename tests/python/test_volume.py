@@ -4,7 +4,7 @@
 import leaflight
 import numpy as np
 import pytest
-from leaflight import LeaflightError, Volume, default_isovalue, default_window
+from leaflight import LeaflightError, Volume, default_isovalue, default_isovalue_range
 from leaflight.volume.volume import inner_isovalue
 
 
@@ -26,21 +26,21 @@ def test_bump_box_has_a_least_size():
         leaflight.bump_box(1)
 
 
-def test_window_leaves_out_background_and_outliers():
+def test_range_leaves_out_background_and_outliers():
     values = np.zeros(30**3)
     values[: 30**2 * 10] = np.random.default_rng(2).normal(100, 5, 9000)
     values[0] = 1000
-    lo, hi = default_window(volume(values.reshape(30, 30, 30)))
+    lo, hi = default_isovalue_range(volume(values.reshape(30, 30, 30)))
     assert 80 < lo < 95 and 105 < hi < 120
 
 
 def test_isovalues_of_integer_data_are_half_integers():
     values = np.random.default_rng(3).integers(0, 200, (12, 12, 12))
-    for isovalue in (*default_window(volume(values)), default_isovalue(volume(values))):
+    for isovalue in (*default_isovalue_range(volume(values)), default_isovalue(volume(values))):
         assert isovalue % 1 == 0.5
 
 
-def test_isovalue_lies_in_the_window():
+def test_isovalue_lies_in_the_range():
     rng = np.random.default_rng(4)
     for values in (
         rng.normal(size=(5, 6, 7)),
@@ -51,14 +51,14 @@ def test_isovalue_lies_in_the_window():
         values = np.array(values, dtype=np.float32)
         values.flat[:2] = (np.nanmin(values) - 1, np.nanmax(values) + 1)
         test = volume(values)
-        lo, hi = default_window(test)
+        lo, hi = default_isovalue_range(test)
         low, high = test.field().range
         assert low <= lo < default_isovalue(test) < hi <= high
 
 
 def test_colin27(colin27):
     brain = leaflight.read_volume(colin27)
-    lo, hi = default_window(brain)
+    lo, hi = default_isovalue_range(brain)
     # The isovalues that the thesis and the notes of this project look at.
     assert lo < 24.5 and 150.5 < hi
     assert 40 < default_isovalue(brain) < 60
@@ -159,7 +159,7 @@ def test_missing_data_at_the_border_stay_missing():
 
 def test_isovalues_to_begin_with_do_not_see_the_cap(colin27):
     for test in (leaflight.bump_box(12), leaflight.read_volume(colin27)):
-        assert default_window(test.capped()) == default_window(test)
+        assert default_isovalue_range(test.capped()) == default_isovalue_range(test)
         assert default_isovalue(test.capped()) == default_isovalue(test)
         assert test.capped().data_range() == pytest.approx(test.field().range)
 

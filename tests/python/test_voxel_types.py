@@ -6,7 +6,7 @@ from dataclasses import replace
 import leaflight
 import numpy as np
 import pytest
-from leaflight import Volume, default_isovalue, default_window, read_volume
+from leaflight import Volume, default_isovalue, default_isovalue_range, read_volume
 from leaflight.bake.provenance import sha256, values_sha256
 from leaflight.volume.voxels import VOXEL_TYPES, as_voxels
 
@@ -60,9 +60,9 @@ def test_they_are_neither_copied_nor_converted(kind):
 @pytest.mark.parametrize("kind", INTEGERS)
 def test_bakes_have_the_same_bits_and_ids(kind, bump_scene, tmp_path):
     volume = bumps(kind, 10)
-    window = default_window(volume)
+    isovalue_range = default_isovalue_range(volume)
     own, floats = (
-        leaflight.bake(one, bump_scene, isovalues=window, error=20.0)
+        leaflight.bake(one, bump_scene, isovalues=isovalue_range, error=20.0)
         for one in (volume, in_floats(volume))
     )
     assert own.id == floats.id
@@ -91,7 +91,7 @@ def test_isovalues_to_begin_with(kind, spread):
             values[values < middle] = values.min()
         volume = Volume(values, np.eye(4), "noise")
         for one in (volume, volume.capped()):
-            assert default_window(one) == default_window(in_floats(one))
+            assert default_isovalue_range(one) == default_isovalue_range(in_floats(one))
             assert default_isovalue(one) == default_isovalue(in_floats(one))
 
 

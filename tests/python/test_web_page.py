@@ -257,7 +257,7 @@ def test_sentences(box_bake, tmp_path, template, monkeypatch):
         with pytest.raises(LeaflightError, match=re.escape(words)):
             leaflight.export(bake, out, **options)
 
-    refused("outside the baked window", isovalues=[400.0])
+    refused("outside the baked range", isovalues=[400.0])
     refused("all isosurfaces", back=True)
     refused("choose 0 to 3", coarser=4)
     mirror = replace(box_bake.scene.isosurfaces[0], scattering="mirror")

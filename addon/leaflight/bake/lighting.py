@@ -18,7 +18,7 @@ def light(obj, bake, index, path, matrix, columns, *, fingerprint, seconds, file
     settings = obj.leaflight
     settings.bake_index = index
     settings.bake_matrix = matrix
-    settings.bake_low, settings.bake_high = window(bake, index)
+    settings.bake_low, settings.bake_high = isovalue_range(bake, index)
     settings.bake_walls = bake.walls is not None
     settings.bake_fingerprint = fingerprint
     settings.bake_lamps = lamps.record(bake, bake.scene.lights)
@@ -34,8 +34,8 @@ def light(obj, bake, index, path, matrix, columns, *, fingerprint, seconds, file
     bake_files.remember(obj, path)
 
 
-def window(bake, index):
-    """Isovalues (low, high) that a volume of a bake shows at the ends of the window."""
+def isovalue_range(bake, index):
+    """Isovalues (low, high) that a volume of a bake shows at the ends of the isovalue range."""
     return tuple(bake.isovalue_of(index, c) for c in bake.isovalues)
 
 

@@ -77,7 +77,7 @@ class LEAFLIGHT_OT_load_bake(bpy.types.Operator, ImportHelper):
                 seconds=seconds,
                 file_state=file_state,
             )
-            obj.leaflight.low, obj.leaflight.high = lighting.window(bake, index)
+            obj.leaflight.low, obj.leaflight.high = lighting.isovalue_range(bake, index)
         if created and self.walls:
             for warning in scene_objects.build(context, bake.scene):
                 self.report({"WARNING"}, warning)
@@ -188,7 +188,7 @@ def _create(context, bake, index):
     obj = surface_object.new(context, baked.name)
     settings = obj.leaflight
     isosurfaces.import_isosurfaces(settings, bake.scene.isosurfaces[index])
-    low, high = lighting.window(bake, index)
+    low, high = lighting.isovalue_range(bake, index)
     isovalue = leaflight.default_isovalue(baked)
     settings["isovalue"] = isovalue if low < isovalue < high else 0.5 * (low + high)
     settings.is_volume = True

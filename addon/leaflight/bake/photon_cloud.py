@@ -50,7 +50,7 @@ class LEAFLIGHT_OT_photon_cloud(background.BackgroundOperator, bpy.types.Operato
     )
     band: FloatProperty(
         name="Band",
-        description="Part of the window of isovalues, about the present one, whose photons show",
+        description="Part of the isovalue range, about the present one, whose photons show",
         default=1.0,
         min=1e-4,
         max=1.0,
@@ -91,16 +91,16 @@ class PhotonJob(background.Job):
         settings = obj.leaflight
         description, volumes, self.warnings = scene_export.export_scene(context, obj)
         scene_export.check_light(description)
-        window = (settings.low, settings.high) if len(volumes) == 1 else (0.0, 1.0)
+        isovalue_range = (settings.low, settings.high) if len(volumes) == 1 else (0.0, 1.0)
         fields = [cache.world_volume(volume).field() for volume in volumes]
-        self._scene = core_scene(description, fields, window)
+        self._scene = core_scene(description, fields, isovalue_range)
         self._count, self._seed = options.count, options.seed
         self._kind, self._radius = options.kind, options.radius
         c = settings.isovalue
         if len(volumes) > 1:
             c = isovalues.common_isovalue(settings, c)
-        reach = 0.5 * options.band * (window[1] - window[0])
-        self._band = (c - reach, c + reach) if options.band < 1 else window
+        reach = 0.5 * options.band * (isovalue_range[1] - isovalue_range[0])
+        self._band = (c - reach, c + reach) if options.band < 1 else isovalue_range
         self._collection, self._object_name = context.collection.name, obj.name
         self._scene_name = context.scene.name
 

@@ -128,11 +128,11 @@ def _local(context, tell):
 
 def check_lit(volume, isovalue):
     settings = volume.leaflight
-    low, high = isovalues.window(settings)
+    low, high = isovalues.isovalue_range(settings)
     if not low <= isovalue <= high:
         raise LeaflightError(
-            f"Isovalue {isovalue:g} lies outside the baked window {low:g} to {high:g}: choose one "
-            "inside, or bake with a wider window."
+            f"Isovalue {isovalue:g} lies outside the baked range {low:g} to {high:g}: choose one "
+            "inside, or bake with a wider range."
         )
     if settings.isosurface_scattering != "DIFFUSE":
         if not settings.bake_walls:

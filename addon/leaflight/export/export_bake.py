@@ -112,7 +112,7 @@ class LEAFLIGHT_OT_export(background.BackgroundOperator, bpy.types.Operator, Exp
             return self.run_modal(context)
         self._by_hand = True
         settings = active_volume(context).leaflight
-        self.first, self.last = isovalues.window(settings)
+        self.first, self.last = isovalues.isovalue_range(settings)
         if not self.filepath:
             self.filepath = f"{active_volume(context).name}{self.file_type}"
         self.check(context)

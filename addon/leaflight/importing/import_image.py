@@ -57,7 +57,7 @@ class LEAFLIGHT_OT_import_image(bpy.types.Operator, ImportHelper):
         path = bpy.path.abspath(self.filepath) if self.source == "IMAGE" else ""
         try:
             field = flatland.read_image(path) if path else flatland.bump_box_2d(self.nodes)
-            low, high = leaflight.default_window(field)
+            low, high = leaflight.default_isovalue_range(field)
             settings = {
                 "source": path,
                 "nodes": self.nodes,

@@ -268,7 +268,7 @@ class ImportJob(background.Job):
         choices["downsample"] = stored_facts.step_of(self._resolution, self._stored)
         self._volume = source_files.read_volume(path, progress=progress, **choices)
         self._range = self._volume.field().range
-        self._window = leaflight.default_window(self._volume)
+        self._isovalue_range = leaflight.default_isovalue_range(self._volume)
         self._isovalue = leaflight.default_isovalue(self._volume)
         progress.check()
 
@@ -288,12 +288,12 @@ class ImportJob(background.Job):
             setattr(settings, name, value)
         settings.frames = self._stored.frames
         settings.shown_frame = max(settings.frame, 0)
-        settings.low, settings.high = self._window
+        settings.low, settings.high = self._isovalue_range
         settings.is_volume = True
         cache.forget_unused()
         cache.keep_volume(obj, volume)
         settings["isovalue"] = self._isovalue
-        settings.limit_isovalue(self._range, self._window, self._isovalue)
+        settings.limit_isovalue(self._range, self._isovalue_range, self._isovalue)
         surface_object.update(obj, self._isovalue)
         if self._animate and settings.frames > 1:
             blender.animate_frames(obj)

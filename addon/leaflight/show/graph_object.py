@@ -80,7 +80,7 @@ def isolines_of(obj):
 
 
 def isovalues(settings):
-    """The isovalues of the isolines, spread evenly within the window."""
+    """The isovalues of the isolines, spread evenly within the isovalue range."""
     parts = (np.arange(settings.count) + 0.5) / settings.count
     return settings.low + parts * (settings.high - settings.low)
 

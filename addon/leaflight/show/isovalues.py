@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Shows each volume at its isovalue; those of several volumes belong together.
 
-A volume shows the isovalue low + c (high - low) of its window at the common isovalue c. A volume
+A volume shows the isovalue low + c (high - low) of its range at the common isovalue c. A volume
 that is linked follows the one whose isovalue was moved, unless it is animated itself. A move is
 noticed by the isovalue that the mesh still shows: undo and loading a file bring back both together.
 """
@@ -21,7 +21,7 @@ FRAME_PATH = "leaflight.shown_frame"
 _seen = set()
 
 
-def window(settings):
+def isovalue_range(settings):
     """Isovalues (low, high) of the common isovalues 0 and 1: those of the bake if there is one."""
     if settings.bake_id:
         return settings.bake_low, settings.bake_high
@@ -29,13 +29,13 @@ def window(settings):
 
 
 def common_isovalue(settings, isovalue):
-    """c, within 0..1 inside the window; 0 where the window is empty."""
-    low, high = window(settings)
+    """c, within 0..1 inside the isovalue range; 0 where the isovalue range is empty."""
+    low, high = isovalue_range(settings)
     return (isovalue - low) / (high - low) if high > low else 0.0
 
 
 def isovalue_at(settings, c):
-    low, high = window(settings)
+    low, high = isovalue_range(settings)
     return low + c * (high - low)
 
 
@@ -51,10 +51,12 @@ def isosurfaces(scene):
 
 
 def limit(obj):
-    """Limits the slider of an isosurface to the data, and softly to the window of its volume."""
+    """Limits the slider of an isosurface to the data, and softly to the range of its volume."""
     volume = added.volume_object(obj)
     data_range = cache.volume_of(volume).data_range()
-    obj.leaflight.limit_isovalue(data_range, window(volume.leaflight), obj.leaflight.isovalue)
+    obj.leaflight.limit_isovalue(
+        data_range, isovalue_range(volume.leaflight), obj.leaflight.isovalue
+    )
 
 
 def left_alone():

@@ -381,16 +381,16 @@ class LeaflightSettings(bpy.types.PropertyGroup):
         self.id_data.update_tag()
         isovalues.set_isovalue(self.id_data, float(value))
 
-    def limit_isovalue(self, data_range, window, default):
-        """Limits the slider to the range of the data, and softly to the window."""
+    def limit_isovalue(self, data_range, isovalue_range, default):
+        """Limits the slider to the range of the data, and softly to the isovalue range."""
         low, high = data_range
         self.property_overridable_library_set('["isovalue"]', True)
         self.id_properties_ui("isovalue").update(
             description="Isovalue of the displayed surface, in data units",
             min=low,
             max=high,
-            soft_min=max(low, window[0]),
-            soft_max=min(high, window[1]),
+            soft_min=max(low, isovalue_range[0]),
+            soft_max=min(high, isovalue_range[1]),
             default=default,
             step=max((high - low) / 255.0, 1e-6),
             precision=3 if high - low > 1.0 else 6,

@@ -9,7 +9,7 @@ import numpy as np
 # Single precision through a few products.
 _TOLERANCE = 1e-4
 
-# What a description calls things, where they came from, and what only the bake's window says.
+# What a description calls things, where they came from, and what only the bake's range says.
 _UNSEEN = {"name", "source", "reading", "coordinates", "isovalues"}
 
 

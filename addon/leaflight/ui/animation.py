@@ -53,7 +53,7 @@ class LEAFLIGHT_OT_animate(checks.VolumeOperator, bpy.types.Operator):
 
 
 def _sweep(context, volume, frames):
-    low, high = isovalues.window(volume.leaflight)
+    low, high = isovalues.isovalue_range(volume.leaflight)
     blender.animate(volume, np.linspace(low, high, frames))
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The picture of a volume's data in the sidebar: a slice, and below it the histogram.
 
-Painted anew only when the volume, the window or the isovalue has changed by what can be seen.
+Painted anew only when the volume, its range or the isovalue has changed by what can be seen.
 """
 
 import bpy.utils.previews
@@ -67,9 +67,9 @@ def _paint_histogram(pixels, found, low, high, isovalue):
     columns = np.arange(SIDE)
     filled = rows < heights[columns * len(heights) // SIDE]
     first, last, mark = (_column(found, value) for value in (low, high, isovalue))
-    in_window = (columns >= first) & (columns <= last)
-    pixels[:, in_window, :3] += 0.08
-    for chosen, color in ((in_window, INSIDE), (~in_window, OUTSIDE)):
+    in_range = (columns >= first) & (columns <= last)
+    pixels[:, in_range, :3] += 0.08
+    for chosen, color in ((in_range, INSIDE), (~in_range, OUTSIDE)):
         pixels[filled & chosen, :3] = color
     pixels[:, max(0, mark - 1) : mark + 1, :3] = ISOVALUE
 

@@ -31,7 +31,7 @@ def next_isovalue(volume, tissue=_PROPOSED):
     """Of an isosurface to show beside those that a volume object shows. Raises LeaflightError."""
     if tissue != _PROPOSED:
         return TISSUES[tissue]
-    low, high = isovalues.window(volume.leaflight)
+    low, high = isovalues.isovalue_range(volume.leaflight)
     shown = [obj.leaflight.isovalue for obj in (volume, *added.added_to(volume))]
     inner = inner_isovalue(cache.volume_of(volume), max(shown))
     if inner is not None and max(shown) < inner < high:

@@ -11,7 +11,8 @@
 namespace leaflight {
 
 // Texels at regular points of the field's domain, the first and last on its border. Only those are
-// active that an isosurface of the window can reach: the others are never stored nor sampled.
+// active that an isosurface of the isovalue range can reach: the others are never stored nor
+// sampled.
 template <int D>
 struct TexelLattice {
   static constexpr std::int32_t inactive = RankedSet::absent;

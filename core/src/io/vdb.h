@@ -25,7 +25,7 @@ void write_bake(const std::filesystem::path& path, const std::vector<const Field
 
 struct StoredBake {
   std::vector<DenseVolume> fields;
-  // The walls have their radiance, but neither meshes nor window yet: attach() adds them.
+  // The walls have their radiance, but neither meshes nor isovalue range yet: attach() adds them.
   Baked<3> baked;
   Metadata metadata;
 };

@@ -15,15 +15,15 @@ constexpr std::size_t samples = 1 << 20;
 
 template <int D>
 IsovalueNodes::IsovalueNodes(const Scene<D>& scene) {
-  const IsovalueWindow& window = scene.window;
+  const IsovalueRange& isovalue_range = scene.isovalue_range;
   std::vector<double> share(histogram_bins, 0.0);
   double total = 0;
   for (const Volume<D>& volume : scene.volumes) {
     const std::size_t voxels = volume.field.voxels(), step = 1 + voxels / samples;
     for (std::size_t v = 0; v < voxels; v += step) {
       const double c = volume.common_isovalue(value_at(volume.field.values, v));
-      if (!window.contains(c)) continue;  // nor does it contain NaN
-      const double position = (c - window.min) / window.height() * histogram_bins;
+      if (!isovalue_range.contains(c)) continue;  // nor does it contain NaN
+      const double position = (c - isovalue_range.min) / isovalue_range.height() * histogram_bins;
       share[std::min(histogram_bins - 1, static_cast<int>(position))] += 1;
       total += 1;
     }
@@ -35,12 +35,13 @@ IsovalueNodes::IsovalueNodes(const Scene<D>& scene) {
     const double scale = total > 0 ? 1 : 2;
     while (next < count && static_cast<double>(next) / (count - 1) < below + own * scale) {
       const double within = (static_cast<double>(next) / (count - 1) - below) / (own * scale);
-      nodes_[next++] = window.min + window.height() * (bin + within) / histogram_bins;
+      nodes_[next++] =
+          isovalue_range.min + isovalue_range.height() * (bin + within) / histogram_bins;
     }
     below += own * scale;
   }
-  while (next < count) nodes_[next++] = window.max;
-  nodes_[count - 1] = window.max;
+  while (next < count) nodes_[next++] = isovalue_range.max;
+  nodes_[count - 1] = isovalue_range.max;
 }
 
 double IsovalueNodes::height(int i) const {

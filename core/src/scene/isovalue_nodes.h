@@ -8,8 +8,9 @@
 namespace leaflight {
 
 // The common isovalues at which the light of the walls is known, between which it is linear.
-// They are as dense as the isosurfaces are: half of the spacing follows the window, half the share
-// of the volumes between two nodes, since where isosurfaces are far apart their light differs much.
+// They are as dense as the isosurfaces are: half of the spacing follows the isovalue range, half
+// the share of the volumes between two nodes, since where isosurfaces are far apart their light
+// differs much.
 class IsovalueNodes {
  public:
   static constexpr int count = 33;

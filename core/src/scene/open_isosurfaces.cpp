@@ -4,7 +4,7 @@
 namespace leaflight {
 
 template <int D>
-bool isosurfaces_are_open(const Volume<D>& volume, const IsovalueWindow& window) {
+bool isosurfaces_are_open(const Volume<D>& volume, const IsovalueRange& isovalue_range) {
   const Field<D>& field = volume.field;
   if (field.masked) return true;
   for (int axis = 0; axis < D; ++axis) {
@@ -14,7 +14,7 @@ bool isosurfaces_are_open(const Volume<D>& volume, const IsovalueWindow& window)
       high[axis] = end + 1;
       bool reaches = false;
       for_each_index<D>(low, high, [&](const Index<D>& voxel) {
-        reaches |= field.value(voxel) >= volume.isovalue(window.min);
+        reaches |= field.value(voxel) >= volume.isovalue(isovalue_range.min);
       });
       if (reaches) return true;
     }
@@ -22,7 +22,7 @@ bool isosurfaces_are_open(const Volume<D>& volume, const IsovalueWindow& window)
   return false;
 }
 
-template bool isosurfaces_are_open<2>(const Volume<2>&, const IsovalueWindow&);
-template bool isosurfaces_are_open<3>(const Volume<3>&, const IsovalueWindow&);
+template bool isosurfaces_are_open<2>(const Volume<2>&, const IsovalueRange&);
+template bool isosurfaces_are_open<3>(const Volume<3>&, const IsovalueRange&);
 
 }  // namespace leaflight

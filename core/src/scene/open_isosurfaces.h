@@ -5,9 +5,9 @@
 
 namespace leaflight {
 
-// Whether an isosurface of a window of common isovalues is open: it ends at the border of the
+// Whether an isosurface of a range of common isovalues is open: it ends at the border of the
 // domain or at a masked cell, where light can reach its inside.
 template <int D>
-bool isosurfaces_are_open(const Volume<D>& volume, const IsovalueWindow& window);
+bool isosurfaces_are_open(const Volume<D>& volume, const IsovalueRange& isovalue_range);
 
 }  // namespace leaflight

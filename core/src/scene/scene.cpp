@@ -186,18 +186,18 @@ void check_ramp(const ColorRamp& ramp, const std::string& of, const char* what) 
 }
 
 template <int D>
-void check_volume(const Volume<D>& volume, const IsovalueWindow& window) {
+void check_volume(const Volume<D>& volume, const IsovalueRange& isovalue_range) {
   const std::string name = "the volume '" + volume.name + "'";
   if (!(volume.scale > 0) || !std::isfinite(volume.scale) || !std::isfinite(volume.offset)) {
     throw Error("The range of isovalues of " + name +
                 " is empty; its upper end must be above its lower end.");
   }
-  const auto [low, high] = volume.isovalues(window);
+  const auto [low, high] = volume.isovalues(isovalue_range);
   if (high <= volume.field.min || low > volume.field.max) {
     std::ostringstream text;
-    text << "The isovalue window " << low << " to " << high << " lies outside the data of " << name
+    text << "The isovalue range " << low << " to " << high << " lies outside the data of " << name
          << ", which range from " << volume.field.min << " to " << volume.field.max
-         << "; choose a window that overlaps them.";
+         << "; choose a range that overlaps them.";
     throw Error(text.str());
   }
   check_ramp(volume.albedo, name, "albedo");
@@ -231,17 +231,17 @@ bool has_specular(const Scene<D>& scene) {
 
 template <int D>
 void validate(const Scene<D>& scene) {
-  const IsovalueWindow& window = scene.window;
-  if (!(window.min < window.max) || !std::isfinite(window.height())) {
+  const IsovalueRange& isovalue_range = scene.isovalue_range;
+  if (!(isovalue_range.min < isovalue_range.max) || !std::isfinite(isovalue_range.height())) {
     std::ostringstream text;
-    text << "The isovalue window " << window.min << " to " << window.max
+    text << "The isovalue range " << isovalue_range.min << " to " << isovalue_range.max
          << " is empty; its upper end must be above its lower end.";
     throw Error(text.str());
   }
   if (scene.volumes.empty() && scene.meshes.empty()) {
     throw Error("The scene is empty; add a volume.");
   }
-  for (const Volume<D>& volume : scene.volumes) check_volume(volume, window);
+  for (const Volume<D>& volume : scene.volumes) check_volume(volume, isovalue_range);
   for (const Mesh<D>& mesh : scene.meshes) check_mesh(mesh);
   for (const Light<D>& light : scene.lights) {
     std::visit([](const auto& l) { check_light(l); }, light);

@@ -33,7 +33,7 @@ struct Mesh {
   Rgb albedo_at(std::size_t facet, double u, double v) const;
 };
 
-struct IsovalueWindow {
+struct IsovalueRange {
   double min = 0;
   double max = 0;
 
@@ -55,20 +55,20 @@ struct Volume {
   double offset = 0, scale = 1;
 
   double isovalue(double c) const { return offset + scale * c; }
-  IsovalueWindow isovalues(const IsovalueWindow& window) const {
-    return {isovalue(window.min), isovalue(window.max)};
+  IsovalueRange isovalues(const IsovalueRange& isovalue_range) const {
+    return {isovalue(isovalue_range.min), isovalue(isovalue_range.max)};
   }
   double common_isovalue(double h) const { return (h - offset) / scale; }
 };
 
-// What is lit: the isosurfaces of volumes within a window, and what surrounds them.
+// What is lit: the isosurfaces of volumes within an isovalue range, and what surrounds them.
 template <int D>
 struct Scene {
   std::vector<Volume<D>> volumes;
   std::vector<Mesh<D>> meshes;
   std::vector<Light<D>> lights;
   std::optional<Environment<D>> environment;
-  IsovalueWindow window;  // of the common isovalue
+  IsovalueRange isovalue_range;  // of the common isovalue
 };
 
 // Whether anything is a mirror or glass.

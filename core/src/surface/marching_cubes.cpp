@@ -99,6 +99,15 @@ void resize(std::vector<Element>& list, std::size_t size) {
   list.resize(size);
 }
 
+void place_on_edges(const CrossedEdges<3>& edges, const BrickEdges& brick, const Values& values,
+                    std::vector<Vec3>& positions) {
+  positions.clear();
+  for (int axis = 0; axis < 3; ++axis) {
+    for_each_bit(brick.edges[axis],
+                 [&](int bit) { positions.push_back(edges.position(values, axis, bit)); });
+  }
+}
+
 }  // namespace
 
 MarchingCubes::MarchingCubes(const Field<3>& field, double isovalue) : edges_(field, isovalue) {
@@ -147,11 +156,7 @@ void MarchingCubes::fill(IsosurfaceMesh& mesh, bool normals, const Visit& visit)
     if (bricks_[i].triangles == 0 && brick.count() == 0) return;
     if (i + ahead < bricks_.size()) fetch_brick(field, edges_.bricks()[i + ahead].brick);
     const Values values = load_brick(field, brick.brick, isovalue);
-    positions.clear();
-    for (int axis = 0; axis < 3; ++axis) {
-      for_each_bit(brick.edges[axis],
-                   [&](int bit) { positions.push_back(edges_.position(values, axis, bit)); });
-    }
+    place_on_edges(edges_, brick, values, positions);
     place(brick.first, positions);
     if (bricks_[i].triangles == 0) return;
     const VertexNumbers numbers(edges_, brick);

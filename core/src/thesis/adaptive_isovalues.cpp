@@ -151,7 +151,7 @@ void fill(std::vector<double>& isovalues, std::vector<float> values, int count) 
 }  // namespace
 
 template <int D>
-std::vector<double> adaptive_isovalues(const Field<D>& field, const IsovalueWindow& window,
+std::vector<double> adaptive_isovalues(const Field<D>& field, const IsovalueRange& isovalue_range,
                                        int count) {
   if (count < 1) {
     throw Error("The number of isovalues is " + std::to_string(count) + "; choose at least 1.");
@@ -175,11 +175,11 @@ std::vector<double> adaptive_isovalues(const Field<D>& field, const IsovalueWind
     std::vector<Span> intervals;
     for (std::size_t i = 0; i < back.size(); ++i) {
       const float h = neighbourhoods.values()[i];
-      if (std::isnan(h) || !window.contains(h)) continue;
+      if (std::isnan(h) || !isovalue_range.contains(h)) continue;
       const float least = back[i].low + part * (front[i].low - back[i].low);
       const float greatest = back[i].high + part * (front[i].high - back[i].high);
-      const Span span{std::max(least, static_cast<float>(window.min)),
-                      std::min(greatest, static_cast<float>(window.max))};
+      const Span span{std::max(least, static_cast<float>(isovalue_range.min)),
+                      std::min(greatest, static_cast<float>(isovalue_range.max))};
       // Where nothing changes, no isosurface is near.
       if (span.low < span.high) intervals.push_back(span);
     }
@@ -199,18 +199,17 @@ std::vector<double> adaptive_isovalues(const Field<D>& field, const IsovalueWind
     if (enough) best = std::move(isovalues);
   }
   if (best.empty()) {
-    throw Error(
-        "No isosurface of the isovalue window passes through the volume; widen the window.");
+    throw Error("No isosurface of the isovalue range passes through the volume; widen it.");
   }
   std::vector<float> values;
   for (const float h : neighbourhoods.values()) {
-    if (window.contains(h)) values.push_back(h);
+    if (isovalue_range.contains(h)) values.push_back(h);
   }
   fill(best, std::move(values), count);
   return best;
 }
 
-template std::vector<double> adaptive_isovalues<2>(const Field<2>&, const IsovalueWindow&, int);
-template std::vector<double> adaptive_isovalues<3>(const Field<3>&, const IsovalueWindow&, int);
+template std::vector<double> adaptive_isovalues<2>(const Field<2>&, const IsovalueRange&, int);
+template std::vector<double> adaptive_isovalues<3>(const Field<3>&, const IsovalueRange&, int);
 
 }  // namespace leaflight

@@ -68,7 +68,7 @@ IsosurfaceTexels<D> texels_of(const FixedBake<D>& bake, std::size_t volume, int 
 }
 
 // Direct light of all volumes comes first, since gather rays look it up. Returns it, and
-// isosurfaces what is known of the isosurfaces in the bake.
+// leaves what is known of the isosurfaces in the bake.
 template <int D>
 std::vector<SideAverages> light_directly(FixedBake<D>& bake) {
   const std::size_t volumes = bake.lattices.size();

@@ -69,6 +69,14 @@ class PhotonMap {
     KdTree<D + 1> tree;
   };
   Side make_side(bool above) const;
+  // The volume dV of a region, and the sum of the fluxes that count in it.
+  struct Region {
+    double volume;
+    Imath::V3d flux_height{0};
+  };
+  // Of the photons that are nearest, the last of them at the distance d.
+  Region region_around(const std::vector<const StoredPhoton<D>*>& photons, const Vec<D>& position,
+                       double c, const Vec<D>& gradient, double d) const;
 
   std::vector<StoredPhoton<D>> photons_;
   PhotonMapSettings settings_;

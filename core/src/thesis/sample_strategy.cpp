@@ -53,17 +53,21 @@ Vec<D> random_in(const Box<D>& box, Random& random) {
   return x;
 }
 
-// Draws positions that lie on isosurfaces of the window.
+// Draws positions that lie on isosurfaces of the isovalue range.
 template <int D>
 class Sampler {
  public:
-  Sampler(const Field<D>& field, const IsovalueWindow& window, const SampleSettings& settings)
-      : field_(field), window_(window), settings_(settings), domain_(domain_of(field)) {}
+  Sampler(const Field<D>& field, const IsovalueRange& isovalue_range,
+          const SampleSettings& settings)
+      : field_(field),
+        isovalue_range_(isovalue_range),
+        settings_(settings),
+        domain_(domain_of(field)) {}
 
   bool on_isosurface(const Vec<D>& position) const {
     const CellPoint<D> point = locate(field_, position);
     // False for NaN: masked cells hold no isosurface.
-    return window_.contains(interpolate(load_corners(field_, point.cell), point.local));
+    return isovalue_range_.contains(interpolate(load_corners(field_, point.cell), point.local));
   }
 
   // Uniform over the part of the domain that `region` accepts, in coordinates of [0,1]^D.
@@ -77,12 +81,12 @@ class Sampler {
       if (on_isosurface(position)) return position;
     }
     throw Error("Hardly any part of the domain of the strategy '" + name_of(settings_.strategy) +
-                "' lies in the isovalue window; widen the window or choose another strategy.");
+                "' lies in the isovalue range; widen it or choose another strategy.");
   }
   Vec<D> draw(Random& random) const {
     return draw(random, [](const Vec<D>&) { return true; });
   }
-  // In a box, or, where the box is off the window's isosurfaces, in the domain.
+  // In a box, or, where the box is off the isovalue range's isosurfaces, in the domain.
   Vec<D> draw_in(const Box<D>& box, int tries, Random& random) const {
     for (int i = 0; i < tries; ++i) {
       const Vec<D> position = random_in(box, random);
@@ -106,12 +110,12 @@ class Sampler {
   }
 
   const Field<D>& field() const { return field_; }
-  const IsovalueWindow& window() const { return window_; }
+  const IsovalueRange& isovalue_range() const { return isovalue_range_; }
   const SampleSettings& settings() const { return settings_; }
 
  private:
   const Field<D>& field_;
-  const IsovalueWindow& window_;
+  const IsovalueRange& isovalue_range_;
   const SampleSettings& settings_;
   Box<D> domain_;
 };
@@ -158,7 +162,7 @@ std::vector<Vec<D>> stratified_positions(const Sampler<D>& sampler) {
   const Index<D> grid = grid_of_at_most(sampler.field(), sampler.settings().samples);
   const std::size_t strata = cell_count<D>(grid);
   return sampler.all([&](std::size_t i, Random& random) {
-    // One try: a stratum that lies partly in the window gets its share.
+    // One try: a stratum that lies partly in the isovalue range gets its share.
     return i < strata ? sampler.draw_in(stratum(sampler.field(), grid, i), 1, random)
                       : sampler.draw(random);
   });
@@ -174,15 +178,14 @@ std::vector<Vec<D>> regular_positions(const Sampler<D>& sampler) {
     if (sampler.on_isosurface(middle)) positions.push_back(middle);
   }
   if (positions.empty()) {
-    throw Error(
-        "No regular sample lies in the isovalue window; widen the window or take more samples.");
+    throw Error("No regular sample lies in the isovalue range; widen it or take more samples.");
   }
   return positions;
 }
 
-// The part of the window that the values of each data cell span (thesis Eq. 4.14).
+// The part of the isovalue range that the values of each data cell span (thesis Eq. 4.14).
 template <int D>
-std::vector<float> fractional_extents(const Field<D>& field, const IsovalueWindow& window,
+std::vector<float> fractional_extents(const Field<D>& field, const IsovalueRange& isovalue_range,
                                       const Index<D>& cells) {
   std::vector<float> fractions(cell_count<D>(cells));
   tbb::parallel_for(
@@ -196,8 +199,10 @@ std::vector<float> fractional_extents(const Field<D>& field, const IsovalueWindo
             low = std::min(low, h);
             high = std::max(high, h);
           }
-          const double span = std::min(high, window.max) - std::max(low, window.min);
-          fractions[i] = masked ? 0 : static_cast<float>(std::max(0.0, span) / window.height());
+          const double span =
+              std::min(high, isovalue_range.max) - std::max(low, isovalue_range.min);
+          fractions[i] =
+              masked ? 0 : static_cast<float>(std::max(0.0, span) / isovalue_range.height());
         }
       });
   return fractions;
@@ -224,8 +229,7 @@ std::vector<std::size_t> importance_cells(const std::vector<float>& fractions, s
   double sum = 0;
   for (const float fraction : fractions) sum += fraction;
   if (!(sum > 0)) {
-    throw Error(
-        "No isosurface of the isovalue window passes through the volume; widen the window.");
+    throw Error("No isosurface of the isovalue range passes through the volume; widen it.");
   }
   double low = 0, high = static_cast<double>(samples) / sum;
   for (int i = 0; i < 24; ++i) {
@@ -256,7 +260,7 @@ std::vector<Vec<D>> importance_positions(const Sampler<D>& sampler) {
   for (int& n : cells) --n;
   Random random = random_for(settings.seed, Purpose::sample_position, settings.samples);
   const std::vector<std::size_t> cell =
-      importance_cells(fractional_extents(sampler.field(), sampler.window(), cells),
+      importance_cells(fractional_extents(sampler.field(), sampler.isovalue_range(), cells),
                        settings.samples, random.uniform());
   return sampler.all([&](std::size_t i, Random& r) {
     const Vec<D> low = to_vector<D>(index_of<D>(cell[i], cells));
@@ -293,18 +297,18 @@ void append_areas(const IsosurfaceMesh& mesh, std::vector<double>& areas) {
 
 template <int D>
 std::vector<double> level_set_isovalues(const Sampler<D>& sampler) {
-  const IsovalueWindow& window = sampler.window();
+  const IsovalueRange& isovalue_range = sampler.isovalue_range();
   const auto& wanted = sampler.settings().isovalues;
   if (const int* count = std::get_if<int>(&wanted)) {
-    return adaptive_isovalues(sampler.field(), window, *count);
+    return adaptive_isovalues(sampler.field(), isovalue_range, *count);
   }
   const auto& isovalues = std::get<std::vector<double>>(wanted);
   for (const double c : isovalues) {
-    if (window.contains(c)) continue;
+    if (isovalue_range.contains(c)) continue;
     throw Error("The isovalue " + std::to_string(c) +
-                " of the strategy 'level_set' is not in the isovalue window " +
-                std::to_string(window.min) + ".." + std::to_string(window.max) +
-                "; choose another or widen the window.");
+                " of the strategy 'level_set' is not in the isovalue range " +
+                std::to_string(isovalue_range.min) + ".." + std::to_string(isovalue_range.max) +
+                "; choose another or widen it.");
   }
   return isovalues;
 }
@@ -325,7 +329,7 @@ std::vector<Vec<D>> level_set_positions(const Sampler<D>& sampler) {
   if (areas.empty() || !(areas.back() > 0)) {
     throw Error(
         "The isosurfaces chosen for the strategy 'level_set' have no area; widen the "
-        "isovalue window.");
+        "isovalue range.");
   }
   return sampler.all([&](std::size_t, Random& random) {
     const auto at =
@@ -357,13 +361,13 @@ std::string name_of(SampleStrategy strategy) {
 }
 
 template <int D>
-std::vector<Vec<D>> sample_positions(const Field<D>& field, const IsovalueWindow& window,
+std::vector<Vec<D>> sample_positions(const Field<D>& field, const IsovalueRange& isovalue_range,
                                      const SampleSettings& settings) {
   if (settings.samples < 1 || settings.samples > std::size_t{1} << 32) {
     throw Error("The number of samples is " + std::to_string(settings.samples) +
                 "; choose between 1 and 4294967296.");
   }
-  const Sampler<D> sampler(field, window, settings);
+  const Sampler<D> sampler(field, isovalue_range, settings);
   const auto within = [&](auto region) {
     return sampler.all([&](std::size_t, Random& random) { return sampler.draw(random, region); });
   };
@@ -386,9 +390,9 @@ std::vector<Vec<D>> sample_positions(const Field<D>& field, const IsovalueWindow
   return within([](const Vec<D>&) { return true; });
 }
 
-template std::vector<Vec<2>> sample_positions<2>(const Field<2>&, const IsovalueWindow&,
+template std::vector<Vec<2>> sample_positions<2>(const Field<2>&, const IsovalueRange&,
                                                  const SampleSettings&);
-template std::vector<Vec<3>> sample_positions<3>(const Field<3>&, const IsovalueWindow&,
+template std::vector<Vec<3>> sample_positions<3>(const Field<3>&, const IsovalueRange&,
                                                  const SampleSettings&);
 
 }  // namespace leaflight

@@ -13,7 +13,7 @@ namespace leaflight {
 // Where the radiance is sampled; a sample at x lies on the isosurface c = h(x).
 //   uniform     at random over the domain (thesis 3.4.1 and 4.5)
 //   stratified  one at random in each cell of a grid with the domain's proportions (thesis 4.7)
-//   importance  more in data cells whose values span more of the window (thesis Eq. 4.12)
+//   importance  more in data cells whose values span more of the isovalue range (thesis Eq. 4.12)
 //   level_set   uniform over the isosurfaces of a few isovalues (thesis 3.4.1)
 //   letters     within the letters B, A, D, the domain's bottom left out: the thesis's bad example
 //               in the plane, extruded along z in space
@@ -33,12 +33,12 @@ struct SampleSettings {
   std::uint64_t seed = 0;
 };
 
-// Index positions of the samples, all on isosurfaces of the window; a function of the settings
-// alone. Strata that reach no isosurface of the window, and what a grid leaves over, are made up
-// for by uniform samples; `regular` has fewer instead. Throws Error for settings that make no sense
-// and when hardly any of the domain lies in the window.
+// Index positions of the samples, all on isosurfaces of the isovalue range; a function of the
+// settings alone. Strata that reach no isosurface of the isovalue range, and what a grid leaves
+// over, are made up for by uniform samples; `regular` has fewer instead. Throws Error for settings
+// that make no sense and when hardly any of the domain lies in the isovalue range.
 template <int D>
-std::vector<Vec<D>> sample_positions(const Field<D>& field, const IsovalueWindow& window,
+std::vector<Vec<D>> sample_positions(const Field<D>& field, const IsovalueRange& isovalue_range,
                                      const SampleSettings& settings);
 
 }  // namespace leaflight

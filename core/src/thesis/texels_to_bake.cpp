@@ -11,19 +11,20 @@ bool is_stored(const Volume<D>& volume) {
 }
 
 template <int D>
-TexelLattice<D> lattice_of(const Volume<D>& volume, const IsovalueWindow& isosurfaces,
+TexelLattice<D> lattice_of(const Volume<D>& volume, const IsovalueRange& isosurfaces,
                            const FixedSettings<D>& settings) {
   const Field<D>& field = volume.field;
   const Index<D> resolution = settings.resolution == Index<D>{} ? field.dims : settings.resolution;
   if (!is_stored(volume)) return inactive_lattice<D>(field.dims, resolution);
-  const IsovalueWindow window = volume.isovalues(isosurfaces);
-  if (settings.only_at.empty()) return make_lattice(field, resolution, window.min, window.max);
+  const IsovalueRange isovalue_range = volume.isovalues(isosurfaces);
+  if (settings.only_at.empty())
+    return make_lattice(field, resolution, isovalue_range.min, isovalue_range.max);
   std::vector<Vec<D>> positions;
   for (const Vec<D>& point : settings.only_at) {
     positions.push_back(field.world_to_index.point(point));
   }
   const std::vector<bool> considered = texels_around<D>(field.dims, resolution, positions);
-  return make_lattice(field, resolution, window.min, window.max, &considered);
+  return make_lattice(field, resolution, isovalue_range.min, isovalue_range.max, &considered);
 }
 
 }  // namespace
@@ -34,7 +35,7 @@ std::vector<TexelLattice<D>> texels_to_bake(const Scene<D>& scene, const FixedSe
   std::vector<TexelLattice<D>> lattices;
   bool any = plan.walls;
   for (const Volume<D>& volume : scene.volumes) {
-    lattices.push_back(lattice_of(volume, scene.window, settings));
+    lattices.push_back(lattice_of(volume, scene.isovalue_range, settings));
     any = any || !lattices.back().active.empty();
   }
   if (!any) throw nothing_to_bake(scene);
@@ -52,7 +53,7 @@ std::optional<StrewnSamples<D>> strewn_samples(const Scene<D>& scene,
   for (const Volume<D>& volume : scene.volumes) {
     auto& positions = strewn.positions.emplace_back();
     if (!is_stored(volume)) continue;
-    positions = sample_positions(volume.field, volume.isovalues(scene.window), samples);
+    positions = sample_positions(volume.field, volume.isovalues(scene.isovalue_range), samples);
   }
   return strewn;
 }

@@ -49,7 +49,7 @@ std::vector<PhotonMap<D>> make_photon_maps(const SceneTracer<D>& tracer,
     const double side = world_box(field).longest_side();
     const double range = (static_cast<double>(field.max) - field.min) / volumes[v].scale;
     maps.emplace_back(std::move(own), side * tracer.frame().scale, range, settings,
-                      tracer.scene().window.height());
+                      tracer.scene().isovalue_range.height());
   }
   return maps;
 }

@@ -99,7 +99,17 @@ class LineBundle {
     bool is_empty;
   };
 
+  // The row of lines before the bundle's, whose texels are taken; an empty range where there is
+  // none.
+  struct RowBefore {
+    Track track;
+    PlaneRange range;
+  };
+
   PlaneRange range_of(const Track& track, int axis) const;
+  RowBefore take_tracks(const Tracks& tracks);
+  // Where the lines cross plane k.
+  void cross(int k, const RowBefore& before);
   // Takes the values of the rows.
   template <class Value>
   void read(const Value* values);
@@ -162,16 +172,23 @@ typename LineBundle<D>::PlaneRange LineBundle<D>::range_of(const Track& track, i
 
 template <int D>
 void LineBundle<D>::follow(const Tracks& tracks) {
+  const RowBefore before = take_tracks(tracks);
+  for (int k = all_.first; k <= all_.last; ++k) cross(k, before);
+  std::visit([this](const auto* values) { read(values); }, field_.values);
+}
+
+template <int D>
+typename LineBundle<D>::RowBefore LineBundle<D>::take_tracks(const Tracks& tracks) {
   const std::vector<Track>& of = set_.tracks[0];
   lanes_ = std::min(width, static_cast<int>(of.size()) - tracks[0]);
-  PlaneRange row{0, static_cast<int>(planes_.planes.size()) - 1}, row_before{0, -1};
-  Track before{0, 0};
+  PlaneRange row{0, static_cast<int>(planes_.planes.size()) - 1};
+  RowBefore before{{0, 0}, {0, -1}};
   if constexpr (D == 3) {
     row_track_ = set_.tracks[1][tracks[1]];
     row = range_of(row_track_, axes_[1]);
     if (set_.crowded && tracks[1] > 0) {
-      before = set_.tracks[1][tracks[1] - 1];
-      row_before = range_of(before, axes_[1]);
+      const Track& track = set_.tracks[1][tracks[1] - 1];
+      before = {track, range_of(track, axes_[1])};
     }
   }
   all_ = {static_cast<int>(planes_.planes.size()), -1};
@@ -186,45 +203,47 @@ void LineBundle<D>::follow(const Tracks& tracks) {
     if (i == 0 || range_[i].first > range_[i].last) continue;
     all_ = {std::min(all_.first, range_[i].first), std::max(all_.last, range_[i].last)};
   }
+  return before;
+}
+
+template <int D>
+void LineBundle<D>::cross(int k, const RowBefore& before) {
   const double scale = lattice_.voxels_per_texel[axes_[0]];
   const int last_cell = field_.dims[axes_[0]] - 2, end = lattice_.resolution[axes_[0]] - 1;
   const auto dx = static_cast<std::int32_t>(stride_[axes_[0]]);
-  for (int k = all_.first; k <= all_.last; ++k) {
-    const auto& plane = planes_.planes[k];
-    Row& at = rows_[k];
-    at.first_voxel = plane.voxels;
-    at.row_cell = 0;
-    if constexpr (D == 3) {
-      const double y = row_track_.at(plane.z), voxels = y * lattice_.voxels_per_texel[axes_[1]];
-      const int cell = std::clamp(static_cast<int>(voxels), 0, field_.dims[axes_[1]] - 2);
-      at.row_cell = cell;
-      at.row_local = static_cast<float>(std::clamp(voxels - cell, 0.0, 1.0));
-      at.first_voxel += cell * stride_[axes_[1]];
-      at.row_texel = static_cast<int>(y + 0.5);
-      at.row_taken =
-          row_before.contains(k) && static_cast<int>(before.at(plane.z) + 0.5) == at.row_texel;
-    }
-    at.is_empty = in_empty_space(k, at.row_cell);
-    if (at.is_empty) continue;
-    std::array<double, width + 1> x;
-    for (int i = 0; i <= width; ++i) x[i] = track_[i].origin + track_[i].slope * plane.z;
-    for (int i = 0; i <= width; ++i) {
-      at.texel[i] = std::clamp(static_cast<int>(x[i] + 0.5), 0, end);
-    }
-    for (int i = 0; i < width; ++i) {
-      const double voxels = x[i + 1] * scale;
-      const int cell = std::clamp(static_cast<int>(voxels), 0, last_cell);
-      at.local[i] = static_cast<float>(std::clamp(voxels - cell, 0.0, 1.0));
-      at.voxel[i] = cell * dx;
-    }
-    // Planes lie far from each other in memory: what is read next comes meanwhile.
-    for (const int i : {0, width - 1}) {
-      const std::size_t voxel = at.first_voxel + at.voxel[i];
-      __builtin_prefetch(address_of(field_.values, voxel));
-      __builtin_prefetch(address_of(field_.values, voxel + stride_[axes_[across - 1]]));
-    }
+  const auto& plane = planes_.planes[k];
+  Row& at = rows_[k];
+  at.first_voxel = plane.voxels;
+  at.row_cell = 0;
+  if constexpr (D == 3) {
+    const double y = row_track_.at(plane.z), voxels = y * lattice_.voxels_per_texel[axes_[1]];
+    const int cell = std::clamp(static_cast<int>(voxels), 0, field_.dims[axes_[1]] - 2);
+    at.row_cell = cell;
+    at.row_local = static_cast<float>(std::clamp(voxels - cell, 0.0, 1.0));
+    at.first_voxel += cell * stride_[axes_[1]];
+    at.row_texel = static_cast<int>(y + 0.5);
+    at.row_taken = before.range.contains(k) &&
+                   static_cast<int>(before.track.at(plane.z) + 0.5) == at.row_texel;
   }
-  std::visit([this](const auto* values) { read(values); }, field_.values);
+  at.is_empty = in_empty_space(k, at.row_cell);
+  if (at.is_empty) return;
+  std::array<double, width + 1> x;
+  for (int i = 0; i <= width; ++i) x[i] = track_[i].origin + track_[i].slope * plane.z;
+  for (int i = 0; i <= width; ++i) {
+    at.texel[i] = std::clamp(static_cast<int>(x[i] + 0.5), 0, end);
+  }
+  for (int i = 0; i < width; ++i) {
+    const double voxels = x[i + 1] * scale;
+    const int cell = std::clamp(static_cast<int>(voxels), 0, last_cell);
+    at.local[i] = static_cast<float>(std::clamp(voxels - cell, 0.0, 1.0));
+    at.voxel[i] = cell * dx;
+  }
+  // Planes lie far from each other in memory: what is read next comes meanwhile.
+  for (const int i : {0, width - 1}) {
+    const std::size_t voxel = at.first_voxel + at.voxel[i];
+    __builtin_prefetch(address_of(field_.values, voxel));
+    __builtin_prefetch(address_of(field_.values, voxel + stride_[axes_[across - 1]]));
+  }
 }
 
 template <int D>

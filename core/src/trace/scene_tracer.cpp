@@ -100,7 +100,7 @@ SceneTracer<D>::SceneTracer(const Scene<D>& scene)
       bounds_(bounds_of(scene, frame_, meshes_)),
       walls_(meshes_),
       has_openings_(scene.volumes.size() == 1 &&
-                    isosurfaces_are_open(scene.volumes[0], scene.window)) {
+                    isosurfaces_are_open(scene.volumes[0], scene.isovalue_range)) {
   for (const Volume<D>& volume : scene.volumes) {
     const Affine<D> index_to_frame = frame_.index_to_frame(volume.field);
     fields_.push_back({index_to_frame, inverse(index_to_frame)});
@@ -271,7 +271,7 @@ BlockingIsovalues SceneTracer<D>::blocking(const Vec<D>& origin, const Vec<D>& w
                                            double t_max) const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   if (walls_.occluded(origin, way, t_max)) return {-infinity, infinity};
-  double c = scene_.window.min;
+  double c = scene_.isovalue_range.min;
   for (std::size_t v = 0; v < fields_.size(); ++v) {
     const Volume<D>& volume = scene_.volumes[v];
     const Affine<D>& to_index = fields_[v].frame_to_index;
@@ -279,7 +279,7 @@ BlockingIsovalues SceneTracer<D>::blocking(const Vec<D>& origin, const Vec<D>& w
         c, volume.common_isovalue(greatest_value(volume.field, to_index.point(origin),
                                                  to_index.vector(way), t_max, volume.isovalue(c))));
   }
-  if (!has_openings_ || c == scene_.window.min) return {-infinity, c};
+  if (!has_openings_ || c == scene_.isovalue_range.min) return {-infinity, c};
   const Volume<D>& volume = scene_.volumes[0];
   const Affine<D>& to_index = fields_[0].frame_to_index;
   const double least = least_value(volume.field, to_index.point(origin), to_index.vector(way),

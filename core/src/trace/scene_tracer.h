@@ -71,9 +71,9 @@ struct BoundingSphere {
 };
 
 // The isosurfaces that block a way: those of least < c <= greatest. The greatest common isovalue on
-// the way is at least the window's least one, and infinite where the walls block the way. The least
-// one on it is minus infinity in a scene without openings, where every way comes from outside of
-// the isosurfaces.
+// the way is at least the isovalue range's least one, and infinite where the walls block the way.
+// The least one on it is minus infinity in a scene without openings, where every way comes from
+// outside of the isosurfaces.
 struct BlockingIsovalues {
   double least, greatest;
 };

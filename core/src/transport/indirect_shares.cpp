@@ -37,8 +37,8 @@ class Paths {
     Imath::V3d sum(0);
     for (int i = 0; i < paths; ++i) {
       Random random = random_for(0, Purpose::photon, i);
-      const IsovalueWindow& window = tracer_.scene().window;
-      const double c = window.min + random.uniform() * window.height();
+      const IsovalueRange& isovalue_range = tracer_.scene().isovalue_range;
+      const double c = isovalue_range.min + random.uniform() * isovalue_range.height();
       const EmittedPhoton<D> photon = emit(random);
       if (!(largest(photon.flux) > 0)) continue;
       sum += reaching(photon, c, unreflected, random) / paths;

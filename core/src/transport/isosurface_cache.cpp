@@ -12,24 +12,25 @@ namespace {
 constexpr double indirect_photons_per_box = 100, caustic_photons_per_box = 30;
 constexpr int largest_indirect_radius = 4, largest_caustic_radius = 2;
 // Points per texel and axis at which |grad h| is evaluated; more where the texel lies only in part
-// within the window, which a cap fills as a thin layer.
+// within the isovalue range, which a cap fills as a thin layer.
 constexpr int measure_points = 2, finer_measure_points = 4;
 
-// The share of the values within `reach` of c that lies in the window: where it is narrower than
-// the change of h from one point to the next, the points alone would miss it.
-double share_in_window(const IsovalueWindow& window, double c, double reach) {
-  if (!(reach > 0)) return window.contains(c);
-  const double low = std::max(window.min, c - reach), high = std::min(window.max, c + reach);
+// The share of the values within `reach` of c that lies in the isovalue range: where it is narrower
+// than the change of h from one point to the next, the points alone would miss it.
+double share_in_range(const IsovalueRange& isovalue_range, double c, double reach) {
+  if (!(reach > 0)) return isovalue_range.contains(c);
+  const double low = std::max(isovalue_range.min, c - reach),
+               high = std::min(isovalue_range.max, c + reach);
   return std::max(0.0, high - low) / (2 * reach);
 }
 
-// Mean of |grad h| over a texel's box, of its part that isosurfaces of the window pass.
+// Mean of |grad h| over a texel's box, of its part that isosurfaces of the isovalue range pass.
 struct MeanGradient {
   double value = 0;
-  bool whole = true;  // isosurfaces of the window pass all of the box
+  bool whole = true;  // isosurfaces of the isovalue range pass all of the box
 };
 template <int D>
-MeanGradient mean_gradient(const Volume<D>& volume, const IsovalueWindow& window,
+MeanGradient mean_gradient(const Volume<D>& volume, const IsovalueRange& isovalue_range,
                            const TexelLattice<D>& lattice, std::uint32_t texel,
                            const Affine<D>& frame_to_index, int points) {
   const Field<D>& field = volume.field;
@@ -55,7 +56,7 @@ MeanGradient mean_gradient(const Volume<D>& volume, const IsovalueWindow& window
     for (int a = 0; a < D; ++a) {
       reach += std::abs(gradient[a]) * lattice.voxels_per_texel[a] / (2 * points * volume.scale);
     }
-    const double share = share_in_window(window, volume.common_isovalue(h), reach);
+    const double share = share_in_range(isovalue_range, volume.common_isovalue(h), reach);
     mean.whole = mean.whole && share == 1;
     mean.value += share * frame_to_index.pull_back_gradient(gradient).length();
   });
@@ -63,17 +64,19 @@ MeanGradient mean_gradient(const Volume<D>& volume, const IsovalueWindow& window
   return mean;
 }
 
-// Integral of |grad c| over the part of a texel's box that isosurfaces of the window pass, in the
-// frame, heights being in units of the window's.
+// Integral of |grad c| over the part of a texel's box that isosurfaces of the isovalue range pass,
+// in the frame, heights being in units of the isovalue range's.
 template <int D>
-float coarea_measure(const Volume<D>& volume, const IsovalueWindow& window,
+float coarea_measure(const Volume<D>& volume, const IsovalueRange& isovalue_range,
                      const TexelLattice<D>& lattice, std::uint32_t texel,
                      const Affine<D>& frame_to_index, double texel_volume) {
-  MeanGradient mean = mean_gradient(volume, window, lattice, texel, frame_to_index, measure_points);
+  MeanGradient mean =
+      mean_gradient(volume, isovalue_range, lattice, texel, frame_to_index, measure_points);
   if (!mean.whole) {
-    mean = mean_gradient(volume, window, lattice, texel, frame_to_index, finer_measure_points);
+    mean =
+        mean_gradient(volume, isovalue_range, lattice, texel, frame_to_index, finer_measure_points);
   }
-  return static_cast<float>(mean.value * texel_volume / volume.scale / window.height());
+  return static_cast<float>(mean.value * texel_volume / volume.scale / isovalue_range.height());
 }
 
 // Running sums over 2 radius + 1 values along one axis of a dense grid, zero outside.
@@ -187,7 +190,7 @@ void IsosurfaceCache<D>::finish(Progress& progress) {
   std::vector<float> measure(n);
   parallel_range(n, 1024, 0, progress, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) {
-      measure[s] = coarea_measure(scene.volumes[volume_], scene.window, lattice_,
+      measure[s] = coarea_measure(scene.volumes[volume_], scene.isovalue_range, lattice_,
                                   lattice_.active[s], frame_to_index, texel_volume);
     }
   });

@@ -16,8 +16,8 @@ IsosurfaceEmitter<D>::IsosurfaceEmitter(const SceneTracer<D>& tracer, int volume
   const double cell_volume = std::abs(determinant(tracer.index_to_frame(volume)));
   constexpr int size = 1 << IntervalPyramid<D>::log2_brick;
   const auto& level = of.field.pyramid.levels[0];
-  const double height = tracer.scene().window.height();
-  const IsovalueWindow isovalues = of.isovalues(tracer.scene().window);
+  const double height = tracer.scene().isovalue_range.height();
+  const IsovalueRange isovalues = of.isovalues(tracer.scene().isovalue_range);
   Index<D> none{};
   std::vector<double> powers;
   for_each_index<D>(none, level.dims, [&](const Index<D>& index) {
@@ -65,12 +65,12 @@ typename IsosurfaceEmitter<D>::Sample IsosurfaceEmitter<D>::sample(double choice
   Sample sample{{}, Rgb(0)};
   if (std::isnan(h)) return sample;
   const double c = of.common_isovalue(h);
-  if (!tracer_.scene().window.contains(c)) return sample;
+  if (!tracer_.scene().isovalue_range.contains(c)) return sample;
   sample.point = tracer_.isosurface_point(volume_, at, c, above);
   if (sample.point.kind() == HitKind::none) return sample;
   const double volume = cells * std::abs(determinant(tracer_.index_to_frame(volume_)));
   const double steepness =
-      sample.point.isosurface().gradient_length / tracer_.scene().window.height();
+      sample.point.isosurface().gradient_length / tracer_.scene().isovalue_range.height();
   sample.flux_height =
       sample.point.emission *
       static_cast<Real>(2 * projected_hemisphere<D> * volume * steepness / picked.probability);

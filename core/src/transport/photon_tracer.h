@@ -13,8 +13,8 @@ namespace leaflight {
 enum class Arrival { direct, caustic, indirect };
 
 // A photon where it meets a diffuse surface. Its flux-height is F = Phi H / n (thesis Eq. 4.4):
-// flux per photon times the height of the isovalue window, since n photons share all isovalues.
-// Heights are in units of the window's, H = 1: in those of the data, single precision would
+// flux per photon times the height of the isovalue range, since n photons share all isovalues.
+// Heights are in units of the isovalue range's, H = 1: in those of the data, single precision would
 // underflow or overflow. On leaves it carries the factor |w.Ns| / |w.Ng| of shading normals (Veach
 // 1997, ch. 5), so that flux per area is irradiance with respect to the shading normal.
 template <int D>
@@ -34,8 +34,8 @@ struct PhotonBalance {
 };
 
 // Traces photons of numbers [begin, end) out of `count` and calls deposit(PhotonHit) at each
-// diffuse surface. Isovalues are uniform over the window (thesis 4.3.5), stratified by photon
-// number. Returns the number of rays traced. `balance`, if given, is added to.
+// diffuse surface. Isovalues are uniform over the isovalue range (thesis 4.3.5), stratified by
+// photon number. Returns the number of rays traced. `balance`, if given, is added to.
 template <int D, class Deposit>
 std::uint64_t trace_photons(const SceneTracer<D>& tracer, const LightSampler<D>& lights,
                             PhotonPaths paths, std::uint64_t seed, std::uint64_t begin,
@@ -50,25 +50,39 @@ Rgb survivor(const Rgb& flux_height, Real reference_flux, Random& random);
 template <int D>
 double shading_normal_factor(const SurfacePoint<D>& point, const Vec<D>& direction);
 
+// The random numbers with which photons start.
+struct PhotonStream {
+  std::uint64_t seed, position_key, direction_key;
+
+  PhotonStream(std::uint64_t of, PhotonPaths paths)
+      : seed(of ^ (paths == PhotonPaths::caustics ? 0x63617573746963ull : 0)),  // "caustic"
+        position_key(Random(seed ^ 0x706f736974696f6eull).bits()),
+        direction_key(Random(seed ^ 0x646972656374696full).bits()) {}
+
+  // That of photon i of `count`.
+  template <int D>
+  PhotonStart<D> start(const LightSampler<D>& lights, const IsovalueRange& isovalue_range,
+                       std::uint64_t i, std::uint64_t count, Random& random) const {
+    const auto index = static_cast<std::uint32_t>(i);
+    const double c = isovalue_range.min + isovalue_range.height() *
+                                              ((i + random.uniform()) / static_cast<double>(count));
+    const double choice = random.uniform();
+    return lights.emit(c, choice, sobol_point(index, position_key),
+                       sobol_point(index, direction_key), random);
+  }
+};
+
 template <int D, class Deposit>
 std::uint64_t trace_photons(const SceneTracer<D>& tracer, const LightSampler<D>& lights,
                             PhotonPaths paths, std::uint64_t seed, std::uint64_t begin,
                             std::uint64_t end, std::uint64_t count, Deposit deposit,
                             PhotonBalance* balance) {
-  const IsovalueWindow& window = tracer.scene().window;
-  const std::uint64_t stream =
-      seed ^ (paths == PhotonPaths::caustics ? 0x63617573746963ull : 0);  // "caustic"
-  const std::uint64_t position_key = Random(stream ^ 0x706f736974696f6eull).bits();
-  const std::uint64_t direction_key = Random(stream ^ 0x646972656374696full).bits();
+  const PhotonStream stream(seed, paths);
   std::uint64_t rays = 0;
   for (std::uint64_t i = begin; i < end; ++i) {
-    Random random = random_for(stream, Purpose::photon, i);
-    const auto index = static_cast<std::uint32_t>(i);
-    const double c =
-        window.min + window.height() * ((i + random.uniform()) / static_cast<double>(count));
-    const double choice = random.uniform();
-    const PhotonStart<D> start = lights.emit(c, choice, sobol_point(index, position_key),
-                                             sobol_point(index, direction_key), random);
+    Random random = random_for(stream.seed, Purpose::photon, i);
+    const PhotonStart<D> start =
+        stream.start(lights, tracer.scene().isovalue_range, i, count, random);
     Rgb flux_height = start.flux_height / static_cast<Real>(count);
     const Real reference_flux = largest(flux_height);
     if (!(reference_flux > 0)) continue;

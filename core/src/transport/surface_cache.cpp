@@ -121,7 +121,7 @@ template <int D>
 Rgb SurfaceCache<D>::density(const FluxAccumulator& flux, std::size_t entry) const {
   if (flux.empty()) return Rgb(0);
   const int node = static_cast<int>(entry % IsovalueNodes::count);
-  const double height = nodes_.height(node) / tracer_.scene().window.height();
+  const double height = nodes_.height(node) / tracer_.scene().isovalue_range.height();
   const double measure = facet_of(entry).patch_area * height;
   if (!(measure > 0)) return Rgb(0);
   Rgb irradiance;

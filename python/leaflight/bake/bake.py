@@ -16,13 +16,13 @@ from ..volume.other_arrays import as_volumes
 from .baked import Bake
 from .color_error import estimated_rms_percent
 from .fit_memory import coarser_texels, fit_memory
-from .settings import bake_settings, isovalue_window
+from .settings import bake_settings, range_to_bake
 from .provenance import provenance_of
 from .statistics import statistics_of
 
 
 def placed(volumes, scene, isovalues):
-    """What is lit, from the arguments of bake(): (volumes, SceneDescription, window)."""
+    """What is lit, from the arguments of bake(): (volumes, SceneDescription, isovalue_range)."""
     volumes = as_volumes(volumes)
     for volume in volumes:
         if np.ndim(volume.values) != 3:
@@ -41,7 +41,7 @@ def placed(volumes, scene, isovalues):
     return (
         volumes,
         replace(description, isosurfaces=isosurfaces),
-        isovalue_window(isovalues, volumes, isosurfaces),
+        range_to_bake(isovalues, volumes, isosurfaces),
     )
 
 
@@ -64,7 +64,7 @@ def bake(
     checkpoint=None,
     workers=None,
 ):
-    """Computes the radiance of every isosurface, within a window, of a volume or of several.
+    """Computes the radiance of every isosurface of a volume or of several, within a range.
 
     The bake goes on in passes, each of which leaves a better result, until it reaches the error or
     the time asked for, or progress.stop() is called; statistics of the Bake tell how far it came.
@@ -74,7 +74,8 @@ def bake(
     spacing: the size of a voxel, one number or (x, y, z), of arrays that have none of their own.
     scene: SceneDescription, fitted around the volumes; None is the Cornell box.
     isovalues: (lo, hi) of the common isovalue: in data units for one volume, where None takes that
-        of the scene or else default_window(volume); within 0..1 for several, where None is (0, 1).
+        of the scene or else default_isovalue_range(volume); within 0..1 for several, where None is
+        (0, 1).
     error: percent, of what compare() calls rms_percent; None is 1.5. time: seconds after which the
         bake ends with the pass in progress, None for no limit.
     resolution: texels along the longest axis (the other axes in proportion of their nodes), or
@@ -119,31 +120,31 @@ def worker_memory(volumes, scene=None, **settings):
 
     Raises LeaflightError.
     """
-    volumes, description, window, settings, _ = _asked(volumes, scene, **settings)
-    core = core_scene(description, [volume.field() for volume in volumes], window)
+    volumes, description, isovalue_range, settings, _ = _asked(volumes, scene, **settings)
+    core = core_scene(description, [volume.field() for volume in volumes], isovalue_range)
     return _core.block_tracer_memory(core, settings)
 
 
 def _asked(volumes, scene=None, *, isovalues=None, **settings):
-    """Of the arguments of bake(): volumes, scene, window, the core's settings, the Provenance."""
-    volumes, description, window = placed(volumes, scene, isovalues)
+    """Of the arguments of bake(): volumes, scene, range, the core's settings, the Provenance."""
+    volumes, description, isovalue_range = placed(volumes, scene, isovalues)
     dims, exposure = volumes[0].field().dims, description.exposure
     settings = bake_settings(_core.BakeSettings, dims, exposure=exposure, **settings)
     if len(volumes) == 1:
-        fit_memory(volumes[0], description, window, settings)
+        fit_memory(volumes[0], description, isovalue_range, settings)
     return (
         volumes,
         description,
-        window,
+        isovalue_range,
         settings,
-        provenance_of(volumes, description, window, settings),
+        provenance_of(volumes, description, isovalue_range, settings),
     )
 
 
 def lit(
     volumes,
     description,
-    window,
+    isovalue_range,
     settings,
     provenance,
     previous,
@@ -172,19 +173,19 @@ def lit(
             )
         known = provenance.after(grids, statistics.passes, statistics.blocks, continued)
         walls = baked.walls
-        return Bake(volumes, description, window, grids, walls, statistics, known)
+        return Bake(volumes, description, isovalue_range, grids, walls, statistics, known)
 
     light = None
     if previous is not None:
         known = previous.provenance
         light = (previous.grids, known.passes, known.blocks)
-    core = core_scene(description, [volume.field() for volume in volumes], window)
+    core = core_scene(description, [volume.field() for volume in volumes], isovalue_range)
     look = None if on_pass is None else lambda baked: on_pass(whole(baked))
     progress = progress or _core.Progress()
     rest = checkpoint.arguments(provenance) if checkpoint else {}
     with contextlib.ExitStack() as shared:
         if workers is not None:
-            tracing = workers.tracing(volumes, description, window, settings, progress)
+            tracing = workers.tracing(volumes, description, isovalue_range, settings, progress)
             rest["workers"] = shared.enter_context(tracing)
         baked = _core.bake(core, settings, progress, on_pass=look, previous=light, **rest)
     result = whole(baked)

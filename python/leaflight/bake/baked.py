@@ -50,7 +50,7 @@ class Bake:
     isosurfaces.
 
     `isovalue` always is the common isovalue (see scene.py): the isovalue of a single volume, and
-    0..1 with several. isovalues: (lo, hi), the baked window of it.
+    0..1 with several. isovalues: (lo, hi), the baked isovalue range of it.
     grids: one _core.RadianceGrid for each volume; walls: _core.WallRadiance or None.
     statistics: the cost and the estimated error, see Statistics.
     provenance: everything the result depends on, a Provenance; equal bakes have equal ones.
@@ -168,7 +168,7 @@ class Bake:
         """The isosurface of a volume with its radiance, a Surface.
 
         It is finer where texels are narrower than voxels and, if it is small, where light steps.
-        back: its back, towards higher values. Raises LeaflightError outside the window.
+        back: its back, towards higher values. Raises LeaflightError outside the isovalue range.
         """
         self.check_isovalue(isovalue, volume)
         start = time.perf_counter()
@@ -241,7 +241,7 @@ class Bake:
 
         mesh: its number; back: seen from where its normals point away. Raises LeaflightError.
         """
-        self._check_window(isovalue)
+        self._check_isovalue(isovalue)
         if self.walls is None:
             raise SettingError("The walls were not baked: bake again with walls.", "walls")
         vertices, triangles = self.walls.mesh(mesh)
@@ -261,7 +261,7 @@ class Bake:
         back=False,
     ):
         """Path-traced radiance at points of a mesh (see on_mesh.py), as reference()."""
-        self._check_window(isovalue)
+        self._check_isovalue(isovalue)
         scene = self.core_scene()
         progress = progress or _core.Progress()
         return _core.reference_walls(
@@ -269,9 +269,9 @@ class Bake:
         )
 
     def check_isovalue(self, isovalue, volume=0):
-        """Raises LeaflightError unless the baked window and the volume's data hold the isovalue."""
+        """Raises LeaflightError unless the baked range and the volume's data hold the isovalue."""
         self._check_volume(volume)
-        self._check_window(isovalue)
+        self._check_isovalue(isovalue)
         low, high = self.volumes[volume].field().range
         own = self.isovalue_of(volume, isovalue)
         if not low < own <= high:
@@ -286,12 +286,12 @@ class Bake:
         fields = [volume.field() for volume in self.volumes]
         return core_scene(self.scene, fields, self.isovalues)
 
-    def _check_window(self, isovalue):
+    def _check_isovalue(self, isovalue):
         lo, hi = self.isovalues
         if not lo <= isovalue <= hi:
             raise SettingError(
-                f"Isovalue {isovalue:g} lies outside the baked window {lo:g}..{hi:g}: choose one "
-                "inside or bake again with a wider window.",
+                f"Isovalue {isovalue:g} lies outside the baked range {lo:g}..{hi:g}: choose one "
+                "inside or bake again with a wider range.",
                 "isovalues",
             )
 

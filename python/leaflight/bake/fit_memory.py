@@ -16,7 +16,7 @@ _MOST_OF_A_TEXEL = 500
 _MOST_TEXELS = 2**31
 
 
-def fit_memory(volume, description, window, settings):
+def fit_memory(volume, description, isovalue_range, settings):
     """Sets the resolution of settings that leave it open, where its own would take too much.
 
     settings: _core.BakeSettings. Raises SettingError where the one that was asked for does.
@@ -30,7 +30,7 @@ def fit_memory(volume, description, window, settings):
         return
     if asked and texels >= _MOST_TEXELS:
         return  # The core refuses them, whatever the memory.
-    scene = core_scene(description, [field], window)
+    scene = core_scene(description, [field], isovalue_range)
     if not asked:
         settings.resolution = _core.fitting_resolution(scene, settings, may_take)
         return

@@ -35,14 +35,14 @@ def moved(bake, volumes, scene, *, isovalues=None, quick=False, walls=True, prog
     """
     original = bake.original or bake
     progress = progress or _core.Progress()
-    window = original.isovalues if isovalues is None else isovalues
+    isovalue_range = original.isovalues if isovalues is None else isovalues
     volumes = as_volumes(volumes)
     if len(volumes) != len(original.volumes):
         raise LeaflightError(
             f"The bake is of {len(original.volumes)} volumes, not of {len(volumes)}: bake again."
         )
-    volumes, description, window = placed(volumes, scene, window)
-    _check(original, volumes, description, window)
+    volumes, description, isovalue_range = placed(volumes, scene, isovalue_range)
+    _check(original, volumes, description, isovalue_range)
     volumes = [_as_before(*pair) for pair in zip(volumes, original.volumes)]
     result = replace(
         original,
@@ -77,14 +77,14 @@ def lit_walls(bake, quick, progress):
     return replace(bake, walls=walls)
 
 
-def _check(bake, volumes, description, window):
+def _check(bake, volumes, description, isovalue_range):
     before, now = bake.scene.isosurfaces, description.isosurfaces
     if not can_be_relit(bake, diffuse_alone=True):
         raise LeaflightError(
             "The direct light of this bake is not exact, so nothing can move in it: bake to an "
             "error, several volumes on fronts alone, or bake again after each move."
         )
-    same = window == bake.isovalues
+    same = isovalue_range == bake.isovalues
     if not same or any(a.isovalues != b.isovalues for a, b in zip(before, now) if len(now) > 1):
         raise LeaflightError("The range of isovalues has changed since the bake: bake again.")
     if any(a.scattering != b.scattering for a, b in zip(before, now)):

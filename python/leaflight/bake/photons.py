@@ -16,7 +16,7 @@ class Photons:
     """n arrivals at isosurfaces, of `count` photons that lights sent.
 
     positions: (n, 3) float64, world; flux_height: (n, 3) float32, of a photon in W, times the
-    height of the window, in units of the common isovalue (thesis Eq. 4.4); common_isovalue: (n,)
+    height of the range, in units of the common isovalue (thesis Eq. 4.4); common_isovalue: (n,)
     float32, the isovalue of a single volume; direct: (n,) bool, straight from a light.
     """
 
@@ -37,10 +37,12 @@ def trace_photons(volumes, scene=None, *, count, isovalues=None, seed=0, progres
     volumes, scene, isovalues: see bake(). Raises LeaflightError, Cancelled.
     """
     count, seed = whole("photons", count, 1), whole("seed", seed, 0)
-    volumes, description, window = placed(volumes, scene, isovalues)
+    volumes, description, isovalue_range = placed(volumes, scene, isovalues)
     fields = [volume.field() for volume in volumes]
     progress = progress or _core.Progress()
-    found = _core.photon_points(core_scene(description, fields, window), count, seed, progress)
+    found = _core.photon_points(
+        core_scene(description, fields, isovalue_range), count, seed, progress
+    )
     if progress.cancelled:
         raise _core.Cancelled()
     positions, flux_height, c, direct = found

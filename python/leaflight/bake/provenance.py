@@ -42,7 +42,7 @@ class VolumeRecord:
 class Provenance:
     """Everything that the light of a bake depends on; equal bakes have equal ones.
 
-    volumes: a VolumeRecord of each; scene: the text of a scene file; isovalues: the window.
+    volumes: a VolumeRecord of each; scene: the text of a scene file; isovalues: the isovalue range.
     seed, both_sides, walls, error: as of bake(); asked_resolution: zeros where none was asked for.
     passes, blocks: of indirect light, in the averages; continued: the id of the bake that this one
     went on with, or ""; fixed: the settings of a fixed number of samples (../thesis), or None, for
@@ -98,7 +98,7 @@ class Provenance:
         return replace(asked, passes=0, blocks=0, continued="")
 
 
-def provenance_of(volumes, description, window, settings, fixed=None):
+def provenance_of(volumes, description, isovalue_range, settings, fixed=None):
     """The Provenance of a bake before its first pass.
 
     settings: of the core; fixed: what depends on those of fixed samples, None where there are none.
@@ -118,7 +118,7 @@ def provenance_of(volumes, description, window, settings, fixed=None):
     return Provenance(
         volumes=records,
         scene=scene_to_json(description),
-        isovalues=tuple(map(float, window)),
+        isovalues=tuple(map(float, isovalue_range)),
         seed=settings.seed,
         both_sides=settings.both_sides,
         walls=settings.walls,
@@ -143,7 +143,7 @@ def provenance_from_json(text):
     if not all(isinstance(number, (int, float)) for number in numbers):
         raise TypeError("a number is none")
     if len(found.isovalues) != 2 or found.lamps is not None:
-        raise ValueError("no window, or lamps")
+        raise ValueError("no isovalue range, or lamps")
     return found
 
 

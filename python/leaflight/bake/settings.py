@@ -1,44 +1,44 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The settings of a bake, checked: the window of isovalues, the error and the time."""
+"""The settings of a bake, checked: the isovalue range, the error and the time."""
 
 import numpy as np
 
 from .._core import LeaflightError
 from ..volume.setting_error import SettingError
-from ..volume.volume import default_window
+from ..volume.volume import default_isovalue_range
 
 # Of what compare() calls rms_percent.
 DEFAULT_ERROR = 1.5
 
 
-def isovalue_window(isovalues, volumes, isosurfaces):
-    """The window (lo, hi) of the common isovalue to bake."""
+def range_to_bake(isovalues, volumes, isosurfaces):
+    """The isovalue range (lo, hi) of the common isovalue to bake."""
     if len(volumes) > 1:
-        return (0.0, 1.0) if isovalues is None else _window(isovalues, (0.0, 1.0))
+        return (0.0, 1.0) if isovalues is None else _checked(isovalues, (0.0, 1.0))
     if isovalues is None:
         isovalues = isosurfaces[0].isovalues
     if isovalues is None:
-        return default_window(volumes[0])
-    return _window(isovalues, volumes[0].data_range())
+        return default_isovalue_range(volumes[0])
+    return _checked(isovalues, volumes[0].data_range())
 
 
-def _window(isovalues, data_range):
+def _checked(isovalues, data_range):
     low, high = data_range
     try:
         lo, hi = (float(isovalue) for isovalue in isovalues)
     except (TypeError, ValueError):
         raise LeaflightError(
-            f"The isovalue window must be two numbers, not {isovalues!r}."
+            f"The isovalue range must be two numbers, not {isovalues!r}."
         ) from None
     if not (np.isfinite([lo, hi]).all() and lo < hi):
         raise LeaflightError(
-            f"The isovalue window {lo:g}..{hi:g} is empty: give the lower value first, "
+            f"The isovalue range {lo:g}..{hi:g} is empty: give the lower value first, "
             "then the higher."
         )
     if hi <= low or lo >= high:
         raise LeaflightError(
-            f"The isovalue window {lo:g}..{hi:g} lies outside the data, whose values are "
-            f"{low:g}..{high:g}: give a window that overlaps them."
+            f"The isovalue range {lo:g}..{hi:g} lies outside the data, whose values are "
+            f"{low:g}..{high:g}: give a range that overlaps them."
         )
     return lo, hi
 

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line: info, bake, batch, surface, still, export, render, compare, flatland, report
-and bench.
+"""The command line: info, bake, batch, surface, still, export, photons, render, compare, flatland.
 
 Results go to stdout, with --json as one JSON object on the last line; progress goes to stderr.
-Exit status: 0; 1 when a report found an error that is not what it must be; 2 after an error, told
-in one line on stderr; 130 after Ctrl-C; after the last two nothing is written.
+Exit status: 0; 1 when a report finds an error that is not what it must be; 2 after an error, which
+is one line on stderr; 130 after Ctrl-C; after the last two nothing is written.
 """
 
 from pathlib import Path
@@ -26,7 +25,7 @@ from ..io.images import write_png
 from ..io.output import check_writable, replaced_together
 from ..io.ply import write_photons, write_ply
 from ..measure.compare import compare
-from ..volume.volume import default_isovalue, default_window
+from ..volume.volume import default_isovalue, default_isovalue_range
 from ..words import by
 from .bake_command import run_bake
 from .batch_command import run_batch
@@ -38,10 +37,14 @@ from .still_command import run_still
 from .telling import json_line, tell, tell_error
 
 
-def run(options):
-    """Runs the command of the options; returns the exit status."""
+def run(options, command=None):
+    """Runs a command, or that of COMMANDS which the options name; returns the exit status.
+
+    command(options) returns the result, a dict for --json, and sentences about it.
+    """
+    command = command or COMMANDS[options.command]
     try:
-        result, sentences = COMMANDS[options.command](options)
+        result, sentences = command(options)
     except Cancelled as end:
         tell_error(str(end))
         return 130
@@ -63,7 +66,7 @@ def _info(options):
     volume = open_with(options.volume, options)
     field = volume.field()
     low, high = field.range
-    lo, hi = default_window(volume)
+    lo, hi = default_isovalue_range(volume)
     result = {
         "source": volume.source,
         "name": volume.name,
@@ -230,28 +233,6 @@ def _flatland(options):
     ]
 
 
-def _report(options):
-    try:
-        # Not everywhere is the report installed, and only this command needs it.
-        from ..report.command import run_report
-    except ModuleNotFoundError:
-        raise LeaflightError(
-            "The report is not part of this installation: pip install 'leaflight[report]'."
-        ) from None
-    return run_report(options, run_with_progress)
-
-
-def _bench(options):
-    try:
-        # As the report.
-        from ..bench.command import run_bench
-    except ModuleNotFoundError:
-        raise LeaflightError(
-            "The benchmarks are not part of this installation: pip install leaflight."
-        ) from None
-    return run_bench(options, run_with_progress)
-
-
 def _errors(result):
     if result["points"] == 0:
         return "none"
@@ -276,6 +257,4 @@ COMMANDS = {
     "render": run_render,
     "compare": _compare,
     "flatland": _flatland,
-    "report": _report,
-    "bench": _bench,
 }

@@ -10,8 +10,8 @@ _ROUNDING = 1e-5
 
 
 def histogram(bake):
-    """Of the first volume, from the window's lower end: {"counts": of bins, "width": of a bin as a
-    share of the window}; the last bin may end beyond it."""
+    """Of the first volume, from its range's lower end: {"counts": of bins, "width": of a bin as a
+    share of the isovalue range}; the last bin may end beyond it."""
     low, high = (bake.isovalue_of(0, c) for c in bake.isovalues)
     values = bake.volume.data()
     values = values[np.isfinite(values)]
@@ -23,7 +23,7 @@ def histogram(bake):
 
 
 def bin_width(values, low, high):
-    """The width of bins over the window, low..high, of values (n,) without NaN.
+    """The width of bins over the isovalue range, low..high, of values (n,) without NaN.
 
     Of values with steps in between, whatever their type, a multiple of the step: others would hold
     one step more by turns. Else as Freedman and Diaconis (1981) choose.

@@ -100,7 +100,7 @@ def page_data(bake, isovalue, coarser, progress):
 
 def step_of(bake):
     """By how much isovalues differ at least that the page's controls choose: a power of ten, a
-    thousandth of the window or less; half-integers are among those of integers."""
+    thousandth of the isovalue range or less; half-integers are among those of integers."""
     low, high = bake.isovalues
     step = 10.0 ** math.floor(math.log10((high - low) / 1000.0))
     is_integer = len(bake.volumes) == 1 and bake.volume.values.dtype.kind in "iu"

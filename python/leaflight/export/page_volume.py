@@ -130,11 +130,11 @@ def _direct_data(data, shown, codes, offset, scale):
     direct, bake = shown.direct, shown.bake
     if direct is None or len(direct.light_points) == 0:
         return None
-    window = [bake.isovalue_of(shown.number, c) for c in bake.isovalues]
+    isovalue_range = [bake.isovalue_of(shown.number, c) for c in bake.isovalues]
     missing = NO_DATA if shown.volume.field().masked else None
 
     def code(numbers):
-        return code_of(offset + scale * numbers, window)
+        return code_of(offset + scale * numbers, isovalue_range)
 
     active = direct.mask() != 0
     least, greatest = (each[active] for each in ranges(codes, missing, direct.resolution, code))

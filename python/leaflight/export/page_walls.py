@@ -52,10 +52,10 @@ def _light(data, bake, strengths, number):
     }
 
 
-def codes(greatest, window):
-    """Common isovalues as bytes: 1 to 253 over the window, rounded down, 0 below it, 254 above it,
+def codes(greatest, isovalue_range):
+    """Common isovalues as bytes: 1 to 253 over the range, rounded down, 0 below it, 254 above it,
     255 where they are infinite."""
-    found = np.clip(np.floor(code_of(greatest, window)), 0, 254)
+    found = np.clip(np.floor(code_of(greatest, isovalue_range)), 0, 254)
     return np.where(np.isposinf(greatest), 255, found).astype(np.uint8)
 
 

@@ -13,7 +13,7 @@ class PointGrid:
     index_to_world: float64 (4, 4), takes the point (i, j, k, 1) to world coordinates.
     values: float32 (nz, ny, nx), in data units, NaN where there are no data; radiance: float32
     (nz, ny, nx, 3), W/(m^2 sr), linear RGB, of the isosurface through each point, 0 where none of
-    the window passes; error: float32 (nz, ny, nx), the standard error of its mean over the
+    the isovalue range passes; error: float32 (nz, ny, nx), the standard error of its mean over the
     channels; radiance_back: that of the backs, or None where these were not baked.
     """
 

@@ -17,9 +17,9 @@ POINTS_A_TEXEL = 8
 _PARTS = HIDDEN - 1
 
 
-def code_of(value, window):
-    """The code of a value, within a window or beyond: 1 to 253 over the window (low, high)."""
-    low, high = window
+def code_of(value, isovalue_range):
+    """The code of a value, within a range (low, high) or beyond: 1 to 253 over the range."""
+    low, high = isovalue_range
     return 1.0 + (value - low) * (252.0 / (high - low))
 
 

@@ -17,7 +17,7 @@ def write_vti(path, bake, volume=0):
     """Writes a volume (its number) of a Bake with its radiance. Raises LeaflightError.
 
     Point data: value (float, data units), radiance (W/(m^2 sr), linear RGB, of the isosurface
-    through the point, 0 where none of the window passes), radiance_error (the standard error of its
+    through the point, 0 where none of the range passes), radiance_error (the standard error of its
     mean over the channels), radiance_back where backs were baked, and color (uchar, sRGB at
     the scene's exposure). Field data: isovalues, exposure, bake_id, unit (of
     lengths).

@@ -108,7 +108,7 @@ def fit_flat_scene(scene, volume):
     )
 
 
-def core_flat_scene(scene, field, window):
+def core_flat_scene(scene, field, isovalue_range):
     """The core's scene of one in world coordinates. Raises LeaflightError."""
     walls = [
         _core.Mesh2(wall.name, wall.vertices, wall.segments, wall.albedo) for wall in scene.walls
@@ -117,4 +117,4 @@ def core_flat_scene(scene, field, window):
         _core.AreaLight2(lamp.name, lamp.corner, lamp.edge, lamp.radiance) for lamp in scene.lamps
     ]
     volume = core_isosurfaces(_core.Volume2, scene.isosurfaces, field)
-    return _core.Scene2([volume], walls, lamps, isovalues=window)
+    return _core.Scene2([volume], walls, lamps, isovalues=isovalue_range)

@@ -13,7 +13,7 @@ import leaflight._core as _core
 import numpy as np
 
 from .._core import LeaflightError
-from ..bake.settings import bake_settings, isovalue_window
+from ..bake.settings import bake_settings, range_to_bake
 from ..bake.statistics import Statistics, statistics_of
 from ..io.images import display_colours, luminance, read_pixels
 from ..progress_bar import with_progress
@@ -44,7 +44,7 @@ class Isolines:
 class FlatBake:
     """A height field, the scene in world coordinates, and the radiance of all its isolines.
 
-    isovalues: (lo, hi), the baked window; grid: _core.RadianceGrid2; statistics as of a Bake.
+    isovalues: (lo, hi), the baked range; grid: _core.RadianceGrid2; statistics as of a Bake.
     """
 
     volume: Volume
@@ -54,16 +54,16 @@ class FlatBake:
     statistics: Statistics
 
     def texture(self):
-        """Radiance, linear float32 [y, x, RGB]; zero where no isoline of the window passes."""
+        """Radiance, linear float32 [y, x, RGB]; zero where no isoline of the range passes."""
         return self.grid.dense("radiance")
 
     def isolines(self, isovalue):
-        """The Isolines of one isovalue. Raises LeaflightError outside the window."""
+        """The Isolines of one isovalue. Raises LeaflightError outside the isovalue range."""
         lo, hi = self.isovalues
         if not lo <= isovalue <= hi:
             raise SettingError(
-                f"Isovalue {isovalue:g} lies outside the baked window {lo:g}..{hi:g}: choose one "
-                "inside or bake again with a wider window.",
+                f"Isovalue {isovalue:g} lies outside the baked range {lo:g}..{hi:g}: choose one "
+                "inside or bake again with a wider range.",
                 "isovalues",
             )
         vertices, _, segments = _core.contour2(self.volume.field(), isovalue)
@@ -114,13 +114,13 @@ def bake_flatland(
     threads=0,
     progress=None,
 ):
-    """Computes the radiance of every isoline of a height field whose isovalue lies in the window.
+    """Computes the radiance of every isoline of a height field whose isovalue lies in the range.
 
     scene: FlatScene, fitted around the height field; None is flat_box().
     resolution: texels along the longest axis, or (nx, ny); the rest as for leaflight.bake.
     Returns a FlatBake. Raises LeaflightError for input that cannot be baked, Cancelled.
     """
-    scene, window, core = flat_placed(volume, scene, isovalues)
+    scene, isovalue_range, core = flat_placed(volume, scene, isovalues)
     settings = bake_settings(
         _core.BakeSettings2,
         volume.field().dims,
@@ -132,23 +132,23 @@ def bake_flatland(
         threads=threads,
     )
     baked = _core.bake2(core, settings, progress or _core.Progress())
-    return FlatBake(volume, scene, window, baked.grids[0], statistics_of(baked.statistics))
+    return FlatBake(volume, scene, isovalue_range, baked.grids[0], statistics_of(baked.statistics))
 
 
 def flat_placed(volume, scene, isovalues):
-    """What is lit, from the arguments of bake_flatland(): (FlatScene, window, _core.Scene2)."""
+    """What is lit, from the arguments of bake_flatland(): (FlatScene, range, _core.Scene2)."""
     if np.ndim(volume.values) != 2:
         raise LeaflightError(f"{volume.name}: flatland needs an image, not a volume.")
     scene = fit_flat_scene(scene or flat_box(), volume)
-    window = isovalue_window(isovalues, [volume], [scene.isosurfaces])
-    return scene, window, core_flat_scene(scene, volume.field(), window)
+    isovalue_range = range_to_bake(isovalues, [volume], [scene.isosurfaces])
+    return scene, isovalue_range, core_flat_scene(scene, volume.field(), isovalue_range)
 
 
 def picture(bake, isovalues, width=1000):
     """Lit isolines over their image in dim gray: uint8 [row, column, RGB], top row first.
 
     The exposure is such that nearly all of their light is seen, and little of it clipped.
-    width: pixels of the longer side. Raises LeaflightError for an isovalue outside the window.
+    width: pixels of the longer side. Raises LeaflightError for an isovalue outside the range.
     """
     from PIL import ImageDraw
 

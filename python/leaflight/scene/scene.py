@@ -17,7 +17,7 @@ import leaflight._core as _core
 import numpy as np
 
 from .._core import LeaflightError
-from ..volume.volume import default_window
+from ..volume.volume import default_isovalue_range
 
 IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
@@ -29,7 +29,7 @@ class Isosurfaces:
     albedo: a ramp in 0..1, the colour of a mirror or of glass; emission: a ramp of radiance in
     W/(m^2 sr), from both sides; scattering: "diffuse", "mirror" or "glass"; ior: of the inside.
     isovalues: (lo, hi) in data units that the common isovalues 0 and 1 of several volumes show; of
-    a single volume, the window to bake; None is default_window(volume).
+    a single volume, the isovalue range to bake; None is default_isovalue_range(volume).
     capped: close the isosurfaces at the border of the volume (Volume.capped).
     source: where the volume comes from, as the command line names volumes; None if it is given.
     reading: options of read_volume() for the source, by name; None for none.
@@ -174,7 +174,7 @@ def match_isosurfaces(description, volumes):
         )
     if len(volumes) > 1:
         isosurfaces = [
-            replace(one, isovalues=one.isovalues or default_window(volume))
+            replace(one, isovalues=one.isovalues or default_isovalue_range(volume))
             for one, volume in zip(isosurfaces, volumes)
         ]
     return replace(description, isosurfaces=isosurfaces)
@@ -264,10 +264,12 @@ def isovalue_at(description, volume, c):
     return lo + c * (hi - lo)
 
 
-def core_scene(description, fields, window):
+def core_scene(description, fields, isovalue_range):
     """The core's scene of a description in world coordinates with one Isosurfaces for each field.
 
-    fields: list of _core.Field. window: (lo, hi) of the common isovalue. Raises LeaflightError.
+    fields: list of _core.Field. isovalue_range: (lo, hi) of the common isovalue.
+
+    Raises LeaflightError.
     """
     ranges = [
         isosurfaces.isovalues if len(fields) > 1 else None
@@ -279,7 +281,7 @@ def core_scene(description, fields, window):
     ]
     meshes = [_core_mesh(mesh) for mesh in description.meshes]
     lights = [_core_light(light) for light in description.lights]
-    return _core.Scene(volumes, meshes, lights, _core_environment(description), window)
+    return _core.Scene(volumes, meshes, lights, isovalue_range, _core_environment(description))
 
 
 def core_isosurfaces(kind, isosurfaces, field, isovalues=None):

@@ -59,7 +59,7 @@ class Framing:
 
 
 def default_isovalue_of(bake, volume=0):
-    """The isovalue (common isovalue) of a Bake that is shown at first, within the window."""
+    """The isovalue (common isovalue) of a Bake that is shown at first, within the range."""
     low, high = bake.isovalues
     middle = 0.5 * (low + high)
     if len(bake.volumes) > 1:

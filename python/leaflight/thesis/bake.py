@@ -42,7 +42,7 @@ def bake(
     Returns a Bake. Raises LeaflightError for input that cannot be baked, Cancelled.
     """
     fixed = FixedSamples(**samples)
-    volumes, description, window = placed(volumes, scene, isovalues)
+    volumes, description, isovalue_range = placed(volumes, scene, isovalues)
     fields = [volume.field() for volume in volumes]
     settings = fixed.core(
         _core.FixedSettings,
@@ -53,14 +53,14 @@ def bake(
         both_sides=both_sides,
         walls=walls,
     )
-    core = core_scene(description, fields, window)
+    core = core_scene(description, fields, isovalue_range)
     baked = _core.bake_with_fixed_samples(core, settings, progress or _core.Progress())
     noise = estimated_rms_percent(baked.grids, description.exposure)
     statistics = fixed_statistics(baked, noise)
-    provenance = provenance_of(volumes, description, window, settings, fixed.record())
+    provenance = provenance_of(volumes, description, isovalue_range, settings, fixed.record())
     provenance = provenance.after(baked.grids)
     walls = baked.walls
-    return Bake(volumes, description, window, baked.grids, walls, statistics, provenance)
+    return Bake(volumes, description, isovalue_range, baked.grids, walls, statistics, provenance)
 
 
 def fixed_statistics(baked, noise=None):

@@ -26,7 +26,7 @@ def bake_flatland(
     volume, scene, isovalues, resolution: as of leaflight.flatland.bake_flatland; the rest as of
     leaflight.thesis.bake. Raises LeaflightError for input that cannot be baked, Cancelled.
     """
-    scene, window, core = flat_placed(volume, scene, isovalues)
+    scene, isovalue_range, core = flat_placed(volume, scene, isovalues)
     settings = FixedSamples(**samples).core(
         _core.FixedSettings2,
         volume.field().dims,
@@ -35,4 +35,4 @@ def bake_flatland(
         threads=threads,
     )
     baked = _core.bake_with_fixed_samples2(core, settings, progress or _core.Progress())
-    return FlatBake(volume, scene, window, baked.grids[0], fixed_statistics(baked))
+    return FlatBake(volume, scene, isovalue_range, baked.grids[0], fixed_statistics(baked))

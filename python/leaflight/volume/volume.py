@@ -117,7 +117,7 @@ class Volume:
         voxel: nowhere beyond 1/3. A deeper layer would make the caps flatter still, but squeeze all
         isosurfaces into a slab so thin that a texel's samples, spread over its volume, hardly meet
         it. Even so the caps of all isosurfaces share their texels: on a cap the baked light is a
-        mean over the window of isovalues. Data keep their values, and voxels their places in the
+        mean over the isovalue range. Data keep their values, and voxels their places in the
         world.
 
         Voxels without data stay so, and next to them an isosurface stays open: it ends where
@@ -243,7 +243,7 @@ def on_unit_cube(n, values, name, source):
     return Volume(array, index_to_world, name, source)
 
 
-def default_window(volume):
+def default_isovalue_range(volume):
     """Isovalues (lo, hi) worth baking: the middle 99 % of the values that are not background."""
     lo, hi = _quantiles(volume, (0.005, 0.995))
     low, high = volume.data_range()
@@ -254,11 +254,11 @@ def default_window(volume):
 
 
 def default_isovalue(volume):
-    """The isovalue that best parts the object from its background (Otsu 1979), in the window."""
+    """The isovalue that best parts the object from its background (Otsu 1979), in the range."""
     isovalue, _ = _best_splits(*volume.distribution.histogram(256))
     if _is_integer(volume):
         isovalue = np.floor(isovalue) + 0.5
-    lo, hi = default_window(volume)
+    lo, hi = default_isovalue_range(volume)
     return float(isovalue) if lo < isovalue < hi else 0.5 * (lo + hi)
 
 

@@ -145,7 +145,7 @@ def check_a_bake_of_an_object_that_was_deleted_meanwhile_says_so(boxed):
     [
         ("bake_folder", "/proc/nowhere", "/proc/nowhere"),
         ("bake_folder", "/proc", "/proc"),
-        ("high", -5.0, "window"),
+        ("high", -5.0, "range"),
     ],
 )
 def check_bad_settings_give_one_sentence_and_change_nothing(boxed, setting, value, expected):

@@ -222,7 +222,7 @@ def check_outside_the_window_it_is_refused_and_nothing_has_changed(baked, small_
     baked.leaflight.isovalue = 80.0
     before = _render_settings()
     sentence = error_of(bpy.ops.leaflight.render_comparison, folder=str(tmp_path / "images"))
-    assert "80" in sentence and "window" in sentence
+    assert "80" in sentence and "range" in sentence
     assert _render_settings() == before
 
 

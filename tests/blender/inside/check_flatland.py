@@ -126,7 +126,7 @@ def check_bad_input_gives_one_sentence(bump_graph, tmp_path):
     assert "broken.png" in sentence and "\n" not in sentence
     assert len(bpy.data.objects) == objects
     bump_graph.leaflight_flat.high = -5.0
-    assert "window" in error_of(bpy.ops.leaflight.bake_flatland)
+    assert "range" in error_of(bpy.ops.leaflight.bake_flatland)
     bpy.context.view_layer.objects.active = None
     with pytest.raises(RuntimeError, match="Select the graph"):
         bpy.ops.leaflight.bake_flatland()

@@ -29,7 +29,7 @@ def check_the_longest_side_is_two_units_and_stands_on_the_floor(bumps):
 def check_the_slider_has_the_range_of_the_data(bumps):
     limits = bumps.leaflight.id_properties_ui("isovalue").as_dict()
     volume = leaflight.bump_box(N)
-    low, high = leaflight.default_window(volume)
+    low, high = leaflight.default_isovalue_range(volume)
     close([limits["min"], limits["max"]], [0, 255], 1e-4)
     close([limits["soft_min"], limits["soft_max"]], [low, high], 1e-3)
     assert bumps.leaflight.isovalue == limits["default"]

@@ -124,8 +124,8 @@ def check_a_cut_is_closed_with_the_slice(baked, tmp_path, kept):
     to_local = np.linalg.inv(np.array(baked.matrix_world))
     values = cache.volume_of(baked).field().sample(points @ to_local[:3, :3].T + to_local[:3, 3])
     values = values.reshape(SIZE, SIZE)
-    window = baked.leaflight.low, baked.leaflight.high
-    expected = np.clip((values - window[0]) / (window[1] - window[0]), 0, 1)
+    isovalue_range = baked.leaflight.low, baked.leaflight.high
+    expected = np.clip((values - isovalue_range[0]) / (isovalue_range[1] - isovalue_range[0]), 0, 1)
     inside, outside = values > 45.0, values < 35.0
     assert inside.sum() > 50 and outside.sum() > 20
     close(seen[inside], np.repeat(expected[inside][:, None], 3, axis=1), 0.06)

@@ -18,8 +18,8 @@ def _cloud():
 
 def _traced(isosurface, count):
     description, _, _ = scene_export.export_scene(bpy.context, isosurface)
-    window = (isosurface.leaflight.low, isosurface.leaflight.high)
-    scene = core_scene(description, [cache.world_volume(isosurface).field()], window)
+    isovalue_range = (isosurface.leaflight.low, isosurface.leaflight.high)
+    scene = core_scene(description, [cache.world_volume(isosurface).field()], isovalue_range)
     return _core.photon_points(scene, count)
 
 

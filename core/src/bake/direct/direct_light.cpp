@@ -41,11 +41,12 @@ IsosurfacePoint<D> isosurface_point(const Field<D>& field, const Vec<D>& index_p
 }
 
 template <int D>
-Index<D> map_resolution(const Field<D>& field, const IsovalueWindow& window, const Index<D>& texels,
-                        std::size_t points) {
+Index<D> map_resolution(const Field<D>& field, const IsovalueRange& isovalue_range,
+                        const Index<D>& texels, std::size_t points) {
   Index<D> found;
   for (int a = 0; a < D; ++a) found[a] = std::min(field.dims[a], texels[a]);
-  if (active_texels(field, found, window.min, window.max) * points <= most_bytes) return found;
+  if (active_texels(field, found, isovalue_range.min, isovalue_range.max) * points <= most_bytes)
+    return found;
   return coarser_resolution<D>(found, 2);
 }
 
@@ -53,7 +54,7 @@ template <int D>
 DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
                             const std::vector<LightPoint<D>>& points, const Index<D>& resolution,
                             bool back, Progress& progress, bool quick)
-    : window_(tracer.scene().volumes[volume].isovalues(tracer.scene().window)),
+    : isovalue_range_(tracer.scene().volumes[volume].isovalues(tracer.scene().isovalue_range)),
       albedo_(tracer.scene().volumes[volume].albedo),
       emission_(tracer.scene().volumes[volume].emission),
       offset_(tracer.scene().volumes[volume].offset),
@@ -63,8 +64,8 @@ DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
       points_(points) {
   fill_blocks();
   auto maps = std::make_shared<Maps>();
-  maps->lattice =
-      make_lattice(tracer.scene().volumes[volume].field, resolution, window_.min, window_.max);
+  maps->lattice = make_lattice(tracer.scene().volumes[volume].field, resolution,
+                               isovalue_range_.min, isovalue_range_.max);
   std::atomic<bool> any_dark{false};
   const std::size_t count = points_.size(), active = maps->lattice.active.size();
   const VisibilitySweep<D> sweep(tracer, volume, maps->lattice, true, quick);
@@ -75,7 +76,7 @@ DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
   }
   for (int side = 0; side < (back ? 2 : 1); ++side) {
     maps->codes[side].resize(active * count + block);  // whole blocks are read
-    const VisibilityCode code{window_, side != 0};
+    const VisibilityCode code{isovalue_range_, side != 0};
     for (std::size_t first = 0; first < count; first += points_at_once) {
       const std::size_t some = std::min(points_at_once, count - first);
       std::vector<std::vector<std::uint8_t>> found(some);
@@ -143,6 +144,60 @@ void DirectLight<D>::fill_blocks() {
 }
 
 template <int D>
+typename DirectLight<D>::Shadows DirectLight<D>::shadows(std::size_t number,
+                                                         const TexelWeights<D>& near,
+                                                         bool back) const {
+  const std::uint8_t* maps = maps_->codes[back].data() + number * block;
+  Shadows found;
+  for (int i = 0; i < (1 << D); ++i) {
+    const float w = near.weight[i];
+    if (!(w > 0)) continue;
+    const std::uint8_t* codes = maps + near.slot[i] * points_.size();
+    if (!maps_->has_dark) {
+      for (int k = 0; k < block; ++k) found.greatest[k] += w * static_cast<float>(codes[k]);
+      continue;
+    }
+    for (int k = 0; k < block; ++k) {
+      // A mesh's shadow ends half way between the texels on either side of its edge.
+      const float is_dark = codes[k] == VisibilityCode::dark ? w : 0.0f;
+      found.dark[k] += is_dark;
+      found.greatest[k] += (w - is_dark) * static_cast<float>(codes[k]);
+    }
+  }
+  return found;
+}
+
+template <int D>
+typename DirectLight<D>::Row DirectLight<D>::arriving(const Block& of, const Receiver& at,
+                                                      const Shadows& shadows, float own) {
+  Row distance2{}, cosine{}, facing{}, leaving{}, share;
+  for (int a = 0; a < D; ++a) {
+    const float from = at.position[a], normal = at.normal[a], geometric = at.geometric_normal[a];
+    for (int k = 0; k < block; ++k) {
+      const float way = from * of.near[k] - of.at[a][k];
+      distance2[k] += way * way;
+      cosine[k] -= way * normal;
+      facing[k] -= way * geometric;
+      leaving[k] += way * of.normal[a][k];
+    }
+  }
+  const Row &greatest = shadows.greatest, &dark = shadows.dark;
+  for (int k = 0; k < block; ++k) {
+    const float per_distance = 1 / std::sqrt(distance2[k]);
+    const float from_light = leaving[k] * per_distance;
+    const float front = from_light > 0 ? from_light : 0.0f;
+    const float strength = of.even[k] + of.front[k] * front + of.both[k] * std::abs(from_light);
+    const float spreads = D == 3 ? per_distance * per_distance : per_distance;
+    const float light = strength * spreads * cosine[k] * per_distance;
+    const float shown = greatest[k] < own * (1 - dark[k]) ? light : 0.0f;
+    const float unhidden = dark[k] < 0.5f ? shown : 0.0f;
+    const float faced = facing[k] > 0 ? unhidden : 0.0f;
+    share[k] = cosine[k] > 0 ? faced : 0.0f;
+  }
+  return share;
+}
+
+template <int D>
 Rgb DirectLight<D>::radiance(const IsosurfacePoint<D>& point, bool back) const {
   const double h = point.value;
   if (std::isnan(h)) return Rgb(0);
@@ -151,58 +206,17 @@ Rgb DirectLight<D>::radiance(const IsosurfacePoint<D>& point, bool back) const {
   const double length = gradient.length();
   if (!(length > 0)) return Rgb(0);
   const double outward = (back ? 1 : -1) / length;
-  const Vec<D, float> normal(gradient * outward);
-  const Vec<D, float> geometric(to_index_.pull_back_gradient(surface_gradient(
-                                    point.corners, point.at.local, point.gradient)) *
-                                outward);
+  const Vec<D> surface =
+      to_index_.pull_back_gradient(surface_gradient(point.corners, point.at.local, point.gradient));
   const Vec<D> place = to_frame_.point(point.position);
-  const Vec<D, float> x(place);
+  const Receiver receiver{Vec<D, float>(place), Vec<D, float>(gradient * outward),
+                          Vec<D, float>(surface * outward)};
   const TexelWeights<D> near = linear_weights(maps_->lattice, point.position);
-  const std::uint8_t* maps = maps_->codes[back].data();
-  const bool has_dark = maps_->has_dark;
-  const float own = VisibilityCode{window_, back}(h);
+  const float own = VisibilityCode{isovalue_range_, back}(h);
   std::array<float, 3> irradiance{};
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     const Block& of = blocks_[b];
-    Row greatest{}, dark{};
-    for (int i = 0; i < (1 << D); ++i) {
-      const float w = near.weight[i];
-      if (!(w > 0)) continue;
-      const std::uint8_t* codes = maps + near.slot[i] * points_.size() + b * block;
-      if (!has_dark) {
-        for (int k = 0; k < block; ++k) greatest[k] += w * static_cast<float>(codes[k]);
-        continue;
-      }
-      for (int k = 0; k < block; ++k) {
-        // A mesh's shadow ends half way between the texels on either side of its edge.
-        const float is_dark = codes[k] == VisibilityCode::dark ? w : 0.0f;
-        dark[k] += is_dark;
-        greatest[k] += (w - is_dark) * static_cast<float>(codes[k]);
-      }
-    }
-    Row distance2{}, cosine{}, facing{}, leaving{}, share;
-    for (int a = 0; a < D; ++a) {
-      const float from = x[a], own_normal = normal[a], own_geometric = geometric[a];
-      for (int k = 0; k < block; ++k) {
-        const float way = from * of.near[k] - of.at[a][k];
-        distance2[k] += way * way;
-        cosine[k] -= way * own_normal;
-        facing[k] -= way * own_geometric;
-        leaving[k] += way * of.normal[a][k];
-      }
-    }
-    for (int k = 0; k < block; ++k) {
-      const float per_distance = 1 / std::sqrt(distance2[k]);
-      const float from_light = leaving[k] * per_distance;
-      const float front = from_light > 0 ? from_light : 0.0f;
-      const float strength = of.even[k] + of.front[k] * front + of.both[k] * std::abs(from_light);
-      const float spreads = D == 3 ? per_distance * per_distance : per_distance;
-      const float light = strength * spreads * cosine[k] * per_distance;
-      const float shown = greatest[k] < own * (1 - dark[k]) ? light : 0.0f;
-      const float unhidden = dark[k] < 0.5f ? shown : 0.0f;
-      const float faced = facing[k] > 0 ? unhidden : 0.0f;
-      share[k] = cosine[k] > 0 ? faced : 0.0f;
-    }
+    Row share = arriving(of, receiver, shadows(b, near, back), own);
     for (const int k : of.cones) {
       if (!(share[k] > 0)) continue;
       const LightSource<D>& source = points_[b * block + k].source;
@@ -225,9 +239,9 @@ Rgb DirectLight<D>::emission(const Field<D>& field, const Vec<D>& index_position
 
 template IsosurfacePoint<2> isosurface_point<2>(const Field<2>&, const Vec<2>&);
 template IsosurfacePoint<3> isosurface_point<3>(const Field<3>&, const Vec<3>&);
-template Index<2> map_resolution<2>(const Field<2>&, const IsovalueWindow&, const Index<2>&,
+template Index<2> map_resolution<2>(const Field<2>&, const IsovalueRange&, const Index<2>&,
                                     std::size_t);
-template Index<3> map_resolution<3>(const Field<3>&, const IsovalueWindow&, const Index<3>&,
+template Index<3> map_resolution<3>(const Field<3>&, const IsovalueRange&, const Index<3>&,
                                     std::size_t);
 template class DirectLight<2>;
 template class DirectLight<3>;

@@ -42,7 +42,7 @@ class DirectLight {
   const LightPoint<D>& point(std::size_t number) const { return points_[number]; }
   const Affine<D>& index_to_frame() const { return to_frame_; }
   // Of the field's values.
-  const IsovalueWindow& window() const { return window_; }
+  const IsovalueRange& isovalue_range() const { return isovalue_range_; }
   bool has_back() const { return !maps_->codes[1].empty(); }
   // VisibilityCode of the way from an active texel to a point.
   std::uint8_t code(std::size_t point, std::size_t slot, bool back) const {
@@ -73,9 +73,21 @@ class DirectLight {
     std::array<Row, 3> amount{};
     std::vector<int> cones;  // points with one
   };
+  // Of the points of a block: the greatest code on the way, and the part of a mesh's shadow.
+  struct Shadows {
+    Row greatest{}, dark{};
+  };
+  // A place in the frame, and its normals on the side that is lit.
+  struct Receiver {
+    Vec<D, float> position, normal, geometric_normal;
+  };
   void fill_blocks();
+  Shadows shadows(std::size_t number, const TexelWeights<D>& near, bool back) const;
+  // The irradiance at a receiver of code `own` from each point of a block, over the point's amount;
+  // without cones.
+  static Row arriving(const Block& of, const Receiver& at, const Shadows& shadows, float own);
 
-  IsovalueWindow window_;  // of the field's values
+  IsovalueRange isovalue_range_;  // of the field's values
   ColorRamp albedo_, emission_;
   double offset_, scale_;  // isovalue = offset + scale c
   Affine<D> to_frame_, to_index_;
@@ -92,17 +104,17 @@ class DirectLight {
 
 // The resolution of the maps of so many light points for a bake of so many texels along each axis:
 // that of the field or of the bake, whichever is coarser, or half of it where maps would take
-// more memory than 512 MB. `window`: of the field's values.
+// more memory than 512 MB. `isovalue_range`: of the field's values.
 template <int D>
-Index<D> map_resolution(const Field<D>& field, const IsovalueWindow& window, const Index<D>& texels,
-                        std::size_t points);
+Index<D> map_resolution(const Field<D>& field, const IsovalueRange& isovalue_range,
+                        const Index<D>& texels, std::size_t points);
 
 // What the maps of one side take.
 template <int D>
-std::size_t map_bytes(const Field<D>& field, const IsovalueWindow& window, const Index<D>& texels,
-                      std::size_t points) {
-  const Index<D> resolution = map_resolution(field, window, texels, points);
-  return active_texels(field, resolution, window.min, window.max) * points;
+std::size_t map_bytes(const Field<D>& field, const IsovalueRange& isovalue_range,
+                      const Index<D>& texels, std::size_t points) {
+  const Index<D> resolution = map_resolution(field, isovalue_range, texels, points);
+  return active_texels(field, resolution, isovalue_range.min, isovalue_range.max) * points;
 }
 
 }  // namespace leaflight

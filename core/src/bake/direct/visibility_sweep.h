@@ -9,23 +9,24 @@
 
 namespace leaflight {
 
-// Values of a field as bytes that tell shadows: 1 to 253 over the window, 0 below it, 254 above it,
-// 255 behind a mesh, where nothing is lit. For backs the order of the values is turned
+// Values of a field as bytes that tell shadows: 1 to 253 over the isovalue range, 0 below it, 254
+// above it, 255 behind a mesh, where nothing is lit. For backs the order of the values is turned
 // around.
 struct VisibilityCode {
-  IsovalueWindow window;
+  IsovalueRange isovalue_range;
   bool back = false;
 
   float operator()(double h) const {
-    return static_cast<float>(1 + (back ? window.max - h : h - window.min) * scale());
+    return static_cast<float>(1 +
+                              (back ? isovalue_range.max - h : h - isovalue_range.min) * scale());
   }
-  double scale() const { return 252 / window.height(); }
+  double scale() const { return 252 / isovalue_range.height(); }
   static constexpr float most = 254;
   static constexpr std::uint8_t dark = 255;
 };
 
 // Sweeps through one volume from points of light. For each of the nodes, all texels of a lattice,
-// it finds the greatest code on its way to the point, from one texel away from the node on: a
+// it finds the greatest code on its way to the point, from one texel away from the node on: an
 // isosurface of a greater value is lit there. Beyond the walls nothing is.
 //
 // Planes of the field are taken in the order in which the light passes them. Lines from the light

@@ -54,7 +54,7 @@ template <int D>
 VisibilityThrough<D>::VisibilityThrough(const SceneTracer<D>& tracer, int other, int volume,
                                         const TexelLattice<D>& nodes)
     : field_(tracer.scene().volumes[other].field),
-      code_{tracer.scene().volumes[other].isovalues(tracer.scene().window), false},
+      code_{tracer.scene().volumes[other].isovalues(tracer.scene().isovalue_range), false},
       nodes_(nodes),
       lattice_(inactive_lattice<D>(field_.dims, field_.dims)),
       sweep_(tracer, other, lattice_, false),

@@ -23,9 +23,9 @@ struct BakeHooks {
   const BlockWorkers* workers = nullptr;
 };
 
-// Lights every isosurface of the scene's window at once. The result is the same, bit for bit, for
-// any number of threads, and of workers. Throws Error for a bad scene or settings, Cancelled within
-// half a second of progress.cancel().
+// Lights every isosurface of the scene's isovalue range at once. The result is the same, bit for
+// bit, for any number of threads, and of workers. Throws Error for a bad scene or settings,
+// Cancelled within half a second of progress.cancel().
 template <int D>
 Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, Progress& progress,
               const BakeHooks<D>& hooks = {});

@@ -47,7 +47,8 @@ std::uint64_t block_tracer_memory(const Scene<3>& scene, const BakeSettings<3>& 
   validate(scene);
   validate(settings);
   const SceneTracer<3> tracer(scene);
-  const EmptySpace<3> empty(scene.volumes[0].field, scene.volumes[0].isovalues(scene.window).min);
+  const EmptySpace<3> empty(scene.volumes[0].field,
+                            scene.volumes[0].isovalues(scene.isovalue_range).min);
   const LineVolume<3> volume{tracer, 0, empty};
   const BakeTexels<3> texels = pass_texels(volume, settings);
   const std::uint64_t sides = make_plan(scene, settings).back ? 2 : 1;
@@ -64,7 +65,7 @@ std::uint64_t block_tracer_memory(const Scene<3>& scene, const BakeSettings<3>& 
   // The values, the maps of direct light and what lines look up of them, indirect light as it comes
   // and as it is looked up, and a block as it is and as it goes.
   const std::uint64_t maps =
-      sides * map_bytes(field, volume.window(), texels.shown.lattice.resolution,
+      sides * map_bytes(field, volume.isovalue_range(), texels.shown.lattice.resolution,
                         split_light(tracer).points.size());
   return voxels * bytes_a_voxel + maps +
          texels.indirect.lattice.texels() * DirectLookup<3>::bytes_a_texel + known(texels.shown) +

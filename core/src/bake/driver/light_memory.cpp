@@ -28,7 +28,7 @@ class LightMemory {
  public:
   LightMemory(const Scene<3>& scene, const BakeSettings<3>& settings)
       : field_(scene.volumes[0].field),
-        window_(scene.volumes[0].isovalues(scene.window)),
+        isovalue_range_(scene.volumes[0].isovalues(scene.isovalue_range)),
         settings_(settings) {
     const Plan plan = make_plan(scene, settings);
     points_ = split_light(SceneTracer<3>(scene)).points.size();
@@ -44,12 +44,12 @@ class LightMemory {
   std::uint64_t bytes(const Index<3>& resolution) const {
     BakeSettings<3> settings = settings_;
     settings.resolution = resolution;
-    const PassResolutions<3> chosen = pass_resolutions(field_, window_, settings);
+    const PassResolutions<3> chosen = pass_resolutions(field_, isovalue_range_, settings);
     const double direct = texels(chosen.shown);
     const double lit = direct * a_texel_.direct + texels(chosen.indirect) * a_texel_.indirect +
                        texels(chosen.photons) * photon_texel;
     const double maps =
-        sides_ * static_cast<double>(map_bytes(field_, window_, chosen.shown, points_));
+        sides_ * static_cast<double>(map_bytes(field_, isovalue_range_, chosen.shown, points_));
     const double saved = direct * saved_texel + saved_voxel * static_cast<double>(field_.voxels());
     return static_cast<std::uint64_t>(fixed + maps + std::max(lit, saved));
   }
@@ -65,11 +65,12 @@ class LightMemory {
 
  private:
   double texels(const Index<3>& resolution) const {
-    return static_cast<double>(active_texels(field_, resolution, window_.min, window_.max));
+    return static_cast<double>(
+        active_texels(field_, resolution, isovalue_range_.min, isovalue_range_.max));
   }
 
   const Field<3>& field_;
-  IsovalueWindow window_;
+  IsovalueRange isovalue_range_;
   const BakeSettings<3>& settings_;
   TexelBytes a_texel_;
   std::size_t points_;

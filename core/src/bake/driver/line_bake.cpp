@@ -22,13 +22,13 @@ constexpr int bounces = 2, bounce_directions = 8;
 constexpr Real most_bounced = Real(0.8);
 
 template <int D>
-Rgb emission_near(const Volume<D>& volume, const IsovalueWindow& window,
+Rgb emission_near(const Volume<D>& volume, const IsovalueRange& isovalue_range,
                   const Vec<D>& index_position) {
   if (!(volume.emission.largest() > 0)) return Rgb(0);
   const CellPoint<D> at = locate(volume.field, index_position);
   const double h = interpolate(load_corners(volume.field, at.cell), at.local);
-  const double c = std::isnan(h) ? window.min : volume.common_isovalue(h);
-  return volume.emission.at(std::clamp(c, window.min, window.max));
+  const double c = std::isnan(h) ? isovalue_range.min : volume.common_isovalue(h);
+  return volume.emission.at(std::clamp(c, isovalue_range.min, isovalue_range.max));
 }
 
 Rgb mean_of(const std::vector<Rgb>& light) {
@@ -68,7 +68,7 @@ LineBake<D>::LineBake(LitScene<D>& scene, std::size_t volume, BakeTexels<D> texe
       previous_(previous),
       workers_(workers),
       texels_(std::move(texels.shown)),
-      errors_(volume_.tracer.scene().window) {
+      errors_(volume_.tracer.scene().isovalue_range) {
   if (split_.wide) sky_.emplace(*split_.wide);
   if (!plan_.indirect) return;
   indirect_ = std::make_unique<IndirectLight<D>>(volume_, std::move(texels.indirect),
@@ -352,14 +352,14 @@ GatheredRadiance<D> LineBake<D>::gathered() const {
 template <int D>
 void LineBake<D>::finish(std::vector<Average>& indirect) const {
   const Volume<D>& of = volume_.volume();
-  const IsovalueWindow& window = volume_.tracer.scene().window;
+  const IsovalueRange& isovalue_range = volume_.tracer.scene().isovalue_range;
   for (std::size_t s = 0; s < indirect.size(); ++s) {
     const Vec<D> centre = texels_.lattice.centre(texels_.lattice.active[s]);
     const Rgb albedo = albedo_near(of, centre);
     indirect[s].mean *= albedo;
     const auto scale = static_cast<float>(average(albedo));
     indirect[s].variance *= scale * scale;
-    indirect[s].mean += emission_near(of, window, centre);
+    indirect[s].mean += emission_near(of, isovalue_range, centre);
   }
 }
 
@@ -406,7 +406,7 @@ void LineBake<D>::measure_errors(const std::vector<Average>& direct,
   const Volume<D>& of = volume_.volume();
   const std::size_t step = 1 + lattice.active.size() / most_points;
   const double exposure2 = settings_.exposure * settings_.exposure;
-  errors_ = IsovalueErrors(volume_.tracer.scene().window);
+  errors_ = IsovalueErrors(volume_.tracer.scene().isovalue_range);
   for (std::size_t s = 0; s < direct.size(); s += step) {
     Random random = random_for(settings_.seed, Purpose::noise, s);
     Vec<D> position = lattice.centre(lattice.active[s]);
@@ -415,7 +415,7 @@ void LineBake<D>::measure_errors(const std::vector<Average>& direct,
     }
     const CellPoint<D> at = locate(of.field, position);
     const double h = interpolate(load_corners(of.field, at.cell), at.local);
-    if (!volume_.window().contains(h)) continue;
+    if (!volume_.isovalue_range().contains(h)) continue;
     IsovalueError error;
     if (indirect_) {
       const IndexedLattice<D>& coarse = indirect_->texels();

@@ -19,7 +19,7 @@ LitScene<D>::LitScene(const Scene<D>& scene, const BakeSettings<D>& settings_, c
   empty_.reserve(scene.volumes.size());
   for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
     const Volume<D>& volume = scene.volumes[v];
-    empty_.emplace_back(volume.field, volume.isovalues(scene.window).min);
+    empty_.emplace_back(volume.field, volume.isovalues(scene.isovalue_range).min);
     volumes.push_back({tracer, static_cast<int>(v), empty_[v]});
   }
 }
@@ -31,8 +31,8 @@ void LitScene<D>::learn_direct(const std::vector<Index<D>>& texels) {
   const bool back = plan.back && volumes.size() == 1;
   for (std::size_t v = 0; v < volumes.size(); ++v) {
     if (!stores_light_of(v)) continue;
-    const Index<D> resolution = map_resolution(volumes[v].volume().field, volumes[v].window(),
-                                               texels[v], split.points.size());
+    const Index<D> resolution = map_resolution(
+        volumes[v].volume().field, volumes[v].isovalue_range(), texels[v], split.points.size());
     direct[v] = std::make_shared<const DirectLight<D>>(tracer, static_cast<int>(v), split.points,
                                                        resolution, back, progress);
   }

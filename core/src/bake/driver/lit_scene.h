@@ -41,7 +41,7 @@ struct LitScene {
   void learn_direct(const std::vector<Index<D>>& texels);
 
  private:
-  std::vector<EmptySpace<D>> empty_;  // of each volume, below the window
+  std::vector<EmptySpace<D>> empty_;  // of each volume, below the isovalue range
 };
 
 }  // namespace leaflight

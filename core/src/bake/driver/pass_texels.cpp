@@ -59,17 +59,17 @@ TexelLattice<D> lattice_of(const LineVolume<D>& volume, const Index<D>& resoluti
   if (volume.volume().scattering != Scattering::diffuse) {
     return inactive_lattice<D>(field.dims, resolution);
   }
-  const IsovalueWindow window = volume.window();
-  return make_lattice(field, resolution, window.min, window.max);
+  const IsovalueRange isovalue_range = volume.isovalue_range();
+  return make_lattice(field, resolution, isovalue_range.min, isovalue_range.max);
 }
 
 }  // namespace
 
 template <int D>
-PassResolutions<D> pass_resolutions(const Field<D>& field, const IsovalueWindow& window,
+PassResolutions<D> pass_resolutions(const Field<D>& field, const IsovalueRange& isovalue_range,
                                     const BakeSettings<D>& settings) {
   const Counted<D> counted = [&](const Index<D>& resolution) {
-    return active_texels(field, resolution, window.min, window.max);
+    return active_texels(field, resolution, isovalue_range.min, isovalue_range.max);
   };
   const bool given = settings.resolution != Index<D>{};
   const std::size_t voxels = counted(field.dims);
@@ -100,7 +100,7 @@ PassResolutions<D> pass_resolutions(const Field<D>& field, const IsovalueWindow&
 template <int D>
 BakeTexels<D> pass_texels(const LineVolume<D>& volume, const BakeSettings<D>& settings) {
   const PassResolutions<D> chosen =
-      pass_resolutions(volume.volume().field, volume.window(), settings);
+      pass_resolutions(volume.volume().field, volume.isovalue_range(), settings);
   BakeTexels<D> texels;
   texels.shown = IndexedLattice<D>(lattice_of(volume, chosen.shown));
   texels.indirect = IndexedLattice<D>(lattice_of(volume, chosen.indirect));
@@ -114,11 +114,11 @@ template <int D>
 BakeTexels<D> ray_texels(const LineVolume<D>& volume, const BakeSettings<D>& settings) {
   BakeTexels<D> texels = pass_texels(volume, settings);
   const Field<D>& field = volume.volume().field;
-  const IsovalueWindow window = volume.window();
+  const IsovalueRange isovalue_range = volume.isovalue_range();
   Index<D> indirect = field.dims;
   for (int a = 0; a < D; ++a)
     indirect[a] = std::min(indirect[a], texels.shown.lattice.resolution[a]);
-  while (active_texels(field, indirect, window.min, window.max) > most_ray_texels &&
+  while (active_texels(field, indirect, isovalue_range.min, isovalue_range.max) > most_ray_texels &&
          *std::min_element(indirect.begin(), indirect.end()) > 2 * widest_texel) {
     indirect = coarser_resolution<D>(indirect, 2);
   }
@@ -140,9 +140,9 @@ BakeTexels<D> preview_texels(const LineVolume<D>& volume, const Index<D>& resolu
   return texels;
 }
 
-template PassResolutions<2> pass_resolutions(const Field<2>&, const IsovalueWindow&,
+template PassResolutions<2> pass_resolutions(const Field<2>&, const IsovalueRange&,
                                              const BakeSettings<2>&);
-template PassResolutions<3> pass_resolutions(const Field<3>&, const IsovalueWindow&,
+template PassResolutions<3> pass_resolutions(const Field<3>&, const IsovalueRange&,
                                              const BakeSettings<3>&);
 template BakeTexels<2> pass_texels(const LineVolume<2>&, const BakeSettings<2>&);
 template BakeTexels<3> pass_texels(const LineVolume<3>&, const BakeSettings<3>&);

@@ -14,7 +14,7 @@ struct PassResolutions {
   int spacing;
 };
 template <int D>
-PassResolutions<D> pass_resolutions(const Field<D>& field, const IsovalueWindow& window,
+PassResolutions<D> pass_resolutions(const Field<D>& field, const IsovalueRange& isovalue_range,
                                     const BakeSettings<D>& settings);
 
 // Where it does, by lines or by rays.

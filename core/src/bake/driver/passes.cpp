@@ -124,7 +124,8 @@ class Passes {
     }
     if (fits) return previous;
     throw Error(
-        "The bake to continue is of another volume, window or other sides; bake the volume anew.");
+        "The bake to continue is of another volume, isovalue range or other sides; bake the volume "
+        "anew.");
   }
 
   void learn_direct(const std::vector<BakeTexels<D>>& texels, const std::vector<Index<D>>& shown) {

@@ -18,7 +18,7 @@ RayBake<D>::RayBake(LitScene<D>& scene, std::vector<BakeTexels<D>> texels,
       wide_(scene.tracer, scene.split),
       photons_(texels[0].photon_count),
       previous_blocks_(previous ? previous->front().blocks() : 0),
-      errors_(scene.tracer.scene().window) {
+      errors_(scene.tracer.scene().isovalue_range) {
   for (std::size_t v = 0; v < texels.size(); ++v) {
     shown_.push_back(texels[v].shown.lattice.resolution);
     lattices_.push_back(texels[v].indirect.lattice);
@@ -145,7 +145,7 @@ void RayBake<D>::serialize(Archive& archive) {
 template <int D>
 std::vector<RadianceGrid<D>> RayBake<D>::grids() {
   std::vector<RadianceGrid<D>> grids;
-  errors_ = IsovalueErrors(scene_.tracer.scene().window);
+  errors_ = IsovalueErrors(scene_.tracer.scene().isovalue_range);
   bool any = false;
   for (std::size_t v = 0; v < stored_.size(); ++v) {
     if (stored_[v]) {

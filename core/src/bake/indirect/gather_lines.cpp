@@ -12,7 +12,7 @@ namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-// Planes of a line whose values fall, or grow, from the bottom to the top: those at which a
+// Planes of a line whose values fall, or grow, from the bottom to the top: those at which an
 // isosurface may be met first on the way back.
 struct Stack {
   struct Entry {
@@ -42,6 +42,18 @@ struct GatherLines {
       : slots(planes), h(planes), higher(planes, infinity), lower(planes, -infinity) {}
 };
 
+// A walk along a line, from one end to the other: from its points one looks back to where it began.
+template <int D>
+struct Walk {
+  int lane, step, begin, end;  // planes
+  double length;               // of the way from z to z + 1
+  Vec<D> to_origin;
+  Rgb sky;
+  int stretch;  // the plane after the last masked one
+  std::optional<WallHit> wall;
+  double wall_z;  // of the nearest mesh behind
+};
+
 template <int D>
 struct Gathering {
   const LineVolume<D>& volume;
@@ -51,7 +63,7 @@ struct Gathering {
   SideMoments& moments;
   const SceneTracer<D>& tracer = volume.tracer;
   const Volume<D>& of = volume.volume();
-  const IsovalueWindow window = volume.window();
+  const IsovalueRange isovalue_range = volume.isovalue_range();
   const bool back = !moments[1].empty(), emissive = of.emission.largest() > 0;
   const bool one_albedo = of.albedo.stops.size() == 1;
   const Affine<D> to_frame = texels_to_frame(volume, texels.lattice);
@@ -62,10 +74,10 @@ struct Gathering {
 
   void add(const LineBundle<D>& lines, GatherLines<D>& own) const;
   void find_slots(const LineBundle<D>& lines, GatherLines<D>& own) const;
-  void walk(const LineBundle<D>& lines, int lane, int step, const Vec<D>& way, double length,
-            GatherLines<D>& own) const;
-  int beyond_masked(const GatherLines<D>& own, int begin, int stretch, int step, float h,
-                    bool front) const;
+  void walk(const LineBundle<D>& lines, Walk<D> walk, GatherLines<D>& own) const;
+  void add_sample(const LineBundle<D>& lines, int k, Walk<D>& walk, GatherLines<D>& own) const;
+  void find_wall(const LineBundle<D>& lines, double z, Walk<D>& walk) const;
+  int beyond_masked(const GatherLines<D>& own, const Walk<D>& walk, float h, bool front) const;
   Rgb isosurface_radiance(const LineBundle<D>& lines, int lane, int k, int crossing, double z,
                           const GatherLines<D>& own) const;
 };
@@ -79,7 +91,7 @@ void Gathering<D>::find_slots(const LineBundle<D>& lines, GatherLines<D>& own) c
     for (int lane = 0; lane < lines.lanes(); ++lane) {
       std::int32_t& slot = own.slots[k][lane];
       slot = TexelLattice<D>::inactive;
-      if (!window.contains(lines.value(k, lane))) continue;
+      if (!isovalue_range.contains(lines.value(k, lane))) continue;
       const std::int64_t texel = lines.texel(k, lane);
       if (texel < 0) continue;
       slot = texels.slots[texel];
@@ -103,86 +115,87 @@ void Gathering<D>::add(const LineBundle<D>& lines, GatherLines<D>& own) const {
     if (!any) continue;
     const Vec<D> per_z = to_frame.vector(lines.direction(lane));
     const double length = per_z.length();
-    for (const int step : {1, -1}) walk(lines, lane, step, per_z / length, length, own);
+    for (const int step : {1, -1}) {
+      const Vec<D> to_origin = per_z / (-step * length);
+      const Rgb sky = from.sky ? from.sky->radiance(to_origin) : Rgb(0);
+      const int first = lines.first(lane), last = lines.last(lane);
+      const int begin = step > 0 ? first : last, end = step > 0 ? last : first;
+      walk(lines, {lane, step, begin, end, length, to_origin, sky, begin, {}, 0}, own);
+    }
   }
 }
 
-// From the points of a line the way back is looked along, towards where the walk came from.
+// The last value above that of a point, on the way back, is where its isosurface is seen from the
+// front; the last one below, from the back.
 template <int D>
-void Gathering<D>::walk(const LineBundle<D>& line, int lane, int step, const Vec<D>& way,
-                        double length, GatherLines<D>& own) const {
-  const int begin = step > 0 ? line.first(lane) : line.last(lane);
-  const int end = step > 0 ? line.last(lane) : line.first(lane);
-  const Vec<D> to_origin = way * -step;
-  const Rgb sky = from.sky ? from.sky->radiance(to_origin) : Rgb(0);
-  const auto per_length = static_cast<float>(step / length);
-  std::optional<WallHit> wall;
-  double wall_z = 0;  // of the nearest mesh behind
-  const auto find_wall = [&](double z) {
-    wall = tracer.walls().intersect(to_frame.point(line.position(lane, z)), to_origin,
-                                    std::numeric_limits<double>::infinity());
-    if (wall) wall_z = z - step * wall->t / length;
-  };
-  if (meshes) find_wall(line.z(begin));
+void Gathering<D>::walk(const LineBundle<D>& line, Walk<D> walk, GatherLines<D>& own) const {
+  if (meshes) find_wall(line, line.z(walk.begin), walk);
   Stack &higher = own.higher, &lower = own.lower;
   higher.clear();
   lower.clear();
-  int stretch = begin;  // the plane after the last masked one
-  for (int k = begin; k != end + step; k += step) {
+  for (int k = walk.begin; k != walk.end + walk.step; k += walk.step) {
     const float h = own.h[k];
     if (std::isnan(h)) {
       higher.clear();
       lower.clear();
-      stretch = k + step;
+      walk.stretch = k + walk.step;
       continue;
     }
     while (higher.entries[higher.top].h < h) --higher.top;
     if (back) {
       while (lower.entries[lower.top].h >= h) --lower.top;
     }
-    const std::int32_t slot = own.slots[k][lane];
-    if (slot != TexelLattice<D>::inactive) {
-      // Climbing along the walk, the way back leads down and away from the front.
-      const float climb = line.slope(k, lane) * per_length;
-      const bool front = climb > 0;
-      if (front || (back && climb < 0)) {
-        if (within) find_wall(line.z(k));
-        const Stack& stack = front ? higher : lower;
-        int crossing = stack.entries[stack.top].plane;
-        if (crossing < 0 && stretch != begin) {
-          crossing = beyond_masked(own, begin, stretch, step, h, front);
-        }
-        double z = 0;
-        if (crossing >= 0) {
-          const float there = own.h[crossing], here = own.h[crossing + step];
-          const float t = there != here ? (there - h) / (there - here) : 0;
-          z = line.z(crossing) + (line.z(crossing + step) - line.z(crossing)) * t;
-        }
-        Rgb radiance(0);
-        if (crossing >= 0 && (!wall || (z - wall_z) * step > 0)) {
-          radiance = isosurface_radiance(line, lane, k, crossing, z, own);
-        } else if (wall) {
-          const double u = static_cast<double>(Random::mix(key + slot) >> 11) * 0x1p-53;
-          radiance = from.walls->radiance(*wall, to_origin, of.common_isovalue(h), u);
-          if (from.mesh_is_wide[wall->mesh]) radiance += tracer.meshes()[wall->mesh].emission;
-        } else {
-          radiance = sky;
-        }
-        moments[!front].sums[slot].add(Imath::V3f(radiance), std::abs(climb));
-      }
-    }
-    // Values beyond the window are no isosurface's.
-    if (h >= window.min) higher.push(h, k);
-    if (back && h <= window.max) lower.push(h, k);
+    if (own.slots[k][walk.lane] != TexelLattice<D>::inactive) add_sample(line, k, walk, own);
+    // Values beyond the isovalue range are no isosurface's.
+    if (h >= isovalue_range.min) higher.push(h, k);
+    if (back && h <= isovalue_range.max) lower.push(h, k);
   }
+}
+
+template <int D>
+void Gathering<D>::find_wall(const LineBundle<D>& line, double z, Walk<D>& walk) const {
+  walk.wall = tracer.walls().intersect(to_frame.point(line.position(walk.lane, z)), walk.to_origin,
+                                       std::numeric_limits<double>::infinity());
+  if (walk.wall) walk.wall_z = z - walk.step * walk.wall->t / walk.length;
+}
+
+// Adds the radiance that comes to the isosurface of plane k from behind.
+template <int D>
+void Gathering<D>::add_sample(const LineBundle<D>& line, int k, Walk<D>& walk,
+                              GatherLines<D>& own) const {
+  const float h = own.h[k];
+  // Climbing along the walk, the way back leads down and away from the front.
+  const float climb = line.slope(k, walk.lane) * static_cast<float>(walk.step / walk.length);
+  const bool front = climb > 0;
+  if (!front && !(back && climb < 0)) return;
+  if (within) find_wall(line, line.z(k), walk);
+  const Stack& stack = front ? own.higher : own.lower;
+  int crossing = stack.entries[stack.top].plane;
+  if (crossing < 0 && walk.stretch != walk.begin) crossing = beyond_masked(own, walk, h, front);
+  double z = 0;
+  if (crossing >= 0) {
+    const float there = own.h[crossing], here = own.h[crossing + walk.step];
+    const float t = there != here ? (there - h) / (there - here) : 0;
+    z = line.z(crossing) + (line.z(crossing + walk.step) - line.z(crossing)) * t;
+  }
+  const std::int32_t slot = own.slots[k][walk.lane];
+  Rgb radiance = walk.sky;
+  if (crossing >= 0 && (!walk.wall || (z - walk.wall_z) * walk.step > 0)) {
+    radiance = isosurface_radiance(line, walk.lane, k, crossing, z, own);
+  } else if (walk.wall) {
+    const double u = static_cast<double>(Random::mix(key + slot) >> 11) * 0x1p-53;
+    radiance = from.walls->radiance(*walk.wall, walk.to_origin, of.common_isovalue(h), u);
+    if (from.mesh_is_wide[walk.wall->mesh]) radiance += tracer.meshes()[walk.wall->mesh].emission;
+  }
+  moments[!front].sums[slot].add(Imath::V3f(radiance), std::abs(climb));
 }
 
 // Where the isosurface of value h is met before the last masked voxels, if it is: a plane, or -1.
 template <int D>
-int Gathering<D>::beyond_masked(const GatherLines<D>& own, int begin, int stretch, int step,
-                                float h, bool front) const {
+int Gathering<D>::beyond_masked(const GatherLines<D>& own, const Walk<D>& walk, float h,
+                                bool front) const {
   bool above = !front, known = false;
-  for (int j = stretch - step; j != begin - step; j -= step) {
+  for (int j = walk.stretch - walk.step; j != walk.begin - walk.step; j -= walk.step) {
     const float other = own.h[j];
     if (std::isnan(other)) {
       known = false;

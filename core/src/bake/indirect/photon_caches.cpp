@@ -11,6 +11,15 @@ namespace {
 
 constexpr std::size_t photons_per_piece = 4096;
 
+// The largest flux-height with which any photon starts (thesis Eq. 4.4).
+template <int D>
+double largest_photon_flux(const LightSampler<D>& lights, const PhotonSettings& settings,
+                           const Plan& plan) {
+  std::uint64_t fewest = plan.photons ? settings.photons : settings.caustic_photons;
+  if (plan.caustics) fewest = std::min(fewest, settings.caustic_photons);
+  return lights.largest_flux_height() / static_cast<double>(fewest);
+}
+
 }  // namespace
 
 template <int D>
@@ -19,14 +28,9 @@ PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampl
                                   const PhotonSettings& settings, const Plan& plan,
                                   Progress& progress, std::atomic<std::uint64_t>& rays) {
   const bool lights_walls = settings.wall_samples > 0;
-  // The largest flux-height with which any photon starts (thesis Eq. 4.4).
-  std::uint64_t photons = plan.photons ? settings.photons : 0;
-  std::uint64_t fewest = plan.photons ? settings.photons : settings.caustic_photons;
-  if (plan.caustics) {
-    photons += settings.caustic_photons;
-    fewest = std::min(fewest, settings.caustic_photons);
-  }
-  const double photon_flux = lights.largest_flux_height() / static_cast<double>(fewest);
+  const std::uint64_t photons =
+      (plan.photons ? settings.photons : 0) + (plan.caustics ? settings.caustic_photons : 0);
+  const double photon_flux = largest_photon_flux(lights, settings, plan);
   const SideContents back = plan.back        ? SideContents::indirect
                             : plan.back_side ? SideContents::all
                                              : SideContents::nothing;

@@ -125,9 +125,9 @@ class PointLookup {
       const double length = (gradient / lattice.voxels_per_texel).length();
       const Vec<D> half = gradient * (length > 0 ? (back ? 0.5 : -0.5) / length : 0);
       const Vec<D> near = index_position + half, far = near + half * 2;
-      const IsovalueWindow& window = direct_->window();
-      is_extrapolated_ = length > 0 && window.contains(value_at(field, near)) &&
-                         window.contains(value_at(field, far));
+      const IsovalueRange& isovalue_range = direct_->isovalue_range();
+      is_extrapolated_ = length > 0 && isovalue_range.contains(value_at(field, near)) &&
+                         isovalue_range.contains(value_at(field, far));
       if (is_extrapolated_) {
         near_.find(lattice, near);
         far_.find(lattice, far);

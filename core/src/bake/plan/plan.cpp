@@ -117,11 +117,11 @@ Plan make_plan(const Scene<D>& scene, const IndirectMethod& method, bool both_si
   }
   bool inside = false, open = false;
   for (const Volume<D>& volume : scene.volumes) {
-    open = open || isosurfaces_are_open(volume, scene.window);
+    open = open || isosurfaces_are_open(volume, scene.isovalue_range);
     inside = inside || light_in_domain(scene, volume);
   }
   const std::string dark =
-      "every isosurface of the window is closed and no light stands within the volume";
+      "every isosurface of the isovalue range is closed and no light stands within the volume";
   if (!plan.photons) {
     skip(&Plan::back_side, "back", "no photons are traced");
   } else if (!open && !inside) {
@@ -144,7 +144,7 @@ Error nothing_to_bake(const Scene<D>& scene) {
                  (volume.scattering == Scattering::mirror ? "mirrors" : "glass") +
                  ", and nothing else is to be baked; bake the walls too.");
   }
-  return Error("No isosurface of the isovalue window passes through the volume; widen the window.");
+  return Error("No isosurface of the isovalue range passes through the volume; widen it.");
 }
 
 template Error nothing_to_bake(const Scene<2>&);

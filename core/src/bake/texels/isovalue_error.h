@@ -22,13 +22,15 @@ struct WorstIsovalue {
   double c = 0, percent = 0;
 };
 
-// Isosurface errors of a window, averaged by area: over all of it and over parts of equal height.
+// Isosurface errors of an isovalue range, averaged by area: over all of it and over parts of equal
+// height.
 class IsovalueErrors {
  public:
-  explicit IsovalueErrors(const IsovalueWindow& window) : window_(window) {}
+  explicit IsovalueErrors(const IsovalueRange& isovalue_range) : isovalue_range_(isovalue_range) {}
 
   void add(double c, double area, const IsovalueError& error) {
-    const double part = (c - window_.min) / window_.height() * static_cast<double>(parts);
+    const double part =
+        (c - isovalue_range_.min) / isovalue_range_.height() * static_cast<double>(parts);
     for (Sum* sum : {&all_, &parts_[std::clamp(static_cast<int>(part), 0, parts - 1)]}) {
       sum->area += area;
       sum->error.noise += area * error.noise;
@@ -36,7 +38,7 @@ class IsovalueErrors {
     }
   }
 
-  // Those of the same window.
+  // Those of the same isovalue range.
   void add(const IsovalueErrors& other) {
     all_.add(other.all_);
     for (int i = 0; i < parts; ++i) parts_[i].add(other.parts_[i]);
@@ -49,7 +51,7 @@ class IsovalueErrors {
     for (int i = 0; i < parts; ++i) {
       if (!(parts_[i].area > least_share * all_.area)) continue;
       const double percent = parts_[i].mean().percent();
-      const double c = window_.min + window_.height() * (i + 0.5) / parts;
+      const double c = isovalue_range_.min + isovalue_range_.height() * (i + 0.5) / parts;
       if (percent > worst.percent) worst = {c, percent};
     }
     return worst;
@@ -74,7 +76,7 @@ class IsovalueErrors {
     }
   };
 
-  IsovalueWindow window_;
+  IsovalueRange isovalue_range_;
   Sum all_;
   std::array<Sum, static_cast<std::size_t>(parts)> parts_;
 };

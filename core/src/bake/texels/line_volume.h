@@ -14,10 +14,10 @@ template <int D>
 struct LineVolume {
   const SceneTracer<D>& tracer;
   int number;
-  const EmptySpace<D>& empty;  // below the window
+  const EmptySpace<D>& empty;  // below the isovalue range
 
   const Volume<D>& volume() const { return tracer.scene().volumes[number]; }
-  IsovalueWindow window() const { return volume().isovalues(tracer.scene().window); }
+  IsovalueRange isovalue_range() const { return volume().isovalues(tracer.scene().isovalue_range); }
 };
 
 // The number of the texel nearest to a position in texels.

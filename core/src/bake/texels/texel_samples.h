@@ -56,10 +56,11 @@ Vec<D> moved_to_isosurface(const Field<D>& field, Vec<D> position, double isoval
 // Calls visit(SurfacePoint, i) for up to `samples` points i = 0, 1, ... of a texel, seen from the
 // given side, uniform in the volume: a point x lies on the isosurface c = h(x), so this samples the
 // graph of h (thesis 4.5), and all isosurfaces through the texel at once. Points whose isosurface
-// is outside the window, in a masked cell, without a gradient or inside another volume's isosurface
-// are passed over. Where the texel's own box holds too few, the neighbourhood that a trilinear
-// lookup can reach is searched; where that holds none, because the window is narrow, its points are
-// moved to the isosurface in the middle of the window. Returns the number of points visited.
+// is outside the isovalue range, in a masked cell, without a gradient or inside another volume's
+// isosurface are passed over. Where the texel's own box holds too few, the neighbourhood that a
+// trilinear lookup can reach is searched; where that holds none, because the isovalue range is
+// narrow, its points are moved to the isosurface in the middle of the isovalue range. Returns the
+// number of points visited.
 template <int D, class Visit>
 int for_each_texel_sample(const SceneTracer<D>& tracer, int volume, bool above,
                           const TexelLattice<D>& lattice, std::uint32_t texel, int samples,
@@ -71,13 +72,13 @@ int for_each_texel_sample(const SceneTracer<D>& tracer, int volume, bool above,
   constexpr double own_half_width = 0.35;
   const Volume<D>& of = tracer.scene().volumes[volume];
   const Field<D>& field = of.field;
-  const IsovalueWindow& window = tracer.scene().window;
+  const IsovalueRange& isovalue_range = tracer.scene().isovalue_range;
   int visited = 0;
   const auto try_point = [&](const Vec<D>& position) {
     const CellPoint<D> point = locate(field, position);
     const double h = interpolate(load_corners(field, point.cell), point.local);
     const double c = of.common_isovalue(h);
-    if (!window.contains(c)) return;
+    if (!isovalue_range.contains(c)) return;
     const SurfacePoint<D> surface = tracer.isosurface_point(volume, point, c, above);
     if (surface.kind() == HitKind::none) return;
     if (tracer.is_covered(volume, surface.position, c)) return;
@@ -91,7 +92,7 @@ int for_each_texel_sample(const SceneTracer<D>& tracer, int volume, bool above,
   }
   if (visited > 0) return visited;
   const TexelBox<D> box(lattice, texel, 1);
-  const double middle = of.isovalue(0.5 * (window.min + window.max));
+  const double middle = of.isovalue(0.5 * (isovalue_range.min + isovalue_range.max));
   for (int i = 0; i < samples; ++i) {
     const Vec<D> position = moved_to_isosurface(field, box.point(i, key), middle);
     if (box.contains(position)) try_point(position);

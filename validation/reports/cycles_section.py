@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The section of the report on bakes against Cycles: see sections.py."""
 
-from ..bake.settings import DEFAULT_ERROR
-from ..io.markdown import table
-from ..measure.volume_recipes import absent_text
+from leaflight.bake.settings import DEFAULT_ERROR
+from leaflight.io.markdown import table
+from volume_recipes import absent_text
 from .against_cycles import MET, MISSED, TOLD, TRUE_WITHIN
 
 # A mean colour below which a share of it says nothing.

@@ -5,7 +5,7 @@ import io
 
 import numpy as np
 
-from .._core import LeaflightError
+from leaflight._core import LeaflightError
 
 # Okabe and Ito's colours, which colour-blind eyes tell apart.
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000")
@@ -141,7 +141,7 @@ def _figure(width, height):
         from matplotlib.figure import Figure
     except ImportError:
         raise LeaflightError(
-            "The report's plots need Matplotlib: pip install 'leaflight[report]', or install the "
-            "Debian package python3-matplotlib, or ask for the tables alone (--tables)."
+            "The report's plots need Matplotlib: pip install matplotlib, or install the Debian "
+            "package python3-matplotlib, or ask for the tables alone (--tables)."
         ) from None
     return Figure(figsize=(width, height))

@@ -3,17 +3,17 @@
 
 from pathlib import Path
 
-from .._core import LeaflightError
-from ..io.markdown import table
-from ..io.output import check_writable, replaced
-from ..measure.volume_recipes import absent_text
+from leaflight._core import LeaflightError
+from leaflight.io.markdown import table
+from leaflight.io.output import check_writable, replaced
+from volume_recipes import absent_text
 from .interpolation import FEWER
 from .repetitions import REPETITIONS
 
 MEBIBYTE = 2**20
 PAGE = """# Performance
 
-This page shows how fast bakes, rays and isovalues are. `scripts/leaflight bench bake --out
+This page shows how fast bakes, rays and isovalues are. `validation/bench bake --out
 docs/validation/performance.md` writes the tables between their marks, and so do `scale`, `rays` and
 `scrub`.
 The innermost loops of the core have benchmarks of their own:

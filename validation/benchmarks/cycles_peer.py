@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import leaflight._core as _core
 import numpy as np
 
-from ..measure.cycles import bake_vertices
-from ..measure.truth import Truth, errors_of, without
-from ..scene.scene import isovalue_at
+from leaflight.measure.cycles import bake_vertices
+from leaflight.measure.truth import Truth, errors_of, without
+from leaflight.scene.scene import isovalue_at
 
 # Corners of triangles at a vertex, about: Cycles bakes each, and a vertex is their mean.
 CORNERS = 6

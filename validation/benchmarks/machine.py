@@ -6,7 +6,7 @@ import platform
 import subprocess
 from pathlib import Path
 
-from ..version import __version__
+from leaflight.version import __version__
 
 HERE = Path(__file__).resolve()
 

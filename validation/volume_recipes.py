@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..io.readers import read_volume
+from leaflight.io.readers import read_volume
 
 COLIN27 = Path("/usr/share/mricron/templates/ch2.nii.gz")
 

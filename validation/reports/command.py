@@ -1,16 +1,45 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`leaflight report`: which of the reports, with how much work."""
+"""validation/report: which of the reports, with how much work."""
 
 from dataclasses import replace
 from pathlib import Path
 
-from .._core import LeaflightError
+from leaflight._core import LeaflightError
+from leaflight.progress_bar import run_with_progress
+from leaflight_command.shared_options import Parser, threads_options
 from .against_cycles import QUICK_CYCLES, CyclesEffort
 from .experiments import QUICK, Effort
 from .report import QUICK_REPORT, ReportEffort, report, report_cycles, report_tables
 
 
-def run_report(options, run):
+def make_parser():
+    parser = Parser(
+        prog="report",
+        parents=[threads_options()],
+        description="Measures errors and seconds, and writes a report of them.",
+    )
+    alone = parser.add_mutually_exclusive_group()
+    alone.add_argument(
+        "--tables", action="store_true", help="Tables 3.1 and 4.2 and Fig. 4.9 of the thesis alone"
+    )
+    alone.add_argument("--cycles", action="store_true", help="bakes against Cycles alone")
+    parser.add_argument(
+        "--quick", action="store_true", help="less of everything: ten minutes, not hours"
+    )
+    parser.add_argument(
+        "--out", default="report", metavar="DIR", help="folder to write into (report)"
+    )
+    parser.add_argument(
+        "--data", metavar="DIR", help="folder of real data sets, which are left out without it"
+    )
+    parser.add_argument(
+        "--json", action="store_true", help="print one JSON object as the last line"
+    )
+    parser.offer_all()
+    return parser
+
+
+def run_report(options, run=run_with_progress):
     """What the options ask for, as the result and the sentences about it.
 
     run: called as run(work, label), which returns work(progress). Raises LeaflightError, Cancelled.

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from ..io.markdown import table
+from leaflight.io.markdown import table
 from .curves import CYCLES, DEFAULT
 from .fits import root, samples_for, slope
 from .sections import MEBIBYTE, THESIS_BREAK_EVEN

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from ..io.images import display_colours
+from leaflight.io.images import display_colours
 
 # From where isosurfaces are shown, with y up.
 TOWARDS = (0.3, 0.45, -1.0)

@@ -10,14 +10,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..bake.bake import bake
-from ..bake.estimate import Estimate, estimate
-from ..bake.settings import DEFAULT_ERROR
-from ..bake.statistics import Statistics
-from ..io.scene_file import packaged_scene
-from ..measure.sides import IsosurfaceSide
-from ..measure.truth import errors_of, without
-from ..measure.volume_recipes import (
+from leaflight.bake.bake import bake
+from leaflight.bake.estimate import Estimate, estimate
+from leaflight.bake.settings import DEFAULT_ERROR
+from leaflight.bake.statistics import Statistics
+from leaflight.io.scene_file import packaged_scene
+from leaflight.measure.sides import IsosurfaceSide
+from leaflight.measure.truth import errors_of, without
+from volume_recipes import (
     amos,
     aneurism,
     bunny,
@@ -33,8 +33,8 @@ from ..measure.volume_recipes import (
     orbital,
     tooth,
 )
-from ..volume.particles import hydrogen, lapr, neuron, nucleons
-from ..volume.volume import bump_box
+from leaflight.volume.particles import hydrogen, lapr, neuron, nucleons
+from leaflight.volume.volume import bump_box
 
 # What a bake says of its own error is true if it is wrong by this factor at most.
 TRUE_WITHIN = 1.5

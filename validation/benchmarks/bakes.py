@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`bench bake`: bakes with the default settings beside Cycles, which bakes one isosurface.
 
-The bake lights all isosurfaces of its window. At one of them its error against Cycles is taken
+The bake lights all isosurfaces of its range. At one of them its error against Cycles is taken
 (compare.py), and Cycles bakes the vertices of that one to the same error (cycles_peer.py). Bake and
 Cycles take turns, so that whatever else the machine does falls upon both alike.
 """
@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..bake.bake import bake
-from ..io.scene_file import packaged_scene
-from ..measure.compare import compare
-from ..measure.truth import without
-from ..measure.volume_recipes import colin27, engine, generated, heptane, nucleon
-from ..volume.volume import bump_box
+from leaflight.bake.bake import bake
+from leaflight.io.scene_file import packaged_scene
+from leaflight.measure.compare import compare
+from leaflight.measure.truth import without
+from volume_recipes import colin27, engine, generated, heptane, nucleon
+from leaflight.volume.volume import bump_box
 from .cycles_peer import Peer
 from .interpolation import cost_at
 from .repetitions import repetitions

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import numpy as np
 
-from .._core import LeaflightError
-from ..io.images import write_png
-from ..io.output import check_writable, replaced
-from ..measure.cycles import find_blender
+from leaflight._core import LeaflightError
+from leaflight.io.images import write_png
+from leaflight.io.output import check_writable, replaced
+from leaflight.measure.cycles import find_blender
 from . import cycles_section, sections
 from .advice import advice
 from .against_cycles import QUICK_CYCLES, CyclesEffort, measure_against_cycles
@@ -122,7 +122,7 @@ def _page(effort, parts, choices, tables):
     lines = [
         "# Report",
         "",
-        f"Written by `scripts/leaflight report` with seed {effort.tables.seed} on "
+        f"Written by `validation/report` with seed {effort.tables.seed} on "
         f"{os.cpu_count()} cores, from nothing but the program, the data and the seed: errors come "
         "out the same in every run, seconds do not.",
         *_reductions(effort),
@@ -149,7 +149,7 @@ def report_tables(folder, effort, run, tables=TABLES):
     lines = [
         "# The thesis's tables, computed anew",
         "",
-        f"Written by `scripts/leaflight report --tables` with seed {effort.seed} on "
+        f"Written by `validation/report --tables` with seed {effort.seed} on "
         f"{os.cpu_count()} cores. {TABLES_SAY}",
         *_tables_text(done, "##"),
     ]
@@ -172,8 +172,7 @@ def report_cycles(folder, effort, run, data=None, *, seed=0, threads=0):
     lines = [
         "# Against Cycles",
         "",
-        f"Written by `scripts/leaflight report --cycles` with seed {seed} on {os.cpu_count()} "
-        "cores.",
+        f"Written by `validation/report --cycles` with seed {seed} on {os.cpu_count()} cores.",
         "",
         *cycles_section.cycles_text(judged, absent, effort),
     ]

@@ -6,10 +6,10 @@ import re
 import signal
 from pathlib import Path
 
-from .._core import Cancelled, LeaflightError
-from ..bake.bake import bake
-from ..io.scene_file import packaged_scene
-from ..volume.volume import bump_box
+from leaflight._core import Cancelled, LeaflightError
+from leaflight.bake.bake import bake
+from leaflight.io.scene_file import packaged_scene
+from leaflight.volume.volume import bump_box
 
 POLL_SECONDS = 0.05
 # Of the bake's statistics.

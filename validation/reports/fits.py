@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .._core import LeaflightError
-from ..bake.color_error import REACH
+from leaflight._core import LeaflightError
+from leaflight.bake.color_error import REACH
 
 CONFIDENCE = 0.95
 # Fits drawn to see how far a break-even is certain.
@@ -145,7 +145,7 @@ def _statistics():
         from scipy import stats
     except ImportError:
         raise LeaflightError(
-            "The report's intervals need SciPy: pip install 'leaflight[report]', or install the "
-            "Debian package python3-scipy."
+            "The report's intervals need SciPy: pip install scipy, or install the Debian package "
+            "python3-scipy."
         ) from None
     return stats

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .._core import LeaflightError
+from leaflight._core import LeaflightError
 
 SCRIPT = Path(__file__).with_name("vtk_contours.py")
 

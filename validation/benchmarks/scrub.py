@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..bake.bake import bake
-from ..measure.volume_recipes import colin27, generated
-from ..volume.volume import bump_box
+from leaflight.bake.bake import bake
+from volume_recipes import colin27, generated
+from leaflight.volume.volume import bump_box
 from .blender_scrub import scrub_in_blender
 from .vtk_peer import VtkPeer
 

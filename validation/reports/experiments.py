@@ -9,13 +9,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..bake.color_error import rms_percent
-from ..flatland.flatland import BRIGHTNESS_CORRECTION, bump_box_2d
-from ..io.scene_file import cornell_box, packaged_scene
-from ..scene.scene import fit_scene, match_isosurfaces
-from ..thesis import Scattered, bake, bake_flatland
-from ..volume.particles import neuron
-from ..volume.volume import bump_box
+from leaflight.bake.color_error import rms_percent
+from leaflight.flatland.flatland import BRIGHTNESS_CORRECTION, bump_box_2d
+from leaflight.io.scene_file import cornell_box, packaged_scene
+from leaflight.scene.scene import fit_scene, match_isosurfaces
+from leaflight.thesis import Scattered, bake, bake_flatland
+from leaflight.volume.particles import neuron
+from leaflight.volume.volume import bump_box
 from .isosurfaces import isosurfaces
 from .pictures import slice_picture, surface_picture, texture_picture
 
@@ -380,11 +380,11 @@ class _Isosurface:
 
     def _lit(self, vertices, paths, label):
         """The Isosurfaces of this one alone."""
-        window, effort = self._volume.data_range(), self._effort
+        isovalue_range, effort = self._volume.data_range(), self._effort
         return isosurfaces(
             [self._volume],
             self._scene,
-            window,
+            isovalue_range,
             [self._isovalue],
             vertices,
             paths,

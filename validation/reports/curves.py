@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..io.scene_file import packaged_scene
-from ..measure.cycles import bake_vertices
-from ..scene.scene import fit_scene, match_isosurfaces
-from ..thesis import Scattered, bake
-from ..volume.volume import bump_box
+from leaflight.io.scene_file import packaged_scene
+from leaflight.measure.cycles import bake_vertices
+from leaflight.scene.scene import fit_scene, match_isosurfaces
+from leaflight.thesis import Scattered, bake
+from leaflight.volume.volume import bump_box
 from .isosurfaces import isosurfaces
 from .memory import Cost, measured
 

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`leaflight bench`: what is measured, with how much work, and the sentences about it."""
+"""validation/bench: what is measured, with how much work, and the sentences about it."""
 
 import shutil
 import subprocess
 from dataclasses import replace
 from pathlib import Path
 
-from .._core import LeaflightError
-from ..volume.setting_error import SettingError
+from leaflight._core import LeaflightError
+from leaflight.progress_bar import run_with_progress
+from leaflight.volume.setting_error import SettingError
+from leaflight_command.shared_options import Parser, threads_options
 from .bakes import QUICK_BAKES, BakeEffort, measure_bakes
 from .interpolation import FEWER
 from .machine import commit, machine
@@ -21,7 +23,32 @@ from .scrub import QUICK_SCRUB, ScrubEffort, measure_scrub
 _OF = {"only": ("bake",), "data": ("bake", "rays", "scrub")}
 
 
-def run_bench(options, run):
+def make_parser():
+    parser = Parser(
+        prog="bench",
+        parents=[threads_options()],
+        description="Measures how fast bakes are, with Cycles beside them.",
+    )
+    parser.add_argument(
+        "what",
+        choices=("bake", "scale", "rays", "scrub"),
+        help="bake: against Cycles to the same error; scale: by size and threads; rays: against "
+        "Embree; scrub: isovalues against VTK, and in Blender",
+    )
+    parser.add_argument("--quick", action="store_true", help="tiny, to see that it works")
+    parser.add_argument(
+        "--data", metavar="DIR", help="folder of real volumes, which are left out without it"
+    )
+    parser.add_argument("--only", metavar="TEXT", help="bakes with this in their name")
+    parser.add_argument("--out", metavar="FILE.md", help="document to write the tables into")
+    parser.add_argument(
+        "--json", action="store_true", help="print one JSON object as the last line"
+    )
+    parser.offer_all()
+    return parser
+
+
+def run_bench(options, run=run_with_progress):
     """What the options ask for, as the result and the sentences about it.
 
     run: called as run(work, label), which returns work(progress). Raises LeaflightError, Cancelled.

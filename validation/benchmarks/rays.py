@@ -13,10 +13,10 @@ from pathlib import Path
 
 import numpy as np
 
-from .. import _core
-from .._core import Cancelled, LeaflightError
-from ..measure.volume_recipes import colin27, generated
-from ..volume.volume import bump_box
+from leaflight import _core
+from leaflight._core import Cancelled, LeaflightError
+from volume_recipes import colin27, generated
+from leaflight.volume.volume import bump_box
 
 PROGRAM = "rays_against_embree"
 POLL_SECONDS = 0.05
@@ -74,11 +74,10 @@ def measure_rays(effort, run, *, folder=None):
 
 def program():
     """The path of the program. Raises LeaflightError where it is not built."""
-    # Beside the package in the build tree; a wheel has none.
     path = Path(_core.__file__).resolve().parents[2] / "core" / "bench" / PROGRAM
     if not path.exists():
         raise LeaflightError(
-            f"{path}: bench rays needs this program of a build from source; run scripts/setup."
+            f"{path}: bench rays needs this program; run 'cmake --build --preset bench'."
         )
     return path
 

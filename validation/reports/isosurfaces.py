@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import leaflight._core as _core
 import numpy as np
 
-from ..bake.color_error import noise_percent, rms_percent
-from ..scene.scene import core_scene, isovalue_at
+from leaflight.bake.color_error import noise_percent, rms_percent
+from leaflight.scene.scene import core_scene, isovalue_at
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,10 +79,12 @@ class Isosurfaces:
         return 100.0 * float(np.sqrt(colours.var(axis=0, ddof=1).mean()))
 
 
-def isosurfaces(volumes, scene, window, isovalues, vertices, paths, seed, threads, run, label):
+def isosurfaces(
+    volumes, scene, isovalue_range, isovalues, vertices, paths, seed, threads, run, label
+):
     """The Isosurfaces of each volume at each common isovalue, of which some are empty.
 
-    scene: in world coordinates, with Isosurfaces for each volume; window: (lo, hi) of the
+    scene: in world coordinates, with Isosurfaces for each volume; isovalue_range: (lo, hi) of the
     common isovalue; vertices: to judge, in all; run(work, label): see experiments.py.
     """
     fields = [volume.field() for volume in volumes]
@@ -96,7 +98,7 @@ def isosurfaces(volumes, scene, window, isovalues, vertices, paths, seed, thread
             chosen = np.sort(rng.choice(len(mesh[0]), count, replace=False))
             surfaces.append(Isosurface(number, isovalue, *mesh, chosen))
     surfaces = [one for one in surfaces if len(one.chosen)]
-    core = core_scene(scene, fields, window)
+    core = core_scene(scene, fields, isovalue_range)
 
     def traced(one):
         own = isovalue_at(scene, one.volume, one.isovalue)

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..bake.color_error import rms
-from ..thesis import bake
+from leaflight.bake.color_error import rms
+from leaflight.thesis import bake
 
 # Of the normal distribution: 95 % lie within so many standard errors.
 QUANTILE = 1.959963984540054

@@ -7,12 +7,12 @@ the same kind, and some scans stand beside them where there are any.
 
 from dataclasses import dataclass
 
-from ..bake.settings import isovalue_window
-from ..io.scene_file import cornell_box, packaged_scene
-from ..measure.volume_recipes import bunny, colin27, generated, neuron_stack, nucleon
-from ..scene.scene import fit_scene, match_isosurfaces
-from ..thesis import bake
-from ..volume.particles import lapr, neuron, nucleons
+from leaflight.bake.settings import range_to_bake
+from leaflight.io.scene_file import cornell_box, packaged_scene
+from volume_recipes import bunny, colin27, generated, neuron_stack, nucleon
+from leaflight.scene.scene import fit_scene, match_isosurfaces
+from leaflight.thesis import bake
+from leaflight.volume.particles import lapr, neuron, nucleons
 from .isosurfaces import isosurfaces
 from .memory import Cost, measured
 
@@ -148,14 +148,14 @@ def _row(data_set, volumes, effort, run, seed, threads):
     scene = fit_scene(match_isosurfaces(scene, volumes), volumes)
     # Everything that the data hold, as the thesis's bakes do.
     whole = (0.0, 1.0) if len(volumes) > 1 else volumes[0].data_range()
-    window = isovalue_window(whole, volumes, scene.isosurfaces)
+    isovalue_range = range_to_bake(whole, volumes, scene.isosurfaces)
     dims = volumes[0].field().dims
 
     def work(progress):
         return bake(
             volumes,
             scene,
-            isovalues=window,
+            isovalues=isovalue_range,
             resolution=max(2, round(effort.texels * max(dims))),
             samples=effort.rays,
             photons=effort.photons,
@@ -170,7 +170,7 @@ def _row(data_set, volumes, effort, run, seed, threads):
     reference = isosurfaces(
         volumes,
         scene,
-        window,
+        isovalue_range,
         data_set.isovalues,
         effort.vertices,
         effort.paths,

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..io.markdown import table
-from ..measure.volume_recipes import absent_text
+from leaflight.io.markdown import table
+from volume_recipes import absent_text
 from .curves import CYCLES, DEFAULT, PHOTONS, RAYS
 from .fits import break_even, cost, noise_and_floor, root, samples_for, slope
 

@@ -8,12 +8,12 @@ import tempfile
 import time
 from pathlib import Path
 
-from .._core import Cancelled, LeaflightError
+from leaflight import _core
+from leaflight._core import Cancelled, LeaflightError
 
 HERE = Path(__file__).resolve()
 SCRIPT = HERE.with_name("scrub_scene.py")
-# Of the source: what is measured is the add-on that lies beside this package.
-ADDON = HERE.parents[3] / "addon" / "leaflight"
+ADDON = HERE.parents[2] / "addon" / "leaflight"
 POLL_SECONDS = 0.1
 
 
@@ -29,16 +29,11 @@ def scrub_in_blender(baked, isovalue, repetitions, progress):
             "bench scrub measures in Blender, and there is none on the search path: install the "
             "Debian package blender."
         )
-    if not ADDON.is_dir():
-        raise LeaflightError(
-            f"{ADDON}: bench scrub measures the add-on, whose source is not there; run it as "
-            "scripts/leaflight of a clone."
-        )
     with tempfile.TemporaryDirectory(prefix="leaflight-") as folder:
         settings, answer = Path(folder, "settings.json"), Path(folder, "answer.json")
         baked.save(Path(folder, "bake.vdb"))
         work = {
-            "modules": str(Path(_core_file()).parents[1]),
+            "modules": str(Path(_core.__file__).parents[1]),
             "addon": str(ADDON),
             "bake": str(Path(folder, "bake.vdb")),
             "isovalue": isovalue,
@@ -51,12 +46,6 @@ def scrub_in_blender(baked, isovalue, repetitions, progress):
         if not answer.exists():
             raise LeaflightError(f"Blender ended without an answer:\n{output[-2000:]}")
         return json.loads(answer.read_text())
-
-
-def _core_file():
-    from .. import _core
-
-    return _core.__file__
 
 
 def _run(command, progress):

@@ -1,0 +1,8 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The type of arrays in annotations; docstrings give shapes, units and the types of elements."""
+
+from typing import Any
+
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
