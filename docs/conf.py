@@ -28,4 +28,6 @@ myst_heading_anchors = 4
 # Modules that are imported only where they are used.
 autodoc_mock_imports = ["bpy", "pxr", "vtkmodules"]
 autodoc_member_order = "bysource"
+# Docstrings say what parameters are.
+autodoc_typehints = "none"
 napoleon_google_docstring = False

@@ -7,6 +7,13 @@ from dataclasses import dataclass
 SHORT = "-m 'not slow and not machine'"
 SLOW = "-m 'slow and not machine'"
 RUFF = "build/tools-venv/bin/ruff"
+# The annotations of the package, and whether the stub of its compiled module is that of this build.
+TYPES = (
+    "build/tools-venv/bin/mypy"
+    " && PYTHONPATH=build/release/python build/tools-venv/bin/pybind11-stubgen"
+    " leaflight._core -o build/test/stubs"
+    " && diff build/test/stubs/leaflight/_core.pyi python/leaflight/_core.pyi"
+)
 SCRIPTS = "$(grep -sl '^#!/usr/bin/python3' scripts/* validation/*)"
 CODE = f"python addon tests scripts validation examples docs {SCRIPTS}"
 PYTEST = "/usr/bin/python3 -m pytest"
@@ -40,6 +47,7 @@ SHORT_PARTS = (
         "find core python tests -name '*.h' -o -name '*.cpp'"
         " | xargs clang-format --dry-run --Werror"
         f" && {RUFF} format --diff --quiet {CODE} && {RUFF} check --quiet {CODE}"
+        f" && {TYPES}"
         " && npm --prefix web run --silent check",
     ),
     Part("core", f"{BUILD_CORE} && ctest --preset short {{select}}"),

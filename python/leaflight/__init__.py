@@ -66,8 +66,8 @@ __all__ = [
     "thesis",
 ]
 
-# What stands above bakes.
-Bake.moved = moved
-Bake.export_page = export_page
-Bake.show = show
-Bake.still = picture
+# What stands above bakes; Bake has its signatures for those who check types.
+setattr(Bake, "moved", moved)
+setattr(Bake, "export_page", export_page)
+setattr(Bake, "show", show)
+setattr(Bake, "still", picture)

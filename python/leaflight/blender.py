@@ -18,7 +18,9 @@ show it.
 import contextlib
 import json
 import os
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 from ._core import LeaflightError
 from .measure import blender_versions
@@ -32,7 +34,7 @@ except ImportError:
     ) from None
 
 
-def import_volume(path, **options):
+def import_volume(path: str | os.PathLike[str], **options: Any) -> bpy.types.Object:
     """Imports a volume and returns its object, which shows an isosurface that suits the data.
 
     path: a file of any format that File > Import takes; options: those of that operator, such as
@@ -42,7 +44,7 @@ def import_volume(path, **options):
     return bpy.context.object
 
 
-def stage(obj, preset="STUDIO", **options):
+def stage(obj: bpy.types.Object, preset: str = "STUDIO", **options: Any) -> None:
     """Puts walls, lights and a camera around the volumes, and hides other objects.
 
     preset: the identifier of one of the stages of the panel; options: those of the operator, such
@@ -52,7 +54,7 @@ def stage(obj, preset="STUDIO", **options):
         _call(bpy.ops.leaflight.stage, preset=preset, **options)
 
 
-def bake(obj, isovalues=None, **settings):
+def bake(obj: bpy.types.Object, isovalues: Sequence[float] | None = None, **settings: Any) -> Path:
     """Lights every isosurface of an isovalue range at once, of all volumes that render.
 
     isovalues: (lowest, highest), in data units; None leaves what is set. settings: attributes of
@@ -66,7 +68,9 @@ def bake(obj, isovalues=None, **settings):
     return Path(os.path.normpath(bpy.path.abspath(obj.leaflight.bake_path)))
 
 
-def bake_frames(obj, isovalues=None, **settings):
+def bake_frames(
+    obj: bpy.types.Object, isovalues: Sequence[float] | None = None, **settings: Any
+) -> None:
     """Bakes every frame of a volume that changes over time, one after the other.
 
     Where the frames are animated, each is baked in the scene as it is when it is shown. Arguments
@@ -77,7 +81,7 @@ def bake_frames(obj, isovalues=None, **settings):
         _call(bpy.ops.leaflight.bake_frames)
 
 
-def show(obj, isovalue):
+def show(obj: bpy.types.Object, isovalue: float) -> None:
     """Shows an isosurface, lit by the bake if there is one, with all volumes that are linked.
 
     obj: a volume, or what add_isosurface() returned. isovalue: in data units.
@@ -86,7 +90,12 @@ def show(obj, isovalue):
     bpy.context.view_layer.update()
 
 
-def add_isosurface(obj, isovalue, opacity=0.3, color=None):
+def add_isosurface(
+    obj: bpy.types.Object,
+    isovalue: float,
+    opacity: float = 0.3,
+    color: Sequence[float] | None = None,
+) -> bpy.types.Object:
     """Shows another isosurface of a volume beside its own, lit by the same bake; up to three.
 
     isovalue: in data units; opacity: 0..1, how much of what lies behind it hides; color: its albedo
@@ -103,7 +112,7 @@ def add_isosurface(obj, isovalue, opacity=0.3, color=None):
     return added
 
 
-def clip(obj, box, keep="OUTSIDE"):
+def clip(obj: bpy.types.Object, box: "bpy.types.Object | None", keep: str = "OUTSIDE") -> None:
     """Cuts the isosurfaces of a volume by a box that moves like any object.
 
     box: an object, whose bounding box counts, or an Empty, whose cube does; None cuts nothing.
@@ -114,7 +123,7 @@ def clip(obj, box, keep="OUTSIDE"):
     obj.leaflight_look.box = box
 
 
-def animate(obj, isovalues, first_frame=1):
+def animate(obj: bpy.types.Object, isovalues: Iterable[float], first_frame: int = 1) -> None:
     """Keyframes one isovalue a frame, for a sweep; sets the scene's range of frames to them.
 
     isovalues: in data units, one for each frame from first_frame on.
@@ -130,7 +139,7 @@ def animate(obj, isovalues, first_frame=1):
     scene.frame_set(first_frame)
 
 
-def animate_frames(obj, first_frame=None):
+def animate_frames(obj: bpy.types.Object, first_frame: int | None = None) -> None:
     """Keyframes the frames of a volume that changes over time, one for each frame of the scene.
 
     first_frame: the scene's that shows the first of them, the scene's first if None. What range of
@@ -153,7 +162,13 @@ def animate_frames(obj, first_frame=None):
     scene.frame_set(scene.frame_current)
 
 
-def compare(obj, folder, samples=256, baked_samples=64, share=1.0):
+def compare(
+    obj: bpy.types.Object,
+    folder: str | os.PathLike[str],
+    samples: int = 256,
+    baked_samples: int = 64,
+    share: float = 1.0,
+) -> dict[str, Any]:
     """Renders the present view baked, by Cycles and by local shading, and measures the difference.
 
     folder: for the pictures, the .csv and the .json; samples, baked_samples: per pixel of the
@@ -172,10 +187,13 @@ def compare(obj, folder, samples=256, baked_samples=64, share=1.0):
             share=100.0 * share,
         )
     path = max(_written(folder).items() - before.items(), key=lambda item: item[1])[0]
-    return json.loads(path.read_text())
+    figures: dict[str, Any] = json.loads(path.read_text())
+    return figures
 
 
-def export(obj, path, isovalues=None):
+def export(
+    obj: bpy.types.Object, path: str | os.PathLike[str], isovalues: Iterable[float] | None = None
+) -> None:
     """Writes the bake of an object for another program, by leaflight.export().
 
     path: its suffix is the format (docs/export.md). isovalues: of the isosurfaces of a sequence, in
@@ -189,7 +207,9 @@ def export(obj, path, isovalues=None):
         _call(bpy.ops.leaflight.export, filepath=_absolute(path), **chosen)
 
 
-def _set(obj, isovalues, settings):
+def _set(
+    obj: bpy.types.Object, isovalues: Sequence[float] | None, settings: dict[str, Any]
+) -> None:
     """Gives an object the settings of a bake."""
     if isovalues is not None:
         settings = {**settings, "low": float(isovalues[0]), "high": float(isovalues[1])}
@@ -200,7 +220,7 @@ def _set(obj, isovalues, settings):
 
 
 @contextlib.contextmanager
-def _active(obj):
+def _active(obj: "bpy.types.Object | None") -> Iterator[None]:
     """Operators work on the active object."""
     if obj is None or not obj.leaflight.is_volume:
         name = "None" if obj is None else f'"{obj.name}"'
@@ -215,7 +235,7 @@ def _active(obj):
             layer.objects.active = before
 
 
-def _call(operator, **options):
+def _call(operator: Any, **options: Any) -> None:
     """Runs an operator to its end. Raises LeaflightError with its sentence."""
     try:
         result = operator("EXEC_DEFAULT", **options)
@@ -227,10 +247,11 @@ def _call(operator, **options):
         raise LeaflightError(f"{operator.idname_py()} was cancelled.")
 
 
-def _absolute(path):
-    return os.path.abspath(bpy.path.abspath(str(path)))
+def _absolute(path: str | os.PathLike[str]) -> str:
+    resolved: str = bpy.path.abspath(str(path))
+    return os.path.abspath(resolved)
 
 
-def _written(folder):
+def _written(folder: Path) -> dict[Path, int]:
     """When the .json of each comparison in a folder was written."""
     return {path: path.stat().st_mtime_ns for path in folder.glob("*_comparison.json")}

@@ -7,6 +7,8 @@ import sys
 import threading
 import time
 import warnings
+from collections.abc import Callable
+from typing import Any, Literal, ParamSpec, Protocol, TextIO, TypeVar, overload
 
 from ._core import Cancelled, LeaflightError, Progress
 
@@ -16,29 +18,54 @@ POLL_SECONDS = 0.1
 BAR_CELLS = 30
 NOTHING_WRITTEN = "cancelled, nothing written."
 
+T = TypeVar("T")
+T_co = TypeVar("T_co", covariant=True)
+P = ParamSpec("P")
 
-def with_progress(label):
+
+class WithProgress(Protocol[P, T_co]):
+    """A function that with_progress() has decorated: progress may also be what that says."""
+
+    @overload
+    def __call__(self, *arguments: P.args, **options: P.kwargs) -> T_co: ...
+    @overload
+    def __call__(
+        self,
+        *arguments: Any,
+        progress: Callable[[float, str], object] | Literal[False],
+        **options: Any,
+    ) -> T_co: ...
+
+
+class _Display(Protocol):
+    def show(self, fraction: float, stage: str) -> None: ...
+    def close(self) -> None: ...
+
+
+def with_progress(label: str) -> Callable[[Callable[P, T]], WithProgress[P, T]]:
     """Decorates a function that takes `progress`, a Progress, with what else its callers may give:
 
     None: a bar on stderr, if that is a terminal or a notebook; False: none; a function: called
     with the fraction and the stage, ten times a second, in the thread of the caller.
     """
 
-    def decorate(function):
-        @functools.wraps(function)
-        def wrapper(*arguments, progress=None, **options):
-            if isinstance(progress, Progress):
-                return function(*arguments, progress=progress, **options)
+    def decorate(function: Callable[P, T]) -> WithProgress[P, T]:
+        call: Callable[..., T] = function
 
-            def work(own):
-                return function(*arguments, progress=own, **options)
+        @functools.wraps(function)
+        def wrapper(*arguments: Any, progress: Any = None, **options: Any) -> T:
+            if isinstance(progress, Progress):
+                return call(*arguments, progress=progress, **options)
+
+            def work(own: Progress) -> T:
+                return call(*arguments, progress=own, **options)
 
             if callable(progress):
                 return _run(work, label, _Calls(progress), KeyboardInterrupt)
             # Threads of a program may be many, and have no Ctrl-C.
             if threading.current_thread() is not threading.main_thread():
                 return work(Progress())
-            display = _display(label) if progress is None else _Nothing()
+            display: _Display = _display(label) if progress is None else _Nothing()
             return _run(work, label, display, KeyboardInterrupt)
 
         return wrapper
@@ -46,7 +73,13 @@ def with_progress(label):
     return decorate
 
 
-def run_with_progress(work, label, stream=None, writes=False, cancelled=NOTHING_WRITTEN):
+def run_with_progress(
+    work: Callable[[Progress], T],
+    label: str,
+    stream: TextIO | None = None,
+    writes: bool = False,
+    cancelled: str = NOTHING_WRITTEN,
+) -> T:
     """Returns work(progress), for a command line: see _run().
 
     A terminal gets a bar that is redrawn, anything else one line per tenth of the work. writes:
@@ -60,27 +93,34 @@ def run_with_progress(work, label, stream=None, writes=False, cancelled=NOTHING_
     return _run(work, label, display, lambda: Cancelled(cancelled), writes)
 
 
-def _run(work, label, display, interrupted, writes=False):
+def _run(
+    work: Callable[[Progress], T],
+    label: str,
+    display: _Display,
+    interrupted: Callable[[], BaseException],
+    writes: bool = False,
+) -> T:
     """Returns work(progress), run in a thread of its own while this thread shows how far it is.
 
     Ctrl-C cancels the work, waits for it and raises interrupted(); its other exceptions are raised
     here.
     """
     progress = Progress()
-    outcome = {}
+    results: list[T] = []
+    errors: list[BaseException] = []
 
-    def run():
+    def run() -> None:
         try:
-            outcome["result"] = work(progress)
+            results.append(work(progress))
         except BaseException as error:
-            outcome["error"] = error
+            errors.append(error)
 
     thread = threading.Thread(target=run, name=label)
     before = signal.getsignal(signal.SIGINT)
     # None: a program that embeds Python, such as Blender, has a handler that cannot be restored.
-    takes_interrupts = before not in (None, signal.SIG_IGN)
-    takes_interrupts &= threading.current_thread() is threading.main_thread()
-    if takes_interrupts:
+    if before == signal.SIG_IGN or threading.current_thread() is not threading.main_thread():
+        before = None
+    if before is not None:
         signal.signal(signal.SIGINT, lambda *_: progress.cancel())
     try:
         try:
@@ -99,18 +139,18 @@ def _run(work, label, display, interrupted, writes=False):
             thread.join()
             raise
     finally:
-        written = writes and "result" in outcome
-        if takes_interrupts:
+        written = writes and bool(results)
+        if before is not None:
             signal.signal(signal.SIGINT, signal.SIG_IGN if written else before)
         display.close()
     if progress.cancelled and not written:
         raise interrupted()
-    if "error" in outcome:
-        raise outcome["error"]
-    return outcome["result"]
+    if errors:
+        raise errors[0]
+    return results[0]
 
 
-def _display(label):
+def _display(label: str) -> _Display:
     """Of a terminal or a notebook: tqdm's bar where that is installed, else ours."""
     ipython = sys.modules.get("IPython")
     is_notebook = ipython is not None and hasattr(ipython.get_ipython(), "kernel")
@@ -127,22 +167,25 @@ def _display(label):
 
 
 class _Nothing:
-    def show(self, fraction, stage):
+    def show(self, fraction: float, stage: str) -> None:
         pass
 
-    def close(self):
+    def close(self) -> None:
         pass
 
 
 class _Calls(_Nothing):
     """Calls a function of the caller."""
 
-    def __init__(self, function):
-        self.show = function
+    def __init__(self, function: Callable[[float, str], object]) -> None:
+        self._function = function
+
+    def show(self, fraction: float, stage: str) -> None:
+        self._function(fraction, stage)
 
 
 class _Tqdm:
-    def __init__(self, tqdm, label):
+    def __init__(self, tqdm: Any, label: str) -> None:
         self._bar = tqdm(
             total=100,
             desc=label,
@@ -151,24 +194,24 @@ class _Tqdm:
             bar_format="{desc} {percentage:3.0f} %|{bar}| {elapsed}{postfix}",
         )
 
-    def show(self, fraction, stage):
+    def show(self, fraction: float, stage: str) -> None:
         self._bar.set_postfix_str(stage, refresh=False)
         self._bar.update(100 * fraction - self._bar.n)
 
-    def close(self):
+    def close(self) -> None:
         self._bar.close()
 
 
 class _Bar:
     """redraws: one line again and again, else a line per tenth of the work."""
 
-    def __init__(self, label, stream, redraws):
+    def __init__(self, label: str, stream: TextIO | None, redraws: bool) -> None:
         self.label, self.stream, self.redraws = label, stream, redraws
         self.start = time.monotonic()
         self.tenths = 0
         self.drawn = ""
 
-    def show(self, fraction, stage):
+    def show(self, fraction: float, stage: str) -> None:
         seconds = time.monotonic() - self.start
         if seconds < PATIENCE_SECONDS:
             return
@@ -181,16 +224,16 @@ class _Bar:
             self.tenths = int(10 * fraction)
             self._print(f"{self.label}: {line}\n")
 
-    def close(self):
+    def close(self) -> None:
         if self.drawn:
             self._draw("")
 
-    def _draw(self, line):
+    def _draw(self, line: str) -> None:
         # Padding wipes the rest of a longer line drawn before.
         self._print("\r" + line.ljust(len(self.drawn)) + ("" if line else "\r"))
         self.drawn = line
 
-    def _print(self, text):
+    def _print(self, text: str) -> None:
         try:
             if self.stream is not None:
                 print(text, end="", file=self.stream, flush=True)

@@ -8,10 +8,12 @@ this module is the check.
 
 import os
 import sys
+from collections.abc import Iterable
 from importlib import import_module
+from types import ModuleType
 
 try:
-    import resource
+    resource: ModuleType | None = import_module("resource")
 except ImportError:
     resource = None  # Windows has no such limits.
 
@@ -21,7 +23,7 @@ OLDEST_NUMPY = (1, 24)
 LEAST_MEMORY, MEMORY_OF_A_THREAD = 1 << 30, 16 << 20
 
 
-def check():
+def check() -> None:
     """Raises ImportError where Leaflight cannot work rightly."""
     check_memory(*memory_limit())
     numpy = _numpy()
@@ -38,7 +40,7 @@ def check():
         ) from None
 
 
-def memory_limit():
+def memory_limit() -> tuple[int | None, int | None]:
     """(bytes of address space that this process may take, None for all; threads that it may run)"""
     if resource is None:
         return None, os.cpu_count()
@@ -47,7 +49,7 @@ def memory_limit():
     return None if limit == resource.RLIM_INFINITY else limit, threads
 
 
-def check_memory(limit, threads):
+def check_memory(limit: int | None, threads: int | None) -> None:
     least = LEAST_MEMORY + (threads or 1) * MEMORY_OF_A_THREAD
     if limit is not None and limit < least:
         raise ImportError(
@@ -56,11 +58,11 @@ def check_memory(limit, threads):
         )
 
 
-def _mebibytes(count):
+def _mebibytes(count: int) -> str:
     return f"{count >> 20} MiB"
 
 
-def _numpy():
+def _numpy() -> ModuleType:
     try:
         import numpy
     except ImportError:
@@ -71,7 +73,7 @@ def _numpy():
     return numpy
 
 
-def check_numpy(version):
+def check_numpy(version: str) -> None:
     if tuple(int(part) for part in version.split(".")[:2]) < OLDEST_NUMPY:
         oldest = ".".join(map(str, OLDEST_NUMPY))
         raise ImportError(
@@ -80,7 +82,7 @@ def check_numpy(version):
         )
 
 
-def _core():
+def _core() -> ModuleType:
     try:
         return import_module("._core", __package__)
     except ModuleNotFoundError:
@@ -95,7 +97,9 @@ def _core():
         ) from None
 
 
-def check_libraries(libraries):
+def check_libraries(
+    libraries: Iterable[tuple[str, tuple[int, int], tuple[int, int]]],
+) -> None:
     """A library may be newer than the headers by its minor version, but never older."""
     for name, built, loaded in libraries:
         if loaded[0] != built[0] or loaded < built:
@@ -105,7 +109,7 @@ def check_libraries(libraries):
             )
 
 
-def check_arrays(numpy, core):
+def check_arrays(numpy: ModuleType, core: ModuleType) -> None:
     """An array must reach the module and come back as it was, whichever NumPy made it."""
     values = numpy.arange(24, dtype=numpy.float32).reshape(2, 3, 4)
     matrix = numpy.array([[2, 0, 0, 1], [0, 3, 0, 2], [0, 0, 4, 3], [0, 0, 0, 1]], dtype=float)
@@ -125,7 +129,7 @@ def check_arrays(numpy, core):
         )
 
 
-def check_rays(numpy, core):
+def check_rays(numpy: ModuleType, core: ModuleType) -> None:
     """Rays must meet an isosurface, and a mesh behind it, where they lie."""
     z = numpy.arange(3, dtype=numpy.float32)
     slope = numpy.broadcast_to(z[:, None, None], (3, 3, 3)).copy()

@@ -7,12 +7,21 @@ a traceback; and so that help and mistakes in the options need not wait until it
 
 import signal
 import sys
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, NoReturn
 
 from .parser import make_parser
-from .shared_options import UsageError
+from .shared_options import Parser, UsageError
+
+if TYPE_CHECKING:
+    from leaflight.cli.telling import Command
 
 
-def main(arguments=None, parser=make_parser, command=None):
+def main(
+    arguments: Sequence[str] | None = None,
+    parser: Callable[[], Parser] = make_parser,
+    command: "Command | None" = None,
+) -> int:
     """Runs one command; returns the exit status.
 
     parser, command: of a program beside `leaflight`, see leaflight.cli.run.
@@ -30,7 +39,9 @@ def main(arguments=None, parser=make_parser, command=None):
     return run(options, command)
 
 
-def program(parser=make_parser, command=None):
+def program(
+    parser: Callable[[], Parser] = make_parser, command: "Command | None" = None
+) -> NoReturn:
     """Runs the command of the program's arguments and ends it with its exit status."""
     status = main(None, parser, command)
     # The work is done and reported: Ctrl-C while Python ends changes nothing.

@@ -6,7 +6,7 @@ import math
 import re
 
 
-def integer(text):
+def integer(text: str) -> int:
     """A whole number as the core holds them."""
     try:
         value = int(text)
@@ -17,20 +17,20 @@ def integer(text):
     return value
 
 
-def memory(text):
+def memory(text: str) -> int:
     """A number of bytes, such as 4GiB, 800MiB or 16G."""
     units = {"M": 1 << 20, "G": 1 << 30, "T": 1 << 40, "MB": 10**6, "GB": 10**9, "TB": 10**12}
     found = re.fullmatch(r"([0-9.]+)\s*([MGT]B?|[MGT]iB)", text.strip())
     try:
-        value = float(found[1]) * units[found[2].removesuffix("iB")]
-    except (TypeError, ValueError):
+        value = float(found[1]) * units[found[2].removesuffix("iB")] if found else math.nan
+    except ValueError:
         value = math.nan
     if not 0 < value < 2**60:
         raise argparse.ArgumentTypeError(f"{text[:40]!r} is no memory, such as 4GiB or 800MiB")
     return int(value)
 
 
-def number(text):
+def number(text: str) -> float:
     """A finite number."""
     try:
         value = float(text)

@@ -39,14 +39,14 @@ _VOLUME = "a file, a folder of slices, or a generated volume"
 class _Version(argparse.Action):
     """Prints the version of the package that is installed."""
 
-    def __call__(self, parser, *_):
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
         from leaflight import __version__
 
         print(f"leaflight {__version__}")
         parser.exit()
 
 
-def make_parser():
+def make_parser() -> Parser:
     """The parser of the whole command line; the name of the command is the option `command`."""
     parser = Parser(
         prog="leaflight", description="Global illumination for every isosurface of a volume."
@@ -67,7 +67,7 @@ def make_parser():
     return parser
 
 
-def _add_info(subparsers):
+def _add_info(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     parser = subparsers.add_parser("info", parents=[layout_options()], help="what a volume holds")
     parser.add_argument(
         "volume",
@@ -76,7 +76,7 @@ def _add_info(subparsers):
     )
 
 
-def _add_bake(subparsers):
+def _add_bake(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     parser = subparsers.add_parser(
         "bake",
         parents=[lit_options(_VOLUME), scene_options(), threads_options(), layout_options()],
@@ -114,7 +114,7 @@ def _add_bake(subparsers):
     workers_options(machines, "trace light in so many processes here, by Dask; the same bake")
 
 
-def _add_batch_and_render(subparsers):
+def _add_batch_and_render(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     batch = subparsers.add_parser("batch", help="many bakes, resumed where they stopped")
     batch.add_argument(
         "list", metavar="LIST.txt", help="a file with the arguments of one bake on each line"
@@ -140,14 +140,14 @@ def _add_batch_and_render(subparsers):
         workers_options(one, "so many at a time on this machine (1)")
 
 
-def _add_surface(subparsers):
+def _add_surface(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     parser = subparsers.add_parser(
         "surface", parents=[isosurface_options()], help="one lit isosurface as a mesh"
     )
     parser.add_argument("--out", required=True, metavar="MESH.ply", help="file to write")
 
 
-def _add_still(subparsers):
+def _add_still(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     parser = subparsers.add_parser("still", help="a picture of a lit isosurface, without Blender")
     parser.add_argument("bake", metavar="BAKE", help="a .vdb written by bake")
     parser.add_argument(
@@ -189,7 +189,7 @@ def _add_still(subparsers):
     )
 
 
-def _add_export(subparsers):
+def _add_export(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     parser = subparsers.add_parser(
         "export",
         help="a bake as a web page, or for ParaView, amira, glTF, USD or PLY",
@@ -224,7 +224,7 @@ def _add_export(subparsers):
     )
 
 
-def _add_photons(subparsers):
+def _add_photons(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     parser = subparsers.add_parser(
         "photons",
         parents=[layout_options(), lit_options(_VOLUME), scene_options()],
@@ -237,7 +237,7 @@ def _add_photons(subparsers):
     parser.add_argument("--seed", type=integer, default=0, metavar="N", help="as of a bake (0)")
 
 
-def _add_compare(subparsers):
+def _add_compare(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     parser = subparsers.add_parser(
         "compare",
         parents=[isosurface_options(), threads_options()],
@@ -260,7 +260,7 @@ def _add_compare(subparsers):
     )
 
 
-def _add_flatland(subparsers):
+def _add_flatland(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     parser = subparsers.add_parser(
         "flatland",
         parents=[scene_options(), threads_options()],

@@ -5,6 +5,7 @@ Imports nothing of the package, as parser.py.
 """
 
 import argparse
+from typing import Any, NoReturn
 
 from .numbers import integer, memory, number
 
@@ -25,47 +26,48 @@ class Parser(argparse.ArgumentParser):
     --help leaves out the groups of options that have a title, which --help-all prints, too.
     """
 
-    def __init__(self, **options):
+    def __init__(self, **options: Any) -> None:
         # Abbreviations would change meaning whenever an option is added.
         super().__init__(allow_abbrev=False, **options)
 
-    def error(self, message):
+    def error(self, message: str) -> NoReturn:
         raise UsageError(f"{message}; see '{self.prog} --help'.")
 
-    def group(self, title):
+    def group(self, title: str) -> argparse._ArgumentGroup:
         """The group of options of that title."""
         found = [group for group in self._titled() if group.title == title]
         return found[0] if found else self.add_argument_group(title)
 
-    def offer_all(self):
+    def offer_all(self) -> None:
         """Adds --help-all where there are such groups."""
-        titles = [group.title for group in self._titled()]
+        titles = [group.title for group in self._titled() if group.title]
         if titles:
             help = f"show this and the options of {', '.join(titles)}"
             self.add_argument("--help-all", action=_HelpAll, nargs=0, help=help)
 
-    def format_help(self):
+    def format_help(self) -> str:
         for group in self._titled():
             for action in group._group_actions:
                 action.help = argparse.SUPPRESS
         return super().format_help()
 
-    def format_all(self):
+    def format_all(self) -> str:
         """The help with all options."""
         return super().format_help()
 
-    def _titled(self):
+    def _titled(self) -> list[argparse._ArgumentGroup]:
         # The first two are argparse's own: positional arguments and options.
         return self._action_groups[2:]
 
 
 class _HelpAll(argparse.Action):
-    def __call__(self, parser, *_):
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        assert isinstance(parser, Parser)
         print(parser.format_all(), end="")
         parser.exit()
 
 
-def layout_options():
+def layout_options() -> Parser:
     """How the values of a volume lie in its file."""
     whole = Parser(add_help=False)
     parser = whole.add_argument_group("files")
@@ -114,7 +116,7 @@ def layout_options():
     return whole
 
 
-def threads_options():
+def threads_options() -> Parser:
     parser = Parser(add_help=False)
     machine = parser.add_argument_group(MACHINES)
     machine.add_argument(
@@ -126,7 +128,7 @@ def threads_options():
     return parser
 
 
-def lit_options(volume):
+def lit_options(volume: str) -> Parser:
     """Volumes in space that are to be lit."""
     parser = Parser(add_help=False)
     parser.add_argument(
@@ -138,7 +140,7 @@ def lit_options(volume):
     return parser
 
 
-def scene_options():
+def scene_options() -> Parser:
     """In which light, and within which isovalues."""
     parser = Parser(add_help=False)
     parser.add_argument("--scene", metavar="FILE", help="scene file (a box around the data)")
@@ -152,7 +154,7 @@ def scene_options():
     return parser
 
 
-def workers_options(parser, here):
+def workers_options(parser: argparse._ActionsContainer, here: str) -> None:
     """Who works beside this process; here: the help of --workers."""
     either = parser.add_mutually_exclusive_group()
     either.add_argument("--workers", type=integer, metavar="N", help=here)
@@ -163,7 +165,7 @@ def workers_options(parser, here):
     )
 
 
-def memory_options(parser):
+def memory_options(parser: argparse._ActionsContainer) -> None:
     parser.add_argument(
         "--memory",
         type=memory,
@@ -173,7 +175,7 @@ def memory_options(parser):
     )
 
 
-def resolution_options(parser):
+def resolution_options(parser: argparse._ActionsContainer) -> None:
     parser.add_argument(
         "--resolution",
         type=integer,
@@ -182,7 +184,7 @@ def resolution_options(parser):
     )
 
 
-def limit_options(parser):
+def limit_options(parser: argparse._ActionsContainer) -> None:
     """When a bake ends."""
     parser.add_argument(
         "--error",
@@ -195,7 +197,7 @@ def limit_options(parser):
     )
 
 
-def isosurface_options():
+def isosurface_options() -> Parser:
     """One isosurface of a bake."""
     parser = Parser(add_help=False)
     parser.add_argument("bake", metavar="BAKE", help="a .vdb written by bake")
@@ -210,7 +212,7 @@ def isosurface_options():
     return parser
 
 
-def side_options(parser):
+def side_options(parser: argparse._ActionsContainer) -> None:
     """Which of the isosurfaces of that isovalue, and seen from where."""
     parser.add_argument(
         "--volume",

@@ -29,7 +29,7 @@ _ALLOCATOR_LIBRARY, _NO_LIBRARY = b"\0libtbbmalloc.so.2\0", b"\0no-allocator-her
 
 def make_private(folder):
     """Renames the symbols of an unpacked wheel's libraries and modules."""
-    files = [*folder.glob("leaflight.libs/*"), *folder.glob("leaflight/_core*")]
+    files = [*folder.glob("leaflight.libs/*"), *folder.glob("leaflight/_core*.so")]
     defined = set().union(*(_symbols(path, "--defined-only") for path in files))
     needed = set().union(*(_symbols(path, "--undefined-only") for path in files))
     system = set().union(*(_symbols(_system_library(name), "--defined-only") for name in SYSTEM))

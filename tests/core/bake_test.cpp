@@ -26,7 +26,7 @@ TEST(Bake, ReportsProgress) {
   EXPECT_FALSE(progress.stage().empty());
 }
 
-TEST(Bake, StoresOnlyTexelsThatAIsosurfaceReaches) {
+TEST(Bake, StoresOnlyTexelsThatAnIsosurfaceReaches) {
   const Scene<3> scene = test::cornell(test::ball<3>(49), {0.85, 0.9});
   Progress progress;
   const RadianceGrid<3> grid = bake(scene, quick(), progress).grids[0];

@@ -102,7 +102,7 @@ TEST(Plan, SaysWhatItSkipsAndWhy) {
   EXPECT_EQ(black.skipped.size(), 8u);
 }
 
-TEST(Plan, InnerSideIsNeededWhereAIsosurfaceIsOpen) {
+TEST(Plan, InnerSideIsNeededWhereAnIsosurfaceIsOpen) {
   Scene<3> open = small_scene();
   open.isovalue_range = {0.1, 0.9};  // the lowest isosurfaces meet the border of the domain
   EXPECT_TRUE(plan_for(open, EstimatorName::gather).back_side);

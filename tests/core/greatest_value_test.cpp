@@ -109,7 +109,7 @@ TEST(GreatestValue, TellsWhichIsosurfacesBlockTheWay) {
   EXPECT_GT(greater, 1000);
 }
 
-TEST(GreatestValue, IsosurfacesOutCellsWithoutData) {
+TEST(GreatestValue, LeavesOutCellsWithoutData) {
   std::vector<float> values(10 * 10 * 10, 1.0f);
   const auto at = [&](int x) -> float& { return values[x + 10 * (5 + 10 * 5)]; };
   at(2) = 3.0f;

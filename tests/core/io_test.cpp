@@ -137,7 +137,7 @@ TEST_F(Files, DamagedVdbIsRefused) {
   EXPECT_NE(message_of([&] { read_bake(path("none.vdb")); }).find("no file"), std::string::npos);
 }
 
-TEST_F(Files, FailedWriteIsosurfacesTheFileBefore) {
+TEST_F(Files, FailedWriteLeavesTheFileBefore) {
   write("x.bin", "before");
   const auto fail = [](std::ostream& stream) {
     stream << "half";

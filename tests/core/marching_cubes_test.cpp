@@ -102,7 +102,7 @@ TEST(MarchingCubes, NothingOutsideTheData) {
 }
 
 // Cut on a part of the surface only, so that triangles have none, one, two and three edges cut.
-TEST(SplitEdges, IsosurfacesNoCracksAndFollowsTheIsosurface) {
+TEST(SplitEdges, LeavesNoCracksAndFollowsTheIsosurface) {
   const Field<3> field = test::ball<3>(21);
   const IsosurfaceMesh mesh = contour(field, 0.7);
   for (const double share : {0.0, 0.3, 0.7, 1.0}) {
@@ -131,7 +131,7 @@ TEST(SplitEdges, IsosurfacesNoCracksAndFollowsTheIsosurface) {
   }
 }
 
-TEST(SplitEdges, IsosurfacesNoCracksInNoise) {
+TEST(SplitEdges, LeavesNoCracksInNoise) {
   const Field<3> field = test::noise<3>(12, 5, -1.0);
   const IsosurfaceMesh mesh = contour(field, 0.5);
   ASSERT_TRUE(closed(mesh));

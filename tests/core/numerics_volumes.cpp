@@ -167,7 +167,7 @@ TEST(NumericsVolumes, VariationBelowSinglePrecisionIsRefused) {
 }
 
 // The lamp lies in an isosurface, shines from within one, or touches it with its edge.
-TEST(NumericsVolumes, LightOnAIsosurface) {
+TEST(NumericsVolumes, LightOnAnIsosurface) {
   const Field<3> field = test::sampled<3>(13, [](const Vec3& x) { return x.z; });
   Scene<3> scene = lit(field, {0.2, 0.8});
   scene.environment.reset();

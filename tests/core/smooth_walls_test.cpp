@@ -72,7 +72,7 @@ TEST(SmoothWalls, KeepsTheEdgeOfAShadow) {
   EXPECT_LT(rms(mesh, radiance, shadow, beside), 0.6f * noise);
 }
 
-TEST(SmoothWalls, IsosurfacesWhatHasNoNoise) {
+TEST(SmoothWalls, LeavesWhatHasNoNoise) {
   const FineMesh<3> mesh = square();
   const auto waves = [](const auto& x, int node) { return 2 + std::sin(40 * x.x) + node * x.y; };
   const Halves halves = noisy(mesh, 0, waves);

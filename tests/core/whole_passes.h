@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "agreement.h"
@@ -14,7 +15,7 @@ namespace leaflight::test {
 
 inline BakeSettings<3> in_passes(double error = 1.5) {
   BakeSettings<3> settings;
-  settings.error = sanitized ? 20 * error : error;
+  settings.error = sanitized ? std::min(100.0, 20 * error) : error;
   if (sanitized) settings.resolution = {17, 17, 17};
   return settings;
 }

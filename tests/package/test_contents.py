@@ -70,7 +70,7 @@ def test_the_wheel_holds_the_package_and_its_libraries(made, root):
         assert f"leaflight/{source.relative_to(sources).as_posix()}" in found
     for scene in (root / "scenes").iterdir():
         assert f"leaflight/scenes/{scene.name}" in found
-    assert "leaflight/page/page.html" in found
+    assert {"leaflight/page/page.html", "leaflight/py.typed", "leaflight/_core.pyi"} <= set(found)
     for library in ("tbb", "embree", "openvdb", "OpenEXR"):
         assert any(re.match(rf"leaflight\.libs/lib{library}", name) for name in found)
     # Each library with the terms under which it may be given on.

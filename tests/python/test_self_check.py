@@ -152,7 +152,7 @@ def _without_module(package):
 
 
 def _damaged_module(package):
-    (module,) = PACKAGE.glob("_core*")
+    (module,) = PACKAGE.glob("_core*.so")
     (package / module.name).write_bytes(b"not a library")
     return "compiled module cannot be loaded"
 

@@ -95,6 +95,12 @@ MESSAGES = {
     "Capped": "Geschlossen",
     "Hide Dust": "Staub ausblenden",
     "Gloss": "Glanz",
+    "Slices": "Schnitte",
+    "Sagittal": "Sagittal",
+    "Coronal": "Koronal",
+    "Axial": "Axial",
+    "Inside Only": "Nur innen",
+    "Orientation Cube": "Orientierungswürfel",
     "Bakes: %s": "Beleuchtungen: %s",
     "Bakes: %s, of which unused: %s": "Beleuchtungen: %s, davon unbenutzt: %s",
     # Why a button is greyed.

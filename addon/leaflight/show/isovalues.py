@@ -10,7 +10,7 @@ import bpy
 
 from .. import versions
 from ..store import cache, frame_bakes
-from . import added, cut_faces, surface_material, surface_object, walls
+from . import added, data_faces, surface_material, surface_object, walls
 
 # Drivers and keyframes use this path, seen from the object.
 ISOVALUE_PATH = 'leaflight["isovalue"]'
@@ -62,7 +62,7 @@ def limit(obj):
 def left_alone():
     """What was added to volumes that are gone."""
     surfaces = [obj for obj in known() if added.is_added(obj) and obj.parent is None]
-    return surfaces + cut_faces.left_alone()
+    return surfaces + data_faces.left_alone()
 
 
 def remove_left_alone():

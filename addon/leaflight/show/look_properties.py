@@ -3,10 +3,16 @@
 """How an isosurface is shown: Object.leaflight_look, of volumes and of what was added to them."""
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty
-from bpy.props import PointerProperty
+from bpy.props import (
+    BoolProperty,
+    BoolVectorProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    PointerProperty,
+)
 
-from . import added, cut_faces, surface_object
+from . import added, cut_faces, data_faces, slices, surface_object
 
 
 def _changed(look, _context):
@@ -19,6 +25,11 @@ def _all_changed(look, _context):
     if look.id_data.leaflight.is_volume:
         surface_object.shade_all(look.id_data)
         cut_faces.update(look.id_data)
+
+
+def _slices_changed(look, _context):
+    if look.id_data.leaflight.is_volume:
+        slices.update(look.id_data)
 
 
 def _shape_changed(look, _context):
@@ -132,8 +143,39 @@ class LeaflightLook(bpy.types.PropertyGroup):
         name="Cut",
         description="What is seen where the clip box cuts the isosurfaces open",
         items=cut_faces.ITEMS,
-        default=cut_faces.GRAY,
+        default=data_faces.GRAY,
         update=_all_changed,
+        override={"LIBRARY_OVERRIDABLE"},
+    )
+    slice_axes: BoolVectorProperty(
+        name="Slices",
+        description="Show the data on a plane across this axis. Bakes and comparisons do without",
+        size=3,
+        update=_slices_changed,
+        override={"LIBRARY_OVERRIDABLE"},
+    )
+    slice_places: FloatVectorProperty(
+        name="Place",
+        description="Where the plane is, from one end of the volume to the other",
+        size=3,
+        default=(0.5, 0.5, 0.5),
+        min=0.0,
+        max=1.0,
+        update=_slices_changed,
+        override={"LIBRARY_OVERRIDABLE"},
+    )
+    slice_colors: EnumProperty(
+        name="Colors",
+        description="Colors of the values on the planes, over the volume's range of isovalues",
+        items=data_faces.COLORS,
+        default=data_faces.GRAY,
+        update=_slices_changed,
+        override={"LIBRARY_OVERRIDABLE"},
+    )
+    slices_inside: BoolProperty(
+        name="Inside Only",
+        description="Leave out values below the isovalue, such as the air around an object",
+        update=_slices_changed,
         override={"LIBRARY_OVERRIDABLE"},
     )
 

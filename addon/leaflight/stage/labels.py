@@ -118,9 +118,14 @@ def _material():
     if material is None:
         material = bpy.data.materials.new(name)
         versions.do_not_sample_as_light(material)
-        exposure = bpy.context.scene.view_settings.exposure
-        shader.build_emission(material, tuple(2.0**-exposure * x for x in _WHITE))
+        shader.build_emission(material, exposed(_WHITE))
     return material
+
+
+def exposed(color):
+    """The radiance that shows as a color with the scene's exposure."""
+    exposure = bpy.context.scene.view_settings.exposure
+    return tuple(2.0**-exposure * x for x in color)
 
 
 def _remove(volume, kind):

@@ -18,6 +18,7 @@ from ..show import (
     isovalues,
     lamps,
     preview,
+    slices,
     surface_material,
     surface_object,
     whole_detail,
@@ -32,7 +33,8 @@ def _follow(scene, depsgraph, by_hand):
     Lamps are taken to be as strong as when follow() of lamp_strengths was called last.
     """
     moved = isovalues.update(scene, depsgraph, by_hand)
-    cut_faces.follow(isovalues.volumes(scene), depsgraph)
+    for faces in (cut_faces, slices):
+        faces.follow(isovalues.volumes(scene), depsgraph)
     whole_detail.watch(isovalues.isosurfaces(scene))
     return moved
 

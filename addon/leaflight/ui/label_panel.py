@@ -6,7 +6,7 @@ import leaflight
 
 from ..operators import checks
 from ..operators.active_volume import active_volume
-from ..stage import labels
+from ..stage import labels, orientation_cube
 from .sidebar import VolumePanel
 
 
@@ -43,6 +43,18 @@ class LEAFLIGHT_OT_add_letters(_LabelOperator, bpy.types.Operator):
         labels.add_letters(context, volume)
 
 
+class LEAFLIGHT_OT_add_orientation_cube(_LabelOperator, bpy.types.Operator):
+    bl_idname = "leaflight.add_orientation_cube"
+    bl_label = "Orientation Cube"
+    bl_description = (
+        "Put a cube into the lower left corner of the camera's picture that turns as the volume "
+        "does and names its sides"
+    )
+
+    def add(self, context, volume):
+        orientation_cube.add_cube(context, volume)
+
+
 class LEAFLIGHT_PT_labels(VolumePanel, bpy.types.Panel):
     bl_label = "Labels"
     bl_options = {"DEFAULT_CLOSED"}
@@ -51,7 +63,13 @@ class LEAFLIGHT_PT_labels(VolumePanel, bpy.types.Panel):
         row = self.layout.row(align=True)
         row.operator(LEAFLIGHT_OT_add_scale_bar.bl_idname)
         row.operator(LEAFLIGHT_OT_add_letters.bl_idname)
+        self.layout.operator(LEAFLIGHT_OT_add_orientation_cube.bl_idname)
 
 
-_CLASSES = (LEAFLIGHT_OT_add_scale_bar, LEAFLIGHT_OT_add_letters, LEAFLIGHT_PT_labels)
+_CLASSES = (
+    LEAFLIGHT_OT_add_scale_bar,
+    LEAFLIGHT_OT_add_letters,
+    LEAFLIGHT_OT_add_orientation_cube,
+    LEAFLIGHT_PT_labels,
+)
 register, unregister = bpy.utils.register_classes_factory(_CLASSES)

@@ -11,6 +11,7 @@ from . import (
     flatland_panel,
     label_panel,
     look_panel,
+    slice_panel,
     stage_panel,
     volume_panel,
 )
@@ -24,6 +25,7 @@ _PANELS = (
     advanced_panel,
     look_panel,
     clip_panel,
+    slice_panel,
     animation,
     label_panel,
     comparison_panel,

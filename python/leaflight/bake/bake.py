@@ -2,26 +2,49 @@
 """Baking: the light of all isosurfaces of volumes at once."""
 
 import contextlib
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Protocol
 
 import leaflight._core as _core
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .._core import LeaflightError
 from ..io.scene_file import cornell_box
 from ..progress_bar import with_progress
 from ..scene.facing import faced
-from ..scene.scene import core_scene, fit_scene, match_isosurfaces
+from ..scene.scene import SceneDescription, core_scene, fit_scene, match_isosurfaces
 from ..volume.other_arrays import as_volumes
+from ..volume.volume import Volume
 from .baked import Bake
+from .checkpoint import Checkpoint
 from .color_error import estimated_rms_percent
 from .fit_memory import coarser_texels, fit_memory
-from .settings import bake_settings, range_to_bake
-from .provenance import provenance_of
+from .settings import CommonSettings, PassSettings, bake_settings, range_to_bake
+from .provenance import Provenance, provenance_of
 from .statistics import statistics_of
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
-def placed(volumes, scene, isovalues):
+
+class Workers(Protocol):
+    """Those of cluster.workers, as far as a bake needs them."""
+
+    def tracing(
+        self,
+        volumes: Sequence[Volume],
+        scene: SceneDescription,
+        isovalues: tuple[float, float],
+        settings: _core.BakeSettings,
+        progress: _core.Progress,
+    ) -> contextlib.AbstractContextManager[object]: ...
+
+
+def placed(
+    volumes: Any, scene: SceneDescription | None, isovalues: Sequence[float] | None
+) -> tuple[list[Volume], SceneDescription, tuple[float, float]]:
     """What is lit, from the arguments of bake(): (volumes, SceneDescription, isovalue_range)."""
     volumes = as_volumes(volumes)
     for volume in volumes:
@@ -47,23 +70,23 @@ def placed(volumes, scene, isovalues):
 
 @with_progress("bake")
 def bake(
-    volumes,
-    scene=None,
+    volumes: Any,
+    scene: SceneDescription | None = None,
     *,
-    spacing=None,
-    isovalues=None,
-    error=None,
-    time=None,
-    resolution=None,
-    seed=0,
-    threads=0,
-    both_sides=False,
-    walls=False,
-    on_pass=None,
-    progress=None,
-    checkpoint=None,
-    workers=None,
-):
+    spacing: ArrayLike | None = None,
+    isovalues: Sequence[float] | None = None,
+    error: float | None = None,
+    time: float | None = None,
+    resolution: int | Sequence[int] | None = None,
+    seed: int = 0,
+    threads: int = 0,
+    both_sides: bool = False,
+    walls: bool = False,
+    on_pass: Callable[[Bake], object] | None = None,
+    progress: _core.Progress | None = None,
+    checkpoint: Checkpoint | None = None,
+    workers: Workers | None = None,
+) -> Bake:
     """Computes the radiance of every isosurface of a volume or of several, within a range.
 
     The bake goes on in passes, each of which leaves a better result, until it reaches the error or
@@ -110,26 +133,44 @@ def bake(
     return replace(baked, statistics=replace(baked.statistics, skipped_passes=skipped))
 
 
-def asked_provenance(volumes, scene=None, **settings):
+def asked_provenance(
+    volumes: Any, scene: SceneDescription | None = None, **settings: "Unpack[PassSettings]"
+) -> Provenance:
     """The Provenance of the bake that bake() would make of these arguments, before its passes."""
     return _asked(volumes, scene, **settings)[-1]
 
 
-def worker_memory(volumes, scene=None, **settings):
+def worker_memory(
+    volumes: Any, scene: SceneDescription | None = None, **settings: "Unpack[PassSettings]"
+) -> int:
     """About how many bytes each of the workers of bake() would hold, its values included.
 
     Raises LeaflightError.
     """
-    volumes, description, isovalue_range, settings, _ = _asked(volumes, scene, **settings)
+    volumes, description, isovalue_range, of_core, _ = _asked(volumes, scene, **settings)
     core = core_scene(description, [volume.field() for volume in volumes], isovalue_range)
-    return _core.block_tracer_memory(core, settings)
+    return _core.block_tracer_memory(core, of_core)
 
 
-def _asked(volumes, scene=None, *, isovalues=None, **settings):
+def _asked(
+    volumes: Any,
+    scene: SceneDescription | None = None,
+    *,
+    isovalues: Sequence[float] | None = None,
+    error: float | None = None,
+    time: float | None = None,
+    **common: "Unpack[CommonSettings]",
+) -> tuple[list[Volume], SceneDescription, tuple[float, float], _core.BakeSettings, Provenance]:
     """Of the arguments of bake(): volumes, scene, range, the core's settings, the Provenance."""
     volumes, description, isovalue_range = placed(volumes, scene, isovalues)
-    dims, exposure = volumes[0].field().dims, description.exposure
-    settings = bake_settings(_core.BakeSettings, dims, exposure=exposure, **settings)
+    settings = bake_settings(
+        _core.BakeSettings,
+        volumes[0].field().dims,
+        error=error,
+        time=time,
+        exposure=description.exposure,
+        **common,
+    )
     if len(volumes) == 1:
         fit_memory(volumes[0], description, isovalue_range, settings)
     return (
@@ -142,17 +183,17 @@ def _asked(volumes, scene=None, *, isovalues=None, **settings):
 
 
 def lit(
-    volumes,
-    description,
-    isovalue_range,
-    settings,
-    provenance,
-    previous,
-    on_pass,
-    progress,
-    checkpoint=None,
-    workers=None,
-):
+    volumes: list[Volume],
+    description: SceneDescription,
+    isovalue_range: tuple[float, float],
+    settings: _core.BakeSettings,
+    provenance: Provenance,
+    previous: Bake | None,
+    on_pass: Callable[[Bake], object] | None,
+    progress: _core.Progress | None,
+    checkpoint: Checkpoint | None = None,
+    workers: Workers | None = None,
+) -> Bake:
     """The Bake of volumes and a scene that fit each other, as placed() leaves them.
 
     settings: _core.BakeSettings. provenance: of provenance_of(). previous: the Bake in passes that
@@ -160,7 +201,7 @@ def lit(
     LeaflightError, Cancelled.
     """
 
-    def whole(baked):
+    def whole(baked: _core.Baked) -> Bake:
         statistics = statistics_of(baked.statistics)
         grids, continued = baked.grids, ""
         # A first picture, of other texels, is not gone on with: the bake is a new one.

@@ -2,23 +2,44 @@
 """A bake, one radiance grid for every isosurface of a volume, and what to do with it."""
 
 import json
+import os
 import time
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Callable, ClassVar
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import leaflight._core as _core
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .._core import LeaflightError
+from ..arrays import Array
 from ..io.output import check_writable
 from ..words import by, html_table
 from ..scene.on_mesh import interpolated
-from ..scene.scene import SceneDescription, core_scene, isovalue_at
+from ..scene.scene import Color, SceneDescription, core_scene, isovalue_at
 from ..volume.setting_error import SettingError
+from ..volume.volume import Volume
 from .relit import relit
 from .provenance import Provenance
 from .statistics import Statistics
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+    _Watched = _core.Progress | Callable[[float, str], object] | Literal[False] | None
+
+    class _Page(Protocol):
+        """What export.notebook.show() returns."""
+
+        @property
+        def path(self) -> Path: ...
+        @property
+        def height(self) -> int: ...
+        def _repr_html_(self) -> str: ...
+
 
 # How much colours at the ends of a small mesh's edge may differ: light is linear in between.
 LARGEST_STEP = 0.05
@@ -33,14 +54,14 @@ class Surface:
     the world, as of a Volume.
     """
 
-    vertices: np.ndarray
-    normals: np.ndarray
-    triangles: np.ndarray
-    radiance: np.ndarray
+    vertices: Array
+    normals: Array
+    triangles: Array
+    radiance: Array
     seconds: float
     unit: str = ""
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<Surface: {len(self.vertices)} vertices, {len(self.triangles)} triangles>"
 
 
@@ -59,28 +80,23 @@ class Bake:
         is than it was baked; else None.
     """
 
-    volumes: list
+    volumes: list[Volume]
     scene: SceneDescription
-    isovalues: tuple
-    grids: list
-    walls: object
+    isovalues: tuple[float, float]
+    grids: list[_core.RadianceGrid]
+    walls: _core.WallRadiance | None
     statistics: Statistics
     provenance: Provenance
-    original: "Bake" = None
-    factors: tuple = None
-    # Of rooms above: __init__.py sets them.
-    moved: ClassVar[Callable]
-    export_page: ClassVar[Callable]
-    show: ClassVar[Callable]
-    still: ClassVar[Callable]
+    original: "Bake | None" = None
+    factors: tuple[Color, ...] | None = None
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<Bake: {', '.join(f'{what} {text}' for what, text in self._facts())}>"
 
-    def _repr_html_(self):
+    def _repr_html_(self) -> str:
         return html_table("Bake", self._facts())
 
-    def _facts(self):
+    def _facts(self) -> list[tuple[str, str]]:
         lo, hi = self.isovalues
         known = self.statistics
         error = known.estimated_error_percent or known.estimated_rms_percent
@@ -94,34 +110,34 @@ class Bake:
         ]
 
     @property
-    def is_moved(self):
+    def is_moved(self) -> bool:
         """Whether it shows the light of an original in another scene; see moved()."""
         return self.original is not None and self.factors is None
 
     @property
-    def volume(self):
+    def volume(self) -> Volume:
         return self.volumes[0]
 
     @property
-    def grid(self):
+    def grid(self) -> _core.RadianceGrid:
         return self.grids[0]
 
     @property
-    def unit(self):
+    def unit(self) -> str:
         """What world coordinates measure in: a key of METERS, "" where nobody knows."""
         return self.volume.unit
 
     @property
-    def id(self):
+    def id(self) -> str:
         """Tells bakes apart, 32 digits: equal bakes have equal ones, on any machine."""
         return self.provenance.id
 
     @property
-    def largest_step(self):
+    def largest_step(self) -> float:
         """In radiance, along an edge of a small mesh that is made to be looked at."""
         return LARGEST_STEP / self.scene.exposure
 
-    def save(self, path, progress=None):
+    def save(self, path: str | os.PathLike[str], progress: _core.Progress | None = None) -> None:
         """Writes the bake as one .vdb under its final name or not at all.
 
         Raises LeaflightError, and Cancelled where progress, a _core.Progress, is cancelled before
@@ -139,9 +155,10 @@ class Bake:
             "statistics": json.dumps(self.statistics.record()),
         }
         fields = [volume.field() for volume in self.volumes]
-        _core.write_bake(path, fields, self.grids, self.walls, metadata, progress)
+        walls = self.walls
+        _core.write_bake(path, fields, self.grids, walls, metadata, progress)  # type: ignore[arg-type]
 
-    def relit(self, lamps):
+    def relit(self, lamps: Mapping[str, float | Sequence[float]]) -> "Bake":
         """The Bake with lamps of its scene at other strengths or of other colours, at once.
 
         lamps: {name: factor}, against the strengths that this bake has: a number of at least 0, or
@@ -156,15 +173,15 @@ class Bake:
         return relit(self, lamps)
 
     @cached_property
-    def indirect_shares(self):
+    def indirect_shares(self) -> _core.IndirectShares:
         """How much indirect light comes from which lamps, a _core.IndirectShares."""
         return _core.IndirectShares(self.core_scene())
 
-    def isovalue_of(self, volume, isovalue):
+    def isovalue_of(self, volume: int, isovalue: float) -> float:
         """The isovalue, in data units, that a volume (its number) shows at a common isovalue."""
         return isovalue_at(self.scene, volume, isovalue)
 
-    def surface(self, isovalue, volume=0, back=False):
+    def surface(self, isovalue: float, volume: int = 0, back: bool = False) -> Surface:
         """The isosurface of a volume with its radiance, a Surface.
 
         It is finer where texels are narrower than voxels and, if it is small, where light steps.
@@ -187,17 +204,17 @@ class Bake:
         seconds = time.perf_counter() - start
         return Surface(vertices, normals, triangles, radiance, seconds, self.unit)
 
-    def radiance(self, points, volume=0, back=False):
+    def radiance(self, points: ArrayLike, volume: int = 0, back: bool = False) -> Array:
         """Baked radiance of a volume's isosurfaces, float32 (n, 3), at world points (n, 3).
 
         It is zero where no isosurface passes. back: of the backs. Raises LeaflightError.
         """
         self._check_volume(volume)
         if self._is_dark(volume, back):
-            return np.zeros((len(points), 3), dtype=np.float32)
+            return np.zeros((np.shape(points)[0], 3), dtype=np.float32)
         return self.grids[volume].lookup(self.volumes[volume].field(), points, back)
 
-    def _is_dark(self, volume, back):
+    def _is_dark(self, volume: int, back: bool) -> bool:
         """Whether the bake left the back out because no light can reach it.
 
         Raises SettingError where it was not baked.
@@ -208,14 +225,22 @@ class Bake:
             raise SettingError("The back was not baked: bake again with both sides.", "both-sides")
         return True
 
-    def radiance_error(self, points, volume=0):
+    def radiance_error(self, points: ArrayLike, volume: int = 0) -> Array:
         """The standard error of radiance(), of its mean over the channels: float32 (n,)."""
         self._check_volume(volume)
         return self.grids[volume].lookup_error(self.volumes[volume].field(), points)
 
     def reference(
-        self, points, isovalue, spp=1024, seed=0, threads=0, progress=None, volume=0, back=False
-    ):
+        self,
+        points: ArrayLike,
+        isovalue: float,
+        spp: int = 1024,
+        seed: int = 0,
+        threads: int = 0,
+        progress: _core.Progress | None = None,
+        volume: int = 0,
+        back: bool = False,
+    ) -> tuple[Array, Array]:
         """Path-traced radiance at points (n, 3) of an isosurface, on its front or back.
 
         Returns (radiance, standard_error), float32 (n, 3) each. Raises LeaflightError, Cancelled.
@@ -227,7 +252,7 @@ class Bake:
             scene, points, isovalue, spp, seed, threads, progress, volume=volume, back=back
         )
 
-    def mesh_number(self, name):
+    def mesh_number(self, name: str) -> int:
         """The number of the mesh of the walls of that name. Raises LeaflightError."""
         names = [mesh.name for mesh in self.scene.meshes]
         if name not in names:
@@ -236,7 +261,7 @@ class Bake:
             )
         return names.index(name)
 
-    def mesh_radiance(self, mesh, points, isovalue, back=False):
+    def mesh_radiance(self, mesh: int, points: Array, isovalue: float, back: bool = False) -> Array:
         """Baked radiance, float64 (n, 3), at points (n, 3) of a mesh of the walls.
 
         mesh: its number; back: seen from where its normals point away. Raises LeaflightError.
@@ -250,25 +275,26 @@ class Bake:
 
     def mesh_reference(
         self,
-        mesh,
-        facets,
-        coordinates,
-        isovalue,
-        spp=1024,
-        seed=0,
-        threads=0,
-        progress=None,
-        back=False,
-    ):
+        mesh: int,
+        facets: ArrayLike,
+        coordinates: ArrayLike,
+        isovalue: float,
+        spp: int = 1024,
+        seed: int = 0,
+        threads: int = 0,
+        progress: _core.Progress | None = None,
+        back: bool = False,
+    ) -> tuple[Array, Array]:
         """Path-traced radiance at points of a mesh (see on_mesh.py), as reference()."""
         self._check_isovalue(isovalue)
         scene = self.core_scene()
+        numbers = np.asarray(facets).tolist()
         progress = progress or _core.Progress()
         return _core.reference_walls(
-            scene, mesh, facets, coordinates, isovalue, spp, seed, threads, progress, back
+            scene, mesh, numbers, coordinates, isovalue, spp, seed, threads, progress, back
         )
 
-    def check_isovalue(self, isovalue, volume=0):
+    def check_isovalue(self, isovalue: float, volume: int = 0) -> None:
         """Raises LeaflightError unless the baked range and the volume's data hold the isovalue."""
         self._check_volume(volume)
         self._check_isovalue(isovalue)
@@ -281,12 +307,12 @@ class Bake:
                 "no isosurface exists there, choose one inside."
             )
 
-    def core_scene(self):
+    def core_scene(self) -> _core.Scene:
         """The scene as the core has it, a _core.Scene."""
         fields = [volume.field() for volume in self.volumes]
         return core_scene(self.scene, fields, self.isovalues)
 
-    def _check_isovalue(self, isovalue):
+    def _check_isovalue(self, isovalue: float) -> None:
         lo, hi = self.isovalues
         if not lo <= isovalue <= hi:
             raise SettingError(
@@ -295,10 +321,44 @@ class Bake:
                 "isovalues",
             )
 
-    def _check_volume(self, volume):
+    def _check_volume(self, volume: int) -> None:
         if not 0 <= volume < len(self.volumes):
             raise SettingError(
                 f"There is no volume {volume}: the bake holds {len(self.volumes)}, "
                 "numbered from 0.",
                 "volume",
             )
+
+    if TYPE_CHECKING:
+        # Of functions that build on bakes: __init__.py makes them methods.
+        def moved(
+            self,
+            volumes: Any,
+            scene: SceneDescription | None,
+            *,
+            isovalues: Sequence[float] | None = None,
+            quick: bool = False,
+            walls: bool = True,
+            progress: _core.Progress | None = None,
+        ) -> "Bake": ...
+
+        def export_page(
+            self,
+            path: str | os.PathLike[str],
+            isovalue: float | None = None,
+            *,
+            coarser: int = 0,
+            embed: bool = False,
+            progress: _Watched = None,
+        ) -> Path: ...
+
+        def show(
+            self,
+            isovalue: float | None = None,
+            *,
+            height: int = 600,
+            coarser: int | None = None,
+            progress: _Watched = None,
+        ) -> _Page: ...
+
+        def still(self, isovalue: float | None = None, **options: Any) -> "Image": ...

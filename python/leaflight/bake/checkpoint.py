@@ -2,19 +2,21 @@
 """What an interrupted bake in passes leaves, and goes on from with the same bits."""
 
 import json
+import os
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import leaflight._core as _core
 
 from .._core import LeaflightError
-from .provenance import provenance_from_json
+from .provenance import Provenance, provenance_from_json
 
 # Between two checkpoints, at most, as long as a block of light takes no longer.
 SECONDS = 25.0
 
 
-def checkpoint_for(out):
+def checkpoint_for(out: str | os.PathLike[str]) -> Path:
     """The path of the checkpoints of a bake that is to be written to a file."""
     return Path(f"{out}.checkpoint")
 
@@ -29,15 +31,15 @@ class Checkpoint:
     """
 
     path: Path
-    recipe: dict = field(default_factory=dict)
+    recipe: dict[str, Any] = field(default_factory=dict)
     resume: bool = False
-    seconds: float = None
+    seconds: float | None = None
 
-    def arguments(self, provenance):
+    def arguments(self, provenance: Provenance) -> dict[str, Any]:
         """Those of _core.bake() for the bake of this Provenance. Raises LeaflightError."""
         text = json.dumps({"provenance": provenance.to_json(), "recipe": self.recipe})
         seconds = SECONDS if self.seconds is None else self.seconds
-        arguments = {"checkpoint": (self.path, text, seconds)}
+        arguments: dict[str, Any] = {"checkpoint": (self.path, text, seconds)}
         if self.resume:
             left = _read(self.path)["provenance"]
             # The source of a volume may have other words now, such as a whole path.
@@ -49,7 +51,7 @@ class Checkpoint:
             arguments["resumed"] = self.path
         return arguments
 
-    def remove(self):
+    def remove(self) -> None:
         """Once the bake is saved, or given up."""
         try:
             self.path.unlink(missing_ok=True)
@@ -57,12 +59,13 @@ class Checkpoint:
             pass  # It is in nobody's way.
 
 
-def read_recipe(path):
+def read_recipe(path: str | os.PathLike[str]) -> dict[str, Any]:
     """The recipe of the bake that left a checkpoint. Raises LeaflightError."""
-    return _read(path)["recipe"]
+    recipe: dict[str, Any] = _read(path)["recipe"]
+    return recipe
 
 
-def _read(path):
+def _read(path: str | os.PathLike[str]) -> dict[str, Any]:
     try:
         text = json.loads(_core.read_checkpoint(path))
         if not isinstance(text["recipe"], dict):

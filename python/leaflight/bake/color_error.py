@@ -5,19 +5,30 @@ A colour is radiance times exposure, clamped to 0..1. Radiance arrays are (..., 
 which means are taken, have their shape without the last axis, None weighs all alike.
 """
 
+from collections.abc import Sequence
+
+import leaflight._core as _core
 import numpy as np
+
+from ..arrays import Array
 
 # Standard errors to each side of an interval of 95 %.
 REACH = 1.96
 
 
-def rms_percent(radiance, reference, exposure, weights=None):
+def rms_percent(
+    radiance: Array, reference: Array, exposure: float, weights: Array | None = None
+) -> float:
     """RMS error of colours in percent (thesis Eq. 4.11, corrected)."""
-    colours, truth = (np.clip(np.float64(x) * exposure, 0, 1) for x in (radiance, reference))
+    colours, truth = (
+        np.clip(np.asarray(x, np.float64) * exposure, 0, 1) for x in (radiance, reference)
+    )
     return 100.0 * rms(colours - truth, weights)
 
 
-def noise_percent(radiance, standard_error, exposure, weights=None):
+def noise_percent(
+    radiance: Array, standard_error: Array, exposure: float, weights: Array | None = None
+) -> float:
     """What the standard errors of a radiance add to rms_percent: squares add up.
 
     They have the shape of the radiance, or one channel for all of its.
@@ -25,13 +36,14 @@ def noise_percent(radiance, standard_error, exposure, weights=None):
     return 100.0 * rms(_color_noise(radiance, standard_error, exposure), weights)
 
 
-def _color_noise(radiance, error, exposure):
+def _color_noise(radiance: Array, error: Array, exposure: float) -> Array:
     """Half the width of radiance +- error, clamped: what lies beyond white does not count."""
-    radiance, error = exposure * np.float64(radiance), exposure * np.float64(error)
-    return 0.5 * (np.clip(radiance + error, 0, 1) - np.clip(radiance - error, 0, 1))
+    radiance, error = (exposure * np.asarray(x, np.float64) for x in (radiance, error))
+    noise: Array = 0.5 * (np.clip(radiance + error, 0, 1) - np.clip(radiance - error, 0, 1))
+    return noise
 
 
-def estimated_rms_percent(grids, exposure):
+def estimated_rms_percent(grids: Sequence[_core.RadianceGrid], exposure: float) -> float:
     """RMS over the texels of radiance grids of the error that they report, in percent of a colour.
 
     Slices one by one, which bounds the memory. 0 where there is no texel.
@@ -47,7 +59,7 @@ def estimated_rms_percent(grids, exposure):
     return 100.0 * float(np.sqrt(squares / max(texels, 1)))
 
 
-def rms(values, weights=None):
+def rms(values: Array, weights: Array | None = None) -> float:
     """Root of the weighted mean of squares over all channels."""
-    squares = np.square(np.float64(values)).mean(axis=-1)
+    squares = np.square(np.asarray(values, np.float64)).mean(axis=-1)
     return float(np.sqrt(np.average(squares, weights=weights)))

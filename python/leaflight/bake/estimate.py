@@ -1,15 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a bake will cost, from its first passes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import leaflight._core as _core
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..progress_bar import with_progress
-from .bake import bake
-from .settings import DEFAULT_ERROR
+from ..scene.scene import SceneDescription
+from .bake import Workers, bake
+from .baked import Bake
+from .settings import DEFAULT_ERROR, CommonSettings
 from .statistics import Statistics
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 # Passes of a pilot: two show how fast the error falls.
 PILOT_PASSES = 2
@@ -18,6 +26,14 @@ PILOT_PASSES = 2
 INDEPENDENT, STEEPEST, FLATTEST = -0.5, -1.0, -0.25
 # Passes of the same texels; each is as much work as all before it.
 MOST_PASSES = 5
+
+
+class PilotSettings(CommonSettings, total=False):
+    """Those of bake() that estimate() hands on."""
+
+    spacing: ArrayLike | None
+    isovalues: Sequence[float] | None
+    workers: Workers | None
 
 
 @dataclass(frozen=True)
@@ -40,14 +56,14 @@ class Estimate:
 class Pilot:
     """The first passes of a bake: the Statistics of each, and of what it returned."""
 
-    passes: list
+    passes: list[Statistics]
     last: Statistics
 
-    def estimate(self, error, time=None):
+    def estimate(self, error: float, time: float | None = None) -> Estimate:
         """The Estimate of a bake to an error, no smaller than the pilot was made for."""
         closing = max(self.last.seconds - self.passes[-1].seconds, 0) if self.passes else 0
         for number, one in enumerate(self.passes):
-            if one.estimated_error_percent <= error:
+            if _error(one) <= error:
                 passes = self.passes[: number + 1]
                 ended = replace(
                     one,
@@ -60,7 +76,15 @@ class Pilot:
 
 
 @with_progress("estimate")
-def estimate(volumes, scene=None, *, error=None, time=None, progress=None, **settings):
+def estimate(
+    volumes: Any,
+    scene: SceneDescription | None = None,
+    *,
+    error: float | None = None,
+    time: float | None = None,
+    progress: _core.Progress | None = None,
+    **settings: "Unpack[PilotSettings]",
+) -> Estimate:
     """The Estimate of a bake, by a pilot: its first passes, which are thrown away.
 
     The arguments are those of bake().
@@ -70,30 +94,40 @@ def estimate(volumes, scene=None, *, error=None, time=None, progress=None, **set
     return extrapolated(made.passes, made.last, DEFAULT_ERROR if error is None else error, time)
 
 
-def pilot(volumes, scene=None, *, error=None, time=None, progress=None, **settings):
+def pilot(
+    volumes: Any,
+    scene: SceneDescription | None = None,
+    *,
+    error: float | None = None,
+    time: float | None = None,
+    progress: _core.Progress | None = None,
+    **settings: "Unpack[PilotSettings]",
+) -> Pilot:
     """The Pilot of a bake, from which follow the Estimates of all errors down to the one given.
 
     The arguments and what is raised are those of estimate().
     """
-    progress = progress or _core.Progress()
-    passes = []
+    watched = progress or _core.Progress()
+    passes: list[Statistics] = []
 
-    def look(baked):
+    def look(baked: Bake) -> None:
         passes.append(baked.statistics)
         if len(_alike(passes)) >= PILOT_PASSES:
-            progress.stop()
+            watched.stop()
 
-    settings = {**settings, "error": error, "time": time, "progress": progress}
-    return Pilot(passes, bake(volumes, scene, on_pass=look, **settings).statistics)
+    baked = bake(volumes, scene, error=error, time=time, on_pass=look, progress=watched, **settings)
+    return Pilot(passes, baked.statistics)
 
 
-def extrapolated(passes, last, error, time=None):
+def extrapolated(
+    passes: Sequence[Statistics], last: Statistics, error: float, time: float | None = None
+) -> Estimate:
     """The Estimate of a bake from the statistics of its first passes and of what it returned.
 
     error, time: as of bake().
     """
     pilot = len(passes), float(last.seconds)
-    memory, reached = int(last.peak_memory_bytes), float(last.estimated_error_percent)
+    memory, reached = int(last.peak_memory_bytes), float(_error(last))
     if not passes or not last.stopped:
         return Estimate(pilot[1], memory, reached, int(last.passes), *pilot)
     seconds, count = float(passes[-1].seconds), len(passes)
@@ -103,7 +137,7 @@ def extrapolated(passes, last, error, time=None):
     work, pace = _work(alike)
     slope = 0.5 * (INDEPENDENT + _slope(alike))
     limit = float("inf") if time is None else time
-    noise = float(last.estimated_noise_percent)
+    noise = float(_noise(last))
     missed, noisy = _texture(alike, reached, noise)
     left = MOST_PASSES - len(alike)
     while seconds < limit and left > 0:
@@ -119,12 +153,22 @@ def extrapolated(passes, last, error, time=None):
     return Estimate(seconds + closing, memory, error, count, *pilot)
 
 
-def _alike(passes):
+def _error(one: Statistics) -> float:
+    assert one.estimated_error_percent is not None
+    return one.estimated_error_percent
+
+
+def _noise(one: Statistics) -> float:
+    assert one.estimated_noise_percent is not None
+    return one.estimated_noise_percent
+
+
+def _alike(passes: Sequence[Statistics]) -> list[Statistics]:
     """The passes with about as many texels as the last: a bake may begin with a coarse picture."""
     return [one for one in passes if 2 * one.texels >= passes[-1].texels]
 
 
-def _work(passes):
+def _work(passes: Sequence[Statistics]) -> tuple[int, float]:
     """(rays that passes have traced for what falls with them, seconds a ray).
 
     The last of two passes is as much as all before it, besides what is done once.
@@ -136,7 +180,7 @@ def _work(passes):
     return 2 * step, (last.seconds - passes[-2].seconds) / step
 
 
-def _texture(passes, reached, noise):
+def _texture(passes: Sequence[Statistics], reached: float, noise: float) -> tuple[float, float]:
     """(what texels miss, percent; what noise adds to its estimate, a factor of the noise).
 
     A bake judges what texels miss by their neighbours, whose noise falls from pass to pass.
@@ -144,10 +188,7 @@ def _texture(passes, reached, noise):
     texture = max(0.0, reached**2 - noise**2)
     if len(passes) < 2:
         return np.sqrt(texture), 0.0
-    errors, noises = (
-        [getattr(one, f"estimated_{kind}_percent") ** 2 for one in passes[-2:]]
-        for kind in ("error", "noise")
-    )
+    errors, noises = ([of(one) ** 2 for one in passes[-2:]] for of in (_error, _noise))
     fallen = noises[0] - noises[1]
     if not fallen > 0:
         return np.sqrt(texture), 0.0
@@ -156,11 +197,11 @@ def _texture(passes, reached, noise):
     return np.sqrt(texture - noisy * noise**2), np.sqrt(noisy)
 
 
-def _slope(passes):
+def _slope(passes: Sequence[Statistics]) -> float:
     """d log noise / d log work over the last pass, which doubled the work."""
     if len(passes) < 2:
         return INDEPENDENT
-    before, after = (one.estimated_noise_percent for one in passes[-2:])
+    before, after = map(_noise, passes[-2:])
     if not before > after > 0:
         return FLATTEST
     return min(max(float(np.log2(after / before)), STEEPEST), FLATTEST)

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The texels of a bake in passes, chosen so that its light fits into the memory."""
 
+from collections.abc import Iterable
 from math import prod
 
 import leaflight._core as _core
 
-from ..scene.scene import core_scene
+from ..scene.scene import SceneDescription, core_scene
 from ..volume.memory import is_limited, memory_of_light
 from ..volume.setting_error import SettingError
+from ..volume.volume import Volume
 
 # What is skipped where the memory is short, as in skipped_passes.
 FINER_TEXELS = "finer texels"
@@ -16,7 +18,12 @@ _MOST_OF_A_TEXEL = 500
 _MOST_TEXELS = 2**31
 
 
-def fit_memory(volume, description, isovalue_range, settings):
+def fit_memory(
+    volume: Volume,
+    description: SceneDescription,
+    isovalue_range: tuple[float, float],
+    settings: _core.BakeSettings,
+) -> None:
     """Sets the resolution of settings that leave it open, where its own would take too much.
 
     settings: _core.BakeSettings. Raises SettingError where the one that was asked for does.
@@ -51,7 +58,7 @@ def fit_memory(volume, description, isovalue_range, settings):
         )
 
 
-def coarser_texels(resolution, settings):
+def coarser_texels(resolution: object, settings: _core.BakeSettings) -> tuple[tuple[str, str], ...]:
     """Why texels are coarser than they would be with more memory, as in skipped_passes; or ().
 
     resolution: what was asked for.
@@ -62,5 +69,5 @@ def coarser_texels(resolution, settings):
     return ((FINER_TEXELS, reason),)
 
 
-def _by(numbers):
+def _by(numbers: Iterable[int]) -> str:
     return " x ".join(map(str, numbers))

@@ -2,6 +2,7 @@
 """Bakes from their files."""
 
 import json
+import os
 
 import leaflight._core as _core
 
@@ -16,7 +17,7 @@ from .provenance import EARLIER, provenance_from_json, read_bake_id
 from .statistics import statistics_of
 
 
-def load_bake(path):
+def load_bake(path: str | os.PathLike[str]) -> Bake:
     """Reads what Bake.save wrote. Raises LeaflightError for any other file."""
     identifier = read_bake_id(path)
     if not _core.has_seal(path):
@@ -44,8 +45,8 @@ def load_bake(path):
             f"{path}: this .vdb lacks the metadata of a bake; bake the volume again."
         ) from None
     volumes = [
-        Volume(*field, record.name, str(path), unit=record.unit, patient=bool(record.patient))
-        for field, record in zip(fields, records)
+        Volume(values, matrix, record.name, str(path), record.unit, bool(record.patient))
+        for (values, matrix), record in zip(fields, records)
     ]
     for volume in volumes:
         volume.field()
@@ -67,7 +68,7 @@ def load_bake(path):
     return bake
 
 
-def can_be_read(path):
+def can_be_read(path: str) -> tuple[None, tuple[()]]:
     """Within a process of its own: raises LeaflightError, or ends it, unless it is a bake."""
     _core.read_bake(path)
     return None, ()

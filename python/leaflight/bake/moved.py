@@ -6,22 +6,36 @@ direct light is exact. All other light of isosurfaces and walls is that of the b
 factor per channel: the growth of the light that returns to isosurfaces after one reflection.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import leaflight._core as _core
 
 from .._core import LeaflightError
 from ..io.scene_file import scene_to_json
+from ..scene.scene import Mesh, SceneDescription
 from ..volume.other_arrays import as_volumes
+from ..volume.volume import Volume
 from .bake import placed
+from .baked import Bake
 from .relit import can_be_relit
-from .provenance import frozen, values_sha256
+from .provenance import Provenance, frozen, values_sha256
 
 # Texels of the maps that are made quickly, in those of the bake.
 _WIDER = 2
 
 
-def moved(bake, volumes, scene, *, isovalues=None, quick=False, walls=True, progress=None):
+def moved(
+    bake: Bake,
+    volumes: Any,
+    scene: SceneDescription | None,
+    *,
+    isovalues: Sequence[float] | None = None,
+    quick: bool = False,
+    walls: bool = True,
+    progress: _core.Progress | None = None,
+) -> Bake:
     """The Bake as direct light shows it in another scene, in the time that direct light takes.
 
     bake: a Bake that goes by its error. volumes, scene: as of bake(); the values must be those of
@@ -35,13 +49,13 @@ def moved(bake, volumes, scene, *, isovalues=None, quick=False, walls=True, prog
     """
     original = bake.original or bake
     progress = progress or _core.Progress()
-    isovalue_range = original.isovalues if isovalues is None else isovalues
+    isovalues = original.isovalues if isovalues is None else isovalues
     volumes = as_volumes(volumes)
     if len(volumes) != len(original.volumes):
         raise LeaflightError(
             f"The bake is of {len(original.volumes)} volumes, not of {len(volumes)}: bake again."
         )
-    volumes, description, isovalue_range = placed(volumes, scene, isovalue_range)
+    volumes, description, isovalue_range = placed(volumes, scene, isovalues)
     _check(original, volumes, description, isovalue_range)
     volumes = [_as_before(*pair) for pair in zip(volumes, original.volumes)]
     result = replace(
@@ -65,19 +79,25 @@ def moved(bake, volumes, scene, *, isovalues=None, quick=False, walls=True, prog
     return lit_walls(result, quick, progress) if walls else result
 
 
-def lit_walls(bake, quick, progress):
+def lit_walls(bake: Bake, quick: bool, progress: _core.Progress) -> Bake:
     """A bake that moved() made without walls, with those of its original. Raises Cancelled."""
     original = bake.original
+    assert original is not None
     if original.walls is None:
         return bake
     progress.begin("Direct light of the walls")
     same_as = _same_meshes(original.scene.meshes, bake.scene.meshes)
-    scenes = original.core_scene(), bake.core_scene()
-    walls = original.walls.moved(*scenes, same_as, _growth(bake), progress, quick)
+    before, now = original.core_scene(), bake.core_scene()
+    walls = original.walls.moved(before, now, same_as, _growth(bake), progress, quick)
     return replace(bake, walls=walls)
 
 
-def _check(bake, volumes, description, isovalue_range):
+def _check(
+    bake: Bake,
+    volumes: Sequence[Volume],
+    description: SceneDescription,
+    isovalue_range: tuple[float, float],
+) -> None:
     before, now = bake.scene.isosurfaces, description.isosurfaces
     if not can_be_relit(bake, diffuse_alone=True):
         raise LeaflightError(
@@ -98,12 +118,12 @@ def _check(bake, volumes, description, isovalue_range):
             )
 
 
-def _as_before(volume, baked):
+def _as_before(volume: Volume, baked: Volume) -> Volume:
     """The baked Volume where it stands as it did, since its field is known."""
     return baked if (volume.index_to_world == baked.index_to_world).all() else volume
 
 
-def _provenance(bake, volumes, description):
+def _provenance(bake: Bake, volumes: Sequence[Volume], description: SceneDescription) -> Provenance:
     records = tuple(
         replace(record, index_to_world=frozen(volume.index_to_world.tolist()))
         for record, volume in zip(bake.provenance.volumes, volumes)
@@ -113,13 +133,22 @@ def _provenance(bake, volumes, description):
     return replace(bake.provenance, volumes=records, scene=scene, continued=bake.id)
 
 
-def _growth(bake):
+def _growth(bake: Bake) -> tuple[float, ...]:
     """(r, g, b): how much more light than at the original returns to isosurfaces."""
+    assert bake.original is not None
     before, after = bake.original.indirect_shares.total, bake.indirect_shares.total
     return tuple(b / a if a > 0 else 1.0 for a, b in zip(before, after))
 
 
-def _grid(grid, scene, number, volume, quick, factor, progress):
+def _grid(
+    grid: _core.RadianceGrid,
+    scene: _core.Scene,
+    number: int,
+    volume: Volume,
+    quick: bool,
+    factor: Sequence[float],
+    progress: _core.Progress,
+) -> _core.RadianceGrid:
     if not grid.map_resolution:
         # Mirrors and glass store no light.
         return grid
@@ -130,7 +159,7 @@ def _grid(grid, scene, number, volume, quick, factor, progress):
     return grid.moved(volume.field(), direct, factor)
 
 
-def _same_meshes(before, now):
+def _same_meshes(before: Sequence[Mesh], now: Sequence[Mesh]) -> list[int]:
     """For each mesh of a scene the number of that of the same name and size in another, or -1."""
     known = {(mesh.name, len(mesh.triangles)): number for number, mesh in enumerate(before)}
     return [known.get((mesh.name, len(mesh.triangles)), -1) for mesh in now]

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How far a bake in passes came, in sentences for the command line and the panel."""
 
+from .baked import Bake
 from .fit_memory import FINER_TEXELS
+from .statistics import Statistics
 
 
-def outcome(bake, why="it was stopped or its time was over"):
+def outcome(bake: Bake, why: str = "it was stopped or its time was over") -> str:
     """A sentence about the estimated error of a Bake against the error asked for.
 
     why: it was stopped, if it was. An empty text where the amount of work was fixed.
@@ -16,10 +18,11 @@ def outcome(bake, why="it was stopped or its time was over"):
     return "; ".join([text, *reasons])
 
 
-def _reached(bake, why):
+def _reached(bake: Bake, why: str) -> str:
     statistics = bake.statistics
     asked = bake.provenance.error
-    reached = statistics.estimated_error_percent
+    reached, noise = statistics.estimated_error_percent, statistics.estimated_noise_percent
+    assert asked is not None and reached is not None and noise is not None
     passes = f"{statistics.passes} pass{'es' if statistics.passes > 1 else ''}"
     text = f"estimated error {reached:.2f} %{_worst(statistics)} after {passes}"
     if reached <= asked:
@@ -29,7 +32,7 @@ def _reached(bake, why):
     if not bake.provenance.blocks:
         return f"{text}; the {asked:g} % asked for was not reached with so few samples"
     # As variances: the rest is what the texels' width leaves out, which no more passes bring.
-    if 2 * statistics.estimated_noise_percent**2 < reached**2:
+    if 2 * noise**2 < reached**2:
         return (
             f"{text}, most of it detail finer than the texels, which more passes do not add; "
             f"{asked:g} % was asked for"
@@ -40,9 +43,11 @@ def _reached(bake, why):
     )
 
 
-def _worst(statistics):
+def _worst(statistics: Statistics) -> str:
     """Where isosurfaces err clearly more than on average, in brackets."""
     worst, at = statistics.worst_error_percent, statistics.worst_isovalue
-    if worst < 1.2 * statistics.estimated_error_percent:
+    error = statistics.estimated_error_percent
+    assert worst is not None and at is not None and error is not None
+    if worst < 1.2 * error:
         return ""
     return f" ({worst:.1f} % about isovalue {at:.3g})"

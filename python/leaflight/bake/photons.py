@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Photons where they meet isosurfaces, as points to look at (thesis 4.3.5)."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import leaflight._core as _core
-import numpy as np
 
-from ..scene.scene import core_scene
+from ..arrays import Array
+from ..scene.scene import SceneDescription, core_scene
 from .bake import placed
 from .settings import whole
 
@@ -21,17 +23,26 @@ class Photons:
     """
 
     count: int
-    positions: np.ndarray
-    flux_height: np.ndarray
-    common_isovalue: np.ndarray
-    direct: np.ndarray
+    positions: Array
+    flux_height: Array
+    common_isovalue: Array
+    direct: Array
 
-    def colours(self):
+    def colours(self) -> Array:
         """Their colours (n, 3): flux that shows the mean of all as grey of radiance 0.5."""
-        return 0.5 * self.flux_height / max(float(self.flux_height.mean()), 1e-30)
+        colours: Array = 0.5 * self.flux_height / max(float(self.flux_height.mean()), 1e-30)
+        return colours
 
 
-def trace_photons(volumes, scene=None, *, count, isovalues=None, seed=0, progress=None):
+def trace_photons(
+    volumes: Any,
+    scene: SceneDescription | None = None,
+    *,
+    count: int,
+    isovalues: Sequence[float] | None = None,
+    seed: int = 0,
+    progress: _core.Progress | None = None,
+) -> Photons:
     """The Photons of a scene: those of a bake with as many photons and the same seed.
 
     volumes, scene, isovalues: see bake(). Raises LeaflightError, Cancelled.

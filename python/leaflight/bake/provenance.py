@@ -3,16 +3,22 @@
 
 import hashlib
 import json
+import os
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import leaflight._core as _core
 import numpy as np
 
 from .._core import LeaflightError
+from ..arrays import Array
 from ..io.scene_file import scene_to_json
+from ..scene.scene import Color, SceneDescription
 from ..version import __version__
+from ..volume.volume import Volume
 
 # What a file is that lacks some of it.
 EARLIER = "this is a bake of an earlier Leaflight; bake the volume again"
@@ -30,12 +36,12 @@ class VolumeRecord:
     name: str
     source: str
     values_sha256: str
-    index_to_world: tuple
+    index_to_world: tuple[tuple[float, ...], ...]
     unit: str
     capped: bool
     patient: bool
-    resolution: tuple = ()
-    map_resolution: tuple = ()
+    resolution: tuple[int, ...] = ()
+    map_resolution: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -50,30 +56,36 @@ class Provenance:
     lamps: (r, g, b) of each lamp of a bake that relit() made, which no file holds; else None.
     """
 
-    volumes: tuple
+    volumes: tuple[VolumeRecord, ...]
     scene: str
-    isovalues: tuple
+    isovalues: tuple[float, float]
     seed: int
     both_sides: bool
     walls: bool
     error: float | None
-    asked_resolution: tuple
+    asked_resolution: tuple[int, ...]
     passes: int = 0
     blocks: int = 0
     continued: str = ""
-    fixed: dict | None = None
-    lamps: tuple | None = None
+    fixed: dict[str, Any] | None = None
+    lamps: tuple[Color, ...] | None = None
     leaflight_version: str = __version__
 
     @cached_property
-    def id(self):
+    def id(self) -> str:
         """Tells bakes apart, 32 digits."""
         return hashlib.sha256(self.to_json().encode()).hexdigest()[:32]
 
-    def to_json(self):
+    def to_json(self) -> str:
         return json.dumps(asdict(self), sort_keys=True)
 
-    def after(self, grids, passes=0, blocks=0, continued=""):
+    def after(
+        self,
+        grids: Sequence[_core.RadianceGrid],
+        passes: int = 0,
+        blocks: int = 0,
+        continued: str = "",
+    ) -> "Provenance":
         """That of the bake with these grids after so many passes and blocks."""
         volumes = tuple(
             replace(
@@ -85,20 +97,26 @@ class Provenance:
         )
         return replace(self, volumes=volumes, passes=passes, blocks=blocks, continued=continued)
 
-    def with_volumes(self, **changes):
+    def with_volumes(self, **changes: Any) -> "Provenance":
         """The same with these fields in the record of each volume."""
         return replace(self, volumes=tuple(replace(one, **changes) for one in self.volumes))
 
-    def alike(self, other):
+    def alike(self, other: "Provenance") -> bool:
         """Whether it is of the same bake but for how far that came and where its volumes lie."""
         return self._asked() == other._asked()
 
-    def _asked(self):
+    def _asked(self) -> "Provenance":
         asked = self.with_volumes(name="", source="", resolution=(), map_resolution=())
         return replace(asked, passes=0, blocks=0, continued="")
 
 
-def provenance_of(volumes, description, isovalue_range, settings, fixed=None):
+def provenance_of(
+    volumes: Sequence[Volume],
+    description: SceneDescription,
+    isovalue_range: tuple[float, float],
+    settings: _core.BakeSettings | _core.FixedSettings,
+    fixed: Mapping[str, Any] | None = None,
+) -> Provenance:
     """The Provenance of a bake before its first pass.
 
     settings: of the core; fixed: what depends on those of fixed samples, None where there are none.
@@ -115,20 +133,21 @@ def provenance_of(volumes, description, isovalue_range, settings, fixed=None):
         )
         for volume, look in zip(volumes, description.isosurfaces)
     )
+    lo, hi = map(float, isovalue_range)
     return Provenance(
         volumes=records,
         scene=scene_to_json(description),
-        isovalues=tuple(map(float, isovalue_range)),
+        isovalues=(lo, hi),
         seed=settings.seed,
         both_sides=settings.both_sides,
         walls=settings.walls,
-        error=settings.error if fixed is None else None,
+        error=settings.error if isinstance(settings, _core.BakeSettings) else None,
         asked_resolution=tuple(settings.resolution) if fixed is None else (),
         fixed=frozen(fixed),
     )
 
 
-def provenance_from_json(text):
+def provenance_from_json(text: str) -> Provenance:
     """The Provenance of a to_json(). Raises KeyError, TypeError, ValueError for any other text."""
     record = frozen(json.loads(text))
     volumes = tuple(VolumeRecord(**volume) for volume in record.pop("volumes"))
@@ -147,14 +166,14 @@ def provenance_from_json(text):
     return found
 
 
-def frozen(value):
+def frozen(value: Any) -> Any:
     """With tuples in the place of lists, at any depth."""
     if isinstance(value, dict):
         return {key: frozen(each) for key, each in value.items()}
     return tuple(map(frozen, value)) if isinstance(value, (list, tuple)) else value
 
 
-def read_bake_id(path):
+def read_bake_id(path: str | os.PathLike[str]) -> str:
     """The id of the bake that a file holds, whatever its name; reads the first bytes alone.
 
     Raises LeaflightError for any other file.
@@ -173,7 +192,7 @@ def read_bake_id(path):
     return header["id"]
 
 
-def values_sha256(volume):
+def values_sha256(volume: Volume) -> str:
     """Tells the values of volumes apart, wherever they stand and whatever type holds them.
 
     The same once they were in a file.
@@ -187,14 +206,14 @@ def values_sha256(volume):
     return digest.hexdigest()
 
 
-def sha256(*arrays):
+def sha256(*arrays: Array) -> str:
     """Of the types, shapes and bytes of arrays."""
     digest = hashlib.sha256()
     for array in arrays:
         digest.update(_kind(array.dtype, array.shape))
-        digest.update(np.ascontiguousarray(array))
+        digest.update(np.ascontiguousarray(array).data)
     return digest.hexdigest()
 
 
-def _kind(dtype, shape):
+def _kind(dtype: np.dtype[Any], shape: tuple[int, ...]) -> bytes:
     return str((dtype.str, shape)).encode()

@@ -8,17 +8,23 @@ emits; otherwise it is approximate, because indirect light then also changes its
 """
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from numbers import Real
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .._core import LeaflightError
-from ..scene.scene import AreaLight, PointLight, is_color
+from ..arrays import Array
+from ..scene.scene import AreaLight, Color, Isosurfaces, Light, Mesh, PointLight, Ramp, is_color
 from .provenance import frozen
 
+if TYPE_CHECKING:
+    from .baked import Bake
 
-def relit(bake, lamps):
+
+def relit(bake: "Bake", lamps: Mapping[str, float | Sequence[float]]) -> "Bake":
     """The Bake with the lamps, {name: factor or (r, g, b)}, brighter by factors; see Bake.relit."""
     if bake.is_moved:
         raise LeaflightError(
@@ -55,7 +61,7 @@ def relit(bake, lamps):
     )
 
 
-def can_be_relit(bake, diffuse_alone=False):
+def can_be_relit(bake: "Bake", diffuse_alone: bool = False) -> bool:
     """Whether lamps of the bake can be given other strengths: all direct light is exact.
 
     diffuse_alone: leaves out mirrors and glass, which store no light.
@@ -67,26 +73,27 @@ def can_be_relit(bake, diffuse_alone=False):
     )
 
 
-def strengths_of(light):
+def strengths_of(light: Light) -> Color:
     """The colour (r, g, b) that says how strong a lamp of a scene is, in the unit of its kind."""
-    return getattr(light, _strength(light))
+    strengths: Color = getattr(light, _strength(light))
+    return strengths
 
 
-def scales_exactly(bake):
+def scales_exactly(bake: "Bake") -> bool:
     """Whether indirect light of a relit bake is exact, too: all that emits has the same factors."""
     if bake.factors is None:
         return True
-    others = [*bake.scene.meshes, *bake.scene.isosurfaces]
+    others: list[Mesh | Isosurfaces] = [*bake.scene.meshes, *bake.scene.isosurfaces]
     glows = any(np.max(_colours(other.emission)) > 0 for other in others)
     world = bake.scene.environment is not None and max(bake.scene.environment.radiance) > 0
     return not glows and not world and len(set(bake.factors)) == 1
 
 
-def _as_baked(bake):
+def _as_baked(bake: "Bake") -> tuple[Color, ...]:
     return ((1.0, 1.0, 1.0),) * len(bake.scene.lights)
 
 
-def _factors(bake, lamps):
+def _factors(bake: "Bake", lamps: Mapping[str, float | Sequence[float]]) -> tuple[Color, ...]:
     names = [light.name for light in bake.scene.lights]
     for name in lamps:
         if name not in names:
@@ -94,12 +101,12 @@ def _factors(bake, lamps):
             raise LeaflightError(f'The bake has no lamp "{name}": {known}.')
     changed = {name: _factor(name, factor) for name, factor in lamps.items()}
     return tuple(
-        tuple(a * b for a, b in zip(before, changed.get(name, (1.0, 1.0, 1.0))))
+        _times(before, changed.get(name, (1.0, 1.0, 1.0)))
         for name, before in zip(names, bake.factors or _as_baked(bake))
     )
 
 
-def _factor(name, factor):
+def _factor(name: str, factor: Any) -> Color:
     by_channel = (factor,) * 3 if isinstance(factor, Real) else tuple(factor)
     numbers = all(isinstance(x, Real) for x in by_channel)
     if len(by_channel) != 3 or not numbers or not all(0 <= x < math.inf for x in by_channel):
@@ -107,19 +114,25 @@ def _factor(name, factor):
             f'The factor of the lamp "{name}" is {factor!r}: give a number of at least 0, or three '
             "for red, green and blue."
         )
-    return tuple(float(x) for x in by_channel)
+    r, g, b = map(float, by_channel)
+    return r, g, b
 
 
-def _strength(light):
+def _strength(light: Light) -> str:
     if isinstance(light, AreaLight):
         return "radiance"
     return "intensity" if isinstance(light, PointLight) else "irradiance"
 
 
-def _scaled(light, factor):
-    strength = tuple(a * b for a, b in zip(strengths_of(light), factor))
-    return replace(light, **{_strength(light): strength})
+def _scaled(light: Light, factor: Color) -> Light:
+    changes: dict[str, Any] = {_strength(light): _times(strengths_of(light), factor)}
+    return replace(light, **changes)
 
 
-def _colours(ramp):
+def _times(color: Color, factor: Color) -> Color:
+    r, g, b = (x * y for x, y in zip(color, factor))
+    return r, g, b
+
+
+def _colours(ramp: Ramp) -> Array:
     return np.array([ramp] if is_color(ramp) else [stop[1] for stop in ramp])

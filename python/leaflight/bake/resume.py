@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Going on with a bake in passes: with one that was stopped, or that shall err less."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import leaflight._core as _core
@@ -9,23 +10,25 @@ from .._core import LeaflightError
 from ..progress_bar import with_progress
 from ..version import __version__
 from ..volume.setting_error import SettingError
-from .bake import lit
+from .bake import Workers, lit
+from .baked import Bake
+from .checkpoint import Checkpoint
 from .settings import bake_settings
 
 
 @with_progress("resume")
 def resume(
-    previous,
+    previous: Bake,
     *,
-    error=None,
-    time=None,
-    walls=None,
-    threads=0,
-    on_pass=None,
-    progress=None,
-    checkpoint=None,
-    workers=None,
-):
+    error: float | None = None,
+    time: float | None = None,
+    walls: bool | None = None,
+    threads: int = 0,
+    on_pass: Callable[[Bake], object] | None = None,
+    progress: _core.Progress | None = None,
+    checkpoint: Checkpoint | None = None,
+    workers: Workers | None = None,
+) -> Bake:
     """The Bake that goes on where another ended, with its volumes, its scene and its settings.
 
     What the other has learnt counts: its light is averaged with that of the passes to come. The
@@ -50,6 +53,7 @@ def resume(
         )
     settings = _settings(previous, error, time, walls, threads)
     reached = previous.statistics.estimated_error_percent
+    assert reached is not None
     if reached <= settings.error:
         raise SettingError(
             f"The bake errs {reached:.2g} % already, and {settings.error:g} % is asked for: ask "
@@ -63,7 +67,9 @@ def resume(
     return lit(*lights, settings, provenance, previous, on_pass, progress, checkpoint, workers)
 
 
-def _settings(previous, error, time, walls, threads):
+def _settings(
+    previous: Bake, error: float | None, time: float | None, walls: bool | None, threads: int
+) -> _core.BakeSettings:
     """The core's settings, as those of the bake were."""
     known = previous.provenance
     resolution = known.asked_resolution

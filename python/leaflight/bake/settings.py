@@ -1,17 +1,56 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The settings of a bake, checked: the isovalue range, the error and the time."""
 
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, TypedDict, TypeVar
+
+import leaflight._core as _core
 import numpy as np
 
 from .._core import LeaflightError
+from ..scene.scene import Isosurfaces
 from ..volume.setting_error import SettingError
-from ..volume.volume import default_isovalue_range
+from ..volume.volume import Volume, default_isovalue_range
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+_InPasses = TypeVar("_InPasses", _core.BakeSettings, _core.BakeSettings2)
+_Settings = TypeVar(
+    "_Settings",
+    _core.BakeSettings,
+    _core.BakeSettings2,
+    _core.FixedSettings,
+    _core.FixedSettings2,
+)
 
 # Of what compare() calls rms_percent.
 DEFAULT_ERROR = 1.5
 
 
-def range_to_bake(isovalues, volumes, isosurfaces):
+class CommonSettings(TypedDict, total=False):
+    """What set_common() takes."""
+
+    resolution: int | Sequence[int] | None
+    seed: int
+    threads: int
+    both_sides: bool
+    walls: bool
+
+
+class PassSettings(CommonSettings, total=False):
+    """What a bake in passes takes."""
+
+    isovalues: Sequence[float] | None
+    error: float | None
+    time: float | None
+
+
+def range_to_bake(
+    isovalues: Sequence[float] | None,
+    volumes: Sequence[Volume],
+    isosurfaces: Sequence[Isosurfaces],
+) -> tuple[float, float]:
     """The isovalue range (lo, hi) of the common isovalue to bake."""
     if len(volumes) > 1:
         return (0.0, 1.0) if isovalues is None else _checked(isovalues, (0.0, 1.0))
@@ -22,7 +61,7 @@ def range_to_bake(isovalues, volumes, isosurfaces):
     return _checked(isovalues, volumes[0].data_range())
 
 
-def _checked(isovalues, data_range):
+def _checked(isovalues: Sequence[float], data_range: tuple[float, float]) -> tuple[float, float]:
     low, high = data_range
     try:
         lo, hi = (float(isovalue) for isovalue in isovalues)
@@ -43,7 +82,15 @@ def _checked(isovalues, data_range):
     return lo, hi
 
 
-def bake_settings(kind, dims, *, error=None, time=None, exposure=1.0, **common):
+def bake_settings(
+    kind: Callable[[], _InPasses],
+    dims: Sequence[int],
+    *,
+    error: float | None = None,
+    time: float | None = None,
+    exposure: float = 1.0,
+    **common: "Unpack[CommonSettings]",
+) -> _InPasses:
     """The core's settings of a bake, a kind (_core.BakeSettings or BakeSettings2).
 
     error: in percent, where the bake may end, None is DEFAULT_ERROR; time: seconds after which it
@@ -58,8 +105,15 @@ def bake_settings(kind, dims, *, error=None, time=None, exposure=1.0, **common):
 
 
 def set_common(
-    settings, dims, *, resolution=None, seed=0, threads=0, both_sides=False, walls=False
-):
+    settings: _Settings,
+    dims: Sequence[int],
+    *,
+    resolution: int | Sequence[int] | None = None,
+    seed: int = 0,
+    threads: int = 0,
+    both_sides: bool = False,
+    walls: bool = False,
+) -> _Settings:
     """The settings, with those that all bakes have, for nodes dims.
 
     resolution: None, one number along the longest axis, or one for each axis. Raises
@@ -73,7 +127,7 @@ def set_common(
     return settings
 
 
-def _texels(resolution, dims):
+def _texels(resolution: Any, dims: Sequence[int]) -> tuple[int, ...]:
     if resolution is None:
         return (0,) * len(dims)
     if np.ndim(resolution) == 0:
@@ -86,14 +140,14 @@ def _texels(resolution, dims):
     return tuple(whole("resolution", n, 2) for n in resolution)
 
 
-def whole(name, value, least):
+def whole(name: str, value: float, least: int) -> int:
     """The value as an int of at least `least`. Raises LeaflightError."""
     if not least <= value < 2**31 or value != int(value):
         raise LeaflightError(f"{name} must be a whole number in {least}..{2**31 - 1}, not {value}.")
     return int(value)
 
 
-def _positive(name, value, unit):
+def _positive(name: str, value: float, unit: str) -> float:
     """The value as a float above 0. Raises SettingError."""
     value = float(value)
     if not (np.isfinite(value) and value > 0):

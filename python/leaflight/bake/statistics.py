@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The cost of a bake, and its estimated error."""
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -24,7 +26,7 @@ class Statistics:
     rays: int
     texels: int
     peak_memory_bytes: int
-    skipped_passes: tuple
+    skipped_passes: tuple[tuple[str, str], ...]
     passes: int = 0
     blocks: int = 0
     stopped: bool = False
@@ -35,15 +37,15 @@ class Statistics:
     estimated_rms_percent: float | None = None
 
     @property
-    def rays_per_second(self):
+    def rays_per_second(self) -> float:
         return self.rays / max(self.seconds, 1e-9)
 
-    def record(self):
+    def record(self) -> dict[str, Any]:
         """As JSON has it, with rays_per_second."""
         return {**asdict(self), "rays_per_second": self.rays_per_second}
 
 
-def statistics_of(record):
+def statistics_of(record: Mapping[str, Any]) -> Statistics:
     """The Statistics of a record(), or of the core. Raises KeyError, TypeError, ValueError."""
     known = {name: value for name, value in record.items() if name != "rays_per_second"}
     skipped = tuple((str(name), str(reason)) for name, reason in known.pop("skipped_passes"))

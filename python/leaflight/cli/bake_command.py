@@ -3,20 +3,26 @@
 
 import os
 from argparse import Namespace
+from collections.abc import Callable, Collection
 from dataclasses import asdict
+from typing import Any
 
-from .._core import Cancelled, LeaflightError
+from .._core import Cancelled, LeaflightError, Progress
 from ..bake.bake import bake, worker_memory
+from ..bake.baked import Bake
 from ..bake.checkpoint import Checkpoint, checkpoint_for, read_recipe
-from ..bake.estimate import estimate
+from ..bake.estimate import Estimate, estimate
 from ..bake.fit_memory import FINER_TEXELS
 from ..bake.load_bake import load_bake
 from ..bake.outcome import outcome
 from ..bake.resume import resume
 from ..io.output import check_writable
 from ..io.sources import is_generated
+from ..scene.scene import SceneDescription
+from ..volume.volume import Volume
 from .lighting import bake_options, to_light
 from ..progress_bar import run_with_progress
+from .telling import Told
 from .workers import workers_of
 
 # Those that any bake may be given: they change nothing of what it ends with.
@@ -32,7 +38,7 @@ _RECIPE = {
 }
 
 
-def run_bake(options):
+def run_bake(options: Namespace) -> Told:
     if options.resume is not None:
         return run_bake(_interrupted(options))
     if options.previous is not None:
@@ -42,7 +48,7 @@ def run_bake(options):
     if options.estimate:
         return _estimate(volumes, scene, settings, options)
 
-    def work(progress):
+    def work(progress: Progress) -> Bake:
         checkpoint = checkpoint_of(options, resumed=getattr(options, "resumed", False))
         with workers_of(options, progress) as workers:
             baked = bake(
@@ -58,7 +64,7 @@ def run_bake(options):
     return _told(_worked(work, options), options)
 
 
-def bake_settings(options):
+def bake_settings(options: Namespace) -> dict[str, Any]:
     """Those that bake() is given."""
     return {
         **bake_options(options),
@@ -67,7 +73,7 @@ def bake_settings(options):
     }
 
 
-def _continued(options):
+def _continued(options: Namespace) -> Bake:
     given = _given(options, _OF_CONTINUED | _AT_WILL)
     if given:
         raise LeaflightError(
@@ -77,7 +83,7 @@ def _continued(options):
     check_writable(options.out, ".vdb")
     previous = load_bake(options.previous)
 
-    def work(progress):
+    def work(progress: Progress) -> Bake:
         checkpoint = checkpoint_of(options, resumed=getattr(options, "resumed", False))
         with workers_of(options, progress) as workers:
             baked = resume(
@@ -95,7 +101,7 @@ def _continued(options):
     return _worked(work, options)
 
 
-def _interrupted(options):
+def _interrupted(options: Namespace) -> Namespace:
     """The options of the bake that left a checkpoint."""
     given = _given(options, {"resume"} | _AT_WILL)
     if given:
@@ -117,7 +123,7 @@ def _interrupted(options):
     return Namespace(**{**vars(options), **recipe, "resume": None, "resumed": True})
 
 
-def checkpoint_of(options, resumed):
+def checkpoint_of(options: Namespace, resumed: bool) -> Checkpoint:
     """Its recipe are the options, with paths that mean the same in any folder."""
     recipe = {name: value for name, value in vars(options).items() if name in _RECIPE}
     recipe["volumes"] = [path_anywhere(volume) for volume in options.volumes]
@@ -126,12 +132,12 @@ def checkpoint_of(options, resumed):
     return Checkpoint(checkpoint_for(options.out), recipe, resumed)
 
 
-def path_anywhere(volume):
+def path_anywhere(volume: str) -> str:
     """What names the same volume in any folder."""
     return volume if is_generated(volume) else os.path.abspath(volume)
 
 
-def _worked(work, options):
+def _worked(work: Callable[[Progress], Bake], options: Namespace) -> Bake:
     before = _checkpoint_time(options)
     goes_on = f"leaflight bake --resume {options.out} goes on."
     try:
@@ -147,7 +153,7 @@ def _worked(work, options):
         raise
 
 
-def _checkpoint_time(options):
+def _checkpoint_time(options: Namespace) -> int | None:
     """When a checkpoint of the output was written, None where there is none."""
     try:
         return os.stat(checkpoint_for(options.out)).st_mtime_ns
@@ -155,7 +161,7 @@ def _checkpoint_time(options):
         return None
 
 
-def _given(options, own):
+def _given(options: Namespace, own: Collection[str]) -> list[str]:
     """The flags that were given but for a command's own."""
     return [
         "VOLUME" if name == "volumes" else f"--{name.replace('_', '-')}"
@@ -164,13 +170,13 @@ def _given(options, own):
     ]
 
 
-def _saved(baked, options, progress, checkpoint):
+def _saved(baked: Bake, options: Namespace, progress: Progress, checkpoint: Checkpoint) -> Bake:
     baked.save(options.out, progress)
     checkpoint.remove()
     return baked
 
 
-def _told(baked, options):
+def _told(baked: Bake, options: Namespace) -> Told:
     result = {
         "out": options.out,
         "scene": baked.scene.name,
@@ -201,8 +207,10 @@ def _told(baked, options):
     ]
 
 
-def _estimate(volumes, scene, settings, options):
-    def work(progress):
+def _estimate(
+    volumes: list[Volume], scene: SceneDescription, settings: dict[str, Any], options: Namespace
+) -> Told:
+    def work(progress: Progress) -> Estimate:
         return estimate(volumes, scene, progress=progress, **settings)
 
     cost = run_with_progress(work, "estimate")
@@ -214,19 +222,21 @@ def _estimate(volumes, scene, settings, options):
     ]
 
 
-def _worker_estimate(volumes, scene, settings, options):
+def _worker_estimate(
+    volumes: list[Volume], scene: SceneDescription, settings: dict[str, Any], options: Namespace
+) -> list[str]:
     if options.workers is None and options.scheduler is None:
         return []
     mebibytes = worker_memory(volumes, scene, **settings) / 2**20
     return [f"each worker would hold about {mebibytes:.0f} MiB of light and values"]
 
 
-def _isosurface_map(baked):
+def _isosurface_map(baked: Bake) -> list[str]:
     """What the volumes show at the common isovalues 0..1, where there are several."""
     if len(baked.volumes) == 1:
         return []
     return [
-        f"--isovalue 0..1 shows volume {k} ({isosurfaces.name}) at {isosurfaces.isovalues[0]:g}.."
-        f"{isosurfaces.isovalues[1]:g}"
+        f"--isovalue 0..1 shows volume {k} ({isosurfaces.name}) at {lo:g}..{hi:g}"
         for k, isosurfaces in enumerate(baked.scene.isosurfaces)
+        for lo, hi in [isosurfaces.isovalues or baked.isovalues]
     ]

@@ -7,25 +7,36 @@ Workers run `bake_line` of this module; the machines of a scheduler see the same
 import os
 import shlex
 import time
+from argparse import Namespace
+from collections.abc import Sequence
 from concurrent.futures import CancelledError
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from .._core import Cancelled, LeaflightError, Progress
 from ..bake.bake import asked_provenance, bake
 from ..bake.load_bake import load_bake
+from ..bake.provenance import Provenance
 from ..cluster.tasks import at_workers
 from ..io.output import check_writable
 from .bake_command import bake_settings, checkpoint_of, path_anywhere
 from .lighting import to_light
 from ..progress_bar import run_with_progress
+from .telling import Told
 from .workers import workers_of
 
+if TYPE_CHECKING:
+    from distributed import Future
 
-def run_batch(options):
+    from ..cluster.workers import Workers
+
+
+def run_batch(options: Namespace) -> Told:
     bakes = _read_list(options.list)
 
-    def work(progress):
+    def work(progress: Progress) -> list[dict[str, Any]]:
         with workers_of(options, progress, least=1) as workers:
+            assert workers is not None
             return _bake_all(bakes, workers, progress)
 
     goes_on = "cancelled; the same command goes on where it stopped."
@@ -44,7 +55,7 @@ def run_batch(options):
     ]
 
 
-def bake_line(options, threads):
+def bake_line(options: Namespace, threads: int) -> dict[str, Any]:
     """One bake of the list, in a worker: {"out", "seconds"}, None where it is there already."""
     global _under_way
     _under_way = progress = Progress()
@@ -65,16 +76,18 @@ def bake_line(options, threads):
     return {"out": options.out, "seconds": time.perf_counter() - start}
 
 
-_under_way = None
+_under_way: Progress | None = None
 
 
-def cancel_bake():
+def cancel_bake() -> None:
     """Ends the bake of this worker; its checkpoint stays."""
     if _under_way is not None:
         _under_way.cancel()
 
 
-def _bake_all(bakes, workers, progress):
+def _bake_all(
+    bakes: Sequence[tuple[int, Namespace]], workers: "Workers", progress: Progress
+) -> list[dict[str, Any]]:
     progress.begin("Bakes")
     progress.expect(len(bakes))
     tasks = [(number, bake_line, (options, workers.threads)) for number, options in bakes]
@@ -86,9 +99,10 @@ def _bake_all(bakes, workers, progress):
     return sorted(done, key=lambda one: one["line"])
 
 
-def _outcome(future):
+def _outcome(future: "Future") -> dict[str, Any]:
     try:
-        return future.result()
+        done: dict[str, Any] = future.result()
+        return done
     except (LeaflightError, MemoryError) as error:
         return {"error": str(error) or "there is not enough memory."}
     except (Cancelled, CancelledError):
@@ -97,7 +111,7 @@ def _outcome(future):
         return {"error": f"its worker died ({type(error).__name__}); run the command again."}
 
 
-def _is_baked(path, asked):
+def _is_baked(path: str, asked: Provenance) -> bool:
     """Whether a file is a whole bake of this Provenance before its passes."""
     try:
         return load_bake(path).provenance.alike(asked)
@@ -105,7 +119,7 @@ def _is_baked(path, asked):
         return False
 
 
-def _read_list(path):
+def _read_list(path: str) -> list[tuple[int, Namespace]]:
     """The options of the bakes of a file, with the numbers of their lines."""
     # The parser knows nothing of the package, and this package nothing of its own commands' words.
     from leaflight_command.parser import make_parser
@@ -144,7 +158,7 @@ def _read_list(path):
     return bakes
 
 
-def _anywhere(options):
+def _anywhere(options: Namespace) -> Namespace:
     """With paths that mean the same in any folder."""
     options.volumes = [path_anywhere(volume) for volume in options.volumes]
     for name in ("scene", "out"):

@@ -6,16 +6,21 @@ Exit status: 0; 1 when a report finds an error that is not what it must be; 2 af
 is one line on stderr; 130 after Ctrl-C; after the last two nothing is written.
 """
 
+from argparse import Namespace
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import leaflight._core as _core
 import numpy as np
 
-from .._core import Cancelled, LeaflightError
+from .._core import Cancelled, LeaflightError, Progress
+from ..bake.baked import Bake, Surface
 from ..bake.load_bake import load_bake
-from ..bake.photons import trace_photons
+from ..bake.photons import Photons, trace_photons
 from ..flatland.flat_scene import load_flat_scene
 from ..flatland.flatland import (
+    FlatBake,
     bake_flatland,
     bump_box_2d,
     picture,
@@ -34,10 +39,10 @@ from .lighting import bake_options, open_with, to_light
 from ..progress_bar import run_with_progress
 from .render_command import run_render
 from .still_command import run_still
-from .telling import json_line, tell, tell_error
+from .telling import Command, Told, json_line, tell, tell_error
 
 
-def run(options, command=None):
+def run(options: Namespace, command: Command | None = None) -> int:
     """Runs a command, or that of COMMANDS which the options name; returns the exit status.
 
     command(options) returns the result, a dict for --json, and sentences about it.
@@ -62,7 +67,7 @@ def run(options, command=None):
     return 0 if result.get("passed", True) else 1
 
 
-def _info(options):
+def _info(options: Namespace) -> Told:
     volume = open_with(options.volume, options)
     field = volume.field()
     low, high = field.range
@@ -88,10 +93,10 @@ def _info(options):
     ]
 
 
-def _photons(options):
+def _photons(options: Namespace) -> Told:
     volumes, scene = to_light(options, ".ply")
 
-    def work(progress):
+    def work(progress: Progress) -> Photons:
         photons = trace_photons(
             volumes,
             scene,
@@ -113,18 +118,18 @@ def _photons(options):
     ]
 
 
-def _in_flags(error):
+def _in_flags(error: LeaflightError) -> str:
     """The sentence of an error on one line, with the flags of the settings that it speaks of."""
     sentence = " ".join(str(error).split())
     flags = ", ".join(f"--{setting}" for setting in getattr(error, "settings", ()))
     return f"{sentence.removesuffix('.')} ({flags})." if flags else sentence
 
 
-def _surface(options):
+def _surface(options: Namespace) -> Told:
     check_writable(options.out, ".ply", options.bake)
     baked = load_bake(options.bake)
 
-    def work(progress):
+    def work(progress: Progress) -> Surface:
         surface = baked.surface(options.isovalue, options.volume, options.back)
         progress.check()
         write_ply(options.out, surface, baked.scene.exposure)
@@ -145,10 +150,10 @@ def _surface(options):
     ]
 
 
-def _compare(options):
+def _compare(options: Namespace) -> Told:
     baked = load_bake(options.bake)
 
-    def work(progress):
+    def work(progress: Progress) -> dict[str, Any]:
         return compare(
             baked,
             options.isovalue,
@@ -175,7 +180,7 @@ def _compare(options):
     ]
 
 
-def _parts(parts):
+def _parts(parts: Mapping[str, float | None]) -> str:
     mesh = parts["mesh_percent"]
     return (
         f"of which noise of the bake {parts['noise_percent']:.2f} %, texture "
@@ -185,7 +190,7 @@ def _parts(parts):
     )
 
 
-def _isovalue(baked, options):
+def _isovalue(baked: Bake, options: Namespace) -> str:
     """The common isovalue asked for, and with several volumes what it shows of the one."""
     if len(baked.volumes) == 1:
         return f"{options.isovalue:g}"
@@ -193,7 +198,7 @@ def _isovalue(baked, options):
     return f"{options.isovalue:g} ({own:g} of {baked.scene.isosurfaces[options.volume].name})"
 
 
-def _flatland(options):
+def _flatland(options: Namespace) -> Told:
     check_writable(options.out, ".exr", options.image)
     png = Path(options.out).with_suffix(".png")
     check_writable(png, ".png", options.image)
@@ -205,7 +210,7 @@ def _flatland(options):
     else:
         volume = read_image(options.image)
 
-    def work(progress):
+    def work(progress: Progress) -> FlatBake:
         baked = bake_flatland(volume, scene, progress=progress, **bake_options(options))
         pixels = picture(baked, isolines)
         texture = np.ascontiguousarray(baked.texture()[::-1])
@@ -233,7 +238,7 @@ def _flatland(options):
     ]
 
 
-def _errors(result):
+def _errors(result: Mapping[str, Any]) -> str:
     if result["points"] == 0:
         return "none"
     noise = f"(of which the reference's noise {result['reference_noise_percent']:.2f} %)"
@@ -246,7 +251,7 @@ def _errors(result):
     return f"RMS error {result['rms_percent']:.2f} % {noise}, {relative}"
 
 
-COMMANDS = {
+COMMANDS: dict[str, Command] = {
     "info": _info,
     "bake": run_bake,
     "batch": run_batch,

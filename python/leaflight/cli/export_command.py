@@ -1,17 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command export: a bake for other programs."""
 
+from argparse import Namespace
 from pathlib import Path
 
+from .._core import Progress
+from ..bake.baked import Surface
 from ..bake.load_bake import load_bake
 from ..export.export import export
 from ..progress_bar import run_with_progress
+from .telling import Told
 
 
-def run_export(options):
+def run_export(options: Namespace) -> Told:
     baked = load_bake(options.bake)
 
-    def work(progress):
+    def work(progress: Progress) -> dict[float, Surface]:
         return export(
             baked,
             options.out,

@@ -2,25 +2,30 @@
 """What the commands that light volumes make of their options."""
 
 import os
+from argparse import Namespace
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 from .._core import LeaflightError
 from ..io.output import check_writable
 from ..io.readers.reading import OPTIONS
 from ..io.scene_file import cornell_box, load_scene
 from ..io.sources import open_volume
+from ..scene.scene import SceneDescription
 from ..volume.memory import limit_memory
+from ..volume.volume import Volume
 
 
-def to_light(options, suffix):
+def to_light(options: Namespace, suffix: str) -> tuple[list[Volume], SceneDescription]:
     """The volumes and the scene of a command that lights them and writes a file."""
     scene = load_scene(options.scene) if options.scene else cornell_box()
-    readings = [(source, {}) for source in options.volumes]
-    readings = readings or [
+    readings: list[tuple[str | None, dict[str, Any]]]
+    readings = [(source, {}) for source in options.volumes] or [
         (isosurfaces.source, isosurfaces.reading or {}) for isosurfaces in scene.isosurfaces
     ]
-    sources = [source for source, _ in readings]
-    if None in sources:
+    sources = [source for source, _ in readings if source is not None]
+    if len(sources) < len(readings):
         raise LeaflightError(
             "Nothing to light: name a VOLUME, or give --scene a file whose volumes have a source."
         )
@@ -29,7 +34,9 @@ def to_light(options, suffix):
     # Of each bake of a batch anew.
     folder = None if options.out is None else os.path.dirname(os.path.abspath(options.out))
     limit_memory(getattr(options, "memory", None), folder)
-    volumes = [open_with(source, options, reading) for source, reading in readings]
+    volumes = [
+        open_with(source, options, reading) for source, (_, reading) in zip(sources, readings)
+    ]
     if options.capped:
         scene = replace(
             scene,
@@ -38,19 +45,19 @@ def to_light(options, suffix):
     return volumes, scene
 
 
-def bake_options(options):
+def bake_options(options: Namespace) -> dict[str, Any]:
     """What is baked, and how well: those arguments that bake and bake_flatland have in common."""
     names = ("isovalues", "error", "time", "resolution", "seed", "threads")
     return given_options(options, **{name: name for name in names})
 
 
-def given_options(options, **names):
+def given_options(options: Namespace, **names: str) -> dict[str, Any]:
     """The options that were given, by the names that the settings have for them."""
     values = {name: getattr(options, option) for name, option in names.items()}
     return {name: value for name, value in values.items() if value is not None}
 
 
-def open_with(source, options, reading=None):
+def open_with(source: str, options: Namespace, reading: Mapping[str, Any] | None = None) -> Volume:
     """The volume; reading: what a scene file says of it, where no option says otherwise."""
     given = given_options(options, **{name: name for name in OPTIONS})
     return open_volume(source, **{**(reading or {}), **given})

@@ -7,21 +7,30 @@ the same files and have a Blender with the add-on.
 
 import os
 import uuid
+from argparse import Namespace
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from .._core import Cancelled, LeaflightError
+from .._core import Cancelled, LeaflightError, Progress
 from ..cluster import frames
 from ..cluster.tasks import at_workers
 from ..io.output import check_writable, replaced
 from ..progress_bar import run_with_progress
+from .telling import Told
 from .workers import workers_of
+
+if TYPE_CHECKING:
+    from distributed import Future
+
+    from ..cluster.workers import Workers
 
 # Starting Blender and opening the file takes as long as some small frames.
 FRAMES_A_TASK = 4
 VIDEO = ".mp4"
 
 
-def run_render(options):
+def run_render(options: Namespace) -> Told:
     blend, out = Path(options.blend).absolute(), Path(options.out).absolute()
     if not blend.is_file():
         raise LeaflightError(f"{blend}: there is no such file; give a saved .blend.")
@@ -34,7 +43,7 @@ def run_render(options):
     except OSError as error:
         raise LeaflightError(f"{folder}: cannot make this folder: {error.strerror}.") from None
 
-    def work(progress):
+    def work(progress: Progress) -> dict[str, Any]:
         progress.begin("Opening the .blend")
         first, last, fps, *size = frames.ask(options.blender, blend)
         first, last = options.frames or (first, last)
@@ -46,6 +55,7 @@ def run_render(options):
         progress.advance(len(paths) - len(left))
         if left:
             with workers_of(options, progress, least=1) as workers:
+                assert workers is not None
                 _render_all(workers, options.blender, blend, paths, left, progress)
         for part in folder.glob(".frame_*.png"):
             part.unlink(missing_ok=True)  # of a Blender that was killed
@@ -64,7 +74,7 @@ def run_render(options):
     ]
 
 
-def _is_rendered(path, blend):
+def _is_rendered(path: Path, blend: Path) -> bool:
     """Whether a frame is there that the .blend has not changed since."""
     try:
         return path.stat().st_mtime > blend.stat().st_mtime
@@ -72,7 +82,14 @@ def _is_rendered(path, blend):
         return False
 
 
-def _render_all(workers, blender, blend, paths, left, progress):
+def _render_all(
+    workers: "Workers",
+    blender: str,
+    blend: Path,
+    paths: Mapping[int, Path],
+    left: Sequence[int],
+    progress: Progress,
+) -> None:
     progress.begin("Frames")
     key = uuid.uuid4().hex
     parts = [left[i : i + FRAMES_A_TASK] for i in range(0, len(left), FRAMES_A_TASK)]
@@ -86,7 +103,7 @@ def _render_all(workers, blender, blend, paths, left, progress):
             progress.advance(count)
 
 
-def _raise_what_failed(future):
+def _raise_what_failed(future: "Future") -> None:
     try:
         future.result()
     except (LeaflightError, Cancelled):

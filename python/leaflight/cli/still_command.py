@@ -2,25 +2,29 @@
 """The command still: a picture of a lit isosurface."""
 
 import time
+from argparse import Namespace
 from pathlib import Path
 
 import leaflight._core as _core
 
-from .._core import LeaflightError
+from .._core import LeaflightError, Progress
+from ..arrays import Array
+from ..bake.baked import Bake
 from ..bake.load_bake import load_bake
 from ..io.images import write_png
 from ..io.output import check_writable
-from ..stills.camera import load_camera
+from ..stills.camera import Camera, load_camera
 from ..stills.first_view import camera_around_bake, default_isovalue_of
 from ..stills.photograph import metered_stops, photographed
 from ..stills.still import still
 from ..volume.setting_error import SettingError
 from ..progress_bar import run_with_progress
+from .telling import Told
 
 SUFFIXES = (".png", ".exr")
 
 
-def run_still(options):
+def run_still(options: Namespace) -> Told:
     suffix = Path(options.out).suffix.lower()
     if suffix not in SUFFIXES:
         raise LeaflightError(f"{options.out}: a picture must end in {' or '.join(SUFFIXES)}.")
@@ -32,7 +36,7 @@ def run_still(options):
     camera = _camera(baked, options, isovalue)
     start = time.perf_counter()
 
-    def work(progress):
+    def work(progress: Progress) -> Array:
         return still(
             baked,
             isovalue,
@@ -64,11 +68,11 @@ def run_still(options):
     ]
 
 
-def _camera(baked, options, isovalue):
+def _camera(baked: Bake, options: Namespace, isovalue: float) -> Camera:
     if options.camera is None:
         zoom = 1.0 if options.zoom is None else options.zoom
-        view = options.view or (None, None)
-        return camera_around_bake(baked, *view, zoom, isovalue, options.size)
+        around, up = options.view or (None, None)
+        return camera_around_bake(baked, around, up, zoom, isovalue, options.size)
     if options.zoom is not None:
         raise SettingError("A camera from a file stands where it stands: leave it out.", "zoom")
     return load_camera(options.camera)

@@ -5,9 +5,16 @@ import json
 import math
 import os
 import sys
+from argparse import Namespace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, TextIO
+
+# What a command returns: its result, for --json, and sentences about it.
+Told = tuple[dict[str, Any], Sequence[str]]
+Command = Callable[[Namespace], Told]
 
 
-def tell(lines):
+def tell(lines: Iterable[str]) -> bool:
     """Prints to stdout; returns whether that took them."""
     if sys.stdout is None:
         return True  # It was closed from the beginning.
@@ -22,7 +29,7 @@ def tell(lines):
         return False
 
 
-def tell_error(sentence):
+def tell_error(sentence: str) -> None:
     """Prints one line to stderr, if that is open."""
     if sys.stderr is None:
         return
@@ -32,18 +39,18 @@ def tell_error(sentence):
         _send_to_nowhere(sys.stderr)
 
 
-def json_line(result):
+def json_line(result: Mapping[str, Any]) -> str:
     """A result as one line of JSON, which knows no infinite numbers: null stands for them."""
     return json.dumps(_finite(result), allow_nan=False)
 
 
-def _printable(text, stream):
+def _printable(text: str, stream: TextIO) -> str:
     """Names of files need not be UTF-8, and a terminal need not know all letters."""
     encoding = stream.encoding or "utf-8"
     return text.encode(encoding, "backslashreplace").decode(encoding)
 
 
-def _finite(value):
+def _finite(value: object) -> object:
     if isinstance(value, dict):
         return {key: _finite(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
@@ -51,7 +58,7 @@ def _finite(value):
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _send_to_nowhere(stream):
+def _send_to_nowhere(stream: TextIO) -> None:
     """Else Python fails once more when it flushes the stream at its end."""
     try:
         nowhere = os.open(os.devnull, os.O_WRONLY)

@@ -2,10 +2,20 @@
 """The workers that the options --workers and --scheduler ask for."""
 
 import contextlib
+from argparse import Namespace
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from .._core import Progress
+
+if TYPE_CHECKING:
+    from ..cluster.workers import Workers
 
 
 @contextlib.contextmanager
-def workers_of(options, progress, least=0):
+def workers_of(
+    options: Namespace, progress: Progress, least: int = 0
+) -> Iterator["Workers | None"]:
     """Workers for as long as the context lasts; None where neither option was given.
 
     least: how many processes of this machine work where neither was, instead of none.

@@ -6,11 +6,14 @@ are.
 """
 
 import threading
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import leaflight._core as _core
 
 from .._core import LeaflightError, Progress
+from ..arrays import Array
 from ..scene.scene import SceneDescription, core_scene
 from ..version import __version__
 from ..volume.volume import Volume
@@ -24,14 +27,14 @@ class Recipe:
     """
 
     key: str
-    arrays: list
-    matrices: list
+    arrays: Sequence[Array | str]
+    matrices: Sequence[Array]
     scene: SceneDescription
-    isovalues: tuple
-    settings: dict
+    isovalues: tuple[float, float]
+    settings: dict[str, Any]
     version: str = __version__
 
-    def scene_of_core(self):
+    def scene_of_core(self) -> _core.Scene:
         volumes = [
             Volume(load(array), matrix, f"volume {k}")
             for k, (array, matrix) in enumerate(zip(self.arrays, self.matrices))
@@ -47,17 +50,20 @@ class LookedUp:
     state: bytes
 
 
-def load(array):
+def load(array: Array | str) -> Array:
     """The values of a volume; those of a file are shared by all processes that read it."""
     import numpy as np
 
-    return np.load(array, mmap_mode="r") if isinstance(array, str) else array
+    if not isinstance(array, str):
+        return array
+    values: Array = np.load(array, mmap_mode="r")
+    return values
 
 
 class _Tracer:
     """Of one bake."""
 
-    def __init__(self, recipe):
+    def __init__(self, recipe: Recipe) -> None:
         if recipe.version != __version__:
             raise LeaflightError(
                 f"A worker has Leaflight {__version__}, and this is {recipe.version}: install the "
@@ -67,23 +73,23 @@ class _Tracer:
         settings = _core.BakeSettings()
         for name, value in recipe.settings.items():
             setattr(settings, name, value)
-        self._known = None
+        self._known: str | None = None
         self._core = _core.BlockTracer(recipe.scene_of_core(), settings, self.progress)
 
-    def look_up(self, looked_up):
+    def look_up(self, looked_up: LookedUp) -> None:
         if looked_up.name != self._known:
-            self._core.look_up(looked_up.state)
+            self._core.look_up(looked_up.state)  # type: ignore[arg-type]
             self._known = looked_up.name
 
-    def trace(self, number):
+    def trace(self, number: int) -> bytes:
         return self._core.trace(number)
 
 
 _lock = threading.Lock()
-_tracer = None
+_tracer: _Tracer | None = None
 
 
-def trace(recipe, looked_up, number):
+def trace(recipe: Recipe, looked_up: LookedUp, number: int) -> bytes:
     """One block of indirect light of a bake: bytes for _core.bake()'s workers.
 
     looked_up: LookedUp. Raises LeaflightError, Cancelled after cancel().
@@ -98,14 +104,14 @@ def trace(recipe, looked_up, number):
         return _tracer.trace(number)
 
 
-def cancel(key):
+def cancel(key: str) -> None:
     """Ends what this worker does for a bake, from another thread."""
     tracer = _tracer
     if tracer is not None and tracer.key == key:
         tracer.progress.cancel()
 
 
-def forget(key):
+def forget(key: str) -> None:
     """Frees what this worker keeps of a bake."""
     global _tracer
     with _lock:

@@ -5,8 +5,10 @@ Runs in the workers' processes. A frame is there as a whole or not at all.
 """
 
 import json
+import os
 import subprocess
 import threading
+from collections.abc import Sequence
 from pathlib import Path
 
 from .._core import Cancelled, LeaflightError
@@ -67,7 +69,9 @@ print("FRAMES", [scene.frame_start, scene.frame_end, render.fps, *size])
 """
 
 
-def ask(blender, blend):
+def ask(
+    blender: str | os.PathLike[str], blend: str | os.PathLike[str]
+) -> tuple[int, int, int, int, int]:
     """(first frame, last, frames a second, width, height) of a .blend. Raises LeaflightError."""
     said = _run([blender, "--background", blend, "--python-expr", _ASK])
     line = next((line for line in said.splitlines() if line.startswith("FRAMES ")), None)
@@ -76,7 +80,12 @@ def ask(blender, blend):
     return tuple(json.loads(line.partition(" ")[2]))
 
 
-def render(key, blender, blend, work):
+def render(
+    key: str,
+    blender: str | os.PathLike[str],
+    blend: str | os.PathLike[str],
+    work: Sequence[tuple[int, str]],
+) -> None:
     """Renders frames: work holds (number, path of the .png) of each.
 
     key: what cancel() is given. Raises LeaflightError, Cancelled.
@@ -87,7 +96,13 @@ def render(key, blender, blend, work):
         raise LeaflightError(f"{missing[0]}: Blender has not rendered it.")
 
 
-def assemble(blender, frames, out, fps, size):
+def assemble(
+    blender: str | os.PathLike[str],
+    frames: Sequence[Path],
+    out: Path,
+    fps: int,
+    size: Sequence[int],
+) -> None:
     """Makes an .mp4 of pictures, all in one folder. Raises LeaflightError."""
     work = json.dumps([[str(path) for path in frames], str(out), fps, size])
     options = ["--background", "--factory-startup", "--python-expr", _ASSEMBLE, "--", work]
@@ -97,11 +112,11 @@ def assemble(blender, frames, out, fps, size):
 
 
 _lock = threading.Lock()
-_running = {}  # Blenders, by key
-_cancelled = set()
+_running: dict[str | None, subprocess.Popen[str]] = {}  # Blenders, by key
+_cancelled: set[str] = set()
 
 
-def cancel(key):
+def cancel(key: str) -> None:
     """Ends the Blender that this process has started under a key, and starts no other."""
     with _lock:
         _cancelled.add(key)
@@ -109,7 +124,7 @@ def cancel(key):
             _running[key].kill()
 
 
-def _run(command, key=None):
+def _run(command: Sequence[str | os.PathLike[str]], key: str | None = None) -> str:
     """What Blender says. Raises LeaflightError where it fails, Cancelled after cancel()."""
     command = [
         *map(str, command[:1]),

@@ -3,6 +3,14 @@
 
 import contextlib
 import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
+
+if TYPE_CHECKING:
+    from .._core import Progress
+    from .workers import Workers
+
+_Name = TypeVar("_Name")
 
 POLL_SECONDS = 0.2
 # A task whose worker dies is given to others so many times.
@@ -10,7 +18,13 @@ RETRIES = 3
 
 
 @contextlib.contextmanager
-def at_workers(workers, tasks, progress, stop, *of_stop):
+def at_workers(
+    workers: "Workers",
+    tasks: Iterable[tuple[_Name, Callable[..., object], Sequence[object]]],
+    progress: "Progress",
+    stop: Callable[..., object],
+    *of_stop: object,
+) -> Iterator[Iterator[tuple[_Name, Any]]]:
     """Gives tasks to Workers: an iterator over (name, future), in the order in which they are done.
 
     tasks: (name, function, arguments) of each. Whatever ends the block before all are done ends the
@@ -21,7 +35,7 @@ def at_workers(workers, tasks, progress, stop, *of_stop):
         for name, function, arguments in tasks
     }
 
-    def finished():
+    def finished() -> Iterator[tuple[_Name, Any]]:
         while left:
             progress.check()
             for future in [future for future in left if future.done()]:

@@ -5,12 +5,17 @@ import asyncio
 import os
 import tempfile
 import uuid
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from .._core import Cancelled, LeaflightError
+from .._core import BakeSettings, Cancelled, LeaflightError, Progress
+from ..arrays import Array
+from ..scene.scene import SceneDescription
+from ..volume.volume import Volume
 from . import block_tracer
 from .block_tracer import LookedUp, Recipe
 
@@ -33,10 +38,15 @@ class Workers:
     bakes had to trace themselves. Raises LeaflightError where there is no Dask or no worker.
     """
 
-    def __init__(self, count=None, scheduler=None, patience_seconds=30):
+    def __init__(
+        self,
+        count: int | None = None,
+        scheduler: str | None = None,
+        patience_seconds: float = 30,
+    ) -> None:
         if (count is None) == (scheduler is None):
             raise LeaflightError("Give either a number of workers or the address of a scheduler.")
-        if scheduler is None and count < 1:
+        if count is not None and count < 1:
             raise LeaflightError(f"There must be one worker at least, not {count}.")
         try:
             import cryptography  # noqa: F401 - for connections that nobody else can use
@@ -47,9 +57,9 @@ class Workers:
                 "apt-get install python3-distributed python3-cryptography."
             ) from None
         self.traced = self.lost = 0
-        self._cluster = None
+        self._cluster: Any = None
         self._folder = tempfile.TemporaryDirectory(prefix="leaflight-")
-        if scheduler is None:
+        if count is not None:
             self.threads = max(1, (os.cpu_count() or 1) // count)
             self._cluster = LocalCluster(
                 n_workers=count,
@@ -65,7 +75,7 @@ class Workers:
         else:
             self.threads = 0
         try:
-            self.client = Client(self._cluster or scheduler, timeout=patience_seconds)
+            self.client: Any = Client(self._cluster or scheduler, timeout=patience_seconds)
             self.client.wait_for_workers(1, timeout=patience_seconds)
         except _GONE as error:
             self.close()
@@ -73,28 +83,35 @@ class Workers:
                 f"{scheduler}: no Dask scheduler with workers answers there: {error}."
             ) from None
 
-    def __enter__(self):
+    def __enter__(self) -> "Workers":
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         self.close()
 
-    def close(self):
+    def close(self) -> None:
         """Ends the workers of this machine; those of a scheduler stay."""
         for part in (getattr(self, "client", None), self._cluster):
             if part is not None:
                 part.close()
         self._folder.cleanup()
 
-    def processes(self):
+    def processes(self) -> int:
         """How many there are now."""
         return len(self.client.scheduler_info()["workers"])
 
-    def tracing(self, volumes, scene, isovalues, settings, progress):
+    def tracing(
+        self,
+        volumes: Sequence[Volume],
+        scene: SceneDescription,
+        isovalues: tuple[float, float],
+        settings: BakeSettings,
+        progress: Progress,
+    ) -> "Tracing":
         """The Tracing of a bake: what lit() gives to the core."""
         return Tracing(self, volumes, scene, isovalues, settings, progress)
 
-    def shared(self, values):
+    def shared(self, values: Array) -> Array | str:
         """What Recipe.arrays holds of a volume's values."""
         if self._cluster is None:
             return np.ascontiguousarray(values)
@@ -112,7 +129,15 @@ class Workers:
 class Tracing:
     """The blocks of one bake at the workers, as _core.bake() asks for them; a context manager."""
 
-    def __init__(self, workers, volumes, scene, isovalues, settings, progress):
+    def __init__(
+        self,
+        workers: Workers,
+        volumes: Sequence[Volume],
+        scene: SceneDescription,
+        isovalues: tuple[float, float],
+        settings: BakeSettings,
+        progress: Progress,
+    ) -> None:
         given = {name: getattr(settings, name) for name in SETTINGS}
         self._workers, self._client, self._progress = workers, workers.client, progress
         self._recipe = Recipe(
@@ -120,17 +145,17 @@ class Tracing:
             arrays=[workers.shared(volume.values) for volume in volumes],
             matrices=[np.asarray(volume.index_to_world) for volume in volumes],
             scene=scene,
-            isovalues=tuple(isovalues),
+            isovalues=isovalues,
             settings={**given, "threads": settings.threads or workers.threads},
         )
-        self._sent = None  # the recipe, at the workers
-        self._futures = {}
+        self._sent: Any = None  # the recipe, at the workers
+        self._futures: dict[int, Any] = {}
         self._fetching = ThreadPoolExecutor(1, "leaflight blocks")
 
-    def __enter__(self):
+    def __enter__(self) -> "Tracing":
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         """Whatever is still under way ends."""
         futures, self._futures = self._futures, {}
         try:
@@ -146,7 +171,7 @@ class Tracing:
             if isinstance(array, str):
                 Path(array).unlink(missing_ok=True)
 
-    def begin(self, first, count, state):
+    def begin(self, first: int, count: int, state: bytes) -> None:
         """Has blocks traced; state: what their lines look up."""
         if not self._is_connected():
             return
@@ -163,10 +188,10 @@ class Tracing:
             # Nobody is there any more; the bake goes on by itself.
             self._sent = None
 
-    def _is_connected(self):
-        return self._client.status == "running"
+    def _is_connected(self) -> bool:
+        return bool(self._client.status == "running")
 
-    def take(self, number):
+    def take(self, number: int) -> bytes:
         """A block, or b"" where no worker has it, since they are gone or keep dying.
 
         Raises LeaflightError for workers of another Leaflight, Cancelled.
@@ -180,7 +205,7 @@ class Tracing:
                     self._futures[number] = future
                     self._progress.check()
             try:
-                block = fetched.result()
+                block: bytes = fetched.result()
                 self._workers.traced += 1
                 return block
             except (Cancelled, LeaflightError):

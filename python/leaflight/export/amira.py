@@ -4,14 +4,20 @@
 There it is the Color Field of an isosurface of the same data.
 """
 
-import numpy as np
+import os
+from collections.abc import Sequence
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array
+from ..bake.baked import Bake
 from ..io.images import display_colours
 from ..io.output import check_writable, replaced
 from .point_grid import point_grid
 
 
-def write_amira(path, bake, volume=0):
+def write_amira(path: str | os.PathLike[str], bake: Bake, volume: int = 0) -> None:
     """Writes the colors of a volume (its number) of a Bake. Raises LeaflightError.
 
     Four bytes a point: sRGB at the scene's exposure, and 255. The box is the volume's in world
@@ -40,11 +46,11 @@ def write_amira(path, bake, volume=0):
     with replaced(path) as temporary:
         with open(temporary, "wb") as file:
             file.write(header.encode("ascii"))
-            file.write(pixels)
+            file.write(pixels.data)
             file.write(b"\n")
 
 
-def _place(index_to_world, count):
+def _place(index_to_world: Array, count: Sequence[int]) -> list[str]:
     """The lines that say where the points are: amira's box goes from the first to the last."""
     axes, origin = index_to_world[:3, :3], index_to_world[:3, 3]
     step = np.diag(axes)
@@ -59,5 +65,5 @@ def _place(index_to_world, count):
     ]
 
 
-def _numbers(name, numbers):
+def _numbers(name: str, numbers: ArrayLike) -> str:
     return f"    {name} {' '.join(f'{number:.9g}' for number in np.ravel(numbers))},"

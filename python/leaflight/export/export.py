@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """export(): a bake in the format that the suffix of a file names; export_page(): a web page."""
 
+import os
+from collections.abc import Callable, Iterable, Sequence
 from importlib import import_module
 from pathlib import Path
 
 import leaflight._core as _core
 
 from .._core import LeaflightError
+from ..bake.baked import Bake, Surface
 from ..io.output import check_writable
 from ..progress_bar import with_progress
 from ..stills.first_view import default_isovalue_of
@@ -35,16 +38,16 @@ _BROUGHT_BY = {
 
 @with_progress("export")
 def export(
-    bake,
-    path,
-    isovalues=None,
+    bake: Bake,
+    path: str | os.PathLike[str],
+    isovalues: Iterable[float] | None = None,
     *,
-    volume=0,
-    back=False,
-    progress=None,
-    coarser=0,
-    embed=False,
-):
+    volume: int = 0,
+    back: bool = False,
+    progress: _core.Progress | None = None,
+    coarser: int = 0,
+    embed: bool = False,
+) -> dict[float, Surface]:
     """Writes a Bake for another program, as a whole or not at all; docs/export.md has the formats.
 
     path: .vti and .am hold the volume with the light of all isosurfaces, .vtp and .ply one lit
@@ -93,13 +96,21 @@ def export(
 
 
 @with_progress("export")
-def export_page(bake, path, isovalue=None, *, coarser=0, embed=False, progress=None):
+def export_page(
+    bake: Bake,
+    path: str | os.PathLike[str],
+    isovalue: float | None = None,
+    *,
+    coarser: int = 0,
+    embed: bool = False,
+    progress: _core.Progress | None = None,
+) -> Path:
     """Writes a Bake as a web page, see write_page(); isovalue: None is the default one."""
     isovalue = default_isovalue_of(bake) if isovalue is None else isovalue
     return write_page(path, bake, isovalue, coarser, embed, progress)
 
 
-def _check(path, suffix, isovalues, back):
+def _check(path: Path, suffix: str, isovalues: Sequence[float] | None, back: bool) -> None:
     """Raises LeaflightError unless the format exists and takes what is asked for."""
     if suffix not in SUFFIXES:
         raise LeaflightError(
@@ -125,7 +136,7 @@ def _check(path, suffix, isovalues, back):
         )
 
 
-def _writer(path, suffix):
+def _writer(path: Path, suffix: str) -> Callable[..., None]:
     """The function that writes the format. Raises LeaflightError where its library is absent."""
     module, function = _WRITERS[suffix]
     relative = module if module.startswith(".") else f".{module}"
@@ -139,4 +150,5 @@ def _writer(path, suffix):
             f"{path}: writing {suffix} needs the Python package {package}, which is not "
             f"installed; install {_BROUGHT_BY.get(package, package)}."
         ) from None
-    return getattr(loaded, function)
+    writer: Callable[..., None] = getattr(loaded, function)
+    return writer

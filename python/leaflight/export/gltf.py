@@ -5,10 +5,15 @@ https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html
 """
 
 import json
+import os
 import struct
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
+from ..arrays import Array
+from ..bake.baked import Surface
 from ..io.output import check_writable, replaced
 from ..version import __version__
 from ..volume.units import METERS
@@ -31,7 +36,12 @@ _MATERIAL = {
 }
 
 
-def write_glb(path, surfaces, exposure, seconds=_SECONDS):
+def write_glb(
+    path: str | os.PathLike[str],
+    surfaces: Mapping[float, Surface],
+    exposure: float,
+    seconds: float = _SECONDS,
+) -> None:
     """Writes Surfaces, {isovalue: Surface}. Raises LeaflightError.
 
     Their coordinates are the world's; the root node takes them to meters, with y up.
@@ -57,11 +67,14 @@ def write_glb(path, surfaces, exposure, seconds=_SECONDS):
 class _File:
     """Arrays, one behind the other in `body`, and what refers to them by their numbers."""
 
-    def __init__(self):
-        self.body, self.views, self.accessors = bytearray(), [], []
-        self.nodes, self.meshes = [], []
+    def __init__(self) -> None:
+        self.body = bytearray()
+        self.views: list[dict[str, Any]] = []
+        self.accessors: list[dict[str, Any]] = []
+        self.nodes: list[dict[str, Any]] = []
+        self.meshes: list[dict[str, Any]] = []
 
-    def add(self, numbers, use=None, bounds=False):
+    def add(self, numbers: Array, use: dict[str, int] | None = None, bounds: bool = False) -> int:
         """Appends an array, float32 or uint32 (n,) or (n, k); returns its number."""
         numbers = np.ascontiguousarray(numbers)
         rows = numbers.reshape(len(numbers), -1)
@@ -74,7 +87,7 @@ class _File:
         self.body += numbers.astype(numbers.dtype.newbyteorder("<")).tobytes()
         return len(self.accessors) - 1
 
-    def content(self, animations):
+    def content(self, animations: Sequence[dict[str, Any]]) -> bytes:
         """The whole file: a header, the JSON and the arrays, each of a multiple of four bytes."""
         document = {
             "asset": {"version": "2.0", "generator": f"Leaflight {__version__}"},
@@ -103,7 +116,7 @@ class _File:
         )
 
 
-def _primitive(file, surface, exposure):
+def _primitive(file: _File, surface: Surface, exposure: float) -> dict[str, Any]:
     # Floats, since readers may take 16 bits for 8.
     colors = np.ones((len(surface.radiance), 4), np.float32)
     colors[:, :3] = np.clip(surface.radiance * np.float32(exposure), 0.0, 1.0)
@@ -117,7 +130,7 @@ def _primitive(file, surface, exposure):
     return {"attributes": attributes, "indices": indices, "material": 0}
 
 
-def _animation(file, nodes, seconds):
+def _animation(file: _File, nodes: Sequence[int], seconds: float) -> dict[str, Any]:
     """Shows the nodes one after the other, by a scale of one or nothing at all."""
     ends = seconds * np.arange(len(nodes) + 1, dtype=np.float32)
     channels, samplers = [], []
@@ -136,14 +149,14 @@ def _animation(file, nodes, seconds):
     return {"name": "isovalues", "channels": channels, "samplers": samplers}
 
 
-def _meters(surfaces):
+def _meters(surfaces: Collection[Surface]) -> float:
     """How many meters a unit of the world measures; 1 where nobody knows, or it is too small."""
     points = np.concatenate([surface.vertices for surface in surfaces])
     scale = METERS.get(next(iter(surfaces)).unit, 1.0)
     return scale if scale * float(np.ptp(points, axis=0).max()) >= _SMALLEST else 1.0
 
 
-def _unit(normals):
+def _unit(normals: Array) -> Array:
     """glTF demands unit length; where a field is flat there is no direction."""
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     return np.where(length > 0, normals / np.maximum(length, 1e-30), [0.0, 0.0, 1.0]).astype(

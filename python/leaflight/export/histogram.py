@@ -1,7 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How many voxels have which value, in bins that suit the data."""
 
+from typing import Any
+
 import numpy as np
+
+from ..arrays import Array
+from ..bake.baked import Bake
 
 MOST_BINS, LEAST_BINS = 256, 16
 _SAMPLES = 200_000
@@ -9,7 +14,7 @@ _SAMPLES = 200_000
 _ROUNDING = 1e-5
 
 
-def histogram(bake):
+def histogram(bake: Bake) -> dict[str, Any]:
     """Of the first volume, from its range's lower end: {"counts": of bins, "width": of a bin as a
     share of the isovalue range}; the last bin may end beyond it."""
     low, high = (bake.isovalue_of(0, c) for c in bake.isovalues)
@@ -22,7 +27,7 @@ def histogram(bake):
     return {"counts": counts.tolist(), "width": width / (high - low)}
 
 
-def bin_width(values, low, high):
+def bin_width(values: Array, low: float, high: float) -> float:
     """The width of bins over the isovalue range, low..high, of values (n,) without NaN.
 
     Of values with steps in between, whatever their type, a multiple of the step: others would hold
@@ -38,7 +43,7 @@ def bin_width(values, low, high):
     step = float(gaps.min())
     if step > 0.02 * least and np.allclose(gaps, step * np.rint(gaps / step), atol=0.05 * step):
         step = float(gaps[gaps < 1.5 * step].mean())
-        return step * max(1.0, np.ceil((1.0 - 1e-4) * least / step))
+        return step * max(1.0, float(np.ceil((1.0 - 1e-4) * least / step)))
     quarter, three = np.quantile(sample, (0.25, 0.75))
     width = 2.0 * (three - quarter) / len(sample) ** (1.0 / 3.0)
     return float(np.clip(width, least, (high - low) / LEAST_BINS))

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arrays import Array
+
 # Along each axis; whether either is smaller than all texels as one brick is tried.
 SIDES = (8, 16)
 # Of a texture, along one axis, that browsers take.
@@ -21,21 +23,22 @@ class LightBricks:
     in the texture, in bricks, and 1; or zeros for one without light. shape: (x, y, z) bricks of
     the texture."""
 
-    brick: tuple
-    table: np.ndarray
-    shape: tuple
+    brick: tuple[int, int, int]
+    table: Array
+    shape: tuple[int, int, int]
 
 
-def light_bricks(lit, layers=1):
+def light_bricks(lit: Array, layers: int = 1) -> LightBricks:
     """The LightBricks that take the least memory. lit: bool [z, y, x], the texels with light;
     layers: how many textures of their shape lie behind each other along z."""
     sides = (*SIDES, None) if layers * len(lit) <= LARGEST_SIDE else SIDES
     return min((_bricks(lit, side, layers) for side in sides), key=_texels)
 
 
-def _bricks(lit, side, layers):
-    resolution = lit.shape[::-1]
-    brick = tuple(resolution if side is None else (side,) * 3)
+def _bricks(lit: Array, side: int | None, layers: int) -> LightBricks:
+    nz, ny, nx = lit.shape
+    resolution = nx, ny, nz
+    brick = resolution if side is None else (side, side, side)
     counts = tuple(max(1, -(-(n - 1) // (b - 1))) for n, b in zip(resolution, brick))
     is_used = lit
     for axis, (count, b) in enumerate(zip(counts[::-1], brick[::-1])):
@@ -55,5 +58,5 @@ def _bricks(lit, side, layers):
     return LightBricks(brick, table, shape)
 
 
-def _texels(bricks):
+def _texels(bricks: LightBricks) -> int:
     return int(np.prod(bricks.brick, dtype=np.int64) * np.prod(bricks.shape, dtype=np.int64))

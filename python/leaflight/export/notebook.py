@@ -7,19 +7,26 @@ import tempfile
 import webbrowser
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+from .._core import Progress
+from ..bake.baked import Bake
 from ..progress_bar import with_progress
+from ..stills.first_view import default_isovalue_of
 from ..stills.photograph import metered_stops, photographed
 from ..stills.still import still
-from .export import default_isovalue_of, export_page
+from .export import export_page
 from .page import MOST_COARSER
 from .page_volume import estimated_bytes
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
 
 # Of a page within a notebook, which holds it as text: as small a page as reaches this.
 LARGEST_IN_A_NOTEBOOK = 20e6
 
 
-def picture(bake, isovalue=None, **options):
+def picture(bake: Bake, isovalue: float | None = None, **options: Any) -> "Image":
     """still() as an image of Pillow, RGBA, exposed as the command and the page expose it.
 
     isovalue: None is the default one; options: those of still().
@@ -32,7 +39,14 @@ def picture(bake, isovalue=None, **options):
 
 
 @with_progress("show")
-def show(bake, isovalue=None, *, height=600, coarser=None, progress=None):
+def show(
+    bake: Bake,
+    isovalue: float | None = None,
+    *,
+    height: int = 600,
+    coarser: int | None = None,
+    progress: Progress | None = None,
+) -> "Page":
     """The web page of a Bake: in a notebook its cell shows it, else a browser opens it.
 
     height: of the cell, in pixels; coarser: as of export_page(), None is the finest that a notebook
@@ -56,7 +70,7 @@ class Page:
     path: Path
     height: int
 
-    def _repr_html_(self):
+    def _repr_html_(self) -> str:
         # The page itself, since a notebook that is sent to others brings no files.
         text = html.escape(self.path.read_text(encoding="utf-8"))
         return (

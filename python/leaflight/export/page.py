@@ -4,11 +4,13 @@
 import base64
 import html
 import json
+import os
 from pathlib import Path
 
 import leaflight._core as _core
 
 from .._core import LeaflightError
+from ..bake.baked import Bake
 from ..io.images import png_bytes
 from ..io.output import check_writable, replaced, replaced_together
 from ..stills.photograph import photographed
@@ -32,7 +34,14 @@ LARGEST_BYTES = 200e6
 MOST_COARSER = 3
 
 
-def write_page(path, bake, isovalue, coarser=0, embed=False, progress=None):
+def write_page(
+    path: str | os.PathLike[str],
+    bake: Bake,
+    isovalue: float,
+    coarser: int = 0,
+    embed: bool = False,
+    progress: _core.Progress | None = None,
+) -> Path:
     """Writes a Bake as a web page, an .html that needs no server and asks for nothing.
 
     isovalue: the common isovalue that is shown at first. coarser: how many times voxels and texels
@@ -68,7 +77,7 @@ def write_page(path, bake, isovalue, coarser=0, embed=False, progress=None):
     return path
 
 
-def read_template(path):
+def read_template(path: str | os.PathLike[str]) -> str:
     """The page without a bake. Raises LeaflightError, which names path, where it was left out."""
     try:
         return TEMPLATE.read_text(encoding="utf-8")
@@ -79,7 +88,7 @@ def read_template(path):
         ) from None
 
 
-def _check_size(path, bake, coarser):
+def _check_size(path: Path, bake: Bake, coarser: int) -> None:
     if not 0 <= coarser <= MOST_COARSER:
         raise LeaflightError(f"{path}: choose 0 to {MOST_COARSER} for coarser, not {coarser}.")
     why = _too_large(bake, coarser)
@@ -98,7 +107,7 @@ def _check_size(path, bake, coarser):
     )
 
 
-def _too_large(bake, coarser):
+def _too_large(bake: Bake, coarser: int) -> str | None:
     """What a browser would not take, as the end of a sentence, or None."""
     for number in range(len(bake.volumes)):
         side = max(*dims_of(bake, number, coarser), *texels_of(bake, number, coarser))
@@ -108,21 +117,21 @@ def _too_large(bake, coarser):
     return f"take about {size / 1e6:.0f} MB" if size > LARGEST_BYTES else None
 
 
-def _poster(path, bake, isovalue, stops):
+def _poster(path: Path, bake: Bake, isovalue: float, stops: float) -> str:
     """The first view, as an address that holds the picture itself."""
     picture = still(bake, isovalue, size=POSTER_SIZE)
     pixels = photographed(picture, bake.scene.exposure * 2.0**stops)
     return "data:image/png;base64," + base64.b64encode(png_bytes(path, pixels)).decode("ascii")
 
 
-def _script(kind, text, name=None):
+def _script(kind: str, text: str, name: str | None = None) -> str:
     # An end tag within a script element would end it.
     safe = text.replace("</", "<\\/")
     identity = f'id="{name}" ' if name else ""
     return f'<script {identity}type="{kind}">{safe}</script>\n'
 
 
-def _write_folder(folder, page, body):
+def _write_folder(folder: Path, page: str, body: bytearray) -> Path:
     """Both files change together, or neither does."""
     index, data = folder / "index.html", folder / "bake.bin"
     new = not folder.exists()

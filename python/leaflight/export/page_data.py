@@ -7,9 +7,13 @@ The page reads it in web/src/bake.ts, which lists the names; the two change toge
 import math
 import zlib
 from dataclasses import asdict, dataclass, field
+from typing import Any
 
 import numpy as np
 
+from .._core import Progress
+from ..arrays import Array
+from ..bake.baked import Bake
 from ..stills.camera import bounds_of
 from ..stills.first_view import FILLED, framing
 from ..stills.lamps import lamps_of
@@ -36,11 +40,11 @@ class PageData:
     progress: _core.Progress, which counts bytes before they are deflated.
     """
 
-    progress: object
-    header: dict = field(default_factory=dict)
+    progress: Progress
+    header: dict[str, Any] = field(default_factory=dict)
     body: bytearray = field(default_factory=bytearray)
 
-    def add(self, numbers):
+    def add(self, numbers: Array) -> int:
         """Appends an array, deflated; returns the number of its block. Raises Cancelled."""
         # Bytes of like significance side by side deflate better.
         raw = np.ascontiguousarray(numbers)
@@ -56,12 +60,12 @@ class PageData:
         blocks.append([first, len(self.body) - first, raw.nbytes])
         return len(blocks) - 1
 
-    def add_colors(self, words):
+    def add_colors(self, words: Array) -> int:
         """The same of packed() colors."""
         return self.add(planes(words))
 
 
-def page_data(bake, isovalue, coarser, progress):
+def page_data(bake: Bake, isovalue: float, coarser: int, progress: Progress) -> PageData:
     """The PageData of a Bake; isovalue: the common isovalue that is shown at first.
 
     coarser: how many times voxels and texels are halved along each axis. progress:
@@ -98,7 +102,7 @@ def page_data(bake, isovalue, coarser, progress):
     return data
 
 
-def step_of(bake):
+def step_of(bake: Bake) -> float:
     """By how much isovalues differ at least that the page's controls choose: a power of ten, a
     thousandth of the isovalue range or less; half-integers are among those of integers."""
     low, high = bake.isovalues
@@ -107,7 +111,7 @@ def step_of(bake):
     return min(step, 0.1) if is_integer else step
 
 
-def about(bake, coarser):
+def about(bake: Bake, coarser: int) -> list[tuple[str, str]]:
     """[(what, its value as text)] of a bake."""
     known = bake.statistics
     rows = []

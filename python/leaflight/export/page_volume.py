@@ -2,16 +2,24 @@
 """One volume of a web page: its values, the light of its texels, and its maps of direct light."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import leaflight._core as _core
 import numpy as np
 
-from ..scene.scene import core_scene, is_color
+from ..arrays import Array
+from ..bake.baked import Bake
+from ..scene.scene import Ramp, core_scene, is_color
 from ..stills.still import back_side
+from ..volume.volume import Volume
 from .light_bricks import light_bricks
 from .shared_exponent import packed
 from .visibility_levels import POINTS_A_TEXEL, code_of, pairs, ranges
+
+if TYPE_CHECKING:
+    from .page_data import PageData
 
 # Of 16 bits, where there are no data.
 NO_DATA = 65535
@@ -22,32 +30,34 @@ class ShownVolume:
     """A volume of a bake as a page shows it: volume, one of the bake's or a coarser one; texels
     along x, y and z; direct: the DirectLight that is added to their light, None: they hold all."""
 
-    bake: object
+    bake: Bake
     number: int
-    volume: object
-    texels: tuple
-    direct: object
+    volume: Volume
+    texels: tuple[int, ...]
+    direct: _core.DirectLight | None
 
     @property
-    def is_coarser(self):
+    def is_coarser(self) -> bool:
         return self.volume is not self.bake.volumes[self.number]
 
     @property
-    def sides(self):
+    def sides(self) -> tuple[bool, ...]:
         """Of isosurfaces, False for the front, that the page has light for."""
         return (False, True) if back_side(self.bake, self.number) == "baked" else (False,)
 
-    def has_maps(self, back):
+    def has_maps(self, back: bool) -> bool:
         """Whether direct light is added to the texels of a side; or they hold all light."""
         return self.direct is not None and (not back or self.direct.has_back)
 
     @property
-    def raw_bytes(self):
+    def raw_bytes(self) -> float:
         """About how many there are to deflate."""
-        return sum(_raw_parts(self.bake, self.number, self.texels, self.volume.field().dims))
+        dims = self.volume.field().dims
+        light, maps, values = _raw_parts(self.bake, self.number, self.texels, dims)
+        return light + maps + values
 
 
-def shown_volume(bake, number, coarser, progress):
+def shown_volume(bake: Bake, number: int, coarser: int, progress: _core.Progress) -> ShownVolume:
     """The ShownVolume of a Bake's volume, halved so often. Raises Cancelled."""
     volume, direct = bake.volumes[number], bake.grids[number].direct
     for _ in range(coarser):
@@ -65,17 +75,17 @@ def shown_volume(bake, number, coarser, progress):
     return ShownVolume(bake, number, volume, texels_of(bake, number, coarser), direct)
 
 
-def dims_of(bake, number, coarser):
+def dims_of(bake: Bake, number: int, coarser: int) -> tuple[int, ...]:
     """Voxels along x, y and z of the volume that is shown, without making it."""
     return tuple(n >> coarser for n in bake.volumes[number].field().dims)
 
 
-def texels_of(bake, number, coarser):
+def texels_of(bake: Bake, number: int, coarser: int) -> tuple[int, ...]:
     """Texels along x, y and z of the light that a page shows."""
     return dims_of(bake, number, coarser) if coarser else tuple(bake.grids[number].resolution)
 
 
-def volume_data(data, shown):
+def volume_data(data: "PageData", shown: ShownVolume) -> dict[str, Any]:
     """What the header of a page tells of a ShownVolume; the blocks go into its PageData."""
     bake, number, volume = shown.bake, shown.number, shown.volume
     isosurfaces, field = bake.scene.isosurfaces[number], volume.field()
@@ -98,7 +108,7 @@ def volume_data(data, shown):
     }
 
 
-def coded(values):
+def coded(values: Array) -> tuple[Array, float, float]:
     """(codes uint8 or uint16, offset, scale): a value is offset + scale * code.
 
     Exact for integers that span 16 bits; else to 1/65534 of the range, NaN being NO_DATA.
@@ -106,10 +116,10 @@ def coded(values):
     if values.dtype == np.uint8:
         return values, 0.0, 1.0
     if values.dtype.kind in "iu":
-        low = int(values.min())
-        span = int(values.max()) - low
+        least = int(values.min())
+        span = int(values.max()) - least
         kind = np.uint8 if span <= 255 else np.uint16
-        return (values.astype(np.int64) - low).astype(kind), float(low), 1.0
+        return (values.astype(np.int64) - least).astype(kind), float(least), 1.0
     known = np.isfinite(values)
     low, high = float(values[known].min()), float(values[known].max())
     scale = (high - low) / (NO_DATA - 1)
@@ -118,14 +128,16 @@ def coded(values):
     return codes, low, scale
 
 
-def _light_data(data, shown):
+def _light_data(data: "PageData", shown: ShownVolume) -> dict[str, Any]:
     exposure = np.float32(shown.bake.scene.exposure)
     sides = [packed(_light(shown, back, data.progress) * exposure) for back in shown.sides]
     lit = np.logical_or.reduce([side != 0 for side in sides])
     return _texture(data, lit, 1, [data.add_colors(side[lit]) for side in sides])
 
 
-def _direct_data(data, shown, codes, offset, scale):
+def _direct_data(
+    data: "PageData", shown: ShownVolume, codes: Array, offset: float, scale: float
+) -> dict[str, Any] | None:
     """The maps, or None; the page finds their ranges as they are found here."""
     direct, bake = shown.direct, shown.bake
     if direct is None or len(direct.light_points) == 0:
@@ -133,7 +145,7 @@ def _direct_data(data, shown, codes, offset, scale):
     isovalue_range = [bake.isovalue_of(shown.number, c) for c in bake.isovalues]
     missing = NO_DATA if shown.volume.field().masked else None
 
-    def code(numbers):
+    def code(numbers: Array) -> Array:
         return code_of(offset + scale * numbers, isovalue_range)
 
     active = direct.mask() != 0
@@ -150,7 +162,9 @@ def _direct_data(data, shown, codes, offset, scale):
     }
 
 
-def _texture(data, active, layers, sides):
+def _texture(
+    data: "PageData", active: Array, layers: int, sides: Sequence[int] | Sequence[list[int]]
+) -> dict[str, Any]:
     """active: bool [z, y, x], the texels that there are; sides: the block, or blocks, of each."""
     bricks = light_bricks(active, layers)
     return {
@@ -165,7 +179,7 @@ def _texture(data, active, layers, sides):
     }
 
 
-def _light(shown, back, progress):
+def _light(shown: ShownVolume, back: bool, progress: _core.Progress) -> Array:
     """Radiance float32 (nz, ny, nx, 3) at texels evenly spaced from the first voxel to the last."""
     grid, field = shown.bake.grids[shown.number], shown.bake.volumes[shown.number].field()
     is_indirect = shown.has_maps(back)
@@ -187,7 +201,7 @@ def _light(shown, back, progress):
     return spread(light)
 
 
-def spread(light):
+def spread(light: Array) -> Array:
     """The light (nz, ny, nx, 3), dark texels having the mean of their neighbours that are lit."""
     lit = light.any(axis=-1)
     sums, counts = light * lit[..., None], lit.astype(np.float32)
@@ -197,7 +211,7 @@ def spread(light):
     return np.where(lit[..., None], light, filled).astype(np.float32)
 
 
-def _of_three(array, axis):
+def _of_three(array: Array, axis: int) -> Array:
     total = array.copy()
     before = [slice(None)] * array.ndim
     after = list(before)
@@ -207,14 +221,14 @@ def _of_three(array, axis):
     return total
 
 
-def _stops(ramp):
+def _stops(ramp: Ramp) -> list[list[Any]]:
     """A ramp as [[isovalue, [r, g, b]], ...]."""
     if is_color(ramp):
         return [[0.0, list(ramp)]]
     return [[float(isovalue), list(map(float, color))] for isovalue, color in ramp]
 
 
-def estimated_bytes(bake, coarser=0):
+def estimated_bytes(bake: Bake, coarser: int = 0) -> float:
     """About how large the file of a page will be: of texels with light half stays when deflated, of
     maps a seventh, and of values half; text holds six bits a byte."""
     total = 0.0
@@ -226,7 +240,9 @@ def estimated_bytes(bake, coarser=0):
     return 4.0 / 3.0 * total
 
 
-def _raw_parts(bake, number, texels, dims):
+def _raw_parts(
+    bake: Bake, number: int, texels: Sequence[int], dims: Sequence[int]
+) -> tuple[float, float, float]:
     """Bytes of the light of a volume, of its maps, and of its values, before they deflate."""
     direct = bake.grids[number].direct
     sides = 2 if back_side(bake, number) == "baked" else 1

@@ -3,16 +3,26 @@
 coordinate, and ways to light points, from which the page has direct light at any
 (web/src/wall_light.ts); others are shaded by the page."""
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
-from ..stills.walls import room_meshes
+from ..arrays import Array
+from ..bake.baked import Bake
+from ..stills.walls import RoomMesh, room_meshes
 from .shared_exponent import packed
 from .visibility_levels import code_of
 
+if TYPE_CHECKING:
+    from .page_data import PageData
 
-def walls_data(data, bake):
+
+def walls_data(data: "PageData", bake: Bake) -> dict[str, Any]:
     """What the header of a page tells of a bake's walls; the blocks go into its PageData."""
-    nodes, tints, strengths = [], [], None
+    nodes: list[float] = []
+    tints: list[Any] = []
+    strengths: Array | None = None
     if bake.walls is not None and bake.scene.meshes:
         nodes = list(bake.walls.nodes)
         amounts = bake.walls.point_amounts
@@ -22,7 +32,7 @@ def walls_data(data, bake):
     return {"nodes": nodes, "tints": tints, "meshes": meshes}
 
 
-def _wall(data, bake, strengths, mesh):
+def _wall(data: "PageData", bake: Bake, strengths: Array | None, mesh: RoomMesh) -> dict[str, Any]:
     return {
         "name": bake.scene.meshes[mesh.number].name,
         "isOfRoom": mesh.is_of_room,
@@ -30,14 +40,15 @@ def _wall(data, bake, strengths, mesh):
         "emission": mesh.emission.tolist(),
         "vertices": data.add(mesh.vertices.astype(np.float32)),
         "triangles": data.add(mesh.triangles.astype(np.uint32)),
-        "light": _light(data, bake, strengths, mesh.number) if mesh.is_lit else None,
+        "light": None if strengths is None else _light(data, bake, strengths, mesh.number),
     }
 
 
-def _light(data, bake, strengths, number):
+def _light(data: "PageData", bake: Bake, strengths: Array, number: int) -> dict[str, Any]:
     lit, exposure = bake.walls, np.float32(bake.scene.exposure)
+    assert lit is not None
 
-    def colors(light):
+    def colors(light: Array) -> int | None:
         return data.add_colors(packed(light * exposure)) if light.any() else None
 
     sets, least, greatest, shares, *unshadowed = lit.direct_ways(number)
@@ -52,17 +63,18 @@ def _light(data, bake, strengths, number):
     }
 
 
-def codes(greatest, isovalue_range):
+def codes(greatest: Array, isovalue_range: Sequence[float]) -> Array:
     """Common isovalues as bytes: 1 to 253 over the range, rounded down, 0 below it, 254 above it,
     255 where they are infinite."""
     found = np.clip(np.floor(code_of(greatest, isovalue_range)), 0, 254)
     return np.where(np.isposinf(greatest), 255, found).astype(np.uint8)
 
 
-def weights(lights):
+def weights(lights: Array) -> Array:
     """int8: lights (n, points) over the greatest of a row and side, front positive, times 127."""
     sides = [np.maximum(sign * lights, 0.0) for sign in (1.0, -1.0)]
     front, back = (
         side / np.maximum(side.max(axis=1, keepdims=True, initial=0), 1e-30) for side in sides
     )
-    return np.rint(127.0 * (front - back)).astype(np.int8)
+    found: Array = np.rint(127.0 * (front - back)).astype(np.int8)
+    return found

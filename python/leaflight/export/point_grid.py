@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A bake as values and radiance at the points of one regular grid."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+
+from .._core import Field
+from ..arrays import Array
+from ..bake.baked import Bake
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,14 +22,14 @@ class PointGrid:
     channels; radiance_back: that of the backs, or None where these were not baked.
     """
 
-    index_to_world: np.ndarray
-    values: np.ndarray
-    radiance: np.ndarray
-    error: np.ndarray
-    radiance_back: np.ndarray
+    index_to_world: Array
+    values: Array
+    radiance: Array
+    error: Array
+    radiance_back: Array | None
 
 
-def point_grid(bake, volume=0):
+def point_grid(bake: Bake, volume: int = 0) -> PointGrid:
     """The PointGrid of a volume (its number) of a Bake: its voxels, or its texels if these are
     finer."""
     field, grid = bake.volumes[volume].field(), bake.grids[volume]
@@ -44,7 +49,7 @@ def point_grid(bake, volume=0):
     return PointGrid(index_to_world, values, radiance, error, back[0] if back else None)
 
 
-def _between_voxels(values, texels):
+def _between_voxels(values: Array, texels: Array) -> Array:
     """The trilinear interpolant at as many points (along x, y, z), the first and last voxels'."""
     for axis, count in zip((2, 1, 0), texels):
         n = values.shape[axis]
@@ -60,7 +65,7 @@ def _between_voxels(values, texels):
     return values
 
 
-def _looked_up(field, lookup, *options):
+def _looked_up(field: Field, lookup: Callable[..., Array], *options: bool) -> Array:
     """What a lookup tells at all voxels; plane by plane, since their coordinates take memory."""
     nx, ny, nz = field.dims
     y, x = np.mgrid[:ny, :nx]

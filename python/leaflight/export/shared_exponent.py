@@ -6,6 +6,9 @@ Conversion"): half a percent exact, up to 65408.
 """
 
 import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array
 
 _BITS, _BIAS, _LARGEST = 9, 15, 65408.0
 # Between the least mantissas, a third of what a screen of 8 bits shows beside black. Less is noise,
@@ -13,7 +16,7 @@ _BITS, _BIAS, _LARGEST = 9, 15, 65408.0
 LEAST = 2.0**-13
 
 
-def packed(colors):
+def packed(colors: ArrayLike) -> Array:
     """uint32 (...) of colors (..., 3); what is below zero becomes zero."""
     colors = np.clip(np.asarray(colors, np.float32), 0.0, _LARGEST)
     largest = colors.max(axis=-1)
@@ -27,10 +30,11 @@ def packed(colors):
     word = exponent.astype(np.uint32) << 27
     for channel in range(3):
         word |= mantissas[..., channel] << np.uint32(9 * channel)
-    return np.where(mantissas.any(axis=-1), word, np.uint32(0))
+    words: Array = np.where(mantissas.any(axis=-1), word, np.uint32(0))
+    return words
 
 
-def planes(words):
+def planes(words: Array) -> Array:
     """The same as bytes (4, n) that deflate: of the mantissas' lower eight bits green, red less
     green and blue less green; the exponent and the highest bits of blue, green and red."""
     words = words.ravel()
@@ -38,4 +42,5 @@ def planes(words):
     high = words >> np.uint32(24) & np.uint32(0xF8)
     for channel, mantissa in enumerate((red, green, blue)):
         high |= (mantissa >> np.uint32(8) & np.uint32(1)) << np.uint32(channel)
-    return np.stack([green, red - green, blue - green, high]).astype(np.uint8)
+    found: Array = np.stack([green, red - green, blue - green, high]).astype(np.uint8)
+    return found

@@ -2,11 +2,15 @@
 """Lit isosurfaces as Universal Scene Description (.usda, .usdc, .usd)."""
 
 import errno
+import os
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdShade, Vt
 
+from ..arrays import Array
+from ..bake.baked import Surface
 from ..io.output import check_writable, replaced
 from ..volume.units import METERS
 
@@ -14,7 +18,9 @@ SUFFIXES = (".usda", ".usdc", ".usd")
 _FRAMES_PER_SECOND = 24.0
 
 
-def write_usd(path, surfaces, exposure):
+def write_usd(
+    path: str | os.PathLike[str], surfaces: Mapping[float, Surface], exposure: float
+) -> None:
     """Writes Surfaces, {isovalue: Surface}, in world coordinates, z up. Raises LeaflightError.
 
     metersPerUnit is that of the world; 1 where nobody knows.
@@ -50,7 +56,7 @@ def write_usd(path, surfaces, exposure):
         del stage
 
 
-def _fill(mesh, surfaces, exposure):
+def _fill(mesh: UsdGeom.Mesh, surfaces: Mapping[float, Surface], exposure: float) -> None:
     primvars = UsdGeom.PrimvarsAPI(mesh)
     colors, radiances = (
         primvars.CreatePrimvar(name, Sdf.ValueTypeNames.Color3fArray, UsdGeom.Tokens.vertex)
@@ -74,11 +80,11 @@ def _fill(mesh, surfaces, exposure):
         isovalues.Set(float(isovalue), time)
 
 
-def _vectors(rows):
+def _vectors(rows: Array) -> Vt.Vec3fArray:
     return Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(rows, np.float32))
 
 
-def _glowing(stage):
+def _glowing(stage: Usd.Stage) -> UsdShade.Material:
     """A material whose light is the mesh's own color alone."""
     material = UsdShade.Material.Define(stage, "/Leaflight/lit")
     reader = UsdShade.Shader.Define(stage, "/Leaflight/lit/color")

@@ -6,8 +6,12 @@ kept as its place between the least and the greatest of these values, which the 
 """
 
 import math
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
+
+from .._core import DirectLight
+from ..arrays import Array
 
 # A way that no isosurface about the texel blocks; one that all of them do; one that a mesh does.
 # Levels between are even parts of the range of codes.
@@ -17,13 +21,15 @@ POINTS_A_TEXEL = 8
 _PARTS = HIDDEN - 1
 
 
-def code_of(value, isovalue_range):
+def code_of(value: Array, isovalue_range: Sequence[float]) -> Array:
     """The code of a value, within a range (low, high) or beyond: 1 to 253 over the range."""
     low, high = isovalue_range
     return 1.0 + (value - low) * (252.0 / (high - low))
 
 
-def ranges(values, missing, texels, code):
+def ranges(
+    values: Array, missing: int | None, texels: Sequence[int], code: Callable[[Array], Array]
+) -> tuple[Array, Array]:
     """(least, greatest) code about each texel, uint8 [z, y, x].
 
     values: array [z, y, x]; missing: the value of masked voxels, greater than all others, or None.
@@ -39,15 +45,15 @@ def ranges(values, missing, texels, code):
     return _byte(np.floor(code(least))), _byte(np.ceil(code(greatest)))
 
 
-def levels(codes, least, greatest):
+def levels(codes: Array, least: Array, greatest: Array) -> Array:
     """The levels uint8 of codes between others, uint8 arrays of one shape."""
     part = np.clip(codes, least, greatest) - least
-    found = _LEVELS.take((greatest - least).astype(np.uint16) * np.uint16(256) + part)
+    found: Array = _LEVELS.take((greatest - least).astype(np.uint16) * np.uint16(256) + part)
     found[codes == 255] = DARK
     return found
 
 
-def pairs(direct, inner, least, greatest):
+def pairs(direct: DirectLight, inner: bool, least: Array, greatest: Array) -> Iterator[Array]:
     """uint8 (n,) of the active texels for each two light points of a DirectLight: levels of the
     first, and of the second times 16. least, greatest: codes about these texels."""
     for point in range(0, len(direct.light_points), 2):
@@ -57,7 +63,7 @@ def pairs(direct, inner, least, greatest):
         yield both
 
 
-def _by_texel(function, values, axis, count):
+def _by_texel(function: np.ufunc, values: Array, axis: int, count: int) -> Array:
     voxels = values.shape[axis]
     width = (voxels - 1) / (count - 1)
     planes = []
@@ -68,11 +74,11 @@ def _by_texel(function, values, axis, count):
     return np.stack(planes, axis)
 
 
-def _byte(codes):
+def _byte(codes: Array) -> Array:
     return np.clip(codes, 0, 254).astype(np.uint8)
 
 
-def _table():
+def _table() -> Array:
     """[range of codes, part of it]: the level."""
     span, part = np.mgrid[:256, :256]
     between = 1 + part * _PARTS // np.maximum(span, 1)

@@ -1,19 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A bake as a VTK image (.vti), for ParaView."""
 
+import os
+
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
 
 from .._core import LeaflightError
+from ..arrays import Array
+from ..bake.baked import Bake
 from ..io.images import display_colours
 from ..io.output import check_writable, replaced
 from .point_grid import point_grid
 from .vtk_arrays import add_text_and_numbers, write
 
 
-def write_vti(path, bake, volume=0):
+def write_vti(path: str | os.PathLike[str], bake: Bake, volume: int = 0) -> None:
     """Writes a volume (its number) of a Bake with its radiance. Raises LeaflightError.
 
     Point data: value (float, data units), radiance (W/(m^2 sr), linear RGB, of the isosurface
@@ -50,7 +54,7 @@ def write_vti(path, bake, volume=0):
         write(vtkXMLImageDataWriter(), image, temporary)
 
 
-def _place(path, image, index_to_world):
+def _place(path: str | os.PathLike[str], image: vtkImageData, index_to_world: Array) -> None:
     """VTK has an origin, a spacing and a rotation; raises LeaflightError where these do not do."""
     axes = index_to_world[:3, :3]
     spacing = np.linalg.norm(axes, axis=0)

@@ -3,13 +3,20 @@
 
 import errno
 import os
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonCore import vtkObject, vtkStringArray
 
+if TYPE_CHECKING:
+    from vtkmodules.vtkCommonDataModel import vtkDataObject
+    from vtkmodules.vtkIOXML import vtkXMLWriter
 
-def add_text_and_numbers(data, **named):
+
+def add_text_and_numbers(data: "vtkDataObject", **named: str | ArrayLike) -> None:
     """Adds field data by name: texts, numbers or lists of numbers."""
     for name, value in named.items():
         if isinstance(value, str):
@@ -21,7 +28,7 @@ def add_text_and_numbers(data, **named):
         data.GetFieldData().AddArray(array)
 
 
-def write(writer, data, path):
+def write(writer: "vtkXMLWriter", data: "vtkDataObject", path: Path) -> None:
     """Writes a data set by one of VTK's XML writers, compressed. Raises OSError."""
     writer.SetFileName(str(path))
     writer.SetInputData(data)
@@ -40,7 +47,7 @@ def write(writer, data, path):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
-def _end(path):
+def _end(path: Path) -> bytes:
     with open(path, "rb") as file:
         file.seek(max(0, path.stat().st_size - 64))
         return file.read().rstrip()

@@ -10,14 +10,17 @@ A scene file of flatland is a JSON object with the keys "name", "coordinates", "
                   each shines to the left of its edge
 """
 
+import os
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import leaflight._core as _core
 import numpy as np
 
-from ..io.json_object import parse, read_text
-from ..scene.scene import Fit, Isosurfaces, core_isosurfaces
+from ..arrays import Array
+from ..io.json_object import JsonObject, parse, read_text
+from ..scene.scene import Color, Fit, Isosurfaces, core_isosurfaces
+from ..volume.volume import Volume
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,9 +28,9 @@ class Wall:
     """Segments of one colour: vertices float32 (n, 2), segments uint32 (m, 2), albedo in 0..1."""
 
     name: str
-    vertices: np.ndarray
-    segments: np.ndarray
-    albedo: tuple
+    vertices: Array
+    segments: Array
+    albedo: Color
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,9 +38,9 @@ class Lamp:
     """A segment that shines to the left of its edge with a radiance in W/(m rad), linear RGB."""
 
     name: str
-    corner: tuple
-    edge: tuple
-    radiance: tuple
+    corner: tuple[float, float]
+    edge: tuple[float, float]
+    radiance: Color
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,12 +50,12 @@ class FlatScene:
     name: str
     isosurfaces: Isosurfaces
     exposure: float
-    walls: list
-    lamps: list
+    walls: list[Wall]
+    lamps: list[Lamp]
     coordinates: str = "world"
 
 
-def load_flat_scene(path):
+def load_flat_scene(path: str | os.PathLike[str]) -> FlatScene:
     """Reads a scene file of flatland. Raises LeaflightError naming the object that is wrong."""
     root = parse(read_text(path), str(path))
     root.only("name", "coordinates", "isosurface_albedo", "exposure", "meshes", "lights", "comment")
@@ -66,13 +69,13 @@ def load_flat_scene(path):
     )
 
 
-def flat_box():
+def flat_box() -> FlatScene:
     """The box of thesis chapter 3, its lamp at the bottom: scenes/flatland_bump_box.json."""
     folder = Path(__file__).parent.parent / "scenes"
     return load_flat_scene(folder / "flatland_bump_box.json")
 
 
-def _wall(item):
+def _wall(item: JsonObject) -> Wall:
     item.only("name", "albedo", "vertices", "segments")
     vertices = item.points("vertices", 2, axes="xy")
     segments = item.faces("segments", (2,), len(vertices))
@@ -84,7 +87,7 @@ def _wall(item):
     )
 
 
-def _lamp(item):
+def _lamp(item: JsonObject) -> Lamp:
     item.only("name", "corner", "edge", "radiance")
     edge = item.vector("edge", 2)
     if not any(edge):
@@ -92,7 +95,7 @@ def _lamp(item):
     return Lamp(item.name, item.vector("corner", 2), edge, item.color("radiance"))
 
 
-def fit_flat_scene(scene, volume):
+def fit_flat_scene(scene: FlatScene, volume: Volume) -> FlatScene:
     """The scene in world coordinates; one in box coordinates is fitted around the height field."""
     if scene.coordinates == "world":
         return scene
@@ -108,7 +111,9 @@ def fit_flat_scene(scene, volume):
     )
 
 
-def core_flat_scene(scene, field, isovalue_range):
+def core_flat_scene(
+    scene: FlatScene, field: _core.Field2, isovalue_range: tuple[float, float]
+) -> _core.Scene2:
     """The core's scene of one in world coordinates. Raises LeaflightError."""
     walls = [
         _core.Mesh2(wall.name, wall.vertices, wall.segments, wall.albedo) for wall in scene.walls

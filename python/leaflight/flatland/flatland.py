@@ -6,13 +6,18 @@ is that of the plane: radiance is per length and angle, and a diffuse line of al
 of its irradiance in every direction, where a surface in space sends a / pi.
 """
 
+import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import leaflight._core as _core
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .._core import LeaflightError
+from ..arrays import Array
 from ..bake.settings import bake_settings, range_to_bake
 from ..bake.statistics import Statistics, statistics_of
 from ..io.images import display_colours, luminance, read_pixels
@@ -20,6 +25,9 @@ from ..progress_bar import with_progress
 from ..volume.setting_error import SettingError
 from ..volume.volume import Volume, on_unit_cube
 from .flat_scene import FlatScene, core_flat_scene, fit_flat_scene, flat_box
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
 
 # What makes a scene of the plane about as bright as the same scene in space (thesis 3.4.3).
 BRIGHTNESS_CORRECTION = 2.0 / np.pi
@@ -35,9 +43,9 @@ OVERSAMPLING = 3
 class Isolines:
     """Lit isolines: vertices (n, 2) and radiance (n, 3), float32; segments int32 (m, 2)."""
 
-    vertices: np.ndarray
-    segments: np.ndarray
-    radiance: np.ndarray
+    vertices: Array
+    segments: Array
+    radiance: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,15 +57,15 @@ class FlatBake:
 
     volume: Volume
     scene: FlatScene
-    isovalues: tuple
-    grid: object
+    isovalues: tuple[float, float]
+    grid: _core.RadianceGrid2
     statistics: Statistics
 
-    def texture(self):
+    def texture(self) -> Array:
         """Radiance, linear float32 [y, x, RGB]; zero where no isoline of the range passes."""
         return self.grid.dense("radiance")
 
-    def isolines(self, isovalue):
+    def isolines(self, isovalue: float) -> Isolines:
         """The Isolines of one isovalue. Raises LeaflightError outside the isovalue range."""
         lo, hi = self.isovalues
         if not lo <= isovalue <= hi:
@@ -66,24 +74,32 @@ class FlatBake:
                 "inside or bake again with a wider range.",
                 "isovalues",
             )
-        vertices, _, segments = _core.contour2(self.volume.field(), isovalue)
+        vertices, _, segments = _core.contour2(self.volume.flat_field(), isovalue)
         return Isolines(vertices, segments, self.radiance(vertices))
 
-    def radiance(self, points):
+    def radiance(self, points: ArrayLike) -> Array:
         """Baked radiance, float32 (n, 3), at world points (n, 2); zero where there is none."""
-        return self.grid.lookup(self.volume.field(), points)
+        return self.grid.lookup(self.volume.flat_field(), points)
 
-    def reference(self, points, isovalue, spp=1024, seed=0, threads=0, progress=None):
+    def reference(
+        self,
+        points: ArrayLike,
+        isovalue: float,
+        spp: int = 1024,
+        seed: int = 0,
+        threads: int = 0,
+        progress: _core.Progress | None = None,
+    ) -> tuple[Array, Array]:
         """Path-traced radiance at points (n, 2) of an isoline, on its front.
 
         Returns (radiance, standard_error), float32 (n, 3) each. Raises LeaflightError, Cancelled.
         """
-        scene = core_flat_scene(self.scene, self.volume.field(), self.isovalues)
+        scene = core_flat_scene(self.scene, self.volume.flat_field(), self.isovalues)
         progress = progress or _core.Progress()
         return _core.reference2(scene, points, isovalue, spp, seed, threads, progress)
 
 
-def read_image(path):
+def read_image(path: str | os.PathLike[str]) -> Volume:
     """An image as a height field whose longest side measures 1, a Volume of two dimensions.
 
     PNG, JPEG, TIFF or EXR; colours become their luminance (Rec. 709) in the numbers that the file
@@ -96,24 +112,24 @@ def read_image(path):
     return volume
 
 
-def bump_box_2d(n=200):
+def bump_box_2d(n: int = 200) -> Volume:
     """The 2D bump box (thesis Eq. 2.1 without z): n^2 nodes on the unit square, values 0..255."""
     return on_unit_cube(n, _core.bump_box2, "bump_box", "bump_box")
 
 
 @with_progress("flatland")
 def bake_flatland(
-    volume,
-    scene=None,
+    volume: Volume,
+    scene: FlatScene | None = None,
     *,
-    isovalues=None,
-    error=None,
-    time=None,
-    resolution=None,
-    seed=0,
-    threads=0,
-    progress=None,
-):
+    isovalues: Sequence[float] | None = None,
+    error: float | None = None,
+    time: float | None = None,
+    resolution: int | Sequence[int] | None = None,
+    seed: int = 0,
+    threads: int = 0,
+    progress: _core.Progress | None = None,
+) -> FlatBake:
     """Computes the radiance of every isoline of a height field whose isovalue lies in the range.
 
     scene: FlatScene, fitted around the height field; None is flat_box().
@@ -123,7 +139,7 @@ def bake_flatland(
     scene, isovalue_range, core = flat_placed(volume, scene, isovalues)
     settings = bake_settings(
         _core.BakeSettings2,
-        volume.field().dims,
+        volume.flat_field().dims,
         error=error,
         time=time,
         exposure=BRIGHTNESS_CORRECTION * scene.exposure,
@@ -135,16 +151,18 @@ def bake_flatland(
     return FlatBake(volume, scene, isovalue_range, baked.grids[0], statistics_of(baked.statistics))
 
 
-def flat_placed(volume, scene, isovalues):
+def flat_placed(
+    volume: Volume, scene: FlatScene | None, isovalues: Sequence[float] | None
+) -> tuple[FlatScene, tuple[float, float], _core.Scene2]:
     """What is lit, from the arguments of bake_flatland(): (FlatScene, range, _core.Scene2)."""
     if np.ndim(volume.values) != 2:
         raise LeaflightError(f"{volume.name}: flatland needs an image, not a volume.")
     scene = fit_flat_scene(scene or flat_box(), volume)
     isovalue_range = range_to_bake(isovalues, [volume], [scene.isosurfaces])
-    return scene, isovalue_range, core_flat_scene(scene, volume.field(), isovalue_range)
+    return scene, isovalue_range, core_flat_scene(scene, volume.flat_field(), isovalue_range)
 
 
-def picture(bake, isovalues, width=1000):
+def picture(bake: FlatBake, isovalues: Sequence[float], width: int = 1000) -> Array:
     """Lit isolines over their image in dim gray: uint8 [row, column, RGB], top row first.
 
     The exposure is such that nearly all of their light is seen, and little of it clipped.
@@ -174,7 +192,7 @@ def picture(bake, isovalues, width=1000):
     return np.asarray(image.reduce(OVERSAMPLING))
 
 
-def _dim_image(volume, size):
+def _dim_image(volume: Volume, size: Array) -> "Image":
     from PIL import Image
 
     low, high = volume.field().range
@@ -189,7 +207,7 @@ def _dim_image(volume, size):
     return big.convert("RGB")
 
 
-def _exposure(radiances):
+def _exposure(radiances: Sequence[Array]) -> float:
     brightest = np.concatenate(radiances).max(axis=1)
     lit = brightest[brightest > 0]
     return BRIGHT / np.quantile(lit, BRIGHT_SHARE) if len(lit) else 1.0

@@ -9,13 +9,24 @@ have the same power, so that their radiance is 2/pi of the flattened one (thesis
 import leaflight._core as _core
 import numpy as np
 
-from .flatland import BRIGHTNESS_CORRECTION
+from .._core import LeaflightError
+from ..arrays import Array
+from ..scene.scene import is_color
+from ..volume.volume import Volume
+from .flatland import BRIGHTNESS_CORRECTION, FlatBake
 
 # Of the graph, in lengths of the height field's longest side.
 GRAPH_HEIGHT = 1.0
 
 
-def graph_radiance(bake, height=GRAPH_HEIGHT, spp=64, seed=0, threads=0, progress=None):
+def graph_radiance(
+    bake: FlatBake,
+    height: float = GRAPH_HEIGHT,
+    spp: int = 64,
+    seed: int = 0,
+    threads: int = 0,
+    progress: _core.Progress | None = None,
+) -> tuple[Array, Array]:
     """Radiance of the graph under ordinary light, path-traced, as the flattened texture's opposite.
 
     bake: a FlatBake, whose height field and scene are taken; height: of the graph, which rises from
@@ -27,7 +38,7 @@ def graph_radiance(bake, height=GRAPH_HEIGHT, spp=64, seed=0, threads=0, progres
     scene = _scene_in_space(bake, vertices, triangles)
     ny, nx = (n - 1 for n in bake.volume.values.shape)
     # The two triangles of a cell share the middle of their diagonal.
-    first = np.arange(0, len(triangles), 2, dtype=np.int32)
+    first = list(range(0, len(triangles), 2))
     places = np.tile([0.0, 0.5], (len(first), 1))
     radiance, error = _core.reference_walls(
         scene, 0, first, places, 0.5, spp, seed, threads, progress or _core.Progress()
@@ -35,7 +46,7 @@ def graph_radiance(bake, height=GRAPH_HEIGHT, spp=64, seed=0, threads=0, progres
     return radiance.reshape(ny, nx, 3), error.reshape(ny, nx, 3)
 
 
-def graph_mesh(volume, height=GRAPH_HEIGHT):
+def graph_mesh(volume: Volume, height: float = GRAPH_HEIGHT) -> tuple[Array, Array]:
     """The graph over an image: vertices float32 (ny nx, 3), triangles uint32 (m, 3), facing up."""
     values = volume.values
     ny, nx = values.shape
@@ -53,10 +64,12 @@ def graph_mesh(volume, height=GRAPH_HEIGHT):
     return vertices.astype(np.float32), pairs.reshape(-1, 3).astype(np.uint32)
 
 
-def _scene_in_space(bake, vertices, triangles):
+def _scene_in_space(bake: FlatBake, vertices: Array, triangles: Array) -> _core.Scene:
     """The graph, and the walls and lamps of the plane raised to its height; open above."""
     top = float(vertices[:, 2].max())
     albedo = bake.scene.isosurfaces.albedo
+    if not is_color(albedo):
+        raise LeaflightError("The graph has one colour: give isolines one, not several.")
     meshes = [_core.Mesh("graph", vertices, triangles, albedo)]
     for wall in bake.scene.walls:
         flat = np.asarray(wall.vertices, np.float32)

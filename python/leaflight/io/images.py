@@ -2,19 +2,23 @@
 """Images as arrays: PNG and JPEG through Pillow, TIFF through tifffile, EXR through OpenEXR."""
 
 import io
+import os
 import warnings
 from pathlib import Path
+from typing import Any
 
 import leaflight._core as _core
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .._core import LeaflightError
+from ..arrays import Array
 from .output import replaced
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr")
 
 
-def read_pixels(path):
+def read_pixels(path: str | os.PathLike[str]) -> Array:
     """The numbers as the file stores them: [row, column] or [row, column, RGB], top row first.
 
     uint8, uint16 or floating point; alpha is left out. Raises LeaflightError.
@@ -41,7 +45,7 @@ def read_pixels(path):
     return pixels
 
 
-def read_texture(path):
+def read_texture(path: str | os.PathLike[str]) -> Array:
     """Linear RGB, float32 [row, column, 3], bottom row first; integers are taken as sRGB.
 
     Raises LeaflightError.
@@ -56,7 +60,7 @@ def read_texture(path):
     return np.ascontiguousarray(pixels[::-1], dtype=np.float32)
 
 
-def luminance(pixels):
+def luminance(pixels: Array) -> Array:
     """Grey of RGB by the weights of Rec. 709, float32 [row, column]; grey stays what it is."""
     # What is beyond single precision becomes infinite, which volumes refuse by themselves.
     with np.errstate(over="ignore", invalid="ignore"):
@@ -64,33 +68,34 @@ def luminance(pixels):
         return grey.astype(np.float32)
 
 
-def display_colours(radiance, exposure):
+def display_colours(radiance: ArrayLike, exposure: float) -> Array:
     """Radiance (..., 3) to uint8 sRGB: times the exposure, clamped to 0..1, encoded."""
     linear = np.clip(np.asarray(radiance, dtype=np.float32) * np.float32(exposure), 0.0, 1.0)
     curve = 1.055 * np.power(linear, 1.0 / 2.4) - 0.055
     encoded = np.where(linear <= 0.0031308, 12.92 * linear, curve)
-    return np.rint(255.0 * encoded).astype(np.uint8)
+    colours: Array = np.rint(255.0 * encoded).astype(np.uint8)
+    return colours
 
 
-def png_bytes(path, pixels):
+def png_bytes(path: str | os.PathLike[str], pixels: Array) -> bytes:
     """uint8 [row, column, RGB or RGBA], top row first, as PNG; path: of the file that holds it."""
     buffer = io.BytesIO()
     _pillow(path).fromarray(pixels).save(buffer, "PNG")
     return buffer.getvalue()
 
 
-def write_png(path, pixels):
+def write_png(path: str | os.PathLike[str], pixels: Array) -> None:
     """Writes png_bytes() as a whole or not at all."""
     content = png_bytes(path, pixels)
     with replaced(path) as temporary:
         temporary.write_bytes(content)
 
 
-def _read_tiff(path):
+def _read_tiff(path: Path) -> Array:
     from .readers.tiff import opened
 
     with opened(path) as file:
-        pixels = file.pages[0].asarray()
+        pixels: Array = file.pages[0].asarray()
     if pixels.ndim not in (2, 3) or pixels.dtype.kind not in "uf":
         raise LeaflightError(
             f"{path}: the image must be grey or RGB, of unsigned integers or floating point; "
@@ -99,7 +104,7 @@ def _read_tiff(path):
     return pixels
 
 
-def _pillow(path):
+def _pillow(path: str | os.PathLike[str]) -> Any:
     try:
         from PIL import Image
     except ImportError:
@@ -110,7 +115,7 @@ def _pillow(path):
     return Image
 
 
-def _read_with_pillow(path):
+def _read_with_pillow(path: Path) -> Array:
     Image = _pillow(path)
     try:
         # A warning of a large image is harmless; of a far too large one Pillow raises an error.

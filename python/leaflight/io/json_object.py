@@ -2,14 +2,19 @@
 """Objects of a JSON file, read with checks whose errors say where and what is wrong."""
 
 import json
+import os
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any, Literal, overload
 
 import numpy as np
 
 from .._core import LeaflightError
+from ..arrays import Array
+from ..scene.scene import Color, Ramp, Vector
 
 
-def read_text(path):
+def read_text(path: str | os.PathLike[str]) -> str:
     """The text of a scene file. Raises LeaflightError."""
     try:
         return Path(path).read_text(encoding="utf-8")
@@ -18,12 +23,16 @@ def read_text(path):
         raise LeaflightError(f"{path}: cannot read the scene file: {reason}.") from None
 
 
-def parse(text, source):
+def parse(text: str, source: str) -> "JsonObject":
     """The JsonObject of a file's text; source names the file in errors. Raises LeaflightError."""
     try:
         data = json.loads(text)
     except (ValueError, RecursionError) as error:
-        detail = f"{error.msg}, line {error.lineno}" if hasattr(error, "msg") else "malformed"
+        detail = (
+            f"{error.msg}, line {error.lineno}"
+            if isinstance(error, json.JSONDecodeError)
+            else "malformed"
+        )
         raise LeaflightError(f"{source}: this is not valid JSON ({detail}).") from None
     return JsonObject(data, source)
 
@@ -31,31 +40,31 @@ def parse(text, source):
 class JsonObject:
     """One object {...} and how errors call it. Every method raises LeaflightError."""
 
-    def __init__(self, data, where):
-        self.data = data
+    def __init__(self, data: Any, where: str) -> None:
+        self.data: dict[str, Any] = data
         self.where = where
         self.name = ""
         if not isinstance(data, dict):
             raise self.error("it must be a JSON object {...}")
 
-    def __contains__(self, key):
+    def __contains__(self, key: str) -> bool:
         return key in self.data
 
-    def error(self, what):
+    def error(self, what: str) -> LeaflightError:
         return LeaflightError(f"{self.where}: {what}.")
 
-    def only(self, *keys):
+    def only(self, *keys: str) -> None:
         """Refuses every other key."""
         for key in self.data:
             if key not in keys:
                 raise self.error(f'unknown key "{key[:40]}"; known are {", ".join(keys)}')
 
-    def get(self, key):
+    def get(self, key: str) -> Any:
         if key not in self.data:
             raise self.error(f'the key "{key}" is missing')
         return self.data[key]
 
-    def text(self, key, default=None):
+    def text(self, key: str, default: str | None = None) -> str:
         value = self.get(key) if default is None else self.data.get(key, default)
         if not isinstance(value, str):
             raise self.error(f'"{key}" must be text')
@@ -63,31 +72,31 @@ class JsonObject:
             raise self.error(f'"{key}" holds half a character; write it again')
         return value
 
-    def choice(self, key, choices, default=None):
+    def choice(self, key: str, choices: Sequence[str], default: str | None = None) -> str:
         value = self.text(key, default)
         if value not in choices:
             allowed = ", ".join(f'"{choice}"' for choice in choices[:-1])
             raise self.error(f'"{key}" must be {allowed} or "{choices[-1]}", not "{value[:40]}"')
         return value
 
-    def flag(self, key):
+    def flag(self, key: str) -> bool:
         """True or false; false where it is missing."""
         value = self.data.get(key, False)
         if not isinstance(value, bool):
             raise self.error(f'"{key}" must be true or false')
         return value
 
-    def items(self, key):
+    def items(self, key: str) -> list[Any]:
         value = self.get(key)
         if not isinstance(value, list):
             raise self.error(f'"{key}" must be a list')
         return value
 
-    def child(self, key):
+    def child(self, key: str) -> "JsonObject":
         """The object under a key."""
         return JsonObject(self.get(key), f"{self.where}: {key}")
 
-    def named(self, key, kind):
+    def named(self, key: str, kind: str) -> list["JsonObject"]:
         """The objects of a list, each with a "name" by which errors call it."""
         children = []
         for i, data in enumerate(self.items(key)):
@@ -97,7 +106,7 @@ class JsonObject:
             children.append(child)
         return children
 
-    def array(self, key):
+    def array(self, key: str) -> Array:
         """Finite numbers in rows of equal length, float64."""
         try:
             array = np.array(self.get(key), dtype=np.float64)
@@ -107,7 +116,7 @@ class JsonObject:
             raise self.error(f'"{key}" must hold finite numbers')
         return array
 
-    def number(self, key, low, high, default=None):
+    def number(self, key: str, low: float, high: float, default: float | None = None) -> float:
         """A number in low..high."""
         if default is not None and key not in self:
             return default
@@ -117,20 +126,24 @@ class JsonObject:
             raise self.error(f'"{key}" must be a number {allowed}')
         return float(value)
 
-    def positive(self, key):
+    def positive(self, key: str) -> float:
         value = self.array(key)
         if value.shape != () or not value > 0:
             raise self.error(f'"{key}" must be a positive number')
         return float(value)
 
-    def vector(self, key, length=3):
+    @overload
+    def vector(self, key: str, length: Literal[3] = 3) -> Vector: ...
+    @overload
+    def vector(self, key: str, length: Literal[2]) -> tuple[float, float]: ...
+    def vector(self, key: str, length: int = 3) -> tuple[float, ...]:
         array = self.array(key)
         if array.shape != (length,):
             count = {2: "two", 3: "three"}[length]
             raise self.error(f'"{key}" must be {count} numbers')
         return tuple(array.tolist())
 
-    def points(self, key, least, axes="xyz"):
+    def points(self, key: str, least: int, axes: str = "xyz") -> Array:
         """At least so many points, float32 (n, axes)."""
         array = self.array(key)
         if array.ndim != 2 or array.shape[1] != len(axes) or len(array) < least:
@@ -140,7 +153,7 @@ class JsonObject:
         with np.errstate(over="ignore"):
             return array.astype(np.float32)
 
-    def faces(self, key, lengths, count):
+    def faces(self, key: str, lengths: Sequence[int], count: int) -> list[list[int]]:
         """A list of lists, as long as one of lengths, of indices in 0..count - 1; not empty."""
         faces = self.items(key)
         if not faces:
@@ -157,7 +170,7 @@ class JsonObject:
                 )
         return faces
 
-    def direction(self, key):
+    def direction(self, key: str) -> Color:
         """A vector of length 1; a longer or shorter one is normalised."""
         vector = np.array(self.vector(key))
         length = np.linalg.norm(vector)
@@ -165,9 +178,9 @@ class JsonObject:
             raise self.error(f'"{key}" must be a direction, but its length is zero')
         # One that is of length 1 already must be read as it was written.
         unit = vector if abs(length - 1) < 1e-12 else vector / length
-        return tuple(float(x) for x in unit)
+        return tuple(unit.tolist())
 
-    def color(self, key, largest=np.inf, default=None):
+    def color(self, key: str, largest: float = np.inf, default: Color | None = None) -> Color:
         """Three linear numbers in 0..largest."""
         if default is not None and key not in self:
             return default
@@ -177,7 +190,7 @@ class JsonObject:
             raise self.error(f'"{key}" must be three numbers {allowed}')
         return color
 
-    def ramp(self, key, largest=np.inf, default=None):
+    def ramp(self, key: str, largest: float = np.inf, default: Color | None = None) -> Ramp:
         """A colour, or stops [isovalue, [r, g, b]] in ascending order, as a list of pairs."""
         if default is not None and key not in self:
             return default

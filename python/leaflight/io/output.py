@@ -3,6 +3,7 @@
 
 import os
 import tempfile
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -11,7 +12,9 @@ import leaflight._core as _core
 from .._core import LeaflightError
 
 
-def check_writable(path, suffix, *inputs):
+def check_writable(
+    path: str | os.PathLike[str], suffix: str, *inputs: str | os.PathLike[str]
+) -> None:
     """Raises LeaflightError unless path can be written, has this suffix and is none of inputs."""
     path = Path(path)
     if path.suffix.lower() != suffix:
@@ -42,7 +45,7 @@ def check_writable(path, suffix, *inputs):
 
 
 @contextmanager
-def replaced(path):
+def replaced(path: str | os.PathLike[str]) -> Iterator[Path]:
     """A temporary path of the same suffix, which takes the place of path at the end.
 
     Raises LeaflightError, with path as it was.
@@ -52,7 +55,7 @@ def replaced(path):
 
 
 @contextmanager
-def replaced_together(*paths):
+def replaced_together(*paths: str | os.PathLike[str]) -> Iterator[list[Path]]:
     """The same of several files: all take their places at the end, or none."""
     files = _core.ReplacedFiles([Path(path) for path in paths])
     temporaries = [files.temporary(index) for index in range(len(paths))]
@@ -72,5 +75,5 @@ def replaced_together(*paths):
         files.discard()
 
 
-def _shown(path):
+def _shown(path: Path) -> str:
     return str(path).encode("utf-8", "backslashreplace").decode()[:200]

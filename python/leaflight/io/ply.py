@@ -1,11 +1,38 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lit isosurfaces and photons as PLY files."""
 
+import os
+from typing import Protocol
+
+from ..arrays import Array
 from .images import display_colours
 from .output import check_writable, replaced
 
 
-def write_ply(path, surface, exposure):
+class _Surface(Protocol):
+    @property
+    def vertices(self) -> Array: ...
+    @property
+    def normals(self) -> Array: ...
+    @property
+    def triangles(self) -> Array: ...
+    @property
+    def radiance(self) -> Array: ...
+
+
+class _Photons(Protocol):
+    @property
+    def positions(self) -> Array: ...
+    @property
+    def flux_height(self) -> Array: ...
+    @property
+    def common_isovalue(self) -> Array: ...
+    @property
+    def direct(self) -> Array: ...
+    def colours(self) -> Array: ...
+
+
+def write_ply(path: str | os.PathLike[str], surface: _Surface, exposure: float) -> None:
     """Writes a Surface as binary PLY, under its final name or not at all. Raises LeaflightError.
 
     Vertex properties: x y z, nx ny nz, radiance_r radiance_g radiance_b (float, W/(m^2 sr), linear)
@@ -20,7 +47,7 @@ def write_ply(path, surface, exposure):
     _write(path, surface.vertices, [("triangle", surface.triangles)], properties)
 
 
-def write_photons(path, photons):
+def write_photons(path: str | os.PathLike[str], photons: _Photons) -> None:
     """Writes Photons as binary PLY of points, as write_ply does.
 
     Vertex properties: x y z (double), flux_r flux_g flux_b and common_isovalue (float, see
@@ -35,11 +62,16 @@ def write_photons(path, photons):
     _write(path, photons.positions, [], properties)
 
 
-def _columns(names, values):
+def _columns(names: str, values: Array) -> dict[str, Array]:
     return dict(zip(names.split(), values.T))
 
 
-def _write(path, points, cells, properties):
+def _write(
+    path: str | os.PathLike[str],
+    points: Array,
+    cells: list[tuple[str, Array]],
+    properties: dict[str, Array],
+) -> None:
     import meshio
 
     check_writable(path, ".ply")

@@ -5,16 +5,20 @@ A damaged file can end the process that opens it with OpenVDB or HDF5, or keep i
 This one has limits of time and memory, and what it does, Blender survives.
 """
 
+import io
 import json
 import math
 import os
 import subprocess
 import sys
 import threading
+from collections.abc import Iterable
 from importlib import import_module
 from pathlib import Path
+from typing import Any, NoReturn
 
-from .._core import LeaflightError
+from .._core import LeaflightError, Progress
+from ..arrays import Array
 
 # Seconds of a processor for any file, and bytes that are read in one more.
 LEAST_SECONDS = 60
@@ -34,7 +38,9 @@ class ReaderProcess:
     arrays, C-contiguous, whose bytes fill() gets. options: what JSON can hold.
     """
 
-    def __init__(self, path, kind, module, function, *options):
+    def __init__(
+        self, path: str | os.PathLike[str], kind: str, module: str, function: str, *options: object
+    ) -> None:
         self.path, self.kind = path, kind
         size = Path(path).stat().st_size
         self.seconds = math.ceil(LEAST_SECONDS + size / BYTES_PER_SECOND)
@@ -53,25 +59,28 @@ class ReaderProcess:
                 f"{path}: the process that is to read it cannot start: {error.strerror}; close "
                 "other programs and try again."
             ) from None
+        output = self._process.stdout
+        assert isinstance(output, io.BufferedReader)
+        self._output = output
         self._timer = threading.Timer(WAIT * self.seconds, self._process.kill)
 
-    def __enter__(self):
+    def __enter__(self) -> "ReaderProcess":
         self._timer.start()
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         self._timer.cancel()
         self._process.kill()
-        self._process.stdout.close()
+        self._output.close()
         self._process.wait()
 
-    def answer(self):
+    def answer(self) -> Any:
         """What the function answers.
 
         Raises LeaflightError as it does, and ValueError where it raises anything else.
         """
         try:
-            answer = json.loads(self._process.stdout.readline(_MOST_ANSWER))
+            answer = json.loads(self._output.readline(_MOST_ANSWER))
         except ValueError:
             raise self.died() from None
         if "refusal" in answer:
@@ -80,20 +89,20 @@ class ReaderProcess:
             raise ValueError(answer["failure"])
         return answer["answer"]
 
-    def fill(self, values, progress=None):
+    def fill(self, values: Array, progress: Progress | None = None) -> None:
         """Fills an array with the pieces, in their order, and tells a Progress of the bytes."""
-        left = memoryview(values).cast("B")
+        left = values.data.cast("B")
         while left:
             if progress is not None:
                 progress.check()
-            count = self._process.stdout.readinto(left[:_PIECE])
+            count = self._output.readinto(left[:_PIECE])
             if not count:
                 raise self.died()
             if progress is not None:
                 progress.advance(count)
             left = left[count:]
 
-    def died(self):
+    def died(self) -> LeaflightError:
         return LeaflightError(
             f"{self.path}: this {self.kind} is damaged, or needs too much memory or more than "
             f"{self.seconds} s: the process that read it did not live to its end; fetch the file "
@@ -101,7 +110,7 @@ class ReaderProcess:
         )
 
 
-def _python():
+def _python() -> str:
     """The interpreter: where Python is part of a program, sys.executable may be another one."""
     names = ("bin/python{}.{}", "bin/python3", "bin/python.exe", "python.exe")
     for name in names:
@@ -111,11 +120,12 @@ def _python():
     return sys.executable
 
 
-def child():
+def child() -> NoReturn:
     """Calls the function and answers with a line of JSON, behind it the pieces."""
     path, seconds, module, function, *options = json.loads(sys.argv[2])
     _limit(seconds)
-    out, pieces = sys.stdout.buffer, ()
+    out = sys.stdout.buffer
+    pieces: Iterable[Array] = ()
     try:
         called = getattr(import_module(module), function)
         answer, pieces = called(Path(path), *options)
@@ -127,13 +137,13 @@ def child():
         answer = {"failure": type(error).__name__}
     out.write(json.dumps(answer).encode() + b"\n")
     for piece in pieces:
-        out.write(piece)
+        out.write(piece.data)
     out.flush()
     # What libraries do at the end of a process does not matter any more.
     os._exit(0)
 
 
-def _limit(seconds):
+def _limit(seconds: int) -> None:
     try:
         import resource
     except ImportError:

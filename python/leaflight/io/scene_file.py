@@ -40,20 +40,25 @@ little-endian float32 RGB, bottom row first, compressed by zlib, in base64.
 import base64
 import json
 import math
+import os
 import zlib
+from collections.abc import Callable
 from dataclasses import MISSING, fields, replace
 from numbers import Real
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from .._core import LeaflightError
+from ..arrays import Array
 from ..scene.scene import (
     IDENTITY,
     AreaLight,
     Cone,
     Environment,
     Isosurfaces,
+    Light,
     Mesh,
     PointLight,
     SceneDescription,
@@ -71,22 +76,24 @@ BLACK = (0.0, 0.0, 0.0)
 IOR = (0.1, 10.0)
 
 
-def load_scene(path):
+def load_scene(path: str | os.PathLike[str]) -> SceneDescription:
     """Reads a scene file. Raises LeaflightError naming the file and the object that is wrong."""
     return scene_from_json(read_text(path), str(path), Path(path).parent)
 
 
-def cornell_box():
+def cornell_box() -> SceneDescription:
     """The default walls, in box coordinates: scenes/cornell.json."""
     return packaged_scene("cornell.json")
 
 
-def packaged_scene(name):
+def packaged_scene(name: str) -> SceneDescription:
     """The SceneDescription of a file of the package's scenes. Raises LeaflightError."""
     return load_scene(Path(__file__).parent.parent / "scenes" / name)
 
 
-def scene_from_json(text, source="scene", folder="."):
+def scene_from_json(
+    text: str, source: str = "scene", folder: str | os.PathLike[str] = "."
+) -> SceneDescription:
     """Parses the text of a scene file; source names it in errors. Raises LeaflightError.
 
     folder: what the names of files in it are relative to.
@@ -121,7 +128,7 @@ def scene_from_json(text, source="scene", folder="."):
     )
 
 
-def _look(item, name, prefix=""):
+def _look(item: JsonObject, name: str, prefix: str = "") -> Isosurfaces:
     """The Isosurfaces of an object whose keys begin with a prefix."""
     return Isosurfaces(
         name=name,
@@ -133,7 +140,7 @@ def _look(item, name, prefix=""):
     )
 
 
-def _isosurfaces(item, folder):
+def _isosurfaces(item: JsonObject, folder: str | os.PathLike[str]) -> Isosurfaces:
     item.only(
         *("name", "source", "reading", "albedo", "emission", "scattering", "ior", "isovalues"),
         "capped",
@@ -156,7 +163,7 @@ def _isosurfaces(item, folder):
     return replace(look, isovalues=isovalues, source=source, reading=reading)
 
 
-def _mesh(item, folder):
+def _mesh(item: JsonObject, folder: str | os.PathLike[str]) -> Mesh:
     item.only(
         *("name", "albedo", "vertices", "faces", "scattering", "ior", "emission", "texture", "uv")
     )
@@ -179,12 +186,12 @@ def _mesh(item, folder):
     )
 
 
-def _triangles(faces):
+def _triangles(faces: list[list[Any]]) -> list[list[Any]]:
     """Each face of 3 or 4 corners as one or two triangles."""
     return [[face[0], face[i], face[i + 1]] for face in faces for i in range(1, len(face) - 1)]
 
 
-def _uv(item, faces):
+def _uv(item: JsonObject, faces: list[list[int]]) -> Array:
     corners = item.items("uv")
     if len(corners) != len(faces) or any(
         not isinstance(uv, list) or len(uv) != len(face) for uv, face in zip(corners, faces)
@@ -196,12 +203,18 @@ def _uv(item, faces):
     return whole.astype(np.float32)
 
 
-def _light(item):
+def _light(item: JsonObject) -> Light:
     kind = item.choice("type", LIGHTS, LIGHTS[0])
-    return {"area": _area, "point": _point, "spot": _point, "sun": _sun}[kind](item)
+    read: dict[str, Callable[[JsonObject], Light]] = {
+        "area": _area,
+        "point": _point,
+        "spot": _point,
+        "sun": _sun,
+    }
+    return read[kind](item)
 
 
-def _area(item):
+def _area(item: JsonObject) -> AreaLight:
     item.only("name", "type", "corner", "edge_u", "edge_v", "radiance", "ellipse")
     corner, edge_u, edge_v = (item.vector(key) for key in ("corner", "edge_u", "edge_v"))
     lengths = np.linalg.norm(edge_u) * np.linalg.norm(edge_v)
@@ -215,7 +228,7 @@ def _area(item):
     return AreaLight(item.name, corner, edge_u, edge_v, radiance, item.flag("ellipse"))
 
 
-def _point(item):
+def _point(item: JsonObject) -> PointLight:
     spot = item.text("type") == "spot"
     item.only(
         *("name", "type", "position", "radius", "intensity"),
@@ -236,7 +249,7 @@ def _point(item):
     return PointLight(item.name, item.vector("position"), radius, item.color("intensity"), cone)
 
 
-def _sun(item):
+def _sun(item: JsonObject) -> SunLight:
     item.only("name", "type", "direction", "irradiance", "angle")
     angle = item.number("angle", 0, 180, default=0.0)
     if angle == 180:
@@ -245,7 +258,7 @@ def _sun(item):
     return SunLight(item.name, direction, item.color("irradiance"), math.radians(angle))
 
 
-def _environment(item, folder):
+def _environment(item: JsonObject, folder: str | os.PathLike[str]) -> Environment:
     item.only("name", "radiance", "image", "rotation", "world_to_image")
     matrix = np.array(IDENTITY)
     if "world_to_image" in item:
@@ -256,15 +269,16 @@ def _environment(item, folder):
         angle = math.radians(item.number("rotation", -np.inf, np.inf))
         cosine, sine = math.cos(angle), math.sin(angle)
         matrix = matrix @ [[cosine, sine, 0], [-sine, cosine, 0], [0, 0, 1]]
+    x, y, z = matrix.tolist()
     return Environment(
         item.text("name", "environment"),
         item.color("radiance"),
         _image(item, "image", folder) if "image" in item else None,
-        tuple(tuple(row) for row in matrix.tolist()),
+        (tuple(x), tuple(y), tuple(z)),
     )
 
 
-def _image(item, key, folder):
+def _image(item: JsonObject, key: str, folder: str | os.PathLike[str]) -> Array:
     """An image file or an embedded image, float32 [row, column, 3], bottom row first."""
     value = item.get(key)
     if isinstance(value, str):
@@ -288,7 +302,7 @@ def _image(item, key, folder):
     return np.frombuffer(pixels, dtype="<f4").reshape(height, width, 3).astype(np.float32)
 
 
-def scene_to_json(description):
+def scene_to_json(description: SceneDescription) -> str:
     """The text that scene_from_json turns into the same description again."""
     data = _plain(description) | {"coordinates": description.coordinates}
     data["volumes"] = [_plain(isosurfaces) for isosurfaces in description.isosurfaces]
@@ -304,7 +318,7 @@ def scene_to_json(description):
 KEYS = {"triangles": "faces"}
 
 
-def _plain(item):
+def _plain(item: Any) -> dict[str, Any]:
     """The fields of a dataclass that differ from their defaults, as JSON holds them."""
     data = {}
     for field in fields(item):
@@ -314,7 +328,7 @@ def _plain(item):
     return data
 
 
-def _json(value):
+def _json(value: object) -> object:
     if isinstance(value, np.ndarray):
         # The floating-point arrays of three dimensions whose last is colour are images; uv has two.
         return _embedded(value) if value.shape[2:] == (3,) else value.tolist()
@@ -325,14 +339,14 @@ def _json(value):
     return value
 
 
-def _embedded(image):
+def _embedded(image: Array) -> dict[str, object]:
     height, width, _ = image.shape
     # More effort hardly makes floating-point numbers shorter.
-    pixels = zlib.compress(np.ascontiguousarray(image, dtype="<f4"), level=1)
+    pixels = zlib.compress(np.ascontiguousarray(image, dtype="<f4").data, level=1)
     return {"width": width, "height": height, "pixels": base64.b64encode(pixels).decode()}
 
 
-def _light_data(light):
+def _light_data(light: Light) -> dict[str, Any]:
     data = _plain(light)
     if isinstance(light, PointLight):
         cone = data.pop("cone", None)

@@ -6,9 +6,12 @@ it imports neither these nor Blender itself.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 
 @dataclass(frozen=True)
@@ -24,11 +27,11 @@ class LightUnits:
     spot_cosine: bool
     # Whether E = I / (d^2 + r^2) at the distance d from a point light of radius r, always, or None
     # where the light itself says so; E = I / d^2 otherwise, as in the bake.
-    soft_points: bool
+    soft_points: bool | None
     # Whether the sun is sampled on a disc of directions, a little dimmer than its strength.
     sun_disc: bool
 
-    def sun(self, angle):
+    def sun(self, angle: float) -> float:
         """Irradiance of a sun of this angle, per unit of its strength."""
         cosine = math.cos(0.5 * angle)  # the mean cosine over the disc follows
         return 2.0 * cosine / (1.0 + cosine) if self.sun_disc else 1.0
@@ -44,31 +47,31 @@ _LIGHT_UNITS = (
 CHECKED = ((3, 4), (4, 2), (4, 3), (4, 5), (5, 0), (5, 1), (5, 2))
 
 
-def light_units(version):
+def light_units(version: Sequence[int]) -> LightUnits | None:
     """The LightUnits of a version, None before the first."""
     rows = [units for since, units in _LIGHT_UNITS if tuple(version[:2]) >= since]
     return rows[-1] if rows else None
 
 
-def node_tree(owner):
+def node_tree(owner: Any) -> Any:
     """The nodes of a material, world or light that renders, None where it has none in use."""
     return owner.node_tree if _always_has_nodes(owner) or owner.use_nodes else None
 
 
-def give_nodes(owner):
+def give_nodes(owner: Any) -> Any:
     """The same, after letting it use nodes."""
     if not _always_has_nodes(owner):
         owner.use_nodes = True
     return owner.node_tree
 
 
-def _always_has_nodes(owner):
+def _always_has_nodes(owner: Any) -> bool:
     """Materials and worlds from 5.0 on, lights from 5.2 on; 6.0 drops the property."""
     switch = owner.bl_rna.properties.get("use_nodes")
     return switch is None or getattr(switch, "is_deprecated", False)
 
 
-def fcurves(owner):
+def fcurves(owner: Any) -> list[Any]:
     """The curves that animate a data-block; from 4.4 on those of its slot in the action."""
     data = owner.animation_data
     if data is None or data.action is None:
@@ -81,21 +84,21 @@ def fcurves(owner):
     return [curve for bag in bags if bag is not None for curve in bag.fcurves]
 
 
-def set_normals(mesh, normals):
+def set_normals(mesh: Any, normals: ArrayLike) -> None:
     """Custom normals (n, 3) of the vertices; until 4.0 they show only where a switch is set."""
     if hasattr(mesh, "use_auto_smooth"):
         mesh.use_auto_smooth = True
     mesh.normals_split_custom_set_from_vertices(normals)
 
 
-def set_loop_starts(mesh, starts, corners):
+def set_loop_starts(mesh: Any, starts: Sequence[int] | NDArray[Any], corners: int) -> None:
     """Polygons of so many corners each; from 4.0 on the starts alone tell it."""
     mesh.polygons.foreach_set("loop_start", starts)
     if not mesh.polygons[0].bl_rna.properties["loop_total"].is_readonly:
         mesh.polygons.foreach_set("loop_total", np.full(len(starts), corners, np.int32))
 
 
-def polish(bsdf):
+def polish(bsdf: Any) -> None:
     """Makes a Glossy or Glass node perfectly smooth: until 3.6 only one distribution is."""
     if "SHARP" in bsdf.bl_rna.properties["distribution"].enum_items:
         bsdf.distribution = "SHARP"

@@ -2,8 +2,10 @@
 """How far a bake is from the path-traced truth on one isosurface, or on a mesh around it."""
 
 import time
+from typing import Any
 
-from .._core import LeaflightError
+from .._core import LeaflightError, Progress
+from ..bake.baked import Bake
 from ..progress_bar import with_progress
 from .sides import IsosurfaceSide, MeshSide
 from .truth import errors_of
@@ -11,18 +13,18 @@ from .truth import errors_of
 
 @with_progress("compare")
 def compare(
-    bake,
-    isovalue,
-    points=3000,
-    spp=1024,
-    seed=0,
-    threads=0,
-    progress=None,
-    volume=0,
-    back=False,
-    mesh=None,
-    reference="path",
-):
+    bake: Bake,
+    isovalue: float,
+    points: int = 3000,
+    spp: int = 1024,
+    seed: int = 0,
+    threads: int = 0,
+    progress: Progress | None = None,
+    volume: int = 0,
+    back: bool = False,
+    mesh: str | None = None,
+    reference: str = "path",
+) -> dict[str, Any]:
     """Compares baked with path-traced radiance at random points of one volume's isosurface.
 
     back: on its back; mesh: the name of a mesh of the walls to compare on instead,
@@ -54,20 +56,21 @@ def compare(
     """
     if points < 1 or spp < 2:
         raise LeaflightError("compare needs at least 1 point and 2 samples per point.")
+    side: IsosurfaceSide | MeshSide
     if mesh is None:
         side = IsosurfaceSide(bake, isovalue, volume, back)
     else:
         side = MeshSide(bake, mesh, isovalue, back)
-    work = {"spp": spp, "seed": seed, "threads": threads, "progress": progress}
+    work = spp, seed, threads, progress
     start = time.perf_counter()
     trace = {"path": side.path_traced, "cycles": side.by_cycles}[reference]
-    truth = trace(points, **work)
+    truth = trace(points, *work)
     reference_seconds = time.perf_counter() - start
     baked, exposure = side.baked(truth.points), bake.scene.exposure
     exposed = side.exposed(truth.points, seed)
     parts = None
-    if mesh is None and not back:
-        path = truth if reference == "path" else side.path_traced_at(truth.points, **work)
+    if isinstance(side, IsosurfaceSide) and not back:
+        path = truth if reference == "path" else side.path_traced_at(truth.points, *work)
         parts = side.parts(truth, path)
     return {
         "isovalue": float(isovalue),

@@ -20,15 +20,18 @@ import shutil
 import subprocess
 import tempfile
 import time
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import leaflight._core as _core
 import numpy as np
 
-from .._core import Cancelled, LeaflightError
+from .._core import Cancelled, Field, LeaflightError, Progress
+from ..arrays import Array
 from ..scene.on_mesh import positions, random_facets
-from ..scene.scene import isovalue_at, ramp_at
+from ..scene.scene import Isosurfaces, Mesh, SceneDescription, isovalue_at, ramp_at
 from ..volume.setting_error import SettingError
 
 SCRIPT = Path(__file__).with_name("cycles_scene.py")
@@ -45,10 +48,10 @@ class Probes:
     the second and third vertex of the facet; weights: float64 (n,), shares of the area.
     """
 
-    points: np.ndarray
-    facets: np.ndarray
-    coordinates: np.ndarray
-    weights: np.ndarray
+    points: Array
+    facets: Array
+    coordinates: Array
+    weights: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,24 +59,24 @@ class Measured:
     """What Cycles found at the probes: passes, float64 [pass, probe, RGB] in W/(m^2 sr)."""
 
     probes: Probes
-    passes: np.ndarray
+    passes: Array
 
 
 def measure(
-    description,
-    fields,
-    c,
+    description: SceneDescription,
+    fields: Sequence[Field],
+    c: float,
     *,
-    volume=0,
-    mesh=None,
-    back=False,
-    points=3000,
-    samples=1024,
-    seed=0,
-    threads=0,
-    detail=1,
-    progress=None,
-):
+    volume: int = 0,
+    mesh: int | None = None,
+    back: bool = False,
+    points: int = 3000,
+    samples: int = 1024,
+    seed: int = 0,
+    threads: int = 0,
+    detail: int = 1,
+    progress: Progress | None = None,
+) -> Measured:
     """Radiance by Cycles on the isosurface of a volume, or on a mesh of the walls: a Measured.
 
     description: in world coordinates, with one Isosurfaces for each of the fields (_core.Field); c:
@@ -111,13 +114,21 @@ class VertexBakes:
     processor_seconds of all threads together, and peaks, the most bytes that Blender held so far.
     """
 
-    radiance: np.ndarray
-    seconds: np.ndarray
-    processor_seconds: np.ndarray
-    peaks: np.ndarray
+    radiance: Array
+    seconds: Array
+    processor_seconds: Array
+    peaks: Array
 
 
-def bake_vertices(description, isovalue, mesh, passes, *, threads=0, progress=None):
+def bake_vertices(
+    description: SceneDescription,
+    isovalue: float,
+    mesh: tuple[Array, Array, Array],
+    passes: Sequence[tuple[int, int]],
+    *,
+    threads: int = 0,
+    progress: Progress | None = None,
+) -> VertexBakes:
     """What Blender's users do instead: Cycles bakes one isosurface into its mesh's vertices.
 
     description: in world coordinates, with one Isosurfaces; isovalue: which; mesh: (vertices,
@@ -125,10 +136,12 @@ def bake_vertices(description, isovalue, mesh, passes, *, threads=0, progress=No
     of a triangle. Returns VertexBakes. Raises LeaflightError, Cancelled.
     """
     isosurfaces = description.isosurfaces[0]
-    ramps = (ramp_at(ramp, isovalue) for ramp in (isosurfaces.albedo, isosurfaces.emission))
+    albedo, emission = (
+        ramp_at(ramp, isovalue) for ramp in (isosurfaces.albedo, isosurfaces.emission)
+    )
     vertices, normals, triangles = mesh
     arrays = {"vertices": vertices, "normals": normals}
-    target = _Object(_look(isosurfaces, *ramps), arrays, {"triangles": triangles})
+    target = _Object(_look(isosurfaces, albedo, emission), arrays, {"triangles": triangles})
     objects = [target, *(_mesh(mesh) for mesh in description.meshes)]
     settings, arrays = _scene(description, objects, target, threads)
     settings["image_size"] = None
@@ -137,10 +150,12 @@ def bake_vertices(description, isovalue, mesh, passes, *, threads=0, progress=No
     return VertexBakes(radiance, *costs.T)
 
 
-def _scene(description, objects, target, threads):
+def _scene(
+    description: SceneDescription, objects: Sequence["_Object"], target: "_Object", threads: int
+) -> tuple[dict[str, Any], dict[str, Array]]:
     """The settings and arrays that cycles_scene.py reads, save what is particular to the target."""
     environment = description.environment
-    settings = {
+    settings: dict[str, Any] = {
         "objects": [one.look for one in objects],
         "lights": [{"type": type(light).__name__, **asdict(light)} for light in description.lights],
         "environment": environment
@@ -148,7 +163,7 @@ def _scene(description, objects, target, threads):
         "target": objects.index(target),
         "threads": threads,
     }
-    arrays = {}
+    arrays: dict[str, Array] = {}
     for i, one in enumerate(objects):
         arrays |= {f"object{i}.{key}": value for key, value in one.arrays().items()}
     if environment is not None and environment.image is not None:
@@ -160,20 +175,22 @@ def _scene(description, objects, target, threads):
 class _Object:
     """A mesh for Blender: its look as JSON holds it, and what it has by vertex and by corner."""
 
-    look: dict
-    vertices: dict  # vertices and perhaps normals, float32 (n, 3)
-    corners: dict  # triangles, (m, 3), and perhaps uv and target_uv, float32 (m, 3, 2)
+    look: dict[str, Any]
+    vertices: dict[str, Array]  # vertices and perhaps normals, float32 (n, 3)
+    corners: dict[str, Array]  # triangles, (m, 3), and perhaps uv and target_uv, float32 (m, 3, 2)
 
-    def arrays(self):
+    def arrays(self) -> dict[str, Array]:
         return self.vertices | self.corners
 
-    def flip(self):
+    def flip(self) -> None:
         self.corners = {key: array[:, [0, 2, 1]] for key, array in self.corners.items()}
         if "normals" in self.vertices:
             self.vertices["normals"] = -self.vertices["normals"]
 
 
-def _isosurface(description, field, volume, c, detail):
+def _isosurface(
+    description: SceneDescription, field: Field, volume: int, c: float, detail: int
+) -> _Object:
     isosurfaces = description.isosurfaces[volume]
     isovalue = isovalue_at(description, volume, c)
     vertices, _, triangles = _core.contour(_finer(field, detail), isovalue)
@@ -185,7 +202,7 @@ def _isosurface(description, field, volume, c, detail):
     return _Object(look, {"vertices": vertices, "normals": normals}, {"triangles": triangles})
 
 
-def _finer(field, detail):
+def _finer(field: Field, detail: int) -> Field:
     """The same trilinear field with each cell cut into detail^3."""
     values = field.values.astype(np.float32, copy=False)
     for _ in range(3):
@@ -200,22 +217,27 @@ def _finer(field, detail):
     return _core.Field(np.ascontiguousarray(values), index_to_world)
 
 
-def _mesh(mesh):
+def _mesh(mesh: Mesh) -> _Object:
     look = _look(mesh, mesh.albedo, mesh.emission)
     corners = {"triangles": mesh.triangles.astype(np.int32)}
     one = _Object(look, {"vertices": mesh.vertices}, corners)
     if mesh.texture is not None:
+        assert mesh.uv is not None
         one.vertices["texture"] = mesh.texture
         one.corners["uv"] = mesh.uv
     return one
 
 
-def _look(item, albedo, emission):
-    look = {"name": item.name, "scattering": item.scattering, "ior": item.ior}
+def _look(
+    item: Isosurfaces | Mesh, albedo: Iterable[float], emission: Iterable[float]
+) -> dict[str, Any]:
+    look: dict[str, Any] = {"name": item.name, "scattering": item.scattering, "ior": item.ior}
     return look | {"albedo": tuple(albedo), "emission": tuple(emission)}
 
 
-def _lay_out(target, points, seed):
+def _lay_out(
+    target: _Object, points: int, seed: int
+) -> tuple[Probes, Array, tuple[int, int], Array]:
     """Probes on a mesh, and the pixels into which Cycles bakes them.
 
     A facet with k of the points, by lot in proportion to its area, is cut into n x n pieces, as few
@@ -243,19 +265,17 @@ def _lay_out(target, points, seed):
         coordinates.append((np.stack([i, j], axis=1) + 1 / 3) / n)
         weights.append(np.full(len(i), counts[facet] / len(i)))
         pixels.append((y + j) * width + x + i)
-    facets, coordinates, weights, pixels = map(
-        np.concatenate, (facets, coordinates, weights, pixels)
-    )
-    points = positions(vertices, triangles, facets, coordinates)
-    probes = Probes(points, facets, coordinates, weights / weights.sum())
-    return probes, pixels, (width, height), uv.astype(np.float32)
+    on, at, weight, pixel = map(np.concatenate, (facets, coordinates, weights, pixels))
+    probes = Probes(positions(vertices, triangles, on, at), on, at, weight / weight.sum())
+    return probes, pixel, (width, height), uv.astype(np.float32)
 
 
-def _pack(sides):
+def _pack(sides: Array) -> tuple[dict[int, tuple[int, int]], tuple[int, int]]:
     """Places (x, y) by number for all squares with a side above 0, and the size that holds them."""
     order = [number for number in np.argsort(-sides, kind="stable") if sides[number] > 0]
     width = int(max(sides.max(), np.ceil(np.sqrt((sides**2).sum()))))
-    places, x, y, row = {}, 0, 0, 0
+    places: dict[int, tuple[int, int]] = {}
+    x, y, row = 0, 0, 0
     for number in order:
         if x + sides[number] > width or not places:
             x, y, row = 0, y + row, int(sides[number])
@@ -264,7 +284,7 @@ def _pack(sides):
     return places, (width, y + row)
 
 
-def find_blender():
+def find_blender() -> str:
     """The path of Blender. Raises LeaflightError."""
     blender = shutil.which("blender")
     if blender is None:
@@ -276,7 +296,9 @@ def find_blender():
     return blender
 
 
-def _run(settings, arrays, progress):
+def _run(
+    settings: dict[str, Any], arrays: Mapping[str, Array], progress: Progress | None
+) -> tuple[Array, Array]:
     """The radiance and the costs that cycles_scene.py writes."""
     blender = find_blender()
     with tempfile.TemporaryDirectory(prefix="leaflight-") as folder:

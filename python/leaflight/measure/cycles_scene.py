@@ -16,12 +16,20 @@ import math
 import runpy
 import sys
 import time
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 import bpy
 import mathutils
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    from leaflight.measure.blender_versions import LightUnits
+
+Array = NDArray[Any]
 
 # In a Blender that may have no package of ours, so by its path.
 versions = SimpleNamespace(**runpy.run_path(str(Path(__file__).with_name("blender_versions.py"))))
@@ -46,7 +54,7 @@ UNBIASED = {
 PASSES = {"DIRECT", "INDIRECT", "DIFFUSE", "GLOSSY", "TRANSMISSION", "EMIT"}
 
 
-def main(folder):
+def main(folder: Path) -> None:
     with np.load(folder / "scene.npz") as file:
         arrays = dict(file)
     settings = json.loads(str(arrays.pop("settings")))
@@ -77,7 +85,7 @@ def main(folder):
     np.save(folder / "radiance.npy", np.array(radiance))
 
 
-def _peak_memory():
+def _peak_memory() -> float:
     """The most memory that this process has held, in bytes; NaN on Windows, which does not tell."""
     try:
         import resource
@@ -88,11 +96,11 @@ def _peak_memory():
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit
 
 
-def _arrays_of(arrays, prefix):
+def _arrays_of(arrays: Mapping[str, Array], prefix: str) -> dict[str, Array]:
     return {key[len(prefix) :]: value for key, value in arrays.items() if key.startswith(prefix)}
 
 
-def _empty_scene(threads):
+def _empty_scene(threads: int) -> bpy.types.Scene:
     for obj in list(bpy.data.objects):
         bpy.data.objects.remove(obj)
     scene = bpy.context.scene
@@ -105,7 +113,9 @@ def _empty_scene(threads):
     return scene
 
 
-def _object(scene, item, arrays):
+def _object(
+    scene: bpy.types.Scene, item: dict[str, Any], arrays: Mapping[str, Array]
+) -> bpy.types.Object:
     """An object of a mesh: smooth with the normals where there are any, and otherwise flat."""
     mesh = _filled_mesh(item["name"], arrays["vertices"], arrays["triangles"])
     smooth = "normals" in arrays and len(mesh.polygons) > 0
@@ -124,7 +134,7 @@ def _object(scene, item, arrays):
     return obj
 
 
-def _filled_mesh(name, vertices, triangles):
+def _filled_mesh(name: str, vertices: Array, triangles: Array) -> bpy.types.Mesh:
     mesh = bpy.data.meshes.new(name)
     mesh.vertices.add(len(vertices))
     mesh.vertices.foreach_set("co", vertices.ravel())
@@ -137,7 +147,7 @@ def _filled_mesh(name, vertices, triangles):
     return mesh
 
 
-def _material(item, texture):
+def _material(item: dict[str, Any], texture: Array | None) -> bpy.types.Material:
     material = bpy.data.materials.new(item["name"])
     tree = versions.give_nodes(material)
     tree.nodes.clear()
@@ -170,7 +180,7 @@ def _material(item, texture):
     return material
 
 
-def _texture(tree, socket, pixels):
+def _texture(tree: bpy.types.NodeTree, socket: bpy.types.NodeSocket, pixels: Array) -> None:
     node = tree.nodes.new("ShaderNodeTexImage")
     node.image = _image("texture", pixels)
     node.interpolation = "Linear"
@@ -181,7 +191,7 @@ def _texture(tree, socket, pixels):
     tree.links.new(node.outputs["Color"], socket)
 
 
-def _image(name, pixels):
+def _image(name: str, pixels: Array) -> bpy.types.Image:
     """Linear colours, float32 [row, column, RGB], bottom row first."""
     height, width = pixels.shape[:2]
     image = bpy.data.images.new(name, width, height, float_buffer=True, is_data=True)
@@ -193,25 +203,26 @@ def _image(name, pixels):
     return image
 
 
-def _set_light(node, radiance):
+def _set_light(node: bpy.types.Node, radiance: Sequence[float]) -> None:
     """Of an Emission or a Background node."""
     strongest = max(radiance)
     node.inputs["Color"].default_value = (*(x / strongest for x in radiance), 1.0)
     node.inputs["Strength"].default_value = strongest
 
 
-def _units():
-    return versions.light_units(bpy.app.version)
+def _units() -> "LightUnits":
+    units: LightUnits = versions.light_units(bpy.app.version)
+    return units
 
 
-def _light(scene, item):
+def _light(scene: bpy.types.Scene, item: dict[str, Any]) -> None:
     maker = {"AreaLight": _area_light, "PointLight": _point_light, "SunLight": _sun_light}
     obj = maker[item["type"]](item)
     obj.data.cycles.use_multiple_importance_sampling = True
     scene.collection.objects.link(obj)
 
 
-def _area_light(item):
+def _area_light(item: dict[str, Any]) -> bpy.types.Object:
     u, v = np.array(item["edge_u"]), np.array(item["edge_v"])
     light = bpy.data.lights.new(item["name"], "AREA")
     light.shape = "ELLIPSE" if item["ellipse"] else "RECTANGLE"
@@ -222,7 +233,7 @@ def _area_light(item):
     return _placed(light, np.array(item["corner"]) + 0.5 * (u + v), u, -v)
 
 
-def _point_light(item):
+def _point_light(item: dict[str, Any]) -> bpy.types.Object:
     cone = item["cone"]
     light = bpy.data.lights.new(item["name"], "SPOT" if cone else "POINT")
     light.shadow_soft_size = item["radius"]
@@ -238,7 +249,7 @@ def _point_light(item):
     return _placed(light, item["position"], beside, np.cross(beside, axis))
 
 
-def _correct_fading(light, axis, fades):
+def _correct_fading(light: bpy.types.Light, axis: Sequence[float], fades: bool) -> None:
     """Undoes that Blender lets a spot fade with the cosine to its axis, or does it instead."""
     tree = versions.give_nodes(light)
     emission = next(node for node in tree.nodes if node.type == "EMISSION")
@@ -257,7 +268,7 @@ def _correct_fading(light, axis, fades):
     tree.links.new(strength.outputs[0], emission.inputs["Strength"])
 
 
-def _sun_light(item):
+def _sun_light(item: dict[str, Any]) -> bpy.types.Object:
     light = bpy.data.lights.new(item["name"], "SUN")
     light.angle = item["angle"]
     _set_energy(light, item["irradiance"], 1.0 / _units().sun(item["angle"]))
@@ -266,22 +277,24 @@ def _sun_light(item):
     return _placed(light, (0, 0, 0), beside, np.cross(beside, direction))
 
 
-def _set_energy(light, amount, factor):
+def _set_energy(light: bpy.types.Light, amount: Sequence[float], factor: float) -> None:
     strongest = max(amount)
     light.color = [x / strongest if strongest else 0.0 for x in amount]
     light.energy = strongest * factor
 
 
-def _placed(light, position, x, y):
+def _placed(
+    light: bpy.types.Light, position: ArrayLike, x: ArrayLike, y: ArrayLike
+) -> bpy.types.Object:
     """An object with its local X and Y along two vectors at right angles."""
-    x, y = np.array(x) / np.linalg.norm(x), np.array(y) / np.linalg.norm(y)
+    u, v = np.array(x) / np.linalg.norm(x), np.array(y) / np.linalg.norm(y)
     obj = bpy.data.objects.new(light.name, light)
-    rotation = mathutils.Matrix(np.array([x, y, np.cross(x, y)]).T.tolist()).to_4x4()
+    rotation = mathutils.Matrix(np.array([u, v, np.cross(u, v)]).T.tolist()).to_4x4()
     obj.matrix_world = mathutils.Matrix.Translation(position) @ rotation
     return obj
 
 
-def _world(scene, item, pixels):
+def _world(scene: bpy.types.Scene, item: dict[str, Any] | None, pixels: Array | None) -> None:
     scene.world = bpy.data.worlds.new("world")
     tree = versions.give_nodes(scene.world)
     tree.nodes.clear()
@@ -301,7 +314,7 @@ def _world(scene, item, pixels):
     tree.links.new(node.outputs["Color"], background.inputs["Color"])
 
 
-def _turned(tree, matrix):
+def _turned(tree: bpy.types.NodeTree, matrix: Sequence[Sequence[float]]) -> bpy.types.NodeSocket:
     """The socket of the direction of view, turned by a matrix (3 x 3)."""
     direction = tree.nodes.new("ShaderNodeTexCoord").outputs["Generated"]
     combined = tree.nodes.new("ShaderNodeCombineXYZ")
@@ -320,7 +333,9 @@ class _Target:
     The image is laid out by the coordinates target_uv of the object's mesh.
     """
 
-    def __init__(self, obj, size, pixels):
+    def __init__(
+        self, obj: bpy.types.Object, size: tuple[int, int] | None, pixels: Array | None
+    ) -> None:
         self._mesh, self._pixels = obj.data, pixels
         self._image = None if size is None else _target_image(obj, size)
         if self._image is None:
@@ -329,13 +344,13 @@ class _Target:
         obj.select_set(True)
         bpy.context.view_layer.objects.active = obj
 
-    def bake(self):
+    def bake(self) -> None:
         kind = "VERTEX_COLORS" if self._image is None else "IMAGE_TEXTURES"
         bpy.ops.object.bake(
             type="COMBINED", pass_filter=PASSES, target=kind, margin=0, use_clear=True
         )
 
-    def read(self):
+    def read(self) -> Array:
         """The radiance float32 [probe, RGB]."""
         if self._image is None:
             colours = np.empty(4 * len(self._mesh.vertices), np.float32)
@@ -346,7 +361,7 @@ class _Target:
         return baked.reshape(-1, 4)[self._pixels, :3]
 
 
-def _target_image(obj, size):
+def _target_image(obj: bpy.types.Object, size: tuple[int, int]) -> bpy.types.Image:
     """An image that the object's material names as the one to bake into."""
     image = bpy.data.images.new("target", *size, float_buffer=True, is_data=True)
     obj.data.uv_layers.active = obj.data.uv_layers["target_uv"]

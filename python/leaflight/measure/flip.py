@@ -6,24 +6,25 @@ from dataclasses import dataclass
 import numpy as np
 
 from .._core import LeaflightError
+from ..arrays import Array
 
 
 @dataclass(frozen=True, eq=False)
 class Flip:
     """map: (height, width), 0 (no difference is seen) to 1; its mean and its 95th percentile."""
 
-    map: np.ndarray
+    map: Array
 
     @property
-    def mean(self):
+    def mean(self) -> float:
         return float(self.map.mean())
 
     @property
-    def percentile_95(self):
+    def percentile_95(self) -> float:
         return float(np.percentile(self.map, 95))
 
 
-def flip(image, reference, exposure=1.0):
+def flip(image: Array, reference: Array, exposure: float = 1.0) -> Flip:
     """The Flip of two pictures of linear radiance (height, width, 3), exposed and clamped to 0..1.
 
     The viewer sees 67 pixels a degree, the default of the method: a screen 0.7 m wide with 3840

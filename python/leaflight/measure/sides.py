@@ -5,12 +5,16 @@ isovalue always is the common isovalue. spp: paths a point; seed, threads, progr
 """
 
 from dataclasses import replace
+from typing import Any
 
 import leaflight._core as _core
 import numpy as np
 
-from .._core import LeaflightError
+from .._core import Field, LeaflightError, Progress
+from ..arrays import Array
+from ..bake.baked import Bake
 from ..scene.on_mesh import positions, random_places, random_points
+from ..scene.scene import Isosurfaces, Mesh
 from .cycles import measure
 from .truth import Truth, parts_of
 
@@ -27,9 +31,9 @@ class IsosurfaceSide:
     The mesh is as fine as texels are, but hangs on no light: bakes are compared at the same points.
     """
 
-    def __init__(self, bake, isovalue, volume=0, back=False):
+    def __init__(self, bake: Bake, isovalue: float, volume: int = 0, back: bool = False) -> None:
         self.bake, self.isovalue = bake, isovalue
-        self.where = {"volume": volume, "back": back}
+        self.volume, self.back = volume, back
         bake.check_isovalue(isovalue, volume)
         _check_diffuse(bake.scene.isosurfaces[volume])
         mesh = bake.grids[volume].lit_contour(self._field(), self._own(), front=False)
@@ -42,32 +46,44 @@ class IsosurfaceSide:
                 f"Isovalue {isovalue:g} has no surface inside the data; choose another one."
             )
 
-    def path_traced(self, count, spp, seed, threads, progress):
+    def path_traced(
+        self, count: int, spp: int, seed: int, threads: int, progress: Progress | None
+    ) -> Truth:
         """The Truth of the core's path tracer at so many random points."""
         on_mesh = random_points(self._vertices, self._triangles, count, seed)
         return self.path_traced_at(on_mesh, spp, seed, threads, progress)
 
-    def path_traced_at(self, on_mesh, spp, seed, threads, progress):
+    def path_traced_at(
+        self, on_mesh: Array, spp: int, seed: int, threads: int, progress: Progress | None
+    ) -> Truth:
         """The same for given points of the mesh, traced from the isosurface next to them."""
         passes = min(PASSES, spp)
         on_isosurface = np.tile(self._projected(on_mesh), (passes, 1))
         radiance, _ = self.bake.reference(
-            on_isosurface, self.isovalue, -(-spp // passes), seed, threads, progress, **self.where
+            on_isosurface,
+            self.isovalue,
+            -(-spp // passes),
+            seed,
+            threads,
+            progress,
+            self.volume,
+            self.back,
         )
         return self._of_visible(_of_passes(on_mesh, radiance, passes))
 
-    def by_cycles(self, count, spp, seed, threads, progress):
+    def by_cycles(
+        self, count: int, spp: int, seed: int, threads: int, progress: Progress | None
+    ) -> Truth:
         """The Truth of Cycles at about so many random points."""
+        where = {"volume": self.volume, "back": self.back}
         work = {"seed": seed, "threads": threads, "progress": progress}
-        return self._of_visible(
-            _by_cycles(self.bake, self.isovalue, count, spp, **self.where, **work)
-        )
+        return self._of_visible(_by_cycles(self.bake, self.isovalue, count, spp, **where, **work))
 
-    def _of_visible(self, truth):
+    def _of_visible(self, truth: Truth) -> Truth:
         """The same; points inside another volume's isosurface, which are hidden, have no weight."""
         weights = truth.weights.copy()
         for other, look in enumerate(self.bake.scene.isosurfaces):
-            if other != self.where["volume"] and look.scattering != "glass":
+            if other != self.volume and look.scattering != "glass":
                 values = self.bake.volumes[other].field().sample(truth.points)
                 weights[values >= self.bake.isovalue_of(other, self.isovalue)] = 0
         if not weights.any():
@@ -76,29 +92,29 @@ class IsosurfaceSide:
             )
         return replace(truth, weights=weights)
 
-    def baked(self, points):
-        return self.bake.radiance(points, **self.where)
+    def baked(self, points: Array) -> Array:
+        return self.bake.radiance(points, self.volume, self.back)
 
-    def parts(self, truth, path):
+    def parts(self, truth: Truth, path: Truth) -> dict[str, float | None]:
         """parts_of() what the bake errs by, against the truth; path: see there."""
-        error = self.bake.radiance_error(truth.points, self.where["volume"])
+        error = self.bake.radiance_error(truth.points, self.volume)
         return parts_of(self.baked(truth.points), error, path, truth, self.bake.scene.exposure)
 
-    def exposed(self, points, seed):
+    def exposed(self, points: Array, seed: int) -> Array | None:
         """Which points can be seen from outside, a mask (n,); None of the back."""
-        if self.where["back"]:
+        if self.back:
             return None
         on_isosurface = self._projected(points)
         return _core.exposed(self._field(), on_isosurface, self._own(), EXPOSURE_RAYS, seed) > 0
 
-    def _projected(self, points):
+    def _projected(self, points: Array) -> Array:
         return _core.project_to_isosurface(self._field(), points, self._own())
 
-    def _own(self):
-        return self.bake.isovalue_of(self.where["volume"], self.isovalue)
+    def _own(self) -> float:
+        return self.bake.isovalue_of(self.volume, self.isovalue)
 
-    def _field(self):
-        return self.bake.volumes[self.where["volume"]].field()
+    def _field(self) -> Field:
+        return self.bake.volumes[self.volume].field()
 
 
 class MeshSide:
@@ -107,14 +123,16 @@ class MeshSide:
     As IsosurfaceSide, without parts.
     """
 
-    def __init__(self, bake, name, isovalue, back=False):
+    def __init__(self, bake: Bake, name: str, isovalue: float, back: bool = False) -> None:
         self.bake, self.isovalue, self.back = bake, isovalue, back
         self.number = bake.mesh_number(name)
         self.mesh = bake.scene.meshes[self.number]
         _check_diffuse(self.mesh)
         self.triangles = len(self.mesh.triangles)
 
-    def path_traced(self, count, spp, seed, threads, progress):
+    def path_traced(
+        self, count: int, spp: int, seed: int, threads: int, progress: Progress | None
+    ) -> Truth:
         vertices, triangles = self.mesh.vertices, self.mesh.triangles
         facets, coordinates = random_places(vertices, triangles, count, seed)
         passes = min(PASSES, spp)
@@ -131,23 +149,25 @@ class MeshSide:
         )
         return _of_passes(positions(vertices, triangles, facets, coordinates), radiance, passes)
 
-    def by_cycles(self, count, spp, seed, threads, progress):
+    def by_cycles(
+        self, count: int, spp: int, seed: int, threads: int, progress: Progress | None
+    ) -> Truth:
         where = {"mesh": self.number, "back": self.back}
         work = {"seed": seed, "threads": threads, "progress": progress}
         return _by_cycles(self.bake, self.isovalue, count, spp, **where, **work)
 
-    def baked(self, points):
+    def baked(self, points: Array) -> Array:
         return self.bake.mesh_radiance(self.number, points, self.isovalue, self.back)
 
-    def exposed(self, points, seed):
+    def exposed(self, points: Array, seed: int) -> None:
         return None
 
 
-def _of_passes(points, radiance, passes):
+def _of_passes(points: Array, radiance: Array, passes: int) -> Truth:
     return Truth.of_passes(points, np.ones(len(points)), radiance.reshape(passes, -1, 3))
 
 
-def _check_diffuse(look):
+def _check_diffuse(look: Isosurfaces | Mesh) -> None:
     if look.scattering != "diffuse":
         raise LeaflightError(
             f'What "{look.name}" shows depends on the view, since it is of {look.scattering}: '
@@ -155,7 +175,7 @@ def _check_diffuse(look):
         )
 
 
-def _by_cycles(bake, isovalue, points, spp, **where):
+def _by_cycles(bake: Bake, isovalue: float, points: int, spp: int, **where: Any) -> Truth:
     fields = [volume.field() for volume in bake.volumes]
     found = measure(bake.scene, fields, isovalue, points=points, samples=spp, **where)
     return Truth.measured(found)

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Radiance that a reference finds at points, and the errors of what is compared with it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
+from ..arrays import Array
 from ..bake.color_error import noise_percent, rms, rms_percent
+from .cycles import Measured
 
 FIGURES = (
     "rms_percent",
@@ -25,25 +28,25 @@ class Truth:
     the standard error of the mean radiance over its points.
     """
 
-    points: np.ndarray
-    weights: np.ndarray
-    radiance: np.ndarray
-    standard_error: np.ndarray
-    mean_error: object
+    points: Array
+    weights: Array
+    radiance: Array
+    standard_error: Array
+    mean_error: Callable[[Array], float]
 
     @classmethod
-    def traced(cls, points, radiance, standard_error):
+    def traced(cls, points: Array, radiance: Array, standard_error: Array) -> "Truth":
         """Of the core's path tracer, whose points know nothing of each other."""
         error = standard_error.astype(np.float64)
 
-        def mean_error(mask):
+        def mean_error(mask: Array) -> float:
             return float(np.sqrt((error[mask].mean(axis=1) ** 2).sum()) / mask.sum())
 
         weights = np.ones(len(points))
         return cls(points, weights, radiance.astype(np.float64), error, mean_error)
 
     @classmethod
-    def of_passes(cls, points, weights, passes):
+    def of_passes(cls, points: Array, weights: Array, passes: Array) -> "Truth":
         """The mean of independent passes, [pass, n, RGB], and errors by their spread.
 
         So they hold for samples that are spread evenly within a pass, which err less than random
@@ -51,22 +54,25 @@ class Truth:
         """
         passes = passes.astype(np.float64)
 
-        def error(values):
-            return values.std(axis=0, ddof=1) / np.sqrt(len(passes))
+        def error(values: Array) -> Array:
+            found: Array = values.std(axis=0, ddof=1) / np.sqrt(len(passes))
+            return found
 
-        def mean_error(mask):
+        def mean_error(mask: Array) -> float:
             means = np.average(passes[:, mask].mean(axis=2), axis=1, weights=weights[mask])
             return float(error(means))
 
         return cls(points, weights, passes.mean(axis=0), error(passes), mean_error)
 
     @classmethod
-    def measured(cls, measured):
+    def measured(cls, measured: Measured) -> "Truth":
         """Of Cycles (cycles.py)."""
         return cls.of_passes(measured.probes.points, measured.probes.weights, measured.passes)
 
 
-def parts_of(radiance, error, path, truth, exposure):
+def parts_of(
+    radiance: Array, error: Array, path: Truth, truth: Truth, exposure: float
+) -> dict[str, float | None]:
     """What the error of radiance (n, 3) against the truth consists of: a dict of percents.
 
     error: (n,), the standard error that the bake reports for its radiance; path: Truth of the path
@@ -94,12 +100,14 @@ def parts_of(radiance, error, path, truth, exposure):
     }
 
 
-def without(whole, *parts):
+def without(whole: float, *parts: float) -> float:
     """What remains of a whole whose squares are those of the parts and the remainder's; or 0."""
     return float(np.sqrt(max(0.0, whole**2 - sum(part**2 for part in parts))))
 
 
-def errors_of(radiance, truth, exposure, mask=None):
+def errors_of(
+    radiance: Array, truth: Truth, exposure: float, mask: Array | None = None
+) -> dict[str, float | None]:
     """Errors of radiance (n, 3) against the truth at its points, or those of a mask (n,).
 
     A dict of points and the six figures that compare() documents, None where there are no points.
@@ -121,9 +129,9 @@ def errors_of(radiance, truth, exposure, mask=None):
         ),
         "mean_radiance": mean * exposure,
         "mean_ratio": ratio,
-        "mean_ratio_error": ratio * truth.mean_error(mask) / mean if mean > 0 else None,
+        "mean_ratio_error": None if ratio is None else ratio * truth.mean_error(mask) / mean,
     }
 
 
-def _mean(values, weights):
+def _mean(values: Array, weights: Array) -> float:
     return float(np.average(values.mean(axis=1), weights=weights))

@@ -1,19 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes that fit any volume, turned so that their open side is before the volume's front."""
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from ..volume.volume import default_isovalue
-from .scene import IDENTITY, PointLight
+from ..volume.volume import Volume, default_isovalue
+from .scene import IDENTITY, Light, PointLight, SceneDescription, Vector
 
 # How much wider a volume is from one side than from the other, for a scene to turn to that.
 CLEARLY_WIDER = 1.3
 _MOST_VOXELS = 1 << 24
 
 
-def faced(description, volumes):
+def faced(description: SceneDescription, volumes: Sequence[Volume]) -> SceneDescription:
     """A scene in box coordinates, open towards -y, turned about z; any other as it is.
 
     Patients face +y (Volume.patient). What else is clearly wider as seen along x, is seen so.
@@ -23,26 +25,28 @@ def faced(description, volumes):
     return turned(description, quarter_turns(volumes))
 
 
-def quarter_turns(volumes):
+def quarter_turns(volumes: Sequence[Volume]) -> int:
     """How often to turn by 90 degrees, counterclockwise: 0 to 3."""
     if any(volume.patient for volume in volumes):
         return 2
     return 1 if len(volumes) == 1 and _is_wider_along_x(volumes[0]) else 0
 
 
-def turned(description, turns):
+def turned(description: SceneDescription, turns: int) -> SceneDescription:
     """The SceneDescription turned so often about the z axis."""
     if turns % 4 == 0:
         return description
     x, y = ((1, 0), (0, 1), (-1, 0), (0, -1))[turns % 4]
     matrix = np.array([[x, -y, 0.0], [y, x, 0.0], [0.0, 0.0, 1.0]])
 
-    def vector(v):
+    def vector(v: Vector) -> Vector:
         return tuple((matrix @ v).tolist())
 
-    def light(one):
+    def light(one: Light) -> Light:
         names = ("corner", "edge_u", "edge_v", "position", "direction")
-        found = {name: vector(getattr(one, name)) for name in names if hasattr(one, name)}
+        found: dict[str, Any] = {
+            name: vector(getattr(one, name)) for name in names if hasattr(one, name)
+        }
         if isinstance(one, PointLight) and one.cone is not None:
             found["cone"] = replace(one.cone, axis=vector(one.cone.axis))
         return replace(one, **found)
@@ -50,7 +54,8 @@ def turned(description, turns):
     environment = description.environment
     if environment is not None and environment.image is not None:
         to_image = np.array(environment.world_to_image or IDENTITY) @ matrix.T
-        environment = replace(environment, world_to_image=tuple(map(tuple, to_image.tolist())))
+        a, b, c = map(tuple, to_image.tolist())
+        environment = replace(environment, world_to_image=(a, b, c))
     meshes = [
         replace(mesh, vertices=(mesh.vertices @ matrix.T).astype(np.float32))
         for mesh in description.meshes
@@ -59,7 +64,7 @@ def turned(description, turns):
     return replace(description, meshes=meshes, lights=lights, environment=environment)
 
 
-def _is_wider_along_x(volume):
+def _is_wider_along_x(volume: Volume) -> bool:
     """Whether the default isosurface covers clearly more, as seen along the x axis of the world."""
     matrix = np.asarray(volume.index_to_world, np.float64)[:3, :3]
     axes = np.abs(matrix).argmax(axis=0)  # of the world, for each of the index

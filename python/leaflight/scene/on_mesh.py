@@ -5,21 +5,26 @@ A point is a facet, a triangle's number, with barycentric coordinates (u, v) of 
 vertex.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
+
+from ..arrays import Array
 
 # Points whose distances to all triangles are held in memory together.
 POINTS_AT_ONCE = 64
 
 
-def random_facets(vertices, triangles, count, rng):
+def random_facets(vertices: Array, triangles: Array, count: int, rng: np.random.Generator) -> Array:
     """Numbers (count,) of triangles, drawn in proportion to their area."""
     a, b, c = corners(vertices, triangles)
     cumulative = np.cumsum(np.linalg.norm(np.cross(b - a, c - a), axis=1))
     chosen = np.searchsorted(cumulative, rng.random(count) * cumulative[-1], side="right")
-    return np.minimum(chosen, len(triangles) - 1)
+    facets: Array = np.minimum(chosen, len(triangles) - 1)
+    return facets
 
 
-def random_places(vertices, triangles, count, seed):
+def random_places(vertices: Array, triangles: Array, count: int, seed: int) -> tuple[Array, Array]:
     """Facets (count,) and coordinates (count, 2) of points uniform over the area."""
     rng = np.random.default_rng(seed)
     facets = random_facets(vertices, triangles, count, rng)
@@ -27,18 +32,19 @@ def random_places(vertices, triangles, count, seed):
     return facets, np.stack([root - root * v, root * v], axis=1)
 
 
-def positions(vertices, triangles, facets, coordinates):
+def positions(vertices: Array, triangles: Array, facets: Array, coordinates: Array) -> Array:
     """World positions float64 (n, 3) of facets (n,) and coordinates (n, 2)."""
     a, b, c = corners(vertices, triangles[facets])
-    return a + coordinates[:, :1] * (b - a) + coordinates[:, 1:] * (c - a)
+    places: Array = a + coordinates[:, :1] * (b - a) + coordinates[:, 1:] * (c - a)
+    return places
 
 
-def random_points(vertices, triangles, count, seed):
+def random_points(vertices: Array, triangles: Array, count: int, seed: int) -> Array:
     """Points (count, 3), float64, uniformly distributed over the area of the triangles."""
     return positions(vertices, triangles, *random_places(vertices, triangles, count, seed))
 
 
-def interpolated(vertices, triangles, values, points):
+def interpolated(vertices: Array, triangles: Array, values: Array, points: Array) -> Array:
     """Values (n, k) of the vertices at points (p, 3) of the mesh, (p, k)."""
     near = _TrianglesByBlock(vertices, triangles)
     result = np.empty((len(points), values.shape[1]))
@@ -55,7 +61,7 @@ class _TrianglesByBlock:
     So a triangle at a point has its middle in the point's block or one beside it.
     """
 
-    def __init__(self, vertices, triangles):
+    def __init__(self, vertices: Array, triangles: Array) -> None:
         a, b, c = corners(vertices, triangles)
         self._size = max(np.linalg.norm(q - p, axis=1).max() for p, q in ((a, b), (b, c), (c, a)))
         middles = (a + b + c) / 3
@@ -67,7 +73,7 @@ class _TrianglesByBlock:
         steps = np.arange(-1, 2)
         self._beside = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), -1).reshape(-1, 3)
 
-    def candidates(self, points):
+    def candidates(self, points: Array) -> Iterator[tuple[Array, Array]]:
         """(numbers of points, numbers of the triangles near them), together all of the points."""
         blocks, block_of = np.unique(
             np.clip(self._blocks(points), -1, self._shape - 2), axis=0, return_inverse=True
@@ -82,15 +88,17 @@ class _TrianglesByBlock:
             near = np.concatenate([self._order[i:j] for i, j in zip(first, last)])
             yield members, np.sort(near) if len(near) else np.arange(len(self._order))
 
-    def _blocks(self, points):
-        return np.floor((points - self._low) / self._size).astype(np.int64)
+    def _blocks(self, points: Array) -> Array:
+        blocks: Array = np.floor((points - self._low) / self._size).astype(np.int64)
+        return blocks
 
-    def _keys(self, blocks):
+    def _keys(self, blocks: Array) -> Array:
         x, y, z = np.moveaxis(blocks + 1, -1, 0)
-        return (z * self._shape[1] + y) * self._shape[0] + x
+        keys: Array = (z * self._shape[1] + y) * self._shape[0] + x
+        return keys
 
 
-def _nearest(vertices, triangles, values, points):
+def _nearest(vertices: Array, triangles: Array, values: Array, points: Array) -> Array:
     """The same, of the nearest of few triangles."""
     a, b, c = corners(vertices, triangles)
     across = np.stack([b - a, c - a], axis=1)
@@ -108,9 +116,11 @@ def _nearest(vertices, triangles, values, points):
     rows = np.arange(len(nearest))
     u, v = u[rows, nearest, None], v[rows, nearest, None]
     at_a, at_b, at_c = (values[triangles[usable][nearest, k]] for k in range(3))
-    return at_a + u * (at_b - at_a) + v * (at_c - at_a)
+    nearby: Array = at_a + u * (at_b - at_a) + v * (at_c - at_a)
+    return nearby
 
 
-def corners(vertices, triangles):
+def corners(vertices: Array, triangles: Array) -> tuple[Array, Array, Array]:
     """The three vertices of the triangles, float64 (m, 3) each."""
-    return tuple(vertices[triangles[:, k]].astype(np.float64) for k in range(3))
+    a, b, c = (vertices[triangles[:, k]].astype(np.float64) for k in range(3))
+    return a, b, c

@@ -10,14 +10,24 @@ isovalue; with several it runs over 0..1, and a volume with the isovalues (lo, h
 lo + c (hi - lo).
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from numbers import Real
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import leaflight._core as _core
 import numpy as np
 
 from .._core import LeaflightError
-from ..volume.volume import default_isovalue_range
+from ..arrays import Array
+from ..volume.volume import Volume, default_isovalue_range
+
+if TYPE_CHECKING:
+    from typing_extensions import TypeIs
+
+Vector = tuple[float, float, float]
+Color = tuple[float, float, float]
+Ramp = Color | list[tuple[float, Color]]
 
 IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
@@ -36,14 +46,14 @@ class Isosurfaces:
     """
 
     name: str
-    albedo: object
-    emission: object = (0.0, 0.0, 0.0)
+    albedo: Ramp
+    emission: Ramp = (0.0, 0.0, 0.0)
     scattering: str = "diffuse"
     ior: float = 1.5
-    isovalues: tuple = None
+    isovalues: tuple[float, float] | None = None
     capped: bool = False
-    source: str = None
-    reading: dict = None
+    source: str | None = None
+    reading: dict[str, Any] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,14 +67,14 @@ class Mesh:
     """
 
     name: str
-    vertices: np.ndarray
-    triangles: np.ndarray
-    albedo: tuple
+    vertices: Array
+    triangles: Array
+    albedo: Color
     scattering: str = "diffuse"
     ior: float = 1.5
-    emission: tuple = (0.0, 0.0, 0.0)
-    texture: np.ndarray = None
-    uv: np.ndarray = None
+    emission: Color = (0.0, 0.0, 0.0)
+    texture: Array | None = None
+    uv: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,10 +85,10 @@ class AreaLight:
     """
 
     name: str
-    corner: tuple
-    edge_u: tuple
-    edge_v: tuple
-    radiance: tuple
+    corner: Vector
+    edge_u: Vector
+    edge_v: Vector
+    radiance: Color
     ellipse: bool = False
 
 
@@ -90,7 +100,7 @@ class Cone:
     also falls with the cosine to the axis.
     """
 
-    axis: tuple
+    axis: Vector
     angle: float
     blend: float = 0.0
     cosine_falloff: bool = False
@@ -104,10 +114,10 @@ class PointLight:
     """
 
     name: str
-    position: tuple
+    position: Vector
     radius: float
-    intensity: tuple
-    cone: Cone = None
+    intensity: Color
+    cone: Cone | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,9 +128,12 @@ class SunLight:
     """
 
     name: str
-    direction: tuple
-    irradiance: tuple
+    direction: Vector
+    irradiance: Color
     angle: float = 0.0
+
+
+Light = AreaLight | PointLight | SunLight
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,9 +146,9 @@ class Environment:
     """
 
     name: str
-    radiance: tuple
-    image: np.ndarray = None
-    world_to_image: tuple = IDENTITY
+    radiance: Color
+    image: Array | None = None
+    world_to_image: tuple[Vector, Vector, Vector] = IDENTITY
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,15 +163,15 @@ class SceneDescription:
     """
 
     name: str
-    isosurfaces: list
+    isosurfaces: list[Isosurfaces]
     exposure: float
-    meshes: list
-    lights: list
-    environment: Environment = None
+    meshes: list[Mesh]
+    lights: list[Light]
+    environment: Environment | None = None
     coordinates: str = "world"
 
 
-def match_isosurfaces(description, volumes):
+def match_isosurfaces(description: SceneDescription, volumes: Sequence[Volume]) -> SceneDescription:
     """The description with one Isosurfaces for each volume; those of several volumes get isovalues.
 
     A single Isosurfaces serves any number of volumes and then takes their names. Raises
@@ -180,7 +193,9 @@ def match_isosurfaces(description, volumes):
     return replace(description, isosurfaces=isosurfaces)
 
 
-def fit_scene(description, volumes):
+def fit_scene(
+    description: SceneDescription, volumes: Volume | list[Volume] | tuple[Volume, ...]
+) -> SceneDescription:
     """The description in world coordinates; one in box coordinates is fitted around the volumes.
 
     volumes: a Volume or a list of them. Radiances stay what they are; a point light's intensity
@@ -192,7 +207,7 @@ def fit_scene(description, volumes):
     return fitted(description, fit)
 
 
-def fitted(description, fit):
+def fitted(description: SceneDescription, fit: "Fit") -> SceneDescription:
     """A description in box coordinates in world coordinates, by a Fit."""
     return replace(
         description,
@@ -202,53 +217,60 @@ def fitted(description, fit):
     )
 
 
+# In the plane or in space.
+_Place = TypeVar("_Place", tuple[float, float], Vector)
+
+
 @dataclass(frozen=True, eq=False)
 class Fit:
     """From box to world coordinates, in space or in the plane."""
 
-    centre: np.ndarray
+    centre: Array
     scale: float
 
     @classmethod
-    def around(cls, volumes):
+    def around(cls, volumes: Sequence[Volume]) -> "Fit":
         bounds = np.array([volume.field().bounds for volume in volumes], dtype=np.float64)
         return cls.of_box(bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0))
 
     @classmethod
-    def of_box(cls, low, high):
+    def of_box(cls, low: Array, high: Array) -> "Fit":
         """Around the box between two corners, each (3,)."""
         return cls(0.5 * (low + high), 0.5 * float((high - low).max()))
 
-    def vertices(self, vertices):
-        return (self.centre + self.scale * vertices).astype(np.float32)
+    def vertices(self, vertices: Array) -> Array:
+        return np.asarray(self.centre + self.scale * vertices, np.float32)
 
-    def point(self, p):
+    def point(self, p: _Place) -> _Place:
         return tuple((self.centre + self.scale * np.asarray(p)).tolist())
 
-    def vector(self, v):
+    def vector(self, v: _Place) -> _Place:
         return tuple((self.scale * np.asarray(v)).tolist())
 
 
-def _fit_light(light, fit):
+def _fit_light(light: Light, fit: Fit) -> Light:
     if isinstance(light, AreaLight):
-        edges = {"edge_u": fit.vector(light.edge_u), "edge_v": fit.vector(light.edge_v)}
-        return replace(light, corner=fit.point(light.corner), **edges)
+        corner, edge_u, edge_v = light.corner, light.edge_u, light.edge_v
+        return replace(
+            light, corner=fit.point(corner), edge_u=fit.vector(edge_u), edge_v=fit.vector(edge_v)
+        )
     if isinstance(light, PointLight):
+        r, g, b = (fit.scale**2 * x for x in light.intensity)
         return replace(
             light,
             position=fit.point(light.position),
             radius=fit.scale * light.radius,
-            intensity=tuple(fit.scale**2 * x for x in light.intensity),
+            intensity=(r, g, b),
         )
     return light
 
 
-def is_color(ramp):
+def is_color(ramp: Ramp) -> "TypeIs[Color]":
     """Whether a ramp is one colour rather than a list of stops."""
     return len(ramp) == 3 and all(isinstance(x, Real) for x in ramp)
 
 
-def ramp_at(ramp, isovalue):
+def ramp_at(ramp: Ramp, isovalue: float) -> Array:
     """The colour (3,) of a ramp at an isovalue in data units."""
     if is_color(ramp):
         return np.array(ramp, dtype=np.float64)
@@ -256,15 +278,21 @@ def ramp_at(ramp, isovalue):
     return np.array([np.interp(isovalue, isovalues, channel) for channel in colors.T])
 
 
-def isovalue_at(description, volume, c):
+def isovalue_at(description: SceneDescription, volume: int, c: float) -> float:
     """The isovalue, in data units, that a volume (its number) shows at a common isovalue."""
     if len(description.isosurfaces) == 1:
         return c
-    lo, hi = description.isosurfaces[volume].isovalues
+    isovalues = description.isosurfaces[volume].isovalues
+    assert isovalues is not None
+    lo, hi = isovalues
     return lo + c * (hi - lo)
 
 
-def core_scene(description, fields, isovalue_range):
+def core_scene(
+    description: SceneDescription,
+    fields: Sequence[_core.Field],
+    isovalue_range: tuple[float, float],
+) -> _core.Scene:
     """The core's scene of a description in world coordinates with one Isosurfaces for each field.
 
     fields: list of _core.Field. isovalue_range: (lo, hi) of the common isovalue.
@@ -284,14 +312,25 @@ def core_scene(description, fields, isovalue_range):
     return _core.Scene(volumes, meshes, lights, isovalue_range, _core_environment(description))
 
 
-def core_isosurfaces(kind, isosurfaces, field, isovalues=None):
+# Of the core, in space or in the plane.
+_Field = TypeVar("_Field")
+_Volume = TypeVar("_Volume")
+_Stops = list[tuple[float, Sequence[float]]]
+
+
+def core_isosurfaces(
+    kind: Callable[[str, _Field, _Stops, _Stops, str, float, float, float], _Volume],
+    isosurfaces: Isosurfaces,
+    field: _Field,
+    isovalues: tuple[float, float] | None = None,
+) -> _Volume:
     """The core's volume, a kind (_core.Volume or Volume2), of a field.
 
     isovalues: (lo, hi) that the common isovalues 0 and 1 show; None where it is the isovalue.
     """
     lo, hi = isovalues or (0.0, 1.0)
 
-    def stops(ramp):
+    def stops(ramp: Ramp) -> _Stops:
         stops = [(lo, ramp)] if is_color(ramp) else ramp
         return [((isovalue - lo) / (hi - lo), tuple(color)) for isovalue, color in stops]
 
@@ -307,7 +346,7 @@ def core_isosurfaces(kind, isosurfaces, field, isovalues=None):
     )
 
 
-def _core_mesh(mesh):
+def _core_mesh(mesh: Mesh) -> _core.Mesh:
     return _core.Mesh(
         mesh.name,
         mesh.vertices,
@@ -321,14 +360,14 @@ def _core_mesh(mesh):
     )
 
 
-def _core_texture(pixels, name):
+def _core_texture(pixels: Array | None, name: str) -> _core.Texture | None:
     try:
         return None if pixels is None else _core.Texture(pixels)
     except LeaflightError as error:
         raise LeaflightError(f'The image of "{name}" cannot be used: {error}') from None
 
 
-def _core_light(light):
+def _core_light(light: Light) -> _core.AreaLight | _core.PointLight | _core.SunLight:
     if isinstance(light, AreaLight):
         return _core.AreaLight(
             light.name, light.corner, light.edge_u, light.edge_v, light.radiance, light.ellipse
@@ -340,7 +379,7 @@ def _core_light(light):
     return _core.PointLight(light.name, light.position, light.radius, light.intensity, *shape)
 
 
-def _core_environment(description):
+def _core_environment(description: SceneDescription) -> _core.Environment | None:
     environment = description.environment
     if environment is None:
         return None

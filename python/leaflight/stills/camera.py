@@ -3,13 +3,16 @@
 
 import json
 import math
+import os
 from dataclasses import asdict, dataclass
-from numbers import Real
 
 import numpy as np
 
 from .._core import LeaflightError
+from ..arrays import Array
+from ..bake.baked import Bake
 from ..io.json_object import read_text
+from ..scene.scene import Vector
 
 # Of view, across the picture's shorter side: a portrait's lens, as of the add-on's stages.
 ANGLE = 26.0
@@ -22,12 +25,12 @@ class Camera:
     angle: of view, across the shorter side of the picture, in degrees.
     """
 
-    position: tuple
-    target: tuple
-    up: tuple = (0.0, 0.0, 1.0)
+    position: Vector
+    target: Vector
+    up: Vector = (0.0, 0.0, 1.0)
     angle: float = ANGLE
 
-    def axes(self):
+    def axes(self) -> Array:
         """Unit vectors to the right, up and forward: (3, 3)."""
         forward = _unit(np.subtract(self.target, self.position))
         right = np.cross(forward, self.up)
@@ -36,7 +39,7 @@ class Camera:
         right = _unit(right)
         return np.array([right, np.cross(right, forward), forward])
 
-    def directions(self, width, height, rows, samples=1):
+    def directions(self, width: int, height: int, rows: range, samples: int = 1) -> Array:
         """Of rays through pixels: float64 (len(rows) samples, width samples, 3), unit.
 
         rows: a range, from the top. samples: along each side of a pixel, evenly spread.
@@ -47,16 +50,17 @@ class Camera:
         x = (np.arange(width)[:, None] + step).ravel() - 0.5 * width
         y = 0.5 * height - (np.asarray(rows)[:, None] + step).ravel()
         directions = forward + scale * x[None, :, None] * right + scale * y[:, None, None] * up
-        return directions / np.linalg.norm(directions, axis=-1, keepdims=True)
+        unit: Array = directions / np.linalg.norm(directions, axis=-1, keepdims=True)
+        return unit
 
 
-def bounds_of(bake):
+def bounds_of(bake: Bake) -> tuple[Array, Array]:
     """(low, high) of the box, float64 (3,) each, that the volumes of a Bake fill in the world."""
     bounds = np.array([volume.field().bounds for volume in bake.volumes])
     return bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
 
 
-def load_camera(path):
+def load_camera(path: str | os.PathLike[str]) -> Camera:
     """Reads a JSON object with the names and values of a Camera's fields. Raises LeaflightError."""
     text = read_text(path)
     try:
@@ -65,10 +69,10 @@ def load_camera(path):
     except (TypeError, ValueError):
         known = {}
     angle = known.pop("angle", None)
-    right = isinstance(angle, Real) and 0.0 < angle < 180.0
+    right = isinstance(angle, (int, float)) and 0.0 < angle < 180.0
     for value in known.values():
         right = right and isinstance(value, (list, tuple)) and len(value) == 3
-        right = right and all(isinstance(x, Real) and math.isfinite(x) for x in value)
+        right = right and all(isinstance(x, (int, float)) and math.isfinite(x) for x in value)
     if not right:
         raise LeaflightError(
             f'{path}: this is no camera: give {{"position": [x, y, z], "target": [x, y, z]}} and '
@@ -77,8 +81,9 @@ def load_camera(path):
     return Camera(**given)
 
 
-def _unit(vector):
+def _unit(vector: Array) -> Array:
     length = np.linalg.norm(vector)
     if not length > 0.0:
         raise LeaflightError("The camera stands where it looks: move it.")
-    return vector / length
+    unit: Array = vector / length
+    return unit

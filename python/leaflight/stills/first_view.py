@@ -6,12 +6,16 @@ all else from where its silhouette is largest. The picture is framed around the 
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import leaflight._core as _core
 import numpy as np
 
 from .._core import LeaflightError
+from ..arrays import Array
+from ..bake.baked import Bake
+from ..scene.scene import Vector
 from ..volume.volume import default_isovalue
 from .camera import ANGLE, Camera, bounds_of
 
@@ -40,13 +44,13 @@ class Framing:
     angle: of view, across the picture's shorter side, in degrees.
     """
 
-    target: tuple
-    back: tuple
-    half: tuple
-    up: tuple = (0.0, 0.0, 1.0)
+    target: Vector
+    back: Vector
+    half: Vector
+    up: Vector = (0.0, 0.0, 1.0)
     angle: float = ANGLE
 
-    def camera(self, size=(1, 1), zoom=1.0):
+    def camera(self, size: tuple[int, int] = (1, 1), zoom: float = 1.0) -> Camera:
         """The Camera from which the isosurface fills its share of a picture of that size."""
         if not zoom > 0.0:
             raise LeaflightError(f"The zoom is {zoom:g}: choose a positive number.")
@@ -58,7 +62,7 @@ class Framing:
         return Camera(tuple(position.tolist()), self.target, self.up, self.angle)
 
 
-def default_isovalue_of(bake, volume=0):
+def default_isovalue_of(bake: Bake, volume: int = 0) -> float:
     """The isovalue (common isovalue) of a Bake that is shown at first, within the range."""
     low, high = bake.isovalues
     middle = 0.5 * (low + high)
@@ -68,12 +72,24 @@ def default_isovalue_of(bake, volume=0):
     return isovalue if low < isovalue < high else middle
 
 
-def camera_around_bake(bake, azimuth=None, elevation=None, zoom=1.0, isovalue=None, size=(1, 1)):
+def camera_around_bake(
+    bake: Bake,
+    azimuth: float | None = None,
+    elevation: float | None = None,
+    zoom: float = 1.0,
+    isovalue: float | None = None,
+    size: tuple[int, int] = (1, 1),
+) -> Camera:
     """A Camera that has the isosurface of a Bake in a picture of a size, see framing()."""
     return framing(bake, isovalue, azimuth, elevation).camera(size, zoom)
 
 
-def framing(bake, isovalue=None, azimuth=None, elevation=None):
+def framing(
+    bake: Bake,
+    isovalue: float | None = None,
+    azimuth: float | None = None,
+    elevation: float | None = None,
+) -> Framing:
     """The Framing of the isosurfaces of a Bake's volumes; isovalue: None is the default one.
 
     azimuth: degrees around +z, 0 from -y; elevation: degrees above the horizon; None chooses.
@@ -101,24 +117,24 @@ def framing(bake, isovalue=None, azimuth=None, elevation=None):
     return Framing(tuple(target.tolist()), tuple(back.tolist()), tuple(half.tolist()))
 
 
-def _points(bake, isovalue):
+def _points(bake: Bake, isovalue: float) -> Array:
     """Vertices (n, 3) of the isosurfaces, not all of many; corners where there are none."""
     found = [
         _core.contour(volume.field(), bake.isovalue_of(number, isovalue), normals=False)[0]
         for number, volume in enumerate(bake.volumes)
     ]
-    points = np.concatenate(found).astype(np.float64)
+    points: Array = np.concatenate(found).astype(np.float64)
     if len(points) == 0:
         return np.array(bounds_of(bake))
     return points[:: max(1, len(points) // _MOST_POINTS)]
 
 
-def _back(azimuth, elevation):
+def _back(azimuth: float, elevation: float) -> Array:
     a, e = math.radians(azimuth), math.radians(elevation)
     return np.array([math.sin(a) * math.cos(e), -math.cos(a) * math.cos(e), math.sin(e)])
 
 
-def _free_azimuths(bake, middle):
+def _free_azimuths(bake: Bake, middle: Array) -> list[float]:
     """From which no mesh of the scene hides the middle, before a wall where there is one."""
     origins = np.repeat(middle[None], len(_AZIMUTHS), axis=0)
     directions = np.array([_back(azimuth, 0.0) for azimuth in _AZIMUTHS])
@@ -133,7 +149,7 @@ def _free_azimuths(bake, middle):
     return [azimuth for azimuth, use in zip(_AZIMUTHS, chosen) if use]
 
 
-def _largest(candidates):
+def _largest(candidates: Sequence[tuple[float, float]]) -> float:
     """Of (area, what): the first, unless another one is clearly larger."""
     area, what = candidates[0]
     for other, of_other in candidates[1:]:
@@ -142,7 +158,7 @@ def _largest(candidates):
     return what
 
 
-def _silhouette(points, back):
+def _silhouette(points: Array, back: Array) -> int:
     """The area that points cover as seen from a direction, in squares of one size."""
     size = float(np.ptp(points, axis=0).max()) / _CELLS
     right, up, _ = Camera(tuple(back), (0.0, 0.0, 0.0)).axes()

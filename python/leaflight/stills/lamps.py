@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..scene.scene import AreaLight, PointLight, SunLight
+from ..arrays import Array
+from ..scene.scene import AreaLight, Light, Mesh, PointLight, SceneDescription, SunLight
 
 # What the shader of a web page has room for.
 MOST_LAMPS = 16
@@ -26,11 +27,11 @@ class Lamps:
     headlight: there is no other light.
     """
 
-    rows: np.ndarray
-    ambient: np.ndarray
+    rows: Array
+    ambient: Array
     headlight: bool
 
-    def irradiance(self, points, normals, eye):
+    def irradiance(self, points: Array, normals: Array, eye: Array) -> Array:
         """Over pi: what a white surface reflects, float64 (n, 3), at points with unit normals."""
         if self.headlight:
             return headlight(points, normals, eye)
@@ -52,14 +53,14 @@ class Lamps:
         return total / math.pi + self.ambient
 
 
-def headlight(points, normals, eye):
+def headlight(points: Array, normals: Array, eye: Array) -> Array:
     """What a white surface reflects of a light at the camera, float64 (n, 3)."""
     way = eye - points
     cosine = (normals * way).sum(axis=1) / np.linalg.norm(way, axis=1)
     return np.repeat(np.maximum(cosine, 0.0)[:, None], 3, axis=1)
 
 
-def lamps_of(description):
+def lamps_of(description: SceneDescription) -> Lamps:
     """The Lamps of a SceneDescription in world coordinates, the brightest if there are many."""
     rows = [row for light in description.lights for row in _rows(light)]
     for mesh in description.meshes:
@@ -71,12 +72,12 @@ def lamps_of(description):
         ambient = np.asarray(environment.radiance, np.float64)
         if environment.image is not None:
             ambient = ambient * _mean_of_sky(environment.image)
-    rows = sorted(rows, key=lambda row: -max(row[8:11]))[:MOST_LAMPS]
-    rows = np.array(rows, np.float64).reshape(-1, 12)
-    return Lamps(rows, ambient, len(rows) == 0 and not ambient.any())
+    brightest = sorted(rows, key=lambda row: -max(row[8:11]))[:MOST_LAMPS]
+    lamps = np.array(brightest, np.float64).reshape(-1, 12)
+    return Lamps(lamps, ambient, len(lamps) == 0 and not ambient.any())
 
 
-def _rows(light):
+def _rows(light: Light) -> list[tuple[float, ...]]:
     if isinstance(light, SunLight):
         return [(*np.negative(light.direction), _SUN, 0, 0, 0, 0, *light.irradiance, 0)]
     if isinstance(light, PointLight):
@@ -99,7 +100,7 @@ def _rows(light):
     ]
 
 
-def _facets(mesh):
+def _facets(mesh: Mesh) -> list[tuple[float, ...]]:
     corners = np.asarray(mesh.vertices, np.float64)[np.asarray(mesh.triangles, np.int64)]
     normals = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     areas = np.linalg.norm(normals, axis=1)
@@ -112,8 +113,9 @@ def _facets(mesh):
     ]
 
 
-def _mean_of_sky(image):
+def _mean_of_sky(image: Array) -> Array:
     """Over the sphere, of a latitude-longitude image."""
     latitude = (np.arange(len(image)) + 0.5) / len(image) * math.pi
     weight = np.sin(latitude)
-    return (image.mean(axis=1) * weight[:, None]).sum(axis=0) / weight.sum()
+    mean: Array = (image.mean(axis=1) * weight[:, None]).sum(axis=0) / weight.sum()
+    return mean

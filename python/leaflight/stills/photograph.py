@@ -4,7 +4,10 @@
 import math
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from ..arrays import Array
+from ..bake.baked import Bake
 from ..io.images import display_colours
 from .first_view import default_isovalue_of
 from .still import still
@@ -18,7 +21,7 @@ DIMMEST, BRIGHTEST = 0.4, 1.25
 MOST_STOPS = 4.0
 
 
-def tone_mapped(linear):
+def tone_mapped(linear: ArrayLike) -> Array:
     """Exposed colours (..., 3) as they are shown, linear, below 1."""
     linear = np.asarray(linear, np.float32)
     peak = linear.max(axis=-1, keepdims=True)
@@ -29,7 +32,7 @@ def tone_mapped(linear):
     return np.where(peak <= START, linear, mapped)
 
 
-def photographed(picture, exposure):
+def photographed(picture: Array, exposure: float) -> Array:
     """The picture of still() as uint8 RGBA, alpha not multiplied in."""
     alpha = picture[..., 3:]
     radiance = picture[..., :3] / np.maximum(alpha, 1e-6)
@@ -37,7 +40,7 @@ def photographed(picture, exposure):
     return np.concatenate([colors, np.rint(255.0 * alpha).astype(np.uint8)], axis=-1)
 
 
-def metered_stops(bake, isovalue=None):
+def metered_stops(bake: Bake, isovalue: float | None = None) -> float:
     """How many stops brighter than the scene's exposure a Bake is shown, to a tenth.
 
     Zero where the first view of its isovalue, None is the default one, is neither dim nor burnt.

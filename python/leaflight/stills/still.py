@@ -1,13 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """still(): one isosurface with its baked light, seen by a camera, ray by ray."""
 
+from collections.abc import Sequence
+
 import leaflight._core as _core
 import numpy as np
 
 from .._core import LeaflightError
+from ..arrays import Array
+from ..bake.baked import Bake
 from ..progress_bar import with_progress
 from ..scene.scene import ramp_at
 from ..volume.setting_error import SettingError
+from .camera import Camera
 from .first_view import camera_around_bake
 from .lamps import headlight, lamps_of
 from .walls import SeenWalls
@@ -21,16 +26,16 @@ UNBAKED = 0.3
 
 @with_progress("still")
 def still(
-    bake,
-    isovalue,
-    camera=None,
-    size=(1280, 720),
-    samples=2,
-    walls=True,
-    local=False,
+    bake: Bake,
+    isovalue: float,
+    camera: Camera | None = None,
+    size: tuple[int, int] = (1280, 720),
+    samples: int = 2,
+    walls: bool = True,
+    local: bool = False,
     *,
-    progress=None,
-):
+    progress: _core.Progress | None = None,
+) -> Array:
     """A picture of a Bake, float32 [row, column, RGBA], top row first.
 
     RGB is linear radiance in W/(m^2 sr), times alpha, the share of a pixel that something fills.
@@ -73,7 +78,7 @@ def still(
     return picture
 
 
-def check_diffuse(bake):
+def check_diffuse(bake: Bake) -> None:
     """Raises LeaflightError where isosurfaces are mirrors or glass, which hold no light."""
     for isosurfaces in bake.scene.isosurfaces:
         if isosurfaces.scattering != "diffuse":
@@ -83,7 +88,7 @@ def check_diffuse(bake):
             )
 
 
-def back_side(bake, volume):
+def back_side(bake: Bake, volume: int) -> str:
     """What is known of a volume's back: "baked", "dark" or "local", to be shaded locally."""
     if bake.grids[volume].has_back:
         return "baked"
@@ -93,14 +98,14 @@ def back_side(bake, volume):
 class SeenIsosurface:
     """The isosurface of one volume with its light."""
 
-    def __init__(self, bake, volume, isovalue, local=False):
+    def __init__(self, bake: Bake, volume: int, isovalue: float, local: bool = False) -> None:
         self._field, self._grid = bake.volumes[volume].field(), bake.grids[volume]
         self._own = bake.isovalue_of(volume, isovalue)
         self._local, self._inner = local, back_side(bake, volume)
         self._exposure = bake.scene.exposure
         self._isosurfaces, self._lamps = bake.scene.isosurfaces[volume], lamps_of(bake.scene)
 
-    def hits(self, origins, directions):
+    def hits(self, origins: Array, directions: Array) -> tuple[Array, Array]:
         """(distances (n,), infinite for none; radiance (n, 3)) of rays (n, 3)."""
         distances, above = _core.isosurface_hits(self._field, origins, directions, self._own)
         radiance = np.zeros((len(origins), 3))
@@ -109,7 +114,7 @@ class SeenIsosurface:
         radiance[hit] = self._radiance(points, above[hit] == 1, origins[hit])
         return distances, radiance
 
-    def _radiance(self, points, is_inner, eyes):
+    def _radiance(self, points: Array, is_inner: Array, eyes: Array) -> Array:
         found = np.zeros((len(points), 3))
         if self._local:
             shaded = np.ones(len(points), bool)
@@ -134,12 +139,20 @@ class SeenIsosurface:
         return found
 
 
-def _seen(isosurfaces, walls, eye, directions):
+def _seen(
+    isosurfaces: Sequence[SeenIsosurface],
+    walls: SeenWalls | None,
+    eye: Sequence[float],
+    directions: Array,
+) -> Array:
     """RGBA (n, 4): what is nearest on each ray."""
     origins = np.broadcast_to(np.asarray(eye, np.float64), directions.shape)
     origins = np.ascontiguousarray(origins)
     nearest, radiance = np.full(len(directions), np.inf), np.zeros((len(directions), 3))
-    for surface in [*isosurfaces, *([walls] if walls is not None else [])]:
+    surfaces: list[SeenIsosurface | SeenWalls] = [*isosurfaces]
+    if walls is not None:
+        surfaces.append(walls)
+    for surface in surfaces:
         distances, found = surface.hits(origins, directions)
         nearer = distances < nearest
         nearest[nearer], radiance[nearer] = distances[nearer], found[nearer]

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import leaflight._core as _core
 import numpy as np
 
+from ..arrays import Array
+from ..bake.baked import Bake
 from .camera import bounds_of
 from .lamps import lamps_of
 
@@ -24,32 +26,35 @@ class RoomMesh:
     """
 
     number: int
-    vertices: np.ndarray
-    triangles: np.ndarray
+    vertices: Array
+    triangles: Array
     is_of_room: bool
     is_lit: bool
-    albedo: np.ndarray
-    emission: np.ndarray
+    albedo: Array
+    emission: Array
 
 
-def room_meshes(bake):
+def room_meshes(bake: Bake) -> list[RoomMesh]:
     """The RoomMesh of each diffuse mesh of a Bake's scene; mirrors and glass are left out."""
     middle = np.mean(bounds_of(bake), axis=0)
-    is_lit, found = bake.walls is not None, []
+    walls, found = bake.walls, []
     for number, mesh in enumerate(bake.scene.meshes):
         if mesh.scattering == "diffuse":
             vertices, triangles = mesh.vertices, mesh.triangles
-            if is_lit:
-                vertices, triangles = bake.walls.mesh(number)
+            if walls is not None:
+                vertices, triangles = walls.mesh(number)
             albedo = np.array(mesh.albedo, np.float64)
             if mesh.texture is not None:
                 albedo = albedo * mesh.texture.mean(axis=(0, 1))
-            looks = _is_of_room(vertices, middle), is_lit, albedo, np.array(mesh.emission)
-            found.append(RoomMesh(number, vertices, triangles, *looks))
+            is_of_room, is_lit = _is_of_room(vertices, middle), walls is not None
+            emission = np.array(mesh.emission)
+            found.append(
+                RoomMesh(number, vertices, triangles, is_of_room, is_lit, albedo, emission)
+            )
     return found
 
 
-def _is_of_room(vertices, middle):
+def _is_of_room(vertices: Array, middle: Array) -> bool:
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     if np.all((low < middle) & (middle < high)):
         return True
@@ -64,11 +69,13 @@ class SeenWalls:
     local: by local shading, as if no light of them were baked.
     """
 
-    def __init__(self, bake, isovalue, eye, local=False):
+    def __init__(self, bake: Bake, isovalue: float, eye: Array, local: bool = False) -> None:
         middle = np.mean(bounds_of(bake), axis=0)
-        self._lamps, self._mesh = lamps_of(bake.scene), None
-        vertices, triangles, sides, looks, count = [], [], ([], []), [], 0
-        is_local = local or bake.walls is None
+        self._lamps = lamps_of(bake.scene)
+        self._mesh: _core.Mesh | None = None
+        sides: tuple[list[Array], list[Array]] = ([], [])
+        vertices, triangles, looks, count = [], [], [], 0
+        walls = None if local else bake.walls
         for mesh in room_meshes(bake):
             facets = mesh.triangles.astype(np.int64)
             if mesh.is_of_room:
@@ -77,17 +84,18 @@ class SeenWalls:
             triangles.append(facets + count)
             count += len(mesh.vertices)
             looks += [np.concatenate([mesh.albedo, mesh.emission])] * len(facets)
-            for back in () if is_local else (False, True):
-                sides[back].append(bake.walls.radiance(mesh.number, isovalue, back=back))
+            if walls is not None:
+                for back in (False, True):
+                    sides[back].append(walls.radiance(mesh.number, isovalue, back=back))
         if not looks:
             return
         self._vertices = np.concatenate(vertices).astype(np.float32)
         self._triangles = np.concatenate(triangles).astype(np.uint32)
         self._looks = np.array(looks)
-        self._sides = None if is_local else [np.concatenate(side) for side in sides]
+        self._sides = None if walls is None else [np.concatenate(side) for side in sides]
         self._mesh = _core.Mesh("walls", self._vertices, self._triangles, (0.0, 0.0, 0.0))
 
-    def hits(self, origins, directions):
+    def hits(self, origins: Array, directions: Array) -> tuple[Array, Array]:
         """(distances (n,), infinite for none; radiance (n, 3)) of rays (n, 3)."""
         distances, radiance = np.full(len(origins), np.inf), np.zeros((len(origins), 3))
         if self._mesh is None:
@@ -113,13 +121,15 @@ class SeenWalls:
         return distances, radiance
 
 
-def _transposed(hits):
+def _transposed(hits: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
     distances, facets, coordinates = hits
     return distances, facets, coordinates.T
 
 
-def _is_between(vertices, triangles, eye, middle):
+def _is_between(vertices: Array, triangles: Array, eye: Array, middle: Array) -> Array:
     """Whether the plane of each triangle parts the eye from the middle of the volumes."""
     a, b, c = (vertices[triangles[:, k]].astype(np.float64) for k in range(3))
     normals = np.cross(b - a, c - a)
-    return ((eye - a) * normals).sum(axis=1) * ((middle - a) * normals).sum(axis=1) < 0.0
+    sides = ((eye - a) * normals).sum(axis=1), ((middle - a) * normals).sum(axis=1)
+    is_between: Array = sides[0] * sides[1] < 0.0
+    return is_between

@@ -1,34 +1,40 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bakes with a fixed number of samples in each texel, or scattered over the volume."""
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
 import leaflight._core as _core
 
 from ..bake.bake import placed
 from ..bake.baked import Bake
 from ..bake.color_error import estimated_rms_percent
 from ..bake.provenance import provenance_of
-from ..bake.statistics import statistics_of
+from ..bake.statistics import Statistics, statistics_of
 from ..progress_bar import with_progress
-from ..scene.scene import core_scene
-from .settings import FixedSamples
+from ..scene.scene import SceneDescription, core_scene
+from .settings import FixedSamples, Samples
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 MEASURED = ("seconds", "rays", "texels", "peak_memory_bytes", "skipped_passes")
 
 
 @with_progress("bake")
 def bake(
-    volumes,
-    scene=None,
+    volumes: Any,
+    scene: SceneDescription | None = None,
     *,
-    isovalues=None,
-    resolution=None,
-    seed=0,
-    threads=0,
-    both_sides=False,
-    walls=False,
-    progress=None,
-    **samples,
-):
+    isovalues: Sequence[float] | None = None,
+    resolution: int | Sequence[int] | None = None,
+    seed: int = 0,
+    threads: int = 0,
+    both_sides: bool = False,
+    walls: bool = False,
+    progress: _core.Progress | None = None,
+    **samples: "Unpack[Samples]",
+) -> Bake:
     """The Bake of volumes by a fixed number of samples, whatever its error.
 
     volumes, scene, isovalues, seed, threads, both_sides, walls, progress: as of
@@ -59,11 +65,18 @@ def bake(
     statistics = fixed_statistics(baked, noise)
     provenance = provenance_of(volumes, description, isovalue_range, settings, fixed.record())
     provenance = provenance.after(baked.grids)
-    walls = baked.walls
-    return Bake(volumes, description, isovalue_range, baked.grids, walls, statistics, provenance)
+    return Bake(
+        volumes,
+        description,
+        isovalue_range,
+        baked.grids,
+        baked.walls,
+        statistics,
+        provenance,
+    )
 
 
-def fixed_statistics(baked, noise=None):
+def fixed_statistics(baked: _core.Baked | _core.Baked2, noise: float | None = None) -> Statistics:
     """The Statistics of a bake that has no passes, and estimates no error."""
     known = {name: baked.statistics[name] for name in MEASURED}
     return statistics_of({**known, "estimated_rms_percent": noise})

@@ -1,13 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The settings of a bake with a fixed number of samples, checked."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, astuple, dataclass
+from typing import TYPE_CHECKING, Any, TypedDict, TypeVar
 
+import leaflight._core as _core
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .._core import LeaflightError
-from ..bake.settings import set_common, whole
+from ..bake.settings import CommonSettings, set_common, whole
 from ..bake.provenance import sha256
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+_Settings = TypeVar("_Settings", _core.FixedSettings, _core.FixedSettings2)
 
 
 @dataclass(frozen=True)
@@ -37,9 +46,21 @@ class Scattered:
 
     strategy: str
     count: int
-    isovalues: object = 9
+    isovalues: int | Sequence[float] = 9
     filter: str = "shepard"
     radius: int = 3
+
+
+class Samples(TypedDict, total=False):
+    """FixedSamples by their names."""
+
+    samples: int
+    photons: int
+    caustic_photons: int | None
+    estimator: str
+    photon_map: PhotonMap | None
+    scattered: Scattered | None
+    only_at: ArrayLike | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,13 +69,18 @@ class FixedSamples:
 
     samples: int = 32
     photons: int = 2_000_000
-    caustic_photons: int = None
+    caustic_photons: int | None = None
     estimator: str = "gather"
-    photon_map: PhotonMap = None
-    scattered: Scattered = None
-    only_at: object = None
+    photon_map: PhotonMap | None = None
+    scattered: Scattered | None = None
+    only_at: ArrayLike | None = None
 
-    def core(self, kind, dims, **common):
+    def core(
+        self,
+        kind: Callable[[], _Settings],
+        dims: Sequence[int],
+        **common: "Unpack[CommonSettings]",
+    ) -> _Settings:
         """The core's settings, a kind (_core.FixedSettings or FixedSettings2).
 
         common: of set_common. Raises LeaflightError.
@@ -65,7 +91,7 @@ class FixedSamples:
         settings.caustic_photons = whole("caustic_photons", self._caustic_photons, 0)
         settings.estimator = self.estimator
         if self.only_at is not None:
-            if len(self.only_at) == 0:
+            if np.shape(self.only_at)[0] == 0:
                 raise LeaflightError("only_at holds no points: give some, or None for all texels.")
             settings.set_only_at(np.ascontiguousarray(self.only_at, dtype=np.float64))
         if self.photon_map is not None:
@@ -78,13 +104,14 @@ class FixedSamples:
             settings.set_photon_map(*astuple(self.photon_map))
         if self.scattered is not None:
             whole("count", self.scattered.count, 1)
-            if np.ndim(self.scattered.isovalues) == 0:
-                whole("isovalues", self.scattered.isovalues, 1)
+            isovalues: Any = self.scattered.isovalues
+            if np.ndim(isovalues) == 0:
+                whole("isovalues", isovalues, 1)
             whole("radius", self.scattered.radius, 0)
             settings.set_scattered(*astuple(self.scattered))
         return settings
 
-    def record(self):
+    def record(self) -> dict[str, Any]:
         """What a bake depends on, as JSON has it."""
         photon_map = self.photon_map or (PhotonMap() if self.estimator == "thesis" else None)
         return {
@@ -94,9 +121,11 @@ class FixedSamples:
             "estimator": self.estimator,
             "photon_map": photon_map and asdict(photon_map),
             "scattered": self.scattered and asdict(self.scattered),
-            "only_at_sha256": "" if self.only_at is None else sha256(np.float64(self.only_at)),
+            "only_at_sha256": ""
+            if self.only_at is None
+            else sha256(np.asarray(self.only_at, np.float64)),
         }
 
     @property
-    def _caustic_photons(self):
+    def _caustic_photons(self) -> int:
         return self.photons if self.caustic_photons is None else self.caustic_photons

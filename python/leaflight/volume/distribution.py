@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How often the values of a volume occur: counted plane by plane, without a copy of all."""
 
+from collections.abc import Iterator, Sequence
+from typing import Any
+
 import numpy as np
 
+from ..arrays import Array
 from .voxels import as_voxels
 
 
@@ -12,43 +16,42 @@ class Distribution:
     data_range: its lowest and highest. count: how many there are.
     """
 
-    def __init__(self, values, data_range):
+    def __init__(self, values: Array, data_range: tuple[float, float]) -> None:
         # Of this type, edges of bins are the same with any NumPy.
-        self._data, self._range = values, tuple(np.float32(end) for end in data_range)
+        self._range: Any = tuple(np.float32(end) for end in data_range)
+        self._data = values
         whole = as_voxels(values[:1]).dtype != np.float32
         self._counted = self._count_whole() if whole else None
-        if whole:
+        if self._counted is not None:
             self.count = int(self._counted[1].sum())
         else:
             self.count = sum(plane.size for plane in self._planes())
 
-    def _count_whole(self):
+    def _count_whole(self) -> tuple[Array, Array]:
         """(values float32, numbers of voxels that have them) of whole numbers."""
-        least = voxels = None
+        limits = np.iinfo(as_voxels(self._data[:1]).dtype)
+        least, voxels = int(limits.min), np.zeros(limits.max - limits.min + 1, np.int64)
         for plane in self._data:
             plane = as_voxels(plane)
-            if voxels is None:
-                limits = np.iinfo(plane.dtype)
-                least, voxels = int(limits.min), np.zeros(limits.max - limits.min + 1, np.int64)
             voxels += np.bincount(plane.ravel().astype(np.int64) - least, minlength=voxels.size)
         present = np.flatnonzero(voxels)
         return (present + least).astype(np.float32), voxels[present]
 
-    def _planes(self):
+    def _planes(self) -> Iterator[Array]:
         """The values float32, without those that are NaN, plane by plane."""
         for plane in self._data:
             plane = as_voxels(plane).ravel()
             known = np.isfinite(plane)
             yield plane if known.all() else plane[known]
 
-    def voxels_of(self, value):
+    def voxels_of(self, value: float) -> int:
         """How many have this value."""
         if self._counted is not None:
             values, voxels = self._counted
             return int(voxels[values == np.float32(value)].sum())
         return sum(int(np.count_nonzero(plane == np.float32(value))) for plane in self._planes())
 
-    def histogram(self, bins):
+    def histogram(self, bins: int) -> tuple[Array, Array]:
         """(numbers of voxels, edges) of bins of equal width over the range."""
         if self._counted is not None:
             values, voxels = self._counted
@@ -59,7 +62,7 @@ class Distribution:
             counts += found
         return counts, edges
 
-    def are_whole(self, without=()):
+    def are_whole(self, without: Sequence[float] = ()) -> bool:
         """Whether all values, but those left out, are whole numbers."""
         if self._counted is not None:
             return True
@@ -68,14 +71,14 @@ class Distribution:
             np.all((plane == np.rint(plane)) | np.isin(plane, left)) for plane in self._planes()
         )
 
-    def at(self, ranks, without=()):
+    def at(self, ranks: Sequence[int], without: Sequence[float] = ()) -> Array:
         """The values (float64) of so many ranks, from 0, in ascending order; some left out."""
         if self._counted is not None:
             values, voxels = self._counted
-            kept = ~np.isin(values, np.float32(without))
+            kept = ~np.isin(values, np.asarray(without, np.float32))
             values, last = values[kept], np.cumsum(voxels[kept])
             return values[np.searchsorted(last, ranks, side="right")].astype(np.float64)
-        left = np.float32(without)
+        left = np.asarray(without, np.float32)
         # By the upper 16 bits of the values, then by the lower ones within a bin of those.
         upper = np.zeros(1 << 16, np.int64)
         for keys in self._keys(left):
@@ -93,7 +96,7 @@ class Distribution:
             found.append(_value(int(one) << 16 | int(low)))
         return np.array(found, np.float64)
 
-    def _keys(self, left):
+    def _keys(self, left: Array) -> Iterator[Array]:
         """Whole numbers in the order of the values."""
         for plane in self._planes():
             if left.size:
@@ -102,6 +105,6 @@ class Distribution:
             yield np.where(bits >> 31, ~bits, bits | np.uint32(1 << 31))
 
 
-def _value(key):
+def _value(key: int) -> np.float32:
     bits = key ^ (1 << 31) if key >> 31 else ~key & 0xFFFFFFFF
     return np.uint32(bits).view(np.float32)

@@ -17,10 +17,10 @@ _SHARE_OF_MACHINE = 0.75
 # What the bounds for rays take besides the values, bytes a voxel.
 _BOUNDS = 2.6
 
-_limit = None
+_limit: int | None = None
 
 
-def limit_memory(size, folder=None):
+def limit_memory(size: int | None, folder: str | os.PathLike[str] | None = None) -> None:
     """Lets this process take about `size` bytes of memory from now on; None for no limit.
 
     Volumes then lie in files beyond a quarter of it, so that they may be larger, and a bake takes
@@ -39,7 +39,7 @@ def limit_memory(size, folder=None):
     _limit = size
 
 
-def memory_of_light(voxels):
+def memory_of_light(voxels: int) -> int | None:
     """Bytes that the light of a volume of so many voxels may take, None where nobody knows."""
     if _limit is not None:
         return int((1 - _SHARE_OF_VOLUMES) * _limit) - _PROGRAM
@@ -52,6 +52,6 @@ def memory_of_light(voxels):
     return int(max(left, 0.2 * machine))
 
 
-def is_limited():
+def is_limited() -> bool:
     """Whether limit_memory() is in force."""
     return _limit is not None

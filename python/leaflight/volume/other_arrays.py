@@ -5,21 +5,27 @@ No library is imported that the object has not brought. Plain arrays are [z, y, 
 """
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .._core import LeaflightError
+from ..arrays import Array
 from .setting_error import SettingError
 from .units import METERS, unit_of
 from .volume import Volume
 from .voxels import as_voxels
 
+# Values, index_to_world or None, unit, name.
+_Read = tuple[Any, Array | None, str, str]
 # From left, back, up to right, front, up: from the patient's coordinates of ITK to those of NIfTI.
 _TO_NIFTI = np.diag([-1.0, -1.0, 1.0, 1.0])
 
 
-def as_volume(data, spacing=None, name=None):
+def as_volume(data: Any, spacing: ArrayLike | None = None, name: str | None = None) -> Volume:
     """The Volume of an array or an image with three axes of real numbers; a Volume as it is.
 
     data: a NumPy array or any that becomes one, such as of Zarr, Dask or h5py, [z, y, x]; of xarray
@@ -45,28 +51,28 @@ def as_volume(data, spacing=None, name=None):
     return found
 
 
-def as_volumes(data, spacing=None):
+def as_volumes(data: Any, spacing: ArrayLike | None = None) -> list[Volume]:
     """The list of Volumes of one such object, or of a list or tuple of them."""
     several = isinstance(data, (list, tuple))
     return [as_volume(one, spacing) for one in (data if several else [data])]
 
 
-def _reader(data):
+def _reader(data: Any) -> Callable[[Any], _Read]:
     for names, reader in _READERS.items():
         if all(hasattr(data, name) for name in names):
             return reader
     return _of_array
 
 
-def _of_array(data):
+def _of_array(data: Any) -> _Read:
     own = getattr(data, "name", None)
     name = own.strip("/").rpartition("/")[2] if isinstance(own, str) else ""
     return data, None, "", name or "array"
 
 
-def _of_nibabel(image):
+def _of_nibabel(image: Any) -> _Read:
     """Also of others whose axes are x, y and z, which an affine takes to the world."""
-    header = getattr(image, "header", None)
+    header: Any = getattr(image, "header", None)
     unit = header.get_xyzt_units()[0] if hasattr(header, "get_xyzt_units") else ""
     path = image.get_filename() if hasattr(image, "get_filename") else None
     values = _without_single_axes(_array(getattr(image, "dataobj", image)))
@@ -75,7 +81,7 @@ def _of_nibabel(image):
     return values.T, affine, unit_of(unit) or "mm", Path(path or "image").name.partition(".")[0]
 
 
-def _of_itk(image):
+def _of_itk(image: Any) -> _Read:
     module = sys.modules[type(image).__module__.partition(".")[0]]
     view = getattr(module, "GetArrayViewFromImage", _array)
     matrix = np.eye(4)
@@ -85,7 +91,7 @@ def _of_itk(image):
     return view(image), _TO_NIFTI @ matrix, "mm", "image"
 
 
-def _of_vtk(image):
+def _of_vtk(image: Any) -> _Read:
     """Also of PyVista, whose images are VTK's: values at points, else in cells."""
     from vtkmodules.util.numpy_support import vtk_to_numpy
 
@@ -106,7 +112,7 @@ def _of_vtk(image):
     return values, np.array(matrix) @ shift, "", scalars.GetName() or "image"
 
 
-def _of_xarray(data):
+def _of_xarray(data: Any) -> _Read:
     name, data = str(data.name or "array"), data.squeeze()
     if data.ndim != 3:
         return data.data, None, "", name
@@ -128,11 +134,11 @@ def _of_xarray(data):
     return data.data, matrix, unit, name
 
 
-def _is_real(array):
+def _is_real(array: Any) -> bool:
     return array.dtype.kind in "iuf"
 
 
-def _even(name, dim, places):
+def _even(name: str, dim: object, places: ArrayLike) -> tuple[float, float]:
     """(first, step) of even coordinates. Raises LeaflightError for others."""
     places = np.asarray(places, np.float64)
     step = (places[-1] - places[0]) / (len(places) - 1)
@@ -155,7 +161,7 @@ _READERS = {
 }
 
 
-def _array(data):
+def _array(data: Any) -> Array:
     try:
         return np.asanyarray(data)
     except (TypeError, ValueError, RuntimeError) as error:
@@ -165,11 +171,11 @@ def _array(data):
         ) from None
 
 
-def _without_single_axes(values):
+def _without_single_axes(values: Array) -> Array:
     return np.squeeze(values) if values.ndim > 3 else values
 
 
-def _scalars(data, name):
+def _scalars(data: Any, name: str) -> Array:
     """An array of real numbers with three axes. Raises LeaflightError."""
     if isinstance(data, (str, Path)):
         raise LeaflightError(f"{data}: this is a path, not a volume: read it by read_volume().")
@@ -185,5 +191,6 @@ def _scalars(data, name):
             "one frame and one channel, and light images with flatland."
         )
     if isinstance(values, np.ma.MaskedArray):
-        values = values.astype(np.float32).filled(np.nan)
+        masked: Any = values.astype(np.float32)
+        values = masked.filled(np.nan)
     return np.asarray(values)

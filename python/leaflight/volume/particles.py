@@ -8,7 +8,8 @@ to 0..255. And the electron of a hydrogen atom, which is as smooth as volumes co
 
 import numpy as np
 
-from .volume import on_unit_cube
+from ..arrays import Array
+from .volume import Volume, on_unit_cube
 
 # Where a Gaussian is cut off, in standard deviations.
 KERNEL_REACH = 4.0
@@ -18,7 +19,7 @@ DROPLET_DENSITY = 1_500_000
 HYDROGEN_REACH = 20.0
 
 
-def nucleons(n=101):
+def nucleons(n: int = 101) -> list[Volume]:
     """Protons and neutrons in the crust of a neutron star: two Volumes of n^3 nodes.
 
     Nuclei of irregular, elongated shapes, some of them joined, in which the two kinds lie mixed,
@@ -31,7 +32,7 @@ def nucleons(n=101):
     ]
 
 
-def _nucleon_positions():
+def _nucleon_positions() -> tuple[Array, Array]:
     rng = np.random.default_rng(1)
     candidates = []
     for centre in _scattered(rng.uniform(0.15, 0.85, (2000, 3)), distance=0.18)[:22]:
@@ -44,7 +45,7 @@ def _nucleon_positions():
     return nuclei[is_proton], np.concatenate([nuclei[~is_proton], gas])
 
 
-def lapr(n=120):
+def lapr(n: int = 120) -> list[Volume]:
     """Laser-assisted particle removal: a dirt particle, and the water that lifts it as it explodes.
 
     Two Volumes of n^3 nodes; the wetted surface is the cube's bottom, z = 0.
@@ -67,15 +68,16 @@ def lapr(n=120):
     ]
 
 
-def _film(rng, count):
+def _film(rng: np.random.Generator, count: int) -> Array:
     """Water left on the surface, thinner the nearer it is to the explosion in the middle."""
     points = rng.uniform((0.06, 0.06, 0.0), (0.94, 0.94, 1.0), (count, 3))
     distance = np.linalg.norm(points[:, :2] - 0.5, axis=1)
     points[:, 2] = 0.07 + 0.08 * points[:, 2] * np.minimum(1, distance / 0.3)
-    return points[rng.random(count) < np.minimum(1, distance / 0.3)]
+    left: Array = points[rng.random(count) < np.minimum(1, distance / 0.3)]
+    return left
 
 
-def _plume(rng, droplets):
+def _plume(rng: np.random.Generator, droplets: int) -> Array:
     """Droplets that fly up and away from below the particle, smaller the faster they are."""
     directions = _directions(rng, droplets)
     directions[:, 2] = np.abs(directions[:, 2]) + 0.25
@@ -90,12 +92,12 @@ def _plume(rng, droplets):
     )
 
 
-def neuron(n=150):
+def neuron(n: int = 150) -> Volume:
     """A neuron: a cell body and dendrites that fork, a Volume of n^3 nodes that is mostly empty."""
     return _density("neuron", "neuron", _neuron_positions(), 0.014, n)
 
 
-def _neuron_positions():
+def _neuron_positions() -> Array:
     rng = np.random.default_rng(3)
     centre = np.array([[0.5, 0.45, 0.5]])
     points = [centre + 0.06 * _ball(rng, 250)]
@@ -109,11 +111,12 @@ def _neuron_positions():
                 points.append(position)
             fork = 0.5 * rng.normal(size=(1, 3))
             ends += [(position, _unit(direction + fork)), (position, _unit(direction - fork))]
-    points = np.concatenate(points)
-    return points[(np.abs(points - 0.5) < 0.44).all(axis=1)]
+    whole = np.concatenate(points)
+    kept: Array = whole[(np.abs(whole - 0.5) < 0.44).all(axis=1)]
+    return kept
 
 
-def hydrogen(n=64):
+def hydrogen(n: int = 64) -> Volume:
     """Where the electron of a hydrogen atom is in the state 3d_z2: a Volume of n^3 nodes.
 
     The probability density |psi_320|^2 over its maximum, hence 0..1: two lobes along z, with a
@@ -122,7 +125,7 @@ def hydrogen(n=64):
     return on_unit_cube(n, _electron_3d, "hydrogen", "hydrogen")
 
 
-def _electron_3d(n):
+def _electron_3d(n: int) -> Array:
     """psi_320 = r^2 exp(-r/3) (3 cos^2 theta - 1) / (81 sqrt(6 pi)), r in Bohr radii.
 
     Griffiths, Introduction to Quantum Mechanics, Tables 4.3 and 4.7.
@@ -133,15 +136,16 @@ def _electron_3d(n):
     psi = (3 * z**2 - squares) * np.exp(-np.sqrt(squares) / 3)
     # Highest on the axis at r = 6.
     highest = 2 * 6**2 * np.exp(-2.0)
-    return ((psi / highest) ** 2).astype(np.float32)
+    density: Array = ((psi / highest) ** 2).astype(np.float32)
+    return density
 
 
-def _density(source, name, particles, sigma, n):
+def _density(source: str, name: str, particles: Array, sigma: float, n: int) -> Volume:
     """The particles (m, 3) convolved with a Gaussian, a Volume of n^3 nodes with values 0..255."""
     return on_unit_cube(n, lambda n: _convolved(particles, sigma, n), name, source)
 
 
-def _convolved(particles, sigma, n):
+def _convolved(particles: Array, sigma: float, n: int) -> Array:
     nodes = np.linspace(0, 1, n)
     values = np.zeros((n, n, n))
     reach = KERNEL_REACH * sigma
@@ -154,10 +158,11 @@ def _convolved(particles, sigma, n):
             factors.append(np.exp(-0.5 * ((nodes[first:last] - position) / sigma) ** 2))
         z, y, x = factors
         values[tuple(window)] += z[:, None, None] * y[:, None] * x
-    return (values * (255.0 / values.max())).astype(np.float32)
+    scaled: Array = (values * (255.0 / values.max())).astype(np.float32)
+    return scaled
 
 
-def _scattered(candidates, distance):
+def _scattered(candidates: Array, distance: float) -> Array:
     """Those points (n, 3) that are not nearer than the distance to an earlier one."""
     points = np.empty_like(candidates)
     count = 0
@@ -169,27 +174,31 @@ def _scattered(candidates, distance):
     return points[:count]
 
 
-def _lattice(radius, spacing):
+def _lattice(radius: float, spacing: float) -> Array:
     """The points of a face-centred cubic lattice in a ball around the origin."""
     steps = int(2 * radius / spacing) + 1
     i, j, k = np.mgrid[-steps : steps + 1, -steps : steps + 1, -steps : steps + 1].reshape(3, -1)
     points = 0.5 * spacing * np.stack([i + j, i + k, j + k], axis=1)
-    return points[np.linalg.norm(points, axis=1) < radius]
+    within: Array = points[np.linalg.norm(points, axis=1) < radius]
+    return within
 
 
-def _ball(rng, count):
+def _ball(rng: np.random.Generator, count: int) -> Array:
     """Points (count, 3), uniform in the unit ball."""
-    return _directions(rng, count) * np.cbrt(rng.random((count, 1)))
+    points: Array = _directions(rng, count) * np.cbrt(rng.random((count, 1)))
+    return points
 
 
-def _directions(rng, count):
+def _directions(rng: np.random.Generator, count: int) -> Array:
     return _unit(rng.normal(size=(count, 3)))
 
 
-def _unit(vectors):
-    return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-12)
+def _unit(vectors: Array) -> Array:
+    directions: Array = vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-12)
+    return directions
 
 
-def _rotation(rng):
+def _rotation(rng: np.random.Generator) -> Array:
     """A random orthogonal matrix (3, 3)."""
-    return np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    matrix: Array = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    return matrix

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Volumes of scattered points with a value each, by Shepard's interpolation (thesis 4.3.1)."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from .._core import LeaflightError
+from ..arrays import Array
 from .setting_error import SettingError
 from .volume import Volume
 
@@ -17,7 +20,13 @@ NEAREST = 1e-3
 FEWEST, MOST = 16, 256
 
 
-def interpolated(points, values, name, source="", nodes=None):
+def interpolated(
+    points: Array,
+    values: Array,
+    name: str,
+    source: str = "",
+    nodes: Sequence[int] | None = None,
+) -> Volume:
     """A Volume through points (n, 3) with values (n,), on the box that they fill.
 
     Each node is the mean of the points within REACH voxels, weighted by distance^-5; one that none
@@ -45,7 +54,9 @@ def interpolated(points, values, name, source="", nodes=None):
     return Volume(array.astype(np.float32), matrix, name, source)
 
 
-def _grid(source, sides, points, nodes):
+def _grid(
+    source: str, sides: Array, points: int, nodes: Sequence[int] | None
+) -> tuple[Array, Array]:
     """(nodes along x, y and z, the distances between them)."""
     if nodes is not None and len(nodes) == 3 and min(nodes) >= 2:
         counts = np.array(nodes, int)
@@ -66,16 +77,16 @@ def _grid(source, sides, points, nodes):
     return counts, sides / (counts - 1) if nodes is None else np.full(3, step)
 
 
-def _lattice_step(sides, points):
+def _lattice_step(sides: Array, points: int) -> float:
     """The distance at which a cubic lattice in a box of these sides has so many nodes."""
-    low, high = 0.0, sides.max()
+    low, high = 0.0, float(sides.max())
     for _ in range(60):
         step = 0.5 * (low + high)
         low, high = (step, high) if np.prod(sides / step + 1) > points else (low, step)
     return high
 
 
-def _averages(places, values, counts):
+def _averages(places: Array, values: Array, counts: Array) -> tuple[Array, Array]:
     """(weighted sums, sums of weights) at the nodes, [z, y, x]; places: of points, in voxels."""
     shape = tuple(counts[::-1])
     sums, weights = np.zeros(np.prod(shape)), np.zeros(np.prod(shape))
@@ -93,7 +104,7 @@ def _averages(places, values, counts):
     return sums.reshape(shape), weights.reshape(shape)
 
 
-def _filled(sums, weights):
+def _filled(sums: Array, weights: Array) -> Array:
     """The means; where no point reached, layer by layer, those of the neighbours that have one."""
     known = weights > 0
     means = np.divide(sums, weights, out=np.zeros_like(sums), where=known)
@@ -106,7 +117,7 @@ def _filled(sums, weights):
     return means
 
 
-def _neighbours(padded):
+def _neighbours(padded: Array) -> Array:
     """The sum over the six neighbours of each inner voxel."""
     inner = slice(1, -1)
     total = np.zeros(tuple(n - 2 for n in padded.shape))

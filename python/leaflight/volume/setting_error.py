@@ -7,6 +7,6 @@ from .._core import LeaflightError
 class SettingError(LeaflightError):
     """A sentence about settings, which `settings` names: on the command line they are flags."""
 
-    def __init__(self, sentence, *settings):
+    def __init__(self, sentence: str, *settings: str) -> None:
         super().__init__(sentence)
         self.settings = settings

@@ -13,7 +13,7 @@ METERS = {
 }
 
 
-def unit_of(text):
+def unit_of(text: object) -> str:
     """The key of METERS that a file's own word means, "" for any other."""
     return _WORDS.get(str(text or "").strip().lower(), "")
 

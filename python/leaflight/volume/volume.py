@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A scalar volume in memory and the isovalues to begin with."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import leaflight._core as _core
 import numpy as np
+from numpy.typing import ArrayLike, DTypeLike
 
 from .._core import LeaflightError
+from ..arrays import Array
 from ..words import by, html_table
 from .distribution import Distribution
 from .setting_error import SettingError
@@ -36,8 +40,8 @@ class Volume:
     and origin, the place (x, y, z) of the first node; without them these are 1 and 0.
     """
 
-    values: np.ndarray
-    index_to_world: np.ndarray
+    values: Array
+    index_to_world: Array
     name: str
     source: str
     unit: str
@@ -45,16 +49,16 @@ class Volume:
 
     def __init__(
         self,
-        values,
-        index_to_world=None,
-        name="volume",
-        source="",
-        unit="",
-        patient=False,
+        values: ArrayLike,
+        index_to_world: Array | None = None,
+        name: str = "volume",
+        source: str = "",
+        unit: str = "",
+        patient: bool = False,
         *,
-        spacing=None,
-        origin=None,
-    ):
+        spacing: ArrayLike | None = None,
+        origin: ArrayLike | None = None,
+    ) -> None:
         if not isinstance(values, np.ndarray):
             values = np.asarray(values)
         if index_to_world is None:
@@ -71,23 +75,25 @@ class Volume:
         self.__dict__.update(fields, source=source, unit=unit_of(unit), patient=patient)
 
     @cached_property
-    def _field(self):
-        kind = _core.Field2 if np.ndim(self.values) == 2 else _core.Field
+    def _field(self) -> _core.Field:
+        """In flatland a Field2, which offers the same."""
+        kind: Any = _core.Field2 if np.ndim(self.values) == 2 else _core.Field
         try:
-            return kind(
+            field: _core.Field = kind(
                 as_voxels(self.values),
                 np.ascontiguousarray(self.index_to_world, dtype=np.float64),
             )
         except LeaflightError as error:
             raise LeaflightError(f"{self.source or self.name}: {error}") from None
+        return field
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<Volume: {', '.join(f'{what} {text}' for what, text in self._facts())}>"
 
-    def _repr_html_(self):
+    def _repr_html_(self) -> str:
         return html_table("Volume", self._facts())
 
-    def _facts(self):
+    def _facts(self) -> list[tuple[str, str]]:
         return [
             ("name", self.name),
             ("voxels", by(self.values.shape[::-1])),
@@ -96,12 +102,12 @@ class Volume:
         ]
 
     @property
-    def spacing(self):
+    def spacing(self) -> tuple[float, ...]:
         """The sizes (x, y, z) of a voxel, in the unit of the world."""
         axes = np.asarray(self.index_to_world, np.float64)[:-1, :-1]
         return tuple(np.linalg.norm(axes, axis=0).tolist())
 
-    def field(self):
+    def field(self) -> _core.Field:
         """The core's view of the volume, made at the first call.
 
         Raises LeaflightError when no isosurface can exist: all values equal or NaN, infinite ones,
@@ -109,7 +115,13 @@ class Volume:
         """
         return self._field
 
-    def capped(self):
+    def flat_field(self) -> _core.Field2:
+        """The same in flatland."""
+        field: object = self._field
+        assert isinstance(field, _core.Field2)
+        return field
+
+    def capped(self) -> "Volume":
         """The volume with one layer of voxels around it that closes every isosurface.
 
         The layer holds one value below all others, low - 2 (high - low). Between a voxel of value h
@@ -149,7 +161,7 @@ class Volume:
         return replace(self, values=values, index_to_world=index_to_world)
 
     @cached_property
-    def _closed(self):
+    def _closed(self) -> bool:
         low, _ = self.field().range
         return all(
             (self.values.take(end, axis=axis) == low).all()
@@ -157,7 +169,7 @@ class Volume:
             for end in (0, -1)
         )
 
-    def in_unit(self, unit):
+    def in_unit(self, unit: str) -> "Volume":
         """The volume in world coordinates of another unit; without a unit of its own, it has that.
 
         unit: a key of METERS, or "", which changes nothing.
@@ -168,7 +180,7 @@ class Volume:
         to_unit = np.diag([*[scale] * np.ndim(self.values), 1.0])
         return replace(self, index_to_world=to_unit @ self.index_to_world, unit=unit)
 
-    def coarser(self):
+    def coarser(self) -> "Volume":
         """The volume with half as many nodes along each axis, each the mean of eight; one in space.
 
         Made at the first call. It ends up to one and a half voxels within the border. Raises
@@ -177,14 +189,14 @@ class Volume:
         return self._coarser
 
     @cached_property
-    def _coarser(self):
+    def _coarser(self) -> "Volume":
         values = _core.coarser_values(self.field())
         from_coarser = np.diag([2.0, 2.0, 2.0, 1.0])
         from_coarser[:3, 3] = 0.5
         return replace(self, values=values, index_to_world=self.index_to_world @ from_coarser)
 
     @cached_property
-    def _within_layer(self):
+    def _within_layer(self) -> tuple[Array, tuple[float, float]] | None:
         """The values within the layer of capped() and their range; None without such a layer."""
         inside = self.values[(slice(1, -1),) * self.values.ndim]
         if not self._closed or not any(np.isfinite(plane).any() for plane in inside):
@@ -196,20 +208,20 @@ class Volume:
         return inside, (low, high)
 
     @cached_property
-    def distribution(self):
+    def distribution(self) -> Distribution:
         """The Distribution of data()."""
         return Distribution(self.data(), self.data_range())
 
-    def data(self):
+    def data(self) -> Array:
         """The values without the layer that capped() added, if there is one; not a copy."""
         return self._within_layer[0] if self._within_layer else self.values
 
-    def data_range(self):
+    def data_range(self) -> tuple[float, float]:
         """(lowest, highest) of data(), in data units."""
         return self._within_layer[1] if self._within_layer else self.field().range
 
 
-def _axis_aligned(axes, spacing, origin):
+def _axis_aligned(axes: int, spacing: ArrayLike | None, origin: ArrayLike | None) -> Array:
     """The index_to_world of a voxel's size and the first node's place. Raises SettingError."""
     try:
         steps = np.broadcast_to(np.asarray(1.0 if spacing is None else spacing, np.float64), axes)
@@ -227,12 +239,12 @@ def _axis_aligned(axes, spacing, origin):
     return matrix
 
 
-def bump_box(n=100):
+def bump_box(n: int = 100) -> Volume:
     """The 3D bump box (thesis Eq. 2.1 and Table 2.1): n^3 nodes on the unit cube, values 0..255."""
     return on_unit_cube(n, _core.bump_box, "bump_box", "bump_box")
 
 
-def on_unit_cube(n, values, name, source):
+def on_unit_cube(n: int, values: Callable[[int], Array], name: str, source: str) -> Volume:
     """A generated Volume of n nodes a side on the unit cube or square, from values(n)."""
     if n < 2:
         raise SettingError(
@@ -243,7 +255,7 @@ def on_unit_cube(n, values, name, source):
     return Volume(array, index_to_world, name, source)
 
 
-def default_isovalue_range(volume):
+def default_isovalue_range(volume: Volume) -> tuple[float, float]:
     """Isovalues (lo, hi) worth baking: the middle 99 % of the values that are not background."""
     lo, hi = _quantiles(volume, (0.005, 0.995))
     low, high = volume.data_range()
@@ -253,7 +265,7 @@ def default_isovalue_range(volume):
     return float(lo), float(hi)
 
 
-def default_isovalue(volume):
+def default_isovalue(volume: Volume) -> float:
     """The isovalue that best parts the object from its background (Otsu 1979), in the range."""
     isovalue, _ = _best_splits(*volume.distribution.histogram(256))
     if _is_integer(volume):
@@ -262,7 +274,7 @@ def default_isovalue(volume):
     return float(isovalue) if lo < isovalue < hi else 0.5 * (lo + hi)
 
 
-def inner_isovalue(volume, isovalue):
+def inner_isovalue(volume: Volume, isovalue: float) -> float | None:
     """The one that best parts what is inside an isosurface (Otsu 1979), None where that is alike.
 
     Of a head it is the skull within the skin.
@@ -277,7 +289,7 @@ def inner_isovalue(volume, isovalue):
     return float(np.floor(inner) + 0.5 if _is_integer(volume) else inner)
 
 
-def _best_splits(counts, edges):
+def _best_splits(counts: Array, edges: Array) -> tuple[float, float]:
     """The first and last of the edges of a histogram that best part its two sides.
 
     Its first and its last bin hold some; between two edges that part it alike none does.
@@ -291,7 +303,7 @@ def _best_splits(counts, edges):
     return edges[best[0] + 1], edges[best[-1] + 1]
 
 
-def _quantiles(volume, shares):
+def _quantiles(volume: Volume, shares: Sequence[float]) -> list[float]:
     """Quantiles of the values outside the background; half-integers for integer data.
 
     An integer isovalue of integer data passes through grid nodes and shows the quantisation.
@@ -311,10 +323,10 @@ def _quantiles(volume, shares):
     return list(np.clip(quantiles, low, high))
 
 
-def _least(integer_type):
+def _least(integer_type: DTypeLike) -> int:
     return int(np.iinfo(integer_type).min)
 
 
-def _is_integer(volume, without=()):
+def _is_integer(volume: Volume, without: Sequence[float] = ()) -> bool:
     low, high = volume.data_range()
     return high - low >= 4 and volume.distribution.are_whole(without)

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Animations in one click, a scale bar, and letters for a patient's sides."""
+"""Animations in one click, a scale bar, letters for a patient's sides and a cube with them."""
 
 import bpy
 import nibabel
 import numpy as np
 import pytest
+from bpy_extras.object_utils import world_to_camera_view
 from leaflight_addon.stage import labels, scene_export
 from leaflight_addon.show import surface_object
+from mathutils import Vector
 from tools import add_camera, close, error_of, vertices_of
 
 
@@ -93,3 +95,27 @@ def check_letters_stand_at_the_sides_of_a_patient(patient, bump_file):
     bpy.ops.leaflight.import_volume(filepath=str(bump_file), dims=(24,) * 3, value_type="float32")
     assert "does not say" in error_of(bpy.ops.leaflight.add_letters)
     assert "no unit" in error_of(bpy.ops.leaflight.add_scale_bar)
+
+
+def check_a_cube_in_the_picture_turns_as_the_volume_does(patient):
+    scene = bpy.context.scene
+    bpy.ops.leaflight.add_orientation_cube()
+    bpy.ops.leaflight.add_orientation_cube()
+    (cube,) = scene.camera.children
+    assert {o.data.body for o in cube.children} == set("RLAPSI")
+    patient.rotation_euler = (0.3, 0.2, 0.1)
+    scene.render.resolution_x, scene.render.resolution_y = 400, 300
+    bpy.context.view_layer.update()
+    close(cube.matrix_world.to_euler(), patient.rotation_euler, 1e-5)
+    # All of it is in the lower left corner of the picture; the letters are on their sides.
+    for corner in cube.bound_box:
+        x, y, depth = world_to_camera_view(scene, scene.camera, cube.matrix_world @ Vector(corner))
+        assert 0 < x < 0.3 and 0 < y < 0.3 and depth > scene.camera.data.clip_start
+    for letter in cube.children:
+        side = "RLAPSI".index(letter.data.body)
+        out = letter.matrix_local.col[2][:3]
+        close(out, [(1 - 2 * (side % 2)) * (a == side // 2) for a in range(3)], 1e-6)
+        close(letter.matrix_local.translation.normalized(), out, 1e-4)
+    assert not scene_export.export_scene(bpy.context, patient)[0].meshes
+    bpy.data.objects.remove(scene.camera)
+    assert "no camera" in error_of(bpy.ops.leaflight.add_orientation_cube)

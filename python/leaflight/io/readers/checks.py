@@ -2,18 +2,23 @@
 """Checks that the readers share, all made before memory is allocated for the values."""
 
 import re
+from collections.abc import Callable, Iterable, Sequence
 from math import log10, prod
+from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
+from numpy.typing import DTypeLike
 
-from ..._core import LeaflightError
+from ..._core import LeaflightError, Progress
+from ...arrays import Array
 from ...volume.setting_error import SettingError
 
 # Deflate turns at most this many bytes into one, so a larger claim in a header is a lie.
 DEFLATE_MOST = 1032
 
 
-def check_size(path, shape, itemsize, stored, most=1):
+def check_size(path: Path, shape: Iterable[int], itemsize: int, stored: int, most: int = 1) -> None:
     """Raises LeaflightError when shape claims over `most` bytes for each of the stored bytes."""
     claimed = prod(int(n) for n in shape) * int(itemsize)
     if claimed > int(stored) * most:
@@ -23,7 +28,7 @@ def check_size(path, shape, itemsize, stored, most=1):
         )
 
 
-def check_shape(path, shape):
+def check_shape(path: Path, shape: Sequence[int]) -> None:
     """Raises LeaflightError unless a volume has three dimensions, or four with its frames."""
     if len(shape) not in (3, 4) or min(shape) < 1:
         raise LeaflightError(
@@ -32,14 +37,14 @@ def check_shape(path, shape):
         )
 
 
-def truncated(path, shape):
+def truncated(path: Path, shape: Iterable[int]) -> LeaflightError:
     """The error for a file whose data end early or do not decode."""
     return LeaflightError(
         f"{path}: the file ends before its {text(shape)} values do, or is damaged; fetch it again."
     )
 
 
-def check_scalar(path, dtype):
+def check_scalar(path: Path, dtype: DTypeLike) -> None:
     """Raises LeaflightError unless a value is one real number."""
     dtype = np.dtype(dtype)
     if dtype.kind not in "biuf":
@@ -50,7 +55,7 @@ def check_scalar(path, dtype):
         )
 
 
-def choose(path, what, chosen, count):
+def choose(path: Path, what: str, chosen: int | None, count: int) -> int:
     """Which of `count` frames or channels to read; several demand a choice. Raises LeaflightError.
 
     what: "frame" or "channel", the name of the option.
@@ -72,7 +77,7 @@ def choose(path, what, chosen, count):
     return int(chosen)
 
 
-def choose_named(path, names, chosen):
+def choose_named(path: Path, names: Sequence[str], chosen: str | None) -> str | None:
     """The name of the dataset to read, None where several demand a choice. Raises LeaflightError.
 
     names: what the file holds.
@@ -89,10 +94,10 @@ def choose_named(path, names, chosen):
     return chosen
 
 
-def undecided(path, names):
+def undecided(path: Path, names: Sequence[str]) -> Callable[[int, int, Progress], NoReturn]:
     """A load() for files of several volumes none of which was chosen: it asks for a choice."""
 
-    def load(_frame, _channel, _progress):
+    def load(_frame: int, _channel: int, _progress: Progress) -> NoReturn:
         raise SettingError(
             f"{path}: it holds {len(names)} volumes; choose one of {listed(names)}.", "dataset"
         )
@@ -100,12 +105,12 @@ def undecided(path, names):
     return load
 
 
-def listed(names, most=8):
+def listed(names: Sequence[str], most: int = 8) -> str:
     more = f" and {len(names) - most} more" if len(names) > most else ""
     return ", ".join(str(name)[:80] for name in names[:most]) + more
 
 
-def index_to_world(path, spacing):
+def index_to_world(path: Path, spacing: float | Sequence[float]) -> Array:
     """The matrix (4, 4) of a grid at the origin whose voxels have this size, one or (x, y, z)."""
     sizes = np.atleast_1d(np.asarray(spacing, dtype=np.float64))
     if sizes.shape not in ((1,), (3,)) or not (np.isfinite(sizes).all() and (sizes > 0).all()):
@@ -115,7 +120,7 @@ def index_to_world(path, spacing):
     return np.diag([*np.broadcast_to(sizes, 3), 1.0])
 
 
-def check_matrix(path, matrix):
+def check_matrix(path: Path, matrix: Array) -> None:
     """Raises LeaflightError unless it places the voxels in space."""
     if not np.isfinite(matrix).all() or abs(np.linalg.det(matrix[:3, :3])) == 0:
         raise LeaflightError(
@@ -123,13 +128,13 @@ def check_matrix(path, matrix):
         )
 
 
-def text(shape):
+def text(shape: Iterable[int]) -> str:
     """Whole numbers that a file claims, which may have thousands of digits."""
     numbers = [int(n) for n in shape]
     return " x ".join(str(n) if abs(n) < 10**18 else f"10^{int(log10(abs(n)))}" for n in numbers)
 
 
-def data_file(path, name):
+def data_file(path: Path, name: str) -> Path:
     """The file with the values that the header in `path` names. Raises LeaflightError."""
     if name.upper().startswith("LIST") or "%" in name:
         raise LeaflightError(

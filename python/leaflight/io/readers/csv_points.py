@@ -3,38 +3,42 @@
 
 import csv
 import re
+from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 
-from ..._core import LeaflightError
+from ..._core import LeaflightError, Progress
+from ...arrays import Array
 from ...volume.scattered_points import interpolated
+from ...volume.volume import Volume
 from .stored import StoredVolume
 
 COLUMNS = ("x", "y", "z", "value")
 
 
-def open_volume(path, dims=None):
+def open_volume(path: Path, dims: Sequence[int] | None = None) -> StoredVolume:
     """The columns x, y, z and value of a first line that names them, else the first four.
 
     Where none is named value it is the first other one of numbers. Between numbers stand commas,
     semicolons, tabs or spaces. dims: nodes, see interpolated().
     """
 
-    def load(_frame, _channel, _progress):
+    def load(_frame: int, _channel: int, _progress: Progress) -> Volume:
         table = _table(path)
         return interpolated(table[:, :3], table[:, 3], path.stem, str(path), dims)
 
     return StoredVolume(None, np.dtype(np.float32), load)
 
 
-def _table(path):
+def _table(path: Path) -> Array:
     """Rows of x, y, z and value."""
     text = path.read_text(encoding="utf-8-sig", errors="replace")
     lines = [line for line in text.splitlines() if line.strip()]
     rows = [_row(line) for line in lines if not line.lstrip().startswith("#")]
     # The names may stand in a remark.
     names = [name.lower() for name in _row(lines[0].lstrip("# \t"))] if lines else []
-    columns = range(4)
+    columns: Sequence[int] = range(4)
     if any(re.match(r"[a-z_]", name) and name not in ("nan", "inf") for name in names):
         rows = rows if lines[0].lstrip().startswith("#") else rows[1:]
         columns = _columns(path, names, rows)
@@ -52,7 +56,7 @@ def _table(path):
     return np.array(table, np.float64).reshape(-1, 4)
 
 
-def _columns(path, names, rows):
+def _columns(path: Path, names: list[str], rows: list[list[str]]) -> list[int]:
     """Where x, y, z and the value stand."""
     others = [name for name in names if name not in ("x", "y", "z", "")]
     numbers = [name for name in others if rows and _is_number(rows[0], names.index(name))]
@@ -65,7 +69,7 @@ def _columns(path, names, rows):
     return [names.index(name) for name in ("x", "y", "z", value)]
 
 
-def _is_number(row, column):
+def _is_number(row: list[str], column: int) -> bool:
     try:
         float(row[column])
     except (IndexError, ValueError):
@@ -73,7 +77,7 @@ def _is_number(row, column):
     return True
 
 
-def _row(line):
+def _row(line: str) -> list[str]:
     """The fields of a line, between semicolons, tabs or commas, or else between spaces."""
     separator = next((one for one in ";\t," if one in line), None)
     if separator is None:

@@ -3,10 +3,12 @@
 
 import gzip
 import zlib
+from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 
-from ..._core import LeaflightError
+from ..._core import LeaflightError, Progress
 from ...volume.volume import Volume
 from .checks import check_matrix, text, truncated
 from .stored import StoredVolume, lengths
@@ -15,7 +17,7 @@ from .stored import StoredVolume, lengths
 _SHORTEST = 2
 
 
-def open_volume(path):
+def open_volume(path: Path) -> StoredVolume:
     """Several orbitals in one file are channels; lengths are in bohr, or in angstrom if it says."""
     with _opened(path) as file:
         lines = [file.readline() for _ in range(6)]
@@ -37,7 +39,7 @@ def open_volume(path):
     # A negative number of voxels says angstrom.
     unit = "Å" if axes[0, 0] < 0 else "bohr"
 
-    def load(_frame, channel, _progress):
+    def load(_frame: int, channel: int, _progress: Progress) -> Volume:
         with _opened(path) as file:
             _skip(file, 6 + abs(int(atoms)))
             if atoms < 0:
@@ -51,12 +53,13 @@ def open_volume(path):
     return StoredVolume(dims, np.dtype(np.float32), load, lengths(matrix), unit, channels=orbitals)
 
 
-def _opened(path):
-    opener = gzip.open if path.suffix.lower() == ".gz" else open
-    return opener(path, "rt", encoding="latin-1")
+def _opened(path: Path) -> TextIO:
+    if path.suffix.lower() == ".gz":
+        return gzip.open(path, "rt", encoding="latin-1")
+    return open(path, "rt", encoding="latin-1")
 
 
-def _orbitals(file, line, atoms, at_list=False):
+def _orbitals(file: TextIO, line: str, atoms: int, at_list: bool = False) -> int:
     """How many values a voxel has; reads the list of orbitals, which a negative count announces."""
     if atoms >= 0:
         fields = line.split()
@@ -73,18 +76,18 @@ def _orbitals(file, line, atoms, at_list=False):
     return count
 
 
-def _skip(file, count):
+def _skip(file: TextIO, count: int) -> None:
     """So many lines, of which a damaged file may claim billions."""
     for _ in range(count):
         if not file.readline():
             raise EOFError
 
 
-def _numbers(line):
+def _numbers(line: str) -> list[float]:
     return [float(number) for number in line.split()]
 
 
-def _check_claim(path, dims, orbitals):
+def _check_claim(path: Path, dims: tuple[int, ...], orbitals: int) -> None:
     most = 1032 if path.suffix.lower() == ".gz" else 1
     claimed = int(np.prod(dims, dtype=np.float64)) * orbitals * _SHORTEST
     if claimed > path.stat().st_size * most:

@@ -2,13 +2,16 @@
 """DICOM series through pydicom: the slices of a folder, sorted by where they lie in the patient."""
 
 from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Optional
+from pathlib import Path
+from typing import Any, SupportsFloat
 
 import numpy as np
 import pydicom
 
-from ..._core import LeaflightError
+from ..._core import LeaflightError, Progress
+from ...arrays import Array
 from ...volume.volume import Volume
 from ...volume.voxels import new_voxels
 from .checks import DEFLATE_MOST, check_size, choose_named, text, undecided
@@ -26,20 +29,20 @@ _FROM_LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
 class _Slice:
     """One plane: page of a file, and where it lies."""
 
-    file: object
+    file: Path
     page: int
     number: float
-    shape: tuple
-    bits: tuple  # bits stored, whether signed
+    shape: tuple[int, int]
+    bits: tuple[int, bool]  # bits stored, whether signed
     slope: float
     intercept: float
-    position: Optional[tuple]
-    axes: tuple  # directions of a row and of a column
-    spacing: tuple  # between rows, between columns
+    position: tuple[float, ...] | None
+    axes: tuple[float, ...]  # directions of a row and of a column
+    spacing: tuple[float, ...]  # between rows, between columns
     thickness: float
 
 
-def open_volume(path, dataset=None):
+def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
     """The series of a folder, or the one that a file belongs to.
 
     dataset: number and description of a series, where a folder holds several. Values are those that
@@ -69,7 +72,7 @@ def open_volume(path, dataset=None):
     dtype = _value_type(slices)
     dims = (*first.shape[::-1], len(stacks[0]))
 
-    def load(frame, _channel, progress):
+    def load(frame: int, _channel: int, progress: Progress) -> Volume:
         return Volume(_values(stacks[frame], dtype, progress), matrix, _title(path))
 
     return StoredVolume(
@@ -84,7 +87,7 @@ def open_volume(path, dataset=None):
     )
 
 
-def _series(path):
+def _series(path: Path) -> dict[str, list[pydicom.Dataset]]:
     """{name of a series: headers of its files}; of the one that a file belongs to."""
     folder, own = (path, None) if path.is_dir() else (path.parent, _header(path))
     found = defaultdict(list)
@@ -115,7 +118,7 @@ def _series(path):
     return named
 
 
-def _header(file):
+def _header(file: Path) -> pydicom.Dataset:
     try:
         header = pydicom.dcmread(file, stop_before_pixels=True, force=True)
     except pydicom.errors.InvalidDicomError:
@@ -123,7 +126,7 @@ def _header(file):
     return header
 
 
-def _slices(header):
+def _slices(header: pydicom.Dataset) -> Iterator[_Slice]:
     """The planes of a file, of which an enhanced one has many."""
     pages = int(header.get("NumberOfFrames", None) or 1)
     of_pages = header.get("PerFrameFunctionalGroupsSequence", [])
@@ -132,7 +135,7 @@ def _slices(header):
     for page in range(pages):
         groups = [group for group in (of_pages[page] if of_pages else None, shared) if group]
 
-        def tag(name, sequence, otherwise=None):
+        def tag(name: str, sequence: str, otherwise: object = None) -> Any:
             for group in groups:
                 if sequence in group and name in group[sequence][0]:
                     return group[sequence][0][name].value
@@ -144,7 +147,7 @@ def _slices(header):
             position = _place_of_dose(header, position, axes, page)
         spacing = tag("PixelSpacing", "PixelMeasuresSequence")
         yield _Slice(
-            file=header.filename,
+            file=Path(header.filename),
             page=page if pages > 1 else -1,
             number=float(header.get("InstanceNumber", None) or 0) + page,
             shape=(int(header.Rows), int(header.Columns)),
@@ -158,15 +161,20 @@ def _slices(header):
         )
 
 
-def _place_of_dose(header, position, axes, page):
+def _place_of_dose(
+    header: pydicom.Dataset, position: Sequence[float] | None, axes: Sequence[float], page: int
+) -> Sequence[float] | None:
     """Where a page lies in a file that tells distances of its pages, as doses do; else None."""
     offsets = header.get("GridFrameOffsetVector", None)
     if not offsets or not position:
         return None
-    return np.add(position, np.cross(axes[:3], axes[3:]) * float(offsets[page])).tolist()
+    place: list[float] = np.add(
+        position, np.cross(axes[:3], axes[3:]) * float(offsets[page])
+    ).tolist()
+    return place
 
 
-def _stacks(path, slices):
+def _stacks(path: Path, slices: list[_Slice]) -> list[list[_Slice]]:
     """The slices of each frame, from the first to the last along the patient. Raises."""
     if len({(one.shape, one.spacing) for one in slices}) > 1:
         shapes = sorted({text(one.shape) for one in slices})
@@ -184,6 +192,7 @@ def _stacks(path, slices):
     normal = np.cross(slices[0].axes[:3], slices[0].axes[3:])
     at_place = defaultdict(list)
     for one in sorted(slices, key=lambda one: one.number):
+        assert one.position is not None
         at_place[round(float(np.dot(one.position, normal)), 2)].append(one)
     places = sorted(at_place)
     counts = {len(at_place[place]) for place in places}
@@ -201,7 +210,7 @@ def _stacks(path, slices):
     return [[at_place[place][frame] for place in places] for frame in range(counts.pop())]
 
 
-def _matrix(path, slices):
+def _matrix(path: Path, slices: list[_Slice]) -> Array:
     first, last = slices[0], slices[-1]
     matrix = np.eye(4)
     row, column = np.array(first.axes[:3]), np.array(first.axes[3:])
@@ -209,7 +218,7 @@ def _matrix(path, slices):
     matrix[:3, 2] = np.cross(row, column) * first.thickness
     if first.position is not None:
         matrix[:3, 3] = first.position
-        if len(slices) > 1:
+        if len(slices) > 1 and last.position is not None:
             # Along a gantry that was tilted, too.
             matrix[:3, 2] = np.subtract(last.position, first.position) / (len(slices) - 1)
     if not np.isfinite(matrix).all() or abs(np.linalg.det(matrix)) == 0:
@@ -217,7 +226,7 @@ def _matrix(path, slices):
     return _FROM_LPS @ matrix
 
 
-def _value_type(slices):
+def _value_type(slices: list[_Slice]) -> np.dtype[Any]:
     """The type of the rescaled values: the narrowest that holds what slices usually hold."""
     if any(one.slope != 1 or one.intercept != round(one.intercept) for one in slices):
         return np.dtype(np.float32)
@@ -228,14 +237,14 @@ def _value_type(slices):
     return np.dtype(next(fits, np.int16))
 
 
-def _values(slices, dtype, progress):
+def _values(slices: list[_Slice], dtype: np.dtype[Any], progress: Progress) -> Array:
     values = new_voxels((len(slices), *slices[0].shape), dtype)
-    file = pixels = None
+    file, pixels = Path(), np.empty(0)
     for k, one in enumerate(watched(progress, slices)):
         if one.file != file:
             file, pixels = one.file, _pixels(one)
-        page = pixels if one.page < 0 else pixels[one.page]
-        rescaled = page * one.slope + one.intercept
+        page: Array = pixels if one.page < 0 else pixels[one.page]
+        rescaled: Array = page * one.slope + one.intercept
         if values.dtype.kind != "f":
             limits = np.iinfo(values.dtype)
             if rescaled.min() < limits.min or rescaled.max() > limits.max:
@@ -244,7 +253,7 @@ def _values(slices, dtype, progress):
     return values
 
 
-def _pixels(one):
+def _pixels(one: _Slice) -> Array:
     data = pydicom.dcmread(one.file, force=True)
     if "PixelData" not in data:
         raise LeaflightError(f"{one.file}: the slice has no pixels; fetch it again.")
@@ -255,7 +264,7 @@ def _pixels(one):
     most = DEFLATE_MOST if compressed else 1
     check_size(one.file, shape, int(data.BitsAllocated) // 8, len(data.PixelData), most)
     try:
-        return data.pixel_array
+        pixels: Array = data.pixel_array
     except (AttributeError, NotImplementedError, RuntimeError, ValueError) as error:
         if not compressed:
             raise
@@ -263,11 +272,12 @@ def _pixels(one):
             f"{one.file}: its compression ({data.file_meta.TransferSyntaxUID.name}) cannot be "
             "decoded here; save the series uncompressed, or install pylibjpeg with its plug-ins."
         ) from error
+    return pixels
 
 
-def _floats(numbers):
+def _floats(numbers: Iterable[SupportsFloat]) -> tuple[float, ...]:
     return tuple(float(number) for number in numbers)
 
 
-def _title(path):
+def _title(path: Path) -> str:
     return path.name if path.is_dir() else path.stem

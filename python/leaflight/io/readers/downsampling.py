@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Volumes with fewer voxels, made while they are read."""
 
+from pathlib import Path
+
 import numpy as np
 
-from ..._core import LeaflightError
+from ..._core import LeaflightError, Progress
+from ...arrays import Array
 from ...volume.voxels import held_type, new_voxels
 from .checks import text
 from .watched import watched
 
 
-def downsampled(path, values, step, progress):
+def downsampled(path: Path, values: Array, step: int, progress: Progress) -> Array:
     """The means of step^3 voxels each; rounded where the values are integers.
 
     values: [z, y, x], an array or what can be sliced like one, of which only `step` planes are in

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The registry of formats: which reader reads what, and which choices it offers."""
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,11 +18,11 @@ class Format:
 
     name: str
     module: str
-    suffixes: tuple
-    options: frozenset = frozenset()
+    suffixes: tuple[str, ...]
+    options: frozenset[str] = frozenset()
 
 
-def _format(name, module, suffixes, *options):
+def _format(name: str, module: str, suffixes: str, *options: str) -> Format:
     return Format(name, module, tuple(suffixes.split()), frozenset(options))
 
 
@@ -48,7 +49,7 @@ _LOOKED_AT = 100
 _BY_MODULE = {kind.module: kind for kind in FORMATS}
 
 
-def format_of(path):
+def format_of(path: str | os.PathLike[str]) -> Format:
     """The Format of a file by its name, of a folder by what it holds. Raises LeaflightError."""
     path = Path(path)
     name = path.name.lower()
@@ -77,7 +78,7 @@ def format_of(path):
     )
 
 
-def is_dicom(path):
+def is_dicom(path: str | os.PathLike[str]) -> bool:
     """Whether a file begins as DICOM files do; scanners often give them no suffix."""
     try:
         with open(path, "rb") as file:

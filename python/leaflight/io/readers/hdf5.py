@@ -4,9 +4,15 @@
 In a process of its own: on damaged files HDF5 ends the one that it is in.
 """
 
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
 import h5py
 import numpy as np
 
+from ..._core import Progress
+from ...arrays import Array
 from ...volume.volume import Volume
 from ...volume.voxels import new_voxels
 from ..reader_process import ReaderProcess
@@ -18,7 +24,9 @@ from .watched import STAGE, begin
 _ELEMENT_SIZE = "element_size_um"
 
 
-def open_volume(path, dataset=None, spacing=None):
+def open_volume(
+    path: Path, dataset: str | None = None, spacing: float | Sequence[float] | None = None
+) -> StoredVolume:
     """Arrays are [z, y, x] or [frame, z, y, x]; axes of length 1 do not count."""
     with _apart(path, "list_arrays") as process:
         found = process.answer()
@@ -30,7 +38,7 @@ def open_volume(path, dataset=None, spacing=None):
     shape, dtype = tuple(n for n in shape if n > 1), np.dtype(dtype)
     matrix = index_to_world(path, spacing if spacing is not None else size or 1.0)
 
-    def load(frame, _channel, progress):
+    def load(frame: int, _channel: int, progress: Progress) -> Volume:
         values = new_voxels(shape[-3:], dtype)
         begin(progress, STAGE, values.nbytes)
         with _apart(path, "read_array", name, frame if len(shape) == 4 else None) as process:
@@ -50,15 +58,15 @@ def open_volume(path, dataset=None, spacing=None):
     )
 
 
-def _apart(path, function, *options):
+def _apart(path: Path, function: str, *options: object) -> ReaderProcess:
     return ReaderProcess(path, "HDF5 file", __name__, function, *options)
 
 
-def list_arrays(path):
+def list_arrays(path: Path) -> tuple[dict[str, Any], tuple[()]]:
     """Within the process: {name: (shape, type, size of a voxel or None)} of what may be volumes."""
-    found = {}
+    found: dict[str, Any] = {}
 
-    def look(name, item):
+    def look(name: str, item: object) -> None:
         if isinstance(item, h5py.Dataset) and _is_volume(item):
             found[name] = item.shape, item.dtype.str, _voxel_size(item)
 
@@ -67,7 +75,7 @@ def list_arrays(path):
     return found, ()
 
 
-def read_array(path, name, frame):
+def read_array(path: Path, name: str, frame: int | None) -> tuple[list[Any], Iterator[Array]]:
     """Within the process: one volume, in slabs; frame: of four dimensions, else None."""
     file = h5py.File(path, "r")
     data = file[name]
@@ -77,7 +85,7 @@ def read_array(path, name, frame):
         index[places.pop(0)] = frame
     shape = [data.shape[place] for place in places]
 
-    def slabs():
+    def slabs() -> Iterator[Array]:
         step = data.chunks[places[0]] if data.chunks else 1
         for k in range(0, shape[0], step):
             index[places[0]] = slice(k, k + step)
@@ -86,11 +94,11 @@ def read_array(path, name, frame):
     return [shape, data.dtype.str], slabs()
 
 
-def _is_volume(data):
+def _is_volume(data: h5py.Dataset) -> bool:
     return sum(n > 1 for n in data.shape) in (3, 4) and data.size > 0 and data.dtype.kind in "biuf"
 
 
-def _voxel_size(data):
+def _voxel_size(data: h5py.Dataset) -> tuple[float, ...] | None:
     """(x, y, z) in micrometers, or None."""
     sizes = np.atleast_1d(data.attrs.get(_ELEMENT_SIZE, ()))
     if sizes.shape != (3,) or sizes.dtype.kind not in "iuf" or not (sizes > 0).all():

@@ -5,10 +5,13 @@ https://itk.org/Wiki/ITK/MetaIO/Documentation
 """
 
 import zlib
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from ..._core import LeaflightError
+from ..._core import LeaflightError, Progress
+from ...arrays import Array
 from ...volume.volume import Volume
 from ...volume.voxels import bytes_of, new_voxels
 from .checks import (
@@ -43,7 +46,7 @@ _PIECE = 1 << 20
 _FROM_LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
 
 
-def open_volume(path):
+def open_volume(path: Path) -> StoredVolume:
     """Compressed or not, 3D or 4D; the last of four axes is the frame."""
     header, end = _header(path)
     shape = tuple(int(n) for n in header["DimSize"].split())
@@ -66,7 +69,7 @@ def open_volume(path):
     stored = data.stat().st_size - offset
     check_size(data, shape, dtype.itemsize, stored, DEFLATE_MOST if compressed else 1)
 
-    def load(frame, _channel, progress):
+    def load(frame: int, _channel: int, progress: Progress) -> Volume:
         if compressed:
             values = _inflated(data, offset, shape, dtype, progress)
         else:
@@ -80,7 +83,7 @@ def open_volume(path):
     return StoredVolume(shape[:3], dtype, load, lengths(matrix), "mm", frames, patient=patient)
 
 
-def _header(path):
+def _header(path: Path) -> tuple[dict[str, str], int]:
     """(the fields, where the data begin if they follow)."""
     with open(path, "rb") as file:
         text = file.read(_MOST)
@@ -102,7 +105,7 @@ def _header(path):
     return fields, place
 
 
-def _data_file(path, header, end):
+def _data_file(path: Path, header: dict[str, str], end: int) -> tuple[Path, int]:
     """(the file that holds the values, where in it they begin)."""
     name, skip = header["ElementDataFile"], int(header.get("HeaderSize", 0))
     if name.upper() == "LOCAL":
@@ -111,7 +114,9 @@ def _data_file(path, header, end):
     return data_file(path, name), max(skip, 0)
 
 
-def _inflated(path, offset, shape, dtype, progress):
+def _inflated(
+    path: Path, offset: int, shape: tuple[int, ...], dtype: np.dtype[Any], progress: Progress
+) -> Array:
     """zlib, or gzip where the first bytes say so; not a byte more than asked for."""
     inflate = zlib.decompressobj(zlib.MAX_WBITS | 32)
     values = new_voxels(shape[::-1], dtype)
@@ -130,7 +135,7 @@ def _inflated(path, offset, shape, dtype, progress):
     return values
 
 
-def _matrix(path, header):
+def _matrix(path: Path, header: dict[str, str]) -> Array:
     spacing = header.get("ElementSpacing", header.get("ElementSize", "1 1 1")).split()[:3]
     count = len(header["DimSize"].split())
     axes = np.eye(count)
@@ -147,5 +152,5 @@ def _matrix(path, header):
     return _FROM_LPS @ matrix
 
 
-def _true(header, key):
+def _true(header: dict[str, str], key: str) -> bool:
     return header.get(key, "False").lower() == "true"

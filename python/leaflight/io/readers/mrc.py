@@ -6,12 +6,15 @@ https://www.ccpem.ac.uk/mrc_format/mrc2014.php
 
 import gzip
 import io
+from pathlib import Path
+from typing import Any
 
 import mrcfile
 import numpy as np
 from mrcfile.mrcinterpreter import MrcInterpreter
 
-from ..._core import LeaflightError
+from ..._core import LeaflightError, Progress
+from ...arrays import Array
 from ...volume.volume import Volume
 from .checks import DEFLATE_MOST, check_matrix, check_scalar, check_size
 from .stored import StoredVolume, lengths
@@ -21,7 +24,7 @@ from .watched import open_watched, read_values
 _HEADER, _LENGTH = 1024, 92
 
 
-def open_volume(path):
+def open_volume(path: Path) -> StoredVolume:
     """The axes of the file may run along x, y and z in any order; stacks of volumes are frames."""
     header = _header(path)
     dtype = mrcfile.utils.data_dtype_from_header(header)
@@ -45,7 +48,7 @@ def open_volume(path):
     # Of the array's axes, which are sections, rows, columns, those that run along z, y and x.
     order = [2 - axes.index(axis) for axis in (2, 1, 0)]
 
-    def load(frame, _channel, progress):
+    def load(frame: int, _channel: int, progress: Progress) -> Volume:
         shape = (frames * counts[2], counts[1], counts[0])
         values = _values(path, header, dtype, shape, progress)
         return Volume(
@@ -57,7 +60,7 @@ def open_volume(path):
     return StoredVolume(tuple(dims), dtype, load, lengths(matrix), "Å", frames)
 
 
-def _header(path):
+def _header(path: Path) -> Array:
     """The fields of the header, in the byte order that mrcfile finds.
 
     It never sees the length of the text behind them, which it would believe.
@@ -66,7 +69,8 @@ def _header(path):
     with (gzip.open if packed else open)(path, "rb") as file:
         head = file.read(_HEADER)
     without = head[:_LENGTH] + bytes(4) + head[_LENGTH + 4 :]
-    header = MrcInterpreter(io.BytesIO(without), permissive=True, header_only=True).header.copy()
+    interpreter = MrcInterpreter(io.BytesIO(without), permissive=True, header_only=True)
+    header: Array = interpreter.header.copy()
     header["nsymbt"] = np.frombuffer(head, header["nsymbt"].dtype, 1, _LENGTH)[0]
     length = int(header["nsymbt"])
     if length < 0:
@@ -75,7 +79,9 @@ def _header(path):
     return header
 
 
-def _values(path, header, dtype, shape, progress):
+def _values(
+    path: Path, header: Array, dtype: np.dtype[Any], shape: tuple[int, ...], progress: Progress
+) -> Array:
     offset = _HEADER + int(header["nsymbt"])
     if path.suffix.lower() != ".gz":
         return np.memmap(path, dtype, "r", offset, shape)
@@ -84,7 +90,7 @@ def _values(path, header, dtype, shape, progress):
         return read_values(file, shape, dtype)
 
 
-def _matrix(path, header, axes):
+def _matrix(path: Path, header: Array, axes: list[int]) -> Array:
     """From the cell, whose angles need not be right ones: a along x, b in the plane of x and y."""
     sizes = [float(header["cella"][name]) for name in "xyz"]
     angles = [float(header["cellb"][name]) for name in ("alpha", "beta", "gamma")]

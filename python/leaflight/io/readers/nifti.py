@@ -2,14 +2,18 @@
 """NIfTI-1 and -2 through nibabel, in the scanner's or template's own world coordinates."""
 
 import zlib
+from collections.abc import Iterator
 from contextlib import contextmanager
 from math import prod
+from pathlib import Path
+from typing import Any
 
 import nibabel
 import numpy as np
 from nibabel.arrayproxy import ArrayProxy
 
-from ..._core import LeaflightError
+from ..._core import LeaflightError, Progress
+from ...arrays import Array
 from ...volume.units import unit_of
 from ...volume.volume import Volume
 from .checks import DEFLATE_MOST, check_scalar, check_shape, check_size, truncated
@@ -17,7 +21,7 @@ from .stored import StoredVolume, lengths
 from .watched import open_watched, read_values
 
 
-def open_volume(path):
+def open_volume(path: Path) -> StoredVolume:
     """The values and the affine (sform, else qform), whichever way it may mirror.
 
     Values that the header scales become float32.
@@ -38,8 +42,8 @@ def open_volume(path):
     layout = (image.shape, dtype, proxy.offset, proxy.slope, proxy.inter)
     scaled = (proxy.slope, proxy.inter) != (1, 0)
 
-    def load(frame, _channel, progress):
-        index = (slice(None),) * 3
+    def load(frame: int, _channel: int, progress: Progress) -> Volume:
+        index: tuple[slice | int, ...] = (slice(None),) * 3
         if len(shape) == 4:
             index += (frame,)
         index += (0,) * (len(image.shape) - len(index))
@@ -72,7 +76,7 @@ def open_volume(path):
     )
 
 
-def _image(path):
+def _image(path: Path) -> tuple[Any, Array, str]:
     """(the image of nibabel, its affine, its unit)."""
     try:
         with _quiet_nibabel():
@@ -97,7 +101,7 @@ def _image(path):
 
 
 @contextmanager
-def _quiet_nibabel():
+def _quiet_nibabel() -> Iterator[None]:
     """nibabel tells stderr of harmless oddities of a header."""
     logger = nibabel.imageglobals.logger
     before, logger.disabled = logger.disabled, True

@@ -8,16 +8,29 @@ import bz2
 import math
 import re
 import zlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Protocol
 
 import numpy as np
 
-from ..._core import LeaflightError
+from ..._core import LeaflightError, Progress
+from ...arrays import Array
 from ...volume.units import unit_of
 from ...volume.volume import Volume
 from ...volume.voxels import bytes_of, new_voxels
 from .checks import DEFLATE_MOST, check_matrix, check_shape, check_size, data_file, text, truncated
 from .stored import StoredVolume, lengths
 from .watched import open_watched
+
+
+class _Decompressor(Protocol):
+    @property
+    def eof(self) -> bool: ...
+    @property
+    def unused_data(self) -> bytes: ...
+    def decompress(self, data: bytes, max_length: int, /) -> bytes: ...
+
 
 _TYPES = {
     **dict.fromkeys(("signed char", "int8", "int8_t"), "i1"),
@@ -55,7 +68,7 @@ _MOST = 1 << 20
 _LARGEST_SIDE = 1 << 16
 
 
-def open_volume(path):
+def open_volume(path: Path) -> StoredVolume:
     fields, end = _header(path)
     shape = _sizes(path, fields)
     dtype = np.dtype(_TYPES.get(_need(path, fields, "type").lower(), "V"))
@@ -81,7 +94,7 @@ def open_volume(path):
         check_size(data, shape, dtype.itemsize, stored, most)
     offset = _after_skips(path, fields, data, offset, encoding, math.prod(shape) * dtype.itemsize)
 
-    def load(_frame, _channel, progress):
+    def load(_frame: int, _channel: int, progress: Progress) -> Volume:
         read = _VALUES[encoding]
         values = read(data, offset, shape, dtype, _byte_skip(path, fields), progress)
         return Volume(values, matrix, path.stem)
@@ -99,7 +112,7 @@ def open_volume(path):
     )
 
 
-def _header(path):
+def _header(path: Path) -> tuple[dict[str, str], int]:
     """(the fields by their names, where the data begin if they follow)."""
     with open(path, "rb") as file:
         head = file.read(_MOST)
@@ -130,13 +143,13 @@ def _header(path):
     return fields, place
 
 
-def _need(path, fields, name):
+def _need(path: Path, fields: dict[str, str], name: str) -> str:
     if name not in fields:
         raise LeaflightError(f"{path}: its header does not say its {name}; fetch it again.")
     return fields[name]
 
 
-def _sizes(path, fields):
+def _sizes(path: Path, fields: dict[str, str]) -> tuple[int, ...]:
     words = _need(path, fields, "sizes").split()
     dimension = fields.get("dimension", str(len(words)))
     if not all(re.fullmatch(r"\d{1,9}", word) for word in words) or dimension != str(len(words)):
@@ -158,7 +171,7 @@ def _sizes(path, fields):
     return shape
 
 
-def _encoding(path, fields):
+def _encoding(path: Path, fields: dict[str, str]) -> tuple[str, int]:
     name = _need(path, fields, "encoding").lower()
     if name not in _ENCODINGS:
         raise LeaflightError(
@@ -167,7 +180,7 @@ def _encoding(path, fields):
     return _ENCODINGS[name]
 
 
-def _data_file(path, fields, end):
+def _data_file(path: Path, fields: dict[str, str], end: int) -> tuple[Path, int]:
     """(the file that holds the values, where in it they begin)."""
     name = fields.get("data file")
     if name is None:
@@ -175,11 +188,11 @@ def _data_file(path, fields, end):
     return data_file(path, name), 0
 
 
-def _byte_skip(path, fields):
+def _byte_skip(path: Path, fields: dict[str, str]) -> int:
     return _whole(path, fields, "byte skip", -1)
 
 
-def _whole(path, fields, name, least):
+def _whole(path: Path, fields: dict[str, str], name: str, least: int) -> int:
     """A field that is a whole number, 0 where it is missing."""
     value = fields.get(name, fields.get(name.replace(" ", ""), "0"))
     if not re.fullmatch(r"-?\d{1,15}", value) or int(value) < least:
@@ -189,7 +202,9 @@ def _whole(path, fields, name, least):
     return int(value)
 
 
-def _after_skips(path, fields, data, offset, encoding, size):
+def _after_skips(
+    path: Path, fields: dict[str, str], data: Path, offset: int, encoding: str, size: int
+) -> int:
     """Where the values begin, behind the lines and bytes that the header says are none of them."""
     lines, skip = _whole(path, fields, "line skip", 0), _byte_skip(path, fields)
     length = data.stat().st_size
@@ -212,11 +227,25 @@ def _after_skips(path, fields, data, offset, encoding, size):
     return offset
 
 
-def _raw(data, offset, shape, dtype, _skip, _progress):
+def _raw(
+    data: Path,
+    offset: int,
+    shape: tuple[int, ...],
+    dtype: np.dtype[Any],
+    _skip: int,
+    _progress: Progress,
+) -> Array:
     return np.memmap(data, dtype, "r", offset, shape[::-1])
 
 
-def _text(data, offset, shape, dtype, _skip, progress):
+def _text(
+    data: Path,
+    offset: int,
+    shape: tuple[int, ...],
+    dtype: np.dtype[Any],
+    _skip: int,
+    progress: Progress,
+) -> Array:
     count = math.prod(shape)
     with open_watched(data, progress, unpacked=False) as file:
         file.seek(offset)
@@ -228,7 +257,14 @@ def _text(data, offset, shape, dtype, _skip, progress):
     return _shaped(values.astype(dtype), data, shape)
 
 
-def _hex(data, offset, shape, dtype, _skip, progress):
+def _hex(
+    data: Path,
+    offset: int,
+    shape: tuple[int, ...],
+    dtype: np.dtype[Any],
+    _skip: int,
+    progress: Progress,
+) -> Array:
     with open_watched(data, progress, unpacked=False) as file:
         file.seek(offset)
         digits = b"".join(file.read().split())[: 2 * math.prod(shape) * dtype.itemsize]
@@ -238,18 +274,40 @@ def _hex(data, offset, shape, dtype, _skip, progress):
         raise truncated(data, shape) from None
 
 
-def _gzip(data, offset, shape, dtype, skip, progress):
-    def decompressor():
+def _gzip(
+    data: Path,
+    offset: int,
+    shape: tuple[int, ...],
+    dtype: np.dtype[Any],
+    skip: int,
+    progress: Progress,
+) -> Array:
+    def decompressor() -> _Decompressor:
         return zlib.decompressobj(zlib.MAX_WBITS | 16)
 
     return _inflated(decompressor, data, offset, shape, dtype, skip, progress)
 
 
-def _bzip2(data, offset, shape, dtype, skip, progress):
+def _bzip2(
+    data: Path,
+    offset: int,
+    shape: tuple[int, ...],
+    dtype: np.dtype[Any],
+    skip: int,
+    progress: Progress,
+) -> Array:
     return _inflated(bz2.BZ2Decompressor, data, offset, shape, dtype, skip, progress)
 
 
-def _inflated(decompressor, data, offset, shape, dtype, skip, progress):
+def _inflated(
+    decompressor: Callable[[], _Decompressor],
+    data: Path,
+    offset: int,
+    shape: tuple[int, ...],
+    dtype: np.dtype[Any],
+    skip: int,
+    progress: Progress,
+) -> Array:
     """Not a byte more than asked for. Files may be several compressed ones behind each other."""
     size = math.prod(shape) * dtype.itemsize
     skip = max(skip, 0)
@@ -278,7 +336,7 @@ def _inflated(decompressor, data, offset, shape, dtype, skip, progress):
     return values
 
 
-def _shaped(values, data, shape):
+def _shaped(values: Array, data: Path, shape: tuple[int, ...]) -> Array:
     if values.size != math.prod(shape):
         raise truncated(data, shape)
     return values.reshape(shape[::-1])
@@ -287,7 +345,7 @@ def _shaped(values, data, shape):
 _VALUES = {"raw": _raw, "text": _text, "hex": _hex, "gzip": _gzip, "bzip2": _bzip2}
 
 
-def _matrix(path, fields, space):
+def _matrix(path: Path, fields: dict[str, str], space: str) -> Array:
     matrix = np.eye(4)
     directions = fields.get("space directions")
     if directions is not None:
@@ -310,7 +368,7 @@ def _matrix(path, fields, space):
     return np.diag(_TURNED.get(space, (1.0,) * 4)) @ matrix
 
 
-def _vector(path, words):
+def _vector(path: Path, words: str) -> list[float]:
     numbers = [_number(word) for word in words.strip("() ").split(",")]
     if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
         raise LeaflightError(
@@ -319,7 +377,7 @@ def _vector(path, words):
     return numbers
 
 
-def _number(word):
+def _number(word: str) -> float:
     try:
         return float(word)
     except ValueError:

@@ -2,10 +2,15 @@
 """Arrays that NumPy saved, [z, y, x] or [frame, z, y, x]: .npy, and .npz with several of them."""
 
 import zipfile
+from collections.abc import Callable, Sequence
 from math import prod
+from pathlib import Path
+from typing import IO, Any
 
 import numpy as np
 
+from ..._core import Progress
+from ...arrays import Array
 from ...volume.volume import Volume
 from .checks import (
     DEFLATE_MOST,
@@ -18,13 +23,17 @@ from .checks import (
 )
 from .stored import StoredVolume, lengths
 
-_READ_HEADER = {
+_READ_MAGIC: Callable[[IO[bytes]], tuple[int, int]] = np.lib.format.read_magic
+_Header = tuple[tuple[int, ...], bool, np.dtype[Any]]
+_READ_HEADER: dict[tuple[int, int], Callable[[IO[bytes]], _Header]] = {
     (1, 0): np.lib.format.read_array_header_1_0,
     (2, 0): np.lib.format.read_array_header_2_0,
 }
 
 
-def open_volume(path, dataset=None, spacing=1.0):
+def open_volume(
+    path: Path, dataset: str | None = None, spacing: float | Sequence[float] = 1.0
+) -> StoredVolume:
     """Pickled objects are never read."""
     matrix = index_to_world(path, spacing)
     if path.suffix.lower() == ".npy":
@@ -38,8 +47,8 @@ def open_volume(path, dataset=None, spacing=1.0):
     with zipfile.ZipFile(path) as archive:
         arrays = {}
         for entry in archive.infolist():
-            with archive.open(entry) as file:
-                shape, _, dtype = _header(file)
+            with archive.open(entry) as packed:
+                shape, _, dtype = _header(packed)
             if _is_volume(shape, dtype):
                 arrays[entry.filename.removesuffix(".npy")] = entry, shape, dtype
     names = tuple(arrays)
@@ -49,17 +58,25 @@ def open_volume(path, dataset=None, spacing=1.0):
     entry, shape, dtype = arrays[name]
     check_size(path, shape, dtype.itemsize, entry.compress_size, DEFLATE_MOST)
 
-    def array():
+    def array() -> Array:
         with np.load(path) as archive:
-            return archive[name]
+            whole: Array = archive[name]
+        return whole
 
     return _stored(path, shape, dtype, matrix, array, names)
 
 
-def _stored(path, shape, dtype, matrix, array, names=()):
+def _stored(
+    path: Path,
+    shape: tuple[int, ...],
+    dtype: np.dtype[Any],
+    matrix: Array,
+    array: Callable[[], Array],
+    names: tuple[str, ...] = (),
+) -> StoredVolume:
     check_shape(path, shape)
 
-    def load(frame, _channel, _progress):
+    def load(frame: int, _channel: int, _progress: Progress) -> Volume:
         values = array()
         return Volume(values[frame] if len(shape) == 4 else values, matrix, path.stem)
 
@@ -68,11 +85,10 @@ def _stored(path, shape, dtype, matrix, array, names=()):
     return StoredVolume(dims, dtype, load, lengths(matrix), "", frames, datasets=names)
 
 
-def _header(file):
+def _header(file: IO[bytes]) -> _Header:
     """(shape, whether Fortran's order, dtype)."""
-    version = np.lib.format.read_magic(file)
-    return _READ_HEADER[version](file)
+    return _READ_HEADER[_READ_MAGIC(file)](file)
 
 
-def _is_volume(shape, dtype):
+def _is_volume(shape: tuple[int, ...], dtype: np.dtype[Any]) -> bool:
     return len(shape) in (3, 4) and prod(shape) > 0 and dtype.kind in "biuf"

@@ -4,10 +4,14 @@
 https://ngff.openmicroscopy.org/0.4, and 0.5 by zarr 3
 """
 
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 import zarr
 
-from ..._core import LeaflightError
+from ..._core import LeaflightError, Progress
+from ...arrays import Array
 from ...volume.setting_error import SettingError
 from ...volume.units import unit_of
 from ...volume.volume import Volume
@@ -17,7 +21,7 @@ from .stored import StoredVolume, lengths
 from .watched import watched
 
 
-def open_volume(path, level=0):
+def open_volume(path: Path, level: int = 0) -> StoredVolume:
     """level: which resolution, 0 the finest."""
     _check_version(path)
     node = zarr.open(str(path), mode="r")
@@ -38,7 +42,7 @@ def open_volume(path, level=0):
         raise LeaflightError(f"{path}: its axes are {listed(axes)}, but a volume needs x, y and z.")
     order = [axis for axis in axes if axis in "zyx"]
 
-    def load(frame, channel, progress):
+    def load(frame: int, channel: int, progress: Progress) -> Volume:
         chosen = {"t": frame, "c": channel}
         index = [slice(None) if axis in "xyz" else chosen.get(axis, 0) for axis in axes]
         values = new_voxels([sizes[axis] for axis in "zyx"], array.dtype)
@@ -63,7 +67,7 @@ def open_volume(path, level=0):
     )
 
 
-def _check_version(path):
+def _check_version(path: Path) -> None:
     """Raises LeaflightError where the folder is newer than the package that is to read it."""
     if (path / "zarr.json").is_file() and int(zarr.__version__.partition(".")[0]) < 3:
         raise LeaflightError(
@@ -73,7 +77,9 @@ def _check_version(path):
         )
 
 
-def _multiscale(path, group):
+def _multiscale(
+    path: Path, group: zarr.Group
+) -> tuple[list[zarr.Array], list[str], list[Array], str]:
     """(arrays, names of their axes, matrices, unit), from the finest resolution on."""
     attributes = group.attrs.asdict()
     attributes = attributes.get("ome", attributes)
@@ -94,7 +100,7 @@ def _multiscale(path, group):
     return arrays, axes, matrices, unit_of(unit)
 
 
-def _transform(part, axes):
+def _transform(part: dict[str, Any], axes: list[str]) -> Array:
     """The matrix (4, 4) of a list of scales and translations."""
     matrix = np.eye(4)
     for step in part.get("coordinateTransformations", []):
@@ -109,6 +115,6 @@ def _transform(part, axes):
     return matrix
 
 
-def _plain_axes(path, shape):
+def _plain_axes(path: Path, shape: tuple[int, ...]) -> list[str]:
     check_shape(path, shape)
     return ["t", "z", "y", "x"][-len(shape) :]

@@ -4,10 +4,15 @@
 http://paulbourke.net/dataformats/ply
 """
 
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 
-from ..._core import LeaflightError
+from ..._core import LeaflightError, Progress
 from ...volume.scattered_points import interpolated
+from ...volume.volume import Volume
 from .checks import check_size, choose_named, truncated, undecided
 from .stored import StoredVolume
 
@@ -36,30 +41,33 @@ _OTHERS = {"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue", "alpha", "s"
 _MOST = 1 << 16
 
 
-def open_volume(path, dataset=None, dims=None):
+def open_volume(
+    path: Path, dataset: str | None = None, dims: Sequence[int] | None = None
+) -> StoredVolume:
     """dataset: name of the property that is the value, where there are several."""
     form, count, dtype, offset = _header(path)
-    names = tuple(name for name in dtype.names or () if name not in _OTHERS)
-    if not names or not set("xyz") <= set(dtype.names):
+    fields = dtype.names or ()
+    names = tuple(name for name in fields if name not in _OTHERS)
+    if not names or not set("xyz") <= set(fields):
         raise LeaflightError(
             f"{path}: its points need x, y, z and a value, a property of any other name; it has "
-            f"{', '.join(dtype.names or ()) or 'none'}."
+            f"{', '.join(fields) or 'none'}."
         )
     name = "value" if dataset is None and "value" in names else choose_named(path, names, dataset)
     if name is None:
         return StoredVolume(None, np.dtype(np.float32), undecided(path, names), datasets=names)
     stored = path.stat().st_size - offset
     # A number of text takes two characters at least.
-    itemsize = dtype.itemsize if _MARKS[form] else 2 * len(dtype.names)
+    itemsize = dtype.itemsize if _MARKS[form] else 2 * len(fields)
     check_size(path, (count,), itemsize, stored)
 
-    def load(_frame, _channel, _progress):
+    def load(_frame: int, _channel: int, _progress: Progress) -> Volume:
         with open(path, "rb") as file:
             file.seek(offset)
             if _MARKS[form]:
                 table = np.frombuffer(file.read(count * dtype.itemsize), dtype)
             else:
-                plain = [(field, np.float64) for field in dtype.names]
+                plain = [(field, np.float64) for field in fields]
                 table = np.loadtxt(file, plain, max_rows=count, ndmin=1)
         if len(table) != count:
             raise truncated(path, (count,))
@@ -69,7 +77,7 @@ def open_volume(path, dataset=None, dims=None):
     return StoredVolume(None, np.dtype(np.float32), load, datasets=names)
 
 
-def _header(path):
+def _header(path: Path) -> tuple[str, int, np.dtype[Any], int]:
     """(format, number of points, dtype of one, where they begin)."""
     with open(path, "rb") as file:
         text, end, _ = file.read(_MOST).partition(b"end_header\n")

@@ -1,18 +1,29 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Headerless volumes: the caller gives the layout."""
 
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Literal
+
 import numpy as np
 
+from ..._core import Progress
 from ...volume.setting_error import SettingError
 from ...volume.volume import Volume
 from .checks import index_to_world, text
 from .stored import StoredVolume, lengths
 
 TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")
-ENDIANS = {"little": "<", "big": ">"}
+ENDIANS: dict[str, Literal["<", ">"]] = {"little": "<", "big": ">"}
 
 
-def open_volume(path, dims=None, type=None, endian="little", spacing=1.0):
+def open_volume(
+    path: Path,
+    dims: Sequence[int] | None = None,
+    type: str | None = None,
+    endian: str = "little",
+    spacing: float | Sequence[float] = 1.0,
+) -> StoredVolume:
     """x-fastest values; the file must hold exactly dims (nx, ny, nz) of them."""
     if dims is None or type is None:
         raise SettingError(
@@ -44,7 +55,7 @@ def open_volume(path, dims=None, type=None, endian="little", spacing=1.0):
         )
     matrix = index_to_world(path, spacing)
 
-    def load(_frame, _channel, _progress):
+    def load(_frame: int, _channel: int, _progress: Progress) -> Volume:
         values = np.memmap(path, dtype, "r", shape=(nz, ny, nx))
         return Volume(values, matrix, path.stem)
 

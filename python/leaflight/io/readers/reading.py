@@ -1,23 +1,29 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The one gate through which volumes come from files."""
 
+import os
 import warnings
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from ..._core import Cancelled, LeaflightError, machine_memory
+from ..._core import Cancelled, LeaflightError, Progress, machine_memory
+from ...arrays import Array
 from ...progress_bar import with_progress
-from ...volume.setting_error import SettingError
 from ...volume.memory import is_limited
+from ...volume.setting_error import SettingError
+from ...volume.volume import Volume
 from ...volume.voxels import as_voxels, held_type, new_voxels
 from .checks import choose, text
 from .downsampling import downsampled
-from .formats import format_of
+from .formats import Format, format_of
 from .smoothing import smoothed, source_of
+from .stored import StoredVolume
 from .watched import watched
 
 DOWNSAMPLE = (1, 2, 4, 8)
@@ -37,7 +43,7 @@ class MissingPackage(LeaflightError):
     package: its name; of_debian: that of Debian's package, or None.
     """
 
-    def __init__(self, path, kind, package):
+    def __init__(self, path: Path, kind: str, package: str) -> None:
         of_debian = None if package in _NOT_IN_DEBIAN else f"python3-{package}"
         debian = f", or on Debian 'apt install {of_debian}'" if of_debian else ""
         super().__init__(
@@ -49,21 +55,21 @@ class MissingPackage(LeaflightError):
 
 @with_progress("read")
 def read_volume(
-    path,
+    path: str | os.PathLike[str],
     *,
-    dims=None,
-    type=None,
-    endian=None,
-    spacing=None,
-    grid=None,
-    frame=None,
-    channel=None,
-    level=None,
-    dataset=None,
-    downsample=None,
-    smooth=None,
-    progress=None,
-):
+    dims: Sequence[int] | None = None,
+    type: str | None = None,
+    endian: str | None = None,
+    spacing: float | Sequence[float] | None = None,
+    grid: str | None = None,
+    frame: int | None = None,
+    channel: int | None = None,
+    level: int | None = None,
+    dataset: str | None = None,
+    downsample: int | None = None,
+    smooth: float | None = None,
+    progress: Progress | None = None,
+) -> Volume:
     """Reads a scalar volume from a file of one of SUFFIXES or from a folder of slices.
 
     dims: of a .raw (nx, ny, nz); of scattered points the nodes along x, y and z, or one number,
@@ -81,7 +87,8 @@ def read_volume(
     Returns a Volume. Raises LeaflightError: one sentence with the file and the remedy.
     Raises Cancelled.
     """
-    chosen = dict(dims=dims, type=type, endian=endian, spacing=spacing, grid=grid)
+    assert progress is not None
+    chosen: dict[str, Any] = dict(dims=dims, type=type, endian=endian, spacing=spacing, grid=grid)
     chosen.update(level=level, dataset=dataset)
     path = Path(path)
     if downsample is not None and downsample not in DOWNSAMPLE:
@@ -124,7 +131,7 @@ def read_volume(
     return volume
 
 
-def probe(path, **options):
+def probe(path: str | os.PathLike[str], **options: Any) -> StoredVolume:
     """What the file tells of its volume before its voxels are read: a StoredVolume.
 
     options: those of read_volume() that say where in the file it is: dims, type, endian, spacing,
@@ -136,22 +143,24 @@ def probe(path, **options):
         return _opened(path, kind(), options)
 
 
-def _opened(path, kind, options):
+def _opened(path: Path, kind: Format, options: dict[str, Any]) -> StoredVolume:
     options = {name: value for name, value in options.items() if value is not None}
     for name in options:
         if name not in kind.options:
             raise SettingError(
                 f"{path}: {name} has no meaning for this kind of file; leave it out.", name
             )
-    return import_module(f".{kind.module}", __package__).open_volume(path, **options)
+    reader = import_module(f".{kind.module}", __package__)
+    stored: StoredVolume = reader.open_volume(path, **options)
+    return stored
 
 
 @contextmanager
-def _sentences(path):
+def _sentences(path: Path) -> Iterator[Callable[[], Format]]:
     """Turns whatever reading a file raises into one sentence; gives a function to its Format."""
-    kinds = []
+    kinds: list[Format] = []
 
-    def kind():
+    def kind() -> Format:
         if not path.exists():
             raise LeaflightError(f"{path}: there is no such file or folder; check the path.")
         kinds.append(format_of(path))
@@ -186,11 +195,13 @@ def _sentences(path):
         ) from error
 
 
-def _check_memory(path, stored, step):
+def _check_memory(path: Path, stored: StoredVolume, step: int) -> None:
     """Refuses what cannot fit, before it is allocated: a header may claim anything."""
     needed, here = stored.bytes(step), machine_memory()
     # Where the memory is limited they lie in a file, for which there is room or not.
-    if needed is not None and 0 < here < needed and not is_limited():
+    if needed is None or stored.dims is None:
+        return
+    if 0 < here < needed and not is_limited():
         raise SettingError(
             f"{path}: its {text(stored.dims)} voxels need {needed / 1e9:.1f} GB of memory, but "
             f"there are {here / 1e9:.1f} GB; downsample it, or limit the memory, so "
@@ -199,7 +210,7 @@ def _check_memory(path, stored, step):
         )
 
 
-def _held(values, progress):
+def _held(values: Array, progress: Progress) -> Array:
     """The voxels as a volume has them, its own: a mapped file might change behind our back."""
     values = values if isinstance(values, np.ndarray) else np.asarray(values)
     kept, mapped = held_type(values.dtype), isinstance(values, np.memmap)
@@ -211,7 +222,7 @@ def _held(values, progress):
     return held
 
 
-def _from_downsampled(step):
+def _from_downsampled(step: int) -> Array:
     matrix = np.diag([float(step)] * 3 + [1.0])
     matrix[:3, 3] = 0.5 * (step - 1)
     return matrix

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A volume in its file: what is known of it before its voxels are read."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import prod
-from typing import Callable, Optional
+from typing import Any
 
 import numpy as np
 
 from ..._core import Progress
+from ...arrays import Array
 from ...volume.volume import Volume
 from ...volume.voxels import held_type
 
@@ -28,18 +30,18 @@ class StoredVolume:
     patient: whether its world coordinates are a patient's: towards right, front and up.
     """
 
-    dims: Optional[tuple]
-    dtype: np.dtype
+    dims: tuple[int, ...] | None
+    dtype: np.dtype[Any]
     load: Callable[[int, int, Progress], Volume]
-    voxel_size: Optional[tuple] = None
+    voxel_size: tuple[float, ...] | None = None
     unit: str = ""
     frames: int = 1
     channels: int = 1
-    levels: tuple = ()
-    datasets: tuple = ()
+    levels: tuple[tuple[int, ...], ...] = ()
+    datasets: tuple[str, ...] = ()
     patient: bool = False
 
-    def bytes(self, downsample=1):
+    def bytes(self, downsample: int = 1) -> int | None:
         """Memory of the voxels once they are read, None where only reading tells."""
         if self.dims is None:
             return None
@@ -47,6 +49,6 @@ class StoredVolume:
         return prod(halved) * held_type(np.dtype(self.dtype)).itemsize
 
 
-def lengths(index_to_world):
+def lengths(index_to_world: Array) -> tuple[float, ...]:
     """The sizes (x, y, z) of a voxel."""
     return tuple(float(n) for n in np.linalg.norm(np.asarray(index_to_world)[:3, :3], axis=0))

@@ -1,15 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """TIFF stacks, and folders with one TIFF per slice, through tifffile."""
 
+import io
 import logging
 import re
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from math import prod
+from pathlib import Path
 
 import numpy as np
 import tifffile
 
-from ..._core import Cancelled, LeaflightError
+from ..._core import Cancelled, LeaflightError, Progress
+from ...arrays import Array
 from ...volume.units import unit_of
 from ...volume.volume import Volume
 from ...volume.voxels import new_voxels
@@ -34,7 +38,7 @@ if int(tifffile.__version__.partition(".")[0]) < 2025:
     tifffile.tifffile.product = lambda sizes: prod(int(size) for size in sizes)
 
 
-def open_volume(path, spacing=None):
+def open_volume(path: Path, spacing: float | Sequence[float] | None = None) -> StoredVolume:
     """A stack or a folder of slices.
 
     The size of a voxel comes from spacing, else from ImageJ metadata (in their own unit) or OME
@@ -45,7 +49,7 @@ def open_volume(path, spacing=None):
     return _open_stack(path, spacing)
 
 
-def _open_stack(path, spacing):
+def _open_stack(path: Path, spacing: float | Sequence[float] | None) -> StoredVolume:
     with opened(path) as file:
         series = file.series[0]
         _check_pages(path, file, series)
@@ -57,8 +61,8 @@ def _open_stack(path, spacing):
     places = {place for place, _ in chosen.values()}
     dims = tuple(n for place, (_, n) in enumerate(axes) if place not in places)[::-1]
 
-    def load(frame, channel, progress):
-        index = [slice(None)] * len(axes)
+    def load(frame: int, channel: int, progress: Progress) -> Volume:
+        index: list[slice | int] = [slice(None)] * len(axes)
         for kind, (place, _) in chosen.items():
             index[place] = frame if kind == "T" else channel
         with open_watched(path, progress) as source, opened(path, source) as file:
@@ -67,7 +71,7 @@ def _open_stack(path, spacing):
     return StoredVolume(dims, dtype, load, lengths(matrix), unit, frames, channels)
 
 
-def _choices(path, axes):
+def _choices(path: Path, axes: list[tuple[str, int]]) -> dict[str, tuple[int, int]]:
     """{"T" or "C": (place among the axes, how many)} of those axes that are not of space."""
     names = [axis for axis, _ in axes]
     shape = [n for _, n in axes]
@@ -90,7 +94,7 @@ def _choices(path, axes):
     return chosen
 
 
-def _part(file, index):
+def _part(file: tifffile.TiffFile, index: tuple[slice | int, ...]) -> Array:
     """What stands at an index of the axes that are longer than 1; other pages stay unread."""
     series = file.series[0]
     shape = tuple(n for n in series.shape if n > 1)
@@ -98,18 +102,19 @@ def _part(file, index):
     one_by_one = series.dataoffset is None and len(series.pages) == prod(shape[:-2])
     if not one_by_one or planes.size == prod(shape[:-2]) or index[-2:] != (slice(None),) * 2:
         whole = new_voxels(series.shape, series.dtype)
-        return file.asarray(series=0, out=whole).reshape(shape)[index]
-    values = file.asarray(key=planes.ravel().tolist(), series=0)
+        part: Array = file.asarray(series=0, out=whole).reshape(shape)[index]
+        return part
+    values: Array = file.asarray(key=planes.ravel().tolist(), series=0)
     return values.reshape(*planes.shape, *shape[-2:])
 
 
-def _open_folder(path, spacing):
+def _open_folder(path: Path, spacing: float | Sequence[float] | None) -> StoredVolume:
     slices = [p for p in path.iterdir() if p.suffix.lower() in (".tif", ".tiff") and p.is_file()]
     slices.sort(key=lambda p: [int(s) if s.isdigit() else s for s in re.split(r"(\d+)", p.name)])
     first = _slice(slices[0])
     matrix = index_to_world(path, spacing if spacing is not None else 1.0)
 
-    def load(_frame, _channel, progress):
+    def load(_frame: int, _channel: int, progress: Progress) -> Volume:
         values = new_voxels((len(slices), *first.shape), first.dtype)
         for k, slice_path in enumerate(watched(progress, slices)):
             image = _slice(slice_path)
@@ -127,11 +132,11 @@ def _open_folder(path, spacing):
     return StoredVolume(dims, first.dtype, load, lengths(matrix))
 
 
-def _slice(path):
+def _slice(path: Path) -> Array:
     with opened(path) as file:
         series = file.series[0]
         _check_pages(path, file, series)
-        image = series.asarray().squeeze()
+        image: Array = series.asarray().squeeze()
     if image.ndim != 2:
         raise LeaflightError(
             f"{path}: the slice is {text(image.shape)}, but every slice of the folder must be one "
@@ -141,7 +146,7 @@ def _slice(path):
 
 
 @contextmanager
-def opened(path, source=None):
+def opened(path: Path, source: io.BufferedIOBase | None = None) -> Iterator[tifffile.TiffFile]:
     """The open TiffFile of a path, read through `source` where that is open already.
 
     Damage that tifffile raises or logs is a LeaflightError.
@@ -183,16 +188,16 @@ def opened(path, source=None):
 class _Complaints(logging.Handler):
     """tifffile logs a broken chain of pages and goes on with the pages before the break."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         super().__init__(logging.WARNING)
         self.damage = False
 
-    def emit(self, record):
+    def emit(self, record: logging.LogRecord) -> None:
         message = record.getMessage()
         self.damage |= record.levelno >= logging.ERROR or "invalid page offset" in message
 
 
-def _check_pages(path, file, series):
+def _check_pages(path: Path, file: tifffile.TiffFile, series: tifffile.TiffPageSeries) -> None:
     if "S" in series.axes and series.shape[series.axes.index("S")] > 1:
         raise LeaflightError(
             f"{path}: the pages are color images, but a volume needs one number a voxel; "
@@ -217,7 +222,7 @@ def _check_pages(path, file, series):
     check_size(path, series.shape, series.dtype.itemsize, stored, LZW_MOST)
 
 
-def _voxel_size(file):
+def _voxel_size(file: tifffile.TiffFile) -> tuple[list[float] | None, str]:
     """((x, y, z) from ImageJ's or OME's metadata or None, the key of its unit in METERS)."""
     unit = ""
     if file.is_ome:

@@ -2,10 +2,14 @@
 """Scalar grids of OpenVDB files, made dense by the core, in a process of its own."""
 
 import math
+from pathlib import Path
+from typing import Any
 
 import leaflight._core as _core
 import numpy as np
 
+from ..._core import Progress
+from ...arrays import Array
 from ...volume.volume import Volume
 from ...volume.voxels import new_voxels
 from ..reader_process import ReaderProcess
@@ -14,10 +18,10 @@ from .stored import StoredVolume
 _MOST_VOXELS = 2**31 - 1
 
 
-def open_volume(path, grid=""):
+def open_volume(path: Path, grid: str = "") -> StoredVolume:
     """How many voxels are active only the grid itself tells."""
 
-    def load(_frame, _channel, _progress):
+    def load(_frame: int, _channel: int, _progress: Progress) -> Volume:
         with ReaderProcess(path, "OpenVDB file", __name__, "read_grid", grid) as process:
             answer = process.answer()
             shape = tuple(answer["shape"])
@@ -30,7 +34,7 @@ def open_volume(path, grid=""):
     return StoredVolume(None, np.dtype(np.float32), load)
 
 
-def read_grid(path, grid):
+def read_grid(path: Path, grid: str) -> tuple[dict[str, Any], list[Array]]:
     """Within the process: a scalar grid, [z, y, x]."""
     values, index_to_world, name = _core.read_vdb_volume(path, grid)
     answer = {"shape": values.shape, "index_to_world": index_to_world.tolist(), "name": name}

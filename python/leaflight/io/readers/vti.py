@@ -7,13 +7,17 @@ https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html
 import base64
 import lzma
 import zlib
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import prod
+from pathlib import Path
+from typing import Any, Protocol
 from xml.etree import ElementTree
 
 import numpy as np
 
-from ..._core import LeaflightError
+from ..._core import LeaflightError, Progress
+from ...arrays import Array
 from ...volume.volume import Volume
 from .checks import (
     DEFLATE_MOST,
@@ -39,7 +43,13 @@ _TYPES = {
     "Float32": "f4",
     "Float64": "f8",
 }
-_COMPRESSORS = {
+
+
+class _Decompressor(Protocol):
+    def decompress(self, data: bytes, max_length: int, /) -> bytes: ...
+
+
+_COMPRESSORS: dict[str | None, Callable[[], _Decompressor] | None] = {
     None: None,
     "vtkZLibDataCompressor": lambda: zlib.decompressobj(),
     "vtkLZMADataCompressor": lambda: lzma.LZMADecompressor(),
@@ -51,16 +61,17 @@ class _Encoding:
     """How the numbers of a file are written; data: of the appended part, if there is one."""
 
     order: str
-    header: np.dtype
-    decompressor: object
+    header: np.dtype[Any]
+    decompressor: Callable[[], _Decompressor] | None
     data: bytes
     base64: bool
 
 
-def open_volume(path, dataset=None):
+def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
     """Point data, else cell data; components of vectors and colours are channels."""
     root, encoding = _document(path)
     image, pieces = root.find("ImageData"), root.findall("ImageData/Piece")
+    assert image is not None
     if len(pieces) != 1:
         raise LeaflightError(
             f"{path}: its image is in {len(pieces)} pieces; save it from VTK or ParaView as one."
@@ -70,11 +81,11 @@ def open_volume(path, dataset=None):
     arrays = {one.get("Name") or "unnamed": one for one in found if one.get("type") in _TYPES}
     name = choose_named(path, tuple(arrays), dataset)
     if name is None:
-        load = undecided(path, tuple(arrays))
-        return StoredVolume(None, np.dtype(np.float32), load, datasets=tuple(arrays))
+        ask = undecided(path, tuple(arrays))
+        return StoredVolume(None, np.dtype(np.float32), ask, datasets=tuple(arrays))
     array = arrays[name]
-    dtype = np.dtype(encoding.order + _TYPES[array.get("type")])
-    ends = np.array(image.get("WholeExtent").split(), int).reshape(3, 2)
+    dtype = np.dtype(encoding.order + _TYPES[array.attrib["type"]])
+    ends = np.array(image.attrib["WholeExtent"].split(), int).reshape(3, 2)
     dims = tuple(int(n) for n in ends[:, 1] - ends[:, 0] + (0 if cells else 1))
     if min(dims) < 1:
         raise LeaflightError(f"{path}: the header claims no voxels; the file is damaged.")
@@ -85,7 +96,7 @@ def open_volume(path, dataset=None):
     matrix = _matrix(image, ends[:, 0] + (0.5 if cells else 0.0))
     check_matrix(path, matrix)
 
-    def load(_frame, channel, progress):
+    def load(_frame: int, channel: int, progress: Progress) -> Volume:
         values = _values(path, array, encoding, dtype, shape, progress)
         return Volume(values[..., channel], matrix, path.stem)
 
@@ -94,7 +105,7 @@ def open_volume(path, dataset=None):
     )
 
 
-def _document(path):
+def _document(path: Path) -> tuple[ElementTree.Element, _Encoding]:
     """(the root of the XML, its _Encoding)."""
     content = path.read_bytes()
     xml, _, appended = content.partition(b"<AppendedData")
@@ -112,7 +123,7 @@ def _document(path):
     if root.get("compressor") not in _COMPRESSORS:
         known = listed([name for name in _COMPRESSORS if name])
         raise LeaflightError(
-            f"{path}: its compression {root.get('compressor')[:40]} is not supported; save it "
+            f"{path}: its compression {str(root.get('compressor'))[:40]} is not supported; save it "
             f"without, or with one of {known}."
         )
     order = "<" if root.get("byte_order", "LittleEndian") == "LittleEndian" else ">"
@@ -126,17 +137,24 @@ def _document(path):
     )
 
 
-def _values(path, array, encoding, dtype, shape, progress):
+def _values(
+    path: Path,
+    array: ElementTree.Element,
+    encoding: _Encoding,
+    dtype: np.dtype[Any],
+    shape: tuple[int, ...],
+    progress: Progress,
+) -> Array:
     size, form = prod(shape) * dtype.itemsize, array.get("format")
     if form == "ascii":
-        values = np.array(array.text.split(), dtype)
+        values = np.array((array.text or "").split(), dtype)
         if values.size != prod(shape):
             raise truncated(path, shape)
         return values.reshape(shape)
     if form == "appended":
-        source, is_base64 = encoding.data[int(array.get("offset")) :], encoding.base64
+        source, is_base64 = encoding.data[int(array.attrib["offset"]) :], encoding.base64
     else:
-        source, is_base64 = array.text.strip().encode(), True
+        source, is_base64 = (array.text or "").strip().encode(), True
     try:
         if encoding.decompressor is None:
             data = _plain(source, encoding.header, size, is_base64)
@@ -149,7 +167,7 @@ def _values(path, array, encoding, dtype, shape, progress):
     return np.frombuffer(data, dtype).reshape(shape)
 
 
-def _plain(source, header, size, is_base64):
+def _plain(source: bytes, header: np.dtype[Any], size: int, is_base64: bool) -> bytes:
     """A number of bytes, and these."""
     end = header.itemsize + size
     if is_base64:
@@ -157,11 +175,14 @@ def _plain(source, header, size, is_base64):
     return source[header.itemsize : end]
 
 
-def _decompressed(source, encoding, size, is_base64, progress):
+def _decompressed(
+    source: bytes, encoding: _Encoding, size: int, is_base64: bool, progress: Progress
+) -> bytes:
     """Blocks: their number, two sizes, the compressed size of each, and then themselves.
 
     In base64 the header and the blocks are encoded one after the other.
     """
+    assert encoding.decompressor is not None
     number = encoding.header.itemsize
     first = base64.b64decode(source[: -(-number // 3) * 4]) if is_base64 else source
     count = int(np.frombuffer(first, encoding.header, 1)[0])
@@ -182,7 +203,7 @@ def _decompressed(source, encoding, size, is_base64, progress):
     return bytes(data)
 
 
-def _matrix(image, first):
+def _matrix(image: ElementTree.Element, first: Array) -> Array:
     """From origin, spacing and direction; first: the index (x, y, z) that the values begin at."""
     numbers = {"Origin": "0 0 0", "Spacing": "1 1 1", "Direction": "1 0 0 0 1 0 0 0 1"}
     origin, spacing, axes = (

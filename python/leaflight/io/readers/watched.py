@@ -3,17 +3,28 @@
 
 import gzip
 import io
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
 
+from numpy.typing import DTypeLike
+
+from ..._core import Progress
+from ...arrays import Array
 from ...volume.voxels import bytes_of, new_voxels
 
+if TYPE_CHECKING:
+    from _typeshed import WriteableBuffer
+
+T = TypeVar("T")
 # Bytes that are read at once: few, since packed ones may stand for a thousand times as many.
 _MOST = 1 << 16
 _MOST_VALUES = 1 << 22
 STAGE = "Reading"
 
 
-def watched(progress, things, stage=STAGE):
+def watched(progress: Progress, things: Iterable[T], stage: str = STAGE) -> Iterator[T]:
     """Yields the things, and tells after each that it was worked on. Raises Cancelled."""
     things = list(things)
     begin(progress, stage, len(things))
@@ -24,7 +35,9 @@ def watched(progress, things, stage=STAGE):
 
 
 @contextmanager
-def open_watched(path, progress, unpacked=True):
+def open_watched(
+    path: Path, progress: Progress, unpacked: bool = True
+) -> Iterator[io.BufferedIOBase]:
     """A binary file; what it holds where its name ends with .gz, unless `unpacked` is False."""
     begin(progress, STAGE, path.stat().st_size)
     with io.BufferedReader(_Watched(path, progress), _MOST) as file:
@@ -32,7 +45,7 @@ def open_watched(path, progress, unpacked=True):
         yield gzip.GzipFile(fileobj=file) if packed else file
 
 
-def read_values(file, shape, dtype):
+def read_values(file: io.BufferedIOBase, shape: Iterable[int], dtype: DTypeLike) -> Array:
     """The array of this shape that stands next in a binary file. Raises EOFError where it ends."""
     values = new_voxels(shape, dtype)
     left = bytes_of(values)
@@ -44,7 +57,7 @@ def read_values(file, shape, dtype):
     return values
 
 
-def begin(progress, stage, total):
+def begin(progress: Progress, stage: str, total: float) -> None:
     """Tells a stage and how much there is to do in it, which progress.advance() counts down."""
     progress.begin(stage)
     # Reading is nearly all there is to do.
@@ -55,26 +68,26 @@ def begin(progress, stage, total):
 class _Watched(io.RawIOBase):
     """A file that is read in pieces, between which its progress is asked."""
 
-    def __init__(self, path, progress):
+    def __init__(self, path: Path, progress: Progress) -> None:
         super().__init__()
         self._file = open(path, "rb", buffering=0)
         self._progress = progress
 
-    def readable(self):
+    def readable(self) -> bool:
         return True
 
-    def seekable(self):
+    def seekable(self) -> bool:
         return True
 
-    def readinto(self, buffer):
+    def readinto(self, buffer: "WriteableBuffer") -> int:
         self._progress.check()
         count = self._file.readinto(memoryview(buffer)[:_MOST])
         self._progress.advance(count)
         return count
 
-    def seek(self, offset, whence=io.SEEK_SET):
+    def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
         return self._file.seek(offset, whence)
 
-    def close(self):
+    def close(self) -> None:
         self._file.close()
         super().close()

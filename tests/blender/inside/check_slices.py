@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Slices of a volume's data: their colors and places, and what goes with them."""
+
+import bpy
+import numpy as np
+import pytest
+from blends import open_blend, save
+from leaflight_addon import versions
+from leaflight_addon.show import slices
+from leaflight_addon.stage import scene_export, staleness
+from leaflight_addon.store import cache
+from tools import camera_rays_down, close, look_down, render_exr, vertices_of
+
+SIZE = 48
+
+
+def _seen_alone(obj, path):
+    for other in bpy.context.scene.objects:
+        other.hide_render = other != obj and other.type != "LIGHT"
+    return render_exr(path, samples=1, size=SIZE)[..., :3]
+
+
+def _values_from_above(volume, height):
+    """Of the data at a height in the volume's coordinates, pixel by pixel of the camera."""
+    x, y = camera_rays_down(1.6, SIZE)
+    matrix = np.array(volume.matrix_world)
+    z = (matrix @ [0.0, 0.0, height, 1.0])[2]
+    points = np.stack([x, y, np.full_like(x, z)], axis=-1).reshape(-1, 3)
+    to_local = np.linalg.inv(matrix)
+    values = cache.volume_of(volume).field().sample(points @ to_local[:3, :3].T + to_local[:3, 3])
+    return values.reshape(SIZE, SIZE)
+
+
+@pytest.mark.parametrize("place", [0.25, 0.5])
+def check_a_slice_has_the_colors_of_the_data(baked, tmp_path, place):
+    look = baked.leaflight_look
+    look.slice_axes, look.slice_places[2] = (False, False, True), place
+    look_down(5.0, 1.6)
+    bpy.context.scene.world = None
+    faces = slices.slices_of(baked)
+    seen = _seen_alone(faces, tmp_path / "all.exr")
+    values = _values_from_above(baked, slices.position(baked, 2))
+    low, high = baked.leaflight.low, baked.leaflight.high
+    expected = np.clip((values - low) / (high - low), 0, 1)
+    known = np.isfinite(values)
+    assert known.sum() > 400
+    close(seen[known], np.repeat(expected[known][:, None], 3, axis=1), 0.06)
+    # Within the isosurface alone, as it is now and as it is next.
+    look.slices_inside = True
+    for isovalue in (40.0, 60.0):
+        baked.leaflight.isovalue = isovalue
+        bpy.context.view_layer.update()
+        seen = _seen_alone(faces, tmp_path / f"{isovalue}.exr")
+        assert np.all(seen[values < isovalue - 5.0] == 0)
+        inside = values > isovalue + 5.0
+        close(seen[inside], np.repeat(expected[inside][:, None], 3, axis=1), 0.06)
+
+
+def check_slices_move_with_their_places_and_their_animation(baked, tmp_path):
+    look = baked.leaflight_look
+    look.slice_axes = (True, True, True)
+    faces = slices.slices_of(baked)
+    low, high = np.asarray(cache.volume_of(baked).field().bounds)
+    for axis in range(3):
+        look.slice_axes = [other == axis for other in range(3)]
+        look.slice_places[axis] = 0.75
+        close(vertices_of(faces)[:, axis], low[axis] + 0.75 * (high - low)[axis], 1e-5)
+    for frame, place in ((1, 0.0), (11, 1.0)):
+        look.slice_places[2] = place
+        baked.keyframe_insert("leaflight_look.slice_places", index=2, frame=frame)
+    for curve in versions.fcurves(baked):
+        for key in curve.keyframe_points:
+            key.interpolation = "LINEAR"
+    bpy.context.scene.frame_set(4)
+    close(vertices_of(faces)[:, 2], low[2] + 0.3 * (high - low)[2], 1e-5)
+    save(tmp_path / "scene.blend")
+    baked = open_blend(tmp_path / "scene.blend")
+    assert len(slices.slices_of(baked).data.vertices) > 0
+    baked.leaflight_look.slice_axes = (False, False, False)
+    assert len(slices.slices_of(baked).data.vertices) == 0
+
+
+def check_no_bake_sees_slices_and_they_go_with_their_volume(baked):
+    before = staleness.change_since_bake(bpy.context, baked)
+    baked.leaflight_look.slice_axes = (True, False, False)
+    name = slices.slices_of(baked).name
+    bpy.context.view_layer.update()
+    assert staleness.change_since_bake(bpy.context, baked) == before
+    scene = scene_export.export_scene(bpy.context, baked)
+    assert name not in str(scene)
+    bpy.ops.ed.undo_push(message="with a slice")
+    bpy.data.objects.remove(baked)
+    bpy.context.view_layer.update()
+    assert name not in bpy.data.objects
