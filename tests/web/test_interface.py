@@ -8,6 +8,7 @@ import leaflight._core as _core
 import numpy as np
 import pytest
 from browser import FRAMES
+from leaflight.color_maps import MAPS
 from leaflight.stills.first_view import camera_around_bake
 from waiting import HANG
 
@@ -114,6 +115,74 @@ def test_it_is_rolled_and_flipped_and_the_link_keeps_all(page, pages):
     off = abs(page.picture().astype(int) - picture).max(axis=-1)
     assert (off > 8).mean() < 0.01
     assert page.evaluate("document.querySelector('#has-clip').checked")
+
+
+def choose(page, control, value):
+    page.evaluate(
+        f"(e => {{ e.value = '{value}'; e.dispatchEvent(new Event('input')); }})"
+        f"(document.querySelector('{control}'))"
+    )
+
+
+def test_slices_show_the_data_in_colors(page, bakes, pages):
+    """Across y, seen along it, before an isosurface that nothing has: the data of the plane."""
+    bake = bakes("box")
+    low, high = np.asarray(bake.volume.field().bounds)
+    place = 0.3
+    page.evaluate(f"{LOOK}.isovalue = {bake.isovalues[1]}")
+    page.evaluate(f"{LOOK}.showsWalls = false")
+    page.click("#has-slice-1")
+    choose(page, "#slice-1", place)
+    assert page.evaluate(f"{LOOK}.slices") == [None, place, None]
+    page.atRest()
+    colors = page.picture()
+    # Rays of some pixels, from the page's own camera.
+    points, pixels = [], ((400, 150), (370, 120), (440, 190), (420, 100), (380, 180))
+    for x, y in pixels:
+        at = page.evaluate(
+            "((x, y) => { const c = leaflight.view.camera, v = c.position.clone()"
+            f".set(2 * x / {SIZE['width']} - 1, 1 - 2 * y / {SIZE['height']}, 0.5).unproject(c);"
+            f" return [c.position.toArray(), v.toArray()]; }})({x + 0.5}, {y + 0.5})"
+        )
+        eye, through = np.asarray(at)
+        t = (low[1] + place * (high - low)[1] - eye[1]) / (through - eye)[1]
+        points.append(eye + t * (through - eye))
+    x, y = np.transpose(pixels)
+    values = bake.volume.field().sample(np.asarray(points))
+    shares = (values - bake.isovalues[0]) / (bake.isovalues[1] - bake.isovalues[0])
+    shown = shares > 0.03
+    assert shown.sum() >= 3
+    gray = np.tile(0.15 + 0.7 * np.clip(shares, 0, 1)[:, None], 3)
+    np.testing.assert_allclose(colors[y, x, :3][shown] / 255, gray[shown], atol=0.03)
+    choose(page, "#slice-colors", "MAGMA")
+    page.atRest()
+    magma = np.array([list(bytes.fromhex(color)) for color in MAPS["MAGMA"][2]]) / 255
+    expected = [np.interp(8 * shares, range(9), channel) for channel in magma.T]
+    colors = page.picture()[y, x, :3] / 255
+    np.testing.assert_allclose(colors[shown], np.transpose(expected)[shown], atol=0.03)
+    link = page.evaluate("location.hash")
+    page.open(pages("box").as_uri() + link, SIZE)
+    assert page.evaluate(f"{LOOK}.slices") == [None, place, None]
+    assert page.evaluate("document.querySelector('#slice-colors').value") == "MAGMA"
+
+
+def test_a_color_map_changes_the_albedo_alone(page, bakes):
+    """Light in proportion to the albedo: as baked times the ratio of the colors."""
+    page.evaluate(f"{LOOK}.showsWalls = false")
+    page.atRest()
+    before = page.picture()
+    choose(page, "#isosurface-colors", "VIRIDIS")
+    page.atRest()
+    after = page.picture()
+    # By what exposes and displays colors, more light is more and none is none.
+    lit = (before[..., 3] == 255) & (before[..., :3].min(axis=-1) > 40)
+    assert lit.sum() > 1000
+    ratio = after[lit][:, :3].astype(float) / before[lit][:, :3]
+    spread = ratio.std(axis=0) / ratio.mean(axis=0)
+    assert (spread < 0.25).all() and ratio.mean(axis=0).max() < 1.0
+    choose(page, "#isosurface-colors", "")
+    page.atRest()
+    np.testing.assert_array_equal(page.picture(), before)
 
 
 def test_numbers_are_those_that_are_shown(page, bakes):

@@ -97,6 +97,7 @@ export interface Header {
   step: number; // between isovalues that are chosen
   unit: string; // of lengths in the world, '' where it is not known
   isPatient: boolean; // the world's axes are towards a patient's right, front and up
+  colorMaps: Record<string, string[]>; // the name, then sRGB colors as six hexadecimal digits
   about: [string, string][];
   blocks: [number, number, number][]; // first byte, bytes, bytes when inflated
 }

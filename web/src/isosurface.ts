@@ -12,6 +12,7 @@ import {
   rampAt,
 } from './bake';
 import { bricksOf, textureSize } from './bricks';
+import { colorsOf, linearAt } from './color_maps';
 import { colorWords } from './colors';
 import { mapTextures, mapUniforms } from './maps';
 import direct from './shaders/direct.glsl';
@@ -118,16 +119,40 @@ export class Isosurface {
       .multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse)
       .multiply(this.indexToWorld);
     uniforms.clip.value = this.clipPlane(look);
+    uniforms.slices.value = look.slices.map((share, axis) => this.slicePlane(axis, share));
+    uniforms.colors.value = colorsOf(look.sliceColors, this.header).flat();
+    uniforms.tint.value = own.flatMap((c) => this.tint(look, c));
     uniforms.result.value = result;
     this.mesh.material.blending = result === Result.Picture ? three.CustomBlending : three.NoBlending;
   }
 
-  // Of the plane in the world, in index coordinates.
   private clipPlane(look: Look): three.Vector4 {
     if (look.clip === null) return new three.Vector4();
     const { normal, distance } = clipPlane(look.clip, this.header.bounds);
+    return this.planeInIndex(normal, distance);
+  }
+
+  private slicePlane(axis: number, share: number | null): three.Vector4 {
+    if (share === null) return new three.Vector4();
+    const [low, high] = this.header.bounds.map((point) => point[axis]);
+    const normal: Vector = [0, 0, 0];
+    normal[axis] = 1;
+    return this.planeInIndex(normal, low + share * (high - low));
+  }
+
+  private planeInIndex(normal: Vector, distance: number): three.Vector4 {
     const plane = new three.Vector4(...normal, -distance);
     return plane.applyMatrix4(this.indexToWorld.clone().transpose());
+  }
+
+  // What another albedo makes of the light of the isosurface of an isovalue that does not glow.
+  private tint(look: Look, isovalue: number): Vector {
+    const key = look.isosurfaceColors;
+    if (key === null || rampAt(this.data.emission, isovalue).some((x) => x > 0)) return [1, 1, 1];
+    const [low, high] = this.header.window.map((c) => this.isovalueAt(c));
+    const color = linearAt(key, (isovalue - low) / (high - low), this.header);
+    const albedo = rampAt(this.data.albedo, isovalue);
+    return color.map((x, k) => (albedo[k] > 0 ? x / albedo[k] : 0)) as Vector;
   }
 }
 
@@ -161,7 +186,8 @@ function uniformsOf(
   };
   const varying = [
     'isovalue', 'secondIsovalue', 'hasSecond', 'opacity', 'isLocal', 'gain', 'albedo', 'emission',
-    'worldEye', 'eye', 'corner', 'right', 'up', 'indexToClip', 'clip', 'result',
+    'worldEye', 'eye', 'corner', 'right', 'up', 'indexToClip', 'clip', 'slices', 'colors', 'tint',
+    'result',
   ]; // prettier-ignore
   return Object.fromEntries([
     ...Object.entries(lampUniforms(header)),

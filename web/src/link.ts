@@ -2,8 +2,9 @@
 // The state of the page as the part of its link behind #, and back.
 
 import type { Header, Vector } from './bake';
+import { GRAY } from './color_maps';
 import { onGrid } from './isovalues';
-import type { Look } from './look';
+import type { Look, Slices } from './look';
 
 export interface Viewpoint {
   position: Vector;
@@ -27,6 +28,9 @@ export function toLink({ look, viewpoint }: State): string {
     ['local', look.isLocal ? '1' : null],
     ['walls', look.showsWalls ? null : '0'],
     ['clip', look.clip === null ? null : numbers(look.clip.from, look.clip.share)],
+    ['slices', look.slices.every((place) => place === null) ? null : slicesText(look.slices)],
+    ['slicecolors', look.sliceColors === GRAY ? null : look.sliceColors],
+    ['colors', look.isosurfaceColors],
     ['exposure', numbers(look.stops)],
     ['camera', numbers(...viewpoint.position, ...viewpoint.target, ...viewpoint.up)],
   ];
@@ -47,6 +51,10 @@ export function fromLink(link: string, { look, viewpoint }: State, header: Heade
   const isovalue = one('isovalue', ...header.window);
   const second = numbers('second', 2);
   const clip = numbers('clip', 2);
+  const colors = (name: string) => {
+    const key = fields.get(name);
+    return key !== null && key in header.colorMaps ? key : null;
+  };
   const camera = numbers('camera', 9);
   return {
     look: {
@@ -56,10 +64,22 @@ export function fromLink(link: string, { look, viewpoint }: State, header: Heade
       isLocal: fields.get('local') === '1',
       showsWalls: fields.get('walls') !== '0',
       clip: clip && [0, 1, 2, 3, 4, 5].includes(clip[0]) ? { from: clip[0], share: share(clip[1]) } : null,
+      slices: slicesOf(fields.get('slices')),
+      sliceColors: colors('slicecolors') ?? GRAY,
+      isosurfaceColors: colors('colors'),
       stops: one('exposure', -4, 4) ?? look.stops,
     },
     viewpoint: camera && isViewpoint(camera) ? viewpointOf(camera) : viewpoint,
   };
+}
+
+function slicesText(slices: Slices): string {
+  return slices.map((place) => (place === null ? '' : Number(place.toPrecision(DIGITS)))).join(',');
+}
+
+function slicesOf(text: string | null): Slices {
+  const places = (text ?? '').split(',').map((place) => (place === '' ? NaN : Number(place)));
+  return [0, 1, 2].map((a) => (Number.isFinite(places[a]) ? share(places[a]) : null)) as Slices;
 }
 
 function share(value: number): number {

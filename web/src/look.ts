@@ -2,6 +2,7 @@
 // What is shown, as plain data: the interface changes it, the view draws it, the link keeps it.
 
 import type { Header, Vector } from './bake';
+import { GRAY } from './color_maps';
 import { onGrid } from './isovalues';
 
 // From an end of an axis of the bounds, by its number: left, right, front, back, below, above.
@@ -17,8 +18,14 @@ export interface Look {
   isLocal: boolean;
   showsWalls: boolean;
   clip: Clip | null;
+  slices: Slices;
+  sliceColors: string; // of slices and of what is cut open: a color map's key, or GRAY
+  isosurfaceColors: string | null; // a color map's key, null for the albedo of the bake
   stops: number; // of exposure, beside the bake's
 }
+
+// Planes across the axes of the bounds: the share, 0..1, at which each is, null for none.
+export type Slices = [number | null, number | null, number | null];
 
 export function firstLook(header: Header): Look {
   return {
@@ -28,6 +35,9 @@ export function firstLook(header: Header): Look {
     isLocal: false,
     showsWalls: true,
     clip: null,
+    slices: [null, null, null],
+    sliceColors: GRAY,
+    isosurfaceColors: null,
     stops: header.stops,
   };
 }

@@ -2,11 +2,13 @@
 // The interface: elements of panel.html, bound to the look.
 
 import type { Header } from './bake';
+import { namesOf } from './color_maps';
 import { Cube } from './cube';
 import { Histogram } from './histogram';
 import { onGrid, textOf } from './isovalues';
 import { bindKeys } from './keys';
 import { fromLink, type State, toLink } from './link';
+import type { Slices } from './look';
 import { Ruler, ScaleBar } from './overlay';
 import { Player } from './player';
 import type { View } from './view';
@@ -24,6 +26,15 @@ export function fillPage(header: Header): HTMLCanvasElement {
   element('walls-row').hidden = header.walls.meshes.length === 0;
   const more = document.getElementById('more') as HTMLDetailsElement;
   more.open = matchMedia('(min-width: 48rem)').matches;
+  const names = header.isPatient ? ['Sagittal', 'Coronal', 'Axial'] : ['X', 'Y', 'Z'];
+  names.forEach((name, axis) => {
+    element('slices').append(sliceRow(name, axis));
+  });
+  for (const [key, name] of namesOf(header)) {
+    for (const id of ['slice-colors', 'isosurface-colors']) {
+      document.getElementById(id)?.append(new Option(name, key));
+    }
+  }
   for (const [what, value] of header.about) {
     const term = document.createElement('dt');
     const text = document.createElement('dd');
@@ -32,6 +43,16 @@ export function fillPage(header: Header): HTMLCanvasElement {
     element('about-list').append(term, text);
   }
   return document.getElementById('view') as HTMLCanvasElement;
+}
+
+// A box that shows the slice across an axis, and its place.
+function sliceRow(name: string, axis: number): HTMLElement {
+  const row = document.createElement('div');
+  row.className = 'row';
+  row.innerHTML =
+    `<label><input id="has-slice-${axis}" type="checkbox"> ${name} slice</label>` +
+    `<input id="slice-${axis}" type="range" min="0" max="1" step="0.005" aria-label="Place of the slice">`;
+  return row;
 }
 
 export class Panel {
@@ -89,6 +110,13 @@ export class Panel {
     press('ruler-open', this.ruler.isOn);
     this.showPart('has-clip', 'clip', look.clip !== null);
     this.showPart('has-second', 'other', look.second !== null);
+    look.slices.forEach((place, axis) => {
+      element(`has-slice-${axis}`).checked = place !== null;
+      element(`slice-${axis}`).disabled = place === null;
+      if (place !== null) element(`slice-${axis}`).value = String(place);
+    });
+    element('slice-colors').value = look.sliceColors;
+    element('isosurface-colors').value = look.isosurfaceColors ?? '';
     if (look.clip) {
       element('clip-from').value = String(look.clip.from);
       element('clip-share').value = String(look.clip.share);
@@ -135,6 +163,18 @@ export class Panel {
         view.look.clip = element('has-clip').checked ? clip : null;
       });
     }
+    for (const axis of [0, 1, 2]) {
+      for (const id of [`has-slice-${axis}`, `slice-${axis}`]) {
+        on(id, 'input', () => {
+          const isOn = element(`has-slice-${axis}`).checked;
+          const slices: Slices = [...view.look.slices];
+          slices[axis] = isOn ? element(`slice-${axis}`).valueAsNumber : null;
+          view.look.slices = slices;
+        });
+      }
+    }
+    on('slice-colors', 'input', (input) => (view.look.sliceColors = input.value));
+    on('isosurface-colors', 'input', (input) => (view.look.isosurfaceColors = input.value || null));
     element('second').value = String(header.window[0] + 0.25 * (view.look.isovalue - header.window[0]));
     for (const id of ['has-second', 'second']) {
       on(id, 'input', () => {

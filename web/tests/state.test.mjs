@@ -6,11 +6,13 @@ import test from 'node:test';
 import { load } from './load.mjs';
 
 const { onGrid, textOf } = await load('isovalues');
+const { colorsOf, linearAt } = await load('color_maps');
 const { fromLink, toLink } = await load('link');
 const { positionOf } = await load('framing');
 const { roundLength, lengthText } = await load('lengths');
 
-const CT = { window: [-1000.5, 2000.5], step: 0.1 };
+const VIRIDIS = ['Viridis', '440154', '472d7b', '3b528b', '2c728e', '21918c', '27ad81', '5cc863', 'aadc32', 'fde725'];
+const CT = { window: [-1000.5, 2000.5], step: 0.1, colorMaps: { VIRIDIS } };
 const MAP = { window: [-0.31234, 1.45678], step: 0.001 };
 
 test('isovalues have the digits of the data', () => {
@@ -26,6 +28,7 @@ test('isovalues stay within the window', () => {
 
 const LOOK = {
   isovalue: 45.5, second: null, opacity: 0.35, isLocal: false, showsWalls: true, clip: null, stops: 0,
+  slices: [null, null, null], sliceColors: 'GRAY', isosurfaceColors: null,
 }; // prettier-ignore
 const FIRST = { look: LOOK, viewpoint: { position: [0, -5, 1], target: [0, 0, 0], up: [0, 0, 1] } };
 
@@ -33,7 +36,8 @@ test('a link holds the whole state', () => {
   const state = {
     look: {
       isovalue: 120.3, second: 20.1, opacity: 0.5, isLocal: true, showsWalls: false,
-      clip: { from: 4, share: 0.25 }, stops: -1.2,
+      clip: { from: 4, share: 0.25 }, stops: -1.2, slices: [0.5, null, 0.125], sliceColors: 'VIRIDIS',
+      isosurfaceColors: 'VIRIDIS',
     },
     viewpoint: { position: [1.5, 2.25, -3], target: [0.5, 0, 1], up: [1, 0, 0] },
   }; // prettier-ignore
@@ -42,7 +46,7 @@ test('a link holds the whole state', () => {
   assert.deepEqual(fromLink('', FIRST, CT), FIRST);
 });
 test('a link that makes no sense changes nothing', () => {
-  const wrong = '#isovalue=x&second=1&clip=7,0.5&exposure=&camera=0,0,0,0,0,0,0,0,1';
+  const wrong = '#isovalue=x&second=1&clip=7,0.5&slices=a,&colors=JET&exposure=&camera=0,0,0,0,0,0,0,0,1';
   assert.deepEqual(fromLink(wrong, FIRST, CT), FIRST);
   const along = '#camera=0,0,5,0,0,0,0,0,1'; // it looks along its upright axis
   assert.deepEqual(fromLink(along, FIRST, CT).viewpoint, FIRST.viewpoint);
@@ -50,6 +54,14 @@ test('a link that makes no sense changes nothing', () => {
   assert.deepEqual(beyond, {
     ...LOOK, isovalue: 2000.5, second: -1000.5, opacity: 1, clip: { from: 2, share: 0 }, stops: 4,
   }); // prettier-ignore
+});
+
+test('color maps go from end to end, in displayed and in linear colors', () => {
+  assert.deepEqual(colorsOf('GRAY', CT)[0], [0.15, 0.15, 0.15]);
+  assert.deepEqual(colorsOf('VIRIDIS', CT)[8], [0xfd / 255, 0xe7 / 255, 0x25 / 255]);
+  const red = (share) => linearAt('VIRIDIS', share, CT)[0];
+  assert.ok(Math.abs(red(1) - 0.98225) < 1e-4 && red(2) === red(1) && red(-1) === red(0));
+  assert.ok(Math.abs(red(0.0625) - 0.5 * (red(0) + red(0.125))) < 1e-12);
 });
 
 test('an isosurface fills its share of any picture', () => {

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Color maps that people know, as nine linear colors each, evenly spaced."""
+"""The package's color maps as linear colors."""
 
+from leaflight import color_maps
 from mathutils import Color
 
 
@@ -9,41 +10,8 @@ def _linear(hexadecimal):
     return tuple(color.from_srgb_to_scene_linear())
 
 
-# In sRGB, of matplotlib 3.6 and of colorcet 3.2 (Kovesi 2015).
-_MAPS = {
-    "VIRIDIS": (
-        "Viridis",
-        "Dark blue over green to yellow, even in lightness (matplotlib)",
-        "440154 472d7b 3b528b 2c728e 21918c 27ad81 5cc863 aadc32 fde725",
-    ),
-    "MAGMA": (
-        "Magma",
-        "Black over purple to light yellow, even in lightness (matplotlib)",
-        "000004 1d1147 51127c 832681 b73779 e55064 fb8761 fec287 fcfdbf",
-    ),
-    "BONE_MAP": (
-        "Bone Map",
-        "Black to white with a tinge of blue, as for radiographs (matplotlib)",
-        "000000 1c1c27 38384e 545574 707b90 8ba1ab a7c7c7 d3e3e3 ffffff",
-    ),
-    "CET_L3": (
-        "CET Fire",
-        "Black over red and yellow to white, even in lightness (colorcet, CET-L3)",
-        "000000 4a0000 7d0200 b40500 ed1400 fe6600 ffa401 ffd909 ffffff",
-    ),
-    "CET_R2": (
-        "CET Rainbow",
-        "Blue over green to red without false edges (colorcet, CET-R2)",
-        "0033f5 00729d 3e944d 6aaf11 b4c120 f5cc2c ffa41c ff740a fc3000",
-    ),
-    "CET_D1": (
-        "CET Cool Warm",
-        "Blue over light gray to red (colorcet, CET-D1)",
-        "2050da 7075e1 a09ce7 c9c5ec ede7e9 f0beb1 e78c76 d6573f bf0205",
-    ),
-}
-# (name, description, colors)
+# (name, description, nine colors, evenly spaced)
 MAPS = {
-    key: (name, text, tuple(map(_linear, colors.split())))
-    for key, (name, text, colors) in _MAPS.items()
+    key: (name, text, tuple(map(_linear, colors)))
+    for key, (name, text, colors) in color_maps.MAPS.items()
 }

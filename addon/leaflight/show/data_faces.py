@@ -14,8 +14,6 @@ from .. import versions
 from . import added, color_maps, display, fill, shader
 
 VALUE = "value"
-# As an isovalue: below all values.
-ALL = -3e38
 GRAY = "GRAY"
 COLORS = [
     (GRAY, "Gray", "From black to white"),

@@ -149,7 +149,7 @@ class LeaflightLook(bpy.types.PropertyGroup):
     )
     slice_axes: BoolVectorProperty(
         name="Slices",
-        description="Show the data on a plane across this axis. Bakes and comparisons do without",
+        description="Show the data on a plane across this axis. Bakes do not see it",
         size=3,
         update=_slices_changed,
         override={"LIBRARY_OVERRIDABLE"},
@@ -174,7 +174,7 @@ class LeaflightLook(bpy.types.PropertyGroup):
     )
     slices_inside: BoolProperty(
         name="Inside Only",
-        description="Leave out values below the isovalue, such as the air around an object",
+        description="Show only what lies within the isosurface; else all values from Lowest on",
         update=_slices_changed,
         override={"LIBRARY_OVERRIDABLE"},
     )

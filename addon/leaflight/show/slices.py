@@ -33,8 +33,9 @@ def update(volume, depsgraph=None):
     low, high = np.asarray(data.field().bounds, np.float64)
     faces = [_face(low, high, axis, place) for axis, place in places.items()]
     data_faces.show(obj, data, f"{places}", faces)
-    isovalue = volume.leaflight.isovalue if look.slices_inside else data_faces.ALL
-    data_faces.shade(obj, look.slice_colors, volume.leaflight, isovalue)
+    settings = volume.leaflight
+    least = settings.isovalue if look.slices_inside else settings.low
+    data_faces.shade(obj, look.slice_colors, settings, least)
 
 
 def follow(volumes, depsgraph):

@@ -14,6 +14,7 @@ import numpy as np
 from .._core import Progress
 from ..arrays import Array
 from ..bake.baked import Bake
+from ..color_maps import MAPS
 from ..stills.camera import bounds_of
 from ..stills.first_view import FILLED, framing
 from ..stills.lamps import lamps_of
@@ -97,6 +98,7 @@ def page_data(bake: Bake, isovalue: float, coarser: int, progress: Progress) -> 
         step=step_of(bake),
         unit=bake.volumes[0].unit,
         isPatient=any(volume.patient for volume in bake.volumes),
+        colorMaps={key: [name, *colors] for key, (name, _, colors) in MAPS.items()},
         about=about(bake, coarser),
     )
     return data

@@ -9,6 +9,9 @@ uniform bool hasSecond;
 uniform int result;  // 0: the picture, 1: fetches a pixel, 2: distances in lengths of the ray
 uniform float opacity;  // of the second
 uniform vec4 clip;      // index coordinates: what dot(clip, (p, 1)) < 0 is left out; 0 for none
+uniform vec4 slices[3];  // planes that show the data, as `clip`
+uniform vec3 colors[9];  // of the data, over the isovalues that are lit, as they are displayed
+uniform vec3 tint[2];    // of the light of both isosurfaces
 
 out vec4 color;
 
@@ -17,6 +20,27 @@ vec4 shown(vec3 radiance, float alpha) { return vec4(displayed(radiance) * alpha
 float depthOf(vec3 place) {
   vec4 at = indexToClip * vec4(place, 1.0);
   return clamp(0.5 * at.z / at.w + 0.5, 0.0, 1.0);
+}
+
+vec3 colorOf(float value) {
+  float at = 8.0 * clamp((value - window.x) / (window.y - window.x), 0.0, 1.0);
+  int low = min(int(at), 7);
+  return mix(colors[low], colors[low + 1], at - float(low));
+}
+
+// Where the ray first meets data on a slice, FAR_AWAY for nowhere, and their value. Those below the
+// isovalues that are lit, such as air, are left out.
+float sliceAt(Ray ray, out float value) {
+  float nearest = FAR_AWAY;
+  value = -1.0;
+  for (int k = 0; k < 3; ++k) {
+    if (slices[k] == vec4(0.0)) continue;
+    float t = -dot(slices[k], vec4(ray.origin, 1.0)) / dot(slices[k].xyz, ray.direction);
+    if (!(t >= ray.t && t <= ray.end && t < nearest)) continue;
+    float there = valueAt(ray.origin + t * ray.direction);
+    if (there >= max(window.x, 0.0)) nearest = t, value = there;
+  }
+  return nearest;
 }
 
 void main() {
@@ -36,17 +60,24 @@ void main() {
     }
   }
   Hit first = Hit(-1.0, false), second = Hit(-1.0, false);
-  bool isOnCut = false;
+  bool showsData = false;
   if (ray.t < ray.end) {
     float cutValue = isCut ? valueAt(ray.origin + ray.t * direction) : -1.0;
-    isOnCut = isCut && cutValue >= isovalue;
+    float dataValue, slice = sliceAt(ray, dataValue);
+    bool isOnCut = isCut && cutValue >= isovalue;
     if (isOnCut) {
-      // What is cut open shows the data, as gray.
-      first.t = ray.t;
-      float gray = clamp((cutValue - window.x) / (window.y - window.x), 0.0, 1.0);
-      color = vec4(vec3(0.15 + 0.7 * gray), 1.0);
+      // What is cut open shows the data.
+      slice = ray.t;
+      dataValue = cutValue;
     } else {
-      first = trace(ray, isovalue);
+      Ray before = ray;
+      before.end = min(before.end, slice);
+      first = trace(before, isovalue);
+    }
+    showsData = first.t < 0.0 && slice < FAR_AWAY;
+    if (showsData) {
+      first.t = slice;
+      color = vec4(colorOf(dataValue), 1.0);
     }
     if (hasSecond && !isOnCut) {
       Ray before = ray;
@@ -58,9 +89,9 @@ void main() {
   Hit hits[2] = Hit[2](first, second);
   vec3 radiance[2];
   for (int k = 0; k < 2; ++k) {
-    if (hits[k].t < 0.0 || (k == 0 && isOnCut)) continue;
+    if (hits[k].t < 0.0 || (k == 0 && showsData)) continue;
     float own = k == 0 ? isovalue : secondIsovalue;
-    radiance[k] = light(eye + hits[k].t * direction, hits[k], own, k);
+    radiance[k] = tint[k] * light(eye + hits[k].t * direction, hits[k], own, k);
   }
   if (result == 1) {
     color = vec4(float(fetches & 255) / 255.0, float(fetches >> 8) / 255.0, 0.0, 1.0);
@@ -75,7 +106,7 @@ void main() {
     return;
   }
   if (first.t < 0.0) color = vec4(0.0);
-  if (first.t >= 0.0 && !isOnCut) color = shown(radiance[0], 1.0);
+  if (first.t >= 0.0 && !showsData) color = shown(radiance[0], 1.0);
   if (second.t >= 0.0) {
     vec4 before = shown(radiance[1], opacity);
     color = before + (1.0 - opacity) * color;

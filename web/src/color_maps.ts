@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Color maps: of the header, and gray.
+
+import type { Header, Vector } from './bake';
+
+export const GRAY = 'GRAY';
+export const COLORS = 9;
+
+export function namesOf({ colorMaps }: Header): [string, string][] {
+  return Object.entries(colorMaps).map(([key, [name]]) => [key, name]);
+}
+
+// As they are displayed, 0..1; gray has neither black nor white, which are the light's.
+export function colorsOf(key: string, { colorMaps }: Header): Vector[] {
+  if (!(key in colorMaps)) {
+    return Array.from({ length: COLORS }, (_, i) => {
+      const gray = 0.15 + (0.7 * i) / (COLORS - 1);
+      return [gray, gray, gray];
+    });
+  }
+  const byte = (color: string, k: number) => parseInt(color.slice(2 * k, 2 * k + 2), 16) / 255;
+  return colorMaps[key].slice(1).map((color) => [byte(color, 0), byte(color, 1), byte(color, 2)]);
+}
+
+// The linear color at a share, 0..1, of the isovalues.
+export function linearAt(key: string, share: number, header: Header): Vector {
+  const colors = colorsOf(key, header);
+  const at = Math.min(1, Math.max(0, share)) * (COLORS - 1);
+  const low = Math.min(Math.floor(at), COLORS - 2);
+  return [0, 1, 2].map((k) => {
+    const [before, after] = [colors[low][k], colors[low + 1][k]].map(linear);
+    return before + (at - low) * (after - before);
+  }) as Vector;
+}
+
+function linear(displayed: number): number {
+  return displayed <= 0.04045 ? displayed / 12.92 : ((displayed + 0.055) / 1.055) ** 2.4;
+}
