@@ -14,6 +14,7 @@ BRAINS = Path("/usr/share/mricron/templates")
 ERROR = 1.5
 # Of a still, and of a frame of the sweep.
 STILL_SIZE, STILL_QUALITY = (1920, 1080), 92
+SLICES_ERROR, SLICES_SIZE, SLICES_SAMPLES = 5.0, (960, 540), 128
 SWEEP_SIZE, SWEEP_SAMPLES = (400, 400), 24
 SWEEP_FRAMES, SWEEP_MILLISECONDS = 48, 90
 
@@ -80,6 +81,10 @@ def main():
             picture = arguments.out / f"{name}.webp"
             render_still(still, arguments.work, picture)
             print(picture, flush=True)
+    if arguments.only in ("slices", ""):
+        picture = arguments.out / "slices.webp"
+        render_slices(BRAINS / "ch2.nii.gz", arguments.work, picture)
+        print(picture, flush=True)
     if arguments.only in ("sweep", ""):
         picture = arguments.out / "sweep.webp"
         render_sweep(BRAINS / "ch2.nii.gz", arguments.work, picture)
@@ -110,6 +115,25 @@ def turned(volume, degrees):
 
     turn = mathutils.Matrix.Rotation(math.radians(degrees), 4, "Z")
     return turn @ volume.matrix_world
+
+
+def render_slices(path, folder, picture):
+    """A translucent head with slices, the orientation cube and a scale bar."""
+    from leaflight import blender
+
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
+    head = blender.import_volume(path)
+    blender.stage(head)
+    blender.bake(head, error=SLICES_ERROR, bake_folder=str(folder))
+    blender.show(head, 45.5)
+    look = head.leaflight_look
+    look.opacity, look.slices_inside = 0.3, True
+    look.slice_axes, look.slice_places = (True, False, True), (0.52, 0.5, 0.42)
+    bpy.ops.leaflight.add_orientation_cube()
+    bpy.ops.leaflight.add_scale_bar()
+    rendered = folder / f"{picture.stem}.png"
+    render(SLICES_SIZE, SLICES_SAMPLES, rendered)
+    Image.open(rendered).convert("RGB").save(picture, quality=STILL_QUALITY, method=6)
 
 
 def render_sweep(path, folder, picture):

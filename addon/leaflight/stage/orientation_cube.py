@@ -11,7 +11,7 @@ from mathutils import Matrix, Vector
 
 from .. import versions
 from ..show import added, display, shader
-from ..store import cache
+from ..store import source_files
 from .labels import exposed
 
 _KIND = "orientation cube"
@@ -33,7 +33,8 @@ def add_cube(context, volume):
         raise leaflight.LeaflightError(
             "The scene has no camera, in whose picture the cube would stand: stage it first."
         )
-    names = _OF_A_PATIENT if cache.volume_of(volume).patient else _OF_OTHERS
+    is_patient = source_files.is_patient(volume.leaflight)
+    names = _OF_A_PATIENT if is_patient else _OF_OTHERS
     for obj in [obj for obj in camera.children if display.is_display(obj, _KIND)]:
         for part in (*obj.children, obj):
             bpy.data.objects.remove(part)

@@ -34,6 +34,8 @@ _WITH_ITS_NEEDS = {"zarr": "zarr==2.18.3 numcodecs==0.13.1 asciitree==0.3.3 fast
 
 # What key_of() tells apart -> the hash of its values, so that a file is read once for the question.
 _hashes = {}
+# The same -> whether its coordinates are a patient's.
+_patients = {}
 
 
 def path_of(settings):
@@ -78,11 +80,14 @@ def probe(path, **choices):
 
 def is_patient(settings):
     """Whether the coordinates of a volume are a patient's, by the header of its file."""
-    try:
-        return probe(path_of(settings), **choices_of(settings)).patient
-    except LeaflightError:
-        # It is gone, or the volume was never in a file.
-        return False
+    key = key_of(settings)
+    if key not in _patients:
+        try:
+            _patients[key] = probe(path_of(settings), **choices_of(settings)).patient
+        except LeaflightError:
+            # It is gone, or the volume was never in a file.
+            _patients[key] = False
+    return _patients[key]
 
 
 def _options(path, choices):
@@ -166,3 +171,4 @@ def changed_since_bake(obj):
 
 def forget():
     _hashes.clear()
+    _patients.clear()

@@ -6,7 +6,7 @@ import leaflight
 
 from ..operators.active_volume import active_volume
 from ..show import slices
-from ..store import cache
+from ..store import source_files
 from .sidebar import VolumePanel
 
 _AXES = ("X", "Y", "Z")
@@ -20,22 +20,26 @@ class LEAFLIGHT_PT_slices(VolumePanel, bpy.types.Panel):
 
     def draw(self, context):
         volume = active_volume(context)
-        look = volume.leaflight_look
-        try:
-            data = cache.volume_of(volume)
-        except leaflight.LeaflightError:
-            return
+        settings, look = volume.leaflight, volume.leaflight_look
         column = self.layout.column(align=True)
-        for axis, name in enumerate(_OF_A_PATIENT if data.patient else _AXES):
+        names = _OF_A_PATIENT if source_files.is_patient(settings) else _AXES
+        for axis, name in enumerate(names):
             row = column.split(factor=0.4, align=True)
             row.prop(look, "slice_axes", index=axis, text=name, toggle=True)
             row = row.row(align=True)
             row.active = look.slice_axes[axis]
-            text = f"{slices.position(volume, axis):.4g} {data.unit}".rstrip()
-            row.prop(look, "slice_places", index=axis, text=text, slider=True)
+            row.prop(look, "slice_places", index=axis, text=_place(volume, axis), slider=True)
         if any(look.slice_axes):
             self.layout.prop(look, "slice_colors")
             self.layout.prop(look, "slices_inside")
+
+
+def _place(volume, axis):
+    """Of a slice, as a text in the unit of the file."""
+    try:
+        return f"{slices.position(volume, axis):.4g} {volume.leaflight.unit}".rstrip()
+    except leaflight.LeaflightError:
+        return ""
 
 
 register, unregister = bpy.utils.register_classes_factory((LEAFLIGHT_PT_slices,))

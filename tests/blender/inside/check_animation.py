@@ -6,6 +6,7 @@ import nibabel
 import numpy as np
 import pytest
 from bpy_extras.object_utils import world_to_camera_view
+from leaflight import blender
 from leaflight_addon.stage import labels, scene_export
 from leaflight_addon.show import surface_object
 from mathutils import Vector
@@ -119,3 +120,11 @@ def check_a_cube_in_the_picture_turns_as_the_volume_does(patient):
     assert not scene_export.export_scene(bpy.context, patient)[0].meshes
     bpy.data.objects.remove(scene.camera)
     assert "no camera" in error_of(bpy.ops.leaflight.add_orientation_cube)
+
+
+def check_the_cube_of_a_baked_patient_has_the_patients_sides(patient, tmp_path):
+    blender.stage(patient)
+    blender.bake(patient, isovalues=(2.0, 6.0), error=20.0, bake_folder=str(tmp_path))
+    bpy.ops.leaflight.add_orientation_cube()
+    (cube,) = bpy.context.scene.camera.children
+    assert {o.data.body for o in cube.children} == set("RLAPSI")
