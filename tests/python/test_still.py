@@ -144,7 +144,9 @@ def test_sentences(cli, box_bake, box_file, tmp_path):
     ):
         done = cli("still", box_file, *arguments)
         assert done.status == 2 and done.err.count("\n") == 1 and words in done.err, done.err
-    for text in ("[]", "{}", '{"position": [0, 0], "target": [1, 1, 1]}', '{"angle": 20}', "x"):
+    huge = '{"position": [1%s, 0, 0], "target": [1, 1, 1]}' % (400 * "0")
+    short = '{"position": [0, 0], "target": [1, 1, 1]}'
+    for text in ("[]", "{}", short, huge, '{"angle": 20}', "x"):
         path = tmp_path / "camera.json"
         path.write_text(text)
         with pytest.raises(LeaflightError, match="is no camera"):

@@ -15,6 +15,7 @@ from .truth import errors_of
 def compare(
     bake: Bake,
     isovalue: float,
+    *,
     points: int = 3000,
     spp: int = 1024,
     seed: int = 0,

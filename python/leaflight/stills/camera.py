@@ -4,6 +4,7 @@
 import json
 import math
 import os
+import sys
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -16,6 +17,7 @@ from ..scene.scene import Vector
 
 # Of view, across the picture's shorter side: a portrait's lens, as of the add-on's stages.
 ANGLE = 26.0
+_LARGEST = sys.float_info.max
 
 
 @dataclass(frozen=True)
@@ -72,7 +74,8 @@ def load_camera(path: str | os.PathLike[str]) -> Camera:
     right = isinstance(angle, (int, float)) and 0.0 < angle < 180.0
     for value in known.values():
         right = right and isinstance(value, (list, tuple)) and len(value) == 3
-        right = right and all(isinstance(x, (int, float)) and math.isfinite(x) for x in value)
+        # JSON's integers may be larger than any number of the renderer's.
+        right = right and all(isinstance(x, (int, float)) and abs(x) <= _LARGEST for x in value)
     if not right:
         raise LeaflightError(
             f'{path}: this is no camera: give {{"position": [x, y, z], "target": [x, y, z]}} and '
