@@ -117,6 +117,18 @@ def test_it_is_rolled_and_flipped_and_the_link_keeps_all(page, pages):
     assert page.evaluate("document.querySelector('#has-clip').checked")
 
 
+@pytest.mark.parametrize("bake, end", [("box", "2"), ("brain", "3")])
+def test_clips_begin_at_the_front(browser, pages, bake, end):
+    """Of a patient that is where y is greatest; a room has its open side where it is least."""
+    browser.open(pages(bake).as_uri(), SIZE)
+    shown = browser.evaluate(
+        "(e => [e.value, e.selectedOptions[0].text])(document.querySelector('#clip-from'))"
+    )
+    assert shown == [end, "front"]
+    browser.click("#has-clip")
+    assert browser.evaluate(f"{LOOK}.clip.from") == int(end)
+
+
 def choose(page, control, value):
     page.evaluate(
         f"(e => {{ e.value = '{value}'; e.dispatchEvent(new Event('input')); }})"

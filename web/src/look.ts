@@ -5,7 +5,7 @@ import type { Header, Vector } from './bake';
 import { GRAY } from './color_maps';
 import { onGrid } from './isovalues';
 
-// From an end of an axis of the bounds, by its number: left, right, front, back, below, above.
+// From an end of an axis of the bounds, by its number: the lower and the upper one of x, y and z.
 export interface Clip {
   from: number;
   share: number; // 0..1 of the axis, which is left out

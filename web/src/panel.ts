@@ -26,6 +26,13 @@ export function fillPage(header: Header): HTMLCanvasElement {
   element('walls-row').hidden = header.walls.meshes.length === 0;
   const more = document.getElementById('more') as HTMLDetailsElement;
   more.open = matchMedia('(min-width: 48rem)').matches;
+  // Ends of the axes; a patient's second axis is towards the front.
+  const depth = header.isPatient ? ['back', 'front'] : ['front', 'back'];
+  const ends = ['left', 'right', ...depth, 'below', 'above'];
+  for (const [end, name] of ends.entries()) {
+    const isFirst = name === 'front';
+    document.getElementById('clip-from')?.append(new Option(name, String(end), isFirst, isFirst));
+  }
   const names = header.isPatient ? ['Sagittal', 'Coronal', 'Axial'] : ['X', 'Y', 'Z'];
   names.forEach((name, axis) => {
     element('slices').append(sliceRow(name, axis));
