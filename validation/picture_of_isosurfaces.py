@@ -35,7 +35,6 @@ scene.render.engine = "CYCLES"
 scene.cycles.samples, scene.cycles.use_denoising = 64, False
 scene.render.resolution_x = scene.render.resolution_y = 480
 scene.render.resolution_percentage = 100
-scene.camera.data.angle *= 0.6
 stills = []
 for name in ("through", "cut"):
     if name == "cut":

@@ -10,6 +10,8 @@ def _linear(hexadecimal):
     return tuple(color.from_srgb_to_scene_linear())
 
 
+# Black to white in steps that look even.
+GRAY = tuple(_linear(3 * f"{round(255 * i / 8):02x}") for i in range(9))
 # (name, description, nine colors, evenly spaced)
 MAPS = {
     key: (name, text, tuple(map(_linear, colors)))

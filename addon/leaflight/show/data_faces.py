@@ -97,9 +97,9 @@ def shade(obj, colors, settings, isovalue):
     """Colors the values of the volume's range, by a key of COLORS, from an isovalue on."""
     material = obj.data.materials[0]
     if material.get(_BUILT) != colors:
-        gray = ((0.0,) * 3, (1.0,) * 3)
+        chosen = color_maps.GRAY if colors == GRAY else color_maps.MAPS[colors][2]
         versions.do_not_sample_as_light(material)
-        shader.build_slice(material, VALUE, gray if colors == GRAY else color_maps.MAPS[colors][2])
+        shader.build_slice(material, VALUE, chosen)
         material[_BUILT] = colors
     exposure = bpy.context.scene.view_settings.exposure
     shader.set_slice(material, settings.low, settings.high, isovalue, 2.0**-exposure)

@@ -12,6 +12,7 @@ from leaflight_addon.store import cache
 from tools import (
     camera_rays_down,
     close,
+    displayed_gray,
     look_down,
     mesh_arrays,
     render_exr,
@@ -125,7 +126,8 @@ def check_a_cut_is_closed_with_the_slice(baked, tmp_path, kept):
     values = cache.volume_of(baked).field().sample(points @ to_local[:3, :3].T + to_local[:3, 3])
     values = values.reshape(SIZE, SIZE)
     isovalue_range = baked.leaflight.low, baked.leaflight.high
-    expected = np.clip((values - isovalue_range[0]) / (isovalue_range[1] - isovalue_range[0]), 0, 1)
+    low, high = isovalue_range
+    expected = displayed_gray((values - low) / (high - low))
     inside, outside = values > 45.0, values < 35.0
     assert inside.sum() > 50 and outside.sum() > 20
     close(seen[inside], np.repeat(expected[inside][:, None], 3, axis=1), 0.06)

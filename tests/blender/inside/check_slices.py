@@ -9,7 +9,7 @@ from leaflight_addon import versions
 from leaflight_addon.show import slices
 from leaflight_addon.stage import scene_export, staleness
 from leaflight_addon.store import cache
-from tools import camera_rays_down, close, look_down, render_exr, vertices_of
+from tools import camera_rays_down, close, displayed_gray, look_down, render_exr, vertices_of
 
 SIZE = 48
 
@@ -41,7 +41,7 @@ def check_a_slice_has_the_colors_of_the_data(baked, tmp_path, place):
     seen = _seen_alone(faces, tmp_path / "all.exr")
     values = _values_from_above(baked, slices.position(baked, 2))
     low, high = baked.leaflight.low, baked.leaflight.high
-    expected = np.clip((values - low) / (high - low), 0, 1)
+    expected = displayed_gray((values - low) / (high - low))
     known = values > low + 2.0
     assert known.sum() > 400
     close(seen[known], np.repeat(expected[known][:, None], 3, axis=1), 0.06)

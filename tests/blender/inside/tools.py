@@ -334,3 +334,10 @@ def camera_rays_down(width, size):
 
 def look_down(height, width):
     return add_camera((0.0, 0.0, height), (0.0, 0.0, 0.0), orthographic=width)
+
+
+def displayed_gray(shares):
+    """The linear gray, between nine colors, of shares of white as a display shows them."""
+    shown = np.linspace(0.0, 1.0, 9)
+    linear = np.where(shown <= 0.04045, shown / 12.92, ((shown + 0.055) / 1.055) ** 2.4)
+    return np.interp(shares, shown, linear)
