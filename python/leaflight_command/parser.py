@@ -60,10 +60,7 @@ def make_parser() -> Parser:
     for add in _COMMANDS:
         add(subparsers)
     for command in subparsers.choices.values():
-        command.add_argument(
-            "--json", action="store_true", help="print one JSON object as the last line"
-        )
-        command.offer_all()
+        command.finish()
     return parser
 
 

@@ -38,8 +38,11 @@ class Parser(argparse.ArgumentParser):
         found = [group for group in self._titled() if group.title == title]
         return found[0] if found else self.add_argument_group(title)
 
-    def offer_all(self) -> None:
-        """Adds --help-all where there are such groups."""
+    def finish(self) -> None:
+        """Adds --json, and --help-all where there are such groups."""
+        self.add_argument(
+            "--json", action="store_true", help="print one JSON object as the last line"
+        )
         titles = [group.title for group in self._titled() if group.title]
         if titles:
             help = f"show this and the options of {', '.join(titles)}"

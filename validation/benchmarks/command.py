@@ -41,10 +41,7 @@ def make_parser():
     )
     parser.add_argument("--only", metavar="TEXT", help="bakes with this in their name")
     parser.add_argument("--out", metavar="FILE.md", help="document to write the tables into")
-    parser.add_argument(
-        "--json", action="store_true", help="print one JSON object as the last line"
-    )
-    parser.offer_all()
+    parser.finish()
     return parser
 
 

@@ -32,10 +32,7 @@ def make_parser():
     parser.add_argument(
         "--data", metavar="DIR", help="folder of real data sets, which are left out without it"
     )
-    parser.add_argument(
-        "--json", action="store_true", help="print one JSON object as the last line"
-    )
-    parser.offer_all()
+    parser.finish()
     return parser
 
 

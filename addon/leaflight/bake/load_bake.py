@@ -61,10 +61,8 @@ class LEAFLIGHT_OT_load_bake(bpy.types.Operator, ImportHelper):
             if obj is None:
                 volumes[index] = obj = _create(context, bake, index)
             else:
-                matrix, file_state = (
-                    _transform(obj, bake, index),
-                    source_files.file_state(obj.leaflight),
-                )
+                matrix = _transform(obj, bake, index)
+                file_state = source_files.file_state(obj.leaflight)
                 obj.leaflight.capped = bake.scene.isosurfaces[index].capped
             lighting.light(
                 obj,

@@ -68,6 +68,18 @@ def link_beside(obj, volume):
         collection.objects.link(obj)
 
 
+def new_display(volume, kind, name, data):
+    """An object of this data that shows something beside a volume, and neither lights nor shades.
+
+    It has no parent yet.
+    """
+    obj = bpy.data.objects.new(name, data)
+    display.mark(obj, kind)
+    obj.visible_diffuse = obj.visible_glossy = obj.visible_shadow = False
+    link_beside(obj, volume)
+    return obj
+
+
 def remove(obj):
     mesh, volume = obj.data, obj.parent
     bpy.data.objects.remove(obj)

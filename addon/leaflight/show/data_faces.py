@@ -48,13 +48,9 @@ def child(volume, kind):
 
 def new_child(volume, kind, title):
     name = f"{volume.name} {title}"
-    obj = bpy.data.objects.new(name, bpy.data.meshes.new(name))
-    display.mark(obj, kind)
+    obj = added.new_display(volume, kind, name, bpy.data.meshes.new(name))
     obj.parent = volume
     obj.hide_select = True
-    # It has the color of the data, and lights nothing.
-    obj.visible_diffuse = obj.visible_glossy = obj.visible_shadow = False
-    added.link_beside(obj, volume)
     obj.data.materials.append(bpy.data.materials.new(name))
     _seen.add(obj.name)
     return obj

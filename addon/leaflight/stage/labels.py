@@ -14,7 +14,7 @@ LeaflightError = leaflight.LeaflightError
 
 _BAR, _LETTER = "scale bar", "letter"
 # Right, left, front, back, up and down in a patient's coordinates: (letter, axis, direction).
-_SIDES = (("R", 0, 1), ("L", 0, -1), ("A", 1, 1), ("P", 1, -1), ("S", 2, 1), ("I", 2, -1))
+SIDES = (("R", 0, 1), ("L", 0, -1), ("A", 1, 1), ("P", 1, -1), ("S", 2, 1), ("I", 2, -1))
 # Shares of the volume's longest side.
 _TEXT, _GAP, _LENGTH, _WIDTH = 0.06, 0.06, 0.3, 0.008
 _WHITE = (0.9, 0.9, 0.9)
@@ -53,7 +53,7 @@ def add_letters(context, volume):
         )
     _remove(volume, _LETTER)
     low, high, side = _box(volume)
-    for letter, axis, direction in _SIDES:
+    for letter, axis, direction in SIDES:
         place = 0.5 * (low + high)
         place[axis] = (high if direction > 0 else low)[axis] + direction * _GAP * side
         _text(context, volume, _LETTER, letter, _TEXT * side).location = place
@@ -102,12 +102,9 @@ def _text(context, volume, kind, words, size):
 
 
 def _object(volume, kind, name, data):
-    obj = bpy.data.objects.new(name, data)
-    display.mark(obj, kind)
+    obj = added.new_display(volume, kind, name, data)
     obj.parent = volume
     obj.matrix_parent_inverse = Matrix()
-    obj.visible_diffuse = obj.visible_glossy = obj.visible_shadow = False
-    added.link_beside(obj, volume)
     data.materials.append(_material())
     return obj
 

@@ -12,11 +12,11 @@ from mathutils import Matrix, Vector
 from .. import versions
 from ..show import added, display, shader
 from ..store import source_files
-from .labels import exposed
+from .labels import SIDES, exposed
 
 _KIND = "orientation cube"
 # Along +x, -x, +y, -y, +z and -z.
-_OF_A_PATIENT = "RLAPSI"
+_OF_A_PATIENT = tuple(letter for letter, _, _ in SIDES)
 _OF_OTHERS = ("X", "-X", "Y", "-Y", "Z", "-Z")
 # Of the sides across x, y and z, so that their edges are seen; of the letters.
 _GRAYS, _DARK = (0.1, 0.2, 0.4), 0.002
@@ -90,11 +90,8 @@ def _text(name, size):
 
 
 def _object(volume, name, data, grays):
-    obj = bpy.data.objects.new(name, data)
-    display.mark(obj, _KIND)
+    obj = added.new_display(volume, _KIND, name, data)
     obj.hide_select = True
-    obj.visible_diffuse = obj.visible_glossy = obj.visible_shadow = False
-    added.link_beside(obj, volume)
     for gray in grays:
         material = bpy.data.materials.new(name)
         versions.do_not_sample_as_light(material)
