@@ -26,11 +26,11 @@ struct GatheredRadiance {
 // parallel lines, `spacing` texels apart, from the one side or the other. From each point of a line
 // the way is followed to where its own isosurface is met: next to the last point before of a value
 // as large, or smaller on the back, which a stack finds for all points of the line together
-// ("previous greater element").
+// ("previous greater element"). Returns the number of lines.
 template <int D>
-void gather_along_lines(const LineVolume<D>& volume, const IndexedLattice<D>& texels,
-                        const GatheredRadiance<D>& from, const Vec<D>& direction, int spacing,
-                        const std::array<double, 2>& offset, std::uint64_t key, Progress& progress,
-                        std::atomic<std::uint64_t>& lines, SideMoments& moments);
+std::uint64_t gather_along_lines(const LineVolume<D>& volume, const IndexedLattice<D>& texels,
+                                 const GatheredRadiance<D>& from, const Vec<D>& direction,
+                                 int spacing, const std::array<double, 2>& offset,
+                                 std::uint64_t key, Progress& progress, SideMoments& moments);
 
 }  // namespace leaflight
