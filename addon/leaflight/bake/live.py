@@ -28,8 +28,8 @@ LeaflightError = leaflight.LeaflightError
 _POLL = 0.05
 
 # Texels times light points of maps, and vertices times light points of walls, above which blurred
-# shadows come first: half a second of work.
-_QUICK_MAPS, _QUICK_WALLS = 50_000_000, 1_000_000
+# shadows come first: about half a second of work.
+_QUICK_MAPS, _QUICK_WALLS = 50_000_000, 500_000
 
 # The LiveJob in progress with its BackgroundWork, or None.
 _job = _work = None
