@@ -46,7 +46,7 @@ py::array_t<std::uint8_t> codes(const Direct& direct, std::size_t point, bool ba
 void bind_direct_light(py::module_& module) {
   py::class_<Direct, std::shared_ptr<Direct>>(
       module, "DirectLight",
-      "Maps that tell the direct light of every isosurface of one volume: for each texel of a "
+      "Maps of the direct light of every isosurface of one volume: for each texel of a "
       "lattice\n"
       "and each light point the greatest value of the volume on the way between them, as a byte.")
       .def(py::init([](const Scene<3>& scene, int volume, const Index<3>& resolution, bool back,

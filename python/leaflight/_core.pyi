@@ -379,7 +379,7 @@ class Scene2:
         """
 class DirectLight:
     """
-    Maps that tell the direct light of every isosurface of one volume: for each texel of a lattice
+    Maps of the direct light of every isosurface of one volume: for each texel of a lattice
     and each light point the greatest value of the volume on the way between them, as a byte.
     """
     def __init__(self, scene: Scene, volume: typing.SupportsInt | typing.SupportsIndex, resolution: typing.Annotated[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], "FixedSize(3)"], back: bool, progress: Progress, quick: bool = False) -> None:
@@ -610,7 +610,7 @@ class WallRadiance:
         The same beside another scene than that which was baked, `earlier`: direct light is
         exact, all else but the meshes' own emission brighter by the factors (r, g, b).
         same_as: of each mesh of the scene its number in the earlier one, or -1. quick:
-        fewer ways tell the shadows. Raises Cancelled.
+        fewer ways are traced for shadows. Raises Cancelled.
         """
     def places(self, mesh: typing.SupportsInt | typing.SupportsIndex) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64]]:
         """
@@ -675,7 +675,7 @@ class WallRadiance2:
         The same beside another scene than that which was baked, `earlier`: direct light is
         exact, all else but the meshes' own emission brighter by the factors (r, g, b).
         same_as: of each mesh of the scene its number in the earlier one, or -1. quick:
-        fewer ways tell the shadows. Raises Cancelled.
+        fewer ways are traced for shadows. Raises Cancelled.
         """
     def places(self, mesh: typing.SupportsInt | typing.SupportsIndex) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64]]:
         """
@@ -1174,7 +1174,7 @@ def has_seal(path: os.PathLike | str | bytes) -> bool:
     """
 def isosurface_hits(field: Field, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], isovalue: typing.SupportsFloat | typing.SupportsIndex) -> tuple:
     """
-    Where rays first meet the isosurface of an isovalue (in data units), from world points
+    Where rays first hit the isosurface of an isovalue (in data units), from world points
     (n, 3) in directions (n, 3) of any length: (distances float64 (n,), in lengths of
     the direction, infinite where they do not; uint8 (n,), 1 where the ray arrives from
     higher values, at the back).
@@ -1212,7 +1212,7 @@ def machine_memory() -> int:
     """
 def mesh_hits(mesh: Mesh, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> tuple:
     """
-    Where such rays first meet a Mesh, in single precision: (distances float64 (n,);
+    Where such rays first hit a Mesh, in single precision: (distances float64 (n,);
     triangles int32 (n,), -1 for none; barycentric coordinates (n, 2) of its second and
     third vertex).
     """
@@ -1238,12 +1238,12 @@ def photon_balance2(scene: Scene2, count: typing.SupportsInt | typing.SupportsIn
     """
 def photon_points(scene: Scene, count: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex = 0, progress: Progress = None) -> tuple:
     """
-    Where `count` emitted photons met isosurfaces: (world positions (n, D), flux-height
+    Where `count` emitted photons hit isosurfaces: (world positions (n, D), flux-height
     (n, 3), common isovalue (n,), 1 where they came straight from a light (n,)).
     """
 def photon_points2(scene: Scene2, count: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex = 0, progress: Progress = None) -> tuple:
     """
-    Where `count` emitted photons met isosurfaces: (world positions (n, D), flux-height
+    Where `count` emitted photons hit isosurfaces: (world positions (n, D), flux-height
     (n, 3), common isovalue (n,), 1 where they came straight from a light (n,)).
     """
 def polygon_edges(polygons: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], vertices: typing.SupportsInt | typing.SupportsIndex) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.int32]]:
@@ -1285,13 +1285,13 @@ def reference(scene: Scene, points: typing.Annotated[numpy.typing.ArrayLike, num
     """
     Radiance of a volume's isosurface by path tracing at world points (n, D): (radiance
     (n, 3), standard error (n, 3)). Unbiased, save for caustics of lights without
-    extent, which no path meets.
+    extent, which no path hits.
     """
 def reference2(scene: Scene2, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], c: typing.SupportsFloat | typing.SupportsIndex, spp: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex = 0, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: Progress = None, volume: typing.SupportsInt | typing.SupportsIndex = 0, back: bool = False) -> tuple:
     """
     Radiance of a volume's isosurface by path tracing at world points (n, D): (radiance
     (n, 3), standard error (n, 3)). Unbiased, save for caustics of lights without
-    extent, which no path meets.
+    extent, which no path hits.
     """
 def reference_walls(scene: Scene, mesh: typing.SupportsInt | typing.SupportsIndex, facets: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], coordinates: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], c: typing.SupportsFloat | typing.SupportsIndex, spp: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex = 0, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: Progress = None, back: bool = False) -> tuple:
     """
@@ -1305,7 +1305,7 @@ def reference_walls2(scene: Scene2, mesh: typing.SupportsInt | typing.SupportsIn
     """
 def trace(scene: Scene, origin: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], direction: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], c: typing.SupportsFloat | typing.SupportsIndex) -> tuple:
     """
-    ("isosurface", "walls" or None, (x, y, z) or None): what a ray meets, and where.
+    ("isosurface", "walls" or None, (x, y, z) or None): what a ray hits, and where.
     """
 def write_bake(path: os.PathLike | str | bytes, fields: collections.abc.Sequence[Field], grids: collections.abc.Sequence[RadianceGrid], walls: WallRadiance, metadata: collections.abc.Mapping[str, str], progress: Progress = None) -> None:
     """

@@ -70,7 +70,7 @@ export class WallLight {
   }
 
   private codeOf(c: number): number {
-    const [low, high] = this.header.window;
+    const [low, high] = this.header.isovalueRange;
     return 1 + (252 * (c - low)) / (high - low);
   }
 

@@ -46,8 +46,8 @@ def forget():
 
 def sentence(estimate):
     """An Estimate for the panel."""
-    told = duration(estimate), memory(estimate), f"{estimate.error:.2g}"
-    return iface_("About %s and %s to %s %%") % told
+    figures = duration(estimate), memory(estimate), f"{estimate.error:.2g}"
+    return iface_("About %s and %s to %s %%") % figures
 
 
 def duration(estimate):
@@ -72,7 +72,7 @@ class EstimateJob(background.Job):
         scene_export.check_light(scene)
         settings = obj.leaflight
         self._name, self._settings = obj.name_full, _key(settings)
-        # One pilot tells of all qualities.
+        # One pilot serves for all qualities.
         self._error = min(settings.error, *properties.QUALITIES.values())
         self._asked, self._limit = settings.error, bake.time_limit(settings)
         given = bake.arguments_of(obj, volumes, scene)

@@ -188,7 +188,7 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
         self._draw_choices(layout, stored, takes)
 
     def _draw_choices(self, layout, stored, takes):
-        """What this kind of file needs to be told."""
+        """The options of this kind of file."""
         if "type" in takes:
             for name in ("dims", "value_type", "endian"):
                 layout.prop(self, name)
@@ -238,7 +238,7 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
         return ImportJob(context, self)
 
     def _fail(self, error):
-        """The panels, which tell why work failed, are those of another volume."""
+        """The panels, which show why work failed, are those of another volume."""
         self.report({"ERROR"}, str(error))
         return {"CANCELLED"}
 

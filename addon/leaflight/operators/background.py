@@ -104,8 +104,8 @@ class BackgroundOperator:
     is_free = classmethod(is_free)
     # The BackgroundWork of this operator: None while only its dialog is open.
     _work = None
-    # What the status bar says now.
-    _told = None
+    # The present text of the status bar.
+    _status = None
     # Seconds that the window waits for work which may be short.
     _patience = 0.0
 
@@ -148,12 +148,14 @@ class BackgroundOperator:
         if self._work.is_alive():
             if event.type == "TIMER":
                 self._job.show()
-                self._tell(context, iface_("Leaflight  %s  (Esc ends it)") % self._work.status())
+                self._show_status(
+                    context, iface_("Leaflight  %s  (Esc ends it)") % self._work.status()
+                )
             return {"PASS_THROUGH"}
         if not self._work.is_shown_over:
             # The window is drawn once more before it waits for apply().
             self._work.is_shown_over = True
-            self._tell(context, iface_("Leaflight  %s  (Esc ends it)") % self._work.status())
+            self._show_status(context, iface_("Leaflight  %s  (Esc ends it)") % self._work.status())
             return {"PASS_THROUGH"}
         self._release(context)
         ended = self._conclude(self._job, self._work.result, self._job.ended)
@@ -169,12 +171,12 @@ class BackgroundOperator:
         global _running
         _running = None
         context.window_manager.event_timer_remove(self._timer)
-        self._tell(context, None)
+        self._show_status(context, None)
 
-    def _tell(self, context, text):
-        """Shows a text in the status bar, and what the panels say now."""
-        if text != self._told:
-            self._told = text
+    def _show_status(self, context, text):
+        """Shows a text in the status bar, and draws the panels anew."""
+        if text != self._status:
+            self._status = text
             context.workspace.status_text_set(text)
             redraw_panels()
 
@@ -198,7 +200,7 @@ class BackgroundOperator:
             return None
         work = BackgroundWork(job.run, job)
         _print_progress(job.name, work)
-        # Nobody is there to be asked what shall become of it.
+        # There is no user to choose what becomes of it.
         return self._conclude(job, work.result, lambda: job.cancelled)
 
     def _conclude(self, job, result, ended):

@@ -88,7 +88,7 @@ def isovalues(settings):
 def rebuild(obj):
     """Builds graph and isolines anew after a bake or a change of their shape.
 
-    What could not be done is told by surface_object.problems.
+    surface_object.problems reports what could not be done.
     """
     surface_object.problems.pop(obj.name, None)
     try:

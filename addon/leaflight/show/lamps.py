@@ -77,7 +77,7 @@ def factors_of(settings):
 
 
 def label(settings):
-    """Tells apart what is shown with the lamps at other strengths."""
+    """A key, different for each set of strengths of the lamps."""
     factors = factors_of(settings)
     return f"{OF_LAMPS}{factors!r}" if factors else ""
 
@@ -104,7 +104,7 @@ def bake_of(obj):
 
 
 def sentence(obj):
-    """What to tell of a bake that is shown with other strengths, or an empty text."""
+    """A sentence about a bake that is shown with other strengths, or an empty text."""
     if not factors_of(obj.leaflight):
         return ""
     known = _relit.get(obj.leaflight.bake_id)

@@ -39,7 +39,7 @@ def _shape_changed(look, _context):
 
 
 def _color_chosen(look, _context):
-    # Who sets a color wants it to count.
+    # Setting a color enables it.
     look.use_color = True
 
 

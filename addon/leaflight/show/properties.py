@@ -77,7 +77,7 @@ def _set_quality(settings, number):
 
 
 def _switches_on(name):
-    """Who sets a value wants it to count."""
+    """Setting a value enables it."""
 
     def changed(settings, _context):
         setattr(settings, name, True)

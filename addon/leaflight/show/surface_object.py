@@ -201,7 +201,7 @@ def shown_isovalue(obj):
 
 
 def label_of(mesh):
-    """Tells apart what meshes show: None before the first surface."""
+    """A key, different for each thing that meshes show: None before the first surface."""
     return mesh.get(_SHOWN)
 
 

@@ -174,7 +174,7 @@ def take_over(obj, other):
 
 def _turn(obj, up, front):
     """orient(), and a stage that follows. A volume that is not yet one has none."""
-    from . import stage  # which asks for the front
+    from . import stage  # which imports this module for the front
 
     orient(obj, up, front)
     if obj.leaflight.is_volume:

@@ -80,7 +80,7 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
     def _draw_result(self, context, settings):
         """One line; all else is under Details."""
         layout, obj = self.layout, active_volume(context)
-        change = staleness.change_to_tell(obj)
+        change = staleness.change_to_show(obj)
         work = live.at_work()
         if work is not None:
             versions.draw_progress(layout, work.fraction(), work.status())

@@ -110,7 +110,7 @@ def _concerns_bakes(scene, changed, update, moved):
         return staleness.stands_elsewhere(changed)
     elsewhere = update.is_updated_transform or update.is_updated_shading
     if isinstance(changed, bpy.types.Object):
-        # Of what it moves, each object tells itself.
+        # Of what it moves, each object reports its own update.
         if changed.type == "EMPTY" and changed.instance_type == "NONE":
             return False
         return elsewhere or (update.is_updated_geometry and not _is_ours(changed))
@@ -164,7 +164,7 @@ def _before_load(*_):
 
 @persistent
 def _after_save(*_):
-    """Blender tells the new place only once the .blend is written: hence it is written again."""
+    """Blender has the new place only once the .blend is written: hence it is written again."""
     ours = [o for o in bpy.data.objects if o.library is None and frame_bakes.bakes_of(o.leaflight)]
     changed, problems = moving.move_along(ours)
     surface_object.forget()

@@ -60,7 +60,7 @@ void write_exr(const std::filesystem::path& path, const float* pixels, int width
                 std::to_string(channels) + " channels cannot be written as EXR; give RGB or RGBA.");
   }
   replace_file(path, [&](std::ostream& stream) {
-    // OpenEXR's destructors write, too, and must not throw: failures are told by the state.
+    // OpenEXR's destructors write, too, and must not throw: the stream's state reports failures.
     stream.exceptions(std::ios::goodbit);
     Imf::Header header(width, height);
     header.compression() = Imf::ZIP_COMPRESSION;

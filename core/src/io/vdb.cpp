@@ -34,7 +34,7 @@ constexpr char field_name[] = "field", radiance_name[] = "radiance",
                walls_name[] = "walls_indirect",
                // Of bakes before this version, with direct light.
     old_walls_name[] = "surroundings_radiance";
-// Keeps our keys apart from OpenVDB's own, such as "name".
+// Distinguishes our keys from OpenVDB's own, such as "name".
 const std::string metadata_prefix = "leaflight_";
 
 void initialize() {

@@ -26,7 +26,7 @@ int corner_of(const Values& g, unsigned above, unsigned joined, int face, double
   }
   const bool alternates = count == 2 && has_sign(found ^ along_u ^ along_v);
   if (!alternates || (((joined >> face) & 1u) != 0) == sign) return found;
-  // Apart: each on its own side of the bilinear interpolant's saddle.
+  // Separate: each on its own side of the bilinear interpolant's saddle.
   const double corner = g[base], by_u = g[base | along_u] - corner;
   const double by_v = g[base | along_v] - corner;
   const double by_both = g[base | along_u | along_v] - g[base | along_u] - by_v;

@@ -46,7 +46,7 @@ std::vector<StoredPhoton<D>> collect_photons(const SceneTracer<D>& tracer,
                           if (photon.point.kind() != HitKind::isosurface) return;
                           stored[p].push_back({Vec<D, float>(photon.point.position), photon.point.c,
                                                photon.flux_height, photon.point.isosurface().volume,
-                                               photon.point.isosurface().above,
+                                               photon.point.isosurface().back,
                                                photon.arrival == Arrival::direct});
                         });
     }
@@ -95,16 +95,16 @@ PhotonMap<D>::PhotonMap(std::vector<StoredPhoton<D>> photons, double domain_exte
                 return a.c < b.c;
               })->c;
   }
-  for (const bool above : {false, true}) sides_.push_back(make_side(above));
+  for (const bool back : {false, true}) sides_.push_back(make_side(back));
 }
 
 template <int D>
-typename PhotonMap<D>::Side PhotonMap<D>::make_side(bool above) const {
+typename PhotonMap<D>::Side PhotonMap<D>::make_side(bool back) const {
   std::vector<std::uint32_t> numbers;
   std::vector<typename KdTree<D + 1>::Point> points;
   for (std::size_t i = 0; i < photons_.size(); ++i) {
     const StoredPhoton<D>& photon = photons_[i];
-    if (photon.above != above || (photon.direct && !settings_.direct)) continue;
+    if (photon.back != back || (photon.direct && !settings_.direct)) continue;
     numbers.push_back(static_cast<std::uint32_t>(i));
     typename KdTree<D + 1>::Point point;
     for (int a = 0; a < D; ++a) point[a] = photon.position[a];
@@ -115,9 +115,9 @@ typename PhotonMap<D>::Side PhotonMap<D>::make_side(bool above) const {
 }
 
 template <int D>
-Rgb PhotonMap<D>::irradiance(const Vec<D>& position, double c, bool above,
+Rgb PhotonMap<D>::irradiance(const Vec<D>& position, double c, bool back,
                              const Vec<D>& gradient) const {
-  const Side& side = sides_[above];
+  const Side& side = sides_[back];
   typename KdTree<D + 1>::Query query;
   for (int a = 0; a < D; ++a) query[a] = position[a];
   query[D] = kappa_ * (c - lowest_);
@@ -149,8 +149,8 @@ typename PhotonMap<D>::Region PhotonMap<D>::region_around(
     for (const auto* photon : photons) region.flux_height += Imath::V3d(photon->flux_height);
     return region;
   };
-  // Those whose offset along the isosurface and in the isovalue, scaled by kappa, is accepted. What
-  // the distance between the isosurfaces leaves of an offset is its length along them; on
+  // Those whose offset along the isosurface and in the isovalue, scaled by kappa, is accepted. An
+  // offset without its part between the isosurfaces has the length along them; on
   // curved isosurfaces the projection onto the tangent plane would be shorter, and count too many
   // (5 % too high on a sphere of radius 0.3 lit by 55,000 photons).
   const auto accepted = [&](double volume, auto accepts) {

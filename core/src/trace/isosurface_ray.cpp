@@ -106,8 +106,8 @@ class Traversal {
   static constexpr int log2_side = CellBounds<D>::log2_side, side = 1 << log2_side;
   static constexpr int top = CellBounds<D>::levels;
 
-  // Where the ray meets a plane; never, along axes on which it does not move.
-  double meet(int axis, double plane) const {
+  // Where the ray crosses a plane; never, along axes on which it does not move.
+  double distance_to(int axis, double plane) const {
     return moves_[axis] ? (plane - ray_.position[axis]) * inverse_[axis] : infinity;
   }
 
@@ -123,9 +123,9 @@ class Traversal {
         }
         continue;
       }
-      const double near = meet(a, forward_[a] ? 0 : last);
+      const double near = distance_to(a, forward_[a] ? 0 : last);
       if (near > t_in) t_in = near, axis_in = a;
-      t_end_ = std::min(t_end_, meet(a, forward_[a] ? last : 0));
+      t_end_ = std::min(t_end_, distance_to(a, forward_[a] ? last : 0));
     }
     if (ray_.starts_on_isosurface) {
       cell_ = ray_.origin.cell;
@@ -188,7 +188,7 @@ class Traversal {
       if (!is_outside) {
         for (int a = 0; a < D; ++a) {
           cell_[a] = cell_at(a, in, low[a], std::min(low[a] + size, field_.dims[a] - 1) - 1);
-          if (moves_[a]) t_ = std::max(t_, meet(a, cell_[a] + !forward_[a]));
+          if (moves_[a]) t_ = std::max(t_, distance_to(a, cell_[a] + !forward_[a]));
         }
       }
     }
@@ -238,7 +238,7 @@ class Traversal {
     double plane[D], t_plane[D];
     for (int a = 0; a < D; ++a) {
       plane[a] = (first[a] + child[a] + forward_[a]) << shift;
-      t_plane[a] = meet(a, plane[a]);
+      t_plane[a] = distance_to(a, plane[a]);
     }
     bool is_cell_known = true;
     const auto find_cell = [&] {

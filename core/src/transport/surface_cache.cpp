@@ -111,8 +111,8 @@ const typename SurfaceCache<D>::Facet& SurfaceCache<D>::facet_of(std::size_t ent
 template <int D>
 void SurfaceCache<D>::deposit(const PhotonHit<D>& photon) {
   if (photon.arrival == Arrival::direct) return;
-  const bool apart = photon.arrival == Arrival::caustic && !caustic_.empty();
-  FluxAccumulator& flux = apart ? caustic_ : indirect_sides_;
+  const bool is_caustic = photon.arrival == Arrival::caustic && !caustic_.empty();
+  FluxAccumulator& flux = is_caustic ? caustic_ : indirect_sides_;
   flux.add(entry(photon.point, nodes_.nearest(photon.point.c)), photon.flux_height);
 }
 

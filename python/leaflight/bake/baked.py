@@ -124,12 +124,12 @@ class Bake:
 
     @property
     def unit(self) -> str:
-        """What world coordinates measure in: a key of METERS, "" where nobody knows."""
+        """The unit of world coordinates: a key of METERS, "" where it is not known."""
         return self.volume.unit
 
     @property
     def id(self) -> str:
-        """Tells bakes apart, 32 digits: equal bakes have equal ones, on any machine."""
+        """32 hexadecimal digits: equal bakes have equal ones, on any machine."""
         return self.provenance.id
 
     @property

@@ -36,7 +36,7 @@ def check_a_bake_goes_on_until_its_error(passes):
     ours = cache.bake_of(passes)
     assert ours.provenance.error == 4.0
     assert 0 < ours.statistics.estimated_error_percent <= 4.0
-    assert passes.leaflight.bake_outcome.endswith("4 % was asked for")
+    assert passes.leaflight.bake_outcome.endswith("(target 4 %)")
     assert_shows(passes, 50.0)
     world = cache.world_volume(passes)
     same = leaflight.bake(world, ours.scene, isovalues=(40.0, 60.0), error=4.0)
@@ -263,7 +263,7 @@ def check_the_cost_is_estimated_before(passes):
     estimate = estimate_bake.estimate_of(passes)
     assert state() == before
     assert 0.5 < estimate.error < 2.5 and estimate.memory_bytes > 2**20
-    # The same passes tell what less would cost, and all that the panel offers, but not more.
+    # The same passes show what less would cost, and all that the panel offers, but not more.
     draft, good, final = (
         estimate_bake.estimate_of(passes, error) for error in properties.QUALITIES.values()
     )

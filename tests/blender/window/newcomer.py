@@ -258,7 +258,7 @@ def copy_and_delete():
 
 
 def play():
-    """A sweep through the window of the bake, as it goes on by itself."""
+    """An animation through the isovalue range, as it plays by itself."""
     obj, scene = volume(), bpy.context.scene
     isovalues = np.linspace(obj.leaflight.bake_low, obj.leaflight.bake_high, 24)
     blender.animate(obj, isovalues)

@@ -140,7 +140,7 @@ class AxisSweep {
     for (; q < count && !progress.cancelled(); ++q) {
       take_plane(q);
       if (q - delay_ >= first) pass(q - delay_);
-      if (planes_.planes[order_[q]].texel >= 0) tell(q, found);
+      if (planes_.planes[order_[q]].texel >= 0) store(q, found);
       for (int b = 0; b < D - 1; ++b) {
         if (!source_.infinite && fans_[b].spacing(t_[q]) > widest_between(b)) halve(b, t_[q]);
       }
@@ -288,8 +288,8 @@ class AxisSweep {
     }
   }
 
-  // The nodes of plane q are told what the lines beside them carry.
-  void tell(int q, std::vector<std::uint8_t>& found) {
+  // Stores at the nodes of plane q what the lines beside them carry.
+  void store(int q, std::vector<std::uint8_t>& found) {
     const double t = t_[q];
     Index<D> node{};
     node[axis_] = planes_.planes[order_[q]].texel;

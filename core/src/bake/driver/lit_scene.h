@@ -37,7 +37,7 @@ struct LitScene {
   }
   // Whether lines through the volume can light it: one volume, and nothing specular.
   bool takes_lines() const { return volumes.size() == 1 && !plan.specular && stores_light_of(0); }
-  // Sweeps the maps of the points of `split`; `texels`: the resolution of each volume's.
+  // Computes the maps of the points of `split`; `texels`: the resolution of each volume's.
   void learn_direct(const std::vector<Index<D>>& texels);
 
  private:

@@ -19,8 +19,9 @@ constexpr int preview_blocks = 2, most_blocks = 32;
 constexpr std::size_t few_texels = 1'500'000;
 // A pass that is out of time ends after so many.
 constexpr int least_blocks = 2;
-// What noise may be of the error that is asked for: what the texels' width leaves of it, within
-// these shares; and of what texels miss, where that alone is more, as more passes do not reduce it.
+// The noise to reach, as a share of the target error: what the texture error leaves of it, within
+// these bounds; and as a share of the texture error where that alone exceeds the target, as more
+// passes do not reduce it.
 constexpr double least_noise = 0.25, most_noise = 0.8, out_of_reach_noise = 0.5;
 
 using Clock = std::chrono::steady_clock;
@@ -137,7 +138,7 @@ class Passes {
       blocks += first_blocks(count_) * all * IndirectLight<D>::directions_per_block /
                 std::pow(one.spacing, D - 1);
     }
-    // Until blocks know what they cost.
+    // Until the time of a block is known.
     progress_.expect(maps + blocks);
     scene_.learn_direct(shown);
     for (const auto& direct : scene_.direct) {

@@ -19,7 +19,7 @@ namespace leaflight {
 template <int D>
 class MeshDirectLight {
  public:
-  // `quick`: one way of every `quick_share` tells the shadow. Throws Cancelled.
+  // `quick`: one way of every `quick_share` is traced for the shadow. Throws Cancelled.
   MeshDirectLight(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes,
                   Progress& progress, bool quick = false);
 
