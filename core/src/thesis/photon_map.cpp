@@ -13,7 +13,6 @@ namespace leaflight {
 namespace {
 
 constexpr std::size_t photons_per_piece = 4096;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // Whether a tangent offset lies in the box, whose turn about the normal is arbitrary.
 bool within_box(const Vec<2>& tangent, const Vec<2>&, double half_side) {
@@ -121,14 +120,16 @@ Rgb PhotonMap<D>::irradiance(const Vec<D>& position, double c, bool back,
   typename KdTree<D + 1>::Query query;
   for (int a = 0; a < D; ++a) query[a] = position[a];
   query[D] = kappa_ * (c - lowest_);
-  const double limit2 = settings_.radius > 0 ? settings_.radius * settings_.radius : infinity;
+  const double limit2 = settings_.radius > 0 ? settings_.radius * settings_.radius
+                                             : std::numeric_limits<double>::infinity();
   std::vector<Neighbour> found;
   found.reserve(settings_.k);
   side.tree.nearest(query, settings_.k, limit2, found);
   if (found.empty()) return Rgb(0);
   // The search's own limit, where it found too few to reach it.
   double d2 = limit2;
-  if (static_cast<int>(found.size()) == settings_.k || !(d2 < infinity)) {
+  if (static_cast<int>(found.size()) == settings_.k ||
+      !(d2 < std::numeric_limits<double>::infinity())) {
     d2 = 0;
     for (const Neighbour& n : found) d2 = std::max(d2, n.distance2);
   }

@@ -170,9 +170,9 @@ class Traversal {
 
   // What is left of the ray's way to t = end through the brick from `low` on: moves t and the cell
   // to where it comes between the planes, by whole cells, and the end to where it leaves them.
-  // False where nothing is left; a hit where the side was known to be another one.
-  bool clip(const typename CellBounds<D>::Slab& slab, const Index<D>& low, int size, double& end,
-            bool& is_hit) {
+  // A hit where the side was known to be another one.
+  enum class Rest { way, nothing, hit };
+  Rest clip(const typename CellBounds<D>::Slab& slab, const Index<D>& low, int size, double& end) {
     // h - c without the plane is offset - t slope.
     double offset = ray_.isovalue, slope = 0;
     for (int a = 0; a < D; ++a) {
@@ -184,7 +184,7 @@ class Traversal {
     if (in > out) std::swap(in, out);
     const bool is_outside = out < t_ || in > end;
     if ((is_outside || in > t_) && !at_start_) {
-      if (!is_judged_ && judge(offset - t_ * slope < slab.low, true)) return is_hit = true, false;
+      if (!is_judged_ && judge(offset - t_ * slope < slab.low, true)) return Rest::hit;
       if (!is_outside) {
         for (int a = 0; a < D; ++a) {
           cell_[a] = cell_at(a, in, low[a], std::min(low[a] + size, field_.dims[a] - 1) - 1);
@@ -193,7 +193,7 @@ class Traversal {
       }
     }
     end = std::min(end, out);
-    return !is_outside;
+    return is_outside ? Rest::nothing : Rest::way;
   }
 
   // Walks over the children of the present cell's brick of a level, or over all bricks of the
@@ -214,11 +214,10 @@ class Traversal {
       }
       const std::size_t b = linear_number<D>(brick, bounds_.dims[level]);
       const auto& slab = bounds_.slabs[level][b];
-      bool is_hit = false;
-      if (slab.high < std::numeric_limits<float>::infinity() &&
-          !clip(slab, low, side << shift, end, is_hit)) {
-        if (is_hit && !any) hit_ = {t_, {cell_, local(t_)}, state_ == State::above};
-        return is_hit;
+      if (slab.high < std::numeric_limits<float>::infinity()) {
+        const Rest rest = clip(slab, low, side << shift, end);
+        if (rest == Rest::hit && !any) hit_ = {t_, {cell_, local(t_)}, state_ == State::above};
+        if (rest != Rest::way) return rest == Rest::hit;
       }
       if constexpr (level == 0) {
         crossed = crossed_cells(bounds_, limits_, b, field_.masked, above);

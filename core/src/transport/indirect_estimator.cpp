@@ -9,8 +9,6 @@
 namespace leaflight {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 // Light from below the traced surface does not arrive, whatever the shading normal says.
 template <int D>
 bool leaves_surface(const SurfacePoint<D>& point, const Vec<D>& direction) {
@@ -19,7 +17,7 @@ bool leaves_surface(const SurfacePoint<D>& point, const Vec<D>& direction) {
 
 template <int D>
 double length_of(const Hit<D>& hit) {
-  if (hit.kind == HitKind::none) return infinity;
+  if (hit.kind == HitKind::none) return std::numeric_limits<double>::infinity();
   return hit.kind == HitKind::isosurface ? hit.isosurface.t : hit.walls.t;
 }
 

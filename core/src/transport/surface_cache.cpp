@@ -52,7 +52,8 @@ struct Patches<3> {
     double s = random[0], t = random[1];
     if (s + t > 1) s = 1 - s, t = 1 - t;
     if (k % 2) s = 1 - s, t = 1 - t;
-    return {(k / 2 + s) / cuts, (j + t) / cuts};
+    const int i = k / 2;
+    return {(i + s) / cuts, (j + t) / cuts};
   }
 };
 

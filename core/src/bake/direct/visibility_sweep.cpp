@@ -15,7 +15,6 @@
 namespace leaflight {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 // Voxels between neighbouring lines at most, where texels are not finer.
 constexpr double widest_spacing = 1;
 // Stands for masked voxels: no isosurface passes beside them.
@@ -56,7 +55,8 @@ struct Fan {
 
   // Makes room for all lines that are in the box somewhere from t to `end`, and a neighbour each.
   void cover(double t, double end) {
-    double low = infinity, high = -infinity;
+    double low = std::numeric_limits<double>::infinity(),
+           high = -std::numeric_limits<double>::infinity();
     for (const double s : {t, end}) {
       const double width = parallel ? 1 : std::max(s, 1e-9);
       low = std::min(low, -origin(s) / width);
@@ -185,7 +185,7 @@ class AxisSweep {
 
   // The distance along the axis at which a mesh ends each line.
   void find_walls() {
-    walls_.assign(greatest_.size(), infinity);
+    walls_.assign(greatest_.size(), std::numeric_limits<double>::infinity());
     for (int v = 0; v < v_lines(); ++v) {
       for (int u = 0; u < u_lines(); ++u) {
         Vec<D> one, two;  // of the line, at two distances
@@ -212,7 +212,8 @@ class AxisSweep {
           const Vec<D> normal = source_.normal.dot(way) < 0 ? -source_.normal : source_.normal;
           origin = leave_plane<D>(source_.position, source_.sphere ? way : normal);
         }
-        if (const auto hit = tracer_.walls().intersect(origin, way, infinity)) {
+        if (const auto hit =
+                tracer_.walls().intersect(origin, way, std::numeric_limits<double>::infinity())) {
           walls_[static_cast<std::size_t>(v) * u_lines() + u] = t + hit->t / length;
         }
       }
