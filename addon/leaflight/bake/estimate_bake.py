@@ -7,7 +7,7 @@ from leaflight.bake.estimate import pilot
 
 from ..operators import background, checks
 from ..operators.active_volume import active_volume
-from ..show import properties
+from ..show import bake_options
 from ..stage import scene_export
 from ..translations import iface_
 from . import bake
@@ -73,7 +73,7 @@ class EstimateJob(background.Job):
         settings = obj.leaflight
         self._name, self._settings = obj.name_full, _key(settings)
         # One pilot serves for all qualities.
-        self._error = min(settings.error, *properties.QUALITIES.values())
+        self._error = min(settings.error, *bake_options.QUALITIES.values())
         self._asked, self._limit = settings.error, bake.time_limit(settings)
         given = bake.arguments_of(obj, volumes, scene)
         self._arguments = {**given, "error": self._error, "time": None}

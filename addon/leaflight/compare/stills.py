@@ -20,6 +20,7 @@ import bpy
 import leaflight
 import numpy as np
 from leaflight.measure.flip import flip
+from leaflight.volume.setting_error import check_is_baked
 
 from .. import versions
 from ..show import added, fill, isosurface, isovalues, surface_material, surface_object
@@ -69,7 +70,10 @@ def compare(context, volume, samples, baked_samples, share=1.0, report=None):
     coverage = mask[..., 3]
     filled = coverage > 0.999
     baked, cycles = (0.5 * (a + b) for a, b in (baked_halves, cycles_halves))
-    noise = [0.5 * rms_percent(*each, exposure, filled) for each in (baked_halves, cycles_halves)]
+    noise = [
+        0.5 * rms_percent(one, other, exposure, filled)
+        for one, other in (baked_halves, cycles_halves)
+    ]
     everywhere = np.ones_like(filled)
     seen = flip(baked, cycles, exposure)
     return {
@@ -130,12 +134,7 @@ def _local(context, report):
 
 def check_lit(volume, isovalue):
     settings = volume.leaflight
-    low, high = isovalues.isovalue_range(settings)
-    if not low <= isovalue <= high:
-        raise LeaflightError(
-            f"Isovalue {isovalue:g} lies outside the baked range {low:g} to {high:g}: choose one "
-            "inside, or bake with a wider range."
-        )
+    check_is_baked(isovalue, isovalues.isovalue_range(settings))
     if settings.isosurface_scattering != "DIFFUSE":
         if not settings.bake_walls:
             raise LeaflightError(

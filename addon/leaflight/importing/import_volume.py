@@ -20,7 +20,7 @@ from leaflight import blender
 from leaflight.io import readers
 
 from ..operators import background
-from ..show import isovalues, properties, surface_object
+from ..show import isovalues, source_properties, surface_object
 from ..store import cache, source_files
 from ..stage import orientation
 from ..translations import iface_
@@ -97,12 +97,12 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
     value_type: EnumProperty(
         name="Type",
         description="Type of the values in a .raw file",
-        items=properties.VALUE_TYPE_ITEMS,
+        items=source_properties.VALUE_TYPE_ITEMS,
     )
     endian: EnumProperty(
         name="Byte Order",
         description="Byte order of the values in a .raw file",
-        items=properties.ENDIAN_ITEMS,
+        items=source_properties.ENDIAN_ITEMS,
     )
     use_spacing: BoolProperty(
         name="Own Voxel Size",

@@ -72,6 +72,6 @@ def _cut_of(obj):
         low, high = (-size,) * 3, (size,) * 3
     else:
         corners = np.array(box.bound_box)
-        low, high = (tuple(map(float, f(axis=0))) for f in (corners.min, corners.max))
+        low, high = tuple(corners.min(axis=0).tolist()), tuple(corners.max(axis=0).tolist())
     keeps = added.volume_object(obj).leaflight_look.keep == "INSIDE"
     return shader.Cut(box, box.name_full, low, high, keeps)

@@ -33,8 +33,9 @@ def _follow(scene, depsgraph, by_hand):
     Lamps are taken to be as strong as when follow() of lamp_strengths was called last.
     """
     moved = isovalues.update(scene, depsgraph, by_hand)
-    for faces in (cut_faces, slices):
-        faces.follow(isovalues.volumes(scene), depsgraph)
+    for volume in isovalues.volumes(scene):
+        cut_faces.update(volume, depsgraph)
+        slices.update(volume, depsgraph)
     whole_detail.watch(isovalues.isosurfaces(scene))
     return moved
 
@@ -75,7 +76,8 @@ def _after_change(scene, depsgraph):
     if shown_anew or relit or isovalues.any_is_behind(depsgraph):
         moved += _follow(scene, depsgraph, whole_detail.may_follow(depsgraph))
     elif {changed for changed, _ in changes} & _clip_boxes(scene):
-        cut_faces.follow(isovalues.volumes(scene), depsgraph)
+        for volume in isovalues.volumes(scene):
+            cut_faces.update(volume, depsgraph)
     if shown_anew or relit or moved:
         # Blender draws anew where the isovalue was moved; it stands in two places.
         background.redraw_panels()

@@ -187,7 +187,7 @@ def rest(name=None):
 
 def bake_alone():
     """A while of the bake, with passes that are shown, and nobody at the mouse."""
-    while not bpy.context.object.data.get("leaflight_shown", "").count(" pass "):
+    while not bpy.context.object.data.get("leaflight_shown", "").count('"pass '):
         if background.running() is None:
             raise RuntimeError("The bake has shown no pass.")
         yield 0.05
