@@ -7,6 +7,7 @@ belong to it. Docstrings with sections of NumPy's style are napoleon's.
 
 import inspect
 import re
+from typing import get_type_hints
 
 
 def setup(app):
@@ -23,9 +24,16 @@ def _process(_app, _what, _name, obj, _options, lines):
 
 def _parameters(obj):
     try:
-        return set(inspect.signature(obj).parameters)
+        parameters = inspect.signature(obj).parameters.values()
     except (TypeError, ValueError):
         return set()
+    names = {one.name for one in parameters}
+    for one in parameters:
+        # A TypedDict of options.
+        options = re.fullmatch(r"Unpack\[(\w+)\]", str(one.annotation))
+        if options:
+            names |= set(get_type_hints(inspect.unwrap(obj).__globals__[options[1]]))
+    return names
 
 
 def rewritten(lines, parameters):

@@ -96,6 +96,7 @@ LONG_PARTS = (
     Part("fuzz", "validation/fuzz --minutes 1 --jobs 2 --seed 1 --no-atheris --no-core {select}"),
     Part("faults", "validation/faults --seed 1 {select}", "--tries 20"),
     Part("races", "validation/races {select}"),
+    Part("every-scene", "validation/every_scene --time 5 --nodes 16 {select}"),
     Part("mutations", "validation/mutations {select}"),
     Part("cycles", "validation/report --cycles --quick --out build/test/cycles {select}"),
     Part("tables", "validation/report --tables --quick --out build/test/tables {select}"),

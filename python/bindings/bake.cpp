@@ -32,14 +32,49 @@ void bind_settings(py::module_& module, const std::string& suffix) {
                      "Bake the radiance of the walls per common isovalue too.");
 }
 
+std::vector<std::tuple<std::string, std::string>> pairs_of(
+    const std::vector<SkippedPass>& skipped) {
+  std::vector<std::tuple<std::string, std::string>> pairs;
+  for (const SkippedPass& one : skipped) pairs.emplace_back(one.pass, one.reason);
+  return pairs;
+}
+
+void bind_statistics(py::module_& module) {
+  using Statistics = BakeStatistics;
+  py::class_<Statistics>(module, "BakeStatistics", "The cost of a bake, and its estimated error.")
+      .def_readonly("seconds", &Statistics::seconds)
+      .def_readonly("rays", &Statistics::rays, "Traced, lines included.")
+      .def_readonly("peak_memory_bytes", &Statistics::peak_memory_bytes, "Of the process.")
+      .def_property_readonly(
+          "skipped", [](const Statistics& statistics) { return pairs_of(statistics.skipped); },
+          "(name, reason) of each pass that the scene does not need.")
+      .def_readonly("passes", &Statistics::passes)
+      .def_readonly("blocks", &Statistics::blocks, "Of indirect light, in the averages.")
+      .def_readonly("noise_percent", &Statistics::noise_percent)
+      .def_readonly("error_percent", &Statistics::error_percent, "Noise included.")
+      .def_property_readonly(
+          "worst_isovalue", [](const Statistics& statistics) { return statistics.worst.c; },
+          "The isovalue whose isosurface errs most.")
+      .def_property_readonly(
+          "worst_error_percent",
+          [](const Statistics& statistics) { return statistics.worst.percent; }, "There.")
+      .def_readonly("stopped", &Statistics::stopped,
+                    "By time or by the caller, before the error was reached.");
+}
+
 template <int D>
 void bind_baking(py::module_& module, const std::string& suffix) {
   py::class_<BakedObjects<D>>(module, ("Baked" + suffix).c_str())
       .def_readonly("grids", &BakedObjects<D>::grids, "A RadianceGrid per volume.")
       .def_readonly("walls", &BakedObjects<D>::walls, "WallRadiance, or None if it was not baked.")
-      .def_property_readonly("statistics", [](const BakedObjects<D>& baked) {
-        return statistics_of(baked.statistics, baked.texels);
-      });
+      .def_readonly("statistics", &BakedObjects<D>::statistics)
+      .def_readonly("texels", &BakedObjects<D>::texels, "That hold radiance, of all volumes.");
+  module.def(("skipped_passes" + suffix).c_str(),
+             [](const Scene<D>& scene, const BakeSettings<D>& settings) {
+               return pairs_of(make_plan(scene, settings).skipped);
+             },
+             py::arg("scene"), py::arg("settings"),
+             "(name, reason) of each pass that a bake of them does not need.");
   module.def(
       ("bake" + suffix).c_str(),
       [](const Scene<D>& scene, const BakeSettings<D>& settings, Progress& progress,
@@ -113,6 +148,7 @@ void bind_baking(py::module_& module, const std::string& suffix) {
 }  // namespace
 
 void bind_bake(py::module_& module) {
+  bind_statistics(module);
   bind_settings<3>(module, "");
   bind_baking<3>(module, "");
   bind_settings<2>(module, "2");

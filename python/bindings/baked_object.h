@@ -7,27 +7,6 @@
 
 namespace leaflight::python {
 
-inline py::dict statistics_of(const BakeStatistics& statistics, std::size_t texels) {
-  py::list skipped;
-  for (const SkippedPass& pass : statistics.skipped) {
-    skipped.append(std::vector<std::string>{pass.pass, pass.reason});
-  }
-  py::dict result;
-  result["seconds"] = statistics.seconds;
-  result["rays"] = statistics.rays;
-  result["texels"] = texels;
-  result["peak_memory_bytes"] = statistics.peak_memory_bytes;
-  result["skipped_passes"] = skipped;
-  result["passes"] = statistics.passes;
-  result["estimated_noise_percent"] = statistics.noise_percent;
-  result["estimated_error_percent"] = statistics.error_percent;
-  result["worst_isovalue"] = statistics.worst.c;
-  result["worst_error_percent"] = statistics.worst.percent;
-  result["blocks"] = statistics.blocks;
-  result["stopped"] = statistics.stopped;
-  return result;
-}
-
 // Grids and walls become objects of their own, which live as long as Python needs them.
 template <int D>
 struct BakedObjects {

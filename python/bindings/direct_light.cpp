@@ -50,7 +50,7 @@ void bind_direct_light(py::module_& module) {
       "lattice\n"
       "and each light point the greatest value of the volume on the way between them, as a byte.")
       .def(py::init([](const Scene<3>& scene, int volume, const Index<3>& resolution, bool back,
-                       Progress& progress, bool quick) {
+                       Progress& progress, double spacing) {
              const py::gil_scoped_release unlocked;
              const Index<3>& dims = scene.volumes.at(volume).field.dims;
              for (int a = 0; a < 3; ++a) {
@@ -59,13 +59,13 @@ void bind_direct_light(py::module_& module) {
              }
              const SceneTracer<3> tracer(scene);
              return std::make_shared<Direct>(tracer, volume, split_light(tracer).points, resolution,
-                                             back, progress, quick);
+                                             back, progress, spacing);
            }),
            py::arg("scene"), py::arg("volume"), py::arg("resolution"), py::arg("back"),
-           py::arg("progress"), py::arg("quick") = false,
+           py::arg("progress"), py::arg("spacing") = 1.0,
            "Of a scene's volume by its number. resolution: texels of the maps along x, y, z;\n"
-           "back: also of the backs; quick: what is thinner than a texel may throw no\n"
-           "shadow. Raises Cancelled.")
+           "back: also of the backs; spacing: voxels between the lines that find shadows, or\n"
+           "texels where these are nearer to each other. Raises Cancelled.")
       .def_property_readonly(
           "resolution", [](const Direct& d) { return d.lattice().resolution; },
           "Texels along x, y, z, evenly spaced from the first voxel to the last.")

@@ -19,11 +19,10 @@ py::tuple photon_points(const Scene<D>& scene, std::uint64_t count, std::uint64_
     const py::gil_scoped_release unlocked;
     const SceneTracer<D> tracer(scene);
     const LightSampler<D> lights(tracer);
-    std::uint64_t rays = 0;
     Progress& watched = progress ? *progress : own;
     watched.expect(static_cast<double>(count));
     watched.begin("Tracing photons");
-    for (const auto& photon : collect_photons(tracer, lights, seed, count, watched, rays)) {
+    for (const auto& photon : collect_photons(tracer, lights, seed, count, watched)) {
       positions.push_back(Vec<D>(photon.position) / tracer.frame().scale + tracer.frame().centre);
       flux.emplace_back(photon.flux_height * static_cast<Real>(scene.isovalue_range.height()));
       c.push_back(static_cast<float>(photon.c));

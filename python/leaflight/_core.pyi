@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AreaLight', 'AreaLight2', 'BakeSettings', 'BakeSettings2', 'Baked', 'Baked2', 'BlockTracer', 'Cancelled', 'DirectLight', 'Environment', 'Environment2', 'Field', 'Field2', 'FixedSettings', 'FixedSettings2', 'IndirectShares', 'LeaflightError', 'Mesh', 'Mesh2', 'PointLight', 'PointLight2', 'Progress', 'RadianceGrid', 'RadianceGrid2', 'ReplacedFiles', 'Scene', 'Scene2', 'SunLight', 'SunLight2', 'Texture', 'Volume', 'Volume2', 'WallRadiance', 'WallRadiance2', 'attach_walls', 'bake', 'bake2', 'bake_with_fixed_samples', 'bake_with_fixed_samples2', 'block_tracer_memory', 'bump_box', 'bump_box2', 'coarser_values', 'connected_parts', 'contour', 'contour2', 'exposed', 'fitting_resolution', 'has_seal', 'isosurface_hits', 'large_array', 'large_memory', 'large_parts', 'libraries', 'light_memory', 'limit_large_memory', 'machine_memory', 'mesh_hits', 'noise_to_reach', 'normals', 'photon_balance', 'photon_balance2', 'photon_points', 'photon_points2', 'polygon_edges', 'project_to_isosurface', 'read_bake', 'read_bake_header', 'read_checkpoint', 'read_exr', 'read_exr_comments', 'read_vdb_volume', 'reference', 'reference2', 'reference_walls', 'reference_walls2', 'trace', 'write_bake', 'write_exr']
+__all__: list[str] = ['AreaLight', 'AreaLight2', 'BakeSettings', 'BakeSettings2', 'BakeStatistics', 'Baked', 'Baked2', 'BlockTracer', 'Cancelled', 'DirectLight', 'Environment', 'Environment2', 'Field', 'Field2', 'FixedSettings', 'FixedSettings2', 'IndirectShares', 'LeaflightError', 'Mesh', 'Mesh2', 'PointLight', 'PointLight2', 'Progress', 'RadianceGrid', 'RadianceGrid2', 'ReplacedFiles', 'Scene', 'Scene2', 'SunLight', 'SunLight2', 'Texture', 'Volume', 'Volume2', 'WallRadiance', 'WallRadiance2', 'attach_walls', 'bake', 'bake2', 'bake_with_fixed_samples', 'bake_with_fixed_samples2', 'block_tracer_memory', 'bump_box', 'bump_box2', 'coarser_values', 'connected_parts', 'contour', 'contour2', 'exposed', 'fitting_resolution', 'has_seal', 'isosurface_hits', 'large_array', 'large_memory', 'large_parts', 'libraries', 'light_memory', 'limit_large_memory', 'machine_memory', 'mesh_hits', 'noise_to_reach', 'normals', 'photon_balance', 'photon_balance2', 'photon_points', 'photon_points2', 'polygon_edges', 'project_to_isosurface', 'read_bake', 'read_bake_header', 'read_checkpoint', 'read_exr', 'read_exr_comments', 'read_vdb_volume', 'reference', 'reference2', 'reference_walls', 'reference_walls2', 'skipped_passes', 'skipped_passes2', 'trace', 'write_bake', 'write_exr']
 class LeaflightError(Exception):
     pass
 class Cancelled(Exception):
@@ -382,11 +382,11 @@ class DirectLight:
     Maps of the direct light of every isosurface of one volume: for each texel of a lattice
     and each light point the greatest value of the volume on the way between them, as a byte.
     """
-    def __init__(self, scene: Scene, volume: typing.SupportsInt | typing.SupportsIndex, resolution: typing.Annotated[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], "FixedSize(3)"], back: bool, progress: Progress, quick: bool = False) -> None:
+    def __init__(self, scene: Scene, volume: typing.SupportsInt | typing.SupportsIndex, resolution: typing.Annotated[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], "FixedSize(3)"], back: bool, progress: Progress, spacing: typing.SupportsFloat | typing.SupportsIndex = 1.0) -> None:
         """
         Of a scene's volume by its number. resolution: texels of the maps along x, y, z;
-        back: also of the backs; quick: what is thinner than a texel may throw no
-        shadow. Raises Cancelled.
+        back: also of the backs; spacing: voxels between the lines that find shadows, or
+        texels where these are nearer to each other. Raises Cancelled.
         """
     def codes(self, point: typing.SupportsInt | typing.SupportsIndex, back: bool = False) -> numpy.typing.NDArray[numpy.uint8]:
         """
@@ -605,12 +605,12 @@ class WallRadiance:
         """
         (vertices float32 (n, D) world, facets int32 (m, D)).
         """
-    def moved(self, earlier: Scene, scene: Scene, same_as: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], indirect: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], progress: Progress, quick: bool = False) -> WallRadiance:
+    def moved(self, earlier: Scene, scene: Scene, same_as: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], indirect: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], progress: Progress, share: typing.SupportsInt | typing.SupportsIndex = 1) -> WallRadiance:
         """
         The same beside another scene than that which was baked, `earlier`: direct light is
         exact, all else but the meshes' own emission brighter by the factors (r, g, b).
-        same_as: of each mesh of the scene its number in the earlier one, or -1. quick:
-        fewer ways are traced for shadows. Raises Cancelled.
+        same_as: of each mesh of the scene its number in the earlier one, or -1. share:
+        one way of so many is traced for shadows. Raises Cancelled.
         """
     def places(self, mesh: typing.SupportsInt | typing.SupportsIndex) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64]]:
         """
@@ -670,12 +670,12 @@ class WallRadiance2:
         """
         (vertices float32 (n, D) world, facets int32 (m, D)).
         """
-    def moved(self, earlier: Scene2, scene: Scene2, same_as: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], indirect: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], progress: Progress, quick: bool = False) -> WallRadiance2:
+    def moved(self, earlier: Scene2, scene: Scene2, same_as: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], indirect: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], progress: Progress, share: typing.SupportsInt | typing.SupportsIndex = 1) -> WallRadiance2:
         """
         The same beside another scene than that which was baked, `earlier`: direct light is
         exact, all else but the meshes' own emission brighter by the factors (r, g, b).
-        same_as: of each mesh of the scene its number in the earlier one, or -1. quick:
-        fewer ways are traced for shadows. Raises Cancelled.
+        same_as: of each mesh of the scene its number in the earlier one, or -1. share:
+        one way of so many is traced for shadows. Raises Cancelled.
         """
     def places(self, mesh: typing.SupportsInt | typing.SupportsIndex) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64]]:
         """
@@ -706,6 +706,59 @@ class WallRadiance2:
     def point_amounts(self) -> numpy.typing.NDArray[numpy.float32]:
         """
         float32 (sets, points, 3): linear RGB of the light points.
+        """
+class BakeStatistics:
+    """
+    The cost of a bake, and its estimated error.
+    """
+    @property
+    def blocks(self) -> int:
+        """
+        Of indirect light, in the averages.
+        """
+    @property
+    def error_percent(self) -> float:
+        """
+        Noise included.
+        """
+    @property
+    def noise_percent(self) -> float:
+        ...
+    @property
+    def passes(self) -> int:
+        ...
+    @property
+    def peak_memory_bytes(self) -> int:
+        """
+        Of the process.
+        """
+    @property
+    def rays(self) -> int:
+        """
+        Traced, lines included.
+        """
+    @property
+    def seconds(self) -> float:
+        ...
+    @property
+    def skipped(self) -> list[tuple[str, str]]:
+        """
+        (name, reason) of each pass that the scene does not need.
+        """
+    @property
+    def stopped(self) -> bool:
+        """
+        By time or by the caller, before the error was reached.
+        """
+    @property
+    def worst_error_percent(self) -> float:
+        """
+        There.
+        """
+    @property
+    def worst_isovalue(self) -> float:
+        """
+        The isovalue whose isosurface errs most.
         """
 class BakeSettings:
     def __init__(self) -> None:
@@ -779,8 +832,13 @@ class Baked:
         A RadianceGrid per volume.
         """
     @property
-    def statistics(self) -> dict:
+    def statistics(self) -> BakeStatistics:
         ...
+    @property
+    def texels(self) -> int:
+        """
+        That hold radiance, of all volumes.
+        """
     @property
     def walls(self) -> WallRadiance:
         """
@@ -858,8 +916,13 @@ class Baked2:
         A RadianceGrid per volume.
         """
     @property
-    def statistics(self) -> dict:
+    def statistics(self) -> BakeStatistics:
         ...
+    @property
+    def texels(self) -> int:
+        """
+        That hold radiance, of all volumes.
+        """
     @property
     def walls(self) -> WallRadiance2:
         """
@@ -1302,6 +1365,14 @@ def reference_walls2(scene: Scene2, mesh: typing.SupportsInt | typing.SupportsIn
     """
     The same at points of a mesh of the walls: facets (n,) and barycentric
     coordinates (n, 2), seen from the normals' side or from behind.
+    """
+def skipped_passes(scene: Scene, settings: BakeSettings) -> list[tuple[str, str]]:
+    """
+    (name, reason) of each pass that a bake of them does not need.
+    """
+def skipped_passes2(scene: Scene2, settings: BakeSettings2) -> list[tuple[str, str]]:
+    """
+    (name, reason) of each pass that a bake of them does not need.
     """
 def trace(scene: Scene, origin: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], direction: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], c: typing.SupportsFloat | typing.SupportsIndex) -> tuple:
     """

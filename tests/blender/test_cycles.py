@@ -13,12 +13,14 @@ import pytest
 from leaflight import Cancelled, Progress, _core
 from leaflight.io.sources import open_volume
 from leaflight.measure.cycles import measure
+from leaflight.measure.sampling import Sampling, Target
 from leaflight.measure.truth import Truth, errors_of
 from leaflight.scene.scene import core_scene, fit_scene, match_isosurfaces
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
 SAMPLES = 512
 POINTS = 800
+SAMPLING = Sampling(POINTS, SAMPLES)
 # Of the mean radiance, beyond three standard errors.
 MEAN_TOLERANCE = 0.01
 
@@ -34,7 +36,7 @@ def baked(scene, sources, n, **settings):
 
 def assert_agrees(bake, c, most, **where):
     """most: RMS error of the bake over the mean radiance, without the noise of Cycles."""
-    result = leaflight.compare(bake, c, POINTS, SAMPLES, reference="cycles", **where)
+    result = leaflight.compare(bake, c, points=POINTS, spp=SAMPLES, reference="cycles", **where)
     assert abs(result["mean_ratio"] - 1) < MEAN_TOLERANCE + 3 * result["mean_ratio_error"]
     noise = result["reference_noise_percent"] / 100 / result["mean_radiance"]
     assert result["relative_rms"] ** 2 - noise**2 < most**2
@@ -63,8 +65,8 @@ def test_two_fields():
     fields = [volume.field() for volume in bake.volumes]
     for volume in (0, 1):
         # The mesh of a ball of two voxels is no ball, unless its cells are cut.
-        where = {"points": POINTS, "samples": SAMPLES, "volume": volume, "detail": 2}
-        truth = Truth.measured(measure(bake.scene, fields, 0.5, **where))
+        found = measure(bake.scene, fields, 0.5, Target(volume), SAMPLING, detail=2)
+        truth = Truth.measured(found)
         traced = bake.reference(truth.points, 0.5, SAMPLES, volume=volume)
         assert_same_mean(Truth.traced(truth.points, *traced), truth)
         # The nucleons are balls of two voxels here, lit from one side. A texel mixes both sides:
@@ -94,7 +96,7 @@ def test_path_tracer_under_every_light(back):
     volume = leaflight.bump_box(32)
     description = match_isosurfaces(leaflight.load_scene(SCENES / "lights.json"), [volume])
     scene, fields = fit_scene(description, [volume]), [volume.field()]
-    measured = measure(scene, fields, 47.0, points=POINTS, samples=SAMPLES, back=back)
+    measured = measure(scene, fields, 47.0, Target(back=back), SAMPLING)
     on_isosurface = _core.project_to_isosurface(fields[0], measured.probes.points, 47.0)
     core = core_scene(scene, fields, (3.0, 190.0))
     traced = Truth.traced(
@@ -108,7 +110,7 @@ def test_a_lamp_of_twice_the_power_is_noticed():
     (lamp,) = bake.scene.lights
     brighter = replace(lamp, radiance=tuple(2 * x for x in lamp.radiance))
     wrong = replace(bake, scene=replace(bake.scene, lights=[brighter]))
-    result = leaflight.compare(wrong, 47.0, 100, 64, reference="cycles")
+    result = leaflight.compare(wrong, 47.0, points=100, spp=64, reference="cycles")
     assert result["mean_ratio"] == pytest.approx(0.5, abs=0.05)
 
 
@@ -118,4 +120,4 @@ def test_cancelling_ends_blender():
     progress = Progress()
     progress.cancel()
     with pytest.raises(Cancelled):
-        measure(scene, [volume.field()], 47.0, samples=10**6, progress=progress)
+        measure(scene, [volume.field()], 47.0, sampling=Sampling(spp=10**6), progress=progress)

@@ -171,8 +171,7 @@ template <int D>
 std::vector<StoredPhoton<D>> photons_of(const SceneTracer<D>& tracer, std::uint64_t count) {
   const LightSampler<D> lights(tracer);
   Progress progress;
-  std::uint64_t rays = 0;
-  return collect_photons(tracer, lights, 1, count, progress, rays);
+  return collect_photons(tracer, lights, 1, count, progress);
 }
 
 struct Expected {

@@ -4,14 +4,20 @@
 import json
 import threading
 import time
+from dataclasses import replace
+from pathlib import Path
 
 import leaflight
 import numpy as np
 import pytest
 from leaflight import Cancelled, LeaflightError, Progress, _core, load_bake
+from leaflight.bake.settings import UnusedSetting
 from leaflight.bake.provenance import provenance_from_json, read_bake_id, values_sha256
 from same_bytes import assert_same_bake
 from waiting import HANG, wait_for
+
+
+SCENES = Path(__file__).resolve().parents[2] / "scenes"
 
 
 def test_threads_do_not_matter(tmp_path, bump_scene, small):
@@ -40,6 +46,27 @@ def test_result(box_bake):
     assert statistics.peak_memory_bytes > radiance.nbytes
     for name, reason in statistics.skipped_passes:
         assert name and reason
+
+
+def test_settings_without_effect_are_named_before_the_first_pass(bump_scene):
+    alone = replace(bump_scene, meshes=[])
+    settings = {"error": 50.0, "resolution": 8, "both_sides": True, "walls": True}
+    with pytest.warns(UnusedSetting) as warned:
+        baked = leaflight.bake(leaflight.nucleons(16)[0], alone, isovalues=(60, 120), **settings)
+    walls, back = sorted((str(one.message) for one in warned), reverse=True)
+    assert walls == "No walls are baked: nothing surrounds the volume."
+    assert back.startswith("No backs are baked: every isosurface")
+    assert baked.walls is None and not baked.grid.has_back
+
+
+def test_the_command_line_names_settings_without_effect(cli, tmp_path):
+    bare = tmp_path / "bare.json"
+    scene = json.loads((SCENES / "bump_box.json").read_text())
+    bare.write_text(json.dumps({**scene, "meshes": []}))
+    options = ("--scene", bare, "--dims", 12, "--resolution", 8, "--error", 50, "--walls")
+    done = cli("bake", "bump_box", *options, "--out", tmp_path / "bare.vdb")
+    assert done.status == 0
+    assert "leaflight: No walls are baked: nothing surrounds the volume.\n" in done.err
 
 
 def test_saved_and_loaded(box_bake, box_file):

@@ -10,7 +10,7 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight import Cancelled, LeaflightError, Progress, load_bake
-from leaflight.bake.bake import worker_memory
+from leaflight.bake.bake import task_of, worker_memory
 
 pytest.importorskip("distributed")
 
@@ -179,7 +179,7 @@ def test_the_command_line(cli, tmp_path):
 
 @pytest.mark.slow
 def test_memory_is_reported_beforehand(cli):
-    assert worker_memory(leaflight.bump_box(40)) > 4 * 40**3
+    assert worker_memory(task_of(leaflight.bump_box(40))) > 4 * 40**3
     done = cli("bake", "bump_box", "--dims", "20", "--error", "5", "--workers", "2", "--estimate")
     assert done.status == 0 and "each worker would hold about" in done.out
 
@@ -187,7 +187,7 @@ def test_memory_is_reported_beforehand(cli):
 @pytest.mark.machine
 def test_workers_hold_what_was_reported(workers):
     volume = leaflight.bump_box(100)
-    reported = worker_memory(volume)
+    reported = worker_memory(task_of(volume))
     (before, *_) = (low for low in workers.client.run(resident).values())
     leaflight.bake(volume, error=4.0, workers=workers)
     held = max(workers.client.run(resident).values()) - before

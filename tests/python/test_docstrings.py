@@ -2,19 +2,26 @@
 """docs/plain_docstrings.py: what the site makes of a docstring in plain text."""
 
 import importlib.util
+import inspect
 from pathlib import Path
 
+import leaflight
 import pytest
 
 SOURCE = Path(__file__).resolve().parents[2] / "docs" / "plain_docstrings.py"
 
 
 @pytest.fixture(scope="module")
-def rewritten():
+def plain_docstrings():
     spec = importlib.util.spec_from_file_location(SOURCE.stem, SOURCE)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    return module.rewritten
+    return module
+
+
+@pytest.fixture(scope="module")
+def rewritten(plain_docstrings):
+    return plain_docstrings.rewritten
 
 
 def fields(lines):
@@ -37,6 +44,14 @@ def test_parameters_become_a_list(rewritten):
         ':param kind,end: ("a", "b"): of the values.',
     ]
     assert found[1] == "Reads a file." and r"Returns a dict: of \*all\* and ``code``." in found
+
+
+def test_options_are_parameters(plain_docstrings):
+    lines = inspect.getdoc(leaflight.bake).splitlines()
+    plain_docstrings._process(None, None, None, leaflight.bake, None, lines)
+    found = " ".join(fields(lines))
+    for name in ("isovalues", "error", "seed", "on_pass", "checkpoint"):
+        assert f":param {name}: " in found
 
 
 def test_a_paragraph_with_indentation_keeps_its_lines(rewritten):

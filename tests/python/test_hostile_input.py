@@ -111,7 +111,9 @@ def test_points_are_in_bounds(box_bake, lapr_bake, far):
         lambda: leaflight.thesis.bake(
             box_bake.volume, isovalues=(30, 70), samples=1, estimator="path", only_at=points
         ),
-        lambda: lapr_bake.mesh_reference(0, [0, 0, 0], points[:, :2][:, ::-1] * 0 + FAR[far], 0.5),
+        lambda: lapr_bake.mesh_reference(
+            0, ([0, 0, 0], points[:, :2][:, ::-1] * 0 + FAR[far]), 0.5
+        ),
     ]
     if abs(FAR[far]) < 1e30 or not np.isfinite(FAR[far]):
         calls.append(lambda: box_bake.radiance(points.astype(np.float32)))

@@ -12,8 +12,7 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight import LeaflightError, Volume, _core, bump_box
-from leaflight.bake.bake import _asked
-from leaflight.scene.scene import core_scene
+from leaflight.bake.bake import task_of
 from leaflight.volume.memory import LEAST_LIMIT, limit_memory
 from leaflight.volume.voxels import new_voxels
 
@@ -131,9 +130,8 @@ def test_memory_of_the_light_is_foreseen(tmp_path, settings):
     found = bake_in_subprocess(path, tmp_path / "box.vdb", **settings)
 
     volume = leaflight.read_volume(path)
-    _, description, isovalue_range, of_core, _ = _asked(volume, None, **settings)
-    scene = core_scene(description, [volume.field()], isovalue_range)
-    foreseen = _core.light_memory(scene, of_core)
+    task = task_of(volume, None, **settings)
+    foreseen = _core.light_memory(task.core_scene(), task.settings)
     assert 0.6 < (found["held"] - found["begun"]) / foreseen < 1.15
 
 

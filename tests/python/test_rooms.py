@@ -6,9 +6,14 @@ And functions are short.
 
 import ast
 import re
+from dataclasses import fields
 from pathlib import Path
+from typing import get_type_hints
 
 import pytest
+from leaflight.bake.settings import BakeOptions, BakeSettings, CommonOptions, CommonSettings
+from leaflight.measure.sampling import Sampling, SamplingOptions
+from leaflight.thesis.settings import FixedSamples, SampleOptions
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -112,18 +117,52 @@ def imports(folder):
     return found
 
 
-def test_functions_are_short():
-    """At most 60 lines, docstrings aside."""
+def functions():
+    """(place, node) of each function of the package and of the add-on."""
     files = [*(ROOT / "python").rglob("*.py"), *(ROOT / "addon").rglob("*.py")]
-    long = []
+    assert len(files) > 200
     for file in files:
         for node in ast.walk(ast.parse(file.read_text())):
             if isinstance(node, ast.FunctionDef):
-                text = ast.get_docstring(node, clean=False)
-                lines = node.end_lineno - node.lineno - (text.count("\n") if text else -1)
-                if lines > 60:
-                    long.append(f"{file.relative_to(ROOT)}:{node.lineno} {node.name}: {lines}")
-    assert len(files) > 200 and not long, "\n".join(long)
+                yield f"{file.relative_to(ROOT)}:{node.lineno} {node.name}", node
+
+
+def test_functions_are_short():
+    """At most 60 lines, docstrings aside."""
+    long = []
+    for place, node in functions():
+        text = ast.get_docstring(node, clean=False)
+        lines = node.end_lineno - node.lineno - (text.count("\n") if text else -1)
+        if lines > 60:
+            long.append(f"{place}: {lines}")
+    assert not long, "\n".join(long)
+
+
+def test_functions_have_few_parameters():
+    """At most 8; settings by their names, which a dataclass holds, count as one."""
+    many = []
+    for place, node in functions():
+        known = node.args
+        names = [one.arg for one in (*known.posonlyargs, *known.args, *known.kwonlyargs)]
+        names += [one.arg for one in (known.vararg, known.kwarg) if one is not None]
+        count = len([name for name in names if name not in ("self", "cls")])
+        if count > 8:
+            many.append(f"{place}: {count}")
+    assert not many, "\n".join(many)
+
+
+@pytest.mark.parametrize(
+    "settings, options",
+    [
+        (CommonSettings, CommonOptions),
+        (BakeSettings, BakeOptions),
+        (FixedSamples, SampleOptions),
+        (Sampling, SamplingOptions),
+    ],
+)
+def test_options_are_the_settings_by_their_names(settings, options):
+    types = {one.name: one.type for one in fields(settings)}
+    assert types == get_type_hints(options)
 
 
 def test_functions_of_the_core_are_short():

@@ -164,17 +164,10 @@ class BakeJob(background.Job):
         for index, obj in enumerate(volumes):
             # It may show another by now; who follows the frames of the scene brings that back.
             frame_bakes.switch(obj, self.frames[index])
-            lighting.light(
-                obj,
-                self.bake,
-                index,
-                self.path,
-                self.matrices[index],
-                self.columns[index],
-                fingerprint=self.fingerprint,
-                seconds=self.seconds,
-                file_state=self.file_states[index],
+            state = lighting.StateAtBake(
+                self.matrices[index], self.fingerprint, self.seconds, self.file_states[index]
             )
+            lighting.light(obj, self.bake, index, self.path, self.columns[index], state)
         volumes[self.leader].leaflight.bake_warnings = "\n".join(self.warnings)
         scene = bpy.data.scenes.get(self.scene_name)
         lighting.show(volumes, volumes[self.leader], scene)

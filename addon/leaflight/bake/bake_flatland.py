@@ -31,14 +31,33 @@ class FlatBakeJob(background.Job):
             "error": settings.error,
             "seed": settings.seed,
         }
+        self.latest = self._shown = None
 
     def run(self, progress):
         """In any thread: touches no Blender data."""
         start = time.perf_counter()
-        self.bake = flatland.bake_flatland(**self._arguments, progress=progress)
+        self.bake = flatland.bake_flatland(**self._arguments, on_pass=self._keep, progress=progress)
         if progress.cancelled:
             raise leaflight.Cancelled
         self.seconds = time.perf_counter() - start
+
+    def _keep(self, bake):
+        self.latest = bake
+
+    def show(self):
+        """Lights the object by the last pass."""
+        if self.latest is not self._shown:
+            self._shown = self.latest
+            self._rebuild(self.latest)
+
+    def ended(self):
+        self._rebuild(None)
+        return super().ended()
+
+    def _rebuild(self, passed):
+        obj = bpy.data.objects.get(self.object_name)
+        if obj is not None and obj.leaflight_flat.is_flatland:
+            graph_object.rebuild(obj, passed)
 
     def apply(self):
         obj = bpy.data.objects.get(self.object_name)

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What objects keep of the bake that lights them."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import bpy
 from leaflight.bake.outcome import outcome
 
@@ -8,27 +11,39 @@ from ..show import added, isovalues, lamps, surface_object, walls
 from ..store import bake_files, cache
 
 
-def light(obj, bake, index, path, matrix, columns, *, fingerprint, seconds, file_state):
+@dataclass(frozen=True)
+class StateAtBake:
+    """What was so when a volume object was baked.
+
+    matrix: the object's transform, 16 numbers row by row. fingerprint: of the scene. seconds: that
+    the bake took. file_state: of the volume's file.
+    """
+
+    matrix: Sequence[float]
+    fingerprint: str
+    seconds: float
+    file_state: str
+
+
+def light(obj, bake, index, path, columns, state):
     """Lights a volume object by one of the volumes of a bake, once show() is called.
 
-    path: of the bake's file. matrix: the object's transform at the bake, 16 numbers row by row.
-    columns: of the atlas that was written. fingerprint: of the scene that was baked. file_state:
-    of the volume's file then.
+    path: of the bake's file. columns: of the atlas that was written. state: a StateAtBake.
     """
     settings = obj.leaflight
     settings.bake_index = index
-    settings.bake_matrix = matrix
+    settings.bake_matrix = state.matrix
     settings.bake_low, settings.bake_high = isovalue_range(bake, index)
     settings.bake_walls = bake.walls is not None
-    settings.bake_fingerprint = fingerprint
+    settings.bake_fingerprint = state.fingerprint
     settings.bake_lamps = lamps.record(bake, bake.scene.lights)
     settings.bake_smooth = settings.smooth
-    settings.bake_seconds = seconds
+    settings.bake_seconds = state.seconds
     settings.bake_outcome = outcome(bake)
     settings.bake_error = bake.statistics.estimated_error_percent if settings.bake_outcome else 0
     settings.bake_target = bake.provenance.error or 0
     settings.bake_values = cache.values_sha256(bake, index)
-    settings.bake_file_state = file_state
+    settings.bake_file_state = state.file_state
     settings.atlas_columns = columns
     settings.bake_id = bake.id
     bake_files.remember(obj, path)

@@ -13,7 +13,7 @@ from dataclasses import replace
 import bpy
 import leaflight
 from bpy.props import BoolProperty
-from leaflight.bake.moved import lit_walls, moved
+from leaflight.bake.moved import QUICK, WHOLE, lit_walls, moved
 
 from ..operators import background
 from ..show import isovalues, preview, surface_object, walls
@@ -27,8 +27,9 @@ LeaflightError = leaflight.LeaflightError
 # Seconds between two looks at work in progress.
 _POLL = 0.05
 
-# Texels times light points of maps, above which blurred shadows come first.
-_QUICK = 50_000_000
+# Texels times light points of maps, and vertices times light points of walls, above which blurred
+# shadows come first: about half a second of work.
+_QUICK_MAPS, _QUICK_WALLS = 50_000_000, 500_000
 
 # The LiveJob in progress with its BackgroundWork, or None.
 _job = _work = None
@@ -59,23 +60,34 @@ class LiveJob(bake.BakeJob):
         # Only the passes say how much there is to do.
         progress.expect(math.inf)
         known = {name: self._arguments[name] for name in ("volumes", "scene", "isovalues")}
-        quick = self._work() > _QUICK
-        self.latest = moved(self._lit, **known, quick=quick, walls=False, progress=progress)
-        self.latest = lit_walls(self.latest, True, progress)
+        blurs_maps, blurs_walls = self._map_work() > _QUICK_MAPS, self._wall_work() > _QUICK_WALLS
+        self.latest = moved(self._lit, **known, quick=blurs_maps, walls=False, progress=progress)
+        self.latest = lit_walls(self.latest, QUICK if blurs_walls else WHOLE, progress)
         self._can_be_cancelled = True
         self._check()
-        if quick:
-            self.latest = moved(self._lit, **known, walls=False, progress=progress)
-        self.latest = lit_walls(self.latest, False, progress)
+        if blurs_maps:
+            sharp = moved(self._lit, **known, walls=False, progress=progress)
+            self.latest = replace(sharp, walls=self.latest.walls)
+        if blurs_walls:
+            self.latest = lit_walls(self.latest, WHOLE, progress)
         super().run(progress)
 
-    def _work(self):
+    def _map_work(self):
         """Texels times light points."""
         return sum(
             math.prod(grid.map_resolution) * len(grid.direct.light_points)
             for grid in self._lit.grids
             if grid.map_resolution
         )
+
+    def _wall_work(self):
+        """Vertices times light points."""
+        walls = self._lit.walls
+        if walls is None:
+            return 0
+        vertices = sum(len(walls.mesh(number)[0]) for number in range(walls.count))
+        points = [len(grid.direct.light_points) for grid in self._lit.grids if grid.map_resolution]
+        return vertices * max(points, default=0)
 
     def _check(self):
         if self.is_outdated:

@@ -64,17 +64,8 @@ class LEAFLIGHT_OT_load_bake(bpy.types.Operator, ImportHelper):
                 matrix = _transform(obj, bake, index)
                 file_state = source_files.file_state(obj.leaflight)
                 obj.leaflight.capped = bake.scene.isosurfaces[index].capped
-            lighting.light(
-                obj,
-                bake,
-                index,
-                path,
-                matrix,
-                columns[index],
-                fingerprint=staleness.OTHER_SCENE,
-                seconds=seconds,
-                file_state=file_state,
-            )
+            state = lighting.StateAtBake(matrix, staleness.OTHER_SCENE, seconds, file_state)
+            lighting.light(obj, bake, index, path, columns[index], state)
             obj.leaflight.low, obj.leaflight.high = lighting.isovalue_range(bake, index)
         if created and self.walls:
             for warning in scene_objects.build(context, bake.scene):

@@ -85,16 +85,17 @@ def isovalues(settings):
     return settings.low + parts * (settings.high - settings.low)
 
 
-def rebuild(obj):
+def rebuild(obj, passed=None):
     """Builds graph and isolines anew after a bake or a change of their shape.
 
-    surface_object.problems reports what could not be done.
+    passed: the FlatBake of a pass to show, instead of the object's own bake. Errors are in
+    surface_object.problems.
     """
     surface_object.problems.pop(obj.name, None)
     try:
         field = field_of(obj)
         settings = obj.leaflight_flat
-        bake = _bakes.get(settings.bake_id)
+        bake = passed or _bakes.get(settings.bake_id)
         if settings.bake_id and bake is None:
             raise LeaflightError(
                 f'The bake of "{obj.name}" was not saved with the file: bake again to light it.'

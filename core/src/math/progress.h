@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <mutex>
 #include <stdexcept>
 #include <string>
@@ -15,7 +16,8 @@ class Cancelled : public std::runtime_error {
   Cancelled() : std::runtime_error("The computation was cancelled.") {}
 };
 
-// Shared between a computation and whoever watches it from another thread.
+// Shared between a computation and whoever watches it from another thread: what it has done, and
+// whether it shall end.
 class Progress {
  public:
   void cancel() { cancelled_ = true; }
@@ -28,6 +30,10 @@ class Progress {
     const std::lock_guard<std::mutex> lock(mutex_);
     return stage_;
   }
+
+  // Rays and lines traced so far.
+  std::uint64_t rays() const { return rays_; }
+  void count_rays(std::uint64_t traced) { rays_ += traced; }
 
   // Work is measured in rays, roughly.
   void expect(double total) { total_ = total > 0 ? total : 1; }
@@ -46,6 +52,7 @@ class Progress {
 
  private:
   std::atomic<bool> cancelled_{false}, stopped_{false};
+  std::atomic<std::uint64_t> rays_{0};
   std::atomic<double> done_{0};
   std::atomic<double> total_{1};
   mutable std::mutex mutex_;

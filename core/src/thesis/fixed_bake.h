@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <atomic>
-
 #include "bake/indirect/photon_caches.h"
 #include "bake/texels/point_sampler.h"
 #include "thesis/texels_to_bake.h"
@@ -21,7 +19,6 @@ struct FixedBake {
   std::optional<ScatteredSamples<D>> scattered;  // nothing: samples in each texel
   PhotonCaches<D> photons{};
   std::vector<IsosurfaceRadiance<D>> isosurfaces{};  // per volume; once direct light is known
-  std::atomic<std::uint64_t> rays{0};
 
   int sides() const { return plan.back ? 2 : 1; }
   PointSampler<D> sampler() const {

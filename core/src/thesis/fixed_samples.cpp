@@ -37,10 +37,8 @@ template <int D>
 std::vector<PhotonMap<D>> trace_into_maps(FixedBake<D>& bake) {
   const FixedSettings<D>& settings = bake.settings;
   bake.progress.begin("Tracing photons");
-  std::uint64_t rays = 0;
-  const auto photons = collect_photons(bake.tracer, bake.lights, settings.seed, settings.photons,
-                                       bake.progress, rays);
-  bake.rays += rays;
+  const auto photons =
+      collect_photons(bake.tracer, bake.lights, settings.seed, settings.photons, bake.progress);
   return make_photon_maps(bake.tracer, photons, settings.photon_map);
 }
 
@@ -109,6 +107,7 @@ Baked<D> light(const Scene<D>& scene, const FixedSettings<D>& settings, const Pl
   const SceneTracer<D> tracer(scene);
   const LightSampler<D> lights(tracer);
   check_placement(tracer);
+  const std::uint64_t rays_before = progress.rays();
   FixedBake<D> bake{tracer,
                     lights,
                     settings,
@@ -123,8 +122,7 @@ Baked<D> light(const Scene<D>& scene, const FixedSettings<D>& settings, const Pl
   if ((plan.photons && traits.caches) || plan.caustics || plan.wall_cache) {
     const PhotonSettings photons{settings.seed, settings.photons, settings.caustic_photons,
                                  traits.density, traits.walls ? wall_samples : 0};
-    bake.photons =
-        trace_into_caches(tracer, lights, bake.lattices, photons, plan, progress, bake.rays);
+    bake.photons = trace_into_caches(tracer, lights, bake.lattices, photons, plan, progress);
   }
   std::vector<SideAverages> direct = light_directly(bake);
   const std::unique_ptr<IndirectEstimator<D>> estimator = make_estimator(bake);
@@ -136,12 +134,12 @@ Baked<D> light(const Scene<D>& scene, const FixedSettings<D>& settings, const Pl
   if (plan.walls) {
     progress.begin("Radiance of the walls");
     baked.walls = light_walls(tracer, bake.sampler(), estimator.get(),
-                              walls_share * settings.samples, settings.seed, progress, bake.rays);
+                              walls_share * settings.samples, settings.seed, progress);
   }
   for (std::size_t v = 0; v < baked.grids.size(); ++v) {
     baked.grids[v].lattice = std::move(bake.lattices[v]);
   }
-  baked.statistics.rays = bake.rays;
+  baked.statistics.rays = progress.rays() - rays_before;
   baked.statistics.skipped = plan.skipped;
   return baked;
 }

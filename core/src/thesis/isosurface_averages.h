@@ -29,7 +29,7 @@ inline constexpr std::size_t texels_per_piece = 64;
 template <int D, class Radiance>
 std::vector<Average> average_texels(const SceneTracer<D>& tracer, const TexelLattice<D>& lattice,
                                     const IsosurfaceSamples& samples, Progress& progress,
-                                    std::atomic<std::uint64_t>& rays, Radiance radiance) {
+                                    Radiance radiance) {
   struct Drawn {
     Rgb radiance;
     double weight;
@@ -54,7 +54,7 @@ std::vector<Average> average_texels(const SceneTracer<D>& tracer, const TexelLat
           for (const Drawn& d : drawn) moments.add(d.radiance, d.weight);
           averages[s] = moments.average();
         }
-        rays += traced;
+        progress.count_rays(traced);
       });
   pool_variances(lattice, averages, progress);
   return averages;

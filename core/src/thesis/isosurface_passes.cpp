@@ -15,12 +15,12 @@ std::vector<Average> average_isosurfaces(FixedBake<D>& bake, const IsosurfaceTex
   IsosurfaceSamples samples{texels.volume, texels.back, bake.settings.samples, rays_per_sample,
                             bake.settings.seed};
   if (!bake.scattered || texels.lattice.active.empty()) {
-    return average_texels(bake.tracer, texels.lattice, samples, bake.progress, bake.rays, radiance);
+    return average_texels(bake.tracer, texels.lattice, samples, bake.progress, radiance);
   }
   if (!is_random) samples.count = 1;
   return average_scattered(bake.tracer, texels.lattice, samples,
                            bake.scattered->positions[texels.volume], bake.scattered->filter,
-                           bake.progress, bake.rays, radiance);
+                           bake.progress, radiance);
 }
 
 // What all samples of a texel have in common, and so do not show.

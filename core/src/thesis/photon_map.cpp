@@ -30,24 +30,22 @@ bool within_box(const Vec3& tangent, const Vec3& normal, double half_side) {
 template <int D>
 std::vector<StoredPhoton<D>> collect_photons(const SceneTracer<D>& tracer,
                                              const LightSampler<D>& lights, std::uint64_t seed,
-                                             std::uint64_t count, Progress& progress,
-                                             std::uint64_t& rays) {
+                                             std::uint64_t count, Progress& progress) {
   const std::size_t pieces = (count + photons_per_piece - 1) / photons_per_piece;
   std::vector<std::vector<StoredPhoton<D>>> stored(pieces);
-  std::vector<std::uint64_t> traced(pieces);
   parallel_range(pieces, 1, photons_per_piece, progress, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
       const std::uint64_t first = p * photons_per_piece;
       const std::uint64_t last = std::min<std::uint64_t>(count, first + photons_per_piece);
-      traced[p] =
-          trace_photons(tracer, lights, PhotonPaths::all, seed, first, last, count,
-                        [&](const PhotonHit<D>& photon) {
-                          if (photon.point.kind() != HitKind::isosurface) return;
-                          stored[p].push_back({Vec<D, float>(photon.point.position), photon.point.c,
-                                               photon.flux_height, photon.point.isosurface().volume,
-                                               photon.point.isosurface().back,
-                                               photon.arrival == Arrival::direct});
-                        });
+      progress.count_rays(trace_photons(tracer, lights, PhotonPaths::all, seed, first, last, count,
+                                        [&](const PhotonHit<D>& photon) {
+                                          if (photon.point.kind() != HitKind::isosurface) return;
+                                          stored[p].push_back({Vec<D, float>(photon.point.position),
+                                                               photon.point.c, photon.flux_height,
+                                                               photon.point.isosurface().volume,
+                                                               photon.point.isosurface().back,
+                                                               photon.arrival == Arrival::direct});
+                                        }));
     }
   });
   std::size_t total = 0;
@@ -57,7 +55,6 @@ std::vector<StoredPhoton<D>> collect_photons(const SceneTracer<D>& tracer,
   for (std::size_t p = 0; p < pieces; ++p) {
     photons.insert(photons.end(), stored[p].begin(), stored[p].end());
     stored[p] = {};
-    rays += traced[p];
   }
   return photons;
 }
@@ -198,10 +195,10 @@ typename PhotonMap<D>::Region PhotonMap<D>::region_around(
 
 template std::vector<StoredPhoton<2>> collect_photons<2>(const SceneTracer<2>&,
                                                          const LightSampler<2>&, std::uint64_t,
-                                                         std::uint64_t, Progress&, std::uint64_t&);
+                                                         std::uint64_t, Progress&);
 template std::vector<StoredPhoton<3>> collect_photons<3>(const SceneTracer<3>&,
                                                          const LightSampler<3>&, std::uint64_t,
-                                                         std::uint64_t, Progress&, std::uint64_t&);
+                                                         std::uint64_t, Progress&);
 template class PhotonMap<2>;
 template class PhotonMap<3>;
 

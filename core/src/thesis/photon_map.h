@@ -21,12 +21,11 @@ struct StoredPhoton {
 };
 
 // Traces `count` photons and stores all that hit isosurfaces, by photon number whatever the
-// threads. Adds the rays traced to `rays`.
+// threads.
 template <int D>
 std::vector<StoredPhoton<D>> collect_photons(const SceneTracer<D>& tracer,
                                              const LightSampler<D>& lights, std::uint64_t seed,
-                                             std::uint64_t count, Progress& progress,
-                                             std::uint64_t& rays);
+                                             std::uint64_t count, Progress& progress);
 
 struct PhotonMapSettings {
   int k = 200;        // photons of an estimate

@@ -13,7 +13,7 @@ std::vector<Average> average_scattered(const SceneTracer<D>& tracer, const Texel
                                        const IsosurfaceSamples& samples,
                                        const std::vector<Vec<D>>& positions,
                                        const ScatteredSettings& filter, Progress& progress,
-                                       std::atomic<std::uint64_t>& rays, Radiance radiance) {
+                                       Radiance radiance) {
   const Volume<D>& of = tracer.scene().volumes[samples.volume];
   std::vector<Rgb> values(positions.size(), Rgb(0));
   parallel_range(positions.size(), texels_per_piece, samples.rays_per_sample * samples.count,
@@ -34,7 +34,7 @@ std::vector<Average> average_scattered(const SceneTracer<D>& tracer, const Texel
                      }
                      values[s] = Rgb(sum / samples.count);
                    }
-                   rays += traced;
+                   progress.count_rays(traced);
                  });
   const ScatteredTexels texels =
       interpolate_scattered(lattice, positions, values, filter, progress);

@@ -2,8 +2,9 @@
 """Baking: the light of all isosurfaces of volumes at once."""
 
 import contextlib
+import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
 import leaflight._core as _core
@@ -11,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._core import LeaflightError
-from ..io.scene_file import cornell_box
+from ..io.scene_file import cornell_box, scene_to_json
 from ..progress_bar import with_progress
 from ..scene.facing import faced
 from ..scene.scene import SceneDescription, core_scene, fit_scene, match_isosurfaces
@@ -21,7 +22,7 @@ from .baked import Bake
 from .checkpoint import Checkpoint
 from .color_error import estimated_rms_percent
 from .fit_memory import coarser_texels, fit_memory
-from .settings import CommonSettings, PassSettings, bake_settings, range_to_bake
+from .settings import BakeOptions, BakeSettings, UnusedSetting, range_to_bake
 from .provenance import Provenance, provenance_of
 from .statistics import statistics_of
 
@@ -68,24 +69,35 @@ def placed(
     )
 
 
+@dataclass(frozen=True, eq=False)
+class Task:
+    """A bake that is asked for: volumes and a scene that fit each other, as placed() leaves them.
+
+    settings: of the core; provenance: that of the bake before its first pass.
+    """
+
+    volumes: list[Volume]
+    scene: SceneDescription
+    isovalues: tuple[float, float]
+    settings: _core.BakeSettings
+    provenance: Provenance
+
+    def core_scene(self) -> _core.Scene:
+        fields = [volume.field() for volume in self.volumes]
+        return core_scene(self.scene, fields, self.isovalues)
+
+
 @with_progress("bake")
 def bake(
     volumes: Any,
     scene: SceneDescription | None = None,
     *,
     spacing: ArrayLike | None = None,
-    isovalues: Sequence[float] | None = None,
-    error: float | None = None,
-    time: float | None = None,
-    resolution: int | Sequence[int] | None = None,
-    seed: int = 0,
-    threads: int = 0,
-    both_sides: bool = False,
-    walls: bool = False,
     on_pass: Callable[[Bake], object] | None = None,
     progress: _core.Progress | None = None,
     checkpoint: Checkpoint | None = None,
     workers: Workers | None = None,
+    **settings: "Unpack[BakeOptions]",
 ) -> Bake:
     """Computes the radiance of every isosurface of a volume or of several, within a range.
 
@@ -96,6 +108,7 @@ def bake(
         each other (see scene.py). World coordinates are in the unit of the first that has one.
     spacing: the size of a voxel, one number or (x, y, z), of arrays that have none of their own.
     scene: SceneDescription, fitted around the volumes; None is the Cornell box.
+    settings: BakeSettings by their names, as follow.
     isovalues: (lo, hi) of the common isovalue: in data units for one volume, where None takes that
         of the scene or else default_isovalue_range(volume); within 0..1 for several, where None is
         (0, 1).
@@ -114,95 +127,71 @@ def bake(
         apart; one that was interrupted goes on from it with the bits that it would have had.
     workers: cluster.workers.Workers, who trace the light of a bake in passes, with the same bits;
         None is this process alone.
-    Returns a Bake. Raises LeaflightError for input that cannot be baked, Cancelled.
+    Returns a Bake. Raises LeaflightError for input that cannot be baked, Cancelled. Warns with
+    UnusedSetting, before the first pass, of settings that have no effect in the scene.
     """
-    asked = _asked(
-        as_volumes(volumes, spacing),
-        scene,
-        isovalues=isovalues,
-        error=error,
-        time=time,
-        resolution=resolution,
-        seed=seed,
-        threads=threads,
-        both_sides=both_sides,
-        walls=walls,
-    )
-    baked = lit(*asked, None, on_pass, progress, checkpoint, workers)
-    skipped = baked.statistics.skipped_passes + coarser_texels(resolution, asked[3])
+    task = task_of(as_volumes(volumes, spacing), scene, **settings)
+    for sentence in unused_settings(task):
+        warnings.warn(sentence, UnusedSetting, stacklevel=2)
+    baked = lit(task, None, on_pass, progress, checkpoint, workers)
+    skipped = coarser_texels(settings.get("resolution"), task.settings)
+    skipped = baked.statistics.skipped_passes + skipped
     return replace(baked, statistics=replace(baked.statistics, skipped_passes=skipped))
 
 
-def asked_provenance(
-    volumes: Any, scene: SceneDescription | None = None, **settings: "Unpack[PassSettings]"
-) -> Provenance:
-    """The Provenance of the bake that bake() would make of these arguments, before its passes."""
-    return _asked(volumes, scene, **settings)[-1]
+def task_of(
+    volumes: Any, scene: SceneDescription | None = None, **settings: "Unpack[BakeOptions]"
+) -> Task:
+    """The Task of the bake that bake() would make of these arguments. Raises LeaflightError."""
+    asked = BakeSettings(**settings)
+    volumes, description, isovalue_range = placed(volumes, scene, asked.isovalues)
+    of_core = asked.core(_core.BakeSettings, volumes[0].field().dims, description.exposure)
+    if len(volumes) == 1:
+        fit_memory(volumes[0], description, isovalue_range, of_core)
+    text = scene_to_json(description)
+    provenance = provenance_of(volumes, description.isosurfaces, text, isovalue_range, of_core)
+    return Task(volumes, description, isovalue_range, of_core, provenance)
 
 
-def worker_memory(
-    volumes: Any, scene: SceneDescription | None = None, **settings: "Unpack[PassSettings]"
-) -> int:
-    """About how many bytes each of the workers of bake() would hold, its values included.
+def unused_settings(task: Task) -> list[str]:
+    """A sentence about each setting that has no effect in the scene of a Task."""
+    skipped = dict(_core.skipped_passes(task.core_scene(), task.settings))
+    back, walls = skipped.get("radiance of the back"), skipped.get("radiance of the walls")
+    if all(isosurfaces.scattering != "diffuse" for isosurfaces in task.scene.isosurfaces):
+        back = "mirrors and glass store no light, since what they show depends on the view"
+    sentences = []
+    if task.settings.both_sides and back:
+        sentences.append(f"No backs are baked: {back}.")
+    if task.settings.walls and walls:
+        sentences.append(f"No walls are baked: {walls}.")
+    return sentences
+
+
+def worker_memory(task: Task) -> int:
+    """About how many bytes each of the workers of a bake would hold, its values included.
 
     Raises LeaflightError.
     """
-    volumes, description, isovalue_range, of_core, _ = _asked(volumes, scene, **settings)
-    core = core_scene(description, [volume.field() for volume in volumes], isovalue_range)
-    return _core.block_tracer_memory(core, of_core)
-
-
-def _asked(
-    volumes: Any,
-    scene: SceneDescription | None = None,
-    *,
-    isovalues: Sequence[float] | None = None,
-    error: float | None = None,
-    time: float | None = None,
-    **common: "Unpack[CommonSettings]",
-) -> tuple[list[Volume], SceneDescription, tuple[float, float], _core.BakeSettings, Provenance]:
-    """Of the arguments of bake(): volumes, scene, range, the core's settings, the Provenance."""
-    volumes, description, isovalue_range = placed(volumes, scene, isovalues)
-    settings = bake_settings(
-        _core.BakeSettings,
-        volumes[0].field().dims,
-        error=error,
-        time=time,
-        exposure=description.exposure,
-        **common,
-    )
-    if len(volumes) == 1:
-        fit_memory(volumes[0], description, isovalue_range, settings)
-    return (
-        volumes,
-        description,
-        isovalue_range,
-        settings,
-        provenance_of(volumes, description, isovalue_range, settings),
-    )
+    return _core.block_tracer_memory(task.core_scene(), task.settings)
 
 
 def lit(
-    volumes: list[Volume],
-    description: SceneDescription,
-    isovalue_range: tuple[float, float],
-    settings: _core.BakeSettings,
-    provenance: Provenance,
+    task: Task,
     previous: Bake | None,
     on_pass: Callable[[Bake], object] | None,
     progress: _core.Progress | None,
     checkpoint: Checkpoint | None = None,
     workers: Workers | None = None,
 ) -> Bake:
-    """The Bake of volumes and a scene that fit each other, as placed() leaves them.
+    """The Bake of a Task.
 
-    settings: _core.BakeSettings. provenance: of provenance_of(). previous: the Bake in passes that
-    this one goes on with, or None. on_pass, progress, checkpoint, workers: as of bake(). Raises
-    LeaflightError, Cancelled.
+    previous: the Bake in passes that this one goes on with, or None. on_pass, progress, checkpoint,
+    workers: as of bake(). Raises LeaflightError, Cancelled.
     """
+    volumes, scene, isovalues = task.volumes, task.scene, task.isovalues
 
     def whole(baked: _core.Baked) -> Bake:
-        statistics = statistics_of(baked.statistics)
+        statistics = statistics_of(baked)
         grids, continued = baked.grids, ""
         # A first picture, of other texels, is not gone on with: the bake is a new one.
         if previous is not None and grids[0].resolution == previous.grid.resolution:
@@ -212,23 +201,23 @@ def lit(
                 seconds=statistics.seconds + previous.statistics.seconds,
                 rays=statistics.rays + previous.statistics.rays,
             )
-        known = provenance.after(grids, statistics.passes, statistics.blocks, continued)
-        walls = baked.walls
-        return Bake(volumes, description, isovalue_range, grids, walls, statistics, known)
+        known = task.provenance.after(grids, statistics.passes, statistics.blocks, continued)
+        return Bake(volumes, scene, isovalues, grids, baked.walls, statistics, known)
 
     light = None
     if previous is not None:
         known = previous.provenance
         light = (previous.grids, known.passes, known.blocks)
-    core = core_scene(description, [volume.field() for volume in volumes], isovalue_range)
     look = None if on_pass is None else lambda baked: on_pass(whole(baked))
     progress = progress or _core.Progress()
-    rest = checkpoint.arguments(provenance) if checkpoint else {}
+    rest = checkpoint.arguments(task.provenance) if checkpoint else {}
     with contextlib.ExitStack() as shared:
         if workers is not None:
-            tracing = workers.tracing(volumes, description, isovalue_range, settings, progress)
+            tracing = workers.tracing(volumes, scene, isovalues, task.settings, progress)
             rest["workers"] = shared.enter_context(tracing)
-        baked = _core.bake(core, settings, progress, on_pass=look, previous=light, **rest)
+        baked = _core.bake(
+            task.core_scene(), task.settings, progress, on_pass=look, previous=light, **rest
+        )
     result = whole(baked)
-    noise = estimated_rms_percent(result.grids, description.exposure)
+    noise = estimated_rms_percent(result.grids, scene.exposure)
     return replace(result, statistics=replace(result.statistics, estimated_rms_percent=noise))

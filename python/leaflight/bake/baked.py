@@ -276,8 +276,7 @@ class Bake:
     def mesh_reference(
         self,
         mesh: int,
-        facets: ArrayLike,
-        coordinates: ArrayLike,
+        places: tuple[ArrayLike, ArrayLike],
         isovalue: float,
         spp: int = 1024,
         seed: int = 0,
@@ -285,13 +284,16 @@ class Bake:
         progress: _core.Progress | None = None,
         back: bool = False,
     ) -> tuple[Array, Array]:
-        """Path-traced radiance at points of a mesh (see on_mesh.py), as reference()."""
+        """Path-traced radiance at points of a mesh, as reference().
+
+        places: facets (n,) and coordinates (n, 2), see on_mesh.py.
+        """
         self._check_isovalue(isovalue)
         scene = self.core_scene()
-        numbers = np.asarray(facets).tolist()
+        facets, coordinates = np.asarray(places[0]).tolist(), places[1]
         progress = progress or _core.Progress()
         return _core.reference_walls(
-            scene, mesh, numbers, coordinates, isovalue, spp, seed, threads, progress, back
+            scene, mesh, facets, coordinates, isovalue, spp, seed, threads, progress, back
         )
 
     def check_isovalue(self, isovalue: float, volume: int = 0) -> None:

@@ -13,7 +13,7 @@ from ..progress_bar import with_progress
 from ..scene.scene import SceneDescription
 from .bake import Workers, bake
 from .baked import Bake
-from .settings import DEFAULT_ERROR, CommonSettings
+from .settings import DEFAULT_ERROR, CommonOptions
 from .statistics import Statistics
 
 if TYPE_CHECKING:
@@ -28,11 +28,10 @@ INDEPENDENT, STEEPEST, FLATTEST = -0.5, -1.0, -0.25
 MOST_PASSES = 5
 
 
-class PilotSettings(CommonSettings, total=False):
+class PilotOptions(CommonOptions, total=False):
     """Those of bake() that estimate() hands on."""
 
     spacing: ArrayLike | None
-    isovalues: Sequence[float] | None
     workers: Workers | None
 
 
@@ -83,7 +82,7 @@ def estimate(
     error: float | None = None,
     time: float | None = None,
     progress: _core.Progress | None = None,
-    **settings: "Unpack[PilotSettings]",
+    **settings: "Unpack[PilotOptions]",
 ) -> Estimate:
     """The Estimate of a bake, by a pilot: its first passes, which are thrown away.
 
@@ -101,7 +100,7 @@ def pilot(
     error: float | None = None,
     time: float | None = None,
     progress: _core.Progress | None = None,
-    **settings: "Unpack[PilotSettings]",
+    **settings: "Unpack[PilotOptions]",
 ) -> Pilot:
     """The Pilot of a bake, from which follow the Estimates of all errors down to the one given.
 

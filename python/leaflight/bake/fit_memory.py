@@ -10,6 +10,7 @@ from ..scene.scene import SceneDescription, core_scene
 from ..volume.memory import is_limited, memory_of_light
 from ..volume.setting_error import SettingError
 from ..volume.volume import Volume
+from .statistics import SkippedPass
 
 # What is skipped where the memory is short, as in skipped_passes.
 FINER_TEXELS = "finer texels"
@@ -58,7 +59,7 @@ def fit_memory(
         )
 
 
-def coarser_texels(resolution: object, settings: _core.BakeSettings) -> tuple[tuple[str, str], ...]:
+def coarser_texels(resolution: object, settings: _core.BakeSettings) -> tuple[SkippedPass, ...]:
     """Why texels are coarser than they would be with more memory, as in skipped_passes; or ().
 
     resolution: what was asked for.
@@ -66,7 +67,7 @@ def coarser_texels(resolution: object, settings: _core.BakeSettings) -> tuple[tu
     if resolution is not None or not any(settings.resolution):
         return ()
     reason = f"the light of {_by(settings.resolution)} is what the memory has room for"
-    return ((FINER_TEXELS, reason),)
+    return (SkippedPass(FINER_TEXELS, reason),)
 
 
 def _by(numbers: Iterable[int]) -> str:

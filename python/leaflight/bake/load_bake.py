@@ -14,7 +14,7 @@ from ..volume.units import METERS
 from ..volume.volume import Volume
 from .baked import Bake
 from .provenance import EARLIER, provenance_from_json, read_bake_id
-from .statistics import statistics_of
+from .statistics import statistics_from_record
 
 
 def load_bake(path: str | os.PathLike[str]) -> Bake:
@@ -32,7 +32,7 @@ def load_bake(path: str | os.PathLike[str]) -> Bake:
         if "provenance" not in metadata:
             raise LeaflightError(f"{path}: {EARLIER}.")
         provenance = provenance_from_json(metadata["provenance"])
-        statistics = statistics_of(json.loads(metadata["statistics"]))
+        statistics = statistics_from_record(json.loads(metadata["statistics"]))
         lo, hi = map(float, provenance.isovalues)
         scene = scene_from_json(provenance.scene, str(path))
         records = provenance.volumes

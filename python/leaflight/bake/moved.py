@@ -6,8 +6,9 @@ direct light is exact. All other light of isosurfaces and walls is that of the b
 factor per channel: the growth of the light that returns to isosurfaces after one reflection.
 """
 
+import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import leaflight._core as _core
@@ -22,8 +23,24 @@ from .baked import Bake
 from .relit import can_be_relit
 from .provenance import Provenance, frozen, values_sha256
 
-# Texels of the maps that are made quickly, in those of the bake.
-_WIDER = 2
+
+@dataclass(frozen=True)
+class Detail:
+    """How finely direct light is sought.
+
+    wider: how much wider texels of visibility maps are than at the bake; spacing: voxels between
+    the lines that find them, at most; share: one shadow ray of the walls of every so many.
+    """
+
+    wider: int = 1
+    spacing: float = 1.0
+    share: int = 1
+
+
+WHOLE = Detail()
+# Lines are as far apart as texels. Neighbours on walls have other rays, and together as many as
+# there are light points.
+QUICK = Detail(wider=2, spacing=math.inf, share=7)
 
 
 def moved(
@@ -68,18 +85,19 @@ def moved(
     )
     now = result.core_scene()
     progress.begin("Direct light")
+    detail = QUICK if quick else WHOLE
     factor = _growth(result)
     grids = [
-        _grid(original.grids[number], now, number, volume, quick, factor, progress)
+        _grid(original.grids[number], now, number, volume, detail, factor, progress)
         for number, volume in enumerate(volumes)
     ]
     known = result.provenance
     known = known.after(grids, known.passes, known.blocks, known.continued)
     result = replace(result, grids=grids, provenance=known)
-    return lit_walls(result, quick, progress) if walls else result
+    return lit_walls(result, detail, progress) if walls else result
 
 
-def lit_walls(bake: Bake, quick: bool, progress: _core.Progress) -> Bake:
+def lit_walls(bake: Bake, detail: Detail, progress: _core.Progress) -> Bake:
     """A bake that moved() made without walls, with those of its original. Raises Cancelled."""
     original = bake.original
     assert original is not None
@@ -88,7 +106,7 @@ def lit_walls(bake: Bake, quick: bool, progress: _core.Progress) -> Bake:
     progress.begin("Direct light of the walls")
     same_as = _same_meshes(original.scene.meshes, bake.scene.meshes)
     before, now = original.core_scene(), bake.core_scene()
-    walls = original.walls.moved(before, now, same_as, _growth(bake), progress, quick)
+    walls = original.walls.moved(before, now, same_as, _growth(bake), progress, detail.share)
     return replace(bake, walls=walls)
 
 
@@ -145,17 +163,15 @@ def _grid(
     scene: _core.Scene,
     number: int,
     volume: Volume,
-    quick: bool,
+    detail: Detail,
     factor: Sequence[float],
     progress: _core.Progress,
 ) -> _core.RadianceGrid:
     if not grid.map_resolution:
         # Mirrors and glass store no light.
         return grid
-    resolution = grid.map_resolution
-    if quick:
-        resolution = [max(2, (n - 1) // _WIDER + 1) for n in resolution]
-    direct = _core.DirectLight(scene, number, resolution, grid.has_back, progress, quick)
+    resolution = [max(2, (n - 1) // detail.wider + 1) for n in grid.map_resolution]
+    direct = _core.DirectLight(scene, number, resolution, grid.has_back, progress, detail.spacing)
     return grid.moved(volume.field(), direct, factor)
 
 

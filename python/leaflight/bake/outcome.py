@@ -1,13 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How far a bake in passes came, in sentences for the command line and the panel."""
 
-from .baked import Bake
+from typing import Protocol
+
 from .fit_memory import FINER_TEXELS
+from .provenance import Provenance
 from .statistics import Statistics
 
 
-def outcome(bake: Bake, why: str = "it was stopped or its time was over") -> str:
-    """A sentence about the estimated error of a Bake against its target.
+class _Baked(Protocol):
+    """A Bake, or a FlatBake."""
+
+    @property
+    def statistics(self) -> Statistics: ...
+    @property
+    def provenance(self) -> Provenance: ...
+
+
+def outcome(bake: _Baked, why: str = "it was stopped or its time was over") -> str:
+    """A sentence about the estimated error of a Bake or FlatBake against its target.
 
     why: it was stopped, if it was. An empty text where the amount of work was fixed.
     """
@@ -18,7 +29,7 @@ def outcome(bake: Bake, why: str = "it was stopped or its time was over") -> str
     return "; ".join([text, *reasons])
 
 
-def _reached(bake: Bake, why: str) -> str:
+def _reached(bake: _Baked, why: str) -> str:
     statistics = bake.statistics
     target = bake.provenance.error
     reached, noise = statistics.estimated_error_percent, statistics.estimated_noise_percent

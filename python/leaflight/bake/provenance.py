@@ -15,10 +15,12 @@ import numpy as np
 
 from .._core import LeaflightError
 from ..arrays import Array
-from ..io.scene_file import scene_to_json
-from ..scene.scene import Color, SceneDescription
+from ..scene.scene import Color, Isosurfaces
 from ..version import __version__
 from ..volume.volume import Volume
+
+_IN_PASSES = (_core.BakeSettings, _core.BakeSettings2)
+_Settings = _core.BakeSettings | _core.BakeSettings2 | _core.FixedSettings | _core.FixedSettings2
 
 # What a file is that lacks some of it.
 EARLIER = "this is a bake of an earlier Leaflight; bake the volume again"
@@ -81,7 +83,7 @@ class Provenance:
 
     def after(
         self,
-        grids: Sequence[_core.RadianceGrid],
+        grids: Sequence[_core.RadianceGrid | _core.RadianceGrid2],
         passes: int = 0,
         blocks: int = 0,
         continued: str = "",
@@ -91,7 +93,7 @@ class Provenance:
             replace(
                 volume,
                 resolution=tuple(grid.resolution),
-                map_resolution=tuple(grid.direct.resolution) if grid.direct else (),
+                map_resolution=_map_resolution(grid),
             )
             for volume, grid in zip(self.volumes, grids)
         )
@@ -110,16 +112,25 @@ class Provenance:
         return replace(asked, passes=0, blocks=0, continued="")
 
 
+def _map_resolution(grid: _core.RadianceGrid | _core.RadianceGrid2) -> tuple[int, ...]:
+    if isinstance(grid, _core.RadianceGrid2):
+        return tuple(grid.map_resolution or ())
+    # A grid that has moved has other maps than those of the bake.
+    return tuple(grid.direct.resolution) if grid.direct else ()
+
+
 def provenance_of(
     volumes: Sequence[Volume],
-    description: SceneDescription,
+    isosurfaces: Sequence[Isosurfaces],
+    scene: str,
     isovalue_range: tuple[float, float],
-    settings: _core.BakeSettings | _core.FixedSettings,
+    settings: _Settings,
     fixed: Mapping[str, Any] | None = None,
 ) -> Provenance:
     """The Provenance of a bake before its first pass.
 
-    settings: of the core; fixed: what depends on those of fixed samples, None where there are none.
+    isosurfaces: of each volume. scene: the text of a scene file. settings: of the core. fixed: what
+    depends on those of fixed samples, None where there are none.
     """
     records = tuple(
         VolumeRecord(
@@ -131,17 +142,17 @@ def provenance_of(
             look.capped,
             volume.patient,
         )
-        for volume, look in zip(volumes, description.isosurfaces)
+        for volume, look in zip(volumes, isosurfaces)
     )
     lo, hi = map(float, isovalue_range)
     return Provenance(
         volumes=records,
-        scene=scene_to_json(description),
+        scene=scene,
         isovalues=(lo, hi),
         seed=settings.seed,
         both_sides=settings.both_sides,
         walls=settings.walls,
-        error=settings.error if isinstance(settings, _core.BakeSettings) else None,
+        error=settings.error if isinstance(settings, _IN_PASSES) else None,
         asked_resolution=tuple(settings.resolution) if fixed is None else (),
         fixed=frozen(fixed),
     )

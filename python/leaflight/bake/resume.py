@@ -3,6 +3,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import TYPE_CHECKING, TypedDict
 
 import leaflight._core as _core
 
@@ -10,24 +11,33 @@ from .._core import LeaflightError
 from ..progress_bar import with_progress
 from ..version import __version__
 from ..volume.setting_error import SettingError
-from .bake import Workers, lit
+from .bake import Task, Workers, lit
 from .baked import Bake
 from .checkpoint import Checkpoint
-from .settings import bake_settings
+from .settings import BakeSettings
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+
+class ResumeOptions(TypedDict, total=False):
+    """Those of BakeSettings that may differ from the bake that resume() goes on with."""
+
+    error: float | None
+    time: float | None
+    walls: bool | None
+    threads: int
 
 
 @with_progress("resume")
 def resume(
     previous: Bake,
     *,
-    error: float | None = None,
-    time: float | None = None,
-    walls: bool | None = None,
-    threads: int = 0,
     on_pass: Callable[[Bake], object] | None = None,
     progress: _core.Progress | None = None,
     checkpoint: Checkpoint | None = None,
     workers: Workers | None = None,
+    **settings: "Unpack[ResumeOptions]",
 ) -> Bake:
     """The Bake that goes on where another ended, with its volumes, its scene and its settings.
 
@@ -41,47 +51,47 @@ def resume(
     progress, checkpoint, workers: as of bake().
     Raises LeaflightError where there is nothing to go on with, Cancelled.
     """
-    provenance = previous.provenance
     if previous.original is not None:
         raise LeaflightError(
             "A bake with other lamps or in another scene does not go on: resume its original."
         )
-    if not provenance.blocks:
+    if not previous.provenance.blocks:
         raise LeaflightError(
             "This bake did a fixed amount of work, so it cannot be continued: bake the volume "
             "again."
         )
-    settings = _settings(previous, error, time, walls, threads)
+    task = _task(previous, **settings)
     reached = previous.statistics.estimated_error_percent
     assert reached is not None
-    if reached <= settings.error:
+    if reached <= task.settings.error:
         raise SettingError(
-            f"The bake errs {reached:.2g} % already, and {settings.error:g} % is asked for: ask "
-            "for a smaller error to continue it.",
+            f"The bake errs {reached:.2g} % already, and {task.settings.error:g} % is asked for: "
+            "ask for a smaller error to continue it.",
             "error",
         )
-    provenance = replace(
-        provenance, leaflight_version=__version__, error=settings.error, walls=settings.walls
-    )
-    lights = previous.volumes, previous.scene, previous.isovalues
-    return lit(*lights, settings, provenance, previous, on_pass, progress, checkpoint, workers)
+    return lit(task, previous, on_pass, progress, checkpoint, workers)
 
 
-def _settings(
-    previous: Bake, error: float | None, time: float | None, walls: bool | None, threads: int
-) -> _core.BakeSettings:
-    """The core's settings, as those of the bake were."""
-    known = previous.provenance
-    resolution = known.asked_resolution
-    return bake_settings(
-        _core.BakeSettings,
-        previous.volume.field().dims,
+def _task(
+    previous: Bake,
+    error: float | None = None,
+    time: float | None = None,
+    walls: bool | None = None,
+    threads: int = 0,
+) -> Task:
+    """That of the bake, but for what resume() is given."""
+    known, scene = previous.provenance, previous.scene
+    asked = BakeSettings(
         error=known.error if error is None else error,
         time=time,
-        resolution=resolution if any(resolution) else None,
+        resolution=known.asked_resolution if any(known.asked_resolution) else None,
         seed=known.seed,
         threads=threads,
-        exposure=previous.scene.exposure,
         both_sides=known.both_sides,
         walls=known.walls if walls is None else walls,
     )
+    settings = asked.core(_core.BakeSettings, previous.volume.field().dims, scene.exposure)
+    provenance = replace(
+        known, leaflight_version=__version__, error=settings.error, walls=settings.walls
+    )
+    return Task(previous.volumes, scene, previous.isovalues, settings, provenance)

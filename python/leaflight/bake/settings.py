@@ -2,7 +2,8 @@
 """The settings of a bake, checked: the isovalue range, the error and the time."""
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, TypedDict, TypeVar
+from dataclasses import dataclass
+from typing import Any, TypedDict, TypeVar
 
 import leaflight._core as _core
 import numpy as np
@@ -11,9 +12,6 @@ from .._core import LeaflightError
 from ..scene.scene import Isosurfaces
 from ..volume.setting_error import SettingError
 from ..volume.volume import Volume, default_isovalue_range
-
-if TYPE_CHECKING:
-    from typing_extensions import Unpack
 
 _InPasses = TypeVar("_InPasses", _core.BakeSettings, _core.BakeSettings2)
 _Settings = TypeVar(
@@ -28,9 +26,14 @@ _Settings = TypeVar(
 DEFAULT_ERROR = 1.5
 
 
-class CommonSettings(TypedDict, total=False):
-    """What set_common() takes."""
+class UnusedSetting(UserWarning):
+    """A setting has no effect in the scene that is baked."""
 
+
+class CommonOptions(TypedDict, total=False):
+    """CommonSettings by their names."""
+
+    isovalues: Sequence[float] | None
     resolution: int | Sequence[int] | None
     seed: int
     threads: int
@@ -38,12 +41,57 @@ class CommonSettings(TypedDict, total=False):
     walls: bool
 
 
-class PassSettings(CommonSettings, total=False):
-    """What a bake in passes takes."""
+class BakeOptions(CommonOptions, total=False):
+    """BakeSettings by their names."""
 
-    isovalues: Sequence[float] | None
     error: float | None
     time: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class CommonSettings:
+    """Those that all bakes have; leaflight.bake explains them."""
+
+    isovalues: Sequence[float] | None = None
+    resolution: int | Sequence[int] | None = None
+    seed: int = 0
+    threads: int = 0
+    both_sides: bool = False
+    walls: bool = False
+
+    def set_common(self, settings: _Settings, dims: Sequence[int]) -> _Settings:
+        """The core's settings, with these for nodes dims, but for isovalues.
+
+        Raises LeaflightError.
+        """
+        settings.resolution = _texels(self.resolution, dims)
+        settings.seed = whole("seed", self.seed, 0)
+        settings.threads = whole("threads", self.threads, 0)
+        settings.both_sides = bool(self.both_sides)
+        settings.walls = bool(self.walls)
+        return settings
+
+
+@dataclass(frozen=True, eq=False)
+class BakeSettings(CommonSettings):
+    """Those of a bake in passes."""
+
+    error: float | None = None
+    time: float | None = None
+
+    def core(
+        self, kind: Callable[[], _InPasses], dims: Sequence[int], exposure: float
+    ) -> _InPasses:
+        """The core's settings, a kind (_core.BakeSettings or BakeSettings2), for nodes dims.
+
+        exposure: radiance times this is a displayed colour. Raises LeaflightError.
+        """
+        settings = self.set_common(kind(), dims)
+        error = DEFAULT_ERROR if self.error is None else self.error
+        settings.error = _positive("error", error, "percent")
+        settings.seconds = 0.0 if self.time is None else _positive("time", self.time, "seconds")
+        settings.exposure = exposure
+        return settings
 
 
 def range_to_bake(
@@ -80,51 +128,6 @@ def _checked(isovalues: Sequence[float], data_range: tuple[float, float]) -> tup
             f"{low:g}..{high:g}: give a range that overlaps them."
         )
     return lo, hi
-
-
-def bake_settings(
-    kind: Callable[[], _InPasses],
-    dims: Sequence[int],
-    *,
-    error: float | None = None,
-    time: float | None = None,
-    exposure: float = 1.0,
-    **common: "Unpack[CommonSettings]",
-) -> _InPasses:
-    """The core's settings of a bake, a kind (_core.BakeSettings or BakeSettings2).
-
-    error: in percent, where the bake may end, None is DEFAULT_ERROR; time: seconds after which it
-    ends with the pass in progress, None for no limit; exposure: radiance times this is a displayed
-    colour. common: see set_common. Raises LeaflightError.
-    """
-    settings = set_common(kind(), dims, **common)
-    settings.error = _positive("error", DEFAULT_ERROR if error is None else error, "percent")
-    settings.seconds = 0.0 if time is None else _positive("time", time, "seconds")
-    settings.exposure = exposure
-    return settings
-
-
-def set_common(
-    settings: _Settings,
-    dims: Sequence[int],
-    *,
-    resolution: int | Sequence[int] | None = None,
-    seed: int = 0,
-    threads: int = 0,
-    both_sides: bool = False,
-    walls: bool = False,
-) -> _Settings:
-    """The settings, with those that all bakes have, for nodes dims.
-
-    resolution: None, one number along the longest axis, or one for each axis. Raises
-    LeaflightError.
-    """
-    settings.resolution = _texels(resolution, dims)
-    settings.seed = whole("seed", seed, 0)
-    settings.threads = whole("threads", threads, 0)
-    settings.both_sides = bool(both_sides)
-    settings.walls = bool(walls)
-    return settings
 
 
 def _texels(resolution: Any, dims: Sequence[int]) -> tuple[int, ...]:

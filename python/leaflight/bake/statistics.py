@@ -2,8 +2,17 @@
 """The cost of a bake, and its estimated error."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import asdict, dataclass, replace
+from typing import Any, NamedTuple
+
+import leaflight._core as _core
+
+
+class SkippedPass(NamedTuple):
+    """A part of the work that the scene does not need, and why."""
+
+    name: str
+    reason: str
 
 
 @dataclass(frozen=True)
@@ -12,7 +21,7 @@ class Statistics:
 
     seconds: of the bake, without reading and writing files; rays: traced, lines included; texels:
     that hold radiance; peak_memory_bytes: of the process.
-    skipped_passes: (name, reason) of each part of the work that the scene does not need.
+    skipped_passes: of each part of the work that was left out a SkippedPass.
     passes, blocks: that the averages hold; stopped: a stop or the time ended the bake before it
     reached its error.
     estimated_error_percent: of what compare() calls rms_percent; estimated_noise_percent: its part
@@ -26,7 +35,7 @@ class Statistics:
     rays: int
     texels: int
     peak_memory_bytes: int
-    skipped_passes: tuple[tuple[str, str], ...]
+    skipped_passes: tuple[SkippedPass, ...]
     passes: int = 0
     blocks: int = 0
     stopped: bool = False
@@ -45,8 +54,35 @@ class Statistics:
         return {**asdict(self), "rays_per_second": self.rays_per_second}
 
 
-def statistics_of(record: Mapping[str, Any]) -> Statistics:
-    """The Statistics of a record(), or of the core. Raises KeyError, TypeError, ValueError."""
+def cost_of(baked: _core.Baked | _core.Baked2) -> Statistics:
+    """The Statistics of a bake that has no passes and estimates no error."""
+    known = baked.statistics
+    return Statistics(
+        seconds=known.seconds,
+        rays=known.rays,
+        texels=baked.texels,
+        peak_memory_bytes=known.peak_memory_bytes,
+        skipped_passes=tuple(SkippedPass(*each) for each in known.skipped),
+    )
+
+
+def statistics_of(baked: _core.Baked | _core.Baked2) -> Statistics:
+    """The Statistics of a bake in passes, but for estimated_rms_percent."""
+    known = baked.statistics
+    return replace(
+        cost_of(baked),
+        passes=known.passes,
+        blocks=known.blocks,
+        stopped=known.stopped,
+        estimated_error_percent=known.error_percent,
+        estimated_noise_percent=known.noise_percent,
+        worst_error_percent=known.worst_error_percent,
+        worst_isovalue=known.worst_isovalue,
+    )
+
+
+def statistics_from_record(record: Mapping[str, Any]) -> Statistics:
+    """The Statistics of a record(). Raises KeyError, TypeError, ValueError for any other."""
     known = {name: value for name, value in record.items() if name != "rays_per_second"}
-    skipped = tuple((str(name), str(reason)) for name, reason in known.pop("skipped_passes"))
+    skipped = tuple(SkippedPass(str(a), str(b)) for a, b in known.pop("skipped_passes"))
     return Statistics(skipped_passes=skipped, **known)

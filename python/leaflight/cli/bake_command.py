@@ -8,7 +8,7 @@ from dataclasses import asdict
 from typing import Any
 
 from .._core import Cancelled, LeaflightError, Progress
-from ..bake.bake import bake, worker_memory
+from ..bake.bake import bake, task_of, worker_memory
 from ..bake.baked import Bake
 from ..bake.checkpoint import Checkpoint, checkpoint_for, read_recipe
 from ..bake.estimate import Estimate, estimate
@@ -227,7 +227,7 @@ def _worker_estimate(
 ) -> list[str]:
     if options.workers is None and options.scheduler is None:
         return []
-    mebibytes = worker_memory(volumes, scene, **settings) / 2**20
+    mebibytes = worker_memory(task_of(volumes, scene, **settings)) / 2**20
     return [f"each worker would hold about {mebibytes:.0f} MiB of light and values"]
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .._core import Cancelled, LeaflightError, Progress
-from ..bake.bake import asked_provenance, bake
+from ..bake.bake import bake, task_of
 from ..bake.load_bake import load_bake
 from ..bake.provenance import Provenance
 from ..cluster.tasks import at_workers
@@ -62,7 +62,7 @@ def bake_line(options: Namespace, threads: int) -> dict[str, Any]:
     start = time.perf_counter()
     volumes, scene = to_light(options, ".vdb")
     settings = {**bake_settings(options), "threads": threads}
-    asked = asked_provenance(volumes, scene, **settings)
+    asked = task_of(volumes, scene, **settings).provenance
     if _is_baked(options.out, asked):
         return {"out": options.out, "seconds": None}
     checkpoint = checkpoint_of(options, resumed=True)

@@ -6,10 +6,11 @@ Exit status: 0; 1 when a report finds an error that is not what it must be; 2 af
 is one line on stderr; 130 after Ctrl-C; after the last two nothing is written.
 """
 
+import warnings
 from argparse import Namespace
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import leaflight._core as _core
 import numpy as np
@@ -17,7 +18,9 @@ import numpy as np
 from .._core import Cancelled, LeaflightError, Progress
 from ..bake.baked import Bake, Surface
 from ..bake.load_bake import load_bake
+from ..bake.outcome import outcome
 from ..bake.photons import Photons, trace_photons
+from ..bake.settings import UnusedSetting
 from ..flatland.flat_scene import load_flat_scene
 from ..flatland.flatland import (
     FlatBake,
@@ -49,7 +52,10 @@ def run(options: Namespace, command: Command | None = None) -> int:
     """
     command = command or COMMANDS[options.command]
     try:
-        result, sentences = command(options)
+        with warnings.catch_warnings():
+            warnings.simplefilter("always", UnusedSetting)
+            warnings.showwarning = _print_warning
+            result, sentences = command(options)
     except Cancelled as end:
         print_error(str(end))
         return 130
@@ -65,6 +71,18 @@ def run(options: Namespace, command: Command | None = None) -> int:
     if not print_lines([*sentences, json_line(result)] if options.json else sentences):
         return 2
     return 0 if result.get("passed", True) else 1
+
+
+def _print_warning(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
+    """In the place of warnings.showwarning()."""
+    print_error(str(message))
 
 
 def _info(options: Namespace) -> Output:
@@ -234,6 +252,7 @@ def _flatland(options: Namespace) -> Output:
     return result, [
         f"{options.out}: isovalues {lo:g}..{hi:g} in {baked.scene.name}, "
         f"{by(result['resolution'])} texels, {result['seconds']:.1f} s",
+        outcome(baked),
         f"{png}: isolines {', '.join(f'{isovalue:g}' for isovalue in isolines)}",
     ]
 

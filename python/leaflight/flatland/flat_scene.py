@@ -10,8 +10,9 @@ A scene file of flatland is a JSON object with the keys "name", "coordinates", "
                   each shines to the left of its edge
 """
 
+import json
 import os
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import leaflight._core as _core
@@ -66,6 +67,28 @@ def load_flat_scene(path: str | os.PathLike[str]) -> FlatScene:
         [_wall(item) for item in root.named("meshes", "mesh")],
         [_lamp(item) for item in root.named("lights", "light")],
         root.choice("coordinates", ("world", "box")),
+    )
+
+
+def flat_scene_to_json(scene: FlatScene) -> str:
+    """The text of the scene file of a FlatScene."""
+    return json.dumps(
+        {
+            "name": scene.name,
+            "coordinates": scene.coordinates,
+            "isosurface_albedo": scene.isosurfaces.albedo,
+            "exposure": scene.exposure,
+            "meshes": [
+                {
+                    "name": wall.name,
+                    "albedo": wall.albedo,
+                    "vertices": np.asarray(wall.vertices).tolist(),
+                    "segments": np.asarray(wall.segments).tolist(),
+                }
+                for wall in scene.walls
+            ],
+            "lights": [asdict(lamp) for lamp in scene.lamps],
+        }
     )
 
 

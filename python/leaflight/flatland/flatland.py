@@ -7,10 +7,10 @@ of its irradiance in every direction, where a surface in space sends a / pi.
 """
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import leaflight._core as _core
 import numpy as np
@@ -18,16 +18,19 @@ from numpy.typing import ArrayLike
 
 from .._core import LeaflightError
 from ..arrays import Array
-from ..bake.settings import bake_settings, range_to_bake
+from ..bake.checkpoint import Checkpoint
+from ..bake.provenance import Provenance, provenance_of
+from ..bake.settings import BakeOptions, BakeSettings, CommonSettings, range_to_bake
 from ..bake.statistics import Statistics, statistics_of
 from ..io.images import display_colours, luminance, read_pixels
 from ..progress_bar import with_progress
 from ..volume.setting_error import check_is_baked
 from ..volume.volume import Volume, on_unit_cube
-from .flat_scene import FlatScene, core_flat_scene, fit_flat_scene, flat_box
+from .flat_scene import FlatScene, core_flat_scene, fit_flat_scene, flat_box, flat_scene_to_json
 
 if TYPE_CHECKING:
     from PIL.Image import Image
+    from typing_extensions import Unpack
 
 # What makes a scene of the plane about as bright as the same scene in space (thesis 3.4.3).
 BRIGHTNESS_CORRECTION = 2.0 / np.pi
@@ -52,7 +55,8 @@ class Isolines:
 class FlatBake:
     """A height field, the scene in world coordinates, and the radiance of all its isolines.
 
-    isovalues: (lo, hi), the baked range; grid: _core.RadianceGrid2; statistics as of a Bake.
+    isovalues: (lo, hi), the baked range; grid: _core.RadianceGrid2; statistics, provenance, id: as
+    of a Bake.
     """
 
     volume: Volume
@@ -60,6 +64,11 @@ class FlatBake:
     isovalues: tuple[float, float]
     grid: _core.RadianceGrid2
     statistics: Statistics
+    provenance: Provenance
+
+    @property
+    def id(self) -> str:
+        return self.provenance.id
 
     def texture(self) -> Array:
         """Radiance, linear float32 [y, x, RGB]; zero where no isoline of the range passes."""
@@ -116,33 +125,55 @@ def bake_flatland(
     volume: Volume,
     scene: FlatScene | None = None,
     *,
-    isovalues: Sequence[float] | None = None,
-    error: float | None = None,
-    time: float | None = None,
-    resolution: int | Sequence[int] | None = None,
-    seed: int = 0,
-    threads: int = 0,
+    on_pass: Callable[[FlatBake], object] | None = None,
     progress: _core.Progress | None = None,
+    checkpoint: Checkpoint | None = None,
+    **settings: "Unpack[BakeOptions]",
 ) -> FlatBake:
     """Computes the radiance of every isoline of a height field whose isovalue lies in the range.
 
     scene: FlatScene, fitted around the height field; None is flat_box().
-    resolution: texels along the longest axis, or (nx, ny); the rest as for leaflight.bake.
+    settings: BakeSettings by their names, as of leaflight.bake, but for both_sides and walls.
+    resolution: texels along the longest axis, or (nx, ny). on_pass, progress, checkpoint: as of
+        leaflight.bake.
     Returns a FlatBake. Raises LeaflightError for input that cannot be baked, Cancelled.
     """
-    scene, isovalue_range, core = flat_placed(volume, scene, isovalues)
-    settings = bake_settings(
-        _core.BakeSettings2,
-        volume.flat_field().dims,
-        error=error,
-        time=time,
-        exposure=BRIGHTNESS_CORRECTION * scene.exposure,
-        resolution=resolution,
-        seed=seed,
-        threads=threads,
-    )
-    baked = _core.bake2(core, settings, progress or _core.Progress())
-    return FlatBake(volume, scene, isovalue_range, baked.grids[0], statistics_of(baked.statistics))
+    asked = BakeSettings(**settings)
+    refuse_sides(asked)
+    scene, isovalue_range, core = flat_placed(volume, scene, asked.isovalues)
+    exposure = BRIGHTNESS_CORRECTION * scene.exposure
+    of_core = asked.core(_core.BakeSettings2, volume.flat_field().dims, exposure)
+    provenance = flat_provenance(volume, scene, isovalue_range, of_core)
+
+    def whole(baked: _core.Baked2) -> FlatBake:
+        statistics = statistics_of(baked)
+        known = provenance.after(baked.grids, statistics.passes, statistics.blocks)
+        return FlatBake(volume, scene, isovalue_range, baked.grids[0], statistics, known)
+
+    look = None if on_pass is None else lambda baked: on_pass(whole(baked))
+    rest = checkpoint.arguments(provenance) if checkpoint else {}
+    return whole(_core.bake2(core, of_core, progress or _core.Progress(), on_pass=look, **rest))
+
+
+def flat_provenance(
+    volume: Volume,
+    scene: FlatScene,
+    isovalue_range: tuple[float, float],
+    settings: _core.BakeSettings2 | _core.FixedSettings2,
+    fixed: Mapping[str, Any] | None = None,
+) -> Provenance:
+    """That of a FlatBake before its first pass; settings, fixed: as of provenance_of()."""
+    text = flat_scene_to_json(scene)
+    return provenance_of([volume], [scene.isosurfaces], text, isovalue_range, settings, fixed)
+
+
+def refuse_sides(asked: CommonSettings) -> None:
+    """Raises SettingError for light that a FlatBake does not hold."""
+    for name, wished in (("both_sides", asked.both_sides), ("walls", asked.walls)):
+        if wished:
+            raise SettingError(
+                f"Flatland bakes the fronts of isolines alone, without {name}: leave it out.", name
+            )
 
 
 def flat_placed(

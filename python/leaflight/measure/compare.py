@@ -2,13 +2,18 @@
 """How far a bake is from the path-traced truth on one isosurface, or on a mesh around it."""
 
 import time
-from typing import Any
+from dataclasses import astuple
+from typing import TYPE_CHECKING, Any
 
 from .._core import LeaflightError, Progress
 from ..bake.baked import Bake
 from ..progress_bar import with_progress
+from .sampling import Sampling, SamplingOptions
 from .sides import IsosurfaceSide, MeshSide
 from .truth import errors_of
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 @with_progress("compare")
@@ -16,21 +21,19 @@ def compare(
     bake: Bake,
     isovalue: float,
     *,
-    points: int = 3000,
-    spp: int = 1024,
-    seed: int = 0,
-    threads: int = 0,
-    progress: Progress | None = None,
     volume: int = 0,
     back: bool = False,
     mesh: str | None = None,
     reference: str = "path",
+    progress: Progress | None = None,
+    **sampling: "Unpack[SamplingOptions]",
 ) -> dict[str, Any]:
     """Compares baked with path-traced radiance at random points of one volume's isosurface.
 
     back: on its back; mesh: the name of a mesh of the walls to compare on instead,
     back then being the side from which its normals point away. reference: "path", the core's own
-    path tracer, or "cycles" (cycles.py). spp: paths a point.
+    path tracer, or "cycles" (cycles.py). progress: as of leaflight.bake.
+    sampling: Sampling by its names: points (3000), spp, paths a point (1024), seed, threads.
     `isovalue` is the common isovalue, as everywhere in a Bake.
 
     The points are distributed by area over the marching-cubes triangles; the bake is looked up
@@ -55,6 +58,7 @@ def compare(
     and points, spp, reference, isovalue, triangles, bake_seconds, reference_seconds.
     Raises LeaflightError, Cancelled.
     """
+    points, spp, seed, threads = astuple(Sampling(**sampling))
     if points < 1 or spp < 2:
         raise LeaflightError("compare needs at least 1 point and 2 samples per point.")
     side: IsosurfaceSide | MeshSide

@@ -33,6 +33,7 @@ from ..arrays import Array
 from ..scene.on_mesh import positions, random_facets
 from ..scene.scene import Isosurfaces, Mesh, SceneDescription, isovalue_at, ramp_at
 from ..volume.setting_error import SettingError
+from .sampling import Sampling, Target
 
 SCRIPT = Path(__file__).with_name("cycles_scene.py")
 # Runs with different seeds, whose spread gives the standard error.
@@ -66,24 +67,17 @@ def measure(
     description: SceneDescription,
     fields: Sequence[Field],
     c: float,
+    target: Target = Target(),
+    sampling: Sampling = Sampling(),
     *,
-    volume: int = 0,
-    mesh: int | None = None,
-    back: bool = False,
-    points: int = 3000,
-    samples: int = 1024,
-    seed: int = 0,
-    threads: int = 0,
     detail: int = 1,
     progress: Progress | None = None,
 ) -> Measured:
     """Radiance by Cycles on the isosurface of a volume, or on a mesh of the walls: a Measured.
 
     description: in world coordinates, with one Isosurfaces for each of the fields (_core.Field); c:
-    the common isovalue; volume, mesh: numbers of the one to measure, the mesh if both are given;
-    back: its back, or that against its normals. points: about how many; samples: paths a point;
-    threads: 0 takes every core. detail: marching cubes runs on cells cut into detail^3; 1 is the
-    mesh that users see. Raises LeaflightError, Cancelled.
+    the common isovalue. detail: marching cubes runs on cells cut into detail^3; 1 is the mesh that
+    users see. Raises LeaflightError, Cancelled.
     """
     # A finer mesh is no better judge of diffuse isosurfaces: the trilinear isosurface has kinks at
     # the faces of cells, where the smooth normal sees light that the facet faces away from (see
@@ -92,15 +86,16 @@ def measure(
     # which bends light by its facets, needs the finer mesh.
     isosurfaces = [_isosurface(description, field, k, c, detail) for k, field in enumerate(fields)]
     meshes = [_mesh(mesh) for mesh in description.meshes]
-    target = isosurfaces[volume] if mesh is None else meshes[mesh]
-    if len(target.corners["triangles"]) == 0:
-        raise LeaflightError(f'"{target.look["name"]}" has no surface here; choose another value.')
-    probes, pixels, size, target.corners["target_uv"] = _lay_out(target, points, seed)
-    if back:
-        target.flip()
-    settings, arrays = _scene(description, isosurfaces + meshes, target, threads)
+    lit = isosurfaces[target.volume] if target.mesh is None else meshes[target.mesh]
+    if len(lit.corners["triangles"]) == 0:
+        raise LeaflightError(f'"{lit.look["name"]}" has no surface here; choose another value.')
+    seed = sampling.seed
+    probes, pixels, size, lit.corners["target_uv"] = _lay_out(lit, sampling.points, seed)
+    if target.back:
+        lit.flip()
+    settings, arrays = _scene(description, isosurfaces + meshes, lit, sampling.threads)
     settings["image_size"] = size
-    each = -(-samples // PASSES)
+    each = -(-sampling.spp // PASSES)
     settings["passes"] = [(each, seed * PASSES + number) for number in range(PASSES)]
     radiance, _ = _run(settings, arrays | {"pixels": pixels}, progress)
     return Measured(probes, radiance.astype(np.float64))

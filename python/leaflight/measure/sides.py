@@ -5,7 +5,6 @@ isovalue always is the common isovalue. spp: paths a point; seed, threads, progr
 """
 
 from dataclasses import replace
-from typing import Any
 
 import leaflight._core as _core
 import numpy as np
@@ -16,6 +15,7 @@ from ..bake.baked import Bake
 from ..scene.on_mesh import positions, random_places, random_points
 from ..scene.scene import Isosurfaces, Mesh
 from .cycles import measure
+from .sampling import Sampling, Target
 from .truth import Truth, parts_of
 
 # Random rays by which a point shows itself to the outside.
@@ -75,9 +75,8 @@ class IsosurfaceSide:
         self, count: int, spp: int, seed: int, threads: int, progress: Progress | None
     ) -> Truth:
         """The Truth of Cycles at about so many random points."""
-        where = {"volume": self.volume, "back": self.back}
-        work = {"seed": seed, "threads": threads, "progress": progress}
-        return self._of_visible(_by_cycles(self.bake, self.isovalue, count, spp, **where, **work))
+        target, sampling = Target(self.volume, None, self.back), Sampling(count, spp, seed, threads)
+        return self._of_visible(_by_cycles(self.bake, self.isovalue, target, sampling, progress))
 
     def _of_visible(self, truth: Truth) -> Truth:
         """The same; points inside another volume's isosurface, which are hidden, have no weight."""
@@ -138,8 +137,7 @@ class MeshSide:
         passes = min(PASSES, spp)
         radiance, _ = self.bake.mesh_reference(
             self.number,
-            np.tile(facets, passes),
-            np.tile(coordinates, (passes, 1)),
+            (np.tile(facets, passes), np.tile(coordinates, (passes, 1))),
             self.isovalue,
             -(-spp // passes),
             seed,
@@ -152,9 +150,9 @@ class MeshSide:
     def by_cycles(
         self, count: int, spp: int, seed: int, threads: int, progress: Progress | None
     ) -> Truth:
-        where = {"mesh": self.number, "back": self.back}
-        work = {"seed": seed, "threads": threads, "progress": progress}
-        return _by_cycles(self.bake, self.isovalue, count, spp, **where, **work)
+        target = Target(mesh=self.number, back=self.back)
+        sampling = Sampling(count, spp, seed, threads)
+        return _by_cycles(self.bake, self.isovalue, target, sampling, progress)
 
     def baked(self, points: Array) -> Array:
         return self.bake.mesh_radiance(self.number, points, self.isovalue, self.back)
@@ -175,7 +173,10 @@ def _check_diffuse(look: Isosurfaces | Mesh) -> None:
         )
 
 
-def _by_cycles(bake: Bake, isovalue: float, points: int, spp: int, **where: Any) -> Truth:
+def _by_cycles(
+    bake: Bake, isovalue: float, target: Target, sampling: Sampling, progress: Progress | None
+) -> Truth:
     fields = [volume.field() for volume in bake.volumes]
-    found = measure(bake.scene, fields, isovalue, points=points, samples=spp, **where)
-    return Truth.measured(found)
+    return Truth.measured(
+        measure(bake.scene, fields, isovalue, target, sampling, progress=progress)
+    )

@@ -3,18 +3,15 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, astuple, dataclass
-from typing import TYPE_CHECKING, Any, TypedDict, TypeVar
+from typing import Any, TypeVar
 
 import leaflight._core as _core
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .._core import LeaflightError
-from ..bake.settings import CommonSettings, set_common, whole
+from ..bake.settings import CommonOptions, CommonSettings, whole
 from ..bake.provenance import sha256
-
-if TYPE_CHECKING:
-    from typing_extensions import Unpack
 
 _Settings = TypeVar("_Settings", _core.FixedSettings, _core.FixedSettings2)
 
@@ -51,7 +48,7 @@ class Scattered:
     radius: int = 3
 
 
-class Samples(TypedDict, total=False):
+class SampleOptions(CommonOptions, total=False):
     """FixedSamples by their names."""
 
     samples: int
@@ -64,8 +61,8 @@ class Samples(TypedDict, total=False):
 
 
 @dataclass(frozen=True, eq=False)
-class FixedSamples:
-    """How much a bake does, as leaflight.thesis.bake has it."""
+class FixedSamples(CommonSettings):
+    """The settings of a bake with a fixed number of samples; bake() explains them."""
 
     samples: int = 32
     photons: int = 2_000_000
@@ -75,17 +72,12 @@ class FixedSamples:
     scattered: Scattered | None = None
     only_at: ArrayLike | None = None
 
-    def core(
-        self,
-        kind: Callable[[], _Settings],
-        dims: Sequence[int],
-        **common: "Unpack[CommonSettings]",
-    ) -> _Settings:
-        """The core's settings, a kind (_core.FixedSettings or FixedSettings2).
+    def core(self, kind: Callable[[], _Settings], dims: Sequence[int]) -> _Settings:
+        """The core's settings, a kind (_core.FixedSettings or FixedSettings2), for nodes dims.
 
-        common: of set_common. Raises LeaflightError.
+        Raises LeaflightError.
         """
-        settings = set_common(kind(), dims, **common)
+        settings = self.set_common(kind(), dims)
         settings.samples = whole("samples", self.samples, 1)
         settings.photons = whole("photons", self.photons, 1)
         settings.caustic_photons = whole("caustic_photons", self._caustic_photons, 0)

@@ -2,9 +2,11 @@
 """Images as graphs with isolines, lit within the plane."""
 
 import bpy
+import leaflight
 import numpy as np
 import pytest
 from leaflight import _core, flatland
+from leaflight_addon.bake import bake_flatland
 from leaflight_addon.show import graph_object, surface_object
 from leaflight_addon.stage import scene_export
 from tools import close, colours_of, error_of, smooth_image, vertices_of
@@ -59,6 +61,21 @@ def check_isolines_are_tubes_about_the_cores(bump_graph):
     width = bump_graph.leaflight_flat.width
     close(np.linalg.norm(rings - middles[:, None], axis=-1), 0.5 * width, 1e-5)
     assert len(lines.data.polygons) == 4 * sum(len(segments) for *_, segments in expected)
+
+
+def check_passes_are_shown_until_the_bake_is_cancelled(lit):
+    before = colours_of(lit)
+    lit.leaflight_flat.error, lit.leaflight_flat.seed = 0.1, 1
+    job = bake_flatland.FlatBakeJob(lit)
+    job.run(leaflight.Progress())
+    job.show()
+    y, x = np.mgrid[:48, :48] / 47.0
+    expected = 2 / np.pi * job.latest.radiance(np.column_stack([x.ravel(), y.ravel()]))
+    shown = colours_of(lit)
+    close(shown, expected, 1e-4)
+    assert not np.array_equal(shown, before)
+    assert job.ended() == job.cancelled
+    close(colours_of(lit), before, 1e-6)
 
 
 def check_both_show_the_bake(lit):

@@ -53,7 +53,7 @@ Index<D> map_resolution(const Field<D>& field, const IsovalueRange& isovalue_ran
 template <int D>
 DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
                             const std::vector<LightPoint<D>>& points, const Index<D>& resolution,
-                            bool back, Progress& progress, bool quick)
+                            bool back, Progress& progress, double spacing)
     : isovalue_range_(tracer.scene().volumes[volume].isovalues(tracer.scene().isovalue_range)),
       albedo_(tracer.scene().volumes[volume].albedo),
       emission_(tracer.scene().volumes[volume].emission),
@@ -68,7 +68,7 @@ DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
                                isovalue_range_.min, isovalue_range_.max);
   std::atomic<bool> any_dark{false};
   const std::size_t count = points_.size(), active = maps->lattice.active.size();
-  const VisibilitySweep<D> sweep(tracer, volume, maps->lattice, true, quick);
+  const VisibilitySweep<D> sweep(tracer, volume, maps->lattice, true, spacing);
   std::vector<std::unique_ptr<VisibilityThrough<D>>> others;
   for (int other = 0; other < static_cast<int>(tracer.scene().volumes.size()); ++other) {
     if (other == volume) continue;

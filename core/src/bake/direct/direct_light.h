@@ -28,10 +28,10 @@ template <int D>
 class DirectLight {
  public:
   // Of a volume by its number; `resolution`: of the maps; `back`: of the backs, too, which
-  // needs the scene's only volume; `quick`: as VisibilitySweep has it. The result is the same for
+  // needs the scene's only volume; `spacing`: as VisibilitySweep has it. The result is the same for
   // any number of threads. Throws Cancelled.
   DirectLight(const SceneTracer<D>& tracer, int volume, const std::vector<LightPoint<D>>& points,
-              const Index<D>& resolution, bool back, Progress& progress, bool quick = false);
+              const Index<D>& resolution, bool back, Progress& progress, double spacing = 1);
 
   // With other strengths of the scene's lights: a factor per channel for each. Shares the maps.
   DirectLight scaled(const std::vector<Rgb>& lights) const;

@@ -15,8 +15,6 @@
 namespace leaflight {
 namespace {
 
-// Voxels between neighbouring lines at most, where texels are not finer.
-constexpr double widest_spacing = 1;
 // Stands for masked voxels: no isosurface passes beside them.
 constexpr float masked_code = -1e9f;
 
@@ -71,26 +69,36 @@ struct Fan {
   }
 };
 
+// What all sweeps through a volume share, as VisibilitySweep has it.
+template <int D>
+struct SweptVolume {
+  const SceneTracer<D>& tracer;
+  int volume;
+  const TexelLattice<D>& nodes;
+  Voxels turned;
+  double spacing;
+};
+
 // The sweep along one axis, in one sense: of the nodes that the light reaches that way.
 template <int D>
 class AxisSweep {
  public:
-  AxisSweep(const SceneTracer<D>& tracer, int volume, const Voxels& turned,
-            const LightSource<D>& source, const TexelLattice<D>& nodes, const VisibilityCode& code,
-            bool meshes, bool quick, int axis, int sense)
-      : tracer_(tracer),
-        field_(tracer.scene().volumes[volume].field),
-        turned_(turned),
+  AxisSweep(const SweptVolume<D>& of, const LightSource<D>& source, const VisibilityCode& code,
+            bool meshes, int axis, int sense)
+      : tracer_(of.tracer),
+        field_(tracer_.scene().volumes[of.volume].field),
+        turned_(of.turned),
         source_(source),
-        nodes_(nodes),
+        nodes_(of.nodes),
         code_(code),
         axis_(axis),
         sense_(sense),
-        to_frame_(tracer.index_to_frame(volume)),
-        planes_(field_, nodes, axis),
+        to_frame_(tracer_.index_to_frame(of.volume)),
+        planes_(field_, nodes_, axis),
         meshes_(meshes),
-        quick_(quick) {
-    if (quick) {
+        spacing_(of.spacing) {
+    const double width = nodes_.voxels_per_texel[axis];
+    if (spacing_ >= width) {
       auto& all = planes_.planes;
       const auto is_between = [](const auto& plane) { return plane.texel < 0; };
       all.erase(std::remove_if(all.begin(), all.end(), is_between), all.end());
@@ -99,7 +107,6 @@ class AxisSweep {
       if (a != axis) across_[b++] = a;
     }
     const Affine<D> to_index = inverse(to_frame_);
-    const double width = nodes.voxels_per_texel[axis];
     const auto count = static_cast<int>(planes_.planes.size());
     for (int i = 0; i < count; ++i) order_.push_back(sense > 0 ? i : count - 1 - i);
     if (source.infinite) {
@@ -116,7 +123,7 @@ class AxisSweep {
     }
     // The voxels' coordinate of each plane, from the light on.
     for (const int i : order_) t_.push_back(sense * (width * planes_.planes[i].z - from_));
-    delay_ = count > 1 ? (count - 1) / (nodes.resolution[axis] - 1) : 1;
+    delay_ = count > 1 ? (count - 1) / (nodes_.resolution[axis] - 1) : 1;
     ring_.resize(delay_ + 1);
   }
 
@@ -150,8 +157,7 @@ class AxisSweep {
  private:
   bool reached(int q) const { return source_.infinite || t_[q] > 0; }
   double widest_between(int b) const {
-    const double width = nodes_.voxels_per_texel[across_[b]];
-    return widest_spacing * (quick_ ? width : std::min(1.0, width));
+    return std::min(spacing_, nodes_.voxels_per_texel[across_[b]]);
   }
   int u_lines() const { return fans_[0].count; }
   int v_lines() const { return D == 3 ? fans_[D - 2].count : 1; }
@@ -356,7 +362,8 @@ class AxisSweep {
   int axis_, sense_;
   Affine<D> to_frame_;
   Planes<D> planes_;
-  bool meshes_, quick_;
+  bool meshes_;
+  double spacing_;
   std::array<int, 2> across_{};
   std::array<Fan, static_cast<std::size_t>(D - 1)> fans_;
   std::vector<int> order_;  // of the planes, as the light passes them
@@ -389,8 +396,8 @@ LargeArray<Value> turned(const Field<D>& field, const Value* values) {
 
 template <int D>
 VisibilitySweep<D>::VisibilitySweep(const SceneTracer<D>& tracer, int volume,
-                                    const TexelLattice<D>& nodes, bool meshes, bool quick)
-    : tracer_(tracer), volume_(volume), nodes_(nodes), meshes_(meshes), quick_(quick) {
+                                    const TexelLattice<D>& nodes, bool meshes, double spacing)
+    : tracer_(tracer), volume_(volume), nodes_(nodes), meshes_(meshes), spacing_(spacing) {
   const Field<D>& field = tracer.scene().volumes[volume].field;
   std::visit([&](const auto* values) { turned_ = turned(field, values); }, field.values);
 }
@@ -402,11 +409,11 @@ void VisibilitySweep<D>::run(const LightSource<D>& source, const VisibilityCode&
   const bool meshes =
       meshes_ && (source.infinite ? !tracer_.meshes().empty()
                                   : meshes_near(tracer_, volume_, &source.position));
-  const Voxels turned =
-      std::visit([](const auto& values) -> Voxels { return values.data(); }, turned_);
+  const SweptVolume<D> swept{
+      tracer_, volume_, nodes_,
+      std::visit([](const auto& values) -> Voxels { return values.data(); }, turned_), spacing_};
   const auto run_along = [&](int axis, int sense) {
-    AxisSweep<D>(tracer_, volume_, turned, source, nodes_, code, meshes, quick_, axis, sense)
-        .run(found, progress);
+    AxisSweep<D>(swept, source, code, meshes, axis, sense).run(found, progress);
   };
   if (source.infinite) {
     const Vec<D> way = inverse(tracer_.index_to_frame(volume_)).vector(source.direction);

@@ -36,10 +36,11 @@ struct VisibilityCode {
 template <int D>
 class VisibilitySweep {
  public:
-  // `meshes`: whether the walls end the way. `quick`: planes and lines are as far apart as
-  // nodes, which may miss what is thinner. All that is given must outlive it.
+  // `meshes`: whether the walls end the way. `spacing`: voxels between lines and between planes at
+  // most, where nodes are not nearer to each other; above 1 they may miss what is thinner. All that
+  // is given must outlive it.
   VisibilitySweep(const SceneTracer<D>& tracer, int volume, const TexelLattice<D>& nodes,
-                  bool meshes = true, bool quick = false);
+                  bool meshes = true, double spacing = 1);
 
   // From a point of light, into as many codes as there are nodes.
   void run(const LightSource<D>& source, const VisibilityCode& code,
@@ -49,7 +50,8 @@ class VisibilitySweep {
   const SceneTracer<D>& tracer_;
   int volume_;
   const TexelLattice<D>& nodes_;
-  bool meshes_, quick_;
+  bool meshes_;
+  double spacing_;
   // The field's values, axis 0 slowest, so that its planes lie together.
   std::variant<LargeArray<float>, LargeArray<std::uint8_t>, LargeArray<std::int16_t>,
                LargeArray<std::uint16_t>>

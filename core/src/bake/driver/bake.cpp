@@ -12,14 +12,9 @@ namespace leaflight {
 template <int D>
 Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, Progress& progress,
               const BakeHooks<D>& hooks) {
-  return bake(scene, settings, make_plan(scene, settings), progress, hooks);
-}
-
-template <int D>
-Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
-              Progress& progress, const BakeHooks<D>& hooks) {
   validate(scene);
   validate(settings);
+  const Plan plan = make_plan(scene, settings);
   const auto start = std::chrono::steady_clock::now();
   const auto finish = [&](Baked<D>& baked) {
     baked.statistics.seconds =
@@ -42,10 +37,6 @@ Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan
 }
 
 template Baked<2> bake(const Scene<2>&, const BakeSettings<2>&, Progress&, const BakeHooks<2>&);
-template Baked<2> bake(const Scene<2>&, const BakeSettings<2>&, const Plan&, Progress&,
-                       const BakeHooks<2>&);
 template Baked<3> bake(const Scene<3>&, const BakeSettings<3>&, Progress&, const BakeHooks<3>&);
-template Baked<3> bake(const Scene<3>&, const BakeSettings<3>&, const Plan&, Progress&,
-                       const BakeHooks<3>&);
 
 }  // namespace leaflight

@@ -30,9 +30,4 @@ template <int D>
 Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, Progress& progress,
               const BakeHooks<D>& hooks = {});
 
-// The same with a plan of the caller's.
-template <int D>
-Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
-              Progress& progress, const BakeHooks<D>& hooks = {});
-
 }  // namespace leaflight

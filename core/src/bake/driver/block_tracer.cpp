@@ -36,7 +36,7 @@ BlockTracer::BlockTracer(const Scene<3>& scene, const BakeSettings<3>& settings,
   validate(scene);
   validate(settings);
   parts_ = std::make_unique<Parts>(scene, settings, progress);
-  if (!parts_->lit.takes_lines()) {
+  if (!parts_->plan.lines) {
     throw Error("Only bakes in passes by lines have blocks that others can trace.");
   }
 }

@@ -64,7 +64,6 @@ LineBake<D>::LineBake(LitScene<D>& scene, std::size_t volume, BakeTexels<D> texe
       settings_(scene.settings),
       plan_(scene.plan),
       progress_(scene.progress),
-      rays_(scene.rays),
       previous_(previous),
       workers_(workers),
       texels_(std::move(texels.shown)),
@@ -91,7 +90,7 @@ void LineBake<D>::add(int blocks, const std::function<bool()>& go_on) {
   bool stopped = false;
   while (!previous_ && bounces_ < bounces && !stopped) {
     const std::array<Rgb, 2> before{mean_of(indirect_sides_[0]), mean_of(indirect_sides_[1])};
-    indirect_->add_block(gathered(), progress_, rays_, bounce_directions);
+    indirect_->add_block(gathered(), progress_, bounce_directions);
     learn_indirect();
     const bool was_last = ++bounces_ == bounces;
     // All bounces are along the same directions, so that they compare.
@@ -112,9 +111,9 @@ void LineBake<D>::add(int blocks, const std::function<bool()>& go_on) {
   for (int i = 0; i < blocks && !stopped; ++i) {
     const std::string bytes = workers_ ? workers_->take(indirect_->next_block()) : std::string();
     if (bytes.empty()) {
-      indirect_->add_block(gathered(), progress_, rays_);
+      indirect_->add_block(gathered(), progress_);
     } else {
-      indirect_->add_block_of_others(bytes, progress_, rays_);
+      indirect_->add_block_of_others(bytes, progress_);
     }
     stopped = ended();
   }
@@ -260,7 +259,7 @@ WallRadiance<D> LineBake<D>::walls() {
   }
   const PointSampler<D> sampler{lights_, isosurfaces, photons_.walls.get(), false};
   return light_walls(volume_.tracer, sampler, estimator.get(), walls_samples, settings_.seed,
-                     progress_, rays_);
+                     progress_);
 }
 
 template <int D>
@@ -270,8 +269,7 @@ void LineBake<D>::trace_photons(const TexelLattice<D>& texels, std::uint64_t cou
   settings.photons = count;
   settings.wall_samples = wall_samples;
   lattices_ = {texels};
-  photons_ =
-      trace_into_caches(volume_.tracer, lights_, lattices_, settings, plan_, progress_, rays_);
+  photons_ = trace_into_caches(volume_.tracer, lights_, lattices_, settings, plan_, progress_);
 }
 
 template <int D>

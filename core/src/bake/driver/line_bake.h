@@ -79,7 +79,6 @@ class LineBake final : public Integrator<D> {
   const BakeSettings<D>& settings_;
   const Plan& plan_;
   Progress& progress_;
-  std::atomic<std::uint64_t>& rays_;
   const PreviousLight<D>* previous_;  // may be null
   const BlockWorkers* workers_;       // may be null
   IndexedLattice<D> texels_;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <atomic>
 #include <memory>
 
 #include "bake/direct/direct_light.h"
@@ -23,7 +22,6 @@ struct LitScene {
   std::vector<LineVolume<D>> volumes;
   // Of each volume, once it is known; null where no texel stores light.
   std::vector<std::shared_ptr<const DirectLight<D>>> direct;
-  std::atomic<std::uint64_t> rays{0};
 
   // Throws Error where lights are walled in.
   LitScene(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
@@ -35,8 +33,6 @@ struct LitScene {
   bool stores_light_of(std::size_t volume) const {
     return tracer.scene().volumes[volume].scattering == Scattering::diffuse;
   }
-  // Whether lines through the volume can light it: one volume, and nothing specular.
-  bool takes_lines() const { return volumes.size() == 1 && !plan.specular && stores_light_of(0); }
   // Computes the maps of the points of `split`; `texels`: the resolution of each volume's.
   void learn_direct(const std::vector<Index<D>>& texels);
 

@@ -55,15 +55,15 @@ class Passes {
 
   Baked<D> run() {
     progress_.check();
-    if (hooks_.workers && !scene_.takes_lines()) {
+    if (hooks_.workers && !scene_.plan.lines) {
       throw Error(
           "Workers share the lines through one volume without mirrors or glass; bake without "
           "them.");
     }
     std::vector<BakeTexels<D>> texels;
     for (const LineVolume<D>& volume : scene_.volumes) {
-      texels.push_back(scene_.takes_lines() ? pass_texels(volume, scene_.settings)
-                                            : ray_texels(volume, scene_.settings));
+      texels.push_back(scene_.plan.lines ? pass_texels(volume, scene_.settings)
+                                         : ray_texels(volume, scene_.settings));
     }
     std::vector<Index<D>> shown;
     for (const BakeTexels<D>& one : texels) {
@@ -96,7 +96,7 @@ class Passes {
 
   std::unique_ptr<Integrator<D>> integrator(std::vector<BakeTexels<D>> texels,
                                             const Previous* previous, const BlockWorkers* workers) {
-    if (!scene_.takes_lines()) {
+    if (!scene_.plan.lines) {
       return std::make_unique<RayBake<D>>(scene_, std::move(texels), previous);
     }
     const PreviousLight<D>* light = previous ? &previous->front() : nullptr;
@@ -169,7 +169,11 @@ class Passes {
       if (cut || over(0)) return last(*bake_, std::move(baked), true);
       const int next = next_blocks(*bake_, target);
       if (next <= blocks_) return last(*bake_, std::move(baked), false);
-      if (hooks_.on_pass) hooks_.on_pass(std::move(baked));
+      if (hooks_.on_pass) {
+        // Where isosurfaces store no light, the walls are all that there is to see.
+        if (count_ == 0) baked.walls = bake_->walls();
+        hooks_.on_pass(std::move(baked));
+      }
       // What was shown is what is left.
       if (over(0)) return last(*bake_, whole(*bake_), true);
       blocks_ = next;
@@ -198,13 +202,16 @@ class Passes {
     const int own_layout = layout;
     archive(layout);
     if (layout != own_layout) throw Error("The checkpoint is of another Leaflight; bake anew.");
-    std::uint64_t traced = scene_.rays;
+    const std::uint64_t before = rays();
+    std::uint64_t traced = before;
     archive(traced);
     archive(passes_);
     archive(blocks_);
     bake_->serialize(archive);
-    scene_.rays = traced;
+    progress_.count_rays(traced - before);
   }
+
+  std::uint64_t rays() const { return progress_.rays() - first_rays_; }
 
   bool over(double to_come) const {
     const double seconds = scene_.settings.seconds;
@@ -218,7 +225,7 @@ class Passes {
     std::size_t texels = 0;
     for (const RadianceGrid<D>& grid : baked.grids) texels += grid.texels();
     seconds_a_texel_ = seconds_since(begin) / static_cast<double>(std::max<std::size_t>(1, texels));
-    baked.statistics.rays = scene_.rays;
+    baked.statistics.rays = rays();
     baked.statistics.passes = passes_;
     baked.statistics.blocks = bake.blocks();
     const IsovalueError error = bake.errors().all();
@@ -231,7 +238,7 @@ class Passes {
   // A bake's last pass, which has the walls, too.
   Baked<D> last(Integrator<D>& bake, Baked<D> baked, bool stopped) {
     if (scene_.plan.walls) baked.walls = bake.walls();
-    baked.statistics.rays = scene_.rays;
+    baked.statistics.rays = rays();
     baked.statistics.stopped = stopped;
     return baked;
   }
@@ -240,8 +247,9 @@ class Passes {
   const BakeHooks<D>& hooks_;
   LitScene<D> scene_;
   Progress& progress_;
-  std::size_t count_ = 0;  // of all texels
-  double work_ = 0;        // of direct light
+  const std::uint64_t first_rays_ = progress_.rays();  // of others, before
+  std::size_t count_ = 0;                              // of all texels
+  double work_ = 0;                                    // of direct light
   int passes_ = 0;
   int before_ = 0, blocks_ = 0;  // blocks of the previous bake, and those after the pass
   double seconds_a_texel_ = 0;   // that whole() takes

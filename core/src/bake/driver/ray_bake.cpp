@@ -89,8 +89,7 @@ void RayBake<D>::add_block(int number, bool texels) {
     });
   }
   if (walls_) {
-    walls_->add(from(false), estimator.get(), {seed, 0, vertex_samples}, scene_.progress,
-                scene_.rays);
+    walls_->add(from(false), estimator.get(), {seed, 0, vertex_samples}, scene_.progress);
   }
 }
 
@@ -99,11 +98,8 @@ PhotonCaches<D> RayBake<D>::trace_caustics(std::uint64_t seed) const {
   PhotonSettings settings;
   settings.seed = seed;
   settings.caustic_photons = photons_;
-  Plan plan = scene_.plan;
-  plan.photons = false;
-  plan.wall_cache = !scene_.tracer.meshes().empty();
-  return trace_into_caches(scene_.tracer, scene_.lights, lattices_, settings, plan, scene_.progress,
-                           scene_.rays);
+  return trace_into_caches(scene_.tracer, scene_.lights, lattices_, settings, scene_.plan,
+                           scene_.progress);
 }
 
 // Of isosurfaces as if they were white.
@@ -129,7 +125,7 @@ void RayBake<D>::gather(std::size_t volume, bool back, const PointSampler<D>& fr
                                   moments.sums[s].add(Imath::V3f(radiance), 1);
                                 });
         }
-        scene_.rays += rays;
+        scene_.progress.count_rays(rays);
       });
 }
 

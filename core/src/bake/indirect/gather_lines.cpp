@@ -237,16 +237,15 @@ Rgb Gathering<D>::isosurface_radiance(const LineBundle<D>& line, int lane, int k
 }  // namespace
 
 template <int D>
-void gather_along_lines(const LineVolume<D>& volume, const IndexedLattice<D>& texels,
-                        const GatheredRadiance<D>& from, const Vec<D>& direction, int spacing,
-                        const std::array<double, 2>& offset, std::uint64_t key, Progress& progress,
-                        std::atomic<std::uint64_t>& lines, SideMoments& moments) {
+std::uint64_t gather_along_lines(const LineVolume<D>& volume, const IndexedLattice<D>& texels,
+                                 const GatheredRadiance<D>& from, const Vec<D>& direction,
+                                 int spacing, const std::array<double, 2>& offset,
+                                 std::uint64_t key, Progress& progress, SideMoments& moments) {
   const TexelLattice<D>& lattice = texels.lattice;
   const Gathering<D> gathering{volume, texels, from, key, moments};
   const LineSet<D> set =
       parallel_lines(lattice, inverse(gathering.to_frame).vector(direction), spacing, offset);
   const Planes<D> planes(volume.volume().field, lattice, set.axis);
-  lines += set.lines();
   const std::size_t sources = std::max<std::size_t>(1, from.direct.sources());
   for_each_bundle(
       volume, lattice, set, planes, progress, [&] { return GatherLines<D>(planes.planes.size()); },
@@ -254,15 +253,16 @@ void gather_along_lines(const LineVolume<D>& volume, const IndexedLattice<D>& te
         own.source = Random::mix(key ^ number) % sources;
         gathering.add(bundle, own);
       });
+  return set.lines();
 }
 
-template void gather_along_lines<2>(const LineVolume<2>&, const IndexedLattice<2>&,
-                                    const GatheredRadiance<2>&, const Vec<2>&, int,
-                                    const std::array<double, 2>&, std::uint64_t, Progress&,
-                                    std::atomic<std::uint64_t>&, SideMoments&);
-template void gather_along_lines<3>(const LineVolume<3>&, const IndexedLattice<3>&,
-                                    const GatheredRadiance<3>&, const Vec<3>&, int,
-                                    const std::array<double, 2>&, std::uint64_t, Progress&,
-                                    std::atomic<std::uint64_t>&, SideMoments&);
+template std::uint64_t gather_along_lines<2>(const LineVolume<2>&, const IndexedLattice<2>&,
+                                             const GatheredRadiance<2>&, const Vec<2>&, int,
+                                             const std::array<double, 2>&, std::uint64_t, Progress&,
+                                             SideMoments&);
+template std::uint64_t gather_along_lines<3>(const LineVolume<3>&, const IndexedLattice<3>&,
+                                             const GatheredRadiance<3>&, const Vec<3>&, int,
+                                             const std::array<double, 2>&, std::uint64_t, Progress&,
+                                             SideMoments&);
 
 }  // namespace leaflight

@@ -26,11 +26,11 @@ struct GatheredRadiance {
 // line crosses it adds the light that the isosurface there would reflect if it were white. A ray
 // back along the line from a point of value h hits the isosurface of h at the last plane before
 // whose value is at least h (on the back: at most h). A stack finds these planes for all points of
-// a line together ("previous greater element").
+// a line together ("previous greater element"). Returns the number of lines.
 template <int D>
-void gather_along_lines(const LineVolume<D>& volume, const IndexedLattice<D>& texels,
-                        const GatheredRadiance<D>& from, const Vec<D>& direction, int spacing,
-                        const std::array<double, 2>& offset, std::uint64_t key, Progress& progress,
-                        std::atomic<std::uint64_t>& lines, SideMoments& moments);
+std::uint64_t gather_along_lines(const LineVolume<D>& volume, const IndexedLattice<D>& texels,
+                                 const GatheredRadiance<D>& from, const Vec<D>& direction,
+                                 int spacing, const std::array<double, 2>& offset,
+                                 std::uint64_t key, Progress& progress, SideMoments& moments);
 
 }  // namespace leaflight

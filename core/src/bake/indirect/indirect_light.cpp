@@ -43,8 +43,8 @@ void IndirectLight<D>::clear(bool again) {
 
 template <int D>
 void IndirectLight<D>::add_block(const GatheredRadiance<D>& from, Progress& progress,
-                                 std::atomic<std::uint64_t>& lines, int directions) {
-  trace(drawn_, from, progress, lines, directions);
+                                 int directions) {
+  progress.count_rays(trace(drawn_, from, progress, directions));
   close_block(progress);
 }
 
@@ -57,17 +57,16 @@ void IndirectLight<D>::add_block_by(const std::function<void(SideMoments&)>& fil
 }
 
 template <int D>
-void IndirectLight<D>::add_block_of_others(const std::string& bytes, Progress& progress,
-                                           std::atomic<std::uint64_t>& lines) {
-  add_block_by([&](SideMoments& moments) { lines += take_block(bytes, moments); }, progress);
+void IndirectLight<D>::add_block_of_others(const std::string& bytes, Progress& progress) {
+  add_block_by([&](SideMoments& moments) { progress.count_rays(take_block(bytes, moments)); },
+               progress);
   progress.advance(cost());
 }
 
 template <int D>
 std::string IndirectLight<D>::traced_block(int number, const GatheredRadiance<D>& from,
                                            Progress& progress) {
-  std::atomic<std::uint64_t> lines{0};
-  trace(number, from, progress, lines, directions_per_block);
+  const std::uint64_t lines = trace(number, from, progress, directions_per_block);
   std::string bytes = block_bytes(moments_, lines);
   release();
   return bytes;
@@ -79,17 +78,19 @@ void IndirectLight<D>::release() {
 }
 
 template <int D>
-void IndirectLight<D>::trace(int number, const GatheredRadiance<D>& from, Progress& progress,
-                             std::atomic<std::uint64_t>& lines, int directions) {
+std::uint64_t IndirectLight<D>::trace(int number, const GatheredRadiance<D>& from,
+                                      Progress& progress, int directions) {
   for (TexelMoments& side : moments_) side.open();
   Random random = random_for(seed_, Purpose::gather_lines, number);
   const std::uint64_t direction_key = random.bits(), offset_key = random.bits();
+  std::uint64_t lines = 0;
   for (int i = 0; i < directions; ++i) {
-    gather_along_lines(volume_, texels_, from, line_direction<D>(sobol_point(i, direction_key)),
-                       spacing_, sobol_point(i, offset_key), random.bits(), progress, lines,
-                       moments_);
+    lines +=
+        gather_along_lines(volume_, texels_, from, line_direction<D>(sobol_point(i, direction_key)),
+                           spacing_, sobol_point(i, offset_key), random.bits(), progress, moments_);
     progress.advance(cost() / directions_per_block);
   }
+  return lines;
 }
 
 template <int D>

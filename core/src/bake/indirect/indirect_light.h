@@ -23,12 +23,11 @@ class IndirectLight {
 
   // One block of directions, given the light to look up; all blocks that are averaged have as many.
   void add_block(const GatheredRadiance<D>& from, Progress& progress,
-                 std::atomic<std::uint64_t>& lines, int directions = directions_per_block);
+                 int directions = directions_per_block);
   // One of which fill() makes the open sums.
   void add_block_by(const std::function<void(SideMoments&)>& fill, Progress& progress);
   // One that a BlockTracer has traced, as block_bytes(); its number is next_block().
-  void add_block_of_others(const std::string& bytes, Progress& progress,
-                           std::atomic<std::uint64_t>& lines);
+  void add_block_of_others(const std::string& bytes, Progress& progress);
   int next_block() const { return drawn_; }
   // A block of this number for another that has asked for it.
   std::string traced_block(int number, const GatheredRadiance<D>& from, Progress& progress);
@@ -46,8 +45,9 @@ class IndirectLight {
   std::vector<HalfDifference> halves(bool back) const;
 
  private:
-  void trace(int number, const GatheredRadiance<D>& from, Progress& progress,
-             std::atomic<std::uint64_t>& lines, int directions);
+  // Returns the number of lines.
+  std::uint64_t trace(int number, const GatheredRadiance<D>& from, Progress& progress,
+                      int directions);
   void close_block(Progress& progress);
 
   LineVolume<D> volume_;

@@ -26,7 +26,7 @@ template <int D>
 PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampler<D>& lights,
                                   const std::vector<TexelLattice<D>>& lattices,
                                   const PhotonSettings& settings, const Plan& plan,
-                                  Progress& progress, std::atomic<std::uint64_t>& rays) {
+                                  Progress& progress) {
   const bool lights_walls = settings.wall_samples > 0;
   const std::uint64_t photons =
       (plan.photons ? settings.photons : 0) + (plan.caustics ? settings.caustic_photons : 0);
@@ -56,8 +56,8 @@ PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampl
     };
     parallel_range(count, photons_per_piece, rays_per_photon, progress,
                    [&](std::size_t begin, std::size_t end) {
-                     rays += trace_photons(tracer, lights, paths, settings.seed, begin, end, count,
-                                           store);
+                     progress.count_rays(trace_photons(tracer, lights, paths, settings.seed, begin,
+                                                       end, count, store));
                    });
   };
   if (plan.photons) {
@@ -77,18 +77,16 @@ PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampl
     for (std::size_t e = begin; e < end; ++e) {
       walls.finish(e, lights, settings.wall_samples, settings.seed, traced);
     }
-    rays += traced;
+    progress.count_rays(traced);
   });
   return caches;
 }
 
 template PhotonCaches<2> trace_into_caches(const SceneTracer<2>&, const LightSampler<2>&,
                                            const std::vector<TexelLattice<2>>&,
-                                           const PhotonSettings&, const Plan&, Progress&,
-                                           std::atomic<std::uint64_t>&);
+                                           const PhotonSettings&, const Plan&, Progress&);
 template PhotonCaches<3> trace_into_caches(const SceneTracer<3>&, const LightSampler<3>&,
                                            const std::vector<TexelLattice<3>>&,
-                                           const PhotonSettings&, const Plan&, Progress&,
-                                           std::atomic<std::uint64_t>&);
+                                           const PhotonSettings&, const Plan&, Progress&);
 
 }  // namespace leaflight

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <atomic>
 #include <memory>
 
 #include "bake/plan/plan.h"
@@ -29,11 +28,11 @@ struct PhotonSettings {
 };
 
 // Traces the photons, and the caustic photons, that the plan asks for. The lattices, one per
-// volume, must live as long as the caches. Adds the rays traced to `rays`.
+// volume, must live as long as the caches.
 template <int D>
 PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampler<D>& lights,
                                   const std::vector<TexelLattice<D>>& lattices,
                                   const PhotonSettings& settings, const Plan& plan,
-                                  Progress& progress, std::atomic<std::uint64_t>& rays);
+                                  Progress& progress);
 
 }  // namespace leaflight

@@ -76,8 +76,11 @@ bool light_in_domain(const Scene<D>& scene, const Volume<D>& volume) {
 
 template <int D>
 Plan make_plan(const Scene<D>& scene, const BakeSettings<D>& settings) {
-  static const IndirectMethod passes{"passes", true, true, false};
-  return make_plan(scene, passes, settings.both_sides, settings.walls);
+  static const IndirectMethod lines{"line", true, true, false}, paths{"path", false, true, false};
+  const bool takes_lines = scene.volumes.size() == 1 && !has_specular(scene);
+  Plan plan = make_plan(scene, takes_lines ? lines : paths, settings.both_sides, settings.walls);
+  plan.lines = takes_lines;
+  return plan;
 }
 
 template <int D>
@@ -108,7 +111,9 @@ Plan make_plan(const Scene<D>& scene, const IndirectMethod& method, bool both_si
   } else if (scene.meshes.empty()) {
     skip(&Plan::walls, "radiance of the walls", "nothing surrounds the volume");
   }
-  if (!plan.photons && !(plan.caustics && plan.walls)) {
+  // Light that photons bring and something reflects.
+  const bool is_carried = plan.photons || (plan.indirect && plan.caustics);
+  if (!is_carried && !(plan.caustics && plan.walls)) {
     skip(&Plan::wall_cache, "cache of the walls", "no photons are traced");
   } else if (scene.meshes.empty()) {
     skip(&Plan::wall_cache, "cache of the walls", "nothing surrounds the volume");
@@ -122,7 +127,7 @@ Plan make_plan(const Scene<D>& scene, const IndirectMethod& method, bool both_si
   }
   const std::string dark =
       "every isosurface of the isovalue range is closed and no light stands within the volume";
-  if (!plan.photons) {
+  if (!is_carried) {
     skip(&Plan::back_side, "back", "no photons are traced");
   } else if (!open && !inside) {
     skip(&Plan::back_side, "back", dark);

@@ -17,6 +17,7 @@ struct SkippedPass {
 
 // Which passes a bake needs. Each pass that is left out is listed with its reason.
 struct Plan {
+  bool lines = false;      // lines through the one volume light it; otherwise paths
   bool indirect = true;    // indirect light that has bounced before it reaches the texel
   bool specular = true;    // rays go on after mirrors and glass
   bool caustics = true;    // photons that come by mirrors and glass

@@ -10,23 +10,21 @@ namespace leaflight {
 template <int D>
 WallRadiance<D> light_walls(const SceneTracer<D>& tracer, const PointSampler<D>& sampler,
                             const IndirectEstimator<D>* estimator, int samples, std::uint64_t seed,
-                            Progress& progress, std::atomic<std::uint64_t>& rays) {
+                            Progress& progress) {
   const SplitLight<D> split = split_light(tracer);  // the sampler refers to it
   const LightSampler<D> wide(tracer, split);
   const PointSampler<D> but_points{wide, sampler.isosurfaces, sampler.walls, sampler.caustics};
   WallLight<D> walls(tracer);
   const int half = std::max(1, samples / 2);
   for (const int first : {0, half}) {
-    walls.add(but_points, estimator, {seed, first, half}, progress, rays);
+    walls.add(but_points, estimator, {seed, first, half}, progress);
   }
   return walls.radiance(progress);
 }
 
 template WallRadiance<2> light_walls(const SceneTracer<2>&, const PointSampler<2>&,
-                                     const IndirectEstimator<2>*, int, std::uint64_t, Progress&,
-                                     std::atomic<std::uint64_t>&);
+                                     const IndirectEstimator<2>*, int, std::uint64_t, Progress&);
 template WallRadiance<3> light_walls(const SceneTracer<3>&, const PointSampler<3>&,
-                                     const IndirectEstimator<3>*, int, std::uint64_t, Progress&,
-                                     std::atomic<std::uint64_t>&);
+                                     const IndirectEstimator<3>*, int, std::uint64_t, Progress&);
 
 }  // namespace leaflight

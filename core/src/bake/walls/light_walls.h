@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <atomic>
-
 #include "bake/texels/point_sampler.h"
 #include "bake/walls/wall_radiance.h"
 #include "math/progress.h"
@@ -14,11 +12,10 @@ namespace leaflight {
 inline constexpr int walls_share = 2;
 
 // The radiance of both sides of the diffuse walls (wall_light.h) by so many samples per
-// vertex and node. The estimator may be null where there is no indirect light. Adds the rays traced
-// to `rays`.
+// vertex and node. The estimator may be null where there is no indirect light.
 template <int D>
 WallRadiance<D> light_walls(const SceneTracer<D>& tracer, const PointSampler<D>& sampler,
                             const IndirectEstimator<D>* estimator, int samples, std::uint64_t seed,
-                            Progress& progress, std::atomic<std::uint64_t>& rays);
+                            Progress& progress);
 
 }  // namespace leaflight

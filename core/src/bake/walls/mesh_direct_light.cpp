@@ -49,12 +49,12 @@ BlockingIsovalues blocking(const WayTo<D>& way, const LightSource<D>& source, Su
 template <int D>
 MeshDirectLight<D>::MeshDirectLight(const SceneTracer<D>& tracer,
                                     const std::vector<SubdividedMesh<D>>& meshes,
-                                    Progress& progress, bool quick)
+                                    Progress& progress, std::size_t share)
     : sets_(interleaved_points(tracer)), scales_(tracer.lights().size() + 1, Rgb(1)) {
   auto ways = std::make_shared<std::vector<MeshWays>>(meshes.size());
   for (std::size_t m = 0; m < meshes.size(); ++m) {
     if (tracer.meshes()[m].scattering != Scattering::diffuse) continue;
-    (*ways)[m] = ways_of(tracer, meshes[m].fine, progress, quick);
+    (*ways)[m] = ways_of(tracer, meshes[m].fine, progress, share);
   }
   meshes_ = std::move(ways);
 }
@@ -71,7 +71,7 @@ template <int D>
 typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTracer<D>& tracer,
                                                                   const FineMesh<D>& mesh,
                                                                   Progress& progress,
-                                                                  bool quick) const {
+                                                                  std::size_t share) const {
   const std::size_t vertices = mesh.vertices.size(), points = sets_[0].size();
   MeshWays of{MeshNeighbours(vertices, mesh.facets), {}, {}, {}, {}};
   of.sets.resize(vertices);
@@ -92,7 +92,7 @@ typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTra
               const WayTo<D> way(source, from);
               of.unshadowed[way.share < 0][(light < 0 ? lights - 1 : light) * vertices + v] +=
                   Vec<3, float>(source.amount) * static_cast<float>(std::abs(way.share));
-              if (set != of.sets[v] || (quick && (i + set) % quick_share != 0)) continue;
+              if (set != of.sets[v] || (i + set) % share != 0) continue;
               const BlockingIsovalues isosurfaces = blocking(way, source, from, tracer);
               of.ways[v * points + i] = {static_cast<float>(isosurfaces.greatest),
                                          static_cast<float>(way.share)};

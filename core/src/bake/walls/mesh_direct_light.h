@@ -19,9 +19,10 @@ namespace leaflight {
 template <int D>
 class MeshDirectLight {
  public:
-  // `quick`: one way of every `quick_share` is traced for the shadow. Throws Cancelled.
+  // One way of every `share` is traced for the shadow; neighbours have other ones. Throws
+  // Cancelled.
   MeshDirectLight(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes,
-                  Progress& progress, bool quick = false);
+                  Progress& progress, std::size_t share = 1);
 
   // With other strengths of the scene's lights: a factor per channel for each. Shares the ways.
   MeshDirectLight scaled(const std::vector<Rgb>& lights) const;
@@ -52,11 +53,8 @@ class MeshDirectLight {
   const std::vector<std::vector<LightPoint<D>>>& sets() const { return sets_; }
 
  private:
-  // Neighbours then have other ways, and together as many as there are points.
-  static constexpr std::size_t quick_share = light_point_sets;
-
   MeshWays ways_of(const SceneTracer<D>& tracer, const FineMesh<D>& mesh, Progress& progress,
-                   bool quick) const;
+                   std::size_t share) const;
 
   std::vector<std::vector<LightPoint<D>>> sets_;
   std::vector<Rgb> scales_;                              // of the lights, and 1

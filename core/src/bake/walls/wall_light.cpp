@@ -50,8 +50,8 @@ template <int D>
 std::vector<Vec<3, float>> WallLight<D>::means(std::size_t mesh, bool back, std::size_t stride,
                                                const PointSampler<D>& from,
                                                const IndirectEstimator<D>* estimator,
-                                               const WallSamples& samples, Progress& progress,
-                                               std::atomic<std::uint64_t>& rays) const {
+                                               const WallSamples& samples,
+                                               Progress& progress) const {
   const FineMesh<D>& lit = meshes_[mesh].coarse;
   const std::size_t n = (lit.places.size() + stride - 1) / stride;
   std::vector<Vec<3, float>> means(n * IsovalueNodes::count);
@@ -74,15 +74,14 @@ std::vector<Vec<3, float>> WallLight<D>::means(std::size_t mesh, bool back, std:
                      }
                      means[e] = Vec<3, float>(sum / samples.count);
                    }
-                   rays += traced;
+                   progress.count_rays(traced);
                  });
   return means;
 }
 
 template <int D>
 void WallLight<D>::add(const PointSampler<D>& from, const IndirectEstimator<D>* estimator,
-                       const WallSamples& samples, Progress& progress,
-                       std::atomic<std::uint64_t>& rays) {
+                       const WallSamples& samples, Progress& progress) {
   progress.begin("Radiance of the walls");
   for (std::size_t m = 0; m < meshes_.size(); ++m) {
     for (const bool back : {false, true}) {
@@ -90,11 +89,11 @@ void WallLight<D>::add(const PointSampler<D>& from, const IndirectEstimator<D>* 
       if (sums[0].empty()) continue;
       // A side that is dark at some of its points for all c is taken to be dark.
       if (added_ == 0 &&
-          is_dark(means(m, back, probe_stride, from, estimator, samples, progress, rays))) {
+          is_dark(means(m, back, probe_stride, from, estimator, samples, progress))) {
         sums = {};
         continue;
       }
-      const auto found = means(m, back, 1, from, estimator, samples, progress, rays);
+      const auto found = means(m, back, 1, from, estimator, samples, progress);
       std::vector<Vec<3, float>>& half = sums[added_ % 2];
       for (std::size_t e = 0; e < half.size(); ++e) half[e] += found[e];
     }

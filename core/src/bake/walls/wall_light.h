@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <atomic>
-
 #include "bake/texels/checkpoint.h"
 #include "bake/texels/isovalue_error.h"
 #include "bake/texels/point_sampler.h"
@@ -29,9 +27,9 @@ class WallLight {
   // Vertices at nodes, of both sides.
   double entries() const;
   // For one half, in turns. `from`: of all light but that of points. The estimator may be null
-  // where there is no indirect light. Adds the rays traced to `rays`.
+  // where there is no indirect light.
   void add(const PointSampler<D>& from, const IndirectEstimator<D>* estimator,
-           const WallSamples& samples, Progress& progress, std::atomic<std::uint64_t>& rays);
+           const WallSamples& samples, Progress& progress);
   // How often samples were added.
   int blocks() const { return added_; }
   // Its state.
@@ -45,8 +43,7 @@ class WallLight {
   std::vector<Vec<3, float>> means(std::size_t mesh, bool back, std::size_t stride,
                                    const PointSampler<D>& from,
                                    const IndirectEstimator<D>* estimator,
-                                   const WallSamples& samples, Progress& progress,
-                                   std::atomic<std::uint64_t>& rays) const;
+                                   const WallSamples& samples, Progress& progress) const;
   Halves smoothed(std::size_t mesh, bool back, Progress& progress) const;
   bool is_diffuse(std::size_t mesh) const {
     return tracer_.scene().meshes[mesh].scattering == Scattering::diffuse;

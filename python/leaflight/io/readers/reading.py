@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 
@@ -26,13 +26,27 @@ from .smoothing import smoothed, source_of
 from .stored import StoredVolume
 from .watched import watched
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
 DOWNSAMPLE = (1, 2, 4, 8)
 MOST_SMOOTH = 10.0
+
+
+class StoredOptions(TypedDict, total=False):
+    """What a kind of file leaves open; read_volume() explains them."""
+
+    dims: Sequence[int] | None
+    type: str | None
+    endian: str | None
+    spacing: float | Sequence[float] | None
+    grid: str | None
+    level: int | None
+    dataset: str | None
+
+
 # What read_volume() can be told beside the path.
-OPTIONS = (
-    *("dims", "type", "endian", "spacing", "grid"),
-    *("frame", "channel", "level", "dataset", "downsample", "smooth"),
-)
+OPTIONS = (*StoredOptions.__annotations__, "frame", "channel", "downsample", "smooth")
 
 _NOT_IN_DEBIAN = {"imagecodecs"}
 
@@ -57,21 +71,16 @@ class MissingPackage(LeaflightError):
 def read_volume(
     path: str | os.PathLike[str],
     *,
-    dims: Sequence[int] | None = None,
-    type: str | None = None,
-    endian: str | None = None,
-    spacing: float | Sequence[float] | None = None,
-    grid: str | None = None,
     frame: int | None = None,
     channel: int | None = None,
-    level: int | None = None,
-    dataset: str | None = None,
     downsample: int | None = None,
     smooth: float | None = None,
     progress: Progress | None = None,
+    **stored: "Unpack[StoredOptions]",
 ) -> Volume:
     """Reads a scalar volume from a file of one of SUFFIXES or from a folder of slices.
 
+    stored: StoredOptions by their names, what a kind of file leaves open, as follow.
     dims: of a .raw (nx, ny, nz); of scattered points the nodes along x, y and z, or one number,
         those along the longest side.
     type ("uint8", "float32", ...), endian ("little", "big"): of the values in a .raw.
@@ -88,8 +97,6 @@ def read_volume(
     Raises Cancelled.
     """
     assert progress is not None
-    chosen: dict[str, Any] = dict(dims=dims, type=type, endian=endian, spacing=spacing, grid=grid)
-    chosen.update(level=level, dataset=dataset)
     path = Path(path)
     if downsample is not None and downsample not in DOWNSAMPLE:
         raise SettingError(
@@ -103,15 +110,15 @@ def read_volume(
             f"{path}: smooth must be 0 to {MOST_SMOOTH:g} voxels, not {smooth:g}.", "smooth"
         )
     with _sentences(path) as kind:
-        stored = _opened(path, kind(), chosen)
+        opened = _opened(path, kind(), stored)
         # Files of channels alone were read by `frame` before there was `channel`.
-        if channel is None and stored.frames == 1 and stored.channels > 1:
+        if channel is None and opened.frames == 1 and opened.channels > 1:
             frame, channel = None, frame
-        frame = choose(path, "frame", frame, stored.frames)
-        channel = choose(path, "channel", channel, stored.channels)
+        frame = choose(path, "frame", frame, opened.frames)
+        channel = choose(path, "channel", channel, opened.channels)
         step = downsample or 1
-        _check_memory(path, stored, step)
-        volume = stored.load(frame, channel, progress)
+        _check_memory(path, opened, step)
+        volume = opened.load(frame, channel, progress)
         values, matrix = volume.values, volume.index_to_world
         if step > 1:
             values = downsampled(path, values, step, progress)
@@ -122,8 +129,8 @@ def read_volume(
             values=values,
             index_to_world=matrix,
             source=source_of(path, smooth),
-            unit=stored.unit,
-            patient=stored.patient,
+            unit=opened.unit,
+            patient=opened.patient,
         )
     progress.begin("Looking at the values")
     progress.check()
@@ -131,28 +138,27 @@ def read_volume(
     return volume
 
 
-def probe(path: str | os.PathLike[str], **options: Any) -> StoredVolume:
+def probe(path: str | os.PathLike[str], **stored: "Unpack[StoredOptions]") -> StoredVolume:
     """What the file tells of its volume before its voxels are read: a StoredVolume.
 
-    options: those of read_volume() that say where in the file it is: dims, type, endian, spacing,
-        grid, level, dataset; without a choice that is needed the file's own list of them comes
+    stored: as of read_volume(); without a choice that is needed the file's own list of them comes
         back, with dims None. Raises LeaflightError.
     """
     path = Path(path)
     with _sentences(path) as kind:
-        return _opened(path, kind(), options)
+        return _opened(path, kind(), stored)
 
 
-def _opened(path: Path, kind: Format, options: dict[str, Any]) -> StoredVolume:
-    options = {name: value for name, value in options.items() if value is not None}
+def _opened(path: Path, kind: Format, stored: StoredOptions) -> StoredVolume:
+    options: dict[str, Any] = {name: value for name, value in stored.items() if value is not None}
     for name in options:
         if name not in kind.options:
             raise SettingError(
                 f"{path}: {name} has no meaning for this kind of file; leave it out.", name
             )
     reader = import_module(f".{kind.module}", __package__)
-    stored: StoredVolume = reader.open_volume(path, **options)
-    return stored
+    opened: StoredVolume = reader.open_volume(path, **options)
+    return opened
 
 
 @contextmanager
