@@ -24,7 +24,7 @@ from ..bake.settings import BakeOptions, BakeSettings, CommonSettings, range_to_
 from ..bake.statistics import Statistics, statistics_of
 from ..io.images import display_colours, luminance, read_pixels
 from ..progress_bar import with_progress
-from ..volume.setting_error import check_is_baked
+from ..volume.setting_error import SettingError, check_is_baked
 from ..volume.volume import Volume, on_unit_cube
 from .flat_scene import FlatScene, core_flat_scene, fit_flat_scene, flat_box, flat_scene_to_json
 
