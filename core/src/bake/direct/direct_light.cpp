@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <limits>
 
 #include "bake/direct/visibility_through.h"
 #include "math/parallel.h"
@@ -76,6 +77,7 @@ DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
   }
   for (int side = 0; side < (back ? 2 : 1); ++side) {
     maps->codes[side].resize(active * count + block);  // whole blocks are read
+    maps->least[side].assign(active, VisibilityCode::dark);
     const VisibilityCode code{isovalue_range_, side != 0};
     for (std::size_t first = 0; first < count; first += points_at_once) {
       const std::size_t some = std::min(points_at_once, count - first);
@@ -91,8 +93,10 @@ DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
       parallel_range(active, 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t s = begin; s < end; ++s) {
           std::uint8_t* to = &maps->codes[side][s * count + first];
+          std::uint8_t& least = maps->least[side][s];
           for (std::size_t i = 0; i < some; ++i) {
             to[i] = found[i][maps->lattice.active[s]];
+            least = std::min(least, to[i]);
             if (to[i] == VisibilityCode::dark) any_dark = true;
           }
         }
@@ -141,6 +145,35 @@ void DirectLight<D>::fill_blocks() {
     for (int i = 0; i < 3; ++i) of.amount[i][k] = static_cast<float>(source.amount[i]);
     if (source.cone) of.cones.push_back(static_cast<int>(k));
   }
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    bound(blocks_[b], b * block, std::min(points_.size(), (b + 1) * block));
+  }
+}
+
+template <int D>
+void DirectLight<D>::bound(Block& of, std::size_t first, std::size_t end) const {
+  Box<D> box;
+  for (std::size_t n = first; n < end; ++n) {
+    const LightSource<D>& source = points_[n].source;
+    if (source.infinite) {
+      of.radius = std::numeric_limits<float>::infinity();
+      return;
+    }
+    box.extend(source.position);
+  }
+  of.centre = Vec<D, float>((box.low + box.high) * 0.5);
+  of.radius = static_cast<float>((box.high - box.low).length() * 0.5);
+}
+
+// Whether no point lights an isosurface of code `own`, whatever the weights of the texels are.
+template <int D>
+bool DirectLight<D>::is_dark(const TexelWeights<D>& near, bool back, float own) const {
+  for (int i = 0; i < (1 << D); ++i) {
+    if (near.weight[i] > 0 && own >= static_cast<float>(maps_->least[back][near.slot[i]]) - 1) {
+      return false;
+    }
+  }
+  return true;
 }
 
 template <int D>
@@ -201,6 +234,9 @@ template <int D>
 Rgb DirectLight<D>::radiance(const IsosurfacePoint<D>& point, bool back) const {
   const double h = point.value;
   if (std::isnan(h)) return Rgb(0);
+  const TexelWeights<D> near = linear_weights(maps_->lattice, point.position);
+  const float own = VisibilityCode{isovalue_range_, back}(h);
+  if (is_dark(near, back, own)) return Rgb(0);
   // Towards higher values, the back.
   const Vec<D> gradient = to_index_.pull_back_gradient(point.gradient);
   const double length = gradient.length();
@@ -211,12 +247,13 @@ Rgb DirectLight<D>::radiance(const IsosurfacePoint<D>& point, bool back) const {
   const Vec<D> place = to_frame_.point(point.position);
   const Receiver receiver{Vec<D, float>(place), Vec<D, float>(gradient * outward),
                           Vec<D, float>(surface * outward)};
-  const TexelWeights<D> near = linear_weights(maps_->lattice, point.position);
-  const float own = VisibilityCode{isovalue_range_, back}(h);
   std::array<float, 3> irradiance{};
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     const Block& of = blocks_[b];
-    Row share = arriving(of, receiver, shadows(b, near, back), own);
+    if (of.is_behind(receiver)) continue;
+    const Shadows in_shadow = shadows(b, near, back);
+    if (!in_shadow.any_lit(own)) continue;
+    Row share = arriving(of, receiver, in_shadow, own);
     for (const int k : of.cones) {
       if (!(share[k] > 0)) continue;
       const LightSource<D>& source = points_[b * block + k].source;

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "bake/direct/visibility_sweep.h"
+#include "math/box.h"
 #include "transport/light_points.h"
 
 namespace leaflight {
@@ -62,8 +63,14 @@ class DirectLight {
 
  private:
   // Points are taken so many at a time, by instructions that do the same for several.
-  static constexpr int block = 16;
+  static constexpr int block = 8;
   using Row = std::array<float, static_cast<std::size_t>(block)>;
+  // A place in the frame, and its normals on the side that is lit.
+  struct Receiver {
+    Vec<D, float> position, normal, geometric_normal;
+  };
+  // Of lengths, in single precision.
+  static constexpr float rounding = 1e-5f;
   // A block of points as numbers, filled up with dark ones. From a position x of the frame the way
   // from a point is x * near - at; its strength is the sum of `even`, of `front` times the cosine
   // to `normal` where that is positive, and of `both` times its absolute value.
@@ -72,16 +79,31 @@ class DirectLight {
     Row near{}, even{}, front{}, both{};
     std::array<Row, 3> amount{};
     std::vector<int> cones;  // points with one
+    // A ball in the frame that holds the points; infinite where light comes from afar.
+    Vec<D, float> centre{0.0f};
+    float radius = 0;
+
+    // Whether all points lie below the horizon of a receiver.
+    bool is_behind(const Receiver& seen) const {
+      const Vec<D, float> way = centre - seen.position;
+      return way.dot(seen.normal) + radius < -rounding * way.length();
+    }
   };
   // Of the points of a block: the greatest code on the way, and the part of a mesh's shadow.
   struct Shadows {
     Row greatest{}, dark{};
-  };
-  // A place in the frame, and its normals on the side that is lit.
-  struct Receiver {
-    Vec<D, float> position, normal, geometric_normal;
+
+    // Whether an isosurface of code `own` is lit from any point.
+    bool any_lit(float own) const {
+      bool any = false;
+      for (int k = 0; k < block; ++k) any |= greatest[k] < own;
+      return any;
+    }
   };
   void fill_blocks();
+  // Of points [first, end).
+  void bound(Block& of, std::size_t first, std::size_t end) const;
+  bool is_dark(const TexelWeights<D>& near, bool back, float own) const;
   Shadows shadows(std::size_t number, const TexelWeights<D>& near, bool back) const;
   // The irradiance at a receiver of code `own` from each point of a block, over the point's amount;
   // without cones.
@@ -97,6 +119,8 @@ class DirectLight {
     TexelLattice<D> lattice;
     // By side; [slot * points + point].
     std::array<std::vector<std::uint8_t>, 2> codes;
+    // The least of a texel's codes: isosurfaces of codes below it lie in the shadow of all points.
+    std::array<std::vector<std::uint8_t>, 2> least;
     bool has_dark = false;  // a mesh throws shadows into the volume
   };
   std::shared_ptr<const Maps> maps_;
@@ -114,7 +138,7 @@ template <int D>
 std::size_t map_bytes(const Field<D>& field, const IsovalueRange& isovalue_range,
                       const Index<D>& texels, std::size_t points) {
   const Index<D> resolution = map_resolution(field, isovalue_range, texels, points);
-  return active_texels(field, resolution, isovalue_range.min, isovalue_range.max) * points;
+  return active_texels(field, resolution, isovalue_range.min, isovalue_range.max) * (points + 1);
 }
 
 }  // namespace leaflight

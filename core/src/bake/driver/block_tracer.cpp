@@ -25,7 +25,7 @@ struct BlockTracer::Parts {
     arena.execute([&] {
       BakeTexels<3> texels = pass_texels(lit.volumes[0], settings);
       texels.photon_count = 0;
-      lit.learn_direct({texels.shown.lattice.resolution});
+      lit.learn_direct({texels.shown.lattice.resolution}, 1);
       bake = std::make_unique<LineBake<3>>(lit, 0, std::move(texels));
     });
   }

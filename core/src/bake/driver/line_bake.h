@@ -74,7 +74,8 @@ class LineBake final : public Integrator<D> {
   LineVolume<D> volume_;
   const LightSampler<D>& lights_;
   const SplitLight<D>& split_;
-  std::shared_ptr<const DirectLight<D>> direct_;
+  // Of the scene: coarser maps while the first picture is made.
+  const std::shared_ptr<const DirectLight<D>>& direct_;
   std::optional<EnvironmentSampler<D>> sky_;  // that has no points
   const BakeSettings<D>& settings_;
   const Plan& plan_;

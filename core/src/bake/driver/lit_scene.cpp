@@ -25,8 +25,9 @@ LitScene<D>::LitScene(const Scene<D>& scene, const BakeSettings<D>& settings_, c
 }
 
 template <int D>
-void LitScene<D>::learn_direct(const std::vector<Index<D>>& texels) {
+double LitScene<D>::learn_direct(const std::vector<Index<D>>& texels, double spacing) {
   progress.begin("Direct light");
+  double work = 0;
   // The light of backs would take two maps where other volumes stand in its way.
   const bool back = plan.back && volumes.size() == 1;
   for (std::size_t v = 0; v < volumes.size(); ++v) {
@@ -34,8 +35,10 @@ void LitScene<D>::learn_direct(const std::vector<Index<D>>& texels) {
     const Index<D> resolution = map_resolution(
         volumes[v].volume().field, volumes[v].isovalue_range(), texels[v], split.points.size());
     direct[v] = std::make_shared<const DirectLight<D>>(tracer, static_cast<int>(v), split.points,
-                                                       resolution, back, progress);
+                                                       resolution, back, progress, spacing);
+    work += static_cast<double>(direct[v]->lattice().texels());
   }
+  return work * static_cast<double>(split.points.size()) * (back ? 2 : 1);
 }
 
 template struct LitScene<2>;

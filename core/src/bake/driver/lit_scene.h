@@ -33,8 +33,9 @@ struct LitScene {
   bool stores_light_of(std::size_t volume) const {
     return tracer.scene().volumes[volume].scattering == Scattering::diffuse;
   }
-  // Computes the maps of the points of `split`; `texels`: the resolution of each volume's.
-  void learn_direct(const std::vector<Index<D>>& texels);
+  // Computes the maps of the points of `split`; `texels`: the resolution of each volume's;
+  // `spacing`: as VisibilitySweep has it. Returns how much work that was for the progress.
+  double learn_direct(const std::vector<Index<D>>& texels, double spacing);
 
  private:
   std::vector<EmptySpace<D>> empty_;  // of each volume, below the isovalue range

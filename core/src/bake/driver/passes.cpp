@@ -15,6 +15,8 @@ namespace {
 constexpr std::size_t most_without_preview = 200'000;
 // Blocks of a first picture, and of all passes at most.
 constexpr int preview_blocks = 2, most_blocks = 32;
+// How much wider the texels of its maps are, and the voxels between their lines.
+constexpr int preview_spacing = 2;
 // Bakes of fewer texels begin with four blocks, which take little time there.
 constexpr std::size_t few_texels = 1'500'000;
 // A pass that is out of time ends after so many.
@@ -73,18 +75,14 @@ class Passes {
     progress_.check();
     if (count_ == 0 && !scene_.plan.walls) throw nothing_to_bake(scene_.tracer.scene());
     const Previous* previous = previous_light(texels);
-    learn_direct(texels, shown);
+    expect(texels);
     passes_ = previous ? previous->front().passes() : 0;
     if (!previous && count_ > most_without_preview) {
       ++passes_;
-      if ((hooks_.on_pass || scene_.settings.seconds > 0) && !resumes()) {
-        preview_ = preview(shown);
-        preview_->add(preview_blocks);
-        Baked<D> first = whole(*preview_);
-        if (hooks_.on_pass) hooks_.on_pass(std::move(first));
-        if (over(0)) return last(*preview_, whole(*preview_), true);
-      }
+      if ((hooks_.on_pass || scene_.settings.seconds > 0) && !resumes()) preview(shown);
     }
+    work_ += scene_.learn_direct(shown, 1);
+    if (preview_ && over(0)) return last(*preview_, whole(*preview_), true);
     bake_ = integrator(std::move(texels), previous, hooks_.workers);
     return subdivide();
   }
@@ -103,12 +101,18 @@ class Passes {
     return std::make_unique<LineBake<D>>(scene_, 0, std::move(texels[0]), light, workers);
   }
 
-  std::unique_ptr<Integrator<D>> preview(const std::vector<Index<D>>& shown) {
+  // A first picture, from coarse texels and maps.
+  void preview(const std::vector<Index<D>>& shown) {
+    std::vector<Index<D>> coarse;
     std::vector<BakeTexels<D>> texels;
     for (std::size_t v = 0; v < shown.size(); ++v) {
+      coarse.push_back(coarser_resolution<D>(shown[v], preview_spacing));
       texels.push_back(preview_texels(scene_.volumes[v], shown[v]));
     }
-    return integrator(std::move(texels), nullptr, nullptr);
+    work_ += scene_.learn_direct(coarse, preview_spacing);
+    preview_ = integrator(std::move(texels), nullptr, nullptr);
+    preview_->add(preview_blocks);
+    if (hooks_.on_pass) hooks_.on_pass(whole(*preview_));
   }
 
   // What the bake goes on with; null where it has texels of another width.
@@ -129,22 +133,17 @@ class Passes {
         "anew.");
   }
 
-  void learn_direct(const std::vector<BakeTexels<D>>& texels, const std::vector<Index<D>>& shown) {
+  // Work of the maps and of the first pass, until the time of a block is known.
+  void expect(const std::vector<BakeTexels<D>>& texels) {
     const auto points = static_cast<double>(scene_.split.points.size());
-    double maps = 0, blocks = 0;
+    double work = 0;
     for (const BakeTexels<D>& one : texels) {
       const auto all = static_cast<double>(one.shown.lattice.texels());
-      maps += scene_.sides() * all * points;
-      blocks += first_blocks(count_) * all * IndirectLight<D>::directions_per_block /
-                std::pow(one.spacing, D - 1);
+      work += scene_.sides() * all * points + first_blocks(count_) * all *
+                                                  IndirectLight<D>::directions_per_block /
+                                                  std::pow(one.spacing, D - 1);
     }
-    // Until the time of a block is known.
-    progress_.expect(maps + blocks);
-    scene_.learn_direct(shown);
-    for (const auto& direct : scene_.direct) {
-      if (!direct) continue;
-      work_ += scene_.sides() * static_cast<double>(direct->lattice().texels()) * points;
-    }
+    progress_.expect(work);
   }
 
   // Pass by pass.
