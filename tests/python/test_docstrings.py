@@ -52,9 +52,9 @@ def test_parameters_become_a_table(rewritten):
 def test_options_are_parameters(plain_docstrings):
     lines = inspect.getdoc(leaflight.bake).splitlines()
     plain_docstrings._process(None, None, None, leaflight.bake, None, lines)
-    found = " ".join(fields(lines))
+    found = " ".join(first for first, *_ in rows(lines))
     for name in ("isovalues", "error", "seed", "on_pass", "checkpoint"):
-        assert f":param {name}: " in found
+        assert f"``{name}``" in found
 
 
 def test_a_paragraph_with_indentation_keeps_its_lines(rewritten):
