@@ -3,7 +3,7 @@
 
     blender --background --python examples/folder_to_stills.py -- scans/ --out stills/
 
-Needs the Leaflight add-on to be enabled. A scan that cannot be read is told and left out; the exit
+Needs the Leaflight add-on to be enabled. An unreadable scan is reported and left out; the exit
 status is 1 then.
 """
 

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 SHORT = "-m 'not slow and not machine'"
 SLOW = "-m 'slow and not machine'"
 RUFF = "build/tools-venv/bin/ruff"
-# The annotations of the package, and whether the stub of its compiled module is that of this build.
+# The annotations of the package and of the add-on, and whether the stub of the compiled module is
+# that of this build.
 TYPES = (
-    "build/tools-venv/bin/mypy"
+    "build/tools-venv/bin/mypy && build/tools-venv/bin/mypy --config-file addon/mypy.ini"
     " && PYTHONPATH=build/release/python build/tools-venv/bin/pybind11-stubgen"
     " leaflight._core -o build/test/stubs"
     " && diff build/test/stubs/leaflight/_core.pyi python/leaflight/_core.pyi"
@@ -48,6 +49,7 @@ SHORT_PARTS = (
         " | xargs clang-format --dry-run --Werror"
         f" && {RUFF} format --diff --quiet {CODE} && {RUFF} check --quiet {CODE}"
         f" && {TYPES}"
+        " && /usr/bin/python3 tests/clang_tidy.py"
         " && npm --prefix web run --silent check",
     ),
     Part("core", f"{BUILD_CORE} && ctest --preset short {{select}}"),

@@ -28,7 +28,7 @@ for isovalue, color in ((GRAY, GRAY_COLOR), (WHITE, WHITE_COLOR)):
 settings = {"light_walls": False, "error": 3.0, "bake_folder": str(folder)}
 blender.bake(brain, isovalues=(GRAY - 5, WHITE + 5), **settings)
 blender.show(brain, WHITE)
-outer = blender.add_isosurface(brain, GRAY, opacity=0.35)
+skin = blender.add_isosurface(brain, GRAY, opacity=0.35)
 
 scene = bpy.context.scene
 scene.render.engine = "CYCLES"
@@ -38,7 +38,7 @@ scene.render.resolution_percentage = 100
 stills = []
 for name in ("through", "cut"):
     if name == "cut":
-        outer.leaflight_look.opacity = 1.0
+        skin.leaflight_look.opacity = 1.0
         brain.leaflight_look.is_cut = False
         bpy.ops.leaflight.add_clip_box()
     scene.render.filepath = str(folder / f"{name}.png")

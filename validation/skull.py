@@ -29,7 +29,7 @@ def main(project, out):
     sizes = np.bincount(labels.ravel())
     head = ndimage.binary_dilation(labels == 1 + np.argmax(sizes[1:]), iterations=KEPT)
     values[~head & (values > BONE)] = AIR
-    # y runs to the face, z upwards; which side of the patient x runs to, the project does not tell.
+    # y runs to the face, z upwards; the file does not say to which side of the patient x runs.
     image = nibabel.Nifti1Image(values.T, np.diag([*described["spacing"], 1.0]))
     image.header.set_xyzt_units("mm")
     nibabel.save(image, out)

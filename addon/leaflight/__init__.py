@@ -2,6 +2,7 @@
 """Leaflight: bakes the light on every isosurface of a volume at once; the isovalue is then free."""
 
 import importlib
+from types import ModuleType
 
 # Installed a moment ago, the folder of the package is new to Python.
 importlib.invalidate_caches()
@@ -34,6 +35,7 @@ def _refusal():
 
 
 _sentence = _refusal()
+_MODULES: tuple[ModuleType, ...]
 if _sentence is not None:
     from . import refused
 

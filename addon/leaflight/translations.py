@@ -9,10 +9,10 @@ import bpy
 
 from .languages import german
 
-# Blender's extractor of messages knows it by this name.
+# Blender's extractor of messages finds it by this name.
 iface_ = bpy.app.translations.pgettext_iface
 
-# Blender asks for a message in one of these contexts: the label of an operator in its own.
+# Blender looks a message up in one of these contexts: the label of an operator in its own.
 _CONTEXTS = ("*", "Operator")
 # Blender names the languages of its catalogs with and without a country.
 CATALOGS = {"de_DE": german.MESSAGES, "de": german.MESSAGES}

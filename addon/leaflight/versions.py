@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What differs between the versions of Blender, for the add-on: the only place that asks.
+"""The differences between the versions of Blender, for the add-on: no other module looks at them.
 
 What the add-on shares with the package's own scenes for Cycles is in
 leaflight.measure.blender_versions.
@@ -16,7 +16,7 @@ node_tree = blender_versions.node_tree
 set_loop_starts = blender_versions.set_loop_starts
 set_normals = blender_versions.set_normals
 
-# Of a path property whose paths may be relative to the .blend; 4.5 and later want to be told.
+# Of a path property whose paths may be relative to the .blend; 4.5 and later need this option.
 RELATIVE_PATH = {"ANIMATABLE"}
 if bpy.app.version >= (4, 5, 0):
     RELATIVE_PATH |= {"PATH_SUPPORTS_BLEND_RELATIVE"}
@@ -204,7 +204,7 @@ def has_denoiser():
 
 
 def show_photographically(view):
-    """Settings of a view that keep bright colors apart instead of clipping them to white."""
+    """Settings of a view that keep bright colors distinct instead of clipping them to white."""
     _choose(view, "view_transform", ("Filmic", "AgX"))
     # 4.0 and later name the view that a look belongs to where it does not suit all.
     _choose(view, "look", ("Medium High Contrast", "Filmic - Medium High Contrast", "None"))
@@ -212,7 +212,7 @@ def show_photographically(view):
 
 
 def _choose(owner, name, values):
-    """Gives a property the first of these values that it knows."""
+    """Gives a property the first of these values that it accepts."""
     for value in values:
         try:
             setattr(owner, name, value)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Rays from isosurfaces of the bump box, each in the leaf of its isovalue, on one thread.
+// Rays from isosurfaces of the bump box, each beside its own isosurface alone, on one thread.
 #include <benchmark/benchmark.h>
 
 #include "bench_box.h"

@@ -53,7 +53,7 @@ py::array_t<std::uint8_t> codes(const Direct& direct, std::size_t point, bool ba
 void bind_direct_light(py::module_& module) {
   py::class_<Direct, std::shared_ptr<Direct>>(
       module, "DirectLight",
-      "Maps that tell the direct light of every isosurface of one volume: for each texel of a "
+      "Maps of the direct light of every isosurface of one volume: for each texel of a "
       "lattice\n"
       "and each light point the greatest value of the volume on the way between them, as a byte.")
       .def(py::init([](const Scene<3>& scene, int volume, const Index<3>& resolution, bool back,
@@ -71,7 +71,7 @@ void bind_direct_light(py::module_& module) {
            py::arg("scene"), py::arg("volume"), py::arg("resolution"), py::arg("back"),
            py::arg("progress"), py::arg("spacing") = 1.0,
            "Of a scene's volume by its number. resolution: texels of the maps along x, y, z;\n"
-           "back: also of the backs; spacing: voxels between the lines that tell shadows, or\n"
+           "back: also of the backs; spacing: voxels between the lines that find shadows, or\n"
            "texels where these are nearer to each other. Raises Cancelled.")
       .def_property_readonly(
           "resolution", [](const Direct& d) { return d.lattice().resolution; },

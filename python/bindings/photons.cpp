@@ -62,7 +62,7 @@ template <int D>
 void bind_photon_functions(py::module_& module, const std::string& suffix) {
   module.def(("photon_points" + suffix).c_str(), &photon_points<D>, py::arg("scene"),
              py::arg("count"), py::arg("seed") = 0, py::arg("progress") = nullptr,
-             "Where `count` emitted photons met isosurfaces: (world positions (n, D), flux-height\n"
+             "Where `count` emitted photons hit isosurfaces: (world positions (n, D), flux-height\n"
              "(n, 3), common isovalue (n,), 1 where they came straight from a light (n,)).");
   module.def(("photon_balance" + suffix).c_str(), &photon_balance<D>, py::arg("scene"),
              py::arg("count"), py::arg("seed") = 0,

@@ -79,12 +79,12 @@ void bind_rays(py::module_& module) {
   module.def(
       "isosurface_hits", &isosurface_hits, py::arg("field"), py::arg("origins"),
       py::arg("directions"), py::arg("isovalue"),
-      "Where rays first meet the isosurface of an isovalue (in data units), from world points\n"
+      "Where rays first hit the isosurface of an isovalue (in data units), from world points\n"
       "(n, 3) in directions (n, 3) of any length: (distances float64 (n,), in lengths of\n"
       "the direction, infinite where they do not; uint8 (n,), 1 where the ray arrives from\n"
       "higher values, at the back).");
   module.def("mesh_hits", &mesh_hits, py::arg("mesh"), py::arg("origins"), py::arg("directions"),
-             "Where such rays first meet a Mesh, in single precision: (distances float64 (n,);\n"
+             "Where such rays first hit a Mesh, in single precision: (distances float64 (n,);\n"
              "triangles int32 (n,), -1 for none; barycentric coordinates (n, 2) of its second and\n"
              "third vertex).");
 }

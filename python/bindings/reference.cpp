@@ -66,7 +66,7 @@ void bind_reference_functions(py::module_& module, const std::string& suffix) {
              py::arg("progress") = nullptr, py::arg("volume") = 0, py::arg("back") = false,
              "Radiance of a volume's isosurface by path tracing at world points (n, D): (radiance\n"
              "(n, 3), standard error (n, 3)). Unbiased, save for caustics of lights without\n"
-             "extent, which no path meets.");
+             "extent, which no path hits.");
   module.def(("reference_walls" + suffix).c_str(), &reference_walls<D>, py::arg("scene"),
              py::arg("mesh"), py::arg("facets"), py::arg("coordinates"), py::arg("c"),
              py::arg("spp"), py::arg("seed") = 0, py::arg("threads") = 0,

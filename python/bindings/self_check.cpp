@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What `import leaflight` asks of the compiled module before it trusts it.
+// Functions by which `import leaflight` checks the compiled module.
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
 #else
@@ -43,8 +43,8 @@ std::vector<Library> libraries() {
   };
 }
 
-// What a ray hits in a leaf of the scene, and where: ("isosurface" | "walls" | None, (x, y,
-// z)).
+// The surface that a ray hits beside the isosurface of c, and where: ("isosurface" | "walls" |
+// None, (x, y, z)).
 py::tuple trace(const Scene<3>& scene, const Tuple<3>& origin, const Tuple<3>& direction,
                 double c) {
   const SceneTracer<3> tracer(scene);
@@ -72,7 +72,7 @@ void bind_self_check(py::module_& module) {
       "[(name, version of the headers, version that is loaded), ...], versions (major, minor).");
   module.def("trace", &trace, py::arg("scene"), py::arg("origin"), py::arg("direction"),
              py::arg("c"),
-             "(\"isosurface\", \"walls\" or None, (x, y, z) or None): what a ray meets, and "
+             "(\"isosurface\", \"walls\" or None, (x, y, z) or None): what a ray hits, and "
              "where.");
 }
 

@@ -149,7 +149,7 @@ void bind_radiance(py::module_& module, const std::string& suffix) {
           "The same beside another scene than that which was baked, `earlier`: direct light is\n"
           "exact, all else but the meshes' own emission brighter by the factors (r, g, b).\n"
           "same_as: of each mesh of the scene its number in the earlier one, or -1. share:\n"
-          "one way of so many tells the shadows. Raises Cancelled.")
+          "one way of so many is traced for shadows. Raises Cancelled.")
       .def("indirect", &indirect<D>, py::arg("mesh"), py::arg("back") = false,
            "Its part but direct light: float32 (nodes, m, 3) at the vertices of a coarser mesh.")
       .def("between", &between<D>, py::arg("mesh"),

@@ -379,13 +379,13 @@ class Scene2:
         """
 class DirectLight:
     """
-    Maps that tell the direct light of every isosurface of one volume: for each texel of a lattice
+    Maps of the direct light of every isosurface of one volume: for each texel of a lattice
     and each light point the greatest value of the volume on the way between them, as a byte.
     """
     def __init__(self, scene: Scene, volume: typing.SupportsInt | typing.SupportsIndex, resolution: typing.Annotated[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], "FixedSize(3)"], back: bool, progress: Progress, spacing: typing.SupportsFloat | typing.SupportsIndex = 1.0) -> None:
         """
         Of a scene's volume by its number. resolution: texels of the maps along x, y, z;
-        back: also of the backs; spacing: voxels between the lines that tell shadows, or
+        back: also of the backs; spacing: voxels between the lines that find shadows, or
         texels where these are nearer to each other. Raises Cancelled.
         """
     def codes(self, point: typing.SupportsInt | typing.SupportsIndex, back: bool = False) -> numpy.typing.NDArray[numpy.uint8]:
@@ -616,7 +616,7 @@ class WallRadiance:
         The same beside another scene than that which was baked, `earlier`: direct light is
         exact, all else but the meshes' own emission brighter by the factors (r, g, b).
         same_as: of each mesh of the scene its number in the earlier one, or -1. share:
-        one way of so many tells the shadows. Raises Cancelled.
+        one way of so many is traced for shadows. Raises Cancelled.
         """
     def places(self, mesh: typing.SupportsInt | typing.SupportsIndex) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64]]:
         """
@@ -687,7 +687,7 @@ class WallRadiance2:
         The same beside another scene than that which was baked, `earlier`: direct light is
         exact, all else but the meshes' own emission brighter by the factors (r, g, b).
         same_as: of each mesh of the scene its number in the earlier one, or -1. share:
-        one way of so many tells the shadows. Raises Cancelled.
+        one way of so many is traced for shadows. Raises Cancelled.
         """
     def places(self, mesh: typing.SupportsInt | typing.SupportsIndex) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64]]:
         """
@@ -1254,7 +1254,7 @@ def has_seal(path: os.PathLike | str | bytes) -> bool:
     """
 def isosurface_hits(field: Field, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], isovalue: typing.SupportsFloat | typing.SupportsIndex) -> tuple:
     """
-    Where rays first meet the isosurface of an isovalue (in data units), from world points
+    Where rays first hit the isosurface of an isovalue (in data units), from world points
     (n, 3) in directions (n, 3) of any length: (distances float64 (n,), in lengths of
     the direction, infinite where they do not; uint8 (n,), 1 where the ray arrives from
     higher values, at the back).
@@ -1292,7 +1292,7 @@ def machine_memory() -> int:
     """
 def mesh_hits(mesh: Mesh, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> tuple:
     """
-    Where such rays first meet a Mesh, in single precision: (distances float64 (n,);
+    Where such rays first hit a Mesh, in single precision: (distances float64 (n,);
     triangles int32 (n,), -1 for none; barycentric coordinates (n, 2) of its second and
     third vertex).
     """
@@ -1318,12 +1318,12 @@ def photon_balance2(scene: Scene2, count: typing.SupportsInt | typing.SupportsIn
     """
 def photon_points(scene: Scene, count: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex = 0, progress: Progress = None) -> tuple:
     """
-    Where `count` emitted photons met isosurfaces: (world positions (n, D), flux-height
+    Where `count` emitted photons hit isosurfaces: (world positions (n, D), flux-height
     (n, 3), common isovalue (n,), 1 where they came straight from a light (n,)).
     """
 def photon_points2(scene: Scene2, count: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex = 0, progress: Progress = None) -> tuple:
     """
-    Where `count` emitted photons met isosurfaces: (world positions (n, D), flux-height
+    Where `count` emitted photons hit isosurfaces: (world positions (n, D), flux-height
     (n, 3), common isovalue (n,), 1 where they came straight from a light (n,)).
     """
 def polygon_edges(polygons: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], vertices: typing.SupportsInt | typing.SupportsIndex) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.int32]]:
@@ -1365,13 +1365,13 @@ def reference(scene: Scene, points: typing.Annotated[numpy.typing.ArrayLike, num
     """
     Radiance of a volume's isosurface by path tracing at world points (n, D): (radiance
     (n, 3), standard error (n, 3)). Unbiased, save for caustics of lights without
-    extent, which no path meets.
+    extent, which no path hits.
     """
 def reference2(scene: Scene2, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], c: typing.SupportsFloat | typing.SupportsIndex, spp: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex = 0, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: Progress = None, volume: typing.SupportsInt | typing.SupportsIndex = 0, back: bool = False) -> tuple:
     """
     Radiance of a volume's isosurface by path tracing at world points (n, D): (radiance
     (n, 3), standard error (n, 3)). Unbiased, save for caustics of lights without
-    extent, which no path meets.
+    extent, which no path hits.
     """
 def reference_walls(scene: Scene, mesh: typing.SupportsInt | typing.SupportsIndex, facets: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], coordinates: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], c: typing.SupportsFloat | typing.SupportsIndex, spp: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex = 0, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: Progress = None, back: bool = False) -> tuple:
     """
@@ -1393,7 +1393,7 @@ def skipped_passes2(scene: Scene2, settings: BakeSettings2) -> list[tuple[str, s
     """
 def trace(scene: Scene, origin: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], direction: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], c: typing.SupportsFloat | typing.SupportsIndex) -> tuple:
     """
-    ("isosurface", "walls" or None, (x, y, z) or None): what a ray meets, and where.
+    ("isosurface", "walls" or None, (x, y, z) or None): what a ray hits, and where.
     """
 def write_bake(path: os.PathLike | str | bytes, fields: collections.abc.Sequence[Field], grids: collections.abc.Sequence[RadianceGrid], walls: WallRadiance, metadata: collections.abc.Mapping[str, str], progress: Progress = None) -> None:
     """

@@ -117,7 +117,7 @@ def clip(obj: bpy.types.Object, box: "bpy.types.Object | None", keep: str = "OUT
 
     box: an object, whose bounding box counts, or an Empty, whose cube does; None cuts nothing.
     keep: "OUTSIDE" cuts away what lies in the box, "INSIDE" shows nothing else. Which isosurfaces
-    are cut is told by their `leaflight_look.is_cut`.
+    are cut is in their `leaflight_look.is_cut`.
     """
     obj.leaflight_look.keep = keep
     obj.leaflight_look.box = box

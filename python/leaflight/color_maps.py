@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Color maps that people know, for the add-on and for pages."""
+"""Common color maps, for the add-on and for pages."""
 
 # By key: (name, description, nine sRGB colors, evenly spaced). Of matplotlib 3.6 and of colorcet
 # 3.2 (Kovesi 2015).

@@ -84,7 +84,7 @@ def run_with_progress(
 
     A terminal gets a bar that is redrawn, anything else one line per tenth of the work. writes:
     whether the work ends with writing what it found, so that once it returns a cancel comes too
-    late: from then on Ctrl-C is ignored, since only telling what was done is left. cancelled: the
+    late: from then on Ctrl-C is ignored, since only the result is to be printed. cancelled: the
     sentence of Cancelled.
     """
     stream = stream or sys.stderr

@@ -130,7 +130,7 @@ def check_arrays(numpy: ModuleType, core: ModuleType) -> None:
 
 
 def check_rays(numpy: ModuleType, core: ModuleType) -> None:
-    """Rays must meet an isosurface, and a mesh behind it, where they lie."""
+    """Rays must hit an isosurface, and a mesh behind it, where they lie."""
     z = numpy.arange(3, dtype=numpy.float32)
     slope = numpy.broadcast_to(z[:, None, None], (3, 3, 3)).copy()
     volume = core.Volume("slope", core.Field(slope, numpy.eye(4)), [(0.0, (0.5, 0.5, 0.5))])
@@ -141,8 +141,8 @@ def check_rays(numpy: ModuleType, core: ModuleType) -> None:
     sky = core.Environment("sky", (1.0, 1.0, 1.0))
     scene = core.Scene([volume], [ceiling], [], (0.0, 2.0), sky)
     for origin, kind, z in (((0.9, 1.2, -1.0), "isosurface", 1.25), ((0.9, 1.2, 1.5), "walls", 3)):
-        met, point = core.trace(scene, origin, (0.0, 0.0, 1.0), 1.25)
-        if met != kind or not numpy.allclose(point, (*origin[:2], z), rtol=0, atol=1e-5):
+        hit, point = core.trace(scene, origin, (0.0, 0.0, 1.0), 1.25)
+        if hit != kind or not numpy.allclose(point, (*origin[:2], z), rtol=0, atol=1e-5):
             raise ImportError(
                 "Leaflight's compiled module traces rays wrongly on this machine; install "
                 "Leaflight again, or build it anew."

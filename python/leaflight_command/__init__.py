@@ -14,7 +14,7 @@ from .parser import make_parser
 from .shared_options import Parser, UsageError
 
 if TYPE_CHECKING:
-    from leaflight.cli.telling import Command
+    from leaflight.cli.output import Command
 
 
 def main(

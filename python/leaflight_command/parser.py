@@ -22,7 +22,7 @@ from .shared_options import (
     workers_options,
 )
 
-# What the package knows by these names.
+# Names of the package.
 GENERATED = (
     "bump_box",
     "nucleons:0",

@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 
 from .numbers import integer, memory, number
 
-# What the package knows by these names.
+# Names of the package.
 ENDIANS = ("little", "big")
 # Of a group of options.
 MACHINES = "machines"

@@ -74,7 +74,7 @@ class Blender:
         return result.stdout
 
     def in_window(self, script, *arguments, size=(1024, 640)):
-        """What a script tells that drives Blender in a window: the object of its line WINDOW.
+        """The result of a script that drives Blender in a window: the object of its line WINDOW.
 
         Skips the test where there is no window, or no xvfb-run to give it a screen; ends the screen
         with the program when it hangs. size: of the window and of the screen, in pixels.
@@ -179,9 +179,9 @@ def results(blender):
     folder.mkdir(parents=True, exist_ok=True)
     # The whole set, wherever only some of it runs.
     about["checks"] = sorted(path.stem for path in (HERE / "inside").glob("check_*.py"))
-    told = folder / "about.json"
-    if not told.exists() or json.loads(told.read_text()) != about:
+    about_file = folder / "about.json"
+    if not about_file.exists() or json.loads(about_file.read_text()) != about:
         for old in folder.glob("*.json"):
             old.unlink()
-        told.write_text(json.dumps(about, indent=2) + "\n")
+        about_file.write_text(json.dumps(about, indent=2) + "\n")
     return folder

@@ -69,8 +69,8 @@ def test_two_fields():
         truth = Truth.measured(found)
         traced = bake.reference(truth.points, 0.5, SAMPLES, volume=volume)
         assert_same_mean(Truth.traced(truth.points, *traced), truth)
-        # The nucleons are balls of two voxels here, lit from one side, which a texel cannot tell
-        # from the other: 10 % are missing at this size, 7 to 9 % at 64 nodes (docs/validation.md).
+        # The nucleons are balls of two voxels here, lit from one side. A texel mixes both sides:
+        # 10 % are missing at this size, 7 to 9 % at 64 nodes (docs/validation.md).
         other = fields[1 - volume].sample(truth.points)
         seen = other < bake.isovalue_of(1 - volume, 0.5)  # not inside the other volume
         errors = errors_of(bake.radiance(truth.points, volume), truth, 1.0, seen)

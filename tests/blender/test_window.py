@@ -69,9 +69,9 @@ def test_the_whole_detail_comes_at_rest(drags):
 
 
 def test_a_bake_leaves_the_viewport_alone(drags):
-    """It tells how far it is, and shows its passes, in no more pictures than these."""
+    """The bake reports its progress, and shows its passes, in no more pictures than these."""
     alone = drags["bake alone"]
-    assert alone["told"] > 3
+    assert alone["statuses"] > 3
     assert alone["pictures"] <= 2 * alone["passes"] + 2
 
 

@@ -27,7 +27,7 @@ def test_the_window_stays_free_while_it_compares(found):
 
 def test_it_compares_what_was_shown_when_it_began(found):
     compare = found["compare"]
-    said = " ".join(compare["told"])
+    said = " ".join(compare["statuses"])
     assert "Baked" in said and "Cycles" in said and "%" in said
     assert compare["sentence"].startswith("Isovalue ")
     assert len(compare["files"]) == 11
@@ -41,7 +41,7 @@ def test_escape_ends_it(found):
 def test_escape_ends_an_import(found):
     cancelled = found["import"]
     assert cancelled["read"] < 1.0 and not cancelled["left"]
-    assert "%" in cancelled["told"] and "Reading" in cancelled["told"]
+    assert "%" in cancelled["statuses"] and "Reading" in cancelled["statuses"]
 
 
 @pytest.mark.machine

@@ -14,15 +14,15 @@ namespace {
 
 using test::expect_same_light;
 using test::in_passes;
-using test::kept_of;
 using test::of_all_light;
+using test::previous_light;
 using test::small_scene;
 using test::stopped_after;
 
 // Two tracers, of which one loses now and then what it has traced.
-class TwoSweepers {
+class TwoTracers {
  public:
-  TwoSweepers(const Scene<3>& scene, BakeSettings<3> settings) {
+  TwoTracers(const Scene<3>& scene, BakeSettings<3> settings) {
     for (const int threads : {1, 3}) {
       settings.threads = threads;
       tracers_.push_back(std::make_unique<BlockTracer>(scene, settings, progress_));
@@ -57,20 +57,20 @@ class TwoSweepers {
   int first_ = 0, end_ = 0, asked_ = 0, lost_ = 0;
 };
 
-TEST(BlockTracer, AreTheSameWhoeverSweepsTheirBlocks) {
+TEST(BlockTracer, AreTheSameWhoeverTracesTheirBlocks) {
   const Scene<3> scene = test::cornell(test::torus(17), {0.6, 0.95});
   BakeSettings<3> settings = of_all_light(17);
   settings.error /= 4;
   Progress progress;
-  TwoSweepers others(scene, settings);
+  TwoTracers others(scene, settings);
   std::vector<Baked<3>> bakes{bake(scene, settings, progress)};
   bakes.push_back(bake<3>(scene, settings, progress, {{}, nullptr, nullptr, &others.calls()}));
   expect_same_light(bakes);
   EXPECT_EQ(bakes[0].statistics.rays, bakes[1].statistics.rays);
   EXPECT_GT(others.lost(), 0);
   // One that goes on with another: its blocks have other numbers.
-  const std::vector<PreviousLight<3>> previous = kept_of(stopped_after(1, scene, settings));
-  TwoSweepers again(scene, settings);
+  const std::vector<PreviousLight<3>> previous = previous_light(stopped_after(1, scene, settings));
+  TwoTracers again(scene, settings);
   bakes = {bake<3>(scene, settings, progress, {{}, &previous})};
   bakes.push_back(bake<3>(scene, settings, progress, {{}, &previous, nullptr, &again.calls()}));
   expect_same_light(bakes);

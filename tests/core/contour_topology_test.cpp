@@ -82,7 +82,7 @@ struct Topology {
   int surfaces, borders;
 };
 
-// By samples; less than zero where they do not tell.
+// By samples; less than zero where they do not decide.
 Topology sampled_topology(const Corners& g) {
   for (const int n : {12, 24, 40}) {
     const SampledCell cell(g, n);
@@ -111,7 +111,7 @@ Corners random_corners(Random& random, int kind) {
   return g;
 }
 
-// The lines in which the isosurface meets the faces of the cell.
+// The lines in which the isosurface intersects the faces of the cell.
 std::vector<std::vector<int>> polygons_of(const Corners& g) {
   unsigned above = 0;
   for (int corner = 0; corner < 8; ++corner) above |= (g[corner] >= 0) << corner;
@@ -124,7 +124,7 @@ IsosurfaceMesh mesh_of(const Corners& g) {
 
 TEST(ContourTopology, OfRandomCellsIsThatOfTheTrilinearInterpolant) {
   Random random(7);
-  int drawn = 0, told = 0, tunnels = 0;
+  int drawn = 0, decided = 0, tunnels = 0;
   constexpr int cells = 2000;
   for (int i = 0; drawn < cells; ++i) {
     Corners g = random_corners(random, i % 3);
@@ -135,7 +135,7 @@ TEST(ContourTopology, OfRandomCellsIsThatOfTheTrilinearInterpolant) {
     ++drawn;
     const Topology truth = sampled_topology(g);
     if (truth.surfaces < 0) continue;
-    ++told;
+    ++decided;
     if (truth.surfaces == 0) continue;
     const IsosurfaceMesh mesh = mesh_of(g);
     const test::Parts found = test::parts_of(mesh);
@@ -147,11 +147,11 @@ TEST(ContourTopology, OfRandomCellsIsThatOfTheTrilinearInterpolant) {
     if (testing::Test::HasFatalFailure()) FAIL() << "cell " << i;
     tunnels += truth.surfaces < truth.borders;
   }
-  EXPECT_GT(told, 0.9 * cells);
+  EXPECT_GT(decided, 0.9 * cells);
   EXPECT_GT(tunnels, 30);
 }
 
-// Chernyaev's cases with a tunnel, drawn until each was met often.
+// Chernyaev's cases with a tunnel, drawn until each has occurred often.
 TEST(ContourTopology, EveryKindOfTunnelOccurs) {
   Random random(3);
   std::map<std::multiset<std::size_t>, int> kinds;

@@ -136,7 +136,7 @@ TEST(DirectLightOfIsosurfaces, HasThoseOfMeshes) {
   expect_shadows("a wall within", scene, false, 0.15);
 }
 
-TEST(DirectLightOfIsosurfaces, HasThoseOfInnerSides) {
+TEST(DirectLightOfIsosurfaces, HasThoseOfBacks) {
   // A bowl: light falls into it from above.
   const Field<3> bowl =
       test::sampled<3>(41, [](const Vec3& x) { return 1.1 - (x - Vec3(0.5, 0.5, 0.9)).length(); });

@@ -7,7 +7,7 @@
 namespace leaflight::test {
 
 // A ray through a field in 113-bit arithmetic, without pyramid and traversal: it is cut where it
-// meets the planes of the grid, and each piece lies in the cell of its middle.
+// crosses the planes of the grid, and each piece lies in the cell of its middle.
 template <int D>
 class ExactRay {
  public:

@@ -24,7 +24,7 @@ struct Filtering {
   // The RMS error of the mean over the channels before and after, what variances say of the latter,
   // the share of texels that are within 1.96 standard errors of the truth, and the mean error.
   struct Found {
-    double before = 0, after = 0, told = 0, within = 0, mean = 0;
+    double before = 0, after = 0, estimated = 0, within = 0, mean = 0;
   };
   Found filter(const std::function<double(const Vec3&)>& truth, double noise) const {
     const std::size_t count = texels.lattice.active.size();
@@ -56,11 +56,11 @@ struct Filtering {
       const double off = average(filtered[s].mean) - exact[s];
       found.after += off * off;
       found.mean += off;
-      found.told += filtered[s].variance;
+      found.estimated += filtered[s].variance;
       found.within += std::abs(off) <= 1.96 * std::sqrt(filtered[s].variance) + 1e-9;
     }
     const auto n = static_cast<double>(count);
-    return {std::sqrt(found.before / n), std::sqrt(found.after / n), std::sqrt(found.told / n),
+    return {std::sqrt(found.before / n), std::sqrt(found.after / n), std::sqrt(found.estimated / n),
             found.within / n, found.mean / n};
   }
 };
@@ -73,8 +73,8 @@ TEST(FilteredLight, LosesNoiseWhereLightIsSmooth) {
   EXPECT_LT(found.after, 0.4 * found.before);
   EXPECT_NEAR(found.mean, 0, 0.005);
   // What looks like light by chance counts as error, too.
-  EXPECT_GT(found.told, 0.9 * found.after);
-  EXPECT_LT(found.told, 1.6 * found.after);
+  EXPECT_GT(found.estimated, 0.9 * found.after);
+  EXPECT_LT(found.estimated, 1.6 * found.after);
   EXPECT_GT(found.within, 0.93);
 }
 
@@ -86,7 +86,7 @@ TEST(FilteredLight, KeepsWhatIsNoNoise) {
   EXPECT_LT(quiet.after, 1.01 * quiet.before);
   const auto loud = filtering.filter(edge, 0.1);
   EXPECT_LT(loud.after, 0.75 * loud.before);
-  EXPECT_NEAR(loud.told / loud.after, 1, 0.2);
+  EXPECT_NEAR(loud.estimated / loud.after, 1, 0.2);
   EXPECT_NEAR(loud.within, 0.95, 0.03);
   // Without noise it changes nothing.
   EXPECT_LT(filtering.filter(edge, 0).after, 1e-7);

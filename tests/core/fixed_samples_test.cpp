@@ -102,7 +102,7 @@ TEST(Plan, SaysWhatItSkipsAndWhy) {
   EXPECT_EQ(black.skipped.size(), 8u);
 }
 
-TEST(Plan, InnerSideIsNeededWhereAnIsosurfaceIsOpen) {
+TEST(Plan, BackIsNeededWhereAnIsosurfaceIsOpen) {
   Scene<3> open = small_scene();
   open.isovalue_range = {0.1, 0.9};  // the lowest isosurfaces meet the border of the domain
   EXPECT_TRUE(plan_for(open, EstimatorName::gather).back_side);
@@ -114,7 +114,7 @@ TEST(Plan, InnerSideIsNeededWhereAnIsosurfaceIsOpen) {
 
 // A lamp reaches with an edge of its box into a domain that lies askew; the lowest and highest
 // corners of the box are beside it.
-TEST(Plan, InnerSideIsNeededWhereALampReachesIn) {
+TEST(Plan, BackIsNeededWhereALampReachesIn) {
   Scene<3> scene = small_scene();
   Affine<3> askew;
   const double s = std::sqrt(0.5) / 24;

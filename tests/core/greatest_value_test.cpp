@@ -59,7 +59,7 @@ void expect_samples_beneath(const Field<D>& field, int ways) {
   const Field<D> negative =
       test::field_from<D>(std::move(values), field.dims, field.index_to_world);
   Random random(5);
-  double missed = 0;
+  double worst = 0;
   int greater = 0;
   for (int i = 0; i < ways; ++i) {
     const Way<D> way = random_way<D>(field, random);
@@ -68,10 +68,10 @@ void expect_samples_beneath(const Field<D>& field, int ways) {
     const double sampled = marched(field, way, least);
     EXPECT_NEAR(least_value(negative, way.from, way.direction, way.t_max, -least), -found, 1e-6);
     EXPECT_GE(found, sampled - 1e-9) << i;
-    missed = std::max(missed, found - sampled);
+    worst = std::max(worst, found - sampled);
     greater += found > least;
   }
-  EXPECT_LT(missed, 2e-3 * (field.max - field.min));
+  EXPECT_LT(worst, 2e-3 * (field.max - field.min));
   EXPECT_GT(greater, ways / 3);
 }
 

@@ -192,7 +192,7 @@ TEST(IsosurfaceRay, IntegerDataAtIntegerIsovalue) {
   ASSERT_TRUE(hit);
   EXPECT_NEAR(hit->t, 9, 1e-12);
   EXPECT_FALSE(hit->from_above);
-  // From there outwards nothing is met; inwards the other side of the slab, which is h == 2 on one
+  // From there outwards nothing is hit; inwards the other side of the slab, which is h == 2 on one
   // layer of voxels only.
   IsosurfaceRay<3> back;
   back.starts_on_isosurface = true;

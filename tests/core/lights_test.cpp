@@ -162,7 +162,7 @@ void expect_photons_agree(const Scene<D>& scene) {
   trace_photons(
       tracer, lights, PhotonPaths::all, 1, 0, count, count, [&](const PhotonHit<D>& photon) {
         if (photon.arrival == Arrival::direct && photon.point.kind() == HitKind::isosurface &&
-            !photon.point.isosurface().above) {
+            !photon.point.isosurface().back) {
           const double flux = average(photon.flux_height) * scene.isovalue_range.height();
           landed += flux;
           landed2 += flux * flux;

@@ -103,7 +103,7 @@ void through_corners(Random& random, IsosurfaceRay<3>& ray) {
   } while (!(ray.direction.length2() > 0));
 }
 
-// From anywhere to a point of an edge, which it meets but for rounding.
+// From anywhere to a point of an edge, which it hits but for rounding.
 void towards_edge(Random& random, IsosurfaceRay<3>& ray) {
   Vec3 target;
   for (int a = 0; a < 3; ++a) {
@@ -207,7 +207,7 @@ TEST(NumericsRays, LengthOfTheDirection) {
   test::figure("length of the direction: largest change of t", worst);
 }
 
-// Points of the isosurface within cells, on their faces and on their edges. What is met is never
+// Points of the isosurface within cells, on their faces and on their edges. A hit is never
 // the start.
 enum class Start { cell, face, edge };
 

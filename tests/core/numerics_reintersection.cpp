@@ -128,7 +128,7 @@ Pair two_hits(const SceneTracer<3>& tracer, Random& random, double c) {
   return pair;
 }
 
-// Everywhere the same points are met. A displacement of 1e5 sizes leaves 2e-11 of the size to
+// Rays hit the same points everywhere. A displacement of 1e5 sizes leaves 2e-11 of the size to
 // rounding, which a cosine divides.
 TEST(NumericsReintersection, IsTheSameAtAnyScaleAndPlace) {
   const Field<3> field = test::noise<3>(12, 13, -1.0);

@@ -8,7 +8,7 @@ namespace {
 
 constexpr int voxels = 17;
 
-// The same scene told in other units: data a h + b, lengths s x + d, light l L.
+// The same scene in other units: data a h + b, lengths s x + d, light l L.
 struct Units {
   std::string name;
   double scale = 1, offset = 0;       // of values
@@ -16,7 +16,7 @@ struct Units {
   double light = 1;
 };
 
-Vec3 told(const Units& units, const Vec3& p) {
+Vec3 converted(const Units& units, const Vec3& p) {
   return p * units.size + Vec3(1, -1, 1) * units.displacement;
 }
 
@@ -29,7 +29,7 @@ Scene<3> scene_in(const Units& units, bool glowing = false) {
   });
   Affine<3> place = field.index_to_world;
   for (Vec3& column : place.column) column *= units.size;
-  place.origin = told(units, place.origin);
+  place.origin = converted(units, place.origin);
   field = make_field<3>(field.values, field.dims, place, field.owner);
   const auto isovalue = [&](double c) { return units.scale * (c + units.offset); };
   Scene<3> scene =
@@ -39,13 +39,13 @@ Scene<3> scene_in(const Units& units, bool glowing = false) {
     scene.volumes[0].emission = ColorRamp({{isovalue(11), Rgb(0)}, {isovalue(13), radiance}});
   }
   for (const test::Side& side : test::cube_sides(-0.25, 1.25)) {
-    scene.meshes.push_back(test::wall("wall", told(units, side.corner), side.u * units.size,
+    scene.meshes.push_back(test::wall("wall", converted(units, side.corner), side.u * units.size,
                                       side.v * units.size, Rgb(0.5f, 0.25f, 0.75f)));
   }
   if (!glowing) {
     scene.lights.push_back(
         AreaLight<3>{"lamp",
-                     told(units, {0.25, 0.25, 1.234375}),
+                     converted(units, {0.25, 0.25, 1.234375}),
                      {Vec3(0, 0.5, 0) * units.size, Vec3(0.5, 0, 0) * units.size},
                      radiance});
   }
@@ -148,7 +148,7 @@ TEST(NumericsUnits, DisplacementChangesNothing) {
   expect_alike(units, 0);
 }
 
-// At 1e6 a double knows the isovalue to 6e-11, and the isosurface to as much of the domain;
+// At 1e6 a double resolves the isovalue to 6e-11, and the isosurface to as much of the domain;
 // radiance is rounded to 6e-8.
 TEST(NumericsUnits, Offset) {
   expect_alike({"values - 1000", 1, -1000}, 0);
@@ -156,7 +156,7 @@ TEST(NumericsUnits, Offset) {
 }
 
 // Values and the walls' vertices are rounded to 6e-8 here, in single precision. Of 20,000 photons
-// with 5 hits each about one meets another texel, which changes boxes of some 100 photons by 1 %.
+// with 5 hits each about one hits another texel, which changes boxes of some 100 photons by 1 %.
 TEST(NumericsUnits, DecimalUnits) {
   constexpr double most = test::sanitized ? 1 : 1e-2;
   expect_alike({"values * 0.1", 0.1}, most);

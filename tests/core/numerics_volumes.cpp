@@ -241,8 +241,9 @@ TEST(NumericsVolumes, FurnaceInAnyTransform) {
   }
 }
 
-// The photons' density is one over the area of isosurfaces, which gradients tell: in the wrong
-// space they are off by the ratio of the axes. The mean of four seeds has a noise of about 2 %.
+// The photons' density is one over the area of isosurfaces, which follows from gradients: in the
+// wrong space they are off by the ratio of the axes. The mean of four seeds has a noise of about 2
+// %.
 TEST(NumericsVolumes, PhotonsInAnyTransform) {
   constexpr int seeds = 4;
   for (const auto& [name, transform] : any_transform()) {

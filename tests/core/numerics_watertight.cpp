@@ -24,7 +24,7 @@ Vec3 target(Random& random, int voxels) {
   return p;
 }
 
-// Rays from points above the isovalue: none leaves the closed isosurface, and each meets it from
+// Rays from points above the isovalue: none leaves the closed isosurface, and each hits it from
 // above.
 void expect_closed(const std::string& name, Field<3> field, double c, std::int64_t rays) {
   const Scene<3> scene = displaced(std::move(field));

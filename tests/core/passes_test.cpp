@@ -14,8 +14,8 @@ namespace {
 
 using test::expect_same_light;
 using test::in_passes;
-using test::kept_of;
 using test::of_all_light;
+using test::previous_light;
 using test::same_bits;
 using test::small_scene;
 using test::stopped_after;
@@ -65,7 +65,8 @@ TEST(Passes, ContinuedAreTheSameForAnyNumberOfThreads) {
   std::vector<Baked<3>> bakes;
   for (const int threads : {1, 2, 5}) {
     settings.threads = threads;
-    const std::vector<PreviousLight<3>> previous = kept_of(stopped_after(1, scene, settings));
+    const std::vector<PreviousLight<3>> previous =
+        previous_light(stopped_after(1, scene, settings));
     bakes.push_back(bake<3>(scene, settings, progress, {{}, &previous}));
     EXPECT_EQ(bakes.back().statistics.passes, 2);
   }
@@ -118,7 +119,8 @@ TEST(Passes, ContinuedErrAsIfTheyHadNeverBeenStopped) {
     for (int seed = 0; seed < seeds; ++seed) {
       settings.seed = seed;
       const Baked<3> uninterrupted = stopped_after(2, scene, settings);
-      const std::vector<PreviousLight<3>> previous = kept_of(stopped_after(1, scene, settings));
+      const std::vector<PreviousLight<3>> previous =
+          previous_light(stopped_after(1, scene, settings));
       const Baked<3> continued = stopped_after(1, scene, settings, &previous);
       const Difference one(continued.grids[0], truth.grids[0]);
       const Difference other(uninterrupted.grids[0], truth.grids[0]);
@@ -140,7 +142,8 @@ TEST(Passes, ContinuedLookPreviousLightUp) {
   settings.both_sides = true;
   settings.resolution = {17, 17, 17};
   const Baked<3> uninterrupted = stopped_after(2, glowing, settings);
-  const std::vector<PreviousLight<3>> previous = kept_of(stopped_after(1, glowing, settings));
+  const std::vector<PreviousLight<3>> previous =
+      previous_light(stopped_after(1, glowing, settings));
   const Baked<3> continued = stopped_after(1, glowing, settings, &previous);
   // Within the ball most light is reflected more than once.
   EXPECT_NEAR(Difference(continued.grids[0], uninterrupted.grids[0]).of_means, 0,
@@ -170,10 +173,11 @@ TEST(Passes, ContinuedKnowTheirError) {
   constexpr int seeds = 4;
   for (int seed = 0; seed < seeds; ++seed) {
     settings.seed = seed;
-    const std::vector<PreviousLight<3>> previous = kept_of(stopped_after(1, scene, settings));
+    const std::vector<PreviousLight<3>> previous =
+        previous_light(stopped_after(1, scene, settings));
     const Baked<3> continued = stopped_after(1, scene, settings, &previous);
     // Once more.
-    const std::vector<PreviousLight<3>> again = kept_of(continued);
+    const std::vector<PreviousLight<3>> again = previous_light(continued);
     const double twice = coverage(stopped_after(1, scene, settings, &again));
     sum += (coverage(continued) + twice) / 2;
   }
@@ -187,7 +191,7 @@ TEST(Passes, GoOnWithTheirOwnTexelsAlone) {
   BakeSettings<3> coarse = settings;
   coarse.resolution = {9, 9, 9};
   Progress progress;
-  const std::vector<PreviousLight<3>> other = kept_of(bake(scene, coarse, progress));
+  const std::vector<PreviousLight<3>> other = previous_light(bake(scene, coarse, progress));
   // A first picture has other texels, too: the bake begins anew.
   EXPECT_TRUE(same_bits(bake(scene, settings, progress).grids[0],
                         bake<3>(scene, settings, progress, {{}, &other}).grids[0]));

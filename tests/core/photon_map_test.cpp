@@ -75,7 +75,7 @@ std::vector<StoredPhoton<D>> plane_photons(int n, double slope, std::uint64_t se
       photons[i].position[a] = static_cast<float>(random.uniform() - 0.5);
     }
     photons[i].c = static_cast<float>(slope * photons[i].position[D - 1]);
-    photons[i].above = i % 2;
+    photons[i].back = i % 2;
     photons[i].direct = false;
     // |grad h| dV = dA dc.
     photons[i].flux_height = Rgb(static_cast<Real>((i % 2 ? 3 : 1) * slope / n));
@@ -85,7 +85,7 @@ std::vector<StoredPhoton<D>> plane_photons(int n, double slope, std::uint64_t se
 
 // The mean of estimates of 1 in the middle of the domain.
 template <int D>
-double mean_irradiance(const PhotonMap<D>& map, double slope, bool above) {
+double mean_irradiance(const PhotonMap<D>& map, double slope, bool back) {
   Random random(9);
   Vec<D> gradient(0.0);
   gradient[D - 1] = slope;
@@ -94,7 +94,7 @@ double mean_irradiance(const PhotonMap<D>& map, double slope, bool above) {
   for (int i = 0; i < points; ++i) {
     Vec<D> x;
     for (int a = 0; a < D; ++a) x[a] = 0.7 * (random.uniform() - 0.5);
-    sum += map.irradiance(x, slope * x[D - 1], above, gradient).x;
+    sum += map.irradiance(x, slope * x[D - 1], back, gradient).x;
   }
   return sum / points;
 }
@@ -121,8 +121,8 @@ TYPED_TEST(PlanePhotons, HaveTheBiasesStated) {
   constexpr int D = TypeParam::value;
   constexpr double all = 200.0 / 199;       // all k photons count
   for (const double slope : {1.0, 10.0}) {  // kappa |grad h| = g
-    const double missed = slope / std::sqrt(1 + slope * slope);
-    check_plane<D>(slope, DensityRegion::sphere, all * missed, 0.01);
+    const double counted = slope / std::sqrt(1 + slope * slope);
+    check_plane<D>(slope, DensityRegion::sphere, all * counted, 0.01);
     check_plane<D>(slope, DensityRegion::graph, all, 0.01);
     check_plane<D>(slope, DensityRegion::box, 1, 0.015);
     check_plane<D>(slope, DensityRegion::cylinder, 1, 0.015);

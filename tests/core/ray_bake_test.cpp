@@ -12,7 +12,7 @@
 namespace leaflight {
 namespace {
 
-using test::kept_of;
+using test::previous_light;
 using test::same_bits;
 using test::stopped_after;
 
@@ -118,7 +118,7 @@ TEST(RayBake, ContinuesSeveralVolumes) {
   BakeSettings<3> settings = by_rays(1e-3);
   const Baked<3> first = stopped_after(1, scene, settings);
   EXPECT_TRUE(first.statistics.stopped);
-  const std::vector<PreviousLight<3>> previous = kept_of(first);
+  const std::vector<PreviousLight<3>> previous = previous_light(first);
   const Baked<3> continued = stopped_after(1, scene, settings, &previous);
   EXPECT_EQ(continued.statistics.passes, 2);
   EXPECT_EQ(continued.statistics.blocks, 2 * first.statistics.blocks);
@@ -131,7 +131,7 @@ TEST(RayBake, ContinuesWallsAsOneBake) {
   settings.walls = true;
   settings.resolution = {9, 9, 9};
   const Baked<3> first = stopped_after(1, scene, settings);
-  const std::vector<PreviousLight<3>> previous = kept_of(first);
+  const std::vector<PreviousLight<3>> previous = previous_light(first);
   const Baked<3> continued = stopped_after(1, scene, settings, &previous);
   const Baked<3> whole = stopped_after(2, scene, settings);
   ASSERT_EQ(continued.statistics.blocks, whole.statistics.blocks);

@@ -218,7 +218,7 @@ void expect_light_samples(const Cap<D>& cap, Sample sample, Density density, Rad
       D == 2 ? 10'000 : 48));
 }
 
-// Density per angle of a point uniform on the light, from where the ray meets its plane.
+// Density per angle of a point uniform on the light, from where the ray hits its plane.
 template <int D>
 double area_density(const AreaLight<D>& light, const Vec<D>& from, const Vec<D>& direction) {
   const Vec<D> normal = light.normal();
@@ -532,7 +532,7 @@ TEST(Emission, SunsAndEnvironments) {
       [&](const std::vector<double>& u) { return density(all.direction(u)) * all.measure(); }, 48));
 }
 
-// Emission of all isosurfaces: 1 / density, as the flux-height tells it, sums up to the volume of
+// Emission of all isosurfaces: 1 / density, as the flux-height has it, sums up to the volume of
 // each part of the field, and both sides are alike.
 TEST(Emission, Isosurfaces) {
   in_plane_and_space([](auto d) {
@@ -547,11 +547,11 @@ TEST(Emission, Isosurfaces) {
     constexpr int parts = 5, count = D == 2 ? 25 : 125;
     std::vector<double> sum(count, 0), sum2(count, 0);
     Random random(9);
-    int above = 0;
+    int backs = 0;
     for (int i = 0; i < draws; ++i) {
       const auto sample = emitter.sample(random.uniform(), random);
       ASSERT_EQ(sample.point.kind(), HitKind::isosurface);
-      above += sample.point.isosurface().above;
+      backs += sample.point.isosurface().back;
       int part = 0;
       for (int a = 0; a < D; ++a) {
         part = parts * part +
@@ -565,7 +565,7 @@ TEST(Emission, Isosurfaces) {
       sum[part] += volume;
       sum2[part] += volume * volume;
     }
-    EXPECT_LT(std::abs(above - draws / 2), test::z_limit() * std::sqrt(draws / 4.0));
+    EXPECT_LT(std::abs(backs - draws / 2), test::z_limit() * std::sqrt(draws / 4.0));
     for (int part = 0; part < count; ++part) {
       const double mean = sum[part] / draws;
       const double error = std::sqrt((sum2[part] / draws - mean * mean) / draws);

@@ -15,7 +15,7 @@ namespace leaflight::test {
 
 // The chance that a test fails though the code is right, for another seed; seeds are fixed, so a
 // test that passes goes on passing. With some hundred tests about one in a hundred changes of the
-// random numbers would meet a false alarm.
+// random numbers would cause a false alarm.
 inline constexpr double significance = 1e-4;
 
 // Of each of n tests that are to fail together with the chance alpha (Sidak 1967).
@@ -119,7 +119,7 @@ class Histogram {
     }
     double sum = 0;
     for (const double e : expected) sum += e;
-    // The density is one: it integrates to 1 as far as the points can tell.
+    // The density is one: it integrates to 1 within the error of the points.
     if (std::abs(sum / drawn_ - 1) > 0.01) {
       return testing::AssertionFailure() << "the density integrates to " << sum / drawn_;
     }

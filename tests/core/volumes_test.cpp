@@ -29,18 +29,18 @@ Scene<3> two_balls() {
 }
 
 // Of a volume and side of a bake against the path tracer at points of its isosurface.
-test::Agreement side_agreement(const Scene<3>& scene, const Baked<3>& baked, int volume, bool above,
+test::Agreement side_agreement(const Scene<3>& scene, const Baked<3>& baked, int volume, bool back,
                                double c) {
   const Field<3>& field = scene.volumes[volume].field;
   const std::vector<Vec3> points =
       test::isosurface_points(field, scene.volumes[volume].isovalue(c), 17);
   ReferenceSettings settings = test::reference_settings(c, test::fewer(1024), 5);
   settings.volume = volume;
-  settings.above = above;
+  settings.back = back;
   const auto reference = reference_radiance(scene, points, settings, ignored);
   const RadianceGrid<3>& grid = baked.grids[volume];
   return test::compare(points.size(), reference, [&](std::size_t i) {
-    return lookup(grid.lattice, above ? grid.radiance_back : grid.radiance,
+    return lookup(grid.lattice, back ? grid.radiance_back : grid.radiance,
                   field.world_to_index.point(points[i]));
   });
 }
@@ -127,8 +127,8 @@ TEST(Isosurfaces, HaveTwoSides) {
     settings.both_sides = true;
     const Baked<3> baked = bake_with_fixed_samples(scene, settings, ignored);
     ASSERT_TRUE(baked.grids[0].has_back());
-    for (const bool above : {false, true}) {
-      const test::Agreement found = side_agreement(scene, baked, 0, above, 0.5);
+    for (const bool back : {false, true}) {
+      const test::Agreement found = side_agreement(scene, baked, 0, back, 0.5);
       if (test::sanitized) continue;
       EXPECT_NEAR(found.mean_ratio, 1, 0.02);
       EXPECT_LT(found.relative_rms, estimator == EstimatorName::path ? 0.25 : 0.13);

@@ -56,7 +56,7 @@ inline void expect_same_light(const std::vector<Baked<3>>& bakes) {
 inline Scene<3> small_scene() { return cornell(ball<3>(17), {0.6, 0.9}); }
 
 // What a bake that goes on is given of one that was stopped.
-inline std::vector<PreviousLight<3>> kept_of(const Baked<3>& baked) {
+inline std::vector<PreviousLight<3>> previous_light(const Baked<3>& baked) {
   const BakeStatistics& s = baked.statistics;
   std::vector<PreviousLight<3>> previous;
   for (const auto& grid : baked.grids) previous.emplace_back(grid, s.passes, s.blocks);

@@ -131,7 +131,7 @@ def _zarr(folder):
 
 
 def _bake(folder):
-    """Without the seal that would tell every change."""
+    """Without the seal that would detect every change."""
     import leaflight
     from same_bytes import saved_alike
 

@@ -44,7 +44,7 @@ def extension(made):
     return manifest, {name.split("/")[1].split("-")[0]: data for name, data in wheels.items()}
 
 
-def test_the_name_tells_the_python_and_the_glibc(made, version):
+def test_the_name_has_the_python_and_the_glibc(made, version):
     assert re.fullmatch(
         rf"leaflight-{re.escape(version)}-cp311-cp311-manylinux_2_\d\d_x86_64\.whl",
         made["wheel"].name,

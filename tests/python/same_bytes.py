@@ -10,12 +10,12 @@ GRIDS = ("radiance", "radiance_indirect", "radiance_error")
 
 # Where OpenVDB writes an identifier that it draws anew for each file.
 _IDENTIFIER = slice(21, 57)
-# Of the statistics, what the clock and the memory have told.
+# The statistics of time and memory.
 _MEASURED = ("seconds", "peak_memory_bytes")
 
 
 def saved_alike(bake, path):
-    """The bytes of the file of a bake, without the seal that would tell every change."""
+    """The bytes of the file of a bake, without the seal that would detect every change."""
     statistics = replace(bake.statistics, **dict.fromkeys(_MEASURED, 1))
     replace(bake, statistics=statistics).save(path)
     data = bytearray(path.read_bytes()[:-24])

@@ -21,10 +21,10 @@ from leaflight.measure.sides import IsosurfaceSide
 from volume_recipes import generated, tooth
 from reports.against_cycles import (
     CASES,
-    MET,
-    MISSED,
+    REACHED,
+    EXCEEDED,
     QUICK_CYCLES,
-    TOLD,
+    REPORTED,
     TRUE_WITHIN,
     BakeRow,
     Case,
@@ -89,13 +89,13 @@ def row(rms, before=1.4, after=1.4, colour=0.3):
 
 
 def test_verdicts():
-    assert row(1.5).verdict == MET
-    assert row(1.51, 1.6, 1.6).verdict == TOLD
+    assert row(1.5).verdict == REACHED
+    assert row(1.51, 1.6, 1.6).verdict == REPORTED
     # Both before and afterwards.
-    missed = [row(1.51, 1.4, 1.6), row(1.51, 1.6, 1.4)]
-    assert [one.verdict for one in missed] == [MISSED, MISSED]
-    assert row(9.0, 1.6, 1.6).passed and not missed[0].passed
-    unjudged = replace(missed[0], judged=False)
+    exceeded = [row(1.51, 1.4, 1.6), row(1.51, 1.6, 1.4)]
+    assert [one.verdict for one in exceeded] == [EXCEEDED, EXCEEDED]
+    assert row(9.0, 1.6, 1.6).passed and not exceeded[0].passed
+    unjudged = replace(exceeded[0], judged=False)
     assert unjudged.verdict is None and unjudged.passed
 
 
@@ -194,7 +194,13 @@ def test_files(found, tmp_path, monkeypatch):
     result = json.loads(json.dumps(result, allow_nan=False))
     columns = {
         "against_cycles": ("RMS %", "texture %", "mean off by %", "isovalue"),
-        "bakes_against_cycles": ("texels", "bake s", "said before %", "said after %", "found %"),
+        "bakes_against_cycles": (
+            "texels",
+            "bake s",
+            "estimated before %",
+            "estimated after %",
+            "found %",
+        ),
     }
     for table, names in columns.items():
         with open(tmp_path / "csv" / f"{table}.csv", newline="") as file:
@@ -214,7 +220,7 @@ def test_what_is_missed_fails(tmp_path, monkeypatch):
         )
         assert report_cycles(tmp_path, TINY, quietly)["passed"] is passed
         text = (tmp_path / "cycles.md").read_text()
-        assert text.count("| missed |") == (not passed) and text.count("| met |") == 1
+        assert text.count("| exceeded |") == (not passed) and text.count("| reached |") == 1
 
 
 def test_nothing_is_judged_quickly():
@@ -264,13 +270,13 @@ def test_command_line(report_program, tmp_path, monkeypatch):
     def fake(*arguments, **work):
         asked.append((arguments, work))
         row = {"bake": "a", "isovalue": 2.5, "RMS %": 3.0}
-        rows = [{**row, "verdict": "missed"}]
+        rows = [{**row, "verdict": "exceeded"}]
         return {"out": "x", "seed": 3, "passed": False, "rows": [], "against_cycles": rows}
 
     monkeypatch.setattr(command_line, "report_cycles", fake)
     outcome = report_program("--cycles", "--out", tmp_path, "--data", tmp_path, "--seed", 3)
     assert outcome.status == 1 and "cycles.md: some errors" in outcome.out
-    assert "a at 2.5 against Cycles: 3.00 %: missed" in outcome.out
+    assert "a at 2.5 against Cycles: 3.00 %: exceeded" in outcome.out
     report_program("--cycles", "--quick", "--out", tmp_path)
     run = run_with_progress
     assert asked == [

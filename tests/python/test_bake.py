@@ -97,7 +97,7 @@ def test_provenance(box_bake):
             provenance_from_json(json.dumps({**json.loads(known.to_json()), **wrong}))
 
 
-def test_id_tells_bakes_apart_and_is_read_from_the_first_bytes(small, bump_scene, tmp_path):
+def test_ids_of_bakes_differ_and_is_read_from_the_first_bytes(small, bump_scene, tmp_path):
     volume = leaflight.bump_box(12)
     first, same = (leaflight.bake(volume, bump_scene, **small) for _ in range(2))
     other = leaflight.bake(volume, bump_scene, **{**small, "seed": 1})
@@ -147,7 +147,7 @@ def test_metadata_that_are_no_text_are_refused(box_file, tmp_path):
         load_bake(path)
 
 
-def test_a_bake_without_id_is_told_from_other_files(box_bake, tmp_path):
+def test_a_bake_without_id_is_distinguished_from_other_files(box_bake, tmp_path):
     """As Leaflight wrote them before bakes had one."""
     path = tmp_path / "old.vdb"
     fields = [volume.field() for volume in box_bake.volumes]

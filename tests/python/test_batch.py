@@ -93,7 +93,7 @@ def test_a_batch_that_was_interrupted_goes_on(cli, tmp_path):
     assert (tmp_path / "short.vdb").stat().st_mtime_ns == written
 
 
-def test_what_fails_is_told(cli, tmp_path):
+def test_what_fails_is_reported(cli, tmp_path):
     bad = tmp_path / "bad.nii"
     bad.write_bytes(b"no volume")
     path = listed(

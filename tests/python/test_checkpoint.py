@@ -143,7 +143,7 @@ def test_killed_and_resumed_by_the_command_line(tmp_path, cli):
     assert outcome.status == 2 and "is complete" in outcome.err
 
 
-def test_a_bake_that_failed_tells_that_it_can_go_on(tmp_path, cli, monkeypatch):
+def test_a_bake_that_failed_says_that_it_can_go_on(tmp_path, cli, monkeypatch):
     out = tmp_path / "x.vdb"
     monkeypatch.setattr(sys.modules["leaflight.bake.checkpoint"], "SECONDS", 0.0)
 

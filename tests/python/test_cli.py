@@ -36,7 +36,7 @@ def test_help_of_bake_fits_a_screen(script):
     assert "--help-all" not in script("surface", "--help").out
 
 
-def test_passes_that_were_left_out_are_told_on_demand(cli, tmp_path):
+def test_passes_that_were_left_out_are_reported_on_demand(cli, tmp_path):
     bake = ["bake", "bump_box", "--dims", 12, "--out", tmp_path / "box.vdb", *BAKE]
     assert "skipped:" not in cli(*bake).out
     assert "skipped: radiance of the walls (it was not asked for)" in cli(*bake, "--verbose").out
@@ -271,10 +271,10 @@ def test_bake_goes_on_until_its_error(cli, tmp_path):
     error, passes = result["estimated_error_percent"], result["passes"]
     assert f"estimated error {error:.2f} %" in outcome.out
     assert f" after {passes} pass" in outcome.out
-    assert "4 % was asked for" in outcome.out
+    assert "(target 4 %)" in outcome.out
     outcome = cli(*arguments, "--error", "0.001", "--time", "1e-9")
     assert outcome.status == 0
-    assert "the 0.001 % asked for was not reached: the 1e-09 s are over" in outcome.out
+    assert "(target 0.001 %); the target was not reached: the 1e-09 s are over" in outcome.out
 
 
 def test_estimate_writes_nothing(cli, tmp_path, monkeypatch):

@@ -178,20 +178,20 @@ def test_the_command_line(cli, tmp_path):
 
 
 @pytest.mark.slow
-def test_memory_is_told_beforehand(cli):
+def test_memory_is_reported_beforehand(cli):
     assert worker_memory(task_of(leaflight.bump_box(40))) > 4 * 40**3
     done = cli("bake", "bump_box", "--dims", "20", "--error", "5", "--workers", "2", "--estimate")
     assert done.status == 0 and "each worker would hold about" in done.out
 
 
 @pytest.mark.machine
-def test_workers_hold_what_was_told(workers):
+def test_workers_hold_what_was_reported(workers):
     volume = leaflight.bump_box(100)
-    told = worker_memory(task_of(volume))
+    reported = worker_memory(task_of(volume))
     (before, *_) = (low for low in workers.client.run(resident).values())
     leaflight.bake(volume, error=4.0, workers=workers)
     held = max(workers.client.run(resident).values()) - before
-    assert 0.5 * told < held < 1.5 * told
+    assert 0.5 * reported < held < 1.5 * reported
 
 
 def resident():

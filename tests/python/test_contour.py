@@ -78,7 +78,7 @@ def test_both_sides_and_texels_narrower_than_voxels(bump_scene):
     assert _sides_used_twice(lit[2]) == 0 and _coincident(lit[2]) == 0
 
 
-def _missed_between_vertices(bake, mesh):
+def _error_between_vertices(bake, mesh):
     """RMS of what linear interpolation of the radiance misses."""
     vertices, _, triangles, radiance = mesh[:4]
     facets, coordinates = random_places(vertices, triangles, 5000, seed=1)
@@ -109,7 +109,7 @@ def test_small_meshes_are_cut_where_light_steps(bump_scene, sides):
             expected = grid.lookup(field, cut[0], back=bool(back))
             np.testing.assert_allclose(light, expected, atol=1e-4 * expected.max())
     if sides[0]:
-        assert _missed_between_vertices(bake, cut) < 0.6 * _missed_between_vertices(bake, plain)
+        assert _error_between_vertices(bake, cut) < 0.6 * _error_between_vertices(bake, plain)
     # Nothing differs by so much.
     as_before = grid.lit_contour(field, 50.0, largest_step=1e9, **wished)
     np.testing.assert_array_equal(as_before[2], plain[2])

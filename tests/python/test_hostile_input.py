@@ -252,8 +252,8 @@ def test_nobody_listens(root, tmp_path, closed):
         text=True,
     )
     assert load_bake(out) and "Traceback" not in done.stderr and "ignored" not in done.stderr
-    told = [line for line in done.stderr.splitlines() if not line.startswith("bake: ")]
-    assert done.returncode in (0, 2) and len(told) == (done.returncode == 2)
+    lines = [line for line in done.stderr.splitlines() if not line.startswith("bake: ")]
+    assert done.returncode in (0, 2) and len(lines) == (done.returncode == 2)
 
 
 def test_info_prints_json(cli, tmp_path):
@@ -280,12 +280,12 @@ def test_little_memory(root, tmp_path, limit):
         # The more threads, the more memory it takes to begin with.
         preexec_fn=lambda: os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:2]),
     )
-    told = [line for line in done.stderr.splitlines() if not line.startswith("bake: ")]
-    assert done.returncode == 2 and len(told) == 1, done.stderr
+    lines = [line for line in done.stderr.splitlines() if not line.startswith("bake: ")]
+    assert done.returncode == 2 and len(lines) == 1, done.stderr
     if limit < 1 << 20:
-        assert told[0].endswith("raise it (ulimit -v).")
+        assert lines[0].endswith("raise it (ulimit -v).")
     else:
-        assert "There is not enough memory" in told[0]
+        assert "There is not enough memory" in lines[0]
     # A slow machine may have come to a checkpoint, and then says what it is good for.
-    resumable = "--resume" in told[0]
+    resumable = "--resume" in lines[0]
     assert os.listdir(tmp_path) == (["x.vdb.checkpoint"] if resumable else [])

@@ -9,7 +9,7 @@ from leaflight.io.scene_file import packaged_scene
 
 @pytest.mark.slow
 def test_corners_are_smooth():
-    """Half of the rays from there meet a wall next to them, and must not all show its one patch."""
+    """Half of the rays from there hit a wall next to them, and must not all show its one patch."""
     box = leaflight.bump_box(24)
     bake = leaflight.bake(
         box, packaged_scene("open_floor.json"), isovalues=(30, 70), error=3.0, walls=True

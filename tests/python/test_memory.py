@@ -18,7 +18,7 @@ from leaflight.volume.voxels import new_voxels
 
 MEBIBYTE = 1 << 20
 
-# Bakes a volume and tells the most memory that was the process's own, which no file stands behind.
+# Bakes a volume and reports the most memory of the process that no file backs.
 _BAKE = """
 import json, sys, threading, time
 import leaflight
@@ -51,7 +51,7 @@ print(json.dumps({"held": held[0], "begun": begun, "in_files": in_files,
 """
 
 needs_linux = pytest.mark.skipif(
-    not Path("/proc/self/status").exists(), reason="only Linux tells what a process holds"
+    not Path("/proc/self/status").exists(), reason="only Linux reports what a process holds"
 )
 
 
@@ -61,7 +61,7 @@ def unlimited():
     limit_memory(None)
 
 
-def bake_apart(path, out, limit=0, **settings):
+def bake_in_subprocess(path, out, limit=0, **settings):
     arguments = json.dumps([str(path), str(out), limit, settings])
     ended = subprocess.run(
         [sys.executable, "-c", _BAKE, arguments],
@@ -75,7 +75,7 @@ def bake_apart(path, out, limit=0, **settings):
 
 @pytest.fixture(scope="module")
 def large(tmp_path_factory):
-    """(folder, what bake_apart() tells with a limit, and without) of a volume beyond the limit."""
+    """(folder, bake_in_subprocess() with a limit, and without) of a volume beyond the limit."""
     n = 384
     x = np.linspace(-1, 1, n, dtype=np.float32)
     plane = np.cos(9 * x)[:, None] * np.sin(7 * x)
@@ -86,8 +86,8 @@ def large(tmp_path_factory):
         values[k] = plane * np.cos(8 * x[k]) - x[k] ** 2
     del values
     assert path.stat().st_size > LEAST_LIMIT
-    limited = bake_apart(path, folder / "limited.vdb", LEAST_LIMIT, resolution=32)
-    return folder, limited, bake_apart(path, folder / "whole.vdb", resolution=32)
+    limited = bake_in_subprocess(path, folder / "limited.vdb", LEAST_LIMIT, resolution=32)
+    return folder, limited, bake_in_subprocess(path, folder / "whole.vdb", resolution=32)
 
 
 @pytest.mark.slow
@@ -127,7 +127,7 @@ def test_a_limit_is_kept(large):
 def test_memory_of_the_light_is_foreseen(tmp_path, settings):
     path = tmp_path / "box.npy"
     np.save(path, bump_box(100).values)
-    found = bake_apart(path, tmp_path / "box.vdb", **settings)
+    found = bake_in_subprocess(path, tmp_path / "box.vdb", **settings)
 
     volume = leaflight.read_volume(path)
     task = task_of(volume, None, **settings)

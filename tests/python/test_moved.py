@@ -9,7 +9,7 @@ import pytest
 from leaflight import LeaflightError
 from leaflight.scene.scene import PointLight
 
-WINDOW = (30.0, 70.0)
+ISOVALUES = (30.0, 70.0)
 BOX = leaflight.bump_box(10)
 NEW_LAMP = PointLight("Side lamp", (-0.1, -0.4, 1.2), 0.05, (2.0, 1.5, 0.7))
 
@@ -17,7 +17,7 @@ NEW_LAMP = PointLight("Side lamp", (-0.1, -0.4, 1.2), 0.05, (2.0, 1.5, 0.7))
 def baked(volume, scene, **settings):
     settings = {
         "error": 8.0,
-        "isovalues": WINDOW,
+        "isovalues": ISOVALUES,
         "walls": True,
         "resolution": 10,
         **settings,
@@ -230,7 +230,7 @@ def test_it_says_what_cannot_move(bake, scene):
     ):
         with pytest.raises(LeaflightError, match=what):
             bake.moved(volume, changed, **settings)
-    fixed = leaflight.thesis.bake(BOX, scene, isovalues=WINDOW, samples=4, photons=2000)
+    fixed = leaflight.thesis.bake(BOX, scene, isovalues=ISOVALUES, samples=4, photons=2000)
     with pytest.raises(LeaflightError, match="direct light of this bake is not exact"):
         fixed.moved(BOX, scene)
     progress = leaflight.Progress()

@@ -15,7 +15,7 @@ from leaflight.bake.statistics import Statistics
 from leaflight.volume.setting_error import SettingError
 from waiting import HANG
 
-WINDOW = (30.0, 70.0)
+ISOVALUES = (30.0, 70.0)
 # Takes more passes than any of these tests waits for.
 UNREACHED = 1e-3
 
@@ -26,7 +26,7 @@ def box(bump_scene):
 
     def bake(**settings):
         volume = leaflight.bump_box(10)
-        return leaflight.bake(volume, bump_scene, isovalues=WINDOW, **settings)
+        return leaflight.bake(volume, bump_scene, isovalues=ISOVALUES, **settings)
 
     return bake
 
@@ -137,8 +137,8 @@ def test_what_to_do_where_the_error_was_not_reached(box):
         statistics = replace(
             baked.statistics, estimated_error_percent=5.0, estimated_noise_percent=noise
         )
-        told = outcome(replace(baked, provenance=provenance, statistics=statistics))
-        assert sentence in told and "\n" not in told
+        found = outcome(replace(baked, provenance=provenance, statistics=statistics))
+        assert sentence in found and "\n" not in found
 
 
 @pytest.mark.parametrize("value", [0, -1.0, float("nan"), float("inf")])
@@ -161,7 +161,7 @@ def test_a_bake_without_provenance_is_of_an_earlier_leaflight(box_bake, tmp_path
 def estimated(bump_scene):
     """(the Estimate of a bake, its statistics)."""
     volume = leaflight.bump_box(16)
-    arguments = {"isovalues": WINDOW, "error": 1.0}
+    arguments = {"isovalues": ISOVALUES, "error": 1.0}
     expected = leaflight.estimate(volume, bump_scene, **arguments)
     return expected, leaflight.bake(volume, bump_scene, **arguments).statistics
 

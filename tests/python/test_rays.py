@@ -60,7 +60,7 @@ def test_an_error_is_reached_in_passes(two, mirror):
         assert 0 < baked.statistics.estimated_error_percent < 4.0
         assert not baked.statistics.stopped and baked.provenance.blocks >= 4
         assert len(seen) == baked.statistics.passes - 1
-        assert "4 % was asked for" in outcome(baked)
+        assert "(target 4 %)" in outcome(baked)
 
 
 def test_a_glass_isosurface_has_the_error_of_its_walls(glass):

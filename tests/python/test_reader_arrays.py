@@ -162,7 +162,7 @@ def test_ome_zarr(tmp_path, values):
 
 
 def test_ome_tiff_of_five_dimensions(tmp_path, values):
-    """Times and channels are told apart, and only the pages asked for are read."""
+    """Times and channels are distinguished, and only the pages asked for are read."""
     path = tmp_path / "x.ome.tif"
     whole = np.stack([np.stack([values + 10 * t + c for c in range(2)]) for t in range(3)])
     metadata = {"axes": "TCZYX", "PhysicalSizeX": 0.5, "PhysicalSizeY": 1, "PhysicalSizeZ": 2}

@@ -154,7 +154,7 @@ def test_values_beyond_sixteen_bits(tmp_path, values):
     np.testing.assert_array_equal(volume.values, expected)
 
 
-def test_a_dose_tells_the_distances_of_its_pages(tmp_path, values):
+def test_a_dose_has_the_distances_of_its_pages(tmp_path, values):
     write_slice(
         tmp_path / "dose.dcm", values, 50, NumberOfFrames=4, GridFrameOffsetVector=[0, 3, 6, 9]
     )

@@ -10,12 +10,12 @@ from leaflight import LeaflightError
 from leaflight.bake.relit import scales_exactly
 from leaflight.scene.scene import Environment, PointLight
 
-WINDOW = (30.0, 70.0)
+ISOVALUES = (30.0, 70.0)
 SUN = PointLight("Side lamp", (-0.9, -0.9, 0.9), 0.1, (4.0, 2.0, 8.0))
 
 
 def baked(scene, **settings):
-    settings = {"error": 5.0, "isovalues": WINDOW, "walls": True, **settings}
+    settings = {"error": 5.0, "isovalues": ISOVALUES, "walls": True, **settings}
     return leaflight.bake(leaflight.bump_box(10), scene, **settings)
 
 
@@ -145,7 +145,7 @@ def test_it_says_what_is_wrong(of_one, one_lamp):
         with pytest.raises(LeaflightError, match=f'factor of the lamp "{name}"'):
             of_one.relit({name: wrong})
     fixed = leaflight.thesis.bake(
-        leaflight.bump_box(10), one_lamp, isovalues=WINDOW, samples=4, photons=2000
+        leaflight.bump_box(10), one_lamp, isovalues=ISOVALUES, samples=4, photons=2000
     )
     with pytest.raises(LeaflightError, match="direct light of this bake is not exact"):
         fixed.relit({name: 2})

@@ -177,7 +177,7 @@ def test_pictures():
 
 
 def test_command_line(report_program, monkeypatch, tmp_path):
-    """The exit status tells whether all errors are what they must be; these cannot."""
+    """The exit status says whether all errors are what they must be; these cannot."""
 
     def one_table(folder, effort, run):
         return report_tables(folder, effort, run, tables=(table_3_1,))

@@ -162,7 +162,7 @@ def test_the_command_line(cli, root, tmp_path):
     before = json.loads(first.out.splitlines()[-1])
     continued = ["bake", "--continue", previous, "--out", more]
     outcome = cli(*continued, "--error", "0.78", "--json")
-    assert outcome.status == 0 and "0.78 % was asked for" in outcome.out
+    assert outcome.status == 0 and "(target 0.78 %)" in outcome.out
     after = json.loads(outcome.out.splitlines()[-1])
     assert after["estimated_error_percent"] <= 0.78 < before["estimated_error_percent"]
     assert after["passes"] > before["passes"] and after["rays"] > before["rays"]

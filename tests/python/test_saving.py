@@ -186,7 +186,7 @@ def test_a_cancelled_save_writes_nothing(box_bake, tmp_path):
 
 
 def test_a_cancel_that_comes_too_late():
-    """What is written already is told, not denied."""
+    """A file that is written already is reported, not denied."""
 
     def work(progress):
         progress.cancel()

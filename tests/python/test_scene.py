@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shipped scenes, how scenes fit volumes, and how they meet them."""
+"""The shipped scenes, how scenes fit volumes, and how they are checked against each other."""
 
 from dataclasses import replace
 

@@ -108,20 +108,20 @@ def test_arrays_that_the_module_refuses(monkeypatch):
     assert "fails its own test" in refusal(self_check.check)
 
 
-def _missed(*arguments):
+def _no_hit(*arguments):
     return None, None
 
 
 def _off(*arguments):
-    met, (x, y, z) = _core.trace(*arguments)
-    return met, (x, y, z + 1e-3)
+    hit, (x, y, z) = _core.trace(*arguments)
+    return hit, (x, y, z + 1e-3)
 
 
 def _through_isosurfaces(scene, origin, direction, c):
     return _core.trace(scene, (*origin[:2], 1.5), direction, c)
 
 
-@pytest.mark.parametrize("trace", [_missed, _off, _through_isosurfaces])
+@pytest.mark.parametrize("trace", [_no_hit, _off, _through_isosurfaces])
 def test_rays_that_go_elsewhere(trace):
     assert "traces rays wrongly" in refusal(self_check.check_rays, np, Changed(trace=trace))
 

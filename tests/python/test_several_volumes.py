@@ -96,31 +96,31 @@ def test_saved_and_loaded(lapr_bake, lapr_file):
             )
 
 
-def test_inner_side(lapr_bake):
-    outer, inner = lapr_bake.surface(0.2, 1), lapr_bake.surface(0.2, 1, back=True)
+def test_back(lapr_bake):
+    front, back = lapr_bake.surface(0.2, 1), lapr_bake.surface(0.2, 1, back=True)
     count = len(_core.contour(lapr_bake.volumes[1].field(), lapr_bake.isovalue_of(1, 0.2))[0])
-    np.testing.assert_array_equal(inner.vertices[:count], outer.vertices[:count])
-    np.testing.assert_array_equal(inner.normals[:count], -outer.normals[:count])
-    for surface in (outer, inner):
+    np.testing.assert_array_equal(back.vertices[:count], front.vertices[:count])
+    np.testing.assert_array_equal(back.normals[:count], -front.normals[:count])
+    for surface in (front, back):
         a, b, c = np.moveaxis(surface.vertices[surface.triangles], 1, 0)
         facing = np.einsum(
             "ij,ij->i", np.cross(b - a, c - a), surface.normals[surface.triangles[:, 0]]
         )
         assert (facing > 0).mean() > 0.9
     # Light comes in where the volume is cut off, but less of it.
-    assert 0.001 < inner.radiance.mean() < 0.5 * outer.radiance.mean()
+    assert 0.001 < back.radiance.mean() < 0.5 * front.radiance.mean()
     result = leaflight.compare(lapr_bake, 0.2, points=300, spp=256, volume=1, back=True)
     assert result["rms_percent"] < 10 and result["exposed"] is None
 
 
-def test_inner_side_that_no_light_reaches(lapr_scene):
+def test_back_that_no_light_reaches(lapr_scene):
     volumes = [open_volume(f"lapr:{k}", dims=[16]) for k in (0, 1)]
     baked = leaflight.bake(volumes, lapr_scene, error=50.0, both_sides=True)
     assert not baked.grids[1].has_back
     assert (baked.surface(0.2, 1, back=True).radiance == 0).all()
 
 
-def test_inner_side_that_was_not_baked(box_bake):
+def test_back_that_was_not_baked(box_bake):
     with pytest.raises(LeaflightError, match="bake again with both sides"):
         box_bake.surface(47.0, back=True)
 

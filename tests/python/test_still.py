@@ -103,7 +103,7 @@ def test_rays_of_a_pixel_are_averaged(ball):
     np.testing.assert_allclose(coarse, mean, atol=1e-5)
 
 
-def test_inner_sides(lapr_bake):
+def test_backs(lapr_bake):
     """Through the open border they are seen as they were baked; other bakes shade them."""
     camera = camera_around_bake(lapr_bake, azimuth=90)
     picture = leaflight.still(lapr_bake, 0.5, camera, SIZE, walls=False)

@@ -68,7 +68,7 @@ def test_scattered_samples(bake_box, bake_flat, strategy):
 
 
 def test_level_sets_of_given_isovalues(bake_flat):
-    """Samples on one isoline tell nothing of others but what is next to it."""
+    """Samples on one isoline say nothing about others but those next to it."""
     at_50, at_150 = (
         bake_flat(scattered=Scattered("level_set", 2000, isovalues=(c,), radius=50))
         for c in (50.0, 150)

@@ -71,7 +71,7 @@ def test_the_page_holds_the_bake(lapr_bake, tmp_path):
     text = out.read_text()
     header = json.loads(script(text, "leaflight-header"))
     body = body_of(text)
-    assert header["isovalue"] == 0.25 and header["window"] == [0, 1] and "'none'" in text
+    assert header["isovalue"] == 0.25 and header["isovalueRange"] == [0, 1] and "'none'" in text
     for number, volume in enumerate(header["volumes"]):
         values = lapr_bake.volumes[number].values
         codes = block(header, body, volume["values"], f"u{volume['bits'] // 8}")
@@ -82,8 +82,8 @@ def test_the_page_holds_the_bake(lapr_bake, tmp_path):
         light = volume["light"]
         active = active_texels(header, body, light)
         # Backs of two volumes hold all light.
-        assert volume["direct"]["outer"] and volume["direct"]["inner"] is None
-        for side, name in (("outer", "radiance_indirect"), ("inner", "radiance_back")):
+        assert volume["direct"]["front"] and volume["direct"]["back"] is None
+        for side, name in (("front", "radiance_indirect"), ("back", "radiance_back")):
             dense = grid.dense(name) * lapr_bake.scene.exposure
             assert (dense[~active] < LEAST).all()
             got, expected = colors(header, body, light[side]), dense[active]
@@ -149,14 +149,14 @@ def test_the_page_holds_maps_of_direct_light(bump_scene, small, tmp_path):
     np.testing.assert_array_equal(np.ravel(direct.light_points), np.ravel(data["points"]))
     low, high = bake.isovalues
     about = [1 + 252 * (value - low) / (high - low) for value in of_27(bake.volume.data())]
-    for is_inner, side in ((False, "outer"), (True, "inner")):
+    for is_back, side in ((False, "front"), (True, "back")):
         assert len(data[side]) == -(-len(data["points"]) // 2)
-        least, most = (254 - each for each in about[::-1]) if is_inner else about
+        least, most = (254 - each for each in about[::-1]) if is_back else about
         least, most = (np.clip(each[active], 0, 254) for each in (least, most))
         for point in range(len(data["points"])):
             pair = block(header, body, data[side][point // 2], np.uint8)
             level = (pair >> 4 * (point % 2) & 15).astype(int)
-            code = direct.codes(point, is_inner)
+            code = direct.codes(point, is_back)
             part = (np.clip(code, least, most) - least) / np.maximum(most - least, 1e-9)
             sharp = most - least > 60
             off = abs(part - np.clip((level - 0.5) / 13, 0, 1))[sharp & (level < 15)]
@@ -165,7 +165,7 @@ def test_the_page_holds_maps_of_direct_light(bump_scene, small, tmp_path):
     # Beside them texels hold indirect light.
     lit = active_texels(header, body, volume["light"])
     expected = grid.dense("radiance_indirect")[lit] * bake.scene.exposure
-    got = colors(header, body, volume["light"]["outer"])
+    got = colors(header, body, volume["light"]["front"])
     assert (abs(got - expected).max(1) <= LEAST + expected.max(1) / 500).all()
 
 

@@ -50,7 +50,7 @@ def box():
 
 
 def brain():
-    """Colin27 with coarse light: rays meet every voxel."""
+    """Colin27 with coarse light: rays hit every voxel."""
     if not COLIN27.exists():
         pytest.skip("the Debian package mricron-data is not installed")
     return leaflight.bake(leaflight.read_volume(COLIN27), resolution=60, error=10.0)

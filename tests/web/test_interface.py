@@ -50,7 +50,7 @@ def test_walls_leave_no_pinholes(browser, pages):
     assert (middle == 255).all()
 
 
-def test_progress_is_told_and_damage_only_when_it_is_there(browser, pages):
+def test_progress_is_shown_and_damage_only_when_it_is_there(browser, pages):
     data = pages("box").read_bytes()
     half = data.index(b"leaflight-body") + (len(data) - data.index(b"leaflight-body")) // 2
     goes_on, ends = threading.Event(), {"at": len(data)}
@@ -84,8 +84,8 @@ def test_progress_is_told_and_damage_only_when_it_is_there(browser, pages):
             assert "whole" not in browser.evaluate("document.body.innerText")
             goes_on.set()
             browser.opened()
-            told = browser.evaluate("document.querySelector('[role=alert]')?.textContent ?? null")
-            assert told is None if words is None else words in told
+            shown = browser.evaluate("document.querySelector('[role=alert]')?.textContent ?? null")
+            assert shown is None if words is None else words in shown
             if words is None:
                 assert browser.evaluate("!document.querySelector('#poster, #opening')")
         server.shutdown()
@@ -241,7 +241,7 @@ def test_the_camera_stops_before_the_isosurface(page, bakes):
         way /= np.linalg.norm(way)
         isovalue = page.evaluate(f"{LOOK}.isovalue")
         hits = _core.isosurface_hits(bake.volume.field(), [seen["position"]], [way], isovalue)
-        # From outside, a ray meets the front.
+        # From outside, a ray hits the front.
         assert hits[1][0] == 0
         return hits[0][0]
 
@@ -270,10 +270,10 @@ def test_lengths_are_those_of_the_world(page, bakes):
         assert distance == pytest.approx(1, abs=2e-3)
         places.append(place)
     page.atRest()
-    apart = np.linalg.norm(np.subtract(*places))
-    assert page.evaluate("leaflight.panel.ruler.distance") == pytest.approx(apart, rel=0.05)
-    told = page.evaluate("document.querySelector('#ruler-text').textContent")
-    assert float(told.split()[0]) == pytest.approx(apart, rel=0.05) and "units" in told
+    distance = np.linalg.norm(np.subtract(*places))
+    assert page.evaluate("leaflight.panel.ruler.distance") == pytest.approx(distance, rel=0.05)
+    shown = page.evaluate("document.querySelector('#ruler-text').textContent")
+    assert float(shown.split()[0]) == pytest.approx(distance, rel=0.05) and "units" in shown
     # The scale bar, at the depth of the middle.
     bar = page.evaluate("document.querySelector('#scale-bar').getBoundingClientRect().width")
     length = float(page.evaluate("document.querySelector('#scale-text').textContent").split()[0])

@@ -54,11 +54,11 @@ def check_like_still(browser, bake, **options):
     assert off <= 1.0 and alone <= 0.1, f"isovalue {isovalue}: {off:.3f} %, alone {alone:.3f} %"
 
 
-@pytest.mark.parametrize("side", ["outer", "inner"])
+@pytest.mark.parametrize("side", ["front", "back"])
 def test_shadows_have_the_edges_of_the_core(browser, bakes, pages, side):
     bake = bakes("shadows")
     browser.open(pages("shadows").as_uri(), SIZE)
-    if side == "inner":
+    if side == "back":
         browser.evaluate("leaflight.view.orbit.turn(-60, -60, 1.2)")
     camera = camera_of(browser)
     for isovalue in (-10, 10, 30):

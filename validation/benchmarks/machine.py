@@ -14,7 +14,7 @@ HERE = Path(__file__).resolve()
 def machine():
     """A dict: processor, cores, system, python, and load, processes at work in the minute before.
 
-    What the system does not tell is None.
+    Figures that the system does not have are None.
     """
     return {
         "processor": _processor(),

@@ -61,7 +61,7 @@ def _bake(answer, nodes, seed, threads):
 def _peak(baked):
     """The most bytes that this process has held.
 
-    What Linux tells of its resources, as the statistics do, includes the peak of the process that
+    Linux's figures of its resources, which the statistics use, include the peak of the process that
     started it: exec keeps that.
     """
     try:

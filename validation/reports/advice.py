@@ -10,7 +10,7 @@ from .sections import MEBIBYTE, THESIS_BREAK_EVEN
 
 # Budgets in seconds: these steps in each decade.
 STEPS = (1, 2, 5)
-# How few curves must have been measured within a budget for it to be told.
+# The least number of curves measured within a budget for it to be reported.
 CHOICES = 3
 
 
@@ -96,11 +96,11 @@ def _samples(analysis):
 
 def _strategies(curves):
     plain = curves.of(DEFAULT)
-    strewn = [curve for curve in curves.curves if curve.group == "strategies"]
-    if plain is None or not strewn:
+    scattered = [curve for curve in curves.curves if curve.group == "strategies"]
+    if plain is None or not scattered:
         return None
     few, many = (
-        ", ".join(f"{curve.name} {curve.points[end].error:.2f} %" for curve in strewn)
+        ", ".join(f"{curve.name} {curve.points[end].error:.2f} %" for curve in scattered)
         for end in (0, -1)
     )
     first, last = plain.points[0], plain.points[-1]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far bakes by default are from Cycles, an independent judge, and whether they know it.
+"""How far bakes by default are from Cycles, an independent judge, and whether they report it.
 
 Each case is baked once, as a user would who touches no setting. Some isosurfaces of it are measured
 by Cycles at random points of the mesh that users see (cycles.py), and by the core's path tracer on
@@ -36,9 +36,9 @@ from volume_recipes import (
 from leaflight.volume.particles import hydrogen, lapr, neuron, nucleons
 from leaflight.volume.volume import bump_box
 
-# What a bake says of its own error is true if it is wrong by this factor at most.
+# An estimated error is true if it is wrong by this factor at most.
 TRUE_WITHIN = 1.5
-MET, TOLD, MISSED = "met", "told", "missed"
+REACHED, REPORTED, EXCEEDED = "reached", "reported", "exceeded"
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ QUICK_CYCLES = CyclesEffort(QUICK_CASES, points=400, paths=256, noise=np.inf, ju
 
 @dataclass(frozen=True)
 class BakeRow:
-    """The bake of a case: its statistics, what it said before, and what it was found to err by.
+    """The bake of a case: its statistics, its estimate before, and its error as found.
 
     before: an Estimate of the bake; found: RMS in percent over all isosurfaces judged, the noise of
     Cycles taken out.
@@ -114,17 +114,17 @@ class BakeRow:
 
     @property
     def after(self):
-        """Percent that the bake says it errs by."""
+        """The error that the bake estimates at its end, in percent."""
         return self.statistics.estimated_error_percent
 
     @property
-    def told(self):
-        """Whether it said before and afterwards that it falls short."""
+    def reported(self):
+        """Whether it reported an error above the target before and afterwards."""
         return min(self.before.error, self.after) > DEFAULT_ERROR
 
     @property
     def true(self):
-        """Whether what it said afterwards is within TRUE_WITHIN of what was found."""
+        """Whether the estimate at the end is within TRUE_WITHIN of the found error."""
         return 1 / TRUE_WITHIN <= self.after / max(self.found, 1e-9) <= TRUE_WITHIN
 
 
@@ -148,13 +148,13 @@ class CyclesRow:
         if not self.judged:
             return None
         if self.errors["rms_percent"] <= DEFAULT_ERROR:
-            return MET
-        return TOLD if self.bake.told else MISSED
+            return REACHED
+        return REPORTED if self.bake.reported else EXCEEDED
 
     @property
     def passed(self):
-        """Whether the error asked for was met, or told to be out of reach."""
-        return self.verdict != MISSED
+        """Whether the target error was reached, or reported to be out of reach."""
+        return self.verdict != EXCEEDED
 
 
 def measure_against_cycles(effort, run, *, folder=None, seed=0, threads=0):

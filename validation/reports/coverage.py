@@ -2,7 +2,7 @@
 """How often the error that a bake reports covers its true error.
 
 Bakes that differ in their seed alone are independent draws of one estimate. The deviation of each
-from the mean of the others, over the error it reports, is the z that tells whether that error is
+from the mean of the others, over the error it reports, is the z that shows whether that error is
 true. What all seeds share, the bias, does not show.
 """
 

@@ -4,17 +4,17 @@
 from leaflight.bake.settings import DEFAULT_ERROR
 from leaflight.io.markdown import table
 from volume_recipes import absent_text
-from .against_cycles import MET, MISSED, TOLD, TRUE_WITHIN
+from .against_cycles import REACHED, EXCEEDED, REPORTED, TRUE_WITHIN
 
 # A mean colour below which a share of it says nothing.
 DARK = 0.01
 BAKE_FORMATS = {
     "texels": "{:,}",
     "passes": "{}",
-    "said s": "{:.0f}",
+    "estimated s": "{:.0f}",
     "bake s": "{:.1f}",
-    "said before %": "{:.2f}",
-    "said after %": "{:.2f}",
+    "estimated before %": "{:.2f}",
+    "estimated after %": "{:.2f}",
     "found %": "{:.2f}",
 }
 CYCLES_FORMATS = {
@@ -39,10 +39,10 @@ def bake_rows(rows):
             "nodes": " x ".join(map(str, bake.nodes)),
             "texels": bake.statistics.texels,
             "passes": bake.statistics.passes,
-            "said s": bake.before.seconds,
+            "estimated s": bake.before.seconds,
             "bake s": bake.statistics.seconds,
-            "said before %": bake.before.error,
-            "said after %": bake.after,
+            "estimated before %": bake.before.error,
+            "estimated after %": bake.after,
             "found %": bake.found,
             "true": "yes" if bake.true else "no",
         }
@@ -86,15 +86,15 @@ def cycles_text(rows, absent, effort):
     ]
     if effort.judged:
         lines += [
-            f"- The target of a default bake is {DEFAULT_ERROR:g} %. *{MET.capitalize()}*: the "
-            f"error is not larger. *{TOLD.capitalize()}*: it is larger, and the bake reported it "
-            f"before (`--estimate`) and after. *{MISSED.capitalize()}*: it is larger, and the bake "
-            "did not report it.",
+            f"- The target of a default bake is {DEFAULT_ERROR:g} %. *{REACHED.capitalize()}*: the "
+            f"error is not larger. *{REPORTED.capitalize()}*: it is larger, and the bake reported "
+            f"it before (`--estimate`) and after. *{EXCEEDED.capitalize()}*: it is larger, and the "
+            "bake did not report it.",
         ]
     lines += [
-        "- *Said* is what the bake estimates: seconds and error before it starts, and the error at "
-        "the end. *Found* is the RMS over its isosurfaces below, without the noise of Cycles. "
-        f"*True*: said after and found differ by a factor of {TRUE_WITHIN:g} at most. Scenes with "
+        "- *Estimated* are seconds and error before the bake starts, and the error at the end. "
+        "*Found* is the RMS over its isosurfaces below, without the noise of Cycles. *True*: "
+        f"estimated after and found differ by a factor of {TRUE_WITHIN:g} at most. Scenes with "
         "several volumes are not baked in passes, and estimate only their noise.",
     ]
     return [

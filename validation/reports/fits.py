@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What curves of error tell: slopes, noise and floor, and where two of them break even.
+"""Fits of curves of error: slopes, noise and floor, and where two of them break even.
 
 All fits are least squares of relative deviations, and intervals are those of 95 %.
 """

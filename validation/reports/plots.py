@@ -7,7 +7,7 @@ import numpy as np
 
 from leaflight._core import LeaflightError
 
-# Okabe and Ito's colours, which colour-blind eyes tell apart.
+# Okabe and Ito's colours, which colour-blind eyes distinguish.
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000")
 MARKERS = "osD^vPX"
 DOTS_PER_INCH = 110

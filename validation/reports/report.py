@@ -64,7 +64,7 @@ def report(folder, effort, run, data=None, tables=TABLES):
 
     effort: a ReportEffort; run(work, label): see experiments.py; data: the folder of the real data
     sets, or None. Returns a dict: "out", "seed", "passed" (no row of the tables failed and none
-    against Cycles is missed), "rows" as those of report_tables, and "curves", "slopes",
+    against Cycles is exceeded), "rows" as those of report_tables, and "curves", "slopes",
     "break_even", "data_sets", "bakes_against_cycles", "against_cycles", "memory": lists of dicts.
     Raises LeaflightError, Cancelled, and then writes nothing.
     """
@@ -162,7 +162,7 @@ def report_cycles(folder, effort, run, data=None, *, seed=0, threads=0):
     """Measures bakes against Cycles; writes folder/cycles.md and both its tables in folder/csv.
 
     effort: a CyclesEffort; run, data: see report(). Returns a dict: "out", "seed", "passed" (none
-    is missed), "rows" (none), "bakes_against_cycles" and "against_cycles", lists of dicts. Raises
+    is exceeded), "rows" (none), "bakes_against_cycles" and "against_cycles", lists of dicts. Raises
     LeaflightError, Cancelled, and then writes nothing.
     """
     find_blender()

@@ -23,7 +23,7 @@ NO_BLENDER = "There is no Blender on the search path, so this section is empty."
 
 @dataclass(frozen=True, eq=False)
 class Analysis:
-    """What the curves tell.
+    """Conclusions from the curves.
 
     slopes: Estimates of the slope of each curve's noise, errors and costs: Fits, by name;
     break_even: rows, dicts.

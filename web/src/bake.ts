@@ -19,13 +19,13 @@ export interface BrickData {
 }
 
 export interface LightData extends BrickData {
-  outer: number; // blocks: radiance times the exposure
-  inner: number | null;
+  front: number; // blocks: radiance times the exposure
+  back: number | null;
 }
 
 export interface DirectData extends BrickData {
-  outer: number[]; // blocks: levels of two light points each
-  inner: number[] | null;
+  front: number[]; // blocks: levels of two light points each
+  back: number[] | null;
   points: number[][]; // as DirectLight.light_points of the core lists them
   lights: number[]; // of each, the number of the lamp that it belongs to, or -1
   indexToFrame: number[]; // 4 x 4, by rows
@@ -43,7 +43,7 @@ export interface VolumeData {
   scale: number;
   light: LightData;
   direct: DirectData | null; // beside which texels hold indirect light; null: they hold all
-  innerIs: 'baked' | 'dark' | 'local';
+  backIs: 'baked' | 'dark' | 'local';
   albedo: Stops;
   emission: Stops;
 }
@@ -83,7 +83,7 @@ export interface WallsData {
 export interface Header {
   format: number;
   title: string;
-  window: [number, number]; // common isovalues
+  isovalueRange: [number, number]; // common isovalues
   isovalue: number;
   exposure: number;
   stops: number; // of exposure beside it
@@ -98,7 +98,7 @@ export interface Header {
   lamps: number[][]; // of local shading: the number of its lamp, and a row of lamps.py
   ambient: Vector;
   headlight: boolean;
-  histogram: { counts: number[]; width: number }; // of a bin, as a share of the window
+  histogram: { counts: number[]; width: number }; // of a bin, as a share of the isovalue range
   step: number; // between isovalues that are chosen
   unit: string; // of lengths in the world, '' where it is not known
   isPatient: boolean; // the world's axes are towards a patient's right, front and up
@@ -112,7 +112,7 @@ const FORMAT = 4;
 const READ_SHARE = 0.4; // of the work, to read the file
 
 // How much of the work is done, 0..1, and the step that goes on, as words.
-export type Tell = (share: number, step: string) => void;
+export type Report = (share: number, step: string) => void;
 
 export class Bake {
   private inflated = 0;
@@ -121,7 +121,7 @@ export class Bake {
   private constructor(
     readonly header: Header,
     private readonly body: Uint8Array,
-    private readonly tell: Tell,
+    private readonly report: Report,
   ) {
     this.all = header.blocks.reduce((sum, [, , whole]) => sum + whole, 0);
   }
@@ -141,12 +141,12 @@ export class Bake {
     return header;
   }
 
-  static async read(header: Header, tell: Tell): Promise<Bake> {
+  static async read(header: Header, report: Report): Promise<Bake> {
     const bytes = Math.max(0, ...header.blocks.map(([first, length]) => first + length));
     const body = await readBody(bytes, (share) => {
-      tell(READ_SHARE * share, 'Reading the file');
+      report(READ_SHARE * share, 'Reading the file');
     });
-    return new Bake(header, body, tell);
+    return new Bake(header, body, report);
   }
 
 // The numbers of a block, `size` bytes each, in the order of this machine.
@@ -163,7 +163,7 @@ export class Bake {
     }
     if (planes.length !== whole) throw new Failure(DAMAGED);
     this.inflated += whole;
-    this.tell(READ_SHARE + (1 - READ_SHARE) * (this.inflated / this.all), 'Unpacking');
+    this.report(READ_SHARE + (1 - READ_SHARE) * (this.inflated / this.all), 'Unpacking');
     await pause();
     return fromPlanes(planes, size);
   }

@@ -27,14 +27,14 @@ export async function arrived(id: string): Promise<HTMLElement | null> {
 }
 
 // So many bytes, of the elements of the page or of bake.bin beside it.
-export async function readBody(bytes: number, tell: (share: number) => void): Promise<Uint8Array> {
+export async function readBody(bytes: number, report: (share: number) => void): Promise<Uint8Array> {
   const body = new Uint8Array(bytes);
   let at = 0;
   const add = (part: Uint8Array) => {
     if (at + part.length > bytes) throw new Failure(DAMAGED);
     body.set(part, at);
     at += part.length;
-    tell(at / bytes);
+    report(at / bytes);
   };
   await start();
   if (document.getElementById(BODY)) await readElements(add);

@@ -29,7 +29,7 @@ export class Histogram {
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redraw);
   }
 
-  // With lines at shares, 0..1, of the window.
+  // With lines at shares, 0..1, of the isovalue range.
   show(shares: number[]): void {
     this.shown = shares;
     const { canvas } = this;

@@ -161,7 +161,7 @@ export class Isosurface {
   private tint(look: Look, isovalue: number): Vector {
     const key = look.isosurfaceColors;
     if (key === null || rampAt(this.data.emission, isovalue).some((x) => x > 0)) return [1, 1, 1];
-    const [low, high] = this.header.window.map((c) => this.isovalueAt(c));
+    const [low, high] = this.header.isovalueRange.map((c) => this.isovalueAt(c));
     const color = linearAt(key, (isovalue - low) / (high - low), this.header);
     const albedo = rampAt(this.data.albedo, isovalue);
     return color.map((x, k) => (albedo[k] > 0 ? x / albedo[k] : 0)) as Vector;
@@ -176,7 +176,7 @@ function uniformsOf(
   worldToIndex: three.Matrix4,
 ): Record<string, three.IUniform> {
   const texelScale = data.light.texels.map((n, a) => (n - 1) / (data.dims[a] - 1));
-  const window = header.window.map((c) => {
+  const isovalueRange = header.isovalueRange.map((c) => {
     const [low, high] = data.isovalues;
     return (low + c * (high - low) - data.offset) / data.scale;
   });
@@ -189,12 +189,12 @@ function uniformsOf(
     texelScale: new three.Vector3(...texelScale),
     textureScale: new three.Vector3(...textureSize(data.light).map((n) => 1 / n)),
     ...(data.direct && mapUniforms(data.direct)),
-    innerHasMaps: data.direct !== null && data.direct.inner !== null,
-    innerIs: ['baked', 'dark', 'local'].indexOf(data.innerIs),
+    backHasMaps: data.direct !== null && data.direct.back !== null,
+    backIs: ['baked', 'dark', 'local'].indexOf(data.backIs),
     indexToWorld,
     normalToWorld: new three.Matrix3().setFromMatrix4(worldToIndex).transpose(),
     unbaked: header.unbaked,
-    window: new three.Vector2(...window),
+    isovalueRange: new three.Vector2(...isovalueRange),
   };
   const varying = [
     'isovalue', 'secondIsovalue', 'hasSecond', 'opacity', 'isLocal', 'gain', 'albedo', 'emission',
@@ -210,8 +210,8 @@ function uniformsOf(
 
 interface LightTextures {
   table: three.Data3DTexture;
-  outer: three.Data3DTexture;
-  inner: three.Data3DTexture;
+  front: three.Data3DTexture;
+  back: three.Data3DTexture;
 }
 
 async function lightTextures(bake: Bake, data: LightData): Promise<LightTextures> {
@@ -229,6 +229,6 @@ async function lightTextures(bake: Bake, data: LightData): Promise<LightTextures
     texture.magFilter = three.LinearFilter;
     return given(texture);
   };
-  const outer = await side(data.outer);
-  return { table, outer, inner: data.inner === null ? outer : await side(data.inner) };
+  const front = await side(data.front);
+  return { table, front, back: data.back === null ? front : await side(data.back) };
 }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Isovalues as the controls have them: within the window, by the steps of the bake, as text.
+// Isovalues as the controls have them: within the isovalue range, by the steps of the bake, as text.
 
 export interface Steps {
-  window: [number, number]; // common isovalues
+  isovalueRange: [number, number]; // common isovalues
   step: number; // a power of ten
 }
 
-function clamped(isovalue: number, { window: [low, high] }: Steps): number {
+function clamped(isovalue: number, { isovalueRange: [low, high] }: Steps): number {
   return Math.min(high, Math.max(low, isovalue));
 }
 

@@ -7,14 +7,14 @@ import type { View } from './view';
 
 type Keys = Partial<Record<string, () => void>>;
 
-const STEPS = 200; // from one end of the window to the other
+const STEPS = 200; // from one end of the isovalue range to the other
 
 export function bindKeys(panel: Panel, view: View, header: Header): void {
   const press = (id: string) => () => {
     document.getElementById(id)?.click();
   };
   const step = (count: number) => () => {
-    const [low, high] = header.window;
+    const [low, high] = header.isovalueRange;
     panel.setIsovalue(view.look.isovalue + (count * (high - low)) / STEPS);
   };
   const anywhere: Keys = {

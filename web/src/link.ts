@@ -51,7 +51,7 @@ export function fromLink(link: string, { look, viewpoint }: State, header: Heade
     const found = numbers(name, 1);
     return found && Math.min(high, Math.max(low, found[0]));
   };
-  const isovalue = one('isovalue', ...header.window);
+  const isovalue = one('isovalue', ...header.isovalueRange);
   const second = numbers('second', 2);
   const clip = numbers('clip', 2);
   const colors = (name: string) => {

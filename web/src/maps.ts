@@ -15,7 +15,7 @@ function groupsOf(direct: DirectData): number {
 }
 
 export function layersOf(direct: DirectData): number {
-  return groupsOf(direct) * (direct.inner === null ? 1 : 2);
+  return groupsOf(direct) * (direct.back === null ? 1 : 2);
 }
 
 export interface MapTextures {
@@ -35,7 +35,7 @@ export async function mapTextures(
   const size = textureSize(direct, layersOf(direct));
   const levels = new Uint8Array(4 * size[0] * size[1] * size[2]);
   const layer = levels.length / layersOf(direct);
-  for (const [side, blocks] of [direct.outer, direct.inner ?? []].entries()) {
+  for (const [side, blocks] of [direct.front, direct.back ?? []].entries()) {
     for (const [pair, block] of blocks.entries()) {
       const pairs = await bake.block(block, 1);
       const first = (side * groupsOf(direct) + (pair >> 2)) * layer + (pair & 3);
@@ -83,12 +83,12 @@ export function light(texture: three.DataTexture, direct: DirectData, factors: V
 
 // The least and the greatest visibility code about each texel.
 function rangesTexture(
-  { window }: Header,
+  { isovalueRange }: Header,
   { dims, isovalues, masked, offset, scale }: VolumeData,
   { texels }: DirectData,
   codes: Codes,
 ): three.Data3DTexture {
-  const [low, high] = window.map((c) => isovalues[0] + c * (isovalues[1] - isovalues[0]));
+  const [low, high] = isovalueRange.map((c) => isovalues[0] + c * (isovalues[1] - isovalues[0]));
   const codeOf = (value: number) => 1 + (offset + scale * value - low) * (252 / (high - low));
   const count = codes instanceof Uint8Array ? 256 : 65536;
   const [floors, ceilings] = [new Uint8ClampedArray(count), new Uint8ClampedArray(count)];

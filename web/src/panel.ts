@@ -92,7 +92,7 @@ export class Panel {
     private readonly header: Header,
     private readonly view: View,
   ) {
-    const [low, high] = header.window;
+    const [low, high] = header.isovalueRange;
     for (const id of ['isovalue', 'number', 'second']) {
       element(id).min = String(low);
       element(id).max = String(high);
@@ -101,7 +101,7 @@ export class Panel {
     this.histogram = new Histogram(bars, header.histogram, (share) => {
       this.setIsovalue(low + share * (high - low));
     });
-    this.player = new Player(header.window, () => view.look.isovalue, (isovalue) => {
+    this.player = new Player(header.isovalueRange, () => view.look.isovalue, (isovalue) => {
       view.look.isovalue = Math.min(high, Math.max(low, isovalue));
       this.refresh();
     }); // prettier-ignore
@@ -123,7 +123,7 @@ export class Panel {
   // Shows the look in the elements and in the view.
   refresh(): void {
     const { look, canvas } = this.view;
-    const [low, high] = this.header.window;
+    const [low, high] = this.header.isovalueRange;
     const text = textOf(look.isovalue, this.header);
     element('isovalue').value = String(look.isovalue);
     element('isovalue').setAttribute('aria-valuetext', text);
@@ -205,7 +205,7 @@ export class Panel {
     }
     on('slice-colors', 'input', (input) => (view.look.sliceColors = input.value));
     on('isosurface-colors', 'input', (input) => (view.look.isosurfaceColors = input.value || null));
-    element('second').value = String(header.window[0] + 0.25 * (view.look.isovalue - header.window[0]));
+    element('second').value = String(header.isovalueRange[0] + 0.25 * (view.look.isovalue - header.isovalueRange[0]));
     for (const id of ['has-second', 'second']) {
       on(id, 'input', () => {
         const second = onGrid(element('second').valueAsNumber, header);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sweeps the isovalue through the window, forth and back.
+// Moves the isovalue through the isovalue range, to and fro.
 
 const SECONDS = 10; // from one end to the other
 
@@ -9,7 +9,7 @@ export class Player {
   private direction = 1;
 
   constructor(
-    private readonly window: [number, number],
+    private readonly isovalueRange: [number, number],
     private readonly isovalue: () => number,
     private readonly show: (isovalue: number) => void,
   ) {}
@@ -30,7 +30,7 @@ export class Player {
 
   private ask(): void {
     this.frame = requestAnimationFrame((now) => {
-      const [low, high] = this.window;
+      const [low, high] = this.isovalueRange;
       const seconds = Math.max(0, now - this.last) / 1000;
       const next = this.isovalue() + (this.direction * (high - low) * seconds) / SECONDS;
       if (next >= high) this.direction = -1;

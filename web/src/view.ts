@@ -24,9 +24,9 @@ export class View {
   private readonly pace = new Pace();
   private readonly sphere = new three.Sphere();
   private readonly listeners: ((atRest: boolean) => void)[] = [];
-  private asked = 0;
+  private frame = 0; // that is requested; 0: none
   private isStarted = false;
-  private resting: ReturnType<typeof setTimeout> | undefined;
+  private fullDetail: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
     readonly canvas: HTMLCanvasElement,
@@ -90,16 +90,16 @@ export class View {
   changed(): void {
     if (!this.isStarted) return;
     this.canvas.dataset.state = 'moving';
-    clearTimeout(this.resting);
-    if (this.asked !== 0) return;
-    this.asked = requestAnimationFrame((now) => {
-      this.asked = 0;
+    clearTimeout(this.fullDetail);
+    if (this.frame !== 0) return;
+    this.frame = requestAnimationFrame((now) => {
+      this.frame = 0;
       this.drawNow(this.pace.share);
       for (const listener of this.listeners) listener(false);
       requestAnimationFrame((next) => {
         this.pace.took(next - now);
       });
-      this.resting = setTimeout(() => {
+      this.fullDetail = setTimeout(() => {
         this.drawNow(1);
         this.canvas.dataset.state = 'rest';
         for (const listener of this.listeners) listener(true);

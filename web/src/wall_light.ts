@@ -104,7 +104,7 @@ export class WallLight {
   }
 
   private codeOf(c: number): number {
-    const [low, high] = this.header.window;
+    const [low, high] = this.header.isovalueRange;
     return 1 + (252 * (c - low)) / (high - low);
   }
 

@@ -36,7 +36,7 @@ export class Wall {
     const geometry = new three.BufferGeometry();
     geometry.setAttribute('position', new three.BufferAttribute(vertices, 3));
     geometry.setIndex(new three.BufferAttribute(triangles, 1));
-    this.attributes = ['outerLight', 'innerLight'].map((name) => {
+    this.attributes = ['frontLight', 'backLight'].map((name) => {
       const attribute = new three.BufferAttribute(new Float32Array(vertices.length), 3);
       geometry.setAttribute(name, attribute);
       return attribute;

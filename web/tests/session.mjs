@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A browser that does as it is told: one JSON object {call, with: [...]} a line, and one in answer.
+// A browser that takes commands: one JSON object {call, with: [...]} a line, and one in answer.
 // tests/web/browser.py speaks with it.
 import { createInterface } from 'node:readline';
 
@@ -35,7 +35,7 @@ const calls = {
     });
     await page.setViewport({ width, height, hasTouch: touch, isMobile: touch });
     await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: scheme }]);
-    // An answer that ends early is an error of its own, which the page tells.
+    // An answer that ends early is an error of its own, which the page reports.
     opening = page.goto(url).catch(() => null);
     if (waits) await calls.opened();
   },

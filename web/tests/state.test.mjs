@@ -13,18 +13,18 @@ const { positionOf } = await load('framing');
 const { roundLength, lengthText } = await load('lengths');
 
 const VIRIDIS = ['Viridis', '440154', '472d7b', '3b528b', '2c728e', '21918c', '27ad81', '5cc863', 'aadc32', 'fde725'];
-const CT = { window: [-1000.5, 2000.5], step: 0.1, colorMaps: { VIRIDIS }, lights: { lamps: [], others: [1, 1, 1] } };
+const CT = { isovalueRange: [-1000.5, 2000.5], step: 0.1, colorMaps: { VIRIDIS }, lights: { lamps: [], others: [1, 1, 1] } };
 const LIT = { ...CT, lights: { lamps: [
   { name: 'key', color: [4, 2, 0], share: [0.6, 0.5, 0] }, { name: 'rim', color: [1, 1, 1], share: [0.3, 0.5, 0.9] },
 ], others: [0.1, 0, 0.1] } }; // prettier-ignore
-const MAP = { window: [-0.31234, 1.45678], step: 0.001 };
+const MAP = { isovalueRange: [-0.31234, 1.45678], step: 0.001 };
 
 test('isovalues have the digits of the data', () => {
   assert.equal(textOf(onGrid(0.203044, MAP), MAP), '0.203');
   assert.equal(textOf(onGrid(45.5, CT), CT), '45.5');
-  assert.equal(textOf(1234.5678, { window: [0, 9e6], step: 1000 }), '1235');
+  assert.equal(textOf(1234.5678, { isovalueRange: [0, 9e6], step: 1000 }), '1235');
 });
-test('isovalues stay within the window', () => {
+test('isovalues stay within the isovalue range', () => {
   assert.equal(onGrid(99999, CT), 2000.5);
   assert.equal(onGrid(-99999, CT), -1000.5);
   assert.equal(onGrid(99999, MAP), 1.45678);

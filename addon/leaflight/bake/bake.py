@@ -85,7 +85,7 @@ class BakeJob(background.Job):
         self.checkpoint = Checkpoint(checkpoint_path(obj), self._recipe(obj), resume)
 
     def _recipe(self, _obj):
-        """What tells which kind of bake left a checkpoint."""
+        """The kind of the bake that left a checkpoint."""
         return {}
 
     def run(self, progress):

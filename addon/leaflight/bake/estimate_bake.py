@@ -7,7 +7,7 @@ from leaflight.bake.estimate import pilot
 
 from ..operators import background, checks
 from ..operators.active_volume import active_volume
-from ..show import properties
+from ..show import bake_options
 from ..stage import scene_export
 from ..translations import iface_
 from . import bake
@@ -46,8 +46,8 @@ def forget():
 
 def sentence(estimate):
     """An Estimate for the panel."""
-    told = duration(estimate), memory(estimate), f"{estimate.error:.2g}"
-    return iface_("About %s and %s to %s %%") % told
+    figures = duration(estimate), memory(estimate), f"{estimate.error:.2g}"
+    return iface_("About %s and %s to %s %%") % figures
 
 
 def duration(estimate):
@@ -72,8 +72,8 @@ class EstimateJob(background.Job):
         scene_export.check_light(scene)
         settings = obj.leaflight
         self._name, self._settings = obj.name_full, _key(settings)
-        # One pilot tells of all qualities.
-        self._error = min(settings.error, *properties.QUALITIES.values())
+        # One pilot serves for all qualities.
+        self._error = min(settings.error, *bake_options.QUALITIES.values())
         self._asked, self._limit = settings.error, bake.time_limit(settings)
         given = bake.arguments_of(obj, volumes, scene)
         self._arguments = {**given, "error": self._error, "time": None}

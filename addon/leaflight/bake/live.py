@@ -116,7 +116,7 @@ def changed(scene):
 
 
 def _is_in_window():
-    """Scripts without a window bake when they want to."""
+    """Scripts without a window start their bakes themselves."""
     return not bpy.app.background
 
 

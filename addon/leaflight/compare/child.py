@@ -12,36 +12,36 @@ import bpy
 
 
 def main():
-    asked = json.loads(sys.argv[-1])
+    request = json.loads(sys.argv[-1])
     # By another name in an extension than in an add-on.
     addon = sys.argv[sys.argv.index("--addons") + 1]
     process = import_module(f"{addon}.compare.process")
     operator = import_module(f"{addon}.compare.render_comparison")
 
-    def say(told):
-        print(process.MARK + json.dumps(told), flush=True)
+    def send(message):
+        print(process.MARK + json.dumps(message), flush=True)
 
-    def tell(done, part, name):
-        say({"done": done, "part": part, "name": name})
+    def report(done, part, name):
+        send({"done": done, "part": part, "name": name})
 
-    bpy.context.window.scene = bpy.data.scenes[asked["scene"]]
-    isosurface = next(o for o in bpy.context.scene.objects if o.name_full == asked["object"])
+    bpy.context.window.scene = bpy.data.scenes[request["scene"]]
+    isosurface = next(o for o in bpy.context.scene.objects if o.name_full == request["object"])
     bpy.context.view_layer.objects.active = isosurface
     bpy.context.view_layer.update()
     try:
         figures = operator.rendered(
             bpy.context,
             isosurface,
-            asked["folder"],
-            asked["samples"],
-            asked["baked_samples"],
-            asked["share"],
-            tell,
+            request["folder"],
+            request["samples"],
+            request["baked_samples"],
+            request["share"],
+            report,
         )
     except operator.LeaflightError as error:
-        say({"error": str(error)})
+        send({"error": str(error)})
     else:
-        say(figures)
+        send(figures)
 
 
 if __name__ == "__main__":

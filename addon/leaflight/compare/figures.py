@@ -18,7 +18,7 @@ def rms_percent(image, reference, exposure, mask):
 def mean_off(baked_halves, cycles_halves, mask):
     """By how many percent the mean of the baked still differs from that of Cycles.
 
-    With half of its interval of 95 %, which the difference of each still's halves tells, pixel by
+    With half of its interval of 95 %, from the difference of each still's halves, pixel by
     pixel; NaN where the mask holds no pixels, or all is dark.
     """
     off = within = float("nan")

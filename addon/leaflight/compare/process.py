@@ -60,7 +60,7 @@ class ComparisonJob(background.Job):
                 f"{blend}: cannot save a copy of the scene there to render it: {error}"
             ) from None
         self.isosurface, self._status, self.figures = isosurface.name, "Blender starts", None
-        asked = {
+        request = {
             "object": isosurface.name_full,
             "scene": bpy.context.scene.name,
             "folder": str(folder),
@@ -72,7 +72,7 @@ class ComparisonJob(background.Job):
             *(bpy.app.binary_path, "--background", str(blend)),
             # It may be enabled for this session alone.
             *("--addons", __package__.rpartition(".")[0]),
-            *("--python-exit-code", "1", "--python", str(_CHILD), "--", json.dumps(asked)),
+            *("--python-exit-code", "1", "--python", str(_CHILD), "--", json.dumps(request)),
         ]
 
     def status(self, _progress):
@@ -109,11 +109,11 @@ class ComparisonJob(background.Job):
         def read():
             for line in child.stdout:
                 if line.startswith(MARK):
-                    told = json.loads(line.removeprefix(MARK))
-                    if "done" in told:
-                        done[:] = told["done"], told["part"], told["name"]
+                    message = json.loads(line.removeprefix(MARK))
+                    if "done" in message:
+                        done[:] = message["done"], message["part"], message["name"]
                     else:
-                        self.figures = told
+                        self.figures = message
                 elif line.strip():
                     words.append(line.strip())
                 found = _SAMPLES.search(line)
@@ -130,7 +130,7 @@ class ComparisonJob(background.Job):
                 reader.join()
                 raise leaflight.Cancelled
             reader.join(_POLL_SECONDS)
-        # A Blender that has told its result may crash at its end, which is no matter.
+        # A Blender that has printed its result may crash at its end, which is no matter.
         end = time.monotonic() + 10.0
         while child.poll() is None and time.monotonic() < end:
             time.sleep(_POLL_SECONDS)
@@ -145,4 +145,4 @@ class ComparisonJob(background.Job):
             obj.leaflight.comparison = self.figures["sentence"]
         if self.figures["doubt"]:
             self.warnings = (self.figures["doubt"],)
-        return self.figures["told"]
+        return self.figures["report"]

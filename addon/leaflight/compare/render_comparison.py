@@ -85,7 +85,7 @@ class LEAFLIGHT_OT_render_comparison(background.BackgroundOperator, bpy.types.Op
             return bpy.ops.leaflight.render_comparison("INVOKE_DEFAULT", asked=True, **chosen)
         isosurface = active_volume(context)
         try:
-            told = rendered(
+            found = rendered(
                 context,
                 isosurface,
                 _make_folder(isosurface, self.folder),
@@ -96,10 +96,10 @@ class LEAFLIGHT_OT_render_comparison(background.BackgroundOperator, bpy.types.Op
         except LeaflightError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        self.report({"INFO"}, told["told"])
-        if told["doubt"]:
-            self.report({"WARNING"}, told["doubt"])
-        isosurface.leaflight.comparison = told["sentence"]
+        self.report({"INFO"}, found["report"])
+        if found["doubt"]:
+            self.report({"WARNING"}, found["doubt"])
+        isosurface.leaflight.comparison = found["sentence"]
         return {"FINISHED"}
 
     def start(self, context):
@@ -112,21 +112,21 @@ class LEAFLIGHT_OT_render_comparison(background.BackgroundOperator, bpy.types.Op
         )
 
 
-def rendered(context, isosurface, folder, samples, baked_samples, share=1.0, tell=None):
+def rendered(context, isosurface, folder, samples, baked_samples, share=1.0, report=None):
     """Renders and writes a comparison into a folder.
 
     Returns {"path": of the .json, "sentence": for the panel, "doubt": a warning or an empty text,
-    "told": what to report}. Raises LeaflightError.
+    "report": for the status line}. Raises LeaflightError.
     """
     scene_export.export_scene(context, isosurface)
-    result = stills.compare(context, isosurface, samples, baked_samples, share, tell)
+    result = stills.compare(context, isosurface, samples, baked_samples, share, report)
     path = files.write(context.scene, folder, isosurface.name, result)
     found, doubt = figures.summary(result), figures.doubt(result)
     return {
         "path": str(path),
         "sentence": f"{found}. {doubt}" if doubt else found,
         "doubt": doubt,
-        "told": f"{found}; pictures in {folder}",
+        "report": f"{found}; pictures in {folder}",
     }
 
 

@@ -3,7 +3,7 @@
 
 Baked and path-traced stills go through Cycles with the same walls and lights; only the isosurface's
 material differs. In the baked still it emits the baked radiance, which is all the light that leaves
-it, and reflects nothing: a path from the camera or from a wall that meets the isosurface ends there
+it, and reflects nothing: a path from the camera or from a wall that hits the isosurface ends there
 with the answer the bake has stored. So the isosurface's light reaches the walls exactly once, the
 walls look right, and a diffuse isosurface's pixels have no noise: what differs there is the error
 of the bake plus the noise of Cycles. A mirror or glass shows its surroundings by paths, with noise
@@ -20,6 +20,7 @@ import bpy
 import leaflight
 import numpy as np
 from leaflight.measure.flip import flip
+from leaflight.volume.setting_error import check_is_baked
 
 from .. import versions
 from ..show import added, fill, isosurface, isovalues, surface_material, surface_object
@@ -33,10 +34,10 @@ _MASK_SAMPLES = 16
 _LOCAL_SAMPLES = 64
 
 
-def compare(context, volume, samples, baked_samples, share=1.0, tell=None):
+def compare(context, volume, samples, baked_samples, share=1.0, report=None):
     """Renders the stills of the current frame, at a share of the scene's resolution.
 
-    tell(done, part, name): called before each render with the share of the work that is done, the
+    report(done, part, name): called before each render with the share of the work that is done, the
     share that the render is, and what it renders.
     Returns a dict: images baked, cycles, local, difference (height, width, 3) in linear radiance
     and coverage (height, width), the share of each pixel that the isosurface fills;
@@ -52,22 +53,27 @@ def compare(context, volume, samples, baked_samples, share=1.0, tell=None):
     scene = context.scene
     isovalue = volume.evaluated_get(context.evaluated_depsgraph_get()).leaflight.isovalue
     check_lit(volume, isovalue)
-    tell = _Teller(tell, 2 * (baked_samples // 2 + samples // 2) + _MASK_SAMPLES + _LOCAL_SAMPLES)
+    report = _SampleProgress(
+        report, 2 * (baked_samples // 2 + samples // 2) + _MASK_SAMPLES + _LOCAL_SAMPLES
+    )
     percentage = max(1, round(share * scene.render.resolution_percentage))
     with _volumes_alone(scene), render.overridden(scene.render, resolution_percentage=percentage):
-        baked_halves, baked_seconds = _halves(scene, baked_samples, tell, "Baked")
+        baked_halves, baked_seconds = _halves(scene, baked_samples, report, "Baked")
         with _seen_alone(context, volume):
-            tell(_MASK_SAMPLES, "Where the isosurface is")
+            report(_MASK_SAMPLES, "Where the isosurface is")
             mask = render.cycles_still(scene, _MASK_SAMPLES, seed=0, transparent=True)
         with _path_traced(context, volume):
-            local, local_seconds = _local(context, tell)
-            cycles_halves, cycles_seconds = _halves(scene, samples, tell, "Cycles")
+            local, local_seconds = _local(context, report)
+            cycles_halves, cycles_seconds = _halves(scene, samples, report, "Cycles")
 
     exposure = 2.0**scene.view_settings.exposure
     coverage = mask[..., 3]
     filled = coverage > 0.999
     baked, cycles = (0.5 * (a + b) for a, b in (baked_halves, cycles_halves))
-    noise = [0.5 * rms_percent(*each, exposure, filled) for each in (baked_halves, cycles_halves)]
+    noise = [
+        0.5 * rms_percent(one, other, exposure, filled)
+        for one, other in (baked_halves, cycles_halves)
+    ]
     everywhere = np.ones_like(filled)
     seen = flip(baked, cycles, exposure)
     return {
@@ -94,30 +100,30 @@ def compare(context, volume, samples, baked_samples, share=1.0, tell=None):
     }
 
 
-class _Teller:
-    """Counts samples, of which there are `total`, for a function that wants shares."""
+class _SampleProgress:
+    """Counts samples, of which there are `total`, for a function of shares."""
 
-    def __init__(self, tell, total):
-        self._tell, self._total, self._done = tell, total, 0
+    def __init__(self, report, total):
+        self._report, self._total, self._done = report, total, 0
 
     def __call__(self, samples, name):
-        if self._tell is not None:
-            self._tell(self._done / self._total, samples / self._total, name)
+        if self._report is not None:
+            self._report(self._done / self._total, samples / self._total, name)
         self._done += samples
 
 
-def _halves(scene, samples, tell, name):
+def _halves(scene, samples, report, name):
     """(two stills of half of the samples each, by different random numbers, their seconds)."""
     start, halves = time.perf_counter(), []
     for seed in (1, 2):
-        tell(samples // 2, name)
+        report(samples // 2, name)
         halves.append(render.cycles_still(scene, samples // 2, seed)[..., :3])
     return halves, time.perf_counter() - start
 
 
-def _local(context, tell):
+def _local(context, report):
     """(the still of local shading, its seconds)."""
-    tell(_LOCAL_SAMPLES, "Local shading")
+    report(_LOCAL_SAMPLES, "Local shading")
     start = time.perf_counter()
     with contextlib.ExitStack() as stack:
         for obj in context.view_layer.objects:
@@ -128,12 +134,7 @@ def _local(context, tell):
 
 def check_lit(volume, isovalue):
     settings = volume.leaflight
-    low, high = isovalues.isovalue_range(settings)
-    if not low <= isovalue <= high:
-        raise LeaflightError(
-            f"Isovalue {isovalue:g} lies outside the baked range {low:g} to {high:g}: choose one "
-            "inside, or bake with a wider range."
-        )
+    check_is_baked(isovalue, isovalues.isovalue_range(settings))
     if settings.isosurface_scattering != "DIFFUSE":
         if not settings.bake_walls:
             raise LeaflightError(

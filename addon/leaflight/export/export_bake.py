@@ -113,7 +113,7 @@ class LEAFLIGHT_OT_export(background.BackgroundOperator, bpy.types.Operator, Exp
         self._by_hand = True
         settings = active_volume(context).leaflight
         self.first, self.last = isovalues.isovalue_range(settings)
-        if not self.filepath:
+        if not self.filepath:  # type: ignore[has-type]
             self.filepath = f"{active_volume(context).name}{self.file_type}"
         self.check(context)
         return ExportHelper.invoke(self, context, event)

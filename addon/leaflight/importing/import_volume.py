@@ -20,7 +20,7 @@ from leaflight import blender
 from leaflight.io import readers
 
 from ..operators import background
-from ..show import isovalues, properties, surface_object
+from ..show import isovalues, source_properties, surface_object
 from ..store import cache, source_files
 from ..stage import orientation
 from ..translations import iface_
@@ -97,12 +97,12 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
     value_type: EnumProperty(
         name="Type",
         description="Type of the values in a .raw file",
-        items=properties.VALUE_TYPE_ITEMS,
+        items=source_properties.VALUE_TYPE_ITEMS,
     )
     endian: EnumProperty(
         name="Byte Order",
         description="Byte order of the values in a .raw file",
-        items=properties.ENDIAN_ITEMS,
+        items=source_properties.ENDIAN_ITEMS,
     )
     use_spacing: BoolProperty(
         name="Own Voxel Size",
@@ -188,7 +188,7 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
         self._draw_choices(layout, stored, takes)
 
     def _draw_choices(self, layout, stored, takes):
-        """What this kind of file needs to be told."""
+        """The options of this kind of file."""
         if "type" in takes:
             for name in ("dims", "value_type", "endian"):
                 layout.prop(self, name)
@@ -238,7 +238,7 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
         return ImportJob(context, self)
 
     def _fail(self, error):
-        """The panels, which tell why work failed, are those of another volume."""
+        """The panels, which show why work failed, are those of another volume."""
         self.report({"ERROR"}, str(error))
         return {"CANCELLED"}
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the file dialog tells of a volume before it is read, from its header alone."""
+"""What the file dialog shows of a volume before it is read, from its header alone."""
 
 import os
 from pathlib import Path
@@ -12,7 +12,7 @@ from ..translations import iface_
 
 LeaflightError = leaflight.LeaflightError
 
-# Above so many voxels a volume is halved unless told otherwise: 512^3.
+# Above so many voxels a volume is halved unless the user chooses otherwise: 512^3.
 MOST_VOXELS = 1 << 27
 
 RESOLUTION_ITEMS = [
@@ -80,16 +80,16 @@ def step_of(resolution, stored):
 
 
 def lines(path, stored, step):
-    """What to tell of a file, a line for each thing."""
-    told = [readers.format_of(path).name]
+    """The facts of a file, a line for each."""
+    facts = [readers.format_of(path).name]
     if stored.dims is not None:
-        told.append(iface_("%s voxels, %s") % (_by(stored.dims), stored.dtype.name))
+        facts.append(iface_("%s voxels, %s") % (_by(stored.dims), stored.dtype.name))
         if stored.voxel_size is not None:
-            told.append(_extent(stored))
+            facts.append(_extent(stored))
         if step > 1:
-            told.append(iface_("Read as %s voxels") % _by(n // step for n in stored.dims))
-        told.append(iface_("Memory: %s") % _megabytes(stored.bytes(step)))
-    return told
+            facts.append(iface_("Read as %s voxels") % _by(n // step for n in stored.dims))
+        facts.append(iface_("Memory: %s") % _megabytes(stored.bytes(step)))
+    return facts
 
 
 def _extent(stored):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""German, of what one meets on the way from a file to a lit isosurface."""
+"""German, of the texts between a file and a lit isosurface."""
 
 MESSAGES = {
     # File > Import, and the file dialog.

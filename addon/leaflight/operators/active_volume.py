@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The volume that panels and operators work on, whatever else is selected."""
 
+import bpy
 
-def active_volume(context):
+
+def active_volume(context: bpy.types.Context) -> bpy.types.Object | None:
     """The active object if it is a volume, else the scene's volume that was active last, or None.
 
     None, too, while the graph of an image is active, which has a panel of its own.
@@ -18,7 +20,7 @@ def active_volume(context):
     return next((one for one in scene.objects if one.leaflight.is_volume), None)
 
 
-def remember(scene, obj):
+def remember(scene: bpy.types.Scene, obj: bpy.types.Object | None) -> None:
     """Notes the active object of a scene where it is a volume."""
     if obj is None or not obj.leaflight.is_volume or scene.library is not None:
         return

@@ -17,7 +17,7 @@ MOST = 3
 
 _KIND = "isosurface"
 
-# Of a volume that has some: tells it from its duplicates (duplicates.py).
+# Of a volume that has some: distinguishes it from its duplicates (duplicates.py).
 _MARK = "leaflight_isosurfaces"
 
 

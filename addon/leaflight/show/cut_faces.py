@@ -50,12 +50,6 @@ def update(volume, depsgraph=None):
     data_faces.shade(obj, volume.leaflight_look.cut_colors, volume.leaflight, min(cuts))
 
 
-def follow(volumes, depsgraph):
-    """update() of volume objects, as an evaluated animation has them."""
-    for volume in volumes:
-        update(volume, depsgraph)
-
-
 def _cut(volume):
     """The shader.Cut of the isosurfaces that are cut, None where the cut is open."""
     if volume.leaflight_look.cut_colors == NONE:

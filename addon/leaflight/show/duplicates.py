@@ -18,10 +18,10 @@ def complete():
             alike.setdefault(added.mark_of(obj), []).append(obj)
     for volumes in alike.values():
         if len(volumes) > 1:
-            _tell_apart(volumes)
+            _separate(volumes)
 
 
-def _tell_apart(volumes):
+def _separate(volumes):
     """Volumes that bear one mark: the first that has isosurfaces keeps it."""
     having = [volume for volume in volumes if added.added_to(volume)]
     if not having:

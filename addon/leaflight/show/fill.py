@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Geometry and colours into a mesh of Blender's, by the fastest way that its version knows.
+"""Geometry and colours into a mesh of Blender's, by the fastest way that its version has.
 
-In the way that all versions know Blender finds the edges itself, and takes vertices and corners one
+In the way that all versions have Blender finds the edges itself, and takes vertices and corners one
 by one: more than half of the time that an isovalue needed to show. The core sorts edges; they and
 all else go to where Blender keeps them (docs/decisions/2026-11-22-fast-isovalues.md).
 """

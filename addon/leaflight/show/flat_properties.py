@@ -7,7 +7,7 @@ from bpy.props import BoolProperty, FloatProperty, IntProperty, PointerProperty,
 
 from .. import versions
 from . import graph_object
-from .properties import ERROR
+from .bake_options import ERROR
 
 
 def _changed(settings, _context):
@@ -74,11 +74,7 @@ class LeaflightFlatSettings(bpy.types.PropertyGroup):
         min=0,
         soft_max=4096,
     )
-    error: FloatProperty(
-        name="Error",
-        description="The bake goes on until its error is this, in percent of the displayable range",
-        **ERROR,
-    )
+    error: FloatProperty(**ERROR)
     seed: IntProperty(name="Seed", description="Seed of the random numbers", min=0)
     bake_id: StringProperty(name="Bake Identifier")
     is_flatland: BoolProperty(name="Leaflight Flatland")

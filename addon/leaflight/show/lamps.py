@@ -7,6 +7,7 @@ has changed since are found anew after each change (stage/lamp_strengths.py), an
 
 import dataclasses
 import json
+from typing import Any
 
 import leaflight
 from leaflight.bake.relit import scales_exactly, strengths_of
@@ -77,14 +78,9 @@ def factors_of(settings):
 
 
 def label(settings):
-    """Tells apart what is shown with the lamps at other strengths."""
+    """A key, different for each set of strengths of the lamps; empty for those of the bake."""
     factors = factors_of(settings)
-    return f"{OF_LAMPS}{factors!r}" if factors else ""
-
-
-# What a label begins with, and where lamps, walls or volumes have moved.
-OF_LAMPS = " with lamps "
-OF_MOVED = f"{OF_LAMPS}moved "
+    return repr(factors) if factors else ""
 
 
 def bake_of(obj):
@@ -104,7 +100,7 @@ def bake_of(obj):
 
 
 def sentence(obj):
-    """What to tell of a bake that is shown with other strengths, or an empty text."""
+    """A sentence about a bake that is shown with other strengths, or an empty text."""
     if not factors_of(obj.leaflight):
         return ""
     known = _relit.get(obj.leaflight.bake_id)
@@ -137,7 +133,9 @@ def _baked_lights(settings):
 
 
 def _light(kind, fields):
-    known = {key: tuple(x) if isinstance(x, list) else x for key, x in fields.items()}
+    known: dict[str, Any] = {
+        key: tuple(x) if isinstance(x, list) else x for key, x in fields.items()
+    }
     if known.get("cone") is not None:
         cone = known["cone"]
         known["cone"] = Cone(**{**cone, "axis": tuple(cone["axis"])})

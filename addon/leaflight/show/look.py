@@ -12,7 +12,7 @@ NEW_COLOR = "Light that was reflected before has still the baked color: bake aga
 # Keyframes and drivers use this path, seen from the object.
 OPACITY_PATH = "leaflight_look.opacity"
 
-# Less of a channel than this is reflected too seldom to tell how much light there is.
+# Where less of a channel than this is reflected, the incident light cannot be found from it.
 _DARK = 1e-3
 
 # Albedos alike but for the rounding of Blender's properties.
@@ -50,9 +50,8 @@ def albedo_at(obj, isovalue):
 def recoloring(obj, isovalue):
     """(factor, offset), each (r, g, b), that give radiance of its bake the present albedo.
 
-    Light that falls upon the surface is what it was at the bake, so that what has met it before,
-    coming back from walls or from the surface itself, has still the baked color. Raises
-    LeaflightError.
+    The incident light is that of the bake: light that the surface has reflected, and that comes
+    back from walls or from the surface itself, still has the baked color. Raises LeaflightError.
     """
     bake, index = isosurface.lit_by(obj)
     baked = bake.scene.isosurfaces[index]
@@ -73,6 +72,6 @@ def _cut_of(obj):
         low, high = (-size,) * 3, (size,) * 3
     else:
         corners = np.array(box.bound_box)
-        low, high = (tuple(map(float, f(axis=0))) for f in (corners.min, corners.max))
+        low, high = tuple(corners.min(axis=0).tolist()), tuple(corners.max(axis=0).tolist())
     keeps = added.volume_object(obj).leaflight_look.keep == "INSIDE"
     return shader.Cut(box, box.name_full, low, high, keeps)

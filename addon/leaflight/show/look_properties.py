@@ -3,7 +3,9 @@
 """How an isosurface is shown: Object.leaflight_look, of volumes and of what was added to them."""
 
 import bpy
-from bpy.props import (
+
+from . import added, cut_faces, data_faces, slices, surface_object
+from .overridable import (
     BoolProperty,
     BoolVectorProperty,
     EnumProperty,
@@ -11,8 +13,6 @@ from bpy.props import (
     FloatVectorProperty,
     PointerProperty,
 )
-
-from . import added, cut_faces, data_faces, slices, surface_object
 
 
 def _changed(look, _context):
@@ -39,7 +39,7 @@ def _shape_changed(look, _context):
 
 
 def _color_chosen(look, _context):
-    # Who sets a color wants it to count.
+    # Setting a color enables it.
     look.use_color = True
 
 
@@ -57,14 +57,12 @@ class LeaflightLook(bpy.types.PropertyGroup):
         min=0.0,
         max=1.0,
         update=_changed,
-        override={"LIBRARY_OVERRIDABLE"},
     )
     use_color: BoolProperty(
         name="Own Color",
         description="Show this isosurface in a color of its own instead of the albedo that its "
         "volume has there",
         update=_changed,
-        override={"LIBRARY_OVERRIDABLE"},
     )
     color: FloatVectorProperty(
         name="Color",
@@ -76,7 +74,6 @@ class LeaflightLook(bpy.types.PropertyGroup):
         min=0.0,
         max=1.0,
         update=_color_chosen,
-        override={"LIBRARY_OVERRIDABLE"},
     )
     dust: FloatProperty(
         name="Hide Dust",
@@ -88,7 +85,6 @@ class LeaflightLook(bpy.types.PropertyGroup):
         precision=1,
         update=_shape_changed,
         options=set(),
-        override={"LIBRARY_OVERRIDABLE"},
     )
     gloss: FloatProperty(
         name="Gloss",
@@ -100,7 +96,6 @@ class LeaflightLook(bpy.types.PropertyGroup):
         max=1.0,
         update=_changed,
         options=set(),
-        override={"LIBRARY_OVERRIDABLE"},
     )
     roughness: FloatProperty(
         name="Roughness",
@@ -111,14 +106,12 @@ class LeaflightLook(bpy.types.PropertyGroup):
         max=1.0,
         update=_changed,
         options=set(),
-        override={"LIBRARY_OVERRIDABLE"},
     )
     is_cut: BoolProperty(
         name="Cut",
         description="The clip box cuts this isosurface",
         default=True,
         update=_changed,
-        override={"LIBRARY_OVERRIDABLE"},
     )
     box: PointerProperty(
         name="Clip Box",
@@ -127,7 +120,6 @@ class LeaflightLook(bpy.types.PropertyGroup):
         type=bpy.types.Object,
         poll=_has_box,
         update=_all_changed,
-        override={"LIBRARY_OVERRIDABLE"},
     )
     keep: EnumProperty(
         name="Keep",
@@ -137,7 +129,6 @@ class LeaflightLook(bpy.types.PropertyGroup):
             ("INSIDE", "Inside", "Show only what lies in the box"),
         ],
         update=_all_changed,
-        override={"LIBRARY_OVERRIDABLE"},
     )
     cut_colors: EnumProperty(
         name="Cut",
@@ -145,14 +136,12 @@ class LeaflightLook(bpy.types.PropertyGroup):
         items=cut_faces.ITEMS,
         default=data_faces.GRAY,
         update=_all_changed,
-        override={"LIBRARY_OVERRIDABLE"},
     )
     slice_axes: BoolVectorProperty(
         name="Slices",
         description="Show the data on a plane across this axis. Bakes do not see it",
         size=3,
         update=_slices_changed,
-        override={"LIBRARY_OVERRIDABLE"},
     )
     slice_places: FloatVectorProperty(
         name="Place",
@@ -162,7 +151,6 @@ class LeaflightLook(bpy.types.PropertyGroup):
         min=0.0,
         max=1.0,
         update=_slices_changed,
-        override={"LIBRARY_OVERRIDABLE"},
     )
     slice_colors: EnumProperty(
         name="Colors",
@@ -170,21 +158,17 @@ class LeaflightLook(bpy.types.PropertyGroup):
         items=data_faces.COLORS,
         default=data_faces.GRAY,
         update=_slices_changed,
-        override={"LIBRARY_OVERRIDABLE"},
     )
     slices_inside: BoolProperty(
         name="Inside Only",
         description="Show only what lies within the isosurface; else all values from Lowest on",
         update=_slices_changed,
-        override={"LIBRARY_OVERRIDABLE"},
     )
 
 
 def register():
     bpy.utils.register_class(LeaflightLook)
-    bpy.types.Object.leaflight_look = PointerProperty(
-        type=LeaflightLook, override={"LIBRARY_OVERRIDABLE"}
-    )
+    bpy.types.Object.leaflight_look = PointerProperty(type=LeaflightLook)
 
 
 def unregister():

@@ -21,8 +21,8 @@ class Preview:
     """A leaflight.Bake, which of its volumes an object is, that volume in its coordinates, and the
     frame of the file that it is.
 
-    walls: the last Bake among the passes whose walls are lit, or None; walls_key: tells its light
-    apart from any other.
+    walls: the last Bake among the passes whose walls are lit, or None; walls_key: different for any
+    other light of them.
     """
 
     bake: object
@@ -73,7 +73,7 @@ def of(obj):
 
 
 def forget():
-    """Returns the full names of the objects that were lit so, which want an update."""
+    """Returns the full names of the objects that were lit so, which need an update."""
     names = list(_shown)
     _shown.clear()
     return names

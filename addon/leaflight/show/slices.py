@@ -38,12 +38,6 @@ def update(volume, depsgraph=None):
     data_faces.shade(obj, look.slice_colors, settings, least)
 
 
-def follow(volumes, depsgraph):
-    """update() of volume objects, as an evaluated animation has them."""
-    for volume in volumes:
-        update(volume, depsgraph)
-
-
 def position(volume, axis):
     """Of a slice, in the unit of length of the volume. Raises LeaflightError."""
     low, high = np.asarray(cache.volume_of(volume).field().bounds, np.float64)[:, axis]

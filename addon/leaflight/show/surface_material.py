@@ -15,6 +15,8 @@ from .isosurface import RADIANCE, RADIANCE_BACK
 
 # What a material was built for.
 _BUILT = "leaflight_built"
+# And for which shader.View.
+_VIEW = "leaflight_view"
 
 
 def material_of(obj, isovalue):
@@ -53,13 +55,8 @@ def is_recolored(obj):
 def shows_its_view(obj):
     """Whether the material of an isosurface is as translucent, and cut, as it is to be now."""
     materials = obj.data.materials
-    built = materials[0].get(_BUILT) if materials and materials[0] is not None else None
-    return built is None or built.endswith(_ending(obj))
-
-
-def _ending(obj):
-    """What the label of a material ends with, of all that does not come from the bake."""
-    return repr(look.view_of(obj))
+    view = materials[0].get(_VIEW) if materials and materials[0] is not None else None
+    return view is None or view == repr(look.view_of(obj))
 
 
 def remove_baked(obj):
@@ -78,7 +75,7 @@ def isosurface_material(obj, isovalue):
     def build(material):
         shader.build_isosurface(material, scattering, ior, emission, view)
 
-    label = f"{scattering} {ior} {emission} {_ending(obj)}"
+    label = f"{scattering} {ior} {emission} {view!r}"
     material = _material(obj, "isosurface_material", label, build)
     shader.set_albedo(material, look.albedo_at(obj, isovalue))
     return material
@@ -135,7 +132,7 @@ def _baked_material(obj, isovalue):
     # Materials of files from before colors could change have another label, and are built anew.
     # The nodes that read an attribute are the same for every bake.
     light = f"{settings.bake_id} {settings.bake_index}" if mode == "ATLAS" else ""
-    label = f"{mode} {light} {back} recolored {_ending(obj)}"
+    label = f"{mode} {light} {back} recolored {view!r}"
     material = _material(obj, "baked_material", label, build)
     shader.set_albedo(material, look.albedo_at(obj, isovalue))
     shader.set_recoloring(material, *look.recoloring(obj, isovalue))
@@ -163,9 +160,10 @@ def _material(obj, slot, label, build):
     if material is None or taken or (material.library is not None and obj.library is None):
         material = bpy.data.materials.new(f"{obj.name} {slot.partition('_')[0].title()}")
         setattr(settings, slot, material)
-    if material.get(_BUILT) != label:
+    # Materials of an earlier Leaflight have no view.
+    if material.get(_BUILT) != label or _VIEW not in material:
         build(material)
-        material[_BUILT] = label
+        material[_BUILT], material[_VIEW] = label, repr(look.view_of(obj))
     look_of = obj.leaflight_look
     shader.set_opacity(material, look_of.opacity)
     shader.set_coat(material, look_of.gloss, look_of.roughness)

@@ -5,6 +5,9 @@ The mesh remembers which surface it holds, so that a stale one is noticed after 
 loading a file: they bring back mesh and memory together.
 """
 
+import json
+from dataclasses import asdict, dataclass, replace
+
 import bpy
 import leaflight
 import numpy as np
@@ -23,10 +26,6 @@ _ISOVALUE = "leaflight_isovalue"
 # Whether detail is missing, and about how many triangles the isosurface has between voxels.
 _COARSE = "leaflight_coarse"
 _TRIANGLES = "leaflight_triangles"
-# In the label of a mesh, before what lights it.
-_LIT = " lit by "
-# Ends the label of a mesh that could not show what it should.
-_FAILED = " failed"
 
 # What made() returns of a surface that could not be made.
 _NOTHING = np.empty((0, 3)), np.empty((0, 3)), {}, 0
@@ -36,6 +35,33 @@ problems = {}
 
 # Full name of an object -> the state in which the files of its bake were all right.
 _looked_after = {}
+
+
+@dataclass(frozen=True)
+class _Shown:
+    """A state of a mesh.
+
+    isosurface: its volume, shape and isovalue; light: the bake, or the pass; lamps: their strengths
+    where these are not the bake's; moved: the bake of a scene where lamps or objects have moved;
+    failed: whether it could not be shown.
+    """
+
+    isosurface: str
+    light: str
+    lamps: str = ""
+    moved: str = ""
+    failed: bool = False
+
+    def label(self):
+        return json.dumps(asdict(self))
+
+    @staticmethod
+    def of(mesh):
+        """None for a mesh without a label, or with one of an earlier Leaflight."""
+        try:
+            return _Shown(**json.loads(label_of(mesh) or ""))
+        except (ValueError, TypeError):
+            return None
 
 
 def create(context, volume, size):
@@ -66,12 +92,11 @@ def update(obj, isovalue, moving=False):
     it lacks is made afterwards (whole_detail.py).
     """
     _look_after_files(obj)
-    label = _label(obj, isovalue)
-    shown = obj.data.get(_SHOWN)
-    if shown == label and (moving or not is_coarse(obj.data)):
+    wanted, shown = _wanted(obj, isovalue), _Shown.of(obj.data)
+    if shown == wanted and (moving or not is_coarse(obj.data)):
         return
-    # What failed is tried again once its problem may be gone: after loading, undo or relocating.
-    if shown == label + _FAILED and obj.name_full in problems:
+    # A failure is tried again once its problem may be gone: after loading, undo or relocating.
+    if shown == replace(wanted, failed=True) and obj.name_full in problems:
         return
     if obj.library is not None:
         problems[obj.name_full] = (
@@ -84,26 +109,24 @@ def update(obj, isovalue, moving=False):
     try:
         halvings = _halvings_in_motion(obj.data) if moving else None
         surface = isosurface.isosurface_of(obj, isovalue, halvings)
-        if surface.grid is not None and _differs_by_lamps(obj.data, shown, label):
-            _color(obj, label, surface)
+        if surface.grid is not None and _differs_by_lamps(obj.data, shown, wanted):
+            _color(obj, wanted.label(), surface)
             return
         made = surface.made()
         # A bake that could not be read has lit nothing: here it says why.
         isosurface.is_lit(obj, isovalue)
     except LeaflightError as error:
         problems[obj.name_full] = str(error)
-        label += _FAILED
-    _put(obj, label, isovalue, surface, made)
+        wanted = replace(wanted, failed=True)
+    _put(obj, wanted.label(), isovalue, surface, made)
 
 
-def _differs_by_lamps(mesh, shown, label):
-    """Whether a mesh that shows the one label is, but for its light, that of the other."""
-    if not shown or shown.endswith(_FAILED) or is_coarse(mesh):
+def _differs_by_lamps(mesh, shown, wanted):
+    """Whether the vertices of a mesh are those of the wanted state, with other light."""
+    if shown is None or shown.failed or is_coarse(mesh) or shown.isosurface != wanted.isosurface:
         return False
-    if lamps.OF_MOVED in label:
-        # It will not stay: the vertices that any other light has given it will do.
-        return shown.partition(_LIT)[0] == label.partition(_LIT)[0]
-    return shown.partition(lamps.OF_LAMPS)[0] == label.partition(lamps.OF_LAMPS)[0]
+    # The light of a moved scene will not stay: the vertices of any other light will do.
+    return bool(wanted.moved) or shown.light == wanted.light
 
 
 def _color(obj, label, surface):
@@ -201,7 +224,7 @@ def shown_isovalue(obj):
 
 
 def label_of(mesh):
-    """Tells apart what meshes show: None before the first surface."""
+    """A key, different for each thing that meshes show: None before the first surface."""
     return mesh.get(_SHOWN)
 
 
@@ -248,17 +271,17 @@ def forget_passes():
                 surface_material.remove_baked(each)
 
 
-def _label(obj, isovalue):
+def _wanted(obj, isovalue):
+    """The _Shown of an object whose mesh is up to date."""
     volume_object = added.volume_object(obj)
     settings = volume_object.leaflight
     part = f"{settings.frame} {settings.channel} {settings.level} {settings.dataset}"
     shape = f"{settings.smooth} {settings.capped} {obj.leaflight_look.dust}"
     volume = f"{settings.source} {part} {settings.downsample} {shape}"
-    shown = preview.of(volume_object)
-    light = f"{settings.bake_id} {settings.bake_index}{lamps.label(settings)}"
-    if shown is not None and shown.bake.is_moved:
-        original = shown.bake.original.id
-        light = f"{original} {shown.index}{lamps.OF_MOVED}{shown.bake.id}"
-    elif shown is not None:
-        light = f"pass {shown.bake.id} {shown.index}"
-    return f"{isovalue!r} of {volume}{_LIT}{light}"
+    isosurface, seen = f"{isovalue!r} of {volume}", preview.of(volume_object)
+    if seen is None:
+        light = f"{settings.bake_id} {settings.bake_index}"
+        return _Shown(isosurface, light, lamps=lamps.label(settings))
+    if seen.bake.is_moved:
+        return _Shown(isosurface, f"{seen.bake.original.id} {seen.index}", moved=seen.bake.id)
+    return _Shown(isosurface, f"pass {seen.bake.id} {seen.index}")

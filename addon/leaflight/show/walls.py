@@ -24,8 +24,6 @@ _WALL_MATERIAL = "leaflight_wall_material"
 _HIDDEN = "leaflight_hidden"
 _SHOWN = "leaflight_shown"
 _BAKED_AS = "leaflight_baked_as"
-# In the label of a wall that a pass of a bake lights.
-_OF_PASS = " lit by pass "
 
 
 def is_hidden(obj):
@@ -79,10 +77,10 @@ def update(scene):
     if leader is None:
         return
     settings = leader.leaflight
-    light = f" lit by {settings.bake_id}{lamps.label(settings)}"
-    if _pass_with_walls(leader):
-        light = f"{_OF_PASS}{preview.of(leader).walls_key}"
-    label = f"{surface_object.shown_isovalue(leader)!r}{light}"
+    light, of_pass = f"{settings.bake_id} {lamps.label(settings)}", _pass_with_walls(leader)
+    if of_pass:
+        light = f"pass {preview.of(leader).walls_key}"
+    label = f"{surface_object.shown_isovalue(leader)!r} lit by {light}"
     stale = [obj for obj in displays if obj.data.get(_SHOWN) != label]
     if not stale:
         return
@@ -96,7 +94,7 @@ def update(scene):
     low, high = bake.isovalues
     c = min(max(_common_isovalue(leader, bake, index), low), high)
     for obj in stale:
-        if _OF_PASS in label:
+        if of_pass:
             # They may have moved.
             vertices = bake.walls.mesh(obj[_INDEX])[0]
             obj.data.vertices.foreach_set("co", vertices.ravel())

@@ -13,7 +13,7 @@ LeaflightError = leaflight.LeaflightError
 # Spaces in which the numbers of an 8-bit image are linear as they are.
 _LINEAR = {"Linear", "Linear Rec.709", "Non-Color", "Raw"}
 
-# (pixels, their SHA-256) by all that tells one state of an image from another.
+# (pixels, their SHA-256) by all that differs between two states of an image.
 _pixels = {}
 
 

@@ -106,7 +106,7 @@ def _principled(what, shader):
         nodes.number(shader, "Transmission"), nodes.number(shader, "Transmission Weight")
     )
     base = nodes.socket(shader, "Base Color")
-    left_out = _GLOSSY + _ROUGH_DIFFUSE + _FILM
+    left_out: tuple[str, ...] = _GLOSSY + _ROUGH_DIFFUSE + _FILM
     if metallic == 0 and transmission == 0:
         albedo, picture = _textured(what, base)
         surface = Surface(albedo, picture=picture)

@@ -23,7 +23,7 @@ def export_meshes(obj, matrix, warnings):
         mesh.calc_loop_triangles()
         if not mesh.loop_triangles:
             return []
-        # Mirroring by the object's scale turns the normals, which tell the inside of glass.
+        # Mirroring by the object's scale turns the normals, which define the inside of glass.
         axes = np.array(matrix, np.float64)
         order = (0, 2, 1) if np.linalg.det(axes[:3, :3]) < 0 else (0, 1, 2)
         slots = _triangle_slots(obj, mesh)

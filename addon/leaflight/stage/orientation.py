@@ -8,12 +8,13 @@ the front of a patient rather than the patient to the stage.
 
 import bpy
 import numpy as np
-from bpy.props import BoolProperty, EnumProperty, IntProperty
+from bpy.props import EnumProperty
 from mathutils import Matrix
 
 from ..operators import background, checks
 from ..operators.active_volume import active_volume
 from ..show import isovalues, isosurfaces
+from ..show.overridable import BoolProperty, IntProperty, PointerProperty
 
 AXES = {
     "POS_X": (1, 0, 0),
@@ -36,7 +37,6 @@ _NAMES = list(AXES)
 # Of volumes without an orientation, and of patients: readers count right, front and up.
 FRONT, PATIENTS_FRONT = "NEG_Y", "POS_Y"
 
-_OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}
 UP_TEXT = "Axis of the volume that points up"
 FRONT_TEXT = "Axis of the volume that points to the viewer of a stage"
 
@@ -102,12 +102,8 @@ class LeaflightOrientation(bpy.types.PropertyGroup):
     front: EnumProperty(
         name="Front", description=FRONT_TEXT, items=ITEMS, get=_front, set=_set_front
     )
-    front_axis: IntProperty(
-        name="Number of the Front", default=_NAMES.index(FRONT), override=_OVERRIDABLE
-    )
-    is_unknown: BoolProperty(
-        name="No Orientation in the File, and None Chosen", override=_OVERRIDABLE
-    )
+    front_axis: IntProperty(name="Number of the Front", default=_NAMES.index(FRONT))
+    is_unknown: BoolProperty(name="No Orientation in the File, and None Chosen")
 
 
 class LEAFLIGHT_OT_turn_volume(checks.VolumeOperator, bpy.types.Operator):
@@ -158,13 +154,13 @@ def begin(obj, is_patient, up, front):
     orientation = obj.leaflight_orientation
     orientation.front_axis = _NAMES.index(PATIENTS_FRONT if is_patient else FRONT)
     orientation.is_unknown = not (is_patient or up or front)
-    axes = _axes_of(orientation)
+    up_axis, front_axis = _axes_of(orientation)
     if up:
-        axes = with_up(*axes, AXES[up])
+        up_axis, front_axis = with_up(up_axis, front_axis, AXES[up])
     if front:
-        axes = with_front(*axes, AXES[front])
+        up_axis, front_axis = with_front(up_axis, front_axis, AXES[front])
     if up or front:
-        orient(obj, *axes)
+        orient(obj, up_axis, front_axis)
 
 
 def take_over(obj, other):
@@ -174,7 +170,7 @@ def take_over(obj, other):
 
 def _turn(obj, up, front):
     """orient(), and a stage that follows. A volume that is not yet one has none."""
-    from . import stage  # which asks for the front
+    from . import stage  # which imports this module for the front
 
     orient(obj, up, front)
     if obj.leaflight.is_volume:
@@ -224,9 +220,7 @@ _CLASSES = (LeaflightOrientation, LEAFLIGHT_OT_turn_volume)
 def register():
     for cls in _CLASSES:
         bpy.utils.register_class(cls)
-    bpy.types.Object.leaflight_orientation = bpy.props.PointerProperty(
-        type=LeaflightOrientation, override=_OVERRIDABLE
-    )
+    bpy.types.Object.leaflight_orientation = PointerProperty(type=LeaflightOrientation)
 
 
 def unregister():

@@ -21,7 +21,7 @@ LeaflightError = leaflight.LeaflightError
 
 _MESH_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 
-# Which rays of Cycles meet an object; the bake's rays meet all.
+# Which rays of Cycles hit an object; the bake's rays hit all.
 _VISIBILITIES = ("visible_diffuse", "visible_glossy", "visible_transmission", "visible_shadow")
 
 
@@ -113,7 +113,7 @@ def check_light(description):
 
 
 def fingerprint(volumes, description):
-    """A hash that changes when the volumes, their windows or anything that lights them changes."""
+    """A hash of the volumes, their isovalue ranges and anything that lights them."""
     digest = hashlib.sha256()
     for obj in volumes:
         _add(digest, np.array(obj.matrix_world, np.float64))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Whether the scene is still the one that was baked.
 
-To know it the whole scene is read and hashed: when someone asks, or, for panels, when nothing has
+The whole scene is read and hashed for this: at a call, or, for panels, when nothing has
 changed for a moment. Never while a panel draws or an isovalue moves.
 """
 
@@ -24,7 +24,7 @@ OF_THE_SCENE = (_OTHER, _CHANGED)
 # The fingerprint of a bake that was loaded into a scene other than its own.
 OTHER_SCENE = "another scene"
 
-# Seconds without a change before panels are told.
+# Seconds without a change before panels are drawn anew.
 PAUSE = 0.5
 
 # (Full name of an object, its bake) -> what has changed, known until the next change; by the name
@@ -33,9 +33,9 @@ _changes = {}
 _places = {}
 
 # The same as panels show it, by object and bake, though it may have been before the last change;
-# who has asked for it.
-_told = {}
-_asked = set()
+# the names of the objects whose panels are drawn.
+_shown = {}
+_wanted = set()
 _changed_at = 0.0
 
 
@@ -49,7 +49,7 @@ def forget():
 def clear():
     """Before another file is opened."""
     forget()
-    for known in (_places, _told, _asked):
+    for known in (_places, _shown, _wanted):
         known.clear()
 
 
@@ -67,7 +67,7 @@ def change_since_bake(context, obj):
     key = _key(obj)
     if key not in _changes:
         _places[obj.name_full] = obj.matrix_world.copy()
-        _changes[key] = _told[key] = _change(context, obj)
+        _changes[key] = _shown[key] = _change(context, obj)
     return _changes[key]
 
 
@@ -76,13 +76,13 @@ def known_change(obj):
     return _changes.get(_key(obj), "")
 
 
-def change_to_tell(obj):
-    """What change_since_bake() said last, for panels, which are drawn anew if it says otherwise."""
+def change_to_show(obj):
+    """The last result of change_since_bake(), for panels, which are drawn anew if it changes."""
     if _key(obj) not in _changes and not bpy.app.background:
-        _asked.add(obj.name_full)
+        _wanted.add(obj.name_full)
         if not bpy.app.timers.is_registered(_look):
             bpy.app.timers.register(_look, first_interval=PAUSE)
-    return _told.get(_key(obj), "")
+    return _shown.get(_key(obj), "")
 
 
 def _key(obj):
@@ -91,15 +91,15 @@ def _key(obj):
 
 
 def _look():
-    rest = time.monotonic() - _changed_at
-    if rest < PAUSE:
-        return PAUSE - rest
-    asked = [obj for obj in bpy.context.scene.objects if obj.name_full in _asked]
-    _asked.clear()
-    before = dict(_told)
-    for obj in asked:
+    quiet = time.monotonic() - _changed_at
+    if quiet < PAUSE:
+        return PAUSE - quiet
+    wanted = [obj for obj in bpy.context.scene.objects if obj.name_full in _wanted]
+    _wanted.clear()
+    before = dict(_shown)
+    for obj in wanted:
         change_since_bake(bpy.context, obj)
-    if _told != before:
+    if _shown != before:
         background.redraw_panels()
     return None
 

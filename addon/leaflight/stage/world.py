@@ -71,8 +71,9 @@ def _environment(what, name, radiance, image=None, world_to_image=np.eye(3)):
         raise LeaflightError(f"{what} sends negative light: make it zero or positive.")
     if max(radiance) == 0 or (image is not None and image.max() == 0):
         return None
-    rows = tuple(tuple(float(x) for x in row) for row in world_to_image)
-    return Environment(name, tuple(float(x) for x in radiance), image, rows)
+    red, green, blue = map(float, radiance)
+    x, y, z = ((float(a), float(b), float(c)) for a, b, c in world_to_image)
+    return Environment(name, (red, green, blue), image, (x, y, z))
 
 
 def _world_to_image(what, end):

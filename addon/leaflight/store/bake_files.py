@@ -43,7 +43,7 @@ _GIVEN_UP = 7 * 24 * 3600
 
 _SESSION = time.strftime(f"{_UNSAVED}%Y%m%d_%H%M%S_{os.getpid()}")
 
-# Path -> (what tells a change of the file, its id or the LeaflightError on reading it).
+# Path -> (the state of the file, its id or the LeaflightError on reading it).
 _ids = {}
 
 
@@ -113,7 +113,7 @@ def stem(name):
 
 
 def state_of(path):
-    """What tells a file from what it was before a change, None where there is none."""
+    """The state of a file, different after each change, None where there is none."""
     try:
         state = os.stat(path)
     except OSError:

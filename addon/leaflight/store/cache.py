@@ -21,7 +21,7 @@ _bakes = {}
 # Bytes of voxels, beyond which what is not shown now is freed: frames that were played are many.
 _MOST = 2 << 30
 
-# Path -> (what tells a change of the file, why it could not be read).
+# Path -> (the state of the file, why it could not be read).
 _damaged = {}
 
 
@@ -139,7 +139,7 @@ def _source_volume(obj):
 
 
 def _baked_key(obj):
-    """Tells the volumes that bakes hold apart; None where the bake cannot give the volume."""
+    """A key of the volume that a bake holds; None where the bake cannot give the volume."""
     settings = obj.leaflight
     try:
         bake = bake_of(obj)

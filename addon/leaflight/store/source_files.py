@@ -32,7 +32,7 @@ CHOICES = (
 )
 _WITH_ITS_NEEDS = {"zarr": "zarr==2.18.3 numcodecs==0.13.1 asciitree==0.3.3 fasteners==0.19"}
 
-# What key_of() tells apart -> the hash of its values, so that a file is read once for the question.
+# A key_of() -> the hash of its values, so that a file is read once for it.
 _hashes = {}
 # The same -> whether its coordinates are a patient's.
 _patients = {}
@@ -73,7 +73,7 @@ def read_volume(path, progress=None, **choices):
 
 
 def probe(path, **choices):
-    """The StoredVolume of a file: what its header tells. Raises LeaflightError."""
+    """The StoredVolume of a file, from its header. Raises LeaflightError."""
     with _in_words_of_blender():
         return readers.probe(path, **_options(path, choices))
 
@@ -130,7 +130,7 @@ def _install(missing):
 
 
 def key_of(settings):
-    """Tells the volumes of files apart, and one file before and after a change."""
+    """A key, different for the volumes of different files, and after each change of a file."""
     choices = choices_of(settings)
     return (path_of(settings), *choices.values(), settings.capped, file_state(settings))
 

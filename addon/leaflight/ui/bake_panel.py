@@ -7,7 +7,7 @@ from .. import versions
 from ..bake import bake, continue_bake, estimate_bake, live, resume_bake, stopped
 from ..operators import background
 from ..operators.active_volume import active_volume
-from ..show import lamps, properties, surface_material
+from ..show import bake_options, lamps, surface_material
 from ..stage import staleness
 from ..translations import iface_
 from .sidebar import VolumePanel, sentence, split
@@ -52,10 +52,10 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
         """The three qualities, and beneath each the time that it takes."""
         column = self.layout.column(align=True)
         row = column.row(align=True)
-        for quality in properties.QUALITIES:
+        for quality in bake_options.QUALITIES:
             row.prop_enum(settings, "quality", quality)
         obj = active_volume(context)
-        estimates = [estimate_bake.estimate_of(obj, e) for e in properties.QUALITIES.values()]
+        estimates = [estimate_bake.estimate_of(obj, e) for e in bake_options.QUALITIES.values()]
         if None not in estimates:
             row = column.row(align=True)
             for estimate in estimates:
@@ -80,7 +80,7 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
     def _draw_result(self, context, settings):
         """One line; all else is under Details."""
         layout, obj = self.layout, active_volume(context)
-        change = staleness.change_to_tell(obj)
+        change = staleness.change_to_show(obj)
         work = live.at_work()
         if work is not None:
             versions.draw_progress(layout, work.fraction(), work.status())
@@ -137,8 +137,8 @@ def _shows_result(settings):
 
 def _name_of_quality(settings):
     """Of the one that was asked for, which may not be the present one."""
-    for key, name, _ in properties.QUALITY_ITEMS:
-        if abs(properties.QUALITIES.get(key, -1.0) - settings.bake_target) < 1e-3:
+    for key, name, _ in bake_options.QUALITY_ITEMS:
+        if abs(bake_options.QUALITIES.get(key, -1.0) - settings.bake_target) < 1e-3:
             return iface_(name)
     return f"{settings.bake_target:.2g} %"
 

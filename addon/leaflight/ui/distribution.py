@@ -85,7 +85,7 @@ def _look(name, key):
     try:
         _known[key] = _distribution(cache.volume_of(obj), obj.leaflight.isovalue)
     except leaflight.LeaflightError:
-        # The panel of the volume tells why.
+        # The panel of the volume shows why.
         return
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:

@@ -33,8 +33,9 @@ def _follow(scene, depsgraph, by_hand):
     Lamps are taken to be as strong as when follow() of lamp_strengths was called last.
     """
     moved = isovalues.update(scene, depsgraph, by_hand)
-    for faces in (cut_faces, slices):
-        faces.follow(isovalues.volumes(scene), depsgraph)
+    for volume in isovalues.volumes(scene):
+        cut_faces.update(volume, depsgraph)
+        slices.update(volume, depsgraph)
     whole_detail.watch(isovalues.isosurfaces(scene))
     return moved
 
@@ -75,7 +76,8 @@ def _after_change(scene, depsgraph):
     if shown_anew or relit or isovalues.any_is_behind(depsgraph):
         moved += _follow(scene, depsgraph, whole_detail.may_follow(depsgraph))
     elif {changed for changed, _ in changes} & _clip_boxes(scene):
-        cut_faces.follow(isovalues.volumes(scene), depsgraph)
+        for volume in isovalues.volumes(scene):
+            cut_faces.update(volume, depsgraph)
     if shown_anew or relit or moved:
         # Blender draws anew where the isovalue was moved; it stands in two places.
         background.redraw_panels()
@@ -110,7 +112,7 @@ def _concerns_bakes(scene, changed, update, moved):
         return staleness.stands_elsewhere(changed)
     elsewhere = update.is_updated_transform or update.is_updated_shading
     if isinstance(changed, bpy.types.Object):
-        # Of what it moves, each object tells itself.
+        # Of what it moves, each object reports its own update.
         if changed.type == "EMPTY" and changed.instance_type == "NONE":
             return False
         return elsewhere or (update.is_updated_geometry and not _is_ours(changed))
@@ -164,7 +166,7 @@ def _before_load(*_):
 
 @persistent
 def _after_save(*_):
-    """Blender tells the new place only once the .blend is written: hence it is written again."""
+    """Blender has the new place only once the .blend is written: hence it is written again."""
     ours = [o for o in bpy.data.objects if o.library is None and frame_bakes.bakes_of(o.leaflight)]
     changed, problems = moving.move_along(ours)
     surface_object.forget()

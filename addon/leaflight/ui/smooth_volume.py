@@ -30,7 +30,7 @@ class SmoothJob(background.Job):
         if obj is None or not obj.leaflight.is_volume:
             return self.cancelled
         settings, volume = obj.leaflight, self._volume
-        # Known before what the setting changes asks for it.
+        # Stored before the setting's update looks it up.
         settings["smooth"] = self._smooth
         cache.keep_volume(obj, volume.capped() if settings.capped else volume)
         settings.smooth = self._smooth

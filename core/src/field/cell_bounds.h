@@ -62,7 +62,7 @@ struct CellBounds {
 template <int D>
 CellBounds<D> bound_cells(const Voxels& values, const Index<D>& dims, float min, float max);
 
-// Made when the first ray asks for it.
+// Made for the first ray.
 template <int D>
 struct CellBoundsOnce {
   tbb::collaborative_once_flag flag;

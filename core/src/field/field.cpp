@@ -129,7 +129,7 @@ void check_range(float min, float max) {
 
 template <int D>
 Field<D> make_field(const Voxels& values, const Index<D>& dims, const Affine<D>& index_to_world,
-                    std::shared_ptr<const void> owner) {
+                    std::shared_ptr<const void> owner) {  // NOLINT: it is moved from
   for (int a = 0; a < D; ++a) {
     if (dims[a] < 2) {
       throw Error("The volume has " + std::to_string(dims[a]) + " voxel(s) along axis " + "xyz"[a] +

@@ -69,7 +69,7 @@ void TexelLattice<D>::activate(std::vector<std::uint32_t> numbers) {
   slot = RankedSet(texels(), active);
 }
 
-// Which knows where its texels are, but not which are active.
+// With the places of its texels, but without active ones.
 template <int D>
 TexelLattice<D> bare_lattice(const Index<D>& dims, const Index<D>& resolution) {
   TexelLattice<D> lattice;

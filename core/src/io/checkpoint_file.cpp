@@ -10,7 +10,7 @@
 namespace leaflight {
 namespace {
 
-const std::string mark = "Leaflight checkpoint 1\n";
+const std::string first_line = "Leaflight checkpoint 1\n";
 
 Error damaged(const std::filesystem::path& path) {
   return Error("'" + text_of(path) + "' is no checkpoint of a bake, or damaged; bake anew.");
@@ -18,18 +18,18 @@ Error damaged(const std::filesystem::path& path) {
 
 // The text; the stream then is at the state.
 std::string read_text(std::istream& stream, const std::filesystem::path& path) {
-  std::string found(mark.size(), '\0');
+  std::string found(first_line.size(), '\0');
   std::uint64_t length = 0;
   stream.read(found.data(), static_cast<std::streamsize>(found.size()));
   stream.read(reinterpret_cast<char*>(&length), sizeof length);
-  if (found != mark || length > std::filesystem::file_size(path)) throw damaged(path);
+  if (found != first_line || length > std::filesystem::file_size(path)) throw damaged(path);
   std::string text(length, '\0');
   stream.read(text.data(), static_cast<std::streamsize>(length));
   return text;
 }
 
 template <class Read>
-auto read_file(const std::filesystem::path& path, const Read& read) {
+auto read_checkpoint_file(const std::filesystem::path& path, const Read& read) {
   try {
     std::ifstream stream;
     stream.exceptions(std::ios::failbit | std::ios::badbit);
@@ -46,7 +46,7 @@ void write_checkpoint(const std::filesystem::path& path, const std::string& text
                       const Checkpoints::Write& write) {
   const auto all = [&](std::ostream& stream) {
     const std::uint64_t length = text.size();
-    stream << mark;
+    stream << first_line;
     stream.write(reinterpret_cast<const char*>(&length), sizeof length);
     stream << text;
     write(stream);
@@ -56,12 +56,12 @@ void write_checkpoint(const std::filesystem::path& path, const std::string& text
 
 std::string read_checkpoint(const std::filesystem::path& path) {
   if (check_seal(path) != Seal::whole) throw damaged(path);
-  return read_file(path, [&](std::istream& stream) { return read_text(stream, path); });
+  return read_checkpoint_file(path, [&](std::istream& stream) { return read_text(stream, path); });
 }
 
 void read_checkpoint_state(const std::filesystem::path& path,
                            const std::function<void(std::istream&)>& read) {
-  read_file(path, [&](std::istream& stream) {
+  read_checkpoint_file(path, [&](std::istream& stream) {
     read_text(stream, path);
     read(stream);
     return 0;

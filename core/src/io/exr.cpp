@@ -60,7 +60,7 @@ void write_exr(const std::filesystem::path& path, const float* pixels, int width
                 std::to_string(channels) + " channels cannot be written as EXR; give RGB or RGBA.");
   }
   replace_file(path, [&](std::ostream& stream) {
-    // OpenEXR's destructors write, too, and must not throw: failures are told by the state.
+    // OpenEXR's destructors write, too, and must not throw: the stream's state reports failures.
     stream.exceptions(std::ios::goodbit);
     Imf::Header header(width, height);
     header.compression() = Imf::ZIP_COMPRESSION;
@@ -107,7 +107,7 @@ void check_header(const std::filesystem::path& path) {
 
 // Calls read(file) and turns what OpenEXR throws into one sentence.
 template <class Read>
-auto read_file(const std::filesystem::path& path, const Read& read) {
+auto read_image_file(const std::filesystem::path& path, const Read& read) {
   require_file(path);
   check_header(path);
   try {
@@ -124,7 +124,7 @@ auto read_file(const std::filesystem::path& path, const Read& read) {
 }  // namespace
 
 Image read_exr(const std::filesystem::path& path) {
-  return read_file(path, [&](Imf::InputFile& file) {
+  return read_image_file(path, [&](Imf::InputFile& file) {
     const Imath::Box2i window = file.header().dataWindow();
     const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
     const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
@@ -153,7 +153,7 @@ Image read_exr(const std::filesystem::path& path) {
 }
 
 std::string read_exr_comments(const std::filesystem::path& path) {
-  return read_file(path, [](Imf::InputFile& file) {
+  return read_image_file(path, [](Imf::InputFile& file) {
     return Imf::hasComments(file.header()) ? Imf::comments(file.header()) : std::string();
   });
 }

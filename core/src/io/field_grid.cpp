@@ -42,7 +42,7 @@ class FieldGrid final : public openvdb::FloatGrid {
   FieldGrid(const Field<3>& field, float masked) : Grid(masked), field_(field) {}
 
   // A type of its own keeps OpenVDB from looking at values that are not there: it would compress
-  // them once before it writes them, to tell their sizes.
+  // them once before it writes them, for their sizes.
   openvdb::Name type() const override { return gridType() + "_of_field"; }
 
   // In the order in which the tree writes its leaf nodes.

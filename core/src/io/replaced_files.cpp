@@ -39,7 +39,7 @@ void check(const fs::path& target) {
 }
 
 // Removes what processes that have ended left in a folder.
-void sweep(const fs::path& folder) {
+void remove_leftovers(const fs::path& folder) {
   std::error_code failure;
   std::vector<fs::path> left;
   for (fs::directory_iterator entry(folder, failure), end; !failure && entry != end;
@@ -78,7 +78,7 @@ struct ReplacedFiles::Part {
         continue;
       }
       hold = std::make_unique<FolderHold>(folder, false);
-      // Who sweeps may have come between the two.
+      // Another process's remove_leftovers() may have come between the two.
       if (!hold->refused() && fs::exists(folder, failure)) {
         file = folder / ("output" + target.extension().string());
         return;
@@ -96,7 +96,7 @@ struct ReplacedFiles::Part {
 ReplacedFiles::ReplacedFiles(const std::vector<fs::path>& targets) {
   for (const fs::path& target : targets) {
     check(target);
-    sweep(folder_of(target));
+    remove_leftovers(folder_of(target));
     parts_.push_back(std::make_unique<Part>(target));
   }
 }

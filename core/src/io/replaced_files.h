@@ -16,8 +16,8 @@ namespace leaflight {
 // a final name, or loses the file that had it before.
 //
 // Each is written in a folder of its own beside its target, which its owner holds: what killed
-// processes left is so told from what others are writing, and removed by whoever writes into the
-// same folder next. Of two that write the same targets the last to finish wins, with all of them.
+// processes left differs so from what others are writing, and the next writer into the same folder
+// removes it. Of two that write the same targets the last to finish wins, with all of them.
 class ReplacedFiles {
  public:
   // Throws Error where a target's folder is missing or cannot be written to, or it is a folder.

@@ -6,7 +6,7 @@
 namespace leaflight {
 
 // The end of a file of ours: its length and a checksum of all before, 24 bytes that readers of the
-// format never come to. It tells a damaged file before a library reads it that trusts it. Against
+// format never come to. It detects damage before a library reads a file that it trusts. Against
 // someone who changes a file with intent it is no help.
 enum class Seal { none, whole, broken };
 

@@ -34,7 +34,7 @@ constexpr char field_name[] = "field", radiance_name[] = "radiance",
                walls_name[] = "walls_indirect",
                // Of bakes before this version, with direct light.
     old_walls_name[] = "surroundings_radiance";
-// Keeps our keys apart from OpenVDB's own, such as "name".
+// Distinguishes our keys from OpenVDB's own, such as "name".
 const std::string metadata_prefix = "leaflight_";
 
 void initialize() {
@@ -210,7 +210,7 @@ template <class Grid>
 typename Grid::Ptr find_grid(const Contents& file, const std::string& name) {
   for (const auto& grid : file.grids) {
     if (grid->getName() != name) continue;
-    if (const auto found = openvdb::gridPtrCast<Grid>(grid)) return found;
+    if (auto found = openvdb::gridPtrCast<Grid>(grid)) return found;
   }
   return nullptr;
 }
@@ -218,7 +218,7 @@ typename Grid::Ptr find_grid(const Contents& file, const std::string& name) {
 template <class Grid>
 typename Grid::Ptr require_grid(const Contents& file, const std::string& name,
                                 const std::filesystem::path& path) {
-  if (const auto found = find_grid<Grid>(file, name)) return found;
+  if (auto found = find_grid<Grid>(file, name)) return found;
   throw Error("'" + text_of(path) + "' is not a Leaflight bake, as it has no grid '" + name +
               "'; choose a file written by a bake.");
 }
@@ -348,7 +348,7 @@ void add_volume(openvdb::GridPtrVec& grids, std::size_t volume, const Field<3>& 
 constexpr int nodes = IsovalueNodes::count;
 
 Vec3Grid::Ptr walls_grid(const WallRadiance<3>& walls) {
-  const auto grid = Vec3Grid::create();
+  auto grid = Vec3Grid::create();
   auto accessor = grid->getAccessor();
   for (std::size_t m = 0; m < walls.radiance.size(); ++m) {
     for (int side = 0; side < 2; ++side) {

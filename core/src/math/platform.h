@@ -42,7 +42,7 @@ inline int lowest_bit(std::uint64_t word) {
 std::uint64_t peak_memory();
 
 // What this process may take of the machine's memory at most, in bytes: a container may have less
-// of it. 0: the system does not tell.
+// of it. 0: the system has no such figure.
 std::uint64_t machine_memory();
 
 // Memory that lies in a file without a name in a folder, all zero. Throws Error where the disk has
@@ -61,7 +61,7 @@ class FolderHold {
   FolderHold& operator=(const FolderHold&) = delete;
 
   bool held() const { return state_ == State::held; }
-  // Somebody else has it. On file systems that cannot tell it is neither held nor refused.
+  // Another process has it. On file systems without locks it is neither held nor refused.
   bool refused() const { return state_ == State::refused; }
 
  private:

@@ -8,7 +8,7 @@
 
 namespace leaflight {
 
-// A set of numbers below a bound, each of which knows its rank among them, in 12 bytes for 64
+// A set of numbers below a bound, with the rank of each among them, in 12 bytes for 64
 // numbers whether or not they are in the set.
 class RankedSet {
  public:

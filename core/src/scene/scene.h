@@ -12,8 +12,8 @@ namespace leaflight {
 
 enum class Scattering { diffuse, mirror, glass };
 
-// A mesh of the walls, alike on both sides. It stands in every leaf: the thesis's prism over
-// the range of h (4.3.3).
+// A mesh of the walls, alike on both sides. It stands beside every isosurface: the thesis's prism
+// over the range of h (4.3.3).
 template <int D>
 struct Mesh {
   using Facet = std::array<std::uint32_t, static_cast<std::size_t>(D)>;

@@ -20,7 +20,7 @@ struct CellTriangles {
   std::uint8_t inside = 0;  // points inside the cell
 };
 
-// By the corners above the isovalue, bit by bit; none where these do not tell all, since some face
+// By the corners above the isovalue, bit by bit; none where these do not decide, since some face
 // alternates or the surface could have a tunnel.
 const std::array<CellTriangles, 256>& plain_triangles();
 

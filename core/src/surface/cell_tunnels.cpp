@@ -9,11 +9,11 @@
 namespace leaflight {
 namespace {
 
-using Values = std::array<double, 8>;
+using CornerValues = std::array<double, 8>;
 
 // The corner of a face, of this sign, whose region holds the point (u, v) of the face; -1: none,
 // which rounding alone brings about. u and v are the axes after that of the face.
-int corner_of(const Values& g, unsigned above, unsigned joined, int face, double u, double v,
+int corner_of(const CornerValues& g, unsigned above, unsigned joined, int face, double u, double v,
               bool sign) {
   const int axis = face / 2, base = (face % 2) << axis;
   const int along_u = 1 << ((axis + 1) % 3), along_v = 1 << ((axis + 2) % 3);
@@ -26,7 +26,7 @@ int corner_of(const Values& g, unsigned above, unsigned joined, int face, double
   }
   const bool alternates = count == 2 && has_sign(found ^ along_u ^ along_v);
   if (!alternates || (((joined >> face) & 1u) != 0) == sign) return found;
-  // Apart: each on its own side of the bilinear interpolant's saddle.
+  // Separate: each on its own side of the bilinear interpolant's saddle.
   const double corner = g[base], by_u = g[base | along_u] - corner;
   const double by_v = g[base | along_v] - corner;
   const double by_both = g[base | along_u | along_v] - g[base | along_u] - by_v;
@@ -51,8 +51,8 @@ class Regions {
   std::array<std::uint8_t, 8> region_;
 };
 
-double value_at(const Values& g, const std::array<double, 3>& x) {
-  Values h = g;
+double value_at(const CornerValues& g, const std::array<double, 3>& x) {
+  CornerValues h = g;
   for (int a = 2; a >= 0; --a) {
     for (int i = 0; i < (1 << a); ++i) h[i] += x[a] * (h[i + (1 << a)] - h[i]);
   }

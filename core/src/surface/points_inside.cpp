@@ -36,7 +36,7 @@ Vec3 middle_about(const CellTriangles& triangles, int point, const std::array<do
   return sum / count;
 }
 
-// How far from a point a line meets the isosurface first within the unit cube, in lengths of
+// How far from a point a line first hits the isosurface within the unit cube, in lengths of
 // `along`.
 std::optional<double> distance_to_isosurface(const CellCorners<3>& corners, const Vec3& from,
                                              const Vec3& along) {
@@ -72,7 +72,7 @@ Vec3 point_inside(const CellTriangles& triangles, int n, const std::array<double
     const Vec3 along = gradient * ((side ? -2 : 2) / gradient.length());
     if (const auto t = distance_to_isosurface(corners, middle, along)) return middle + along * *t;
   }
-  // Towards the corners across the isosurface it is always met.
+  // Lines towards the corners across the isosurface always hit it.
   Vec3 nearest = middle;
   double shortest = 2;
   for (int corner = 0; corner < 8; ++corner) {

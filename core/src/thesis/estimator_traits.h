@@ -7,7 +7,7 @@ namespace leaflight {
 
 enum class EstimatorName { volumetric, gather, path, thesis };
 
-// What a bake must know of an estimator of indirect light before there is any light.
+// Properties of an estimator of indirect light that a bake needs before it has any light.
 struct EstimatorTraits : IndirectMethod {
   EstimatorName estimator;
   double rays_per_sample;  // on average

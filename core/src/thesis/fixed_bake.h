@@ -15,8 +15,8 @@ struct FixedBake {
   const FixedSettings<D>& settings;
   const Plan& plan;
   Progress& progress;
-  std::vector<TexelLattice<D>> lattices;   // per volume
-  std::optional<StrewnSamples<D>> strewn;  // nothing: samples in each texel
+  std::vector<TexelLattice<D>> lattices;         // per volume
+  std::optional<ScatteredSamples<D>> scattered;  // nothing: samples in each texel
   PhotonCaches<D> photons{};
   std::vector<IsosurfaceRadiance<D>> isosurfaces{};  // per volume; once direct light is known
 
@@ -34,7 +34,7 @@ struct FixedBake {
 template <int D>
 struct IsosurfaceTexels {
   int volume;
-  bool above;
+  bool back;
   const TexelLattice<D>& lattice;
 };
 

@@ -22,7 +22,7 @@ double expected_rays(const FixedBake<D>& bake, const std::vector<SubdividedMesh<
   double points = 0;
   for (std::size_t v = 0; v < bake.lattices.size(); ++v) {
     const std::size_t places =
-        bake.strewn ? bake.strewn->positions[v].size() : bake.lattices[v].active.size();
+        bake.scattered ? bake.scattered->positions[v].size() : bake.lattices[v].active.size();
     points += bake.sides() * static_cast<double>(places);
   }
   for (const SubdividedMesh<D>& mesh : walls) {
@@ -114,7 +114,7 @@ Baked<D> light(const Scene<D>& scene, const FixedSettings<D>& settings, const Pl
                     plan,
                     progress,
                     texels_to_bake(scene, settings, plan),
-                    strewn_samples(scene, settings)};
+                    scattered_samples(scene, settings)};
   std::vector<SubdividedMesh<D>> walls;
   if (plan.walls) walls = subdivide(scene);
   progress.expect(expected_rays(bake, walls));

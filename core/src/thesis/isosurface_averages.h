@@ -15,7 +15,7 @@ namespace leaflight {
 // of some scattered points.
 struct IsosurfaceSamples {
   int volume;
-  bool above;
+  bool back;
   int count;
   double rays_per_sample;  // expected
   std::uint64_t seed;
@@ -25,7 +25,7 @@ inline constexpr std::size_t texels_per_piece = 64;
 
 // Averages radiance(point, keys, i, rays) over the samples of every active texel. The weight
 // |grad c| dV = dA dc makes it a mean over the area of the isosurfaces, which is what a lookup on
-// them wants: steep places are surfaces, flat ones noise.
+// them would have: steep places are surfaces, flat ones noise.
 template <int D, class Radiance>
 std::vector<Average> average_texels(const SceneTracer<D>& tracer, const TexelLattice<D>& lattice,
                                     const IsosurfaceSamples& samples, Progress& progress,
@@ -35,28 +35,27 @@ std::vector<Average> average_texels(const SceneTracer<D>& tracer, const TexelLat
     double weight;
   };
   std::vector<Average> averages(lattice.active.size());
-  parallel_range(averages.size(), texels_per_piece, samples.rays_per_sample * samples.count,
-                 progress, [&](std::size_t begin, std::size_t end) {
-                   std::uint64_t traced = 0;
-                   std::vector<Drawn> drawn;
-                   for (std::size_t s = begin; s < end && !progress.cancelled(); ++s) {
-                     const std::uint32_t texel = lattice.active[s];
-                     const SampleKeys keys =
-                         sample_keys(samples.seed, Purpose::texel, samples.volume, texel);
-                     drawn.clear();
-                     for_each_texel_sample(tracer, samples.volume, samples.above, lattice, texel,
-                                           samples.count, keys.position,
-                                           [&](const SurfacePoint<D>& point, int i) {
-                                             drawn.push_back({radiance(point, keys, i, traced),
-                                                              point.isosurface().gradient_length});
-                                           });
-                     // There may be fewer than asked for.
-                     Moments moments(static_cast<int>(drawn.size()) / blocks_per_texel);
-                     for (const Drawn& d : drawn) moments.add(d.radiance, d.weight);
-                     averages[s] = moments.average();
-                   }
-                   progress.count_rays(traced);
-                 });
+  parallel_range(
+      averages.size(), texels_per_piece, samples.rays_per_sample * samples.count, progress,
+      [&](std::size_t begin, std::size_t end) {
+        std::uint64_t traced = 0;
+        std::vector<Drawn> drawn;
+        for (std::size_t s = begin; s < end && !progress.cancelled(); ++s) {
+          const std::uint32_t texel = lattice.active[s];
+          const SampleKeys keys = sample_keys(samples.seed, Purpose::texel, samples.volume, texel);
+          drawn.clear();
+          for_each_texel_sample(tracer, samples.volume, samples.back, lattice, texel, samples.count,
+                                keys.position, [&](const SurfacePoint<D>& point, int i) {
+                                  drawn.push_back({radiance(point, keys, i, traced),
+                                                   point.isosurface().gradient_length});
+                                });
+          // There may be fewer than asked for.
+          Moments moments(static_cast<int>(drawn.size()) / blocks_per_texel);
+          for (const Drawn& d : drawn) moments.add(d.radiance, d.weight);
+          averages[s] = moments.average();
+        }
+        progress.count_rays(traced);
+      });
   pool_variances(lattice, averages, progress);
   return averages;
 }

@@ -12,14 +12,14 @@ template <int D, class Radiance>
 std::vector<Average> average_isosurfaces(FixedBake<D>& bake, const IsosurfaceTexels<D>& texels,
                                          double rays_per_sample, bool is_random,
                                          Radiance radiance) {
-  IsosurfaceSamples samples{texels.volume, texels.above, bake.settings.samples, rays_per_sample,
+  IsosurfaceSamples samples{texels.volume, texels.back, bake.settings.samples, rays_per_sample,
                             bake.settings.seed};
-  if (!bake.strewn || texels.lattice.active.empty()) {
+  if (!bake.scattered || texels.lattice.active.empty()) {
     return average_texels(bake.tracer, texels.lattice, samples, bake.progress, radiance);
   }
   if (!is_random) samples.count = 1;
   return average_scattered(bake.tracer, texels.lattice, samples,
-                           bake.strewn->positions[texels.volume], bake.strewn->filter,
+                           bake.scattered->positions[texels.volume], bake.scattered->filter,
                            bake.progress, radiance);
 }
 
@@ -30,7 +30,7 @@ void add_shared_variance(const FixedBake<D>& bake, const IsosurfaceTexels<D>& te
   const Volume<D>& of = bake.tracer.scene().volumes[texels.volume];
   for (std::size_t s = 0; s < averages.size(); ++s) {
     const Vec<D> centre = texels.lattice.centre(texels.lattice.active[s]);
-    const IsosurfaceTexel<D> texel{texels.volume, texels.above, centre, albedo_near(of, centre)};
+    const IsosurfaceTexel<D> texel{texels.volume, texels.back, centre, albedo_near(of, centre)};
     if (estimator) averages[s].variance += estimator->shared_variance(texel, averages[s].mean);
     if (bake.plan.caustics) averages[s].variance += caustic_variance(bake.isosurfaces, texel);
   }

@@ -8,19 +8,19 @@
 
 namespace leaflight {
 
-// A photon where it met an isosurface. Its projection into space is the cloud of points of
+// A photon where it hit an isosurface. Its projection into space is the cloud of points of
 // thesis 4.3.5.
 template <int D>
 struct StoredPhoton {
   Vec<D, float> position;  // frame
   double c;
   Rgb flux_height;
-  int volume;   // whose isosurface it met
-  bool above;   // it came from the side h >= c, the inside
+  int volume;   // whose isosurface it hit
+  bool back;    // it came from the side h >= c
   bool direct;  // it came straight from a light
 };
 
-// Traces `count` photons and stores all that meet isosurfaces, by photon number whatever the
+// Traces `count` photons and stores all that hit isosurfaces, by photon number whatever the
 // threads.
 template <int D>
 std::vector<StoredPhoton<D>> collect_photons(const SceneTracer<D>& tracer,
@@ -52,9 +52,9 @@ class PhotonMap {
   PhotonMap(std::vector<StoredPhoton<D>> photons, double domain_extent, double range_extent,
             const PhotonMapSettings& settings, double height = 1);
 
-  // At a point of the isosurface, on its side `above`, from the photons that came from that side.
+  // At a point of the isosurface, on its front or its back, from the photons that came from there.
   // `gradient` is that of c in the frame, of either sign; the spheres do not need it.
-  Rgb irradiance(const Vec<D>& position, double c, bool above, const Vec<D>& gradient) const;
+  Rgb irradiance(const Vec<D>& position, double c, bool back, const Vec<D>& gradient) const;
 
   std::size_t size() const { return photons_.size(); }
   const std::vector<StoredPhoton<D>>& photons() const { return photons_; }
@@ -67,7 +67,7 @@ class PhotonMap {
     std::vector<std::uint32_t> photon;  // of the tree's points
     KdTree<D + 1> tree;
   };
-  Side make_side(bool above) const;
+  Side make_side(bool back) const;
   // The volume dV of a region, and the sum of the fluxes that count in it.
   struct Region {
     double volume;

@@ -17,7 +17,6 @@ constexpr int widest_shepard_of_all = 8;
 constexpr int widest_other = 32;
 constexpr std::size_t nearest_samples = 64;
 constexpr std::size_t texels_per_piece = 256;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 template <int D>
 class Interpolator {
@@ -54,7 +53,8 @@ class Interpolator {
   double weight(double distance2) const {
     switch (settings_.filter) {
       case ScatteredFilter::shepard: {
-        // A sample on the texel outweighs all others, but not by infinity.
+        // A sample on the texel outweighs all others, but not by
+        // std::numeric_limits<double>::infinity().
         const double d2 = std::max(distance2, 1e-16);
         return 1 / (d2 * d2 * std::sqrt(d2));
       }
@@ -163,7 +163,7 @@ class Interpolator {
           std::vector<Neighbour> found;
           for (std::size_t g = begin; g < end; ++g) {
             const auto q = query(lattice_.texel(lattice_.active[gaps[g]]));
-            tree.nearest(q, 1, infinity, found);
+            tree.nearest(q, 1, std::numeric_limits<double>::infinity(), found);
             // Squared distances of texels are integers.
             const double nearest2 = found[0].distance2;
             tree.nearest(q, filled.size(), nearest2 + 0.5, found);

@@ -23,7 +23,7 @@ std::vector<Average> average_scattered(const SceneTracer<D>& tracer, const Texel
                      const CellPoint<D> at = locate(of.field, positions[s]);
                      const double h = interpolate(load_corners(of.field, at.cell), at.local);
                      const SurfacePoint<D> point = tracer.isosurface_point(
-                         samples.volume, at, of.common_isovalue(h), samples.above);
+                         samples.volume, at, of.common_isovalue(h), samples.back);
                      if (point.kind() == HitKind::none) continue;
                      const SampleKeys keys =
                          sample_keys(samples.seed, Purpose::scattered, samples.volume,

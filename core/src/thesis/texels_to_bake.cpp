@@ -43,26 +43,28 @@ std::vector<TexelLattice<D>> texels_to_bake(const Scene<D>& scene, const FixedSe
 }
 
 template <int D>
-std::optional<StrewnSamples<D>> strewn_samples(const Scene<D>& scene,
-                                               const FixedSettings<D>& settings) {
+std::optional<ScatteredSamples<D>> scattered_samples(const Scene<D>& scene,
+                                                     const FixedSettings<D>& settings) {
   if (!settings.scattered) return {};
-  const ScatteredBake& scattered = *settings.scattered;
-  SampleSettings samples = scattered.samples;
+  const ScatteredBake& asked = *settings.scattered;
+  SampleSettings samples = asked.samples;
   samples.seed = settings.seed;
-  StrewnSamples<D> strewn{{}, scattered.filter};
+  ScatteredSamples<D> scattered{{}, asked.filter};
   for (const Volume<D>& volume : scene.volumes) {
-    auto& positions = strewn.positions.emplace_back();
+    auto& positions = scattered.positions.emplace_back();
     if (!is_stored(volume)) continue;
     positions = sample_positions(volume.field, volume.isovalues(scene.isovalue_range), samples);
   }
-  return strewn;
+  return scattered;
 }
 
 template std::vector<TexelLattice<2>> texels_to_bake(const Scene<2>&, const FixedSettings<2>&,
                                                      const Plan&);
 template std::vector<TexelLattice<3>> texels_to_bake(const Scene<3>&, const FixedSettings<3>&,
                                                      const Plan&);
-template std::optional<StrewnSamples<2>> strewn_samples(const Scene<2>&, const FixedSettings<2>&);
-template std::optional<StrewnSamples<3>> strewn_samples(const Scene<3>&, const FixedSettings<3>&);
+template std::optional<ScatteredSamples<2>> scattered_samples(const Scene<2>&,
+                                                              const FixedSettings<2>&);
+template std::optional<ScatteredSamples<3>> scattered_samples(const Scene<3>&,
+                                                              const FixedSettings<3>&);
 
 }  // namespace leaflight

@@ -15,16 +15,16 @@ template <int D>
 std::vector<TexelLattice<D>> texels_to_bake(const Scene<D>& scene, const FixedSettings<D>& settings,
                                             const Plan& plan);
 
-// Samples strewn over the volumes, and how they are interpolated into texels.
+// Samples scattered over the volumes, and how they are interpolated into texels.
 template <int D>
-struct StrewnSamples {
+struct ScatteredSamples {
   std::vector<std::vector<Vec<D>>> positions;  // index coordinates, per volume
   ScatteredSettings filter;
 };
 
 // Nothing where the settings ask for samples in each texel.
 template <int D>
-std::optional<StrewnSamples<D>> strewn_samples(const Scene<D>& scene,
-                                               const FixedSettings<D>& settings);
+std::optional<ScatteredSamples<D>> scattered_samples(const Scene<D>& scene,
+                                                     const FixedSettings<D>& settings);
 
 }  // namespace leaflight

@@ -18,7 +18,7 @@ class ThesisEstimator final : public IndirectEstimator<D> {
     if (point.kind() == HitKind::walls) return brdf * walls_->indirect_irradiance(point);
     const IsosurfacePlace<D>& isosurface = point.isosurface();
     return brdf * photons_[isosurface.volume].irradiance(
-                      point.position, point.c, isosurface.above,
+                      point.position, point.c, isosurface.back,
                       point.geometric_normal * isosurface.gradient_length);
   }
   bool is_random() const override { return false; }

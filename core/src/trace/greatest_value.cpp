@@ -9,8 +9,6 @@
 namespace leaflight {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 // Of the polynomial over [0,1], if it is greater than `least`.
 double greatest_of(const SegmentPolynomial& p, double least) {
   const double end = p[0] + p[1] + p[2] + p[3];
@@ -115,13 +113,13 @@ class Walk {
 
   // Where the way leaves a child along an axis.
   double plane(int axis, int child, int shift) const {
-    if (!moves_[axis]) return infinity;
+    if (!moves_[axis]) return std::numeric_limits<double>::infinity();
     return (((child + (direction_[axis] > 0)) << shift) - position_[axis]) * inverse_[axis];
   }
 
   void cell(const Index<D>& cell, double t, double out) {
     CellCorners<D> corners = load_corners(field_, cell);
-    double most = -infinity;
+    double most = -std::numeric_limits<double>::infinity();
     for (double& h : corners.h) {
       if (std::isnan(h)) return;
       h *= sign;

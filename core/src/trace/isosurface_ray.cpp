@@ -106,8 +106,8 @@ class Traversal {
   static constexpr int log2_side = CellBounds<D>::log2_side, side = 1 << log2_side;
   static constexpr int top = CellBounds<D>::levels;
 
-  // Where the ray meets a plane; never, along axes on which it does not move.
-  double meet(int axis, double plane) const {
+  // Where the ray crosses a plane; never, along axes on which it does not move.
+  double distance_to(int axis, double plane) const {
     return moves_[axis] ? (plane - ray_.position[axis]) * inverse_[axis] : infinity;
   }
 
@@ -123,9 +123,9 @@ class Traversal {
         }
         continue;
       }
-      const double near = meet(a, forward_[a] ? 0 : last);
+      const double near = distance_to(a, forward_[a] ? 0 : last);
       if (near > t_in) t_in = near, axis_in = a;
-      t_end_ = std::min(t_end_, meet(a, forward_[a] ? last : 0));
+      t_end_ = std::min(t_end_, distance_to(a, forward_[a] ? last : 0));
     }
     if (ray_.starts_on_isosurface) {
       cell_ = ray_.origin.cell;
@@ -170,9 +170,9 @@ class Traversal {
 
   // What is left of the ray's way to t = end through the brick from `low` on: moves t and the cell
   // to where it comes between the planes, by whole cells, and the end to where it leaves them.
-  // False where nothing is left; a hit where the side was known to be another one.
-  bool clip(const typename CellBounds<D>::Slab& slab, const Index<D>& low, int size, double& end,
-            bool& is_hit) {
+  // A hit where the side was known to be another one.
+  enum class Rest { way, nothing, hit };
+  Rest clip(const typename CellBounds<D>::Slab& slab, const Index<D>& low, int size, double& end) {
     // h - c without the plane is offset - t slope.
     double offset = ray_.isovalue, slope = 0;
     for (int a = 0; a < D; ++a) {
@@ -184,16 +184,16 @@ class Traversal {
     if (in > out) std::swap(in, out);
     const bool is_outside = out < t_ || in > end;
     if ((is_outside || in > t_) && !at_start_) {
-      if (!is_judged_ && judge(offset - t_ * slope < slab.low, true)) return is_hit = true, false;
+      if (!is_judged_ && judge(offset - t_ * slope < slab.low, true)) return Rest::hit;
       if (!is_outside) {
         for (int a = 0; a < D; ++a) {
           cell_[a] = cell_at(a, in, low[a], std::min(low[a] + size, field_.dims[a] - 1) - 1);
-          if (moves_[a]) t_ = std::max(t_, meet(a, cell_[a] + !forward_[a]));
+          if (moves_[a]) t_ = std::max(t_, distance_to(a, cell_[a] + !forward_[a]));
         }
       }
     }
     end = std::min(end, out);
-    return !is_outside;
+    return is_outside ? Rest::nothing : Rest::way;
   }
 
   // Walks over the children of the present cell's brick of a level, or over all bricks of the
@@ -214,11 +214,10 @@ class Traversal {
       }
       const std::size_t b = linear_number<D>(brick, bounds_.dims[level]);
       const auto& slab = bounds_.slabs[level][b];
-      bool is_hit = false;
-      if (slab.high < std::numeric_limits<float>::infinity() &&
-          !clip(slab, low, side << shift, end, is_hit)) {
-        if (is_hit && !any) hit_ = {t_, {cell_, local(t_)}, state_ == State::above};
-        return is_hit;
+      if (slab.high < std::numeric_limits<float>::infinity()) {
+        const Rest rest = clip(slab, low, side << shift, end);
+        if (rest == Rest::hit && !any) hit_ = {t_, {cell_, local(t_)}, state_ == State::above};
+        if (rest != Rest::way) return rest == Rest::hit;
       }
       if constexpr (level == 0) {
         crossed = crossed_cells(bounds_, limits_, b, field_.masked, above);
@@ -238,7 +237,7 @@ class Traversal {
     double plane[D], t_plane[D];
     for (int a = 0; a < D; ++a) {
       plane[a] = (first[a] + child[a] + forward_[a]) << shift;
-      t_plane[a] = meet(a, plane[a]);
+      t_plane[a] = distance_to(a, plane[a]);
     }
     bool is_cell_known = true;
     const auto find_cell = [&] {

@@ -8,7 +8,7 @@
 
 namespace leaflight {
 
-// A ray that stays in the leaf of its isovalue (thesis Table 4.1), in index coordinates.
+// A ray that only the isosurface of its isovalue can stop (thesis Table 4.1), in index coordinates.
 template <int D>
 struct IsosurfaceRay {
   CellPoint<D> origin;  // ignored unless it starts on its isosurface
@@ -24,7 +24,7 @@ template <int D>
 struct IsosurfaceHit {
   double t = 0;
   CellPoint<D> point;
-  bool from_above = false;  // the ray arrived from the side h >= c, the inside
+  bool from_above = false;  // the ray arrived from the side h >= c, the back
 };
 
 // The first point in (0, t_max] where the sign of h - c changes along the ray; h == c counts as

@@ -109,7 +109,7 @@ SceneTracer<D>::SceneTracer(const Scene<D>& scene)
 
 template <int D>
 SurfacePoint<D> SceneTracer<D>::isosurface_point(int volume, const CellPoint<D>& point, double c,
-                                                 bool above) const {
+                                                 bool back) const {
   const Volume<D>& of = scene_.volumes[volume];
   const FieldFrame& frames = fields_[volume];
   SurfacePoint<D> s;
@@ -118,16 +118,16 @@ SurfacePoint<D> SceneTracer<D>::isosurface_point(int volume, const CellPoint<D>&
   s.position = frames.index_to_frame.point(point.index_position());
   s.albedo = of.albedo.at(c);
   s.emission = of.emission.at(c);
-  s.ior = above ? 1 / of.ior : of.ior;
+  s.ior = back ? 1 / of.ior : of.ior;
   // The inside is higher, so the outside faces -grad h.
-  const double side = above ? 1 : -1;
+  const double side = back ? 1 : -1;
   const Vec<D> geometric = frames.frame_to_index.pull_back_gradient(
       geometric_gradient(load_corners(of.field, point.cell), point.local));
   const Vec<D> shading =
       frames.frame_to_index.pull_back_gradient(shading_gradient(of.field, point));
   const double geometric_length = geometric.length(), shading_length = shading.length();
   if (!(geometric_length > 0)) return s;
-  s.on = IsosurfacePlace<D>{volume, point, above, geometric_length / of.scale};
+  s.on = IsosurfacePlace<D>{volume, point, back, geometric_length / of.scale};
   s.geometric_normal = geometric * (side / geometric_length);
   s.shading_normal = shading_length > 0 ? shading * (side / shading_length) : s.geometric_normal;
   return s;
@@ -171,7 +171,7 @@ IsosurfaceRay<D> SceneTracer<D>::isosurface_ray(int volume, const SurfacePoint<D
   const auto* place = std::get_if<IsosurfacePlace<D>>(&from.on);
   if (place && place->volume == volume) {
     ray.starts_on_isosurface = true;
-    ray.starts_above = place->above;
+    ray.starts_above = place->back;
     ray.origin = place->cell_point;
     ray.position = place->cell_point.index_position();
   } else {

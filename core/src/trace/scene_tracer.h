@@ -23,7 +23,7 @@ template <int D>
 struct IsosurfacePlace {
   int volume;
   CellPoint<D> cell_point;
-  bool above;              // seen from the side of higher values, the inside
+  bool back;               // seen from the side of higher values
   double gradient_length;  // |grad c| in the frame, the coarea measure dA dc / dV
 };
 
@@ -63,7 +63,7 @@ struct Frame {
   Affine<D> index_to_frame(const Field<D>& field) const;
 };
 
-// A sphere about everything that rays can meet, in the frame.
+// A sphere about everything that rays can hit, in the frame.
 template <int D>
 struct BoundingSphere {
   Vec<D> centre{0.0};
@@ -98,7 +98,7 @@ class SceneTracer {
   // The point of a volume's isosurface at a cell point, whose common isovalue must be c, seen from
   // the given side. Its kind is none where |grad h| = 0: no isosurface passes there.
   SurfacePoint<D> isosurface_point(int volume, const CellPoint<D>& point, double c,
-                                   bool above) const;
+                                   bool back) const;
 
   // Whether a point of a volume's isosurface c lies inside another volume's, where nobody sees it.
   // Glass covers nothing.

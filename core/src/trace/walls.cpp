@@ -54,7 +54,9 @@ RTCGeometry make_geometry(RTCDevice device, const Mesh<3>& mesh) {
   const Buffers buffers =
       new_geometry(device, RTC_GEOMETRY_TYPE_TRIANGLE, 3, mesh.vertices.size(), mesh.facets.size());
   if (!buffers.geometry) return nullptr;
-  std::memcpy(buffers.vertices, mesh.vertices.data(), mesh.vertices.size() * 3 * sizeof(float));
+  // Imath's constructors hide that its vectors are numbers alone.
+  std::memcpy(buffers.vertices, mesh.vertices.data(),  // NOLINT(bugprone-undefined-memory-*)
+              mesh.vertices.size() * 3 * sizeof(float));
   std::memcpy(buffers.indices, mesh.facets.data(), mesh.facets.size() * 3 * sizeof(std::uint32_t));
   return buffers.geometry;
 }

@@ -9,8 +9,6 @@
 namespace leaflight {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 // Light from below the traced surface does not arrive, whatever the shading normal says.
 template <int D>
 bool leaves_surface(const SurfacePoint<D>& point, const Vec<D>& direction) {
@@ -19,7 +17,7 @@ bool leaves_surface(const SurfacePoint<D>& point, const Vec<D>& direction) {
 
 template <int D>
 double length_of(const Hit<D>& hit) {
-  if (hit.kind == HitKind::none) return infinity;
+  if (hit.kind == HitKind::none) return std::numeric_limits<double>::infinity();
   return hit.kind == HitKind::isosurface ? hit.isosurface.t : hit.walls.t;
 }
 
@@ -34,10 +32,10 @@ struct Sight {
 };
 
 // Calls passed(origin, direction, t, throughput, specular) for each ray of the way, and
-// met(point, throughput, specular) for each surface on it.
-template <int D, class Passed, class Met>
+// reached(sight) for each surface on it.
+template <int D, class Passed, class Reached>
 Sight<D> look(const SceneTracer<D>& tracer, const SurfacePoint<D>& start, const Vec<D>& direction,
-              Random& random, std::uint64_t& rays, Passed passed, Met met) {
+              Random& random, std::uint64_t& rays, Passed passed, Reached reached) {
   Sight<D> sight;
   sight.direction = direction;
   SurfacePoint<D> from = start;
@@ -47,7 +45,7 @@ Sight<D> look(const SceneTracer<D>& tracer, const SurfacePoint<D>& start, const 
     passed(from.position, sight.direction, length_of(sight.hit), sight);
     if (sight.hit.kind == HitKind::none) break;
     sight.point = tracer.surface_point(sight.hit, sight.direction, start.c);
-    met(sight);
+    reached(sight);
     if (sight.point.scattering == Scattering::diffuse) return sight;
     const SpecularBounce<D> bounce =
         specular_bounce(sight.point, sight.direction, random.uniform());
@@ -124,7 +122,7 @@ float density_variance(const std::vector<IsosurfaceRadiance<D>>& isosurfaces,
   const std::int32_t slot = isosurface.lattice->nearest_slot(texel.centre);
   if (!isosurface.photons || slot == TexelLattice<D>::inactive) return 0;
   const auto brdf = static_cast<float>(average(texel.albedo) / projected_hemisphere<D>);
-  return brdf * brdf * (isosurface.photons->*variance)(slot, texel.above);
+  return brdf * brdf * (isosurface.photons->*variance)(slot, texel.back);
 }
 
 template <int D>
@@ -142,7 +140,7 @@ class VolumetricEstimator final : public IndirectEstimator<D> {
     const std::int32_t slot =
         isosurface.lattice->nearest_slot(point.isosurface().cell_point.index_position());
     if (slot == TexelLattice<D>::inactive) return Rgb(0);
-    return brdf * isosurface.photons->indirect(slot, point.isosurface().above);
+    return brdf * isosurface.photons->indirect(slot, point.isosurface().back);
   }
   bool is_random() const override { return false; }
   float shared_variance(const IsosurfaceTexel<D>& texel, const Rgb&) const override {
@@ -185,14 +183,13 @@ class GatherEstimator final : public IndirectEstimator<D> {
   }
 
  private:
-  // Isosurfaces this near to each other, in texels, do not look each other up, but go on as paths:
-  // seen from there a texel is wide, and holds the light of isosurfaces that face and see other
-  // things. So many bounces at most; most rays of a scan meet nothing near
+  // Gather rays shorter than this, in texels, continue as paths, because a texel that near mixes
+  // isosurfaces that face elsewhere. So many bounces at most; most rays of a scan hit nothing near
   // (docs/decisions/2026-11-21-texel-samples.md).
   static constexpr double near = 8;
   static constexpr int most_near_bounces = 4;
   // The same of walls seen from walls, in widths of their patches: in a corner half
-  // of all rays would meet one and the same patch, and show its noise.
+  // of all rays would hit one and the same patch, and show its noise.
   static constexpr double near_patches = 3;
 
   Rgb gathered(const SurfacePoint<D>& point, const std::array<double, 2>& u, Random& random,
@@ -204,14 +201,14 @@ class GatherEstimator final : public IndirectEstimator<D> {
     if (near_bounces == most_near_bounces || !is_near(point, hit, direction)) {
       return point.albedo * incident(hit, direction, point.c, random, rays);
     }
-    const SurfacePoint<D> met = tracer_.surface_point(hit, direction, point.c);
+    const SurfacePoint<D> there = tracer_.surface_point(hit, direction, point.c);
     const double choice = random.uniform();
     const std::array<double, 2> on_light = random.pair(), next = random.pair();
     // What walls emit is direct light.
-    const Rgb emission = hit.kind == HitKind::isosurface ? met.emission : Rgb(0);
-    return point.albedo * (emission + lights_.direct_radiance(met, choice, on_light, rays) +
-                           caustic_radiance<D>(isosurfaces_, &walls_, met) +
-                           gathered(met, next, random, rays, near_bounces + 1));
+    const Rgb emission = hit.kind == HitKind::isosurface ? there.emission : Rgb(0);
+    return point.albedo * (emission + lights_.direct_radiance(there, choice, on_light, rays) +
+                           caustic_radiance<D>(isosurfaces_, &walls_, there) +
+                           gathered(there, next, random, rays, near_bounces + 1));
   }
 
   bool is_near(const SurfacePoint<D>& from, const Hit<D>& hit, const Vec<D>& direction) const {
@@ -279,8 +276,8 @@ class GatherEstimator final : public IndirectEstimator<D> {
     return slot == TexelLattice<D>::inactive ? emission : emission + radiance[slot];
   }
 
-  // The texel half a texel before the surface that was met: those within a thin shell hold the
-  // light of both its faces, and would let the front one's shine into it.
+  // The texel half a texel in front of the hit: texels within a thin shell hold the light of both
+  // its faces, and light of the front face would leak into the shell.
   static std::int32_t slot_before(const TexelLattice<D>& lattice, const Field<D>& field,
                                   const IsosurfaceHit<D>& hit) {
     const Vec<D> position = hit.point.index_position();
@@ -344,7 +341,7 @@ Rgb caustic_radiance(const std::vector<IsosurfaceRadiance<D>>& isosurfaces,
   const std::int32_t slot =
       isosurface.lattice->nearest_slot(point.isosurface().cell_point.index_position());
   if (slot == TexelLattice<D>::inactive) return Rgb(0);
-  return brdf * isosurface.photons->caustic(slot, point.isosurface().above);
+  return brdf * isosurface.photons->caustic(slot, point.isosurface().back);
 }
 
 template <int D>

@@ -13,7 +13,7 @@ namespace leaflight {
 template <int D>
 struct IsosurfaceTexel {
   int volume;
-  bool above;
+  bool back;
   Vec<D> centre;  // index position
   Rgb albedo;
 };
@@ -59,8 +59,8 @@ struct CausticPhotons {
 };
 
 // Unbiased: follows the path until Russian roulette ends it, with a shadow ray at each diffuse
-// bounce. Without photons, caustics are included, since a path may meet a light by way of mirrors
-// and glass; not those of lights without extent, which no path can meet. With them, photons light
+// bounce. Without photons, caustics are included, since a path may hit a light by way of mirrors
+// and glass; not those of lights without extent, which no path can hit. With them, photons light
 // all diffuse surfaces after the first.
 template <int D>
 std::unique_ptr<IndirectEstimator<D>> make_path_estimator(
@@ -77,8 +77,8 @@ template <int D>
 std::unique_ptr<IndirectEstimator<D>> make_volumetric_estimator(
     const std::vector<IsosurfaceRadiance<D>>& isosurfaces, const SurfaceCache<D>* walls);
 
-// One final-gather ray that looks up what it meets: a ray of isosurface c meets only points y with
-// h(y) = c, so the texture being baked is its own radiance cache.
+// One final-gather ray that looks up stored light where it hits: a ray of isosurface c hits only
+// points y with h(y) = c, so the texture being baked is its own radiance cache.
 template <int D>
 std::unique_ptr<IndirectEstimator<D>> make_gather_estimator(
     const SceneTracer<D>& tracer, const LightSampler<D>& lights,

@@ -17,7 +17,7 @@ std::array<double, 2> two(Random& random) {
   return {u, random.uniform()};
 }
 
-// Whether light that a point sends on, by the cosine, meets an isosurface.
+// Whether light that a point sends on, by the cosine, hits an isosurface.
 template <int D>
 bool reaches_isosurface(const SceneTracer<D>& tracer, const SurfacePoint<D>& from, Random& random) {
   const Vec<D> direction = sample_cosine_hemisphere<D>(from.geometric_normal, two(random));

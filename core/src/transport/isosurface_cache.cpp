@@ -136,11 +136,11 @@ IsosurfaceCache<D>::IsosurfaceCache(const SceneTracer<D>& tracer, int volume,
 
 template <int D>
 void IsosurfaceCache<D>::deposit(const PhotonHit<D>& photon) {
-  Side& side = sides_[photon.point.isosurface().above];
+  Side& side = sides_[photon.point.isosurface().back];
   if (side.contents == SideContents::nothing) return;
   if (photon.arrival == Arrival::direct && side.contents == SideContents::indirect) return;
-  const bool apart = photon.arrival == Arrival::caustic && !side.caustic.flux.empty();
-  Density& density = apart ? side.caustic : side.indirect;
+  const bool is_caustic = photon.arrival == Arrival::caustic && !side.caustic.flux.empty();
+  Density& density = is_caustic ? side.caustic : side.indirect;
   const std::int32_t slot =
       lattice_.nearest_slot(photon.point.isosurface().cell_point.index_position());
   if (slot == TexelLattice<D>::inactive) return;

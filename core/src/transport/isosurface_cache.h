@@ -17,7 +17,7 @@ enum class SideContents { nothing, indirect, all };
 //   E(R) = sum of F_p over the photons in R / integral of |grad c| over R
 // with R a box of texels. The fourth coordinate of a photon carries no information, since c = h(x),
 // so a plain density estimate in space serves all isovalues (docs/theory.md). Caustics, which are
-// sharp, are kept apart from indirect light and smoothed less, if asked for.
+// sharp, have cells of their own and are smoothed less, if asked for.
 template <int D>
 class IsosurfaceCache {
  public:
@@ -33,18 +33,18 @@ class IsosurfaceCache {
   void finish(Progress& progress);
 
   // Irradiance at an active texel from the photons that the side keeps; zero where it keeps none.
-  Rgb irradiance(std::int32_t slot, bool above) const {
-    return indirect(slot, above) + caustic(slot, above);
+  Rgb irradiance(std::int32_t slot, bool back) const {
+    return indirect(slot, back) + caustic(slot, back);
   }
-  Rgb indirect(std::int32_t slot, bool above) const { return value(sides_[above].indirect, slot); }
-  Rgb caustic(std::int32_t slot, bool above) const { return value(sides_[above].caustic, slot); }
+  Rgb indirect(std::int32_t slot, bool back) const { return value(sides_[back].indirect, slot); }
+  Rgb caustic(std::int32_t slot, bool back) const { return value(sides_[back].caustic, slot); }
 
   // Variances of these, of the mean over the colours, from the number of photons.
-  float indirect_variance(std::int32_t slot, bool above) const {
-    return variance(sides_[above].indirect, slot);
+  float indirect_variance(std::int32_t slot, bool back) const {
+    return variance(sides_[back].indirect, slot);
   }
-  float caustic_variance(std::int32_t slot, bool above) const {
-    return variance(sides_[above].caustic, slot);
+  float caustic_variance(std::int32_t slot, bool back) const {
+    return variance(sides_[back].caustic, slot);
   }
 
  private:

@@ -59,14 +59,14 @@ typename IsosurfaceEmitter<D>::Sample IsosurfaceEmitter<D>::sample(double choice
     position[a] = brick.low[a] + size * random.uniform();
     cells *= size;
   }
-  const bool above = random.uniform() < 0.5;
+  const bool back = random.uniform() < 0.5;
   const CellPoint<D> at = locate(of.field, position);
   const double h = interpolate(load_corners(of.field, at.cell), at.local);
   Sample sample{{}, Rgb(0)};
   if (std::isnan(h)) return sample;
   const double c = of.common_isovalue(h);
   if (!tracer_.scene().isovalue_range.contains(c)) return sample;
-  sample.point = tracer_.isosurface_point(volume_, at, c, above);
+  sample.point = tracer_.isosurface_point(volume_, at, c, back);
   if (sample.point.kind() == HitKind::none) return sample;
   const double volume = cells * std::abs(determinant(tracer_.index_to_frame(volume_)));
   const double steepness =

@@ -12,7 +12,7 @@ namespace {
 constexpr int fewest_points = 16, most_points = 64;
 // Of a lamp that is as wide as it is far away.
 constexpr double points_at_unit_size = 48;
-// Emissive meshes that are wider, against their distance, are left to the rays that meet them.
+// Emissive meshes that are wider, against their distance, are left to the rays that hit them.
 constexpr double widest_mesh = 1;
 // Pixels of an environment are bright beyond so many times the mean; where all that is bright
 // brings less than this share of its light, none of it gets points.

@@ -16,7 +16,7 @@ struct LightPoint {
 
 // A scene's light in two parts. Points stand for what throws shadows with edges: all lights, the
 // emissive meshes that are small in the sky, and what an image of the environment holds that is
-// much brighter than its mean. The rest comes from wide around: rays that meet it see it.
+// much brighter than its mean. The rest covers wide angles, and is sampled by the rays that hit it.
 template <int D>
 struct SplitLight {
   std::vector<LightPoint<D>> points;

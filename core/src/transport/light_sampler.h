@@ -21,7 +21,7 @@ struct PhotonStart {
 };
 
 // All that emits: the scene's lights, its emissive meshes, its environment and its emissive
-// isosurfaces, chosen among by their power. Isosurfaces are left to the rays that meet them, and to
+// isosurfaces, chosen among by their power. Isosurfaces are left to the rays that hit them, and to
 // photons.
 template <int D>
 class LightSampler {

@@ -12,7 +12,7 @@ namespace leaflight {
 // indirect from the start, since their direct light is no estimator's but the gathered one.
 enum class Arrival { direct, caustic, indirect };
 
-// A photon where it meets a diffuse surface. Its flux-height is F = Phi H / n (thesis Eq. 4.4):
+// A photon where it hits a diffuse surface. Its flux-height is F = Phi H / n (thesis Eq. 4.4):
 // flux per photon times the height of the isovalue range, since n photons share all isovalues.
 // Heights are in units of the isovalue range's, H = 1: in those of the data, single precision would
 // underflow or overflow. On leaves it carries the factor |w.Ns| / |w.Ng| of shading normals (Veach

@@ -54,7 +54,7 @@ bool any_volume_seen(const SceneTracer<D>& tracer, const Vec<D>& from) {
   return tracer.scene().volumes.empty();
 }
 
-// The mesh that a ray meets in every direction, or nothing.
+// The mesh that rays hit in every direction, or nothing.
 template <int D>
 std::optional<int> enclosing_mesh(const SceneTracer<D>& tracer, const Vec<D>& from) {
   std::optional<int> mesh;

@@ -70,7 +70,7 @@ std::vector<ReferenceRadiance> reference_radiance(const Scene<D>& scene,
                               const Vec<D> index = field.world_to_index.point(points[p]);
                               if (!holds_given(field, index)) return {};
                               return tracer.isosurface_point(settings.volume, locate(field, index),
-                                                             settings.c, settings.above);
+                                                             settings.c, settings.back);
                             });
 }
 

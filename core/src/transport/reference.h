@@ -15,12 +15,12 @@ struct ReferenceSettings {
   double c = 0;  // the common isovalue
   int samples = 1024;
   std::uint64_t seed = 0;
-  int volume = 0;      // whose isosurface it is
-  bool above = false;  // the back
+  int volume = 0;     // whose isosurface it is
+  bool back = false;  // on its back
 };
 
 // Radiance of the isosurface at given points (world), by `samples` paths each: unbiased, save for
-// the caustics of lights without extent, which no path meets. Points outside the domain, in masked
+// the caustics of lights without extent, which no path hits. Points outside the domain, in masked
 // cells or where |grad h| = 0 give zero.
 template <int D>
 std::vector<ReferenceRadiance> reference_radiance(const Scene<D>& scene,
@@ -36,7 +36,7 @@ struct FacetPoint {
   bool front = true;
 };
 
-// The same at points of the walls; `settings.volume` and `.above` are not used.
+// The same at points of the walls; `settings.volume` and `.back` are not used.
 template <int D>
 std::vector<ReferenceRadiance> reference_radiance(const Scene<D>& scene,
                                                   const std::vector<FacetPoint>& points,

@@ -63,7 +63,7 @@ SpecularBounce<D> specular_bounce(const SurfacePoint<D>& point, const Vec<D>& in
   bounce.from.geometric_normal = -point.geometric_normal;
   bounce.from.shading_normal = -point.shading_normal;
   if (auto* isosurface = std::get_if<IsosurfacePlace<D>>(&bounce.from.on))
-    isosurface->above = !isosurface->above;
+    isosurface->back = !isosurface->back;
   bounce.from.ior = 1 / point.ior;
   return bounce;
 }

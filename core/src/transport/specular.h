@@ -5,7 +5,7 @@
 
 namespace leaflight {
 
-// A ray that meets more mirrors and glass than this is given up.
+// A ray that hits more mirrors and glass than this is given up.
 inline constexpr int most_specular_bounces = 64;
 
 // Unpolarised reflectance of a dielectric whose far side has the refractive index `ior` against the

@@ -52,7 +52,8 @@ struct Patches<3> {
     double s = random[0], t = random[1];
     if (s + t > 1) s = 1 - s, t = 1 - t;
     if (k % 2) s = 1 - s, t = 1 - t;
-    return {(k / 2 + s) / cuts, (j + t) / cuts};
+    const int i = k / 2;
+    return {(i + s) / cuts, (j + t) / cuts};
   }
 };
 
@@ -111,8 +112,8 @@ const typename SurfaceCache<D>::Facet& SurfaceCache<D>::facet_of(std::size_t ent
 template <int D>
 void SurfaceCache<D>::deposit(const PhotonHit<D>& photon) {
   if (photon.arrival == Arrival::direct) return;
-  const bool apart = photon.arrival == Arrival::caustic && !caustic_.empty();
-  FluxAccumulator& flux = apart ? caustic_ : indirect_sides_;
+  const bool is_caustic = photon.arrival == Arrival::caustic && !caustic_.empty();
+  FluxAccumulator& flux = is_caustic ? caustic_ : indirect_sides_;
   flux.add(entry(photon.point, nodes_.nearest(photon.point.c)), photon.flux_height);
 }
 

@@ -30,10 +30,10 @@ class SurfaceCache {
   void finish(std::size_t entry, const LightSampler<D>& lights, int samples, std::uint64_t seed,
               std::uint64_t& rays);
 
-  // Of the side that a ray of the given direction meets. `u` uniform in [0,1) chooses between two
+  // Of the side that a ray of the given direction hits. `u` uniform in [0,1) chooses between two
   // nodes, so that the mean is linear in c at the cost of one lookup.
   Rgb radiance(const WallHit& hit, const Vec<D>& direction, double c, double u) const;
-  // Of the patch that a ray meets: the side of a square of its size.
+  // Of the patch that a ray hits: the side of a square of its size.
   double patch_width(const WallHit& hit) const {
     const double area = facets_[first_facet_[hit.mesh] + hit.facet].patch_area;
     return D == 3 ? std::sqrt(area) : area;

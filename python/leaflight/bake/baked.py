@@ -20,7 +20,7 @@ from ..io.output import check_writable
 from ..words import by, html_table
 from ..scene.on_mesh import interpolated
 from ..scene.scene import Color, SceneDescription, core_scene, isovalue_at
-from ..volume.setting_error import SettingError
+from ..volume.setting_error import SettingError, check_is_baked
 from ..volume.volume import Volume
 from .relit import relit
 from .provenance import Provenance
@@ -124,12 +124,12 @@ class Bake:
 
     @property
     def unit(self) -> str:
-        """What world coordinates measure in: a key of METERS, "" where nobody knows."""
+        """The unit of world coordinates: a key of METERS, "" where it is not known."""
         return self.volume.unit
 
     @property
     def id(self) -> str:
-        """Tells bakes apart, 32 digits: equal bakes have equal ones, on any machine."""
+        """32 hexadecimal digits: equal bakes have equal ones, on any machine."""
         return self.provenance.id
 
     @property
@@ -315,13 +315,7 @@ class Bake:
         return core_scene(self.scene, fields, self.isovalues)
 
     def _check_isovalue(self, isovalue: float) -> None:
-        lo, hi = self.isovalues
-        if not lo <= isovalue <= hi:
-            raise SettingError(
-                f"Isovalue {isovalue:g} lies outside the baked range {lo:g}..{hi:g}: choose one "
-                "inside or bake again with a wider range.",
-                "isovalues",
-            )
+        check_is_baked(isovalue, self.isovalues)
 
     def _check_volume(self, volume: int) -> None:
         if not 0 <= volume < len(self.volumes):

@@ -137,10 +137,10 @@ def extrapolated(
     slope = 0.5 * (INDEPENDENT + _slope(alike))
     limit = float("inf") if time is None else time
     noise = float(_noise(last))
-    missed, noisy = _texture(alike, reached, noise)
+    texture, noisy = _texture(alike, reached, noise)
     left = MOST_PASSES - len(alike)
     while seconds < limit and left > 0:
-        target = _core.noise_to_reach(error, np.hypot(missed, noisy * noise))
+        target = _core.noise_to_reach(error, np.hypot(texture, noisy * noise))
         # Rounding is no pass.
         if noise <= (1 + 1e-9) * target:
             break
@@ -148,7 +148,7 @@ def extrapolated(
         seconds += (growth - 1.0) * work * pace
         noise *= growth**slope
         work, count, left = growth * work, count + 1, left - 1
-    error = float(np.sqrt(missed**2 + (1 + noisy**2) * noise**2))
+    error = float(np.sqrt(texture**2 + (1 + noisy**2) * noise**2))
     return Estimate(seconds + closing, memory, error, count, *pilot)
 
 

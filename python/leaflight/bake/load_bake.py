@@ -21,7 +21,7 @@ def load_bake(path: str | os.PathLike[str]) -> Bake:
     """Reads what Bake.save wrote. Raises LeaflightError for any other file."""
     identifier = read_bake_id(path)
     if not _core.has_seal(path):
-        # Of an earlier Leaflight, cut, or saved by another program: nothing tells that it is whole.
+        # Of an earlier Leaflight, cut, or saved by another program: it may not be whole.
         with ReaderProcess(path, "OpenVDB file", __name__, "can_be_read") as process:
             try:
                 process.answer()

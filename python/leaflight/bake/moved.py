@@ -147,7 +147,7 @@ def _provenance(bake: Bake, volumes: Sequence[Volume], description: SceneDescrip
         for record, volume in zip(bake.provenance.volumes, volumes)
     )
     scene = scene_to_json(description)
-    # `continued` tells it from a bake of that scene.
+    # `continued` distinguishes it from a bake of that scene.
     return replace(bake.provenance, volumes=records, scene=scene, continued=bake.id)
 
 

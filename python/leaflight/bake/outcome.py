@@ -18,7 +18,7 @@ class _Baked(Protocol):
 
 
 def outcome(bake: _Baked, why: str = "it was stopped or its time was over") -> str:
-    """A sentence about the estimated error of a Bake or FlatBake against the error asked for.
+    """A sentence about the estimated error of a Bake or FlatBake against its target.
 
     why: it was stopped, if it was. An empty text where the amount of work was fixed.
     """
@@ -31,27 +31,23 @@ def outcome(bake: _Baked, why: str = "it was stopped or its time was over") -> s
 
 def _reached(bake: _Baked, why: str) -> str:
     statistics = bake.statistics
-    asked = bake.provenance.error
+    target = bake.provenance.error
     reached, noise = statistics.estimated_error_percent, statistics.estimated_noise_percent
-    assert asked is not None and reached is not None and noise is not None
+    assert target is not None and reached is not None and noise is not None
     passes = f"{statistics.passes} pass{'es' if statistics.passes > 1 else ''}"
-    text = f"estimated error {reached:.2f} %{_worst(statistics)} after {passes}"
-    if reached <= asked:
-        return f"{text}; {asked:g} % was asked for"
+    text = (
+        f"estimated error {reached:.2f} %{_worst(statistics)} after {passes} (target {target:g} %)"
+    )
+    if reached <= target:
+        return text
     if statistics.stopped:
-        return f"{text}; the {asked:g} % asked for was not reached: {why}"
+        return f"{text}; the target was not reached: {why}"
     if not bake.provenance.blocks:
-        return f"{text}; the {asked:g} % asked for was not reached with so few samples"
+        return f"{text}; the target was not reached with so few samples"
     # As variances: the rest is what the texels' width leaves out, which no more passes bring.
     if 2 * noise**2 < reached**2:
-        return (
-            f"{text}, most of it detail finer than the texels, which more passes do not add; "
-            f"{asked:g} % was asked for"
-        )
-    return (
-        f"{text}; the {asked:g} % asked for was not reached in the most passes that a bake has: "
-        "continue it"
-    )
+        return f"{text}; most of it is detail finer than the texels, which more passes do not add"
+    return f"{text}; the target was not reached in the most passes that a bake has: continue it"
 
 
 def _worst(statistics: Statistics) -> str:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Photons where they meet isosurfaces, as points to look at (thesis 4.3.5)."""
+"""Photons where they hit isosurfaces, as points to look at (thesis 4.3.5)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -75,7 +75,7 @@ class Provenance:
 
     @cached_property
     def id(self) -> str:
-        """Tells bakes apart, 32 digits."""
+        """32 hexadecimal digits, different for different bakes."""
         return hashlib.sha256(self.to_json().encode()).hexdigest()[:32]
 
     def to_json(self) -> str:
@@ -204,7 +204,7 @@ def read_bake_id(path: str | os.PathLike[str]) -> str:
 
 
 def values_sha256(volume: Volume) -> str:
-    """Tells the values of volumes apart, wherever they stand and whatever type holds them.
+    """Differs for different values of volumes, wherever they stand and whatever type holds them.
 
     The same once they were in a file.
     """

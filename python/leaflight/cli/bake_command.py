@@ -22,7 +22,7 @@ from ..scene.scene import SceneDescription
 from ..volume.volume import Volume
 from .lighting import bake_options, to_light
 from ..progress_bar import run_with_progress
-from .telling import Told
+from .output import Output
 from .workers import workers_of
 
 # Those that any bake may be given: they change nothing of what it ends with.
@@ -38,11 +38,11 @@ _RECIPE = {
 }
 
 
-def run_bake(options: Namespace) -> Told:
+def run_bake(options: Namespace) -> Output:
     if options.resume is not None:
         return run_bake(_interrupted(options))
     if options.previous is not None:
-        return _told(_continued(options), options)
+        return _output(_continued(options), options)
     volumes, scene = to_light(options, ".vdb")
     settings = bake_settings(options)
     if options.estimate:
@@ -61,7 +61,7 @@ def run_bake(options: Namespace) -> Told:
             )
         return _saved(baked, options, progress, checkpoint)
 
-    return _told(_worked(work, options), options)
+    return _output(_worked(work, options), options)
 
 
 def bake_settings(options: Namespace) -> dict[str, Any]:
@@ -176,7 +176,7 @@ def _saved(baked: Bake, options: Namespace, progress: Progress, checkpoint: Chec
     return baked
 
 
-def _told(baked: Bake, options: Namespace) -> Told:
+def _output(baked: Bake, options: Namespace) -> Output:
     result = {
         "out": options.out,
         "scene": baked.scene.name,
@@ -209,7 +209,7 @@ def _told(baked: Bake, options: Namespace) -> Told:
 
 def _estimate(
     volumes: list[Volume], scene: SceneDescription, settings: dict[str, Any], options: Namespace
-) -> Told:
+) -> Output:
     def work(progress: Progress) -> Estimate:
         return estimate(volumes, scene, progress=progress, **settings)
 

@@ -22,7 +22,7 @@ from ..io.output import check_writable
 from .bake_command import bake_settings, checkpoint_of, path_anywhere
 from .lighting import to_light
 from ..progress_bar import run_with_progress
-from .telling import Told
+from .output import Output
 from .workers import workers_of
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from ..cluster.workers import Workers
 
 
-def run_batch(options: Namespace) -> Told:
+def run_batch(options: Namespace) -> Output:
     bakes = _read_list(options.list)
 
     def work(progress: Progress) -> list[dict[str, Any]]:
@@ -121,7 +121,7 @@ def _is_baked(path: str, asked: Provenance) -> bool:
 
 def _read_list(path: str) -> list[tuple[int, Namespace]]:
     """The options of the bakes of a file, with the numbers of their lines."""
-    # The parser knows nothing of the package, and this package nothing of its own commands' words.
+    # The parser does not import the package, and this package has no names of options.
     from leaflight_command.parser import make_parser
     from leaflight_command.shared_options import UsageError
 

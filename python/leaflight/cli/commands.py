@@ -42,7 +42,7 @@ from .lighting import bake_options, open_with, to_light
 from ..progress_bar import run_with_progress
 from .render_command import run_render
 from .still_command import run_still
-from .telling import Command, Told, json_line, tell, tell_error
+from .output import Command, Output, json_line, print_error, print_lines
 
 
 def run(options: Namespace, command: Command | None = None) -> int:
@@ -54,26 +54,26 @@ def run(options: Namespace, command: Command | None = None) -> int:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("always", UnusedSetting)
-            warnings.showwarning = _tell_warning
+            warnings.showwarning = _print_warning
             result, sentences = command(options)
     except Cancelled as end:
-        tell_error(str(end))
+        print_error(str(end))
         return 130
     except KeyboardInterrupt:
-        tell_error("cancelled.")
+        print_error("cancelled.")
         return 130
     except LeaflightError as error:
-        tell_error(_in_flags(error))
+        print_error(_in_flags(error))
         return 2
     except MemoryError:
-        tell_error("There is not enough memory: give a smaller volume, or --downsample it.")
+        print_error("There is not enough memory: give a smaller volume, or --downsample it.")
         return 2
-    if not tell([*sentences, json_line(result)] if options.json else sentences):
+    if not print_lines([*sentences, json_line(result)] if options.json else sentences):
         return 2
     return 0 if result.get("passed", True) else 1
 
 
-def _tell_warning(
+def _print_warning(
     message: Warning | str,
     category: type[Warning],
     filename: str,
@@ -82,10 +82,10 @@ def _tell_warning(
     line: str | None = None,
 ) -> None:
     """In the place of warnings.showwarning()."""
-    tell_error(str(message))
+    print_error(str(message))
 
 
-def _info(options: Namespace) -> Told:
+def _info(options: Namespace) -> Output:
     volume = open_with(options.volume, options)
     field = volume.field()
     low, high = field.range
@@ -111,7 +111,7 @@ def _info(options: Namespace) -> Told:
     ]
 
 
-def _photons(options: Namespace) -> Told:
+def _photons(options: Namespace) -> Output:
     volumes, scene = to_light(options, ".ply")
 
     def work(progress: Progress) -> Photons:
@@ -143,7 +143,7 @@ def _in_flags(error: LeaflightError) -> str:
     return f"{sentence.removesuffix('.')} ({flags})." if flags else sentence
 
 
-def _surface(options: Namespace) -> Told:
+def _surface(options: Namespace) -> Output:
     check_writable(options.out, ".ply", options.bake)
     baked = load_bake(options.bake)
 
@@ -168,7 +168,7 @@ def _surface(options: Namespace) -> Told:
     ]
 
 
-def _compare(options: Namespace) -> Told:
+def _compare(options: Namespace) -> Output:
     baked = load_bake(options.bake)
 
     def work(progress: Progress) -> dict[str, Any]:
@@ -216,7 +216,7 @@ def _isovalue(baked: Bake, options: Namespace) -> str:
     return f"{options.isovalue:g} ({own:g} of {baked.scene.isosurfaces[options.volume].name})"
 
 
-def _flatland(options: Namespace) -> Told:
+def _flatland(options: Namespace) -> Output:
     check_writable(options.out, ".exr", options.image)
     png = Path(options.out).with_suffix(".png")
     check_writable(png, ".png", options.image)

@@ -9,10 +9,10 @@ from ..bake.baked import Surface
 from ..bake.load_bake import load_bake
 from ..export.export import export
 from ..progress_bar import run_with_progress
-from .telling import Told
+from .output import Output
 
 
-def run_export(options: Namespace) -> Told:
+def run_export(options: Namespace) -> Output:
     baked = load_bake(options.bake)
 
     def work(progress: Progress) -> dict[float, Surface]:

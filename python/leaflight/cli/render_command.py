@@ -17,7 +17,7 @@ from ..cluster import frames
 from ..cluster.tasks import at_workers
 from ..io.output import check_writable, replaced
 from ..progress_bar import run_with_progress
-from .telling import Told
+from .output import Output
 from .workers import workers_of
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ FRAMES_A_TASK = 4
 VIDEO = ".mp4"
 
 
-def run_render(options: Namespace) -> Told:
+def run_render(options: Namespace) -> Output:
     blend, out = Path(options.blend).absolute(), Path(options.out).absolute()
     if not blend.is_file():
         raise LeaflightError(f"{blend}: there is no such file; give a saved .blend.")

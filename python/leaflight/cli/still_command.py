@@ -19,12 +19,12 @@ from ..stills.photograph import metered_stops, photographed
 from ..stills.still import still
 from ..volume.setting_error import SettingError
 from ..progress_bar import run_with_progress
-from .telling import Told
+from .output import Output
 
 SUFFIXES = (".png", ".exr")
 
 
-def run_still(options: Namespace) -> Told:
+def run_still(options: Namespace) -> Output:
     suffix = Path(options.out).suffix.lower()
     if suffix not in SUFFIXES:
         raise LeaflightError(f"{options.out}: a picture must end in {' or '.join(SUFFIXES)}.")

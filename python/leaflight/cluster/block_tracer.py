@@ -21,9 +21,10 @@ from ..volume.volume import Volume
 
 @dataclass(frozen=True, eq=False)
 class Recipe:
-    """What a worker needs of a bake: key tells bakes apart; arrays: of each volume, its values, or
-    the file (.npy) on this machine that holds them; settings: of the core, by their names; the
-    others as in Bake.
+    """A bake as a worker needs it.
+
+    key: different for each bake; arrays: of each volume, its values, or the file (.npy) on this
+    machine that holds them; settings: of the core, by their names; the others as in Bake.
     """
 
     key: str
@@ -44,7 +45,7 @@ class Recipe:
 
 @dataclass(frozen=True, eq=False)
 class LookedUp:
-    """What lines look up; name tells one from those before."""
+    """The light that lines look up. name: different each time."""
 
     name: str
     state: bytes

@@ -111,7 +111,7 @@ def export_page(
 
 
 def _check(path: Path, suffix: str, isovalues: Sequence[float] | None, back: bool) -> None:
-    """Raises LeaflightError unless the format exists and takes what is asked for."""
+    """Raises LeaflightError unless the format exists and supports these options."""
     if suffix not in SUFFIXES:
         raise LeaflightError(
             f"{path}: the suffix {suffix or '(none)'} is not known; known are "

@@ -29,7 +29,7 @@ _SHAPES = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
 _VERTICES, _INDICES = {"target": 34962}, {"target": 34963}
 _MATERIAL = {
     "name": "lit by the bake",
-    # For a viewer that does not know the extension: the least that it can add.
+    # For a viewer without the extension: the least that it can add.
     "pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 1.0},
     "extensions": {"KHR_materials_unlit": {}},
     "doubleSided": True,
@@ -150,7 +150,7 @@ def _animation(file: _File, nodes: Sequence[int], seconds: float) -> dict[str, A
 
 
 def _meters(surfaces: Collection[Surface]) -> float:
-    """How many meters a unit of the world measures; 1 where nobody knows, or it is too small."""
+    """How many meters a unit of the world measures; 1 where it is not known or too small."""
     points = np.concatenate([surface.vertices for surface in surfaces])
     scale = METERS.get(next(iter(surfaces)).unit, 1.0)
     return scale if scale * float(np.ptp(points, axis=0).max()) >= _SMALLEST else 1.0

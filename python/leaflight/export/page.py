@@ -42,7 +42,7 @@ def write_page(
     embed: bool = False,
     progress: _core.Progress | None = None,
 ) -> Path:
-    """Writes a Bake as a web page, an .html that needs no server and asks for nothing.
+    """Writes a Bake as a web page, an .html that needs no server and loads nothing else.
 
     isovalue: the common isovalue that is shown at first. coarser: how many times voxels and texels
     are halved along each axis, 0 to 3. embed: a folder named as path without its suffix instead,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a web page shows of a bake: numbers in blocks of bytes, and a header that tells of them.
+"""The data of a web page: numbers in blocks of bytes, and a header that describes them.
 
 The page reads it in web/src/bake.ts, which lists the names; the two change together.
 """
@@ -83,7 +83,7 @@ def page_data(bake: Bake, isovalue: float, coarser: int, progress: Progress) -> 
     data.header.update(
         format=FORMAT,
         title=" and ".join(volume.name for volume in bake.volumes),
-        window=list(bake.isovalues),
+        isovalueRange=list(bake.isovalues),
         isovalue=float(isovalue),
         exposure=bake.scene.exposure,
         stops=metered_stops(bake),

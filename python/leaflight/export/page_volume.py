@@ -70,8 +70,8 @@ def shown_volume(bake: Bake, number: int, coarser: int, progress: _core.Progress
         fields = [each.field() for each in bake.volumes]
         fields[number] = volume.field()
         scene = core_scene(bake.scene, fields, bake.isovalues)
-        inner = bake.grids[number].has_back and len(bake.grids) == 1
-        direct = _core.DirectLight(scene, number, dims, inner, progress)
+        has_back = bake.grids[number].has_back and len(bake.grids) == 1
+        direct = _core.DirectLight(scene, number, dims, has_back, progress)
     return ShownVolume(bake, number, volume, texels_of(bake, number, coarser), direct)
 
 
@@ -86,7 +86,7 @@ def texels_of(bake: Bake, number: int, coarser: int) -> tuple[int, ...]:
 
 
 def volume_data(data: "PageData", shown: ShownVolume) -> dict[str, Any]:
-    """What the header of a page tells of a ShownVolume; the blocks go into its PageData."""
+    """The part of a page's header about a ShownVolume; the blocks go into its PageData."""
     bake, number, volume = shown.bake, shown.number, shown.volume
     isosurfaces, field = bake.scene.isosurfaces[number], volume.field()
     codes, offset, scale = coded(np.asarray(volume.values))
@@ -102,7 +102,7 @@ def volume_data(data: "PageData", shown: ShownVolume) -> dict[str, Any]:
         "scale": scale,
         "light": _light_data(data, shown),
         "direct": _direct_data(data, shown, codes, offset, scale),
-        "innerIs": back_side(bake, number),
+        "backIs": back_side(bake, number),
         "albedo": _stops(isosurfaces.albedo),
         "emission": _stops(isosurfaces.emission),
     }
@@ -151,9 +151,9 @@ def _direct_data(
     active = direct.mask() != 0
     least, greatest = (each[active] for each in ranges(codes, missing, direct.resolution, code))
     sides = []
-    for is_inner in filter(shown.has_maps, shown.sides):
-        about = (254 - greatest, 254 - least) if is_inner else (least, greatest)
-        sides.append([data.add(each) for each in pairs(direct, is_inner, *about)])
+    for is_back in filter(shown.has_maps, shown.sides):
+        about = (254 - greatest, 254 - least) if is_back else (least, greatest)
+        sides.append([data.add(each) for each in pairs(direct, is_back, *about)])
     layers = len(sides) * -(-len(direct.light_points) // POINTS_A_TEXEL)
     return {
         **_texture(data, active, layers, sides),
@@ -175,8 +175,8 @@ def _texture(
         "bricks": list(bricks.table.shape[2::-1]),
         "table": data.add(bricks.table),
         "textureBricks": list(bricks.shape),
-        "outer": sides[0],
-        "inner": sides[1] if len(sides) > 1 else None,
+        "front": sides[0],
+        "back": sides[1] if len(sides) > 1 else None,
     }
 
 

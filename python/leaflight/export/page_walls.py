@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def walls_data(data: "PageData", bake: Bake) -> dict[str, Any]:
-    """What the header of a page tells of a bake's walls; the blocks go into its PageData."""
+    """The part of a page's header about a bake's walls; the blocks go into its PageData."""
     nodes: list[float] = []
     tints: list[Any] = []
     lights: list[int] = []

@@ -13,7 +13,7 @@ from ..bake.baked import Bake
 
 @dataclass(frozen=True, eq=False)
 class PointGrid:
-    """What a bake knows of one volume, at points that are evenly spaced along three axes.
+    """The values and light of one volume of a bake, at points evenly spaced along three axes.
 
     index_to_world: float64 (4, 4), takes the point (i, j, k, 1) to world coordinates.
     values: float32 (nz, ny, nx), in data units, NaN where there are no data; radiance: float32
@@ -66,7 +66,7 @@ def _between_voxels(values: Array, texels: Array) -> Array:
 
 
 def _looked_up(field: Field, lookup: Callable[..., Array], *options: bool) -> Array:
-    """What a lookup tells at all voxels; plane by plane, since their coordinates take memory."""
+    """A lookup at all voxels; plane by plane, since their coordinates take memory."""
     nx, ny, nz = field.dims
     y, x = np.mgrid[:ny, :nx]
     planes = []

@@ -23,7 +23,7 @@ def write_usd(
 ) -> None:
     """Writes Surfaces, {isovalue: Surface}, in world coordinates, z up. Raises LeaflightError.
 
-    metersPerUnit is that of the world; 1 where nobody knows.
+    metersPerUnit is that of the world; 1 where it is not known.
     One mesh /Leaflight/isosurface: points, normals, primvars displayColor (linear RGB: radiance
     times the exposure, not clamped) and radiance (W/(m^2 sr), linear RGB), and the attribute
     isovalue. Its material emits displayColor and reflects nothing. Of several isovalues each is a

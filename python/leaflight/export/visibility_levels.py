@@ -53,13 +53,13 @@ def levels(codes: Array, least: Array, greatest: Array) -> Array:
     return found
 
 
-def pairs(direct: DirectLight, inner: bool, least: Array, greatest: Array) -> Iterator[Array]:
+def pairs(direct: DirectLight, back: bool, least: Array, greatest: Array) -> Iterator[Array]:
     """uint8 (n,) of the active texels for each two light points of a DirectLight: levels of the
     first, and of the second times 16. least, greatest: codes about these texels."""
     for point in range(0, len(direct.light_points), 2):
-        both = levels(direct.codes(point, inner), least, greatest)
+        both = levels(direct.codes(point, back), least, greatest)
         if point + 1 < len(direct.light_points):
-            both |= levels(direct.codes(point + 1, inner), least, greatest) << 4
+            both |= levels(direct.codes(point + 1, back), least, greatest) << 4
         yield both
 
 

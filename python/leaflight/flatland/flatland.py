@@ -24,7 +24,7 @@ from ..bake.settings import BakeOptions, BakeSettings, CommonSettings, range_to_
 from ..bake.statistics import Statistics, statistics_of
 from ..io.images import display_colours, luminance, read_pixels
 from ..progress_bar import with_progress
-from ..volume.setting_error import SettingError
+from ..volume.setting_error import SettingError, check_is_baked
 from ..volume.volume import Volume, on_unit_cube
 from .flat_scene import FlatScene, core_flat_scene, fit_flat_scene, flat_box, flat_scene_to_json
 
@@ -76,13 +76,7 @@ class FlatBake:
 
     def isolines(self, isovalue: float) -> Isolines:
         """The Isolines of one isovalue. Raises LeaflightError outside the isovalue range."""
-        lo, hi = self.isovalues
-        if not lo <= isovalue <= hi:
-            raise SettingError(
-                f"Isovalue {isovalue:g} lies outside the baked range {lo:g}..{hi:g}: choose one "
-                "inside or bake again with a wider range.",
-                "isovalues",
-            )
+        check_is_baked(isovalue, self.isovalues)
         vertices, _, segments = _core.contour2(self.volume.flat_field(), isovalue)
         return Isolines(vertices, segments, self.radiance(vertices))
 

@@ -90,7 +90,7 @@ class ReaderProcess:
         return answer["answer"]
 
     def fill(self, values: Array, progress: Progress | None = None) -> None:
-        """Fills an array with the pieces, in their order, and tells a Progress of the bytes."""
+        """Fills an array with the pieces, in their order, and reports the bytes to a Progress."""
         left = values.data.cast("B")
         while left:
             if progress is not None:

@@ -92,7 +92,7 @@ def set_normals(mesh: Any, normals: ArrayLike) -> None:
 
 
 def set_loop_starts(mesh: Any, starts: Sequence[int] | NDArray[Any], corners: int) -> None:
-    """Polygons of so many corners each; from 4.0 on the starts alone tell it."""
+    """Polygons of so many corners each; from 4.0 on their starts are enough."""
     mesh.polygons.foreach_set("loop_start", starts)
     if not mesh.polygons[0].bl_rna.properties["loop_total"].is_readonly:
         mesh.polygons.foreach_set("loop_total", np.full(len(starts), corners, np.int32))

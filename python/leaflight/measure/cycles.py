@@ -83,7 +83,7 @@ def measure(
     # the faces of cells, where the smooth normal sees light that the facet faces away from (see
     # above). At isovalue 100.5 of nucleon.raw the core's path tracer differs by 0.44 % from the
     # mesh itself, of which 0.36 % is noise, and by 1.2 to 1.8 % from cells cut in 2, 4 or 8. Glass,
-    # which bends light by its facets, wants the finer mesh.
+    # which bends light by its facets, needs the finer mesh.
     isosurfaces = [_isosurface(description, field, k, c, detail) for k, field in enumerate(fields)]
     meshes = [_mesh(mesh) for mesh in description.meshes]
     lit = isosurfaces[target.volume] if target.mesh is None else meshes[target.mesh]

@@ -86,7 +86,7 @@ def main(folder: Path) -> None:
 
 
 def _peak_memory() -> float:
-    """The most memory that this process has held, in bytes; NaN on Windows, which does not tell."""
+    """The most memory that this process has held, in bytes; NaN on Windows."""
     try:
         import resource
     except ImportError:

@@ -20,7 +20,7 @@ from .truth import Truth, parts_of
 
 # Random rays by which a point shows itself to the outside.
 EXPOSURE_RAYS = 32
-# The path tracer's samples of a point are spread evenly; so many sets of them tell their error.
+# The path tracer's samples of a point are spread evenly; so many sets of them estimate their error.
 PASSES = 8
 
 

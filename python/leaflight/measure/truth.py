@@ -36,7 +36,7 @@ class Truth:
 
     @classmethod
     def traced(cls, points: Array, radiance: Array, standard_error: Array) -> "Truth":
-        """Of the core's path tracer, whose points know nothing of each other."""
+        """Of the core's path tracer, whose points are independent."""
         error = standard_error.astype(np.float64)
 
         def mean_error(mask: Array) -> float:

@@ -39,7 +39,7 @@ def still(
     """A picture of a Bake, float32 [row, column, RGBA], top row first.
 
     RGB is linear radiance in W/(m^2 sr), times alpha, the share of a pixel that something fills.
-    Rays meet the isosurface itself, not a mesh of it, and look up the light there. A back
+    Rays hit the isosurface itself, not a mesh of it, and look up the light there. A back
     that was not baked is shaded by a light at the camera, which shows its shape alone.
 
     isovalue: the common isovalue (see Bake), of all volumes. camera: a Camera; None frames the
@@ -101,31 +101,31 @@ class SeenIsosurface:
     def __init__(self, bake: Bake, volume: int, isovalue: float, local: bool = False) -> None:
         self._field, self._grid = bake.volumes[volume].field(), bake.grids[volume]
         self._own = bake.isovalue_of(volume, isovalue)
-        self._local, self._inner = local, back_side(bake, volume)
+        self._local, self._back = local, back_side(bake, volume)
         self._exposure = bake.scene.exposure
         self._isosurfaces, self._lamps = bake.scene.isosurfaces[volume], lamps_of(bake.scene)
 
     def hits(self, origins: Array, directions: Array) -> tuple[Array, Array]:
         """(distances (n,), infinite for none; radiance (n, 3)) of rays (n, 3)."""
-        distances, above = _core.isosurface_hits(self._field, origins, directions, self._own)
+        distances, is_back = _core.isosurface_hits(self._field, origins, directions, self._own)
         radiance = np.zeros((len(origins), 3))
         hit = np.isfinite(distances)
         points = origins[hit] + distances[hit, None] * directions[hit]
-        radiance[hit] = self._radiance(points, above[hit] == 1, origins[hit])
+        radiance[hit] = self._radiance(points, is_back[hit] == 1, origins[hit])
         return distances, radiance
 
-    def _radiance(self, points: Array, is_inner: Array, eyes: Array) -> Array:
+    def _radiance(self, points: Array, is_back: Array, eyes: Array) -> Array:
         found = np.zeros((len(points), 3))
         if self._local:
             shaded = np.ones(len(points), bool)
         else:
-            found[~is_inner] = self._grid.lookup(self._field, points[~is_inner])
-            if self._inner == "baked":
-                found[is_inner] = self._grid.lookup(self._field, points[is_inner], True)
-            shaded = is_inner & (self._inner == "local")
+            found[~is_back] = self._grid.lookup(self._field, points[~is_back])
+            if self._back == "baked":
+                found[is_back] = self._grid.lookup(self._field, points[is_back], True)
+            shaded = is_back & (self._back == "local")
         if shaded.any():
             normals = _core.normals(self._field, points[shaded]).astype(np.float64)
-            normals[is_inner[shaded]] *= -1.0
+            normals[is_back[shaded]] *= -1.0
             albedo, emission = (
                 ramp_at(ramp, self._own)
                 for ramp in (self._isosurfaces.albedo, self._isosurfaces.emission)

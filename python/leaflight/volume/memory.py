@@ -40,7 +40,7 @@ def limit_memory(size: int | None, folder: str | os.PathLike[str] | None = None)
 
 
 def memory_of_light(voxels: int) -> int | None:
-    """Bytes that the light of a volume of so many voxels may take, None where nobody knows."""
+    """Bytes that the light of a volume of so many voxels may take, None where that is not known."""
     if _limit is not None:
         return int((1 - _SHARE_OF_VOLUMES) * _limit) - _PROGRAM
     machine = _core.machine_memory()

@@ -10,3 +10,14 @@ class SettingError(LeaflightError):
     def __init__(self, sentence: str, *settings: str) -> None:
         super().__init__(sentence)
         self.settings = settings
+
+
+def check_is_baked(isovalue: float, isovalues: tuple[float, float]) -> None:
+    """Raises SettingError for an isovalue outside the isovalue range of a bake."""
+    low, high = isovalues
+    if not low <= isovalue <= high:
+        raise SettingError(
+            f"Isovalue {isovalue:g} lies outside the baked range {low:g}..{high:g}: choose one "
+            "inside or bake again with a wider range.",
+            "isovalues",
+        )

@@ -32,7 +32,7 @@ class Volume:
         same to what is baked; NaN where there is no data.
     index_to_world: float64, shape (4, 4), takes the node (i, j, k, 1) to world coordinates.
     name: short name for people; source: the file or the function the values came from.
-    unit: what world coordinates measure in, a key of METERS, "" where nobody knows.
+    unit: of world coordinates, a key of METERS, "" where it is not known.
     patient: whether world coordinates are a patient's: towards right, front and up.
     In flatland values has the shape (ny, nx) and index_to_world (3, 3).
 
@@ -127,7 +127,7 @@ class Volume:
         The layer holds one value below all others, low - 2 (high - low). Between a voxel of value h
         on the border and the layer, the cap of the isosurface c lies at (h - c) / (h - layer) of a
         voxel: nowhere beyond 1/3. A deeper layer would make the caps flatter still, but squeeze all
-        isosurfaces into a slab so thin that a texel's samples, spread over its volume, hardly meet
+        isosurfaces into a slab so thin that a texel's samples, spread over its volume, hardly reach
         it. Even so the caps of all isosurfaces share their texels: on a cap the baked light is a
         mean over the isovalue range. Data keep their values, and voxels their places in the
         world.

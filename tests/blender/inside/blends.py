@@ -54,7 +54,7 @@ def pixels_of(image):
 
 
 def assert_lit(obj, isovalue=None):
-    """Mesh and image show the object's own bake as its file holds it, and no problem is told."""
+    """Mesh and image show the object's own bake as its file holds it, without a problem."""
     assert obj.name_full not in surface_object.problems
     bake = leaflight.load_bake(bake_files.locate(obj))
     assert bake.id == obj.leaflight.bake_id

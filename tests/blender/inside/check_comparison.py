@@ -107,19 +107,19 @@ def check_in_a_blender_of_its_own(baked, small_frame, tmp_path):
     """What the window does: the job runs in a thread, and this Blender stays as it is."""
     if not process.can_start():
         pytest.skip("Blender as a Python module has no program to start")
-    before, told = _render_settings(), []
+    before, statuses = _render_settings(), []
 
-    class Told(process.ComparisonJob):
-        """Whatever it tells, however briefly."""
+    class Recorded(process.ComparisonJob):
+        """Records every status, however brief."""
 
-        _status = property(lambda self: told[-1], lambda self, text: told.append(text))
+        _status = property(lambda self: statuses[-1], lambda self, text: statuses.append(text))
 
     folder = tmp_path / "images"
     folder.mkdir()
-    job = Told(baked, folder, 16, 4, 0.5)
+    job = Recorded(baked, folder, 16, 4, 0.5)
     work = start(job)
     work.result()
-    assert work.status() == told[-1]
+    assert work.status() == statuses[-1]
     begins = f"Isovalue {baked.leaflight.isovalue:g}: RMS"
     assert job.apply().startswith(begins) and baked.leaflight.comparison.startswith(begins)
     assert _render_settings() == before
@@ -127,7 +127,7 @@ def check_in_a_blender_of_its_own(baked, small_frame, tmp_path):
     result = json.loads(numbers.read_text())
     assert 0 < result["isosurface_rms_percent"] < 10 and len(list(folder.iterdir())) == 11
     assert _core.read_exr(str(next(folder.glob("*_baked.exr")))).shape[:2] == (40, 40)
-    names = {status.rpartition("%")[2].strip() for status in told}
+    names = {status.rpartition("%")[2].strip() for status in statuses}
     assert {"Blender starts", "Cycles"} <= names
 
 

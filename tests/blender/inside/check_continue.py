@@ -24,13 +24,13 @@ def check_a_kept_bake_is_continued(endless):
     kept = cache.bake_of(endless)
     noise = kept.statistics.estimated_noise_percent
     # The rest of the error is what texels miss, which stays.
-    missed = kept.statistics.estimated_error_percent**2 - noise**2
-    endless.leaflight.error = (missed + (0.7 * noise) ** 2) ** 0.5
+    texture = kept.statistics.estimated_error_percent**2 - noise**2
+    endless.leaflight.error = (texture + (0.7 * noise) ** 2) ** 0.5
     assert bpy.ops.leaflight.continue_bake() == {"FINISHED"}
     ours = cache.bake_of(endless)
     assert ours.provenance.continued == kept.id and endless.leaflight.bake_id == ours.id
     assert 0 < ours.statistics.estimated_noise_percent < 0.8 * noise
-    assert "was asked for" in endless.leaflight.bake_outcome
+    assert endless.leaflight.bake_outcome.endswith(f"(target {endless.leaflight.error:g} %)")
     assert endless.leaflight.bake_seconds > kept.statistics.seconds
     assert_shows(endless, 50.0)
     # Both are kept, and what is good enough is not continued.

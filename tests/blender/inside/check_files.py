@@ -26,7 +26,7 @@ from leaflight_addon.store import atlases, bake_files, moving
 from tools import close, error_of
 
 
-def check_every_bake_is_a_file_of_its_own_that_tells_its_id(saved):
+def check_every_bake_is_a_file_of_its_own_with_its_id(saved):
     first = bake_files.locate(saved)
     before = first.read_bytes()
     brighten()
@@ -48,7 +48,7 @@ def check_every_bake_is_a_file_of_its_own_that_tells_its_id(saved):
 
 
 def check_a_bake_is_a_volume_of_blender(saved):
-    """What tells at the file's end that it is whole is in nobody's way."""
+    """The seal at the end of the file is in no reader's way."""
     path = bake_files.locate(saved)
     assert leaflight._core.has_seal(path)
     bpy.ops.object.volume_import(filepath=str(path))
@@ -119,7 +119,7 @@ def check_undo_after_the_first_save_finds_what_has_moved(unsaved, tmp_path):
     assert_lit(bpy.data.objects[name], 60.0)
 
 
-def check_what_cannot_be_moved_stays_and_is_told(unsaved, tmp_path):
+def check_what_cannot_be_moved_stays_and_is_reported(unsaved, tmp_path):
     old = bake_files.locate(unsaved)
     (tmp_path / "leaflight").write_text("A file where the folder would be.")
     obj = open_saved(tmp_path / "scene.blend")

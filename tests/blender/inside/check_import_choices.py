@@ -167,14 +167,14 @@ def check_a_voxel_size_of_the_file_counts_unless_it_is_given(tmp_path):
     close(np.linalg.norm(cache.volume_of(obj).index_to_world[:3, :3], axis=0), [1, 2, 4], 0)
 
 
-def check_the_dialog_tells_what_the_header_does(tmp_path):
+def check_the_dialog_shows_the_facts_of_the_header(tmp_path):
     path = tmp_path / "scan.nii"
     write_scan(path, (12, 14, 16, 3))
     stored, problem = stored_facts.look(str(path), CHOICES)
     assert not problem and stored.frames == 3
-    told = stored_facts.lines(str(path), stored, 2)
-    assert told[0] == "NIfTI file" and told[1] == "12 x 14 x 16 voxels, float32"
-    assert "mm" in told[2] and told[3] == "Read as 6 x 7 x 8 voxels" and told[4].endswith("MB")
+    facts = stored_facts.lines(str(path), stored, 2)
+    assert facts[0] == "NIfTI file" and facts[1] == "12 x 14 x 16 voxels, float32"
+    assert "mm" in facts[2] and facts[3] == "Read as 6 x 7 x 8 voxels" and facts[4].endswith("MB")
     path.write_bytes(b"text")
     stored, problem = stored_facts.look(str(path), CHOICES)
     assert stored is None and problem.startswith("this is not a readable NIfTI file")
@@ -192,8 +192,8 @@ def check_a_word_with_numbers_is_translated(tmp_path):
     try:
         write_scan(tmp_path / "scan.nii")
         stored = source_files.probe(str(tmp_path / "scan.nii"), **CHOICES)
-        told = stored_facts.lines(str(tmp_path / "scan.nii"), stored, 1)
-        assert told[1] == "12 x 14 x 16 Voxel, float32"
+        facts = stored_facts.lines(str(tmp_path / "scan.nii"), stored, 1)
+        assert facts[1] == "12 x 14 x 16 Voxel, float32"
         translated = bpy.app.translations.pgettext_iface
         assert translated("Import Volume", "Operator") == "Volumen importieren"
         assert translated("Isovalue") == "Isowert"
@@ -201,7 +201,7 @@ def check_a_word_with_numbers_is_translated(tmp_path):
         view.language = before
 
 
-def check_an_absent_package_is_told_in_words_of_blender(tmp_path, monkeypatch):
+def check_an_absent_package_is_reported_in_words_of_blender(tmp_path, monkeypatch):
     path = tmp_path / "x.h5"
     path.write_bytes(b"")
     monkeypatch.setitem(sys.modules, "h5py", None)

@@ -221,7 +221,7 @@ def check_a_bake_of_an_earlier_version_says_so(saved):
     assert "radiance" not in obj.data.attributes
 
 
-def check_a_changed_volume_file_is_told_and_baked_anew(saved, bump_file):
+def check_a_changed_volume_file_is_reported_and_baked_anew(saved, bump_file):
     values = np.fromfile(bump_file, "<f4")
     os.utime(bump_file, ns=(1, 1))
     obj = open_blend(bpy.data.filepath)

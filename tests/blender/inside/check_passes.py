@@ -13,7 +13,7 @@ import pytest
 from leaflight_addon.bake import bake, estimate_bake, stopped
 from leaflight.volume.memory import memory_of_light
 from leaflight_addon.operators import background
-from leaflight_addon.show import preview, properties, surface_object
+from leaflight_addon.show import bake_options, preview, surface_object
 from leaflight_addon.store import bake_files, cache
 from leaflight_addon.ui import advanced_panel, bake_panel
 from passes import UNREACHED, assert_shows_pass, begin, drawn, passes_of, state, stop
@@ -36,7 +36,7 @@ def check_a_bake_goes_on_until_its_error(passes):
     ours = cache.bake_of(passes)
     assert ours.provenance.error == 4.0
     assert 0 < ours.statistics.estimated_error_percent <= 4.0
-    assert passes.leaflight.bake_outcome.endswith("4 % was asked for")
+    assert passes.leaflight.bake_outcome.endswith("(target 4 %)")
     assert_shows(passes, 50.0)
     world = cache.world_volume(passes)
     same = leaflight.bake(world, ours.scene, isovalues=(40.0, 60.0), error=4.0)
@@ -262,9 +262,9 @@ def check_the_cost_is_estimated_before(passes):
     estimate = estimate_bake.estimate_of(passes)
     assert state() == before
     assert 0.5 < estimate.error < 2.5 and estimate.memory_bytes > 2**20
-    # The same passes tell what less would cost, and all that the panel offers, but not more.
+    # The same passes show what less would cost, and all that the panel offers, but not more.
     draft, good, final = (
-        estimate_bake.estimate_of(passes, error) for error in properties.QUALITIES.values()
+        estimate_bake.estimate_of(passes, error) for error in bake_options.QUALITIES.values()
     )
     # Where texels are the error, less noise is of no use: then Final takes no longer than Good.
     assert 0 < draft.seconds <= min(good.seconds, final.seconds)
@@ -288,7 +288,7 @@ def check_a_quality_is_an_error(bumps):
     settings = bumps.leaflight
     settings.property_unset("error")
     assert settings.quality == "GOOD" and settings.error == 1.5
-    for quality, error in properties.QUALITIES.items():
+    for quality, error in bake_options.QUALITIES.items():
         settings.quality = quality
         assert settings.error == pytest.approx(error) and settings.quality == quality
     settings.error = 2.2

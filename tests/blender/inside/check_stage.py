@@ -91,7 +91,7 @@ def check_dust_does_not_count(ball):
     close(0.5 * (points.min(axis=0) + points.max(axis=0)), middle, 0.02)
 
 
-def check_parts_of_a_mesh_are_told_apart():
+def check_parts_of_a_mesh_are_distinguished():
     """Two strips of ten and of two triangles, whose vertices are numbered at random."""
     strips = np.array([(i, i + 1, i + 2) for i in (*range(10), 12, 13)])
     numbers = np.random.default_rng(0).permutation(16)

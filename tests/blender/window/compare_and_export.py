@@ -27,12 +27,12 @@ FOLDER = Path(sys.argv[-1])
 
 found = {}
 # When the viewport was drawn; what the comparison has said, however briefly.
-drawn, told = [], []
+drawn, statuses = [], []
 
 
 def main():
     process.ComparisonJob._status = property(
-        lambda self: told[-1], lambda self, text: told.append(text)
+        lambda self: statuses[-1], lambda self, text: statuses.append(text)
     )
     bpy.types.SpaceView3D.draw_handler_add(
         lambda: drawn.append(time.perf_counter()), (), "WINDOW", "POST_PIXEL"
@@ -88,7 +88,7 @@ def compare(window, obj):
         "begun": start - asked,
         "gap": max(gaps),
         "seconds": time.perf_counter() - start,
-        "told": list(told),
+        "statuses": list(statuses),
         "sentence": obj.leaflight.comparison,
         "files": sorted(path.name for path in images.iterdir()),
     }
@@ -153,7 +153,7 @@ def cancel_import(window):
     yield from stepwise.until(lambda: background.running() is None)
     found["import"] = {
         "seconds": time.perf_counter() - start,
-        "told": status,
+        "statuses": status,
         "read": work.progress.fraction,
         "left": (len(bpy.data.objects), len(bpy.data.meshes)) != before,
     }

@@ -187,19 +187,19 @@ def rest(name=None):
 
 def bake_alone():
     """A while of the bake, with passes that are shown, and nobody at the mouse."""
-    while not bpy.context.object.data.get("leaflight_shown", "").count(" pass "):
+    while not bpy.context.object.data.get("leaflight_shown", "").count('"pass '):
         if background.running() is None:
             raise RuntimeError("The bake has shown no pass.")
         yield 0.05
     pictures.clear()
     start, before, passes = time.perf_counter(), None, 0
-    told = set()
+    statuses = set()
     while time.perf_counter() < start + 5.0:
         label = surface_object.label_of(bpy.context.object.data)
         passes, before = passes + (label != before), label
-        told.add(background.running().status())
+        statuses.add(background.running().status())
         yield 0.02
-    found["bake alone"] = {"pictures": len(pictures), "passes": passes, "told": len(told)}
+    found["bake alone"] = {"pictures": len(pictures), "passes": passes, "statuses": len(statuses)}
 
 
 assert leaflight.__version__

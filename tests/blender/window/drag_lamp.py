@@ -6,6 +6,7 @@ Pictures of the viewport go into the folder. Prints a line WINDOW and a JSON obj
 moves to light.
 """
 
+import json
 import os
 import sys
 import time
@@ -74,7 +75,7 @@ def label_of_walls():
 
 
 def is_moved():
-    return " moved " in label()
+    return bool(json.loads(label())["moved"])
 
 
 def event(kind, value, x, y):
@@ -191,7 +192,7 @@ def move_and_wait():
     direct = [when for when, of_moved in shown if of_moved]
     seconds["direct"], seconds["sharp"] = direct[0], direct[-1]
     seconds["final"] = shown[-1][0]
-    found["final"] = not is_moved() and " pass " not in label()
+    found["final"] = not is_moved() and '"pass ' not in label()
     yield from picture("final")
     write_all()
 

@@ -146,7 +146,7 @@ def note_passes():
     def note(job):
         show(job)
         label = surface_object.label_of(volume().data) or ""
-        shown.update({label} if " pass " in label else ())
+        shown.update({label} if '"pass ' in label else ())
 
     bake.BakeJob._light, bake.BakeJob.show = until_shown, note
     return shown
@@ -185,7 +185,7 @@ def stop_and_keep():
     volume().leaflight.use_resolution = False
     yield from click(header_button(386))
     yield from stepwise.until(lambda: background.running() is not None)
-    yield from stepwise.until(lambda: " pass " in (surface_object.label_of(volume().data) or ""))
+    yield from stepwise.until(lambda: '"pass ' in (surface_object.label_of(volume().data) or ""))
     yield from key("ESC")
     start = time.perf_counter()
     yield from stepwise.until(lambda: background.running() is None)
@@ -258,7 +258,7 @@ def copy_and_delete():
 
 
 def play():
-    """A sweep through the window of the bake, as it goes on by itself."""
+    """An animation through the isovalue range, as it plays by itself."""
     obj, scene = volume(), bpy.context.scene
     isovalues = np.linspace(obj.leaflight.bake_low, obj.leaflight.bake_high, 24)
     blender.animate(obj, isovalues)

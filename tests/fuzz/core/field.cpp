@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A volume of any values, its isosurface as a mesh and as rays meet it.
+// A volume of any values, its isosurface as a mesh and as rays hit it.
 #include <map>
 
 #include "hostile_field.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The seal of any file, and that it tells every change of a byte.
+// The seal of any file, and that it detects every change of a byte.
 #include "io/seal.h"
 
 #include "bytes.h"

@@ -32,7 +32,7 @@ vec3 unshadowed(int point, vec3 place, vec3 normal, vec3 geometricNormal) {
 }
 
 // Of an isosurface at index coordinates.
-vec3 directIrradiance(vec3 place, vec3 gradient, float isovalue, bool isInner) {
+vec3 directIrradiance(vec3 place, vec3 gradient, float isovalue, bool isBack) {
   vec3 texel = clamp(place * (vec3(mapTexels - 1) / vec3(dims - 1)), vec3(0.0), vec3(mapTexels - 1));
   ivec3 cell = min(ivec3(texel), mapTexels - 2);
   vec3 u = texel - vec3(cell);
@@ -41,9 +41,9 @@ vec3 directIrradiance(vec3 place, vec3 gradient, float isovalue, bool isInner) {
   ++fetches;
   if (entry.w == 0u) return vec3(0.0);
   ivec3 first = ivec3(entry.xyz) * mapBrick + cell - within * (mapBrick - 1);
-  float own = 1.0 + 252.0 * (isovalue - window.x) / (window.y - window.x);
+  float own = 1.0 + 252.0 * (isovalue - isovalueRange.x) / (isovalueRange.y - isovalueRange.x);
   int pointCount = textureSize(lightPoints, 0).y, groups = (pointCount + 7) / 8;
-  if (isInner) own = 254.0 - own, first.z += groups * mapDepth;
+  if (isBack) own = 254.0 - own, first.z += groups * mapDepth;
   float weight[8];
   vec2 range[8];  // where it begins, and how long it is
   for (int corner = 0; corner < 8; ++corner) {
@@ -51,11 +51,11 @@ vec3 directIrradiance(vec3 place, vec3 gradient, float isovalue, bool isInner) {
     vec3 share = mix(1.0 - u, u, vec3(offset));
     weight[corner] = share.x * share.y * share.z;
     vec2 codes = vec2(texelFetch(mapRanges, cell + offset, 0).xy);
-    range[corner] = vec2(isInner ? 254.0 - codes.y : codes.x, codes.y - codes.x);
+    range[corner] = vec2(isBack ? 254.0 - codes.y : codes.x, codes.y - codes.x);
   }
   fetches += 8;
   if (gradient == vec3(0.0)) return vec3(0.0);
-  float side = isInner ? 1.0 : -1.0;
+  float side = isBack ? 1.0 : -1.0;
   vec3 normal = side * normalize(normalToWorld * gradient);
   vec3 geometricNormal = side * normalToWorld * surfaceGradient(place, gradient);
   vec3 framed = (indexToFrame * vec4(place, 1.0)).xyz;

@@ -23,12 +23,12 @@ float depthOf(vec3 place) {
 }
 
 vec3 colorOf(float value) {
-  float at = 8.0 * clamp((value - window.x) / (window.y - window.x), 0.0, 1.0);
+  float at = 8.0 * clamp((value - isovalueRange.x) / (isovalueRange.y - isovalueRange.x), 0.0, 1.0);
   int low = min(int(at), 7);
   return mix(colors[low], colors[low + 1], at - float(low));
 }
 
-// Where the ray first meets data on a slice, FAR_AWAY for nowhere, and their value. Those below the
+// Where the ray first hits data on a slice, FAR_AWAY for nowhere, and their value. Those below the
 // isovalues that are lit, such as air, are left out.
 float sliceAt(Ray ray, out float value) {
   float nearest = FAR_AWAY;
@@ -38,7 +38,7 @@ float sliceAt(Ray ray, out float value) {
     float t = -dot(slices[k], vec4(ray.origin, 1.0)) / dot(slices[k].xyz, ray.direction);
     if (!(t >= ray.t && t <= ray.end && t < nearest)) continue;
     float there = valueAt(ray.origin + t * ray.direction);
-    if (there >= max(window.x, 0.0)) nearest = t, value = there;
+    if (there >= max(isovalueRange.x, 0.0)) nearest = t, value = there;
   }
   return nearest;
 }

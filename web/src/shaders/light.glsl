@@ -1,19 +1,19 @@
 // The light of a point on an isosurface: of the bake, or by lamps alone.
 
-uniform sampler3D outer, inner;  // bricks of radiance times the exposure of the scene
+uniform sampler3D front, back;  // bricks of radiance times the exposure of the scene
 uniform usampler3D table;        // where in these each brick is
 uniform ivec3 brick, bricks;     // texels of a brick, with the layers that it shares; their numbers
 uniform vec3 texelScale, textureScale;  // from index coordinates to texels; one over the textures'
-uniform int innerIs;    // 0: baked, 1: dark, 2: to be shaded by a light at the camera
+uniform int backIs;         // 0: baked, 1: dark, 2: to be shaded by a light at the camera
 uniform float unbaked;  // how bright such a side is that is white and faces the viewer
 uniform bool isLocal;
-uniform bool innerHasMaps;  // or its texels hold all light
+uniform bool backHasMaps;  // or its texels hold all light
 uniform mat4 indexToWorld;
 uniform vec3 albedo[2], emission[2];  // of both isosurfaces
 uniform vec3 indirectFactor;          // of lamps that are brighter than in the bake
 
 // Radiance of the texels about a place.
-vec3 ofTexels(vec3 place, bool isInner) {
+vec3 ofTexels(vec3 place, bool isBack) {
   fetches += 2;
   vec3 texel = max(place * texelScale, 0.0);
   ivec3 within = min(ivec3(texel) / (brick - 1), bricks - 1);
@@ -21,34 +21,34 @@ vec3 ofTexels(vec3 place, bool isInner) {
   if (entry.w == 0u) return vec3(0.0);
   vec3 first = vec3(entry.xyz) * vec3(brick);
   vec3 at = (first + texel - vec3(within * (brick - 1)) + 0.5) * textureScale;
-  return isInner ? texture(inner, at).rgb : texture(outer, at).rgb;
+  return isBack ? texture(back, at).rgb : texture(front, at).rgb;
 }
 
 #ifdef DIRECT
 bool isLit(vec3 place) {
   if (any(lessThan(place, vec3(0.0))) || any(greaterThan(place, vec3(dims - 1)))) return false;
   float value = valueAt(place);
-  return value >= max(window.x, 0.0) && value <= window.y;
+  return value >= max(isovalueRange.x, 0.0) && value <= isovalueRange.y;
 }
 
 // Indirect light, extrapolated from the texels in front (core/src/bake/output/radiance_grid.cpp). Texels
 // behind may belong to the other face of a thin shell.
-vec3 indirectLight(vec3 place, vec3 gradient, bool isInner) {
+vec3 indirectLight(vec3 place, vec3 gradient, bool isBack) {
   float size = length(gradient * texelScale);
-  if (size == 0.0) return ofTexels(place, isInner);
-  vec3 ahead = gradient * ((isInner ? 0.5 : -0.5) / size);
+  if (size == 0.0) return ofTexels(place, isBack);
+  vec3 ahead = gradient * ((isBack ? 0.5 : -0.5) / size);
   vec3 near = place + ahead, far = near + 2.0 * ahead;
-  if (!isLit(near) || !isLit(far)) return ofTexels(place, isInner);
-  vec3 close = ofTexels(near, isInner), distant = ofTexels(far, isInner);
+  if (!isLit(near) || !isLit(far)) return ofTexels(place, isBack);
+  vec3 close = ofTexels(near, isBack), distant = ofTexels(far, isBack);
   return clamp(close + 0.5 * (close - distant), 0.5 * close, 2.0 * close);
 }
 #endif
 
 // Of the first or the second isosurface.
 vec3 light(vec3 place, Hit hit, float isovalue, int number) {
-  if (!isLocal && !(hit.fromInside && innerIs != 0)) {
+  if (!isLocal && !(hit.fromInside && backIs != 0)) {
 #ifdef DIRECT
-    if (hit.fromInside && !innerHasMaps) return ofTexels(place, true);
+    if (hit.fromInside && !backHasMaps) return ofTexels(place, true);
     vec3 gradient = gradientAt(place, isovalue);
     vec3 irradiance = directIrradiance(place, gradient, isovalue, hit.fromInside);
     vec3 own = exposure * emission[number];
@@ -58,7 +58,7 @@ vec3 light(vec3 place, Hit hit, float isovalue, int number) {
     return ofTexels(place, hit.fromInside);
 #endif
   }
-  if (!isLocal && innerIs == 1) return vec3(0.0);
+  if (!isLocal && backIs == 1) return vec3(0.0);
   vec3 normal = -normalize(normalToWorld * gradientAt(place, isovalue));
   if (hit.fromInside) normal = -normal;
   vec3 world = (indexToWorld * vec4(place, 1.0)).xyz;

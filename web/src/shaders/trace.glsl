@@ -1,11 +1,11 @@
-// Where a ray first meets an isosurface of the trilinear field, by the rules of the core
+// Where a ray first hits an isosurface of the trilinear field, by the rules of the core
 // (core/src/trace/isosurface_ray.cpp, core/src/trace/cell_crossing.h).
 
 uniform usampler3D values;        // codes of four voxels: at (x, y), (x + 1, y), (x, y + 1), both
 uniform usampler3D bounds;        // least and greatest code of 4^3 cells
 uniform usampler3D coarseBounds;  // of 16^3
 uniform ivec3 dims;               // voxels
-uniform vec2 window;              // codes of the isovalues that are lit
+uniform vec2 isovalueRange;  // codes of the isovalues that are lit
 uniform float noData;             // the code of masked voxels; negative where there are none
 
 const int NOWHERE = -1, BELOW = 0, ABOVE = 1, UNKNOWN = 2, MIXED = 3;

@@ -12,7 +12,7 @@
 namespace leaflight {
 namespace {
 
-// Points whose maps are swept at once.
+// Points whose maps are computed at once.
 constexpr std::size_t points_at_once = 8;
 // Of the maps of one side.
 constexpr std::size_t most_bytes = std::size_t{512} << 20;

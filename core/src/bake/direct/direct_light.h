@@ -23,8 +23,8 @@ IsosurfacePoint<D> isosurface_point(const Field<D>& field, const Vec<D>& index_p
 
 // Direct light of a scene's light points at any point of any isosurface of a volume, computed where
 // it is shown: the cosine and the distance are those of the point itself. For each texel and light
-// point it keeps the greatest value on the way, which tells whether the isosurface of any isovalue
-// throws a shadow there (for backs the least value). Nothing of it is averaged or random.
+// point it stores the greatest value on the way: the isosurface of a lower isovalue is in shadow
+// there (for backs the least value). Nothing of it is averaged or random.
 template <int D>
 class DirectLight {
  public:

@@ -15,7 +15,6 @@
 namespace leaflight {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 // Stands for masked voxels: no isosurface passes beside them.
 constexpr float masked_code = -1e9f;
 
@@ -54,7 +53,8 @@ struct Fan {
 
   // Makes room for all lines that are in the box somewhere from t to `end`, and a neighbour each.
   void cover(double t, double end) {
-    double low = infinity, high = -infinity;
+    double low = std::numeric_limits<double>::infinity(),
+           high = -std::numeric_limits<double>::infinity();
     for (const double s : {t, end}) {
       const double width = parallel ? 1 : std::max(s, 1e-9);
       low = std::min(low, -origin(s) / width);
@@ -147,7 +147,7 @@ class AxisSweep {
     for (; q < count && !progress.cancelled(); ++q) {
       take_plane(q);
       if (q - delay_ >= first) pass(q - delay_);
-      if (planes_.planes[order_[q]].texel >= 0) tell(q, found);
+      if (planes_.planes[order_[q]].texel >= 0) store(q, found);
       for (int b = 0; b < D - 1; ++b) {
         if (!source_.infinite && fans_[b].spacing(t_[q]) > widest_between(b)) halve(b, t_[q]);
       }
@@ -191,7 +191,7 @@ class AxisSweep {
 
   // The distance along the axis at which a mesh ends each line.
   void find_walls() {
-    walls_.assign(greatest_.size(), infinity);
+    walls_.assign(greatest_.size(), std::numeric_limits<double>::infinity());
     for (int v = 0; v < v_lines(); ++v) {
       for (int u = 0; u < u_lines(); ++u) {
         Vec<D> one, two;  // of the line, at two distances
@@ -218,7 +218,8 @@ class AxisSweep {
           const Vec<D> normal = source_.normal.dot(way) < 0 ? -source_.normal : source_.normal;
           origin = leave_plane<D>(source_.position, source_.sphere ? way : normal);
         }
-        if (const auto hit = tracer_.walls().intersect(origin, way, infinity)) {
+        if (const auto hit =
+                tracer_.walls().intersect(origin, way, std::numeric_limits<double>::infinity())) {
           walls_[static_cast<std::size_t>(v) * u_lines() + u] = t + hit->t / length;
         }
       }
@@ -294,8 +295,8 @@ class AxisSweep {
     }
   }
 
-  // The nodes of plane q are told what the lines beside them carry.
-  void tell(int q, std::vector<std::uint8_t>& found) {
+  // Stores at the nodes of plane q what the lines beside them carry.
+  void store(int q, std::vector<std::uint8_t>& found) {
     const double t = t_[q];
     Index<D> node{};
     node[axis_] = planes_.planes[order_[q]].texel;

@@ -9,9 +9,9 @@
 
 namespace leaflight {
 
-// Values of a field as bytes that tell shadows: 1 to 253 over the isovalue range, 0 below it, 254
-// above it, 255 behind a mesh, where nothing is lit. For backs the order of the values is turned
-// around.
+// Values of a field as bytes, to compare for shadows: 1 to 253 over the isovalue range, 0 below it,
+// 254 above it, 255 behind a mesh, where nothing is lit. For backs the order of the values is
+// turned around.
 struct VisibilityCode {
   IsovalueRange isovalue_range;
   bool back = false;

@@ -8,8 +8,8 @@
 
 namespace leaflight {
 
-// Traces single blocks of indirect light for a bake in passes of the same scene and settings that
-// runs elsewhere, with the bits that they have there.
+// Traces single blocks of indirect light for a bake in passes that runs elsewhere, of the same
+// scene and settings. The bits are those of the bake itself.
 class BlockTracer {
  public:
   // Scene and progress are referred to; progress.cancel() ends whatever is done with Cancelled.

@@ -13,12 +13,12 @@ namespace leaflight {
 namespace {
 
 constexpr int wall_samples = 2, walls_samples = 16;
-// How often the indirect light that lines meet is gathered anew before it counts, each time along
-// so many directions. It begins as none: what photons tell of it is too coarse, and what leaks
-// through a wall stays in a closed cavity for many bounces.
+// How often indirect light is gathered anew before it counts, each time along so many directions.
+// It begins as none: light from photons is too coarse, and what leaks through a wall stays in a
+// closed cavity for many bounces.
 constexpr int bounces = 2, bounce_directions = 8;
-// The light of a bounce over that of the one before, at most: of what reflects all, it may be more
-// by chance.
+// The light of a bounce over that of the one before, at most: where all is reflected, chance may
+// make it more.
 constexpr Real most_bounced = Real(0.8);
 
 template <int D>
@@ -316,7 +316,7 @@ void LineBake<D>::learn_direct_lookup() {
   }
 }
 
-// Photons tell of the back where no lines gather for it.
+// Photons light the back where no lines gather for it.
 template <int D>
 void LineBake<D>::learn_indirect() {
   for (int side = 0; side < 2; ++side) {
@@ -361,9 +361,9 @@ void LineBake<D>::finish(std::vector<Average>& indirect) const {
   }
 }
 
-// From how far a texel is from the mean of its neighbours before and after along each axis, as two
-// halves of the blocks tell it, whose product has no noise on average. Where light bends evenly,
-// interpolation errs by a quarter of that distance at most; where it jumps, by half of it.
+// From how far a texel is from the mean of its neighbours before and after along each axis. Two
+// halves of the blocks estimate it, and their product has no noise on average. Where light bends
+// evenly, interpolation errs by a quarter of that distance at most; where it jumps, by half of it.
 template <int D>
 void LineBake<D>::measure_texture(const NoisyLight& light) {
   constexpr float share = 0.5f;
@@ -386,9 +386,9 @@ void LineBake<D>::measure_texture(const NoisyLight& light) {
         const HalfDifference &own = light.halves[s], &low = light.halves[b],
                              &high = light.halves[c];
         if (!(own.is_known && low.is_known && high.is_known)) continue;
-        const Imath::V3f apart =
+        const Imath::V3f halves =
             own.first_less_second - (low.first_less_second + high.first_less_second) * 0.5f;
-        sum += off.length2() + (1 - 2 * p) * off.dot(apart) - p * (1 - p) * apart.length2();
+        sum += off.length2() + (1 - 2 * p) * off.dot(halves) - p * (1 - p) * halves.length2();
       }
       texture_[s] = share * share * sum / 3;
     }

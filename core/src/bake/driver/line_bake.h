@@ -13,7 +13,7 @@
 
 namespace leaflight {
 
-// Where a bake by lines knows light.
+// The texels at which a bake by lines stores light.
 template <int D>
 struct BakeTexels {
   IndexedLattice<D> shown;         // the texels of the result

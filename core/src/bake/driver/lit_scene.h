@@ -33,8 +33,8 @@ struct LitScene {
   bool stores_light_of(std::size_t volume) const {
     return tracer.scene().volumes[volume].scattering == Scattering::diffuse;
   }
-  // Sweeps the maps of the points of `split`; `texels`: the resolution of each volume's; `spacing`:
-  // as VisibilitySweep has it. Returns how much work that was for the progress.
+  // Computes the maps of the points of `split`; `texels`: the resolution of each volume's;
+  // `spacing`: as VisibilitySweep has it. Returns how much work that was for the progress.
   double learn_direct(const std::vector<Index<D>>& texels, double spacing);
 
  private:

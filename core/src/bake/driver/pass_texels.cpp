@@ -23,8 +23,8 @@ constexpr std::size_t most_ray_texels = 500'000;
 constexpr std::size_t most_given_indirect_texels = 500'000;
 // Those of a first picture are so many voxels wide.
 constexpr int preview_width = 4;
-// Photons tell of the light that has bounced more than once before line passes know it, and of the
-// indirect light of the walls.
+// Photons give the light that has bounced more than once before line passes have sampled it, and
+// the indirect light of the walls.
 constexpr std::uint64_t photons = 400'000, preview_photons = 20'000;
 
 // How many texels isosurfaces pass.

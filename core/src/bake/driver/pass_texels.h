@@ -6,7 +6,7 @@
 
 namespace leaflight {
 
-// How fine a bake in passes knows light: at the resolution of the settings, or as fine as its
+// How fine the texels of a bake in passes are: of the resolution of the settings, or as fine as its
 // volume needs and its size allows.
 template <int D>
 struct PassResolutions {

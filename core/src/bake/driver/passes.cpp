@@ -21,8 +21,9 @@ constexpr int preview_spacing = 2;
 constexpr std::size_t few_texels = 1'500'000;
 // A pass that is out of time ends after so many.
 constexpr int least_blocks = 2;
-// What noise may be of the error that is asked for: what the texels' width leaves of it, within
-// these shares; and of what texels miss, where that alone is more, as more passes do not reduce it.
+// The noise to reach, as a share of the target error: what the texture error leaves of it, within
+// these bounds; and as a share of the texture error where that alone exceeds the target, as more
+// passes do not reduce it.
 constexpr double least_noise = 0.25, most_noise = 0.8, out_of_reach_noise = 0.5;
 
 using Clock = std::chrono::steady_clock;
@@ -132,7 +133,7 @@ class Passes {
         "anew.");
   }
 
-  // Work of the maps and of the first pass, until blocks know what they cost.
+  // Work of the maps and of the first pass, until the time of a block is known.
   void expect(const std::vector<BakeTexels<D>>& texels) {
     const auto points = static_cast<double>(scene_.split.points.size());
     double work = 0;

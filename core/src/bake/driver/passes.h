@@ -5,8 +5,8 @@
 
 namespace leaflight {
 
-// The noise, in percent, at which a bake ends that is asked for an error and whose texels miss some
-// of the light: what these leave of the error, within bounds.
+// The noise, in percent, at which a bake of this target error and this texture error ends: what the
+// texture error leaves of the target, within bounds.
 double noise_to_reach(double error, double texture);
 
 // A bake in passes: each adds blocks of an integrator (integrator.h), lines where there is one

@@ -9,11 +9,10 @@
 
 namespace leaflight {
 
-// Direct light on the fronts of white isosurfaces at the texels of a lattice, for lines that look
-// it up wherever they meet an isosurface: of a few light points that stand for all, ready to be
-// read. A texel knows the greatest value on the way to each of them, and so which of the
-// isosurfaces through it lie in shadow: the light of a thin shell's bright face does not shine
-// through it.
+// Direct light on the fronts of white isosurfaces at the texels of a lattice, of a few light points
+// that stand for all. Lines look it up where they hit an isosurface. A texel stores the greatest
+// value on the way to each point, which decides which of the isosurfaces through it lie in shadow:
+// light of a thin shell's bright face does not leak through it.
 template <int D>
 class DirectLookup {
  public:

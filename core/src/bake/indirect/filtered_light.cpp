@@ -18,8 +18,8 @@ struct Step {
 constexpr std::array<Step, 3> steps{{{1, false}, {2, false}, {1, true}}};
 // The weight of a neighbour a step away along one axis, against the texel itself.
 constexpr float beside = 0.6f;
-// Isosurfaces that are so many texels apart weigh a quarter of the same one.
-constexpr float apart = 0.75f;
+// An isosurface that is so many texels away has a quarter of the weight of the texel's own.
+constexpr float quarter_distance = 0.75f;
 
 // The neighbours of texels that are `reach` texels away along some axes.
 template <int D>
@@ -87,7 +87,8 @@ float likeness(const TexelSurface<D>& a, const TexelSurface<D>& b, bool across) 
   if (!(cosine > 0)) return 0;
   const float square = cosine * cosine;
   if (across) return square * square;
-  const float distance = (a.value - b.value) / (0.5f * (a.steepness + b.steepness) * apart);
+  const float distance =
+      (a.value - b.value) / (0.5f * (a.steepness + b.steepness) * quarter_distance);
   const float far = 1 + distance * distance;
   return square * square / (far * far);
 }

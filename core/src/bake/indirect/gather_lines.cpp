@@ -13,7 +13,7 @@ namespace {
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
 // Planes of a line whose values fall, or grow, from the bottom to the top: those at which an
-// isosurface may be met first on the way back.
+// isosurface may be hit first on the way back.
 struct Stack {
   struct Entry {
     float h;
@@ -82,8 +82,8 @@ struct Gathering {
                           const GatherLines<D>& own) const;
 };
 
-// What the walks will look up comes into the cache meanwhile: they wait for memory more than for
-// anything else.
+// Fetches what the walks will look up into the cache: they wait for memory more than for anything
+// else.
 template <int D>
 void Gathering<D>::find_slots(const LineBundle<D>& lines, GatherLines<D>& own) const {
   const std::vector<Rgb>& indirect = *from.indirect[0];
@@ -190,7 +190,8 @@ void Gathering<D>::add_sample(const LineBundle<D>& line, int k, Walk<D>& walk,
   moments[!front].sums[slot].add(Imath::V3f(radiance), std::abs(climb));
 }
 
-// Where the isosurface of value h is met before the last masked voxels, if it is: a plane, or -1.
+// The plane at which the way back hits the isosurface of value h before the last masked voxels, or
+// -1.
 template <int D>
 int Gathering<D>::beyond_masked(const GatherLines<D>& own, const Walk<D>& walk, float h,
                                 bool front) const {
@@ -208,26 +209,26 @@ int Gathering<D>::beyond_masked(const GatherLines<D>& own, const Walk<D>& walk, 
   return -1;
 }
 
-// Of the isosurface of plane k, met at coordinate z after a plane.
+// Of the isosurface of plane k, hit at coordinate z after a plane.
 template <int D>
 Rgb Gathering<D>::isosurface_radiance(const LineBundle<D>& line, int lane, int k, int crossing,
                                       double z, const GatherLines<D>& own) const {
   const float h = own.h[k];
-  const bool above = own.h[crossing] < h;  // its back is seen
+  const bool on_back = own.h[crossing] < h;
   Rgb radiance(0);
   const Vec<D> at = line.position(lane, z);
-  const std::int32_t met = from.texels.slot_near(at * to_source);
-  if (met != TexelLattice<D>::inactive && !from.indirect[above]->empty()) {
-    radiance = (*from.indirect[above])[met];
+  const std::int32_t slot = from.texels.slot_near(at * to_source);
+  if (slot != TexelLattice<D>::inactive && !from.indirect[on_back]->empty()) {
+    radiance = (*from.indirect[on_back])[slot];
   }
-  if (!above && from.direct.sources() > 0) {
+  if (!on_back && from.direct.sources() > 0) {
     const std::size_t there = nearest_texel(texels.lattice, at);
     radiance += from.direct.reflected(own.source, there, h);
   }
   const double c = one_albedo ? 0 : of.common_isovalue(h);
   radiance *= of.albedo.at(c);
-  if (above && met != TexelLattice<D>::inactive && !from.back_direct->empty()) {
-    radiance += (*from.back_direct)[met];
+  if (on_back && slot != TexelLattice<D>::inactive && !from.back_direct->empty()) {
+    radiance += (*from.back_direct)[slot];
   }
   if (emissive) radiance += of.emission.at(of.common_isovalue(h));
   return radiance;

@@ -8,7 +8,7 @@
 
 namespace leaflight {
 
-// What lines look up where they meet something.
+// Stored light that lines look up where they hit a surface.
 template <int D>
 struct GatheredRadiance {
   const IndexedLattice<D>& texels;
@@ -22,11 +22,11 @@ struct GatheredRadiance {
   const EnvironmentSampler<D>* sky;
 };
 
-// Adds to the texels that they cross what white isosurfaces reflect of the light that comes along
-// parallel lines, `spacing` texels apart, from the one side or the other. From each point of a line
-// the way is followed to where its own isosurface is met: next to the last point before of a value
-// as large, or smaller on the back, which a stack finds for all points of the line together
-// ("previous greater element"). Returns the number of lines.
+// Gathers light along parallel lines, `spacing` texels apart, in both senses. At each texel that a
+// line crosses it adds the light that the isosurface there would reflect if it were white. A ray
+// back along the line from a point of value h hits the isosurface of h at the last plane before
+// whose value is at least h (on the back: at most h). A stack finds these planes for all points of
+// a line together ("previous greater element"). Returns the number of lines.
 template <int D>
 std::uint64_t gather_along_lines(const LineVolume<D>& volume, const IndexedLattice<D>& texels,
                                  const GatheredRadiance<D>& from, const Vec<D>& direction,

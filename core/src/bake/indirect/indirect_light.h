@@ -21,7 +21,7 @@ class IndirectLight {
 
   const IndexedLattice<D>& texels() const { return texels_; }
 
-  // One block of directions, given what lines meet; all blocks that are averaged have as many.
+  // One block of directions, given the light to look up; all blocks that are averaged have as many.
   void add_block(const GatheredRadiance<D>& from, Progress& progress,
                  int directions = directions_per_block);
   // One of which fill() makes the open sums.

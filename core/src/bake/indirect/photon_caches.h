@@ -13,7 +13,7 @@ namespace leaflight {
 // Rays that a photon takes on average, for the progress of a bake.
 inline constexpr double rays_per_photon = 3;
 
-// What photons tell of the light on isosurfaces and walls; empty where a bake needs none.
+// The light of photons on isosurfaces and walls; empty where a bake needs none.
 template <int D>
 struct PhotonCaches {
   std::vector<std::unique_ptr<IsosurfaceCache<D>>> isosurfaces;  // per volume

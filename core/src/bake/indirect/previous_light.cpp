@@ -41,8 +41,8 @@ void PreviousLight<D>::blend(NoisyLight& light, int blocks, bool back) const {
     Average& now = light.averages[s];
     const float w = share(s, now, blocks, back);
     if (w == 0) continue;
-    const Imath::V3f previous(light_.sides[back][s]), apart = previous - Imath::V3f(now.mean);
-    now.mean += Rgb(apart * w);
+    const Imath::V3f previous(light_.sides[back][s]), difference = previous - Imath::V3f(now.mean);
+    now.mean += Rgb(difference * w);
     if (w == 1) {
       // Of an unknown number of samples: one at least.
       now.samples = 1;
@@ -52,7 +52,7 @@ void PreviousLight<D>::blend(NoisyLight& light, int blocks, bool back) const {
     now.samples /= 1 - w;
     if (light.halves.empty()) continue;
     HalfDifference& halves = light.halves[s];
-    halves = {apart, w, halves.weight / (1 - w), true};
+    halves = {difference, w, halves.weight / (1 - w), true};
   }
 }
 

@@ -17,7 +17,7 @@ constexpr double narrow = 0.75;
 
 // Meshes with fewer vertices are cut where light steps, so often.
 constexpr std::size_t small = 100'000;
-constexpr int most_halvings = 2;
+constexpr int most_step_halvings = 2;
 
 // What the grid says at the vertices, written into the lists that are wished.
 class Lookup {
@@ -77,7 +77,8 @@ void split_and_look_up(const RadianceGrid<3>& grid, const Field<3>& field, doubl
     split([](std::int32_t, std::int32_t) { return true; });
   }
   look_up.from(0);
-  for (int i = 0; i < most_halvings && look_up.cuts_steps() && mesh.vertices.size() < small; ++i) {
+  for (int i = 0; i < most_step_halvings && look_up.cuts_steps() && mesh.vertices.size() < small;
+       ++i) {
     const std::size_t before = mesh.vertices.size();
     split([&](std::int32_t a, std::int32_t b) { return look_up.steps(a, b); });
     look_up.from(before);

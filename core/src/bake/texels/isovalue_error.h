@@ -45,7 +45,7 @@ class IsovalueErrors {
   }
 
   IsovalueError all() const { return all_.mean(); }
-  // Of the parts that hold enough area to tell.
+  // Of the parts that hold enough area for an estimate.
   WorstIsovalue worst() const {
     WorstIsovalue worst;
     for (int i = 0; i < parts; ++i) {

@@ -29,7 +29,7 @@ Average pooled(const TexelLattice<D>& lattice, const std::vector<Average>& avera
                std::size_t slot) {
   double sum = 0, weight = 0;
   for_each_near<D>(lattice, slot, [&](std::size_t s) {
-    // A single sample tells nothing of its variance.
+    // A single sample has no estimate of its variance.
     const double freedom = std::max(0.0f, averages[s].samples - 1);
     sum += freedom * averages[s].variance * averages[s].samples;
     weight += freedom;

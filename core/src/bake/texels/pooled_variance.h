@@ -14,8 +14,8 @@ inline constexpr int blocks_per_texel = 4;
 
 // Gives each active texel the variance that a sample has in it and in its neighbours, 3^D in all,
 // over its own number of samples. Four blocks alone would make a Student's t of three degrees of
-// freedom, and a texel whose few samples all missed the light would claim to be certain; next to
-// each other, texels are lit alike.
+// freedom, and a texel none of whose few samples reached the light would have no variance;
+// neighbouring texels are lit alike.
 //
 // A texel that isosurfaces reach somewhere, but in which no sample was found, takes its neighbours'
 // mean and the variance among them.

@@ -35,7 +35,7 @@ struct HalfDifference {
 
 // The samples of all texels of a lattice, on one side. They come in blocks, each of which is a net
 // of well distributed directions or sources of light; blocks are independent of each other, so that
-// the differences between them tell the variance (replicated quasi-Monte Carlo, Owen 1997).
+// the differences between them estimate the variance (replicated quasi-Monte Carlo, Owen 1997).
 class TexelMoments {
  public:
   explicit TexelMoments(std::size_t texels = 0) : blocks_(texels) {}

@@ -62,7 +62,7 @@ Vec<D> moved_to_isosurface(const Field<D>& field, Vec<D> position, double isoval
 // narrow, its points are moved to the isosurface in the middle of the isovalue range. Returns the
 // number of points visited.
 template <int D, class Visit>
-int for_each_texel_sample(const SceneTracer<D>& tracer, int volume, bool above,
+int for_each_texel_sample(const SceneTracer<D>& tracer, int volume, bool back,
                           const TexelLattice<D>& lattice, std::uint32_t texel, int samples,
                           std::uint64_t key, Visit visit) {
   constexpr int tries_per_sample = 16;
@@ -79,7 +79,7 @@ int for_each_texel_sample(const SceneTracer<D>& tracer, int volume, bool above,
     const double h = interpolate(load_corners(field, point.cell), point.local);
     const double c = of.common_isovalue(h);
     if (!isovalue_range.contains(c)) return;
-    const SurfacePoint<D> surface = tracer.isosurface_point(volume, point, c, above);
+    const SurfacePoint<D> surface = tracer.isosurface_point(volume, point, c, back);
     if (surface.kind() == HitKind::none) return;
     if (tracer.is_covered(volume, surface.position, c)) return;
     visit(surface, visited++);

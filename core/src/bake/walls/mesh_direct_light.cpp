@@ -10,7 +10,7 @@
 namespace leaflight {
 namespace {
 
-constexpr std::size_t vertices_per_piece = 256;
+constexpr std::size_t ways_per_piece = 256;
 
 // The sets of a vertex and its neighbours, whose numbers along a facet differ by (1, 0), (0, 1) or
 // (1, -1), all differ.
@@ -80,7 +80,7 @@ typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTra
   const std::size_t lights = scales_.size();
   for (auto& side : of.unshadowed) side.assign(lights * vertices, Vec<3, float>(0));
   parallel_range(
-      vertices, vertices_per_piece, static_cast<double>(points), progress,
+      vertices, ways_per_piece, static_cast<double>(points), progress,
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end && !progress.cancelled(); ++v) {
           const SurfacePoint<D> from = vertex_point(tracer, mesh, v, true, 0);

@@ -19,7 +19,8 @@ namespace leaflight {
 template <int D>
 class MeshDirectLight {
  public:
-  // One way of every `share` tells the shadow; neighbours have others of them. Throws Cancelled.
+  // One way of every `share` is traced for the shadow; neighbours have other ones. Throws
+  // Cancelled.
   MeshDirectLight(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes,
                   Progress& progress, std::size_t share = 1);
 

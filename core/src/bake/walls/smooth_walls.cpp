@@ -10,8 +10,7 @@
 namespace leaflight {
 namespace {
 
-// In standard deviations of a difference: of vertices so far apart the one counts 1/e for the
-// other.
+// In standard deviations of a difference: a vertex that differs so much has the weight 1/e.
 constexpr float tolerance = 2;
 
 float distance2(const Vec<3, float>& a, const Vec<3, float>& b) { return (a - b).length2() / 3; }
@@ -21,7 +20,7 @@ struct Layer {
   std::array<std::vector<Vec<3, float>>, 2> means;
   std::vector<float> variance;  // of one half's mean
 
-  // As far as the halves lie apart, about each vertex: two values alone would not tell.
+  // From the halves' differences about each vertex: two values alone are no estimate.
   void learn_variance(const MeshNeighbours& neighbours) {
     variance.resize(means[0].size());
     for (std::size_t v = 0; v < variance.size(); ++v) {
@@ -43,8 +42,8 @@ struct Layer {
         float weights = 0;
         for (const std::uint32_t* u = neighbours.begin(v); u != neighbours.end(v); ++u) {
           const float noise = tolerance * tolerance * (variance[v] + variance[*u]);
-          const float apart = distance2(guide[v], guide[*u]);
-          const float weight = apart > 0 ? std::exp(-apart / std::max(noise, 1e-30f)) : 1;
+          const float difference = distance2(guide[v], guide[*u]);
+          const float weight = difference > 0 ? std::exp(-difference / std::max(noise, 1e-30f)) : 1;
           sum += before[half][*u] * weight;
           weights += weight;
         }

@@ -41,7 +41,7 @@ template <int D>
 std::vector<SubdividedMesh<D>> subdivide_as(const Scene<D>& earlier, const Scene<D>& scene,
                                             const std::vector<int>& same_as);
 
-// A vertex of a mesh as a point that light meets, on the front or on the back.
+// A vertex of a mesh as a point that receives light, on the front or on the back.
 template <int D>
 SurfacePoint<D> vertex_point(const SceneTracer<D>& tracer, const FineMesh<D>& mesh,
                              std::size_t vertex, bool front, double c);

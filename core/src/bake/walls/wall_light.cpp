@@ -8,7 +8,7 @@
 namespace leaflight {
 namespace {
 
-constexpr std::size_t vertices_per_piece = 64;
+constexpr std::size_t samples_per_piece = 64;
 // Of smooth(): with few of them indirect light has streaks that the eye sees on walls, though they
 // hardly count into the error.
 constexpr int smoothing_passes = 9;
@@ -55,7 +55,7 @@ std::vector<Vec<3, float>> WallLight<D>::means(std::size_t mesh, bool back, std:
   const FineMesh<D>& lit = meshes_[mesh].coarse;
   const std::size_t n = (lit.places.size() + stride - 1) / stride;
   std::vector<Vec<3, float>> means(n * IsovalueNodes::count);
-  parallel_range(means.size(), vertices_per_piece, rays_per_sample * samples.count, progress,
+  parallel_range(means.size(), samples_per_piece, rays_per_sample * samples.count, progress,
                  [&](std::size_t begin, std::size_t end) {
                    std::uint64_t traced = 0;
                    for (std::size_t e = begin; e < end && !progress.cancelled(); ++e) {

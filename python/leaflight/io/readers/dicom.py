@@ -101,7 +101,7 @@ def _series(path: Path) -> dict[str, list[pydicom.Dataset]]:
             continue
         if own is None or header.get("SeriesInstanceUID") == own.get("SeriesInstanceUID"):
             found[str(header.get("SeriesInstanceUID", ""))].append(header)
-    # A file without the preamble that tells DICOM.
+    # A file without DICOM's preamble.
     if own is not None and not found:
         found[""] = [own]
     named = {}
@@ -164,7 +164,7 @@ def _slices(header: pydicom.Dataset) -> Iterator[_Slice]:
 def _place_of_dose(
     header: pydicom.Dataset, position: Sequence[float] | None, axes: Sequence[float], page: int
 ) -> Sequence[float] | None:
-    """Where a page lies in a file that tells distances of its pages, as doses do; else None."""
+    """The position of a page in a file that has distances of its pages, as doses do; else None."""
     offsets = header.get("GridFrameOffsetVector", None)
     if not offsets or not position:
         return None

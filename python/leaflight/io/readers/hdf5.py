@@ -28,7 +28,7 @@ def open_volume(
     path: Path, dataset: str | None = None, spacing: float | Sequence[float] | None = None
 ) -> StoredVolume:
     """Arrays are [z, y, x] or [frame, z, y, x]; axes of length 1 do not count."""
-    with _apart(path, "list_arrays") as process:
+    with _reader(path, "list_arrays") as process:
         found = process.answer()
     names = tuple(sorted(found))
     name = choose_named(path, names, None if dataset is None else dataset.strip("/"))
@@ -41,7 +41,7 @@ def open_volume(
     def load(frame: int, _channel: int, progress: Progress) -> Volume:
         values = new_voxels(shape[-3:], dtype)
         begin(progress, STAGE, values.nbytes)
-        with _apart(path, "read_array", name, frame if len(shape) == 4 else None) as process:
+        with _reader(path, "read_array", name, frame if len(shape) == 4 else None) as process:
             if process.answer() != [list(values.shape), dtype.str]:
                 raise process.died()
             process.fill(values, progress)
@@ -58,7 +58,7 @@ def open_volume(
     )
 
 
-def _apart(path: Path, function: str, *options: object) -> ReaderProcess:
+def _reader(path: Path, function: str, *options: object) -> ReaderProcess:
     return ReaderProcess(path, "HDF5 file", __name__, function, *options)
 
 

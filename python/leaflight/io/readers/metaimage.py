@@ -78,7 +78,7 @@ def open_volume(path: Path) -> StoredVolume:
 
     frames = shape[3] if len(shape) == 4 else 1
     orientation = header.get("AnatomicalOrientation", "?")
-    # ITK writes ??? where it does not know.
+    # ITK writes ??? for an unknown orientation.
     patient = "?" not in orientation
     return StoredVolume(shape[:3], dtype, load, lengths(matrix), "mm", frames, patient=patient)
 

@@ -102,7 +102,7 @@ def _image(path: Path) -> tuple[Any, Array, str]:
 
 @contextmanager
 def _quiet_nibabel() -> Iterator[None]:
-    """nibabel tells stderr of harmless oddities of a header."""
+    """nibabel logs harmless oddities of a header to stderr."""
     logger = nibabel.imageglobals.logger
     before, logger.disabled = logger.disabled, True
     try:

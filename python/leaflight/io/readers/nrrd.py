@@ -359,7 +359,7 @@ def _matrix(path: Path, fields: dict[str, str], space: str) -> Array:
             matrix[:3, 3] = _vector(path, fields["space origin"])
     elif "spacings" in fields:
         sizes = [_number(word) for word in fields["spacings"].split()]
-        # What it does not know it says by NaN.
+        # NaN stands for unknown.
         sizes = [abs(s) if math.isfinite(s) and s else 1.0 for s in sizes]
         if len(sizes) != 3:
             raise LeaflightError(f"{path}: its spacings are not three; repair the header.")

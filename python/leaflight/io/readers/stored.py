@@ -16,13 +16,13 @@ from ...volume.voxels import held_type
 
 @dataclass(frozen=True)
 class StoredVolume:
-    """What a header tells, and how to read the rest.
+    """The facts of a file's header, and how to read the rest.
 
-    dims: voxels (nx, ny, nz), None where only reading tells; dtype: of the values as they come.
+    dims: voxels (nx, ny, nz), None where only reading shows; dtype: of the values as they come.
     load: load(frame, channel, progress) reads one scalar volume, its values an array [z, y, x] or
-        what can be sliced like one, of any type of real numbers; it tells the core's Progress how
-        far it is, and raises Cancelled once that is cancelled.
-    voxel_size: (x, y, z) in `unit`, None where only reading tells; unit: a key of METERS, "" where
+        what can be sliced like one, of any type of real numbers; it reports to the core's Progress,
+        and raises Cancelled once that is cancelled.
+    voxel_size: (x, y, z) in `unit`, None where only reading shows; unit: a key of METERS, "" where
         the file does not say.
     frames, channels: how many volumes there are to choose from, over time and otherwise.
     levels: dims of each resolution that the file holds, finest first; datasets: names of the
@@ -42,7 +42,7 @@ class StoredVolume:
     patient: bool = False
 
     def bytes(self, downsample: int = 1) -> int | None:
-        """Memory of the voxels once they are read, None where only reading tells."""
+        """Memory of the voxels once they are read, None where only reading shows."""
         if self.dims is None:
             return None
         halved = (max(1, n // downsample) for n in self.dims)

@@ -19,7 +19,7 @@ _MOST_VOXELS = 2**31 - 1
 
 
 def open_volume(path: Path, grid: str = "") -> StoredVolume:
-    """How many voxels are active only the grid itself tells."""
+    """Only the grid itself has the number of active voxels."""
 
     def load(_frame: int, _channel: int, _progress: Progress) -> Volume:
         with ReaderProcess(path, "OpenVDB file", __name__, "read_grid", grid) as process:

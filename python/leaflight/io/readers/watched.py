@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reading that tells how far it is and can be cancelled, by the core's Progress."""
+"""Reading that reports its progress and can be cancelled, by the core's Progress."""
 
 import gzip
 import io
@@ -25,7 +25,7 @@ STAGE = "Reading"
 
 
 def watched(progress: Progress, things: Iterable[T], stage: str = STAGE) -> Iterator[T]:
-    """Yields the things, and tells after each that it was worked on. Raises Cancelled."""
+    """Yields the things, and reports each when it is done. Raises Cancelled."""
     things = list(things)
     begin(progress, stage, len(things))
     for thing in things:
@@ -58,7 +58,7 @@ def read_values(file: io.BufferedIOBase, shape: Iterable[int], dtype: DTypeLike)
 
 
 def begin(progress: Progress, stage: str, total: float) -> None:
-    """Tells a stage and how much there is to do in it, which progress.advance() counts down."""
+    """Begins a stage with so much to do in it, which progress.advance() counts down."""
     progress.begin(stage)
     # Reading is nearly all there is to do.
     if progress.fraction < 1:
@@ -66,7 +66,7 @@ def begin(progress: Progress, stage: str, total: float) -> None:
 
 
 class _Watched(io.RawIOBase):
-    """A file that is read in pieces, between which its progress is asked."""
+    """A file that is read in pieces, between which it can be cancelled."""
 
     def __init__(self, path: Path, progress: Progress) -> None:
         super().__init__()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a command says, also where nobody listens: its work is done by then."""
+"""Printing the results of commands; a closed stdout or stderr does not fail a finished command."""
 
 import json
 import math
@@ -10,11 +10,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, TextIO
 
 # What a command returns: its result, for --json, and sentences about it.
-Told = tuple[dict[str, Any], Sequence[str]]
-Command = Callable[[Namespace], Told]
+Output = tuple[dict[str, Any], Sequence[str]]
+Command = Callable[[Namespace], Output]
 
 
-def tell(lines: Iterable[str]) -> bool:
+def print_lines(lines: Iterable[str]) -> bool:
     """Prints to stdout; returns whether that took them."""
     if sys.stdout is None:
         return True  # It was closed from the beginning.
@@ -24,12 +24,12 @@ def tell(lines: Iterable[str]) -> bool:
         sys.stdout.flush()
         return True
     except OSError as error:
-        tell_error(f"The result cannot be printed: {error.strerror}; what was asked for is done.")
+        print_error(f"The result cannot be printed: {error.strerror}; what was asked for is done.")
         _send_to_nowhere(sys.stdout)
         return False
 
 
-def tell_error(sentence: str) -> None:
+def print_error(sentence: str) -> None:
     """Prints one line to stderr, if that is open."""
     if sys.stderr is None:
         return
@@ -40,12 +40,12 @@ def tell_error(sentence: str) -> None:
 
 
 def json_line(result: Mapping[str, Any]) -> str:
-    """A result as one line of JSON, which knows no infinite numbers: null stands for them."""
+    """A result as one line of JSON, which has no infinite numbers: null stands for them."""
     return json.dumps(_finite(result), allow_nan=False)
 
 
 def _printable(text: str, stream: TextIO) -> str:
-    """Names of files need not be UTF-8, and a terminal need not know all letters."""
+    """Names of files need not be UTF-8, and a terminal need not have all letters."""
     encoding = stream.encoding or "utf-8"
     return text.encode(encoding, "backslashreplace").decode(encoding)
 

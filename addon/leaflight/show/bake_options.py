@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# flake8: noqa: F722,F821  (Blender declares properties as annotations)
+"""The part of Object.leaflight about the next bake."""
+
+from bpy.props import EnumProperty
+
+from .. import versions
+from .overridable import BoolProperty, FloatProperty, IntProperty, StringProperty
+
+# What users choose from, each with the error that it stands for, in percent.
+QUALITIES = {"DRAFT": 4.0, "GOOD": 1.5, "FINAL": 0.7}
+QUALITY_ITEMS = [
+    ("DRAFT", "Draft", "A quick look, with grain"),
+    ("GOOD", "Good", "Hardly any grain: right for most work"),
+    ("FINAL", "Final", "For stills that are looked at closely: several times the time of Good"),
+    ("CUSTOM", "Custom", "The error that is set under Advanced"),
+]
+
+# The property Error.
+ERROR = {
+    "name": "Error",
+    "description": "The bake goes on until its error is this, in percent of the displayable range",
+    "subtype": "PERCENTAGE",
+    "default": QUALITIES["GOOD"],
+    "min": 0.01,
+    "soft_min": 0.2,
+    "soft_max": 10.0,
+    "max": 100.0,
+    "precision": 2,
+}
+_WHEN_TO_CHANGE = "Change it where Draft, Good and Final leave too much grain or take too long"
+
+
+def _quality(settings):
+    """The number of the item that the error stands for."""
+    near = (n for n, error in enumerate(QUALITIES.values()) if abs(settings.error - error) < 1e-3)
+    return next(near, len(QUALITIES))
+
+
+def _set_quality(settings, number):
+    if number < len(QUALITIES):
+        settings.error = list(QUALITIES.values())[number]
+
+
+def _switches_on(name):
+    """Setting a value enables it."""
+
+    def changed(settings, _context):
+        setattr(settings, name, True)
+
+    return changed
+
+
+class BakeOptions:
+    """How good the next bake is to be."""
+
+    low: FloatProperty(
+        name="Lowest Isovalue",
+        description="Lowest isovalue that the bake shall light",
+    )
+    high: FloatProperty(
+        name="Highest Isovalue",
+        description="Highest isovalue that the bake shall light",
+    )
+    use_resolution: BoolProperty(
+        name="Own Resolution",
+        description="Choose the number of texels yourself, where a volume is too large for the "
+        "memory or the time at hand. Otherwise it follows from the voxels",
+    )
+    resolution: IntProperty(
+        name="Texels",
+        description="Texels along the longest side of the volume. Fewer are faster and blur the "
+        "light",
+        default=128,
+        min=2,
+        soft_max=1024,
+        update=_switches_on("use_resolution"),
+    )
+    quality: EnumProperty(
+        name="Quality",
+        description="How exact the bake shall be",
+        items=QUALITY_ITEMS,
+        get=_quality,
+        set=_set_quality,
+    )
+    error: FloatProperty(
+        **{**ERROR, "description": f"{ERROR['description']}. {_WHEN_TO_CHANGE}"},
+    )
+    use_time_limit: BoolProperty(
+        name="Time Limit",
+        description="End the bake after some time, whatever its error is then. Continue goes on "
+        "with it later",
+    )
+    time_limit: FloatProperty(
+        name="Seconds",
+        description="Seconds after which the bake ends with what it has",
+        subtype="TIME_ABSOLUTE",
+        default=60.0,
+        min=0.1,
+        soft_max=600.0,
+        precision=1,
+        update=_switches_on("use_time_limit"),
+    )
+    seed: IntProperty(
+        name="Seed",
+        description="Start of the random numbers. Another seed gives other noise, which shows "
+        "noise from detail",
+        min=0,
+    )
+    both_sides: BoolProperty(
+        name="Both Sides",
+        description="Bake the backs of the isosurfaces, too: for volumes that are cut open. Nearly "
+        "doubles the time",
+    )
+    light_walls: BoolProperty(
+        name="Light the Walls",
+        description="Bake the light on the walls for every isovalue, too: their shadows and color "
+        "bleeding then follow the isosurface",
+    )
+    bake_folder: StringProperty(
+        name="Folder",
+        description="Folder that keeps the bakes, each in a file of its own; empty is the folder "
+        "leaflight beside the .blend",
+        subtype="DIR_PATH",
+        options=versions.RELATIVE_PATH,
+    )

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# flake8: noqa: F722,F821  (Blender declares properties as annotations)
+"""The part of Object.leaflight about the file of a volume."""
+
+from .. import versions
+from . import isovalues, surface_object
+from .overridable import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    IntVectorProperty,
+    StringProperty,
+)
+
+VALUE_TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")
+VALUE_TYPE_ITEMS = [(name, name, f"Values of type {name}") for name in VALUE_TYPES]
+ENDIAN_ITEMS = [
+    ("little", "Little Endian", "Least significant byte first"),
+    ("big", "Big Endian", "Most significant byte first"),
+]
+
+
+def shape_changed(settings, _context):
+    if settings.is_volume:
+        surface_object.update(settings.id_data, settings.isovalue)
+        surface_object.update_all(settings.id_data)
+
+
+def _frame_changed(settings, _context):
+    if settings.is_volume:
+        isovalues.show_frame(settings.id_data)
+
+
+class VolumeSource:
+    """The file of a volume, and how it is read."""
+
+    source: StringProperty(
+        name="Volume",
+        description="File that the volume was read from",
+        subtype="FILE_PATH",
+        options=versions.RELATIVE_PATH,
+    )
+    dims: IntVectorProperty(name="Dimensions", size=3, min=0)
+    value_type: EnumProperty(name="Type", items=VALUE_TYPE_ITEMS)
+    endian: EnumProperty(name="Byte Order", items=ENDIAN_ITEMS)
+    spacing: FloatVectorProperty(name="Voxel Size", size=3, default=(1.0, 1.0, 1.0))
+    use_spacing: BoolProperty(
+        name="Own Voxel Size",
+        description="The voxel size was given, and not taken from the file",
+        default=True,
+    )
+    frame: IntProperty(name="Frame", default=-1, min=-1)
+    frames: IntProperty(
+        name="Frames",
+        description="Volumes of the file over time",
+        default=1,
+        min=1,
+    )
+    shown_frame: IntProperty(
+        name="Frame",
+        description="Which volume of the file's series over time is shown, counted from 0. "
+        "Keyframes play them. Each frame has a bake of its own",
+        min=0,
+        update=_frame_changed,
+    )
+    frame_bakes: StringProperty(name="Bakes of the Other Frames")
+    channel: IntProperty(name="Channel", default=-1, min=-1)
+    level: IntProperty(name="Level", default=0, min=0)
+    dataset: StringProperty(name="Dataset")
+    downsample: IntProperty(name="Downsample", default=1, min=1, max=8)
+    smooth: FloatProperty(
+        name="Smooth",
+        description="Standard deviation, in voxels, of the Gaussian that smooths the values",
+        default=0.0,
+        min=0.0,
+        max=10.0,
+        options=set(),
+        update=shape_changed,
+    )
+    unit: StringProperty(name="Unit", description="What the file measures lengths in")
