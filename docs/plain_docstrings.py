@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sphinx extension: docstrings in plain text, with their parameters as a list.
+"""Sphinx extension: docstrings in plain text, with their parameters as a table.
 
 A line `name: text` or `name, name: text` describes parameters; lines below it that are indented
 belong to it. Docstrings with sections of NumPy's style are napoleon's.
@@ -8,6 +8,16 @@ belong to it. Docstrings with sections of NumPy's style are napoleon's.
 import inspect
 import re
 from typing import get_type_hints
+
+_TABLE = (
+    ".. list-table::",
+    "   :header-rows: 1",
+    "   :widths: auto",
+    "",
+    "   * - Parameter",
+    "     - Type",
+    "     - Description",
+)
 
 
 def setup(app):
@@ -23,32 +33,50 @@ def _process(_app, _what, _name, obj, _options, lines):
 
 
 def _parameters(obj):
+    """{name: its type as text} of what a docstring may describe."""
     try:
         parameters = inspect.signature(obj).parameters.values()
     except (TypeError, ValueError):
-        return set()
-    names = {one.name for one in parameters}
-    for one in parameters:
+        return {}
+    types = {each.name: each.annotation for each in parameters}
+    for annotation in list(types.values()):
         # A TypedDict of options.
-        options = re.fullmatch(r"Unpack\[(\w+)\]", str(one.annotation))
+        options = re.fullmatch(r"Unpack\[(\w+)\]", str(annotation))
         if options:
-            names |= set(get_type_hints(inspect.unwrap(obj).__globals__[options[1]]))
-    return names
+            types |= get_type_hints(inspect.unwrap(obj).__globals__[options[1]])
+    return {name: _type(annotation) for name, annotation in types.items()}
+
+
+def _type(annotation):
+    if annotation is inspect.Parameter.empty:
+        return ""
+    text = annotation if isinstance(annotation, str) else inspect.formatannotation(annotation)
+    if "_SupportsArray" in text:
+        # NumPy's ArrayLike is a long union.
+        return "ArrayLike | None" if "None" in text else "ArrayLike"
+    return re.sub(r"(\w+\.)+(?=\w)", "", text)
 
 
 def rewritten(lines, parameters):
-    """The lines of a docstring as reStructuredText; parameters: the names that it may describe."""
-    result = []
+    """The lines of a docstring as reStructuredText.
+
+    parameters: {name: its type as text, or empty}, which the docstring may describe.
+    """
+    result, before = [], None
     for block in _blocks(lines, parameters):
         if isinstance(block, tuple):
             names, text = block
-            # Sphinx takes a word before a space for a type.
-            result += [f":param {','.join(names)}: {_escaped(text)}"]
+            if not isinstance(before, tuple):
+                result += ["", *_TABLE]
+            types = dict.fromkeys(parameters[name] for name in names if parameters[name])
+            codes = [", ".join(f"``{each}``" for each in some) for some in (names, types)]
+            result += [f"   * - {codes[0]}", f"     - {codes[1]}", f"     - {_escaped(text)}"]
         elif any(line.startswith(" ") for line in block):
             result += ["", "::", "", *(f"    {line}" for line in block), ""]
         else:
             result += ["", *map(_escaped, block), ""]
-    return result
+        before = block
+    return [*result, ""]
 
 
 def _blocks(lines, parameters):
@@ -72,7 +100,7 @@ def _blocks(lines, parameters):
 def _description(line, parameters):
     head, found, text = line.partition(": ")
     names = re.sub(r" \([^)]*\)", "", head).split(", ")
-    if not found or not set(names) <= parameters:
+    if not found or not set(names) <= parameters.keys():
         return None, None
     values = re.findall(r"\([^)]*\)", head)
     return names, f"{' '.join(values)}: {text}" if values else text
@@ -87,7 +115,7 @@ def _split(block, parameters):
     blocks = [(names, parts[0])]
     for more, rest in zip(parts[1::2], parts[2::2]):
         more = more.split(", ")
-        if set(more) <= parameters:
+        if set(more) <= parameters.keys():
             blocks.append((more, rest))
         else:
             last, before = blocks[-1]

@@ -7,12 +7,13 @@ import traceback
 
 import bpy
 
-ADDON, FOLDER = sys.argv[-2:]
+ADDON, FOLDER = sys.argv[sys.argv.index("--") + 1 :][:2]
 # The tab Leaflight in the sidebar, from the right edge of the viewport and from its top.
 TAB = 10, 175
 
 
-def main():
+def run(drive):
+    """Installs the add-on, then goes through a script, which yields the seconds to its next step."""
     bpy.context.preferences.view.show_splash = False
     bpy.context.preferences.view.ui_scale = 1.0
     bpy.ops.preferences.addon_install(filepath=ADDON)
@@ -32,25 +33,19 @@ def main():
 
 
 def drive():
-    from leaflight_addon.operators import background
     from leaflight_addon.show import surface_object
 
     yield from open_tab()
     call(bpy.ops.leaflight.open_example)
     yield 2.0
-    picture("imported")
+    picture("first_brain_imported")
     yield 0.5
     call(bpy.ops.leaflight.stage)
     yield 30.0  # shaders are compiled
-    picture("staged")
+    picture("first_brain_staged")
     yield 0.5
-    call(bpy.ops.leaflight.bake)
-    while background.running() is not None:
-        yield 0.5
-    while surface_object.is_coarse(bpy.context.object.data):
-        yield 0.5
-    yield 2.0
-    picture("baked")
+    yield from bake()
+    picture("first_brain_baked")
     yield 0.5
     settings = bpy.context.object.leaflight
     settings.isovalue = settings.low + 0.5 * (settings.high - settings.low)
@@ -58,8 +53,20 @@ def drive():
     while surface_object.is_coarse(bpy.context.object.data):
         yield 0.5
     yield 1.0
-    picture("scrubbed")
+    picture("first_brain_scrubbed")
     yield 0.5
+
+
+def bake():
+    from leaflight_addon.operators import background
+    from leaflight_addon.show import surface_object
+
+    call(bpy.ops.leaflight.bake)
+    while background.running() is not None:
+        yield 0.5
+    while surface_object.is_coarse(bpy.context.object.data):
+        yield 0.5
+    yield 2.0
 
 
 def view():
@@ -67,10 +74,10 @@ def view():
     return window, next(area for area in window.screen.areas if area.type == "VIEW_3D")
 
 
-def call(operator):
+def call(operator, how="INVOKE_DEFAULT", **options):
     window, area = view()
     with bpy.context.temp_override(window=window, area=area):
-        assert operator("INVOKE_DEFAULT") & {"FINISHED", "RUNNING_MODAL"}
+        assert operator(how, **options) & {"FINISHED", "RUNNING_MODAL"}
 
 
 def open_tab():
@@ -91,7 +98,8 @@ def open_tab():
 def picture(name):
     window, _ = view()
     with bpy.context.temp_override(window=window):
-        bpy.ops.screen.screenshot(filepath=os.path.join(FOLDER, f"first_brain_{name}.png"))
+        bpy.ops.screen.screenshot(filepath=os.path.join(FOLDER, f"{name}.png"))
 
 
-main()
+if __name__ == "__main__":
+    run(drive)

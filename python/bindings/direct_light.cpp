@@ -31,6 +31,13 @@ py::array_t<double> light_points(const Direct& direct) {
   return adopt<double>(std::move(rows), {count, 4, 4});
 }
 
+py::array_t<std::int32_t> lights(const Direct& direct) {
+  std::vector<std::int32_t> lights;
+  for (std::size_t n = 0; n < direct.points(); ++n) lights.push_back(direct.point(n).light);
+  const auto count = static_cast<py::ssize_t>(lights.size());
+  return adopt<std::int32_t>(std::move(lights), {count});
+}
+
 py::array_t<std::uint8_t> codes(const Direct& direct, std::size_t point, bool back) {
   if (point >= direct.points() || (back && !direct.has_back())) {
     throw Error("There is no map of light point " + std::to_string(point) + " for this side.");
@@ -77,6 +84,9 @@ void bind_direct_light(py::module_& module) {
           "linear RGB irradiance [W/m^2] of a surface that faces it at distance 1 in the frame,\n"
           "and how wide the soft edge of its cone is, in cosines;\n"
           "the axis of the cone and the cosine at which it ends, -2 for none.")
+      .def_property_readonly("lights", &lights,
+                             "int32 (n,): the number of the scene's light that each point belongs "
+                             "to, or -1.")
       .def_property_readonly(
           "index_to_frame", [](const Direct& d) { return from_affine(d.index_to_frame()); },
           "float64 (4, 4): the frame is the world, moved and scaled uniformly.")

@@ -32,16 +32,21 @@ py::tuple direct_ways(const WallRadiance<D>& walls, std::size_t mesh) {
   }
   const auto vertices = static_cast<py::ssize_t>(of.sets.size());
   const auto points = static_cast<py::ssize_t>(walls.direct->sets()[0].size());
-  const auto colors = [&](std::vector<Vec<3, float>> values) {
-    return adopt<float>(std::move(values), {vertices, 3});
+  const auto unshadowed = [&](bool back) {
+    const std::size_t lights = walls.direct->lights();
+    std::vector<Vec<3, float>> all;
+    for (std::size_t light = 0; light < lights; ++light) {
+      const auto one = walls.direct->unshadowed_by(light, static_cast<int>(mesh), back);
+      all.insert(all.end(), one.begin(), one.end());
+    }
+    return adopt<float>(std::move(all), {static_cast<py::ssize_t>(lights), vertices, 3});
   };
   return py::make_tuple(
       adopt<std::uint8_t>(std::vector(of.sets), {vertices}),
       least.empty() ? py::object(py::none()) : adopt<float>(std::move(least), {vertices, points}),
       adopt<float>(std::move(greatest), {vertices, points}),
       adopt<float>(std::move(shares), {vertices, points}),
-      colors(walls.direct->unshadowed(static_cast<int>(mesh), false)),
-      colors(walls.direct->unshadowed(static_cast<int>(mesh), true)));
+      unshadowed(false), unshadowed(true));
 }
 
 template <int D>
@@ -52,6 +57,14 @@ py::array_t<float> point_amounts(const WallRadiance<D>& walls) {
   }
   const auto points = static_cast<py::ssize_t>(amounts.size()) / light_point_sets;
   return adopt<float>(std::move(amounts), {light_point_sets, points, 3});
+}
+
+template <int D>
+py::array_t<std::int32_t> point_lights(const WallRadiance<D>& walls) {
+  std::vector<std::int32_t> lights;
+  for (const LightPoint<D>& point : walls.direct->sets()[0]) lights.push_back(point.light);
+  const auto points = static_cast<py::ssize_t>(lights.size());
+  return adopt<std::int32_t>(std::move(lights), {points});
 }
 
 template <int D>
@@ -154,9 +167,13 @@ void bind_radiance(py::module_& module, const std::string& suffix) {
           "if nothing stood in\n"
           "the way over the amount of the point, negative behind the vertex, float32 (n, points);\n"
           "and the radiance by all sets if nothing did, of the front and of the back, float32\n"
-          "(n, 3). A side reflects that radiance times the mean over each vertex and its "
-          "neighbours\n"
-          "of the share of their sets' light that no isosurface blocks.")
+          "(lights + 1, n, 3) by each light of the scene and by all that is no light. A side\n"
+          "reflects their sum times the mean over each vertex and its neighbours of the share of\n"
+          "their sets' light that no isosurface blocks.")
+      .def_property_readonly(
+          "point_lights", &point_lights<D>,
+          "int32 (points,): the number of the scene's light that each point of a set belongs to, "
+          "or -1.")
       .def_property_readonly("point_amounts", &point_amounts<D>,
                              "float32 (sets, points, 3): linear RGB of the light points.");
 }

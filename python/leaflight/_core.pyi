@@ -420,6 +420,11 @@ class DirectLight:
         the axis of the cone and the cosine at which it ends, -2 for none.
         """
     @property
+    def lights(self) -> numpy.typing.NDArray[numpy.int32]:
+        """
+        int32 (n,): the number of the scene's light that each point belongs to, or -1.
+        """
+    @property
     def resolution(self) -> typing.Annotated[list[int], "FixedSize(3)"]:
         """
         Texels along x, y, z, evenly spaced from the first voxel to the last.
@@ -594,8 +599,9 @@ class WallRadiance:
         if nothing stood in
         the way over the amount of the point, negative behind the vertex, float32 (n, points);
         and the radiance by all sets if nothing did, of the front and of the back, float32
-        (n, 3). A side reflects that radiance times the mean over each vertex and its neighbours
-        of the share of their sets' light that no isosurface blocks.
+        (lights + 1, n, 3) by each light of the scene and by all that is no light. A side
+        reflects their sum times the mean over each vertex and its neighbours of the share of
+        their sets' light that no isosurface blocks.
         """
     def indirect(self, mesh: typing.SupportsInt | typing.SupportsIndex, back: bool = False) -> numpy.typing.NDArray[numpy.float32]:
         """
@@ -642,6 +648,11 @@ class WallRadiance:
         """
         float32 (sets, points, 3): linear RGB of the light points.
         """
+    @property
+    def point_lights(self) -> numpy.typing.NDArray[numpy.int32]:
+        """
+        int32 (points,): the number of the scene's light that each point of a set belongs to, or -1.
+        """
 class WallRadiance2:
     """
     The radiance of the walls over the common isovalue, at the vertices of fine meshes.
@@ -659,8 +670,9 @@ class WallRadiance2:
         if nothing stood in
         the way over the amount of the point, negative behind the vertex, float32 (n, points);
         and the radiance by all sets if nothing did, of the front and of the back, float32
-        (n, 3). A side reflects that radiance times the mean over each vertex and its neighbours
-        of the share of their sets' light that no isosurface blocks.
+        (lights + 1, n, 3) by each light of the scene and by all that is no light. A side
+        reflects their sum times the mean over each vertex and its neighbours of the share of
+        their sets' light that no isosurface blocks.
         """
     def indirect(self, mesh: typing.SupportsInt | typing.SupportsIndex, back: bool = False) -> numpy.typing.NDArray[numpy.float32]:
         """
@@ -706,6 +718,11 @@ class WallRadiance2:
     def point_amounts(self) -> numpy.typing.NDArray[numpy.float32]:
         """
         float32 (sets, points, 3): linear RGB of the light points.
+        """
+    @property
+    def point_lights(self) -> numpy.typing.NDArray[numpy.int32]:
+        """
+        int32 (points,): the number of the scene's light that each point of a set belongs to, or -1.
         """
 class BakeStatistics:
     """

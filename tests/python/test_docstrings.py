@@ -24,11 +24,13 @@ def rewritten(plain_docstrings):
     return plain_docstrings.rewritten
 
 
-def fields(lines):
-    return [line for line in lines if line.startswith(":param ")]
+def rows(lines):
+    """Of the one table that there is."""
+    cells = [line.strip(" *-") for line in lines if line.startswith(("   * - ", "     - "))]
+    return [tuple(cells[i : i + 3]) for i in range(0, len(cells), 3)]
 
 
-def test_parameters_become_a_list(rewritten):
+def test_parameters_become_a_table(rewritten):
     lines = [
         "Reads a file.",
         "",
@@ -37,11 +39,12 @@ def test_parameters_become_a_list(rewritten):
         'kind ("a", "b"), end: of the values.',
         "Returns a dict: of *all* and `code`.",
     ]
-    found = rewritten(lines, {"path", "time", "kind", "end"})
-    assert fields(found) == [
-        ":param path: of the file, with its suffix; None: takes one",
-        ":param time: seconds",
-        ':param kind,end: ("a", "b"): of the values.',
+    found = rewritten(lines, {"path": "str | None", "time": "", "kind": "str", "end": "str"})
+    assert rows(found) == [
+        ("Parameter", "Type", "Description"),
+        ("``path``", "``str | None``", "of the file, with its suffix; None: takes one"),
+        ("``time``", "", "seconds"),
+        ("``kind``, ``end``", "``str``", '("a", "b"): of the values.'),
     ]
     assert found[1] == "Reads a file." and r"Returns a dict: of \*all\* and ``code``." in found
 
@@ -49,11 +52,10 @@ def test_parameters_become_a_list(rewritten):
 def test_options_are_parameters(plain_docstrings):
     lines = inspect.getdoc(leaflight.bake).splitlines()
     plain_docstrings._process(None, None, None, leaflight.bake, None, lines)
-    found = " ".join(fields(lines))
-    for name in ("isovalues", "error", "seed", "on_pass", "checkpoint"):
-        assert f":param {name}: " in found
+    named = {row[0].strip("`") for row in rows(lines)}
+    assert {"isovalues", "error", "seed", "on_pass", "checkpoint"} <= named
 
 
 def test_a_paragraph_with_indentation_keeps_its_lines(rewritten):
-    found = rewritten(["Use it:", "", "    one", "      two"], set())
-    assert found[-5:] == ["::", "", "        one", "          two", ""] and not fields(found)
+    found = rewritten(["Use it:", "", "    one", "      two"], {})
+    assert found[-6:-1] == ["::", "", "        one", "          two", ""] and not rows(found)

@@ -101,7 +101,7 @@ def check_wall(header, body, wall, lit, number, bake):
     """Returns how many ways are in the shadow of some isosurfaces alone."""
     sets, least, greatest, shares, *unshadowed = lit.direct_ways(number)
     assert (least is None) == (wall["least"] is None)
-    exposed = [(wall["unshadowed"], unshadowed)]
+    exposed = list(zip(wall["unshadowed"], unshadowed))
     exposed.append((wall["indirect"], [lit.indirect(number, back) for back in (False, True)]))
     for blocks, sides in exposed:
         for of_side, light in zip(blocks, sides):

@@ -9,6 +9,7 @@ import leaflight
 import numpy as np
 import pytest
 from browser import FRAMES, Browser
+from leaflight.bake.relit import strengths_of
 from leaflight.stills.camera import ANGLE, Camera
 from leaflight.stills.photograph import tone_mapped
 
@@ -70,6 +71,57 @@ def test_shadows_have_the_edges_of_the_core(browser, bakes, pages, side):
         # Light of texels alone is wrong in 1 to 2 % of the pixels, beside the edges of shadows.
         mean, wrong = 100 * off.mean() / expected.max(), 100 * (off > 0.05).mean()
         assert mean <= 0.25 and wrong <= 0.15, f"{isovalue}: mean {mean:.2f} %, {wrong:.2f} % wrong"
+
+
+# Strengths and sRGB colors of lamps, None for those of the bake; the sun stays as it is.
+LAMPS = {1: (0.5, None), 2: (2.0, "#20ff40"), 3: (0.0, None)}
+
+
+def with_lamps(bake, chosen):
+    """The bake with the lamps, by their numbers, as the page has them."""
+    factors = {}
+    for number, (strength, color) in chosen.items():
+        light = bake.scene.lights[number]
+        baked = np.array(strengths_of(light))
+        as_baked = color is None
+        hue = baked / baked.max() if as_baked else linear(np.array([*bytes.fromhex(color[1:])]))
+        factors[light.name] = tuple(strength * hue * baked.max() / baked)
+    return bake.relit(factors)
+
+
+def choose_lamps(browser, chosen):
+    """By their controls."""
+    change = "(e => (e.value = '{}', e.dispatchEvent(new Event('input'))))(document.getElementById('{}'))"
+    for number, (strength, color) in chosen.items():
+        browser.evaluate(change.format(strength, f"strength-{number}"))
+        if color is not None:
+            browser.evaluate(change.format(color, f"lamp-color-{number}"))
+    browser.atRest()
+
+
+def test_lamps_change_as_in_relit(browser, bakes, pages):
+    """On isosurfaces, their backs and walls, and in local shading; the link keeps them."""
+    bake, url = bakes("shadows"), pages("shadows").as_uri()
+    browser.open(url, SIZE)
+    choose_lamps(browser, LAMPS)
+    relit = with_lamps(bake, LAMPS)
+    check_like_still(browser, relit)
+    with pytest.raises(AssertionError):
+        check_like_still(browser, bake)
+    link = browser.evaluate("location.hash")
+    browser.evaluate("leaflight.view.orbit.turn(-60, -60, 1.2)")
+    check_like_still(browser, relit)
+    browser.click("#local")
+    check_like_still(browser, relit, local=True)
+    browser.open(url + link, SIZE)
+    check_like_still(browser, relit)
+    # A page of the bake that was relit begins with these strengths, and goes on from them.
+    path = pages("shadows").with_name("relit.html")
+    relit.export_page(path)
+    browser.open(path.as_uri(), SIZE)
+    check_like_still(browser, relit)
+    choose_lamps(browser, {0: (3.0, None)})
+    check_like_still(browser, with_lamps(relit, {0: (3.0, None)}))
 
 
 def is_local(url):

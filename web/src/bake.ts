@@ -27,6 +27,7 @@ export interface DirectData extends BrickData {
   outer: number[]; // blocks: levels of two light points each
   inner: number[] | null;
   points: number[][]; // as DirectLight.light_points of the core lists them
+  lights: number[]; // of each, the number of the lamp that it belongs to, or -1
   indexToFrame: number[]; // 4 x 4, by rows
 }
 
@@ -60,9 +61,9 @@ export interface WallData {
 export interface WallLightData {
   between: number; // of each vertex, two coarser ones
   // Of the front and the back, radiance times the exposure: indirect light of the coarser vertices
-  // at each node, and direct light if nothing stood in its way.
+  // at each node; and by each lamp and all that is none direct light if nothing stood in its way.
   indirect: (number | null)[];
-  unshadowed: (number | null)[];
+  unshadowed: (number | null)[][];
   // Of each vertex its set of light points, and by point and vertex the least and the greatest code
   // on the way, between which isosurfaces block it, and how much light comes by it, negative on the
   // back. Closed isosurfaces have no least one.
@@ -75,6 +76,7 @@ export interface WallLightData {
 export interface WallsData {
   nodes: number[]; // common isovalues of indirect light
   tints: number[][][]; // of each set's light points
+  lights: number[]; // of these points, as DirectData has them
   meshes: WallData[];
 }
 
@@ -90,7 +92,10 @@ export interface Header {
   bounds: [Vector, Vector];
   volumes: VolumeData[];
   walls: WallsData;
-  lamps: number[][]; // as lamps.py lists them
+  // Lamps whose strengths may be changed: linear colors, and by how much indirect light grows with
+  // each, beside that of all others (python/leaflight/bake/relit.py).
+  lights: { lamps: { name: string; color: Vector; share: Vector }[]; others: Vector };
+  lamps: number[][]; // of local shading: the number of its lamp, and a row of lamps.py
   ambient: Vector;
   headlight: boolean;
   histogram: { counts: number[]; width: number }; // of a bin, as a share of the window
@@ -102,7 +107,7 @@ export interface Header {
   blocks: [number, number, number][]; // first byte, bytes, bytes when inflated
 }
 
-const FORMAT = 3;
+const FORMAT = 4;
 
 const READ_SHARE = 0.4; // of the work, to read the file
 

@@ -33,6 +33,6 @@ export function linearAt(key: string, share: number, header: Header): Vector {
   }) as Vector;
 }
 
-function linear(displayed: number): number {
+export function linear(displayed: number): number {
   return displayed <= 0.04045 ? displayed / 12.92 : ((displayed + 0.055) / 1.055) ** 2.4;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Colors with a shared exponent, as python/leaflight/export/shared_exponent.py parts them.
 
+import type { Vector } from './bake';
+
 export function colorWords(planes: Uint8Array): Uint32Array<ArrayBuffer> {
   const count = planes.length / 4;
   const words = new Uint32Array(count);
@@ -18,18 +20,18 @@ export function colorWords(planes: Uint8Array): Uint32Array<ArrayBuffer> {
   return words;
 }
 
-// Adds a share of such colors, from the first one on.
+// Adds shares of such colors by channel, from the first one on.
 export function addColors(
   colors: Float32Array,
   words: Uint32Array,
   first: number,
-  share: number,
+  [red, green, blue]: Vector,
 ): void {
   for (let i = 0, at = 0; at < colors.length; ++i) {
     const word = words[first + i];
-    const scale = share * 2 ** ((word >>> 27) - 24);
-    colors[at++] += scale * (word & 511);
-    colors[at++] += scale * ((word >>> 9) & 511);
-    colors[at++] += scale * ((word >>> 18) & 511);
+    const scale = 2 ** ((word >>> 27) - 24);
+    colors[at++] += red * scale * (word & 511);
+    colors[at++] += green * scale * ((word >>> 9) & 511);
+    colors[at++] += blue * scale * ((word >>> 18) & 511);
   }
 }

@@ -14,18 +14,18 @@ import {
 import { bricksOf, textureSize } from './bricks';
 import { colorsOf, linearAt } from './color_maps';
 import { colorWords } from './colors';
-import { mapTextures, mapUniforms } from './maps';
+import { light, mapTextures, mapUniforms } from './maps';
 import direct from './shaders/direct.glsl';
 import display from './shaders/display.glsl';
 import gradient from './shaders/gradient.glsl';
 import fragment from './shaders/isosurface.frag.glsl';
 import vertex from './shaders/isosurface.vert.glsl';
 import lamps from './shaders/lamps.glsl';
-import light from './shaders/light.glsl';
+import shading from './shaders/light.glsl';
 import precision from './shaders/precision.glsl';
 import trace from './shaders/trace.glsl';
-import { lampUniforms } from './lamps';
-import { clipPlane, type Look } from './look';
+import { factorsOf, indirectFactor, lampUniforms, lampVectors } from './lamps';
+import { clipPlane, type Lamp, type Look } from './look';
 import { given, volumeTextures } from './volume_textures';
 
 const NO_DATA = 65535;
@@ -49,6 +49,7 @@ export class Isosurface {
   private readonly indexToWorld = new three.Matrix4();
   private readonly worldToIndex: three.Matrix4;
   private readonly waysToIndex: three.Matrix3;
+  private lit: Lamp[] | null = null;
 
   static async of(bake: Bake, data: VolumeData): Promise<Isosurface> {
     const bytes = await bake.block(data.values, data.bits === 8 ? 1 : 2);
@@ -74,7 +75,7 @@ export class Isosurface {
     const material = new three.RawShaderMaterial({
       glslVersion: three.GLSL3,
       vertexShader: vertex,
-      fragmentShader: [precision, trace, display, gradient, lights, lamps, light, fragment].join('\n'),
+      fragmentShader: [precision, trace, display, gradient, lights, lamps, shading, fragment].join('\n'),
       defines: data.direct ? { DIRECT: '' } : {},
       side: three.BackSide,
       transparent: true,
@@ -122,8 +123,19 @@ export class Isosurface {
     uniforms.slices.value = look.slices.map((share, axis) => this.slicePlane(axis, share));
     uniforms.colors.value = colorsOf(look.sliceColors, this.header).flat();
     uniforms.tint.value = own.flatMap((c) => this.tint(look, c));
+    if (look.lamps !== this.lit) this.light(look.lamps);
     uniforms.result.value = result;
     this.mesh.material.blending = result === Result.Picture ? three.CustomBlending : three.NoBlending;
+  }
+
+  private light(lamps: Lamp[]): void {
+    const { uniforms } = this.mesh.material;
+    const factors = factorsOf(lamps, this.header);
+    uniforms.lamps.value = lampVectors(this.header, factors);
+    uniforms.indirectFactor.value = indirectFactor(factors, this.header);
+    const { direct } = this.data;
+    if (direct) light(uniforms.lightPoints.value as three.DataTexture, direct, factors);
+    this.lit = lamps;
   }
 
   private clipPlane(look: Look): three.Vector4 {
@@ -187,7 +199,7 @@ function uniformsOf(
   const varying = [
     'isovalue', 'secondIsovalue', 'hasSecond', 'opacity', 'isLocal', 'gain', 'albedo', 'emission',
     'worldEye', 'eye', 'corner', 'right', 'up', 'indexToClip', 'clip', 'slices', 'colors', 'tint',
-    'result',
+    'indirectFactor', 'result',
   ]; // prettier-ignore
   return Object.fromEntries([
     ...Object.entries(lampUniforms(header)),

@@ -1,21 +1,75 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The lamps of local shading, as uniforms of lamps.glsl.
+// The lamps at other strengths than those of the bake, and those of local shading
+// (python/leaflight/bake/relit.py).
 
 import * as three from 'three';
 
-import type { Header } from './bake';
+import type { Header, Vector } from './bake';
+import { linear } from './color_maps';
+import type { Lamp } from './look';
 
 const MOST_NUMBERS = 48; // of vectors: three for each of 16 lamps
+const UNCHANGED: Vector = [1, 1, 1];
+
+// The lamps as they were baked.
+export function bakedLamps(header: Header): Lamp[] {
+  return header.lights.lamps.map(() => ({ strength: 1, color: null }));
+}
+
+// By how much each lamp is brighter than in the bake, by channel. A lamp has no channel that it was
+// baked without.
+export function factorsOf(lamps: Lamp[], header: Header): Vector[] {
+  return lamps.map(({ strength, color }, k) => {
+    if (color === null) return [strength, strength, strength];
+    const baked = header.lights.lamps[k].color;
+    const most = Math.max(...baked);
+    return channels(color).map((x, i) => (baked[i] > 0 ? (strength * x * most) / baked[i] : 0)) as Vector;
+  });
+}
+
+// Of the number of a lamp, or of what is none.
+export function factorAt(factors: Vector[], lamp: number): Vector {
+  return factors[lamp] ?? UNCHANGED;
+}
+
+// By how much indirect light is brighter.
+export function indirectFactor(factors: Vector[], { lights }: Header): Vector {
+  return lights.others.map((others, i) =>
+    lights.lamps.reduce((sum, { share }, k) => sum + share[i] * factors[k][i], others),
+  ) as Vector;
+}
 
 export function lampUniforms(header: Header): Record<string, three.IUniform> {
-  const lamps = header.lamps.flatMap((row) =>
-    [0, 4, 8].map((k) => new three.Vector4().fromArray(row, k)),
-  );
-  while (lamps.length < MOST_NUMBERS) lamps.push(new three.Vector4());
   return {
     ambient: { value: header.ambient },
     lampCount: { value: header.headlight ? -1 : header.lamps.length },
-    lamps: { value: lamps },
+    lamps: { value: lampVectors(header, []) },
     exposure: { value: header.exposure },
   };
+}
+
+// As lamps.glsl has them.
+export function lampVectors(header: Header, factors: Vector[]): three.Vector4[] {
+  const lamps = header.lamps.flatMap(([lamp, ...row]) => {
+    const [position, axis, intensity] = [0, 4, 8].map((k) => new three.Vector4().fromArray(row, k));
+    intensity.multiply(new three.Vector4(...factorAt(factors, lamp), 1));
+    return [position, axis, intensity];
+  });
+  while (lamps.length < MOST_NUMBERS) lamps.push(new three.Vector4());
+  return lamps;
+}
+
+// A linear color as bright as it can be displayed: sRGB, six hexadecimal digits.
+export function hueOf(color: Vector): string {
+  const most = Math.max(...color, 1e-30);
+  const digits = color.map((x) => {
+    const share = Math.max(x, 0) / most;
+    const curve = share <= 0.0031308 ? 12.92 * share : 1.055 * share ** (1 / 2.4) - 0.055;
+    return Math.round(255 * curve).toString(16).padStart(2, '0');
+  }); // prettier-ignore
+  return digits.join('');
+}
+
+function channels(color: string): Vector {
+  return [0, 2, 4].map((k) => linear(parseInt(color.slice(k, k + 2), 16) / 255)) as Vector;
 }

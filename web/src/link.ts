@@ -4,7 +4,8 @@
 import type { Header, Vector } from './bake';
 import { GRAY } from './color_maps';
 import { onGrid } from './isovalues';
-import type { Look, Slices } from './look';
+import { bakedLamps } from './lamps';
+import type { Lamp, Look, Slices } from './look';
 
 export interface Viewpoint {
   position: Vector;
@@ -18,6 +19,7 @@ export interface State {
 }
 
 const DIGITS = 6;
+export const STRONGEST = 4; // of a lamp, over the bake
 
 export function toLink({ look, viewpoint }: State): string {
   const numbers = (...values: number[]) =>
@@ -32,6 +34,7 @@ export function toLink({ look, viewpoint }: State): string {
     ['slicecolors', look.sliceColors === GRAY ? null : look.sliceColors],
     ['colors', look.isosurfaceColors],
     ['exposure', numbers(look.stops)],
+    ['lamps', look.lamps.every(isAsBaked) ? null : look.lamps.map(lampText).join(',')],
     ['camera', numbers(...viewpoint.position, ...viewpoint.target, ...viewpoint.up)],
   ];
   return fields.flatMap(([name, value]) => (value === null ? [] : [`${name}=${value}`])).join('&');
@@ -68,9 +71,30 @@ export function fromLink(link: string, { look, viewpoint }: State, header: Heade
       sliceColors: colors('slicecolors') ?? GRAY,
       isosurfaceColors: colors('colors'),
       stops: one('exposure', -4, 4) ?? look.stops,
+      lamps: lampsOf(fields.get('lamps'), header) ?? bakedLamps(header),
     },
     viewpoint: camera && isViewpoint(camera) ? viewpointOf(camera) : viewpoint,
   };
+}
+
+function isAsBaked({ strength, color }: Lamp): boolean {
+  return strength === 1 && color === null;
+}
+
+// Such as 0.5,ffd8a0 or, with the color of the bake, 0.5,
+function lampText({ strength, color }: Lamp): string {
+  return `${Number(strength.toPrecision(DIGITS))},${color ?? ''}`;
+}
+
+function lampsOf(text: string | null, header: Header): Lamp[] | null {
+  const fields = (text ?? '').split(',');
+  const lamps = header.lights.lamps.map((_, k) => {
+    const [strength, color] = [fields[2 * k], fields[2 * k + 1]];
+    const number = strength ? Number(strength) : NaN;
+    if (!Number.isFinite(number) || !/^([\da-f]{6})?$/.test(color)) return null;
+    return { strength: Math.min(STRONGEST, Math.max(0, number)), color: color || null };
+  });
+  return fields.length === 2 * lamps.length && lamps.every((lamp) => lamp !== null) ? lamps : null;
 }
 
 function slicesText(slices: Slices): string {

@@ -4,6 +4,7 @@
 import type { Header, Vector } from './bake';
 import { GRAY } from './color_maps';
 import { onGrid } from './isovalues';
+import { bakedLamps } from './lamps';
 
 // From an end of an axis of the bounds, by its number: the lower and the upper one of x, y and z.
 export interface Clip {
@@ -22,6 +23,12 @@ export interface Look {
   sliceColors: string; // of slices and of what is cut open: a color map's key, or GRAY
   isosurfaceColors: string | null; // a color map's key, null for the albedo of the bake
   stops: number; // of exposure, beside the bake's
+  lamps: Lamp[]; // those of header.lights
+}
+
+export interface Lamp {
+  strength: number; // over that of the bake
+  color: string | null; // sRGB, six hexadecimal digits; null for that of the bake
 }
 
 // Planes across the axes of the bounds: the share, 0..1, at which each is, null for none.
@@ -39,6 +46,7 @@ export function firstLook(header: Header): Look {
     sliceColors: GRAY,
     isosurfaceColors: null,
     stops: header.stops,
+    lamps: bakedLamps(header),
   };
 }
 

@@ -3,8 +3,9 @@
 
 import * as three from 'three';
 
-import type { Bake, DirectData, Header, VolumeData } from './bake';
+import type { Bake, DirectData, Header, Vector, VolumeData } from './bake';
 import { bricksOf, textureSize } from './bricks';
+import { factorAt } from './lamps';
 import { type Codes, extremes, integerTexture } from './volume_textures';
 
 const POINTS_A_TEXEL = 8; // four bits of each byte
@@ -67,6 +68,17 @@ function pointsTexture(points: number[][]): three.DataTexture {
   const texture = new three.DataTexture(rows, 4, points.length, three.RGBAFormat, three.FloatType);
   texture.needsUpdate = true;
   return texture;
+}
+
+// Makes the points of lamps brighter than in the bake.
+export function light(texture: three.DataTexture, direct: DirectData, factors: Vector[]): void {
+  const rows = texture.image.data as Float32Array;
+  direct.points.forEach((point, p) => {
+    factorAt(factors, direct.lights[p]).forEach((factor, k) => {
+      rows[16 * p + 8 + k] = factor * point[8 + k];
+    });
+  });
+  texture.needsUpdate = true;
 }
 
 // The least and the greatest visibility code about each texel.

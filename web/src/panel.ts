@@ -7,8 +7,9 @@ import { Cube } from './cube';
 import { Histogram } from './histogram';
 import { onGrid, textOf } from './isovalues';
 import { bindKeys } from './keys';
-import { fromLink, type State, toLink } from './link';
-import type { Slices } from './look';
+import { hueOf } from './lamps';
+import { fromLink, type State, STRONGEST, toLink } from './link';
+import type { Lamp, Slices } from './look';
 import { Ruler, ScaleBar } from './overlay';
 import { Player } from './player';
 import type { View } from './view';
@@ -42,6 +43,10 @@ export function fillPage(header: Header): HTMLCanvasElement {
       document.getElementById(id)?.append(new Option(name, key));
     }
   }
+  element('lamps').hidden = header.lights.lamps.length === 0;
+  header.lights.lamps.forEach(({ name, color }, lamp) => {
+    element('lamps').append(lampRow(name, lamp, hueOf(color)));
+  });
   for (const [what, value] of header.about) {
     const term = document.createElement('dt');
     const text = document.createElement('dd');
@@ -59,6 +64,20 @@ function sliceRow(name: string, axis: number): HTMLElement {
   row.innerHTML =
     `<label><input id="has-slice-${axis}" type="checkbox"> ${name} slice</label>` +
     `<input id="slice-${axis}" type="range" min="0" max="1" step="0.005" aria-label="Place of the slice">`;
+  return row;
+}
+
+// The strength of a lamp over that of the bake, and its color.
+function lampRow(name: string, lamp: number, color: string): HTMLElement {
+  const row = document.createElement('div');
+  row.className = 'row';
+  row.innerHTML =
+    `<span></span><input id="strength-${lamp}" type="range" min="0" max="${STRONGEST}" step="0.01">` +
+    `<input id="lamp-color-${lamp}" type="color" value="#${color}">`;
+  row.querySelector('span')?.append(name);
+  row.querySelectorAll('input').forEach((input, k) => {
+    input.setAttribute('aria-label', `${k === 0 ? 'Strength' : 'Color'} of ${name}`);
+  });
   return row;
 }
 
@@ -132,6 +151,10 @@ export class Panel {
     element('opacity').value = String(look.opacity);
     element('walls').checked = look.showsWalls;
     element('exposure').value = String(look.stops);
+    look.lamps.forEach(({ strength, color }, lamp) => {
+      element(`strength-${lamp}`).value = String(strength);
+      element(`lamp-color-${lamp}`).value = `#${color ?? hueOf(this.header.lights.lamps[lamp].color)}`;
+    });
     const light = look.isLocal ? 'shaded locally' : 'with its baked light';
     canvas.setAttribute('aria-label', `${this.header.title} at isovalue ${text}, ${light}`);
     this.view.changed();
@@ -192,6 +215,17 @@ export class Panel {
     on('opacity', 'input', (input) => (view.look.opacity = input.valueAsNumber));
     on('walls', 'input', (input) => (view.look.showsWalls = input.checked));
     on('exposure', 'input', (input) => (view.look.stops = input.valueAsNumber));
+    for (const lamp of header.lights.lamps.keys()) {
+      const change = (changes: Partial<Lamp>) => {
+        view.look.lamps = view.look.lamps.map((old, k) => (k === lamp ? { ...old, ...changes } : old));
+      };
+      on(`strength-${lamp}`, 'input', (input) => {
+        change({ strength: input.valueAsNumber });
+      });
+      on(`lamp-color-${lamp}`, 'input', (input) => {
+        change({ color: input.value.slice(1) });
+      });
+    }
     on('reset', 'click', () => {
       view.resetCamera();
     });

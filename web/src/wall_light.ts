@@ -2,13 +2,15 @@
 // The light of a wall at its vertices beside an isosurface: indirect light between nodes of the isosurface
 // coordinate, and direct light as the core has it (core/src/bake/walls/mesh_direct_light.cpp).
 
-import type { Bake, Header, WallLightData } from './bake';
+import type { Bake, Header, Vector, WallData, WallLightData } from './bake';
 import { addColors, colorWords } from './colors';
+import { factorAt, factorsOf, indirectFactor } from './lamps';
+import type { Lamp } from './look';
 
 interface Blocks {
   between: Uint32Array;
   indirect: (Uint32Array | null)[];
-  unshadowed: (Uint32Array | null)[];
+  unshadowed: (Uint32Array | null)[][];
   sets: Uint8Array;
   least: Uint8Array | null; // null: isosurfaces are closed
   greatest: Uint8Array;
@@ -19,18 +21,33 @@ export class WallLight {
   private readonly count: number; // of the vertices
   private readonly tints: Float32Array; // [(set * points + point) * 3 + channel]
   private readonly points: number;
-  private readonly unshadowed: (Float32Array | null)[];
-  private readonly whole: Float32Array[]; // by side: the light of each vertex's set
+  private readonly unshadowed: Float32Array[]; // by side
+  private whole: Float32Array[] = []; // by side: the light of each vertex's set
+  private indirect: Vector = [1, 1, 1]; // how much brighter it is than in the bake
   private readonly edges: Uint32Array; // pairs of vertices
   private readonly terms: Uint32Array; // of each vertex: itself and its neighbours
 
-  static async of(bake: Bake, data: WallLightData, triangles: Uint32Array): Promise<WallLight> {
+  static async of(bake: Bake, data: WallData, triangles: Uint32Array): Promise<WallLight | null> {
+    return data.light && WallLight.read(bake, data.light, data.emission, triangles);
+  }
+
+  private static async read(
+    bake: Bake,
+    data: WallLightData,
+    emission: Vector,
+    triangles: Uint32Array,
+  ): Promise<WallLight> {
     const colors = async (number: number | null) =>
       number === null ? null : colorWords(await bake.block(number, 1));
-    return new WallLight(bake.header, triangles, {
+    const all = async (numbers: (number | null)[]) => {
+      const words = [];
+      for (const number of numbers) words.push(await colors(number));
+      return words;
+    };
+    return new WallLight(bake.header, triangles, emission, {
       between: new Uint32Array((await bake.block(data.between, 4)).buffer),
-      indirect: [await colors(data.indirect[0]), await colors(data.indirect[1])],
-      unshadowed: [await colors(data.unshadowed[0]), await colors(data.unshadowed[1])],
+      indirect: await all(data.indirect),
+      unshadowed: [await all(data.unshadowed[0]), await all(data.unshadowed[1])],
       sets: await bake.block(data.sets, 1),
       least: data.least === null ? null : await bake.block(data.least, 1),
       greatest: await bake.block(data.greatest, 1),
@@ -41,22 +58,39 @@ export class WallLight {
   private constructor(
     private readonly header: Header,
     triangles: Uint32Array,
+    private readonly emission: Vector,
     private readonly blocks: Blocks,
   ) {
     const { tints } = header.walls;
     this.count = blocks.sets.length;
     this.points = tints[0].length;
-    this.tints = new Float32Array(tints.flat(2));
-    this.unshadowed = blocks.unshadowed.map((words) => {
-      if (words === null) return null;
-      const colors = new Float32Array(3 * this.count);
-      addColors(colors, words, 0, 1);
-      return colors;
-    });
-    this.whole = this.lit(Infinity);
+    this.tints = new Float32Array(tints.flat(2).length);
+    this.unshadowed = [0, 1].map(() => new Float32Array(3 * this.count));
     this.edges = edgesOf(triangles, this.count);
     this.terms = new Uint32Array(this.count).fill(1);
     for (const v of this.edges) ++this.terms[v];
+  }
+
+  // With lamps of other strengths.
+  set(lamps: Lamp[]): void {
+    const { tints, lights } = this.header.walls;
+    const factors = factorsOf(lamps, this.header);
+    this.indirect = indirectFactor(factors, this.header);
+    this.tints.set(
+      tints.flatMap((set) =>
+        set.flatMap((tint, point) => {
+          const factor = factorAt(factors, lights[point]);
+          return tint.map((x, k) => x * factor[k]);
+        }),
+      ),
+    );
+    this.unshadowed.forEach((colors, side) => {
+      colors.fill(0);
+      this.blocks.unshadowed[side].forEach((words, lamp) => {
+        if (words) addColors(colors, words, 0, factorAt(factors, lamp));
+      });
+    });
+    this.whole = this.lit(Infinity);
   }
 
   // Radiance times the exposure, of the front and the back, into three numbers for each vertex.
@@ -98,7 +132,6 @@ export class WallLight {
 
   private addDirect(colors: Float32Array, lit: Float32Array, side: number): void {
     const unshadowed = this.unshadowed[side];
-    if (unshadowed === null) return;
     const whole = this.whole[side];
     for (let i = 0; i < lit.length; ++i) if (lit[i] > 0) lit[i] /= whole[i];
     // The mean over each vertex and its neighbours.
@@ -128,11 +161,16 @@ export class WallLight {
     const share = (c - nodes[low]) / (nodes[low + 1] - nodes[low]);
     const count = words.length / nodes.length;
     const coarse = new Float32Array(3 * count);
-    addColors(coarse, words, low * count, 0.5 * (1 - share));
-    addColors(coarse, words, (low + 1) * count, 0.5 * share);
+    const half = (part: number) => this.indirect.map((factor) => 0.5 * part * factor) as Vector;
+    addColors(coarse, words, low * count, half(1 - share));
+    addColors(coarse, words, (low + 1) * count, half(share));
+    // What the wall emits by itself is in it, and is none of the lamps'.
+    const own = this.emission.map((x, k) => x * this.header.exposure * (1 - this.indirect[k]));
     for (let v = 0; v < this.count; ++v) {
       const [a, b] = [3 * between[2 * v], 3 * between[2 * v + 1]];
-      for (let k = 0; k < 3; ++k) colors[3 * v + k] += coarse[a + k] + coarse[b + k];
+      for (let k = 0; k < 3; ++k) {
+        colors[3 * v + k] += Math.max(coarse[a + k] + coarse[b + k] + own[k], 0);
+      }
     }
   }
 }

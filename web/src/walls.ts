@@ -4,8 +4,8 @@
 import * as three from 'three';
 
 import type { Bake, Header, WallData } from './bake';
-import { lampUniforms } from './lamps';
-import type { Look } from './look';
+import { factorsOf, lampUniforms, lampVectors } from './lamps';
+import type { Lamp, Look } from './look';
 import display from './shaders/display.glsl';
 import lamps from './shaders/lamps.glsl';
 import precision from './shaders/precision.glsl';
@@ -16,17 +16,18 @@ import { WallLight } from './wall_light';
 export class Wall {
   readonly mesh: three.Mesh<three.BufferGeometry, three.RawShaderMaterial>;
   private readonly attributes: three.BufferAttribute[];
-  private shown = NaN;
+  private shown = NaN; // the isovalue
+  private lit: Lamp[] | null = null;
 
   static async of(bake: Bake, data: WallData): Promise<Wall> {
     const vertices = new Float32Array((await bake.block(data.vertices, 4)).buffer);
     const triangles = new Uint32Array((await bake.block(data.triangles, 4)).buffer);
-    const light = data.light && (await WallLight.of(bake, data.light, triangles));
+    const light = await WallLight.of(bake, data, triangles);
     return new Wall(bake.header, data, vertices, triangles, light);
   }
 
   private constructor(
-    header: Header,
+    private readonly header: Header,
     data: WallData,
     vertices: Float32Array,
     triangles: Uint32Array,
@@ -75,7 +76,16 @@ export class Wall {
     );
     uniforms.gain.value = 2 ** look.stops;
     uniforms.isLocal.value = look.isLocal || this.lights === null;
+    if (look.lamps !== this.lit) this.relight(look.lamps);
     if (look.showsWalls && !look.isLocal && look.isovalue !== this.shown) this.light(look.isovalue);
+  }
+
+  private relight(lamps: Lamp[]): void {
+    const factors = factorsOf(lamps, this.header);
+    this.mesh.material.uniforms.lamps.value = lampVectors(this.header, factors);
+    this.lights?.set(lamps);
+    this.lit = lamps;
+    this.shown = NaN;
   }
 
   private light(c: number): void {

@@ -8,11 +8,15 @@ import { load } from './load.mjs';
 const { onGrid, textOf } = await load('isovalues');
 const { colorsOf, linearAt } = await load('color_maps');
 const { fromLink, toLink } = await load('link');
+const { bakedLamps, factorsOf, hueOf, indirectFactor } = await load('lamps');
 const { positionOf } = await load('framing');
 const { roundLength, lengthText } = await load('lengths');
 
 const VIRIDIS = ['Viridis', '440154', '472d7b', '3b528b', '2c728e', '21918c', '27ad81', '5cc863', 'aadc32', 'fde725'];
-const CT = { window: [-1000.5, 2000.5], step: 0.1, colorMaps: { VIRIDIS } };
+const CT = { window: [-1000.5, 2000.5], step: 0.1, colorMaps: { VIRIDIS }, lights: { lamps: [], others: [1, 1, 1] } };
+const LIT = { ...CT, lights: { lamps: [
+  { name: 'key', color: [4, 2, 0], share: [0.6, 0.5, 0] }, { name: 'rim', color: [1, 1, 1], share: [0.3, 0.5, 0.9] },
+], others: [0.1, 0, 0.1] } }; // prettier-ignore
 const MAP = { window: [-0.31234, 1.45678], step: 0.001 };
 
 test('isovalues have the digits of the data', () => {
@@ -28,7 +32,7 @@ test('isovalues stay within the window', () => {
 
 const LOOK = {
   isovalue: 45.5, second: null, opacity: 0.35, isLocal: false, showsWalls: true, clip: null, stops: 0,
-  slices: [null, null, null], sliceColors: 'GRAY', isosurfaceColors: null,
+  slices: [null, null, null], sliceColors: 'GRAY', isosurfaceColors: null, lamps: [],
 }; // prettier-ignore
 const FIRST = { look: LOOK, viewpoint: { position: [0, -5, 1], target: [0, 0, 0], up: [0, 0, 1] } };
 
@@ -37,11 +41,11 @@ test('a link holds the whole state', () => {
     look: {
       isovalue: 120.3, second: 20.1, opacity: 0.5, isLocal: true, showsWalls: false,
       clip: { from: 4, share: 0.25 }, stops: -1.2, slices: [0.5, null, 0.125], sliceColors: 'VIRIDIS',
-      isosurfaceColors: 'VIRIDIS',
+      isosurfaceColors: 'VIRIDIS', lamps: [{ strength: 0.25, color: null }, { strength: 2, color: 'ffa000' }],
     },
     viewpoint: { position: [1.5, 2.25, -3], target: [0.5, 0, 1], up: [1, 0, 0] },
   }; // prettier-ignore
-  assert.deepEqual(fromLink(`#${toLink(state)}`, FIRST, CT), state);
+  assert.deepEqual(fromLink(`#${toLink(state)}`, FIRST, LIT), state);
   assert.deepEqual(fromLink(toLink(FIRST), FIRST, CT), FIRST);
   assert.deepEqual(fromLink('', FIRST, CT), FIRST);
 });
@@ -54,6 +58,26 @@ test('a link that makes no sense changes nothing', () => {
   assert.deepEqual(beyond, {
     ...LOOK, isovalue: 2000.5, second: -1000.5, opacity: 1, clip: { from: 2, share: 0 }, stops: 4,
   }); // prettier-ignore
+});
+
+test('lamps that make no sense are as baked, and strengths have an end', () => {
+  const baked = bakedLamps(LIT);
+  for (const wrong of ['1,', '1,,1,,1,', 'x,,1,', '1,red,1,', '1.2.3,,1,', ',,,', '']) {
+    assert.deepEqual(fromLink(`#lamps=${wrong}`, FIRST, LIT).look.lamps, baked, wrong);
+  }
+  const strengths = fromLink('#lamps=99,,-1,', FIRST, LIT).look.lamps.map(({ strength }) => strength);
+  assert.deepEqual(strengths, [4, 0]);
+});
+test('lamps change light by channel, and have no channel that was not baked', () => {
+  const lamps = [{ strength: 0.5, color: null }, { strength: 2, color: 'ff0000' }];
+  const factors = factorsOf(lamps, LIT);
+  assert.deepEqual(factors, [[0.5, 0.5, 0.5], [2, 0, 0]]);
+  const found = indirectFactor(factors, LIT);
+  [0.3 + 0.6 + 0.1, 0.25, 0.1].forEach((x, k) => assert.ok(Math.abs(found[k] - x) < 1e-12));
+  assert.equal(hueOf([4, 2, 0]), 'ffbc00');
+  const same = factorsOf([{ strength: 1, color: 'ffbc00' }, { strength: 1, color: 'ffffff' }], LIT);
+  same.flat().forEach((x, i) => assert.ok(Math.abs(x - (i === 2 ? 0 : 1)) < 0.01, String(same)));
+  assert.deepEqual(factorsOf([{ strength: 1, color: 'ffffff' }], LIT)[0], [1, 2, 0]);
 });
 
 test('color maps go from end to end, in displayed and in linear colors', () => {

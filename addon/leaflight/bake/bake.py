@@ -12,7 +12,7 @@ from leaflight.io.output import check_writable
 
 from ..operators import background, checks
 from ..operators.active_volume import active_volume
-from ..show import preview, surface_material, surface_object, walls
+from ..show import preview, surface_object, walls
 from ..stage import scene_export
 from ..store import atlases, bake_files, cache, frame_bakes, preferences, source_files
 from . import lighting, stopped
@@ -171,7 +171,6 @@ class BakeJob(background.Job):
         volumes[self.leader].leaflight.bake_warnings = "\n".join(self.warnings)
         scene = bpy.data.scenes.get(self.scene_name)
         lighting.show(volumes, volumes[self.leader], scene)
-        surface_material.remove_pass_materials()
         texels = sum(grid.texels for grid in self.bake.grids)
         end = self.outcome()
         return f"Baked {texels} texels in {self.seconds:.1f} s{end and f'; {end}'}"

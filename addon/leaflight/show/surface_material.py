@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The material of an isosurface: of its light in the bake, of a pass, or the isosurface's own,
-unlit.
+"""The material of an isosurface: of its light in the bake or in a pass of it, or the isosurface's
+own, unlit.
 
-Each is built once and then keeps its nodes: isovalue, opacity and color only change values in it,
-so that nothing is compiled anew while they move.
+Each is built once and then keeps its nodes: isovalue, opacity, color and the next pass only change
+values in it. Blender compiles other nodes anew and meanwhile shows a material without baked light.
 """
 
 import bpy
@@ -16,33 +16,25 @@ from .isosurface import RADIANCE, RADIANCE_BACK
 # What a material was built for.
 _BUILT = "leaflight_built"
 
-# Marks the materials of passes of a bake, by the number of sides that they light.
-_PASS = {1: "leaflight_pass", 2: "leaflight_pass_sides"}
-
 
 def material_of(obj, isovalue):
     """The material of the state that the mesh of an isosurface is in. Raises LeaflightError."""
     if RADIANCE not in obj.data.attributes:
         return isosurface_material(obj, isovalue)
-    if preview.of(obj) is not None and look.view_of(obj) == shader.View():
-        return _pass_material(obj)
     return _baked_material(obj, isovalue)
 
 
 def may_replace(obj, material):
     """Whether a material is one of ours, or none, and not one that the user put there."""
-    own = (None, obj.leaflight.isosurface_material, obj.leaflight.baked_material)
-    return material in own or any(mark in material for mark in _PASS.values())
+    return material in (None, obj.leaflight.isosurface_material, obj.leaflight.baked_material)
 
 
 def is_own(changed):
     """Whether a data-block is a material of a surface that was built here, or the nodes of one."""
-    marks = (_BUILT, *_PASS.values())
     if isinstance(changed, bpy.types.Material):
-        return any(mark in changed for mark in marks)
+        return _BUILT in changed
     return isinstance(changed, bpy.types.ShaderNodeTree) and any(
-        material.node_tree == changed and any(mark in material for mark in marks)
-        for material in bpy.data.materials
+        material.node_tree == changed and _BUILT in material for material in bpy.data.materials
     )
 
 
@@ -70,10 +62,11 @@ def _ending(obj):
     return repr(look.view_of(obj))
 
 
-def remove_pass_materials():
-    for material in [m for m in bpy.data.materials if any(mark in m for mark in _PASS.values())]:
-        if not material.users:
-            bpy.data.materials.remove(material)
+def remove_baked(obj):
+    """Removes the material of passes that have left no bake."""
+    material = obj.leaflight.baked_material
+    if material is not None and material not in obj.data.materials[:]:
+        bpy.data.materials.remove(material)
 
 
 def isosurface_material(obj, isovalue):
@@ -120,15 +113,10 @@ def look_after_images(obj, bake_path):
             _atlas_image(volume, bake_path, back)
 
 
-def _pass_material(obj):
-    """By vertex attribute: an atlas is a file, which a pass is not worth."""
-    sides = [name for name in (RADIANCE, RADIANCE_BACK) if name in obj.data.attributes]
-    return shader.shared_material(_PASS[len(sides)], "Leaflight Pass", *sides)
-
-
 def _baked_material(obj, isovalue):
     volume = added.volume_object(obj)
     settings, view = volume.leaflight, look.view_of(obj)
+    # An atlas is a file, which a pass is not worth.
     in_passes = preview.of(volume) is not None
     mode = "ATTRIBUTE" if in_passes else shading_in_use(settings)[0]
     back = RADIANCE_BACK in obj.data.attributes

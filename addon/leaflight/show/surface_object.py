@@ -240,9 +240,12 @@ def forget_passes():
     """Shows what lit the objects before the passes of a bake did."""
     for name in preview.forget():
         obj = next((obj for obj in bpy.data.objects if obj.name_full == name), None)
-        if obj is not None and obj.leaflight.is_volume:
-            update_all(obj)
-    surface_material.remove_pass_materials()
+        if obj is None or not obj.leaflight.is_volume:
+            continue
+        update_all(obj)
+        if not obj.leaflight.bake_id:
+            for each in (obj, *added.added_to(obj)):
+                surface_material.remove_baked(each)
 
 
 def _label(obj, isovalue):

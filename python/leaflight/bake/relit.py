@@ -73,6 +73,22 @@ def can_be_relit(bake: "Bake", diffuse_alone: bool = False) -> bool:
     )
 
 
+def indirect_by_lamp(bake: "Bake") -> Array:
+    """How indirect light follows the lamps: it is multiplied, by channel, by the sum over the lamps
+    of their factors, beside the strengths that the bake has now, times the rows of this array, and
+    of its last row. float64 (lamps + 1, 3), whose rows sum to 1."""
+    original, count = bake.original or bake, len(bake.scene.lights)
+    now = np.array(bake.factors or _as_baked(bake), np.float64).reshape(count, 3)
+
+    def factor(factors: Array) -> Array:
+        return np.array(original.indirect_shares.factor([tuple(row) for row in factors]))
+
+    others, each = factor(0.0 * now), np.eye(count)[:, :, None] * now
+    rows = np.array([*(factor(one) - others for one in each), others])
+    total = rows.sum(axis=0)
+    return np.divide(rows, total, out=np.full_like(rows, 1.0 / len(rows)), where=total > 0)
+
+
 def strengths_of(light: Light) -> Color:
     """The colour (r, g, b) that says how strong a lamp of a scene is, in the unit of its kind."""
     strengths: Color = getattr(light, _strength(light))

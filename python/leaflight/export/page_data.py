@@ -14,6 +14,7 @@ import numpy as np
 from .._core import Progress
 from ..arrays import Array
 from ..bake.baked import Bake
+from ..bake.relit import can_be_relit, indirect_by_lamp, strengths_of
 from ..color_maps import MAPS
 from ..stills.camera import bounds_of
 from ..stills.first_view import FILLED, framing
@@ -27,7 +28,7 @@ from .page_walls import walls_data
 from .shared_exponent import planes
 
 # Of the header and the blocks; the page refuses another one.
-FORMAT = 3
+FORMAT = 4
 # How a coarser page is called, by how many times it was halved.
 EVERY = ("every", "every 2nd", "every 4th", "every 8th")
 # That are deflated before somebody may cancel.
@@ -91,7 +92,8 @@ def page_data(bake: Bake, isovalue: float, coarser: int, progress: Progress) -> 
         bounds=[low.tolist(), high.tolist()],
         volumes=[volume_data(data, each) for each in shown],
         walls=walls_data(data, bake),
-        lamps=lamps.rows.tolist(),
+        lights=lights_data(bake),
+        lamps=[[int(k), *row] for k, row in zip(lamps.lights, lamps.rows.tolist())],
         ambient=lamps.ambient.tolist(),
         headlight=lamps.headlight,
         histogram=histogram(bake),
@@ -102,6 +104,18 @@ def page_data(bake: Bake, isovalue: float, coarser: int, progress: Progress) -> 
         about=about(bake, coarser),
     )
     return data
+
+
+def lights_data(bake: Bake) -> dict[str, Any]:
+    """The lamps of a bake whose strengths the page can change, which are all or none."""
+    if bake.is_moved or not can_be_relit(bake.original or bake):
+        return {"lamps": [], "others": [1.0, 1.0, 1.0]}
+    *shares, others = indirect_by_lamp(bake).tolist()
+    lamps = [
+        {"name": light.name, "color": list(strengths_of(light)), "share": share}
+        for light, share in zip(bake.scene.lights, shares)
+    ]
+    return {"lamps": lamps, "others": others}
 
 
 def step_of(bake: Bake) -> float:

@@ -158,6 +158,7 @@ def _direct_data(
     return {
         **_texture(data, active, layers, sides),
         "points": direct.light_points.reshape(-1, 16).tolist(),
+        "lights": direct.lights.tolist(),
         "indexToFrame": direct.index_to_frame.ravel().tolist(),
     }
 

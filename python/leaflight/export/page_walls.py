@@ -22,14 +22,16 @@ def walls_data(data: "PageData", bake: Bake) -> dict[str, Any]:
     """What the header of a page tells of a bake's walls; the blocks go into its PageData."""
     nodes: list[float] = []
     tints: list[Any] = []
+    lights: list[int] = []
     strengths: Array | None = None
     if bake.walls is not None and bake.scene.meshes:
         nodes = list(bake.walls.nodes)
         amounts = bake.walls.point_amounts
         strengths = amounts.max(axis=-1)
         tints = (amounts / np.maximum(strengths[..., None], 1e-30)).tolist()
+        lights = bake.walls.point_lights.tolist()
     meshes = [_wall(data, bake, strengths, mesh) for mesh in room_meshes(bake)]
-    return {"nodes": nodes, "tints": tints, "meshes": meshes}
+    return {"nodes": nodes, "tints": tints, "lights": lights, "meshes": meshes}
 
 
 def _wall(data: "PageData", bake: Bake, strengths: Array | None, mesh: RoomMesh) -> dict[str, Any]:
@@ -55,7 +57,7 @@ def _light(data: "PageData", bake: Bake, strengths: Array, number: int) -> dict[
     return {
         "between": data.add(lit.between(number)),
         "indirect": [colors(lit.indirect(number, back)) for back in (False, True)],
-        "unshadowed": [colors(light) for light in unshadowed],
+        "unshadowed": [[colors(light) for light in side] for side in unshadowed],
         "sets": data.add(sets),
         "least": None if least is None else data.add(codes(least, bake.isovalues).T),
         "greatest": data.add(codes(greatest, bake.isovalues).T),

@@ -24,10 +24,12 @@ class Lamps:
     intensity, cosine up to which it is bright. Kinds: 0 a sun, whose position is the direction to
     it and whose intensity its irradiance; 1 a point or spot; 2 a piece of a surface that shines
     along its axis; 3 of one that does so to both sides. ambient: mean radiance from all around.
-    headlight: there is no other light.
+    lights: int (n,), the number of the scene's light that each belongs to, or -1. headlight: there
+    is no other light.
     """
 
     rows: Array
+    lights: Array
     ambient: Array
     headlight: bool
 
@@ -62,19 +64,20 @@ def headlight(points: Array, normals: Array, eye: Array) -> Array:
 
 def lamps_of(description: SceneDescription) -> Lamps:
     """The Lamps of a SceneDescription in world coordinates, the brightest if there are many."""
-    rows = [row for light in description.lights for row in _rows(light)]
+    rows = [(k, row) for k, light in enumerate(description.lights) for row in _rows(light)]
     for mesh in description.meshes:
         if max(mesh.emission) > 0.0:
-            rows += _facets(mesh)
+            rows += [(-1, row) for row in _facets(mesh)]
     environment = description.environment
     ambient = np.zeros(3)
     if environment is not None:
         ambient = np.asarray(environment.radiance, np.float64)
         if environment.image is not None:
             ambient = ambient * _mean_of_sky(environment.image)
-    brightest = sorted(rows, key=lambda row: -max(row[8:11]))[:MOST_LAMPS]
-    lamps = np.array(brightest, np.float64).reshape(-1, 12)
-    return Lamps(lamps, ambient, len(lamps) == 0 and not ambient.any())
+    brightest = sorted(rows, key=lambda numbered: -max(numbered[1][8:11]))[:MOST_LAMPS]
+    lamps = np.array([row for _, row in brightest], np.float64).reshape(-1, 12)
+    lights = np.array([light for light, _ in brightest], np.int64)
+    return Lamps(lamps, lights, ambient, len(lamps) == 0 and not ambient.any())
 
 
 def _rows(light: Light) -> list[tuple[float, ...]]:

@@ -161,7 +161,6 @@ def check_a_stopped_bake_is_kept(endless):
     loaded = leaflight.load_bake(bpy.path.abspath(endless.leaflight.bake_path))
     assert loaded.id == ours.id == endless.leaflight.bake_id
     assert "was not reached" in endless.leaflight.bake_outcome
-    assert not [m for m in bpy.data.materials if m.name.startswith("Leaflight Pass")]
 
 
 @pytest.mark.parametrize("was_baked", [False, True])

@@ -10,6 +10,7 @@ uniform bool isLocal;
 uniform bool innerHasMaps;  // or its texels hold all light
 uniform mat4 indexToWorld;
 uniform vec3 albedo[2], emission[2];  // of both isosurfaces
+uniform vec3 indirectFactor;          // of lamps that are brighter than in the bake
 
 // Radiance of the texels about a place.
 vec3 ofTexels(vec3 place, bool isInner) {
@@ -50,8 +51,9 @@ vec3 light(vec3 place, Hit hit, float isovalue, int number) {
     if (hit.fromInside && !innerHasMaps) return ofTexels(place, true);
     vec3 gradient = gradientAt(place, isovalue);
     vec3 irradiance = directIrradiance(place, gradient, isovalue, hit.fromInside);
-    return indirectLight(place, gradient, hit.fromInside) +
-           exposure / PI * albedo[number] * irradiance;
+    vec3 own = exposure * emission[number];
+    vec3 others = indirectLight(place, gradient, hit.fromInside) - own;
+    return max(own + others * indirectFactor, 0.0) + exposure / PI * albedo[number] * irradiance;
 #else
     return ofTexels(place, hit.fromInside);
 #endif

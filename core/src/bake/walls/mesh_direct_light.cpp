@@ -125,6 +125,17 @@ std::vector<Vec<3, float>> MeshDirectLight<D>::unshadowed(int mesh, bool back) c
 }
 
 template <int D>
+std::vector<Vec<3, float>> MeshDirectLight<D>::unshadowed_by(std::size_t light, int mesh,
+                                                             bool back) const {
+  const MeshWays& of = (*meshes_)[mesh];
+  const std::size_t vertices = of.sets.size();
+  const auto begin = of.unshadowed[back].begin() + static_cast<std::ptrdiff_t>(light * vertices);
+  std::vector<Vec<3, float>> radiance(begin, begin + static_cast<std::ptrdiff_t>(vertices));
+  for (Vec<3, float>& each : radiance) each *= Vec<3, float>(scales_[light]);
+  return radiance;
+}
+
+template <int D>
 std::vector<Vec<3, float>> MeshDirectLight<D>::radiance(int mesh, double c, bool back) const {
   const MeshWays& of = (*meshes_)[mesh];
   const std::size_t vertices = of.sets.size(), points = sets_[0].size();

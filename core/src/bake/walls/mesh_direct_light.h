@@ -31,6 +31,9 @@ class MeshDirectLight {
   std::vector<Vec<3, float>> radiance(int mesh, double c, bool back) const;
   // The same if nothing stood in the way of the light.
   std::vector<Vec<3, float>> unshadowed(int mesh, bool back) const;
+  // Its part by one of the scene's lights; the number behind the last one is all that is no light.
+  std::vector<Vec<3, float>> unshadowed_by(std::size_t light, int mesh, bool back) const;
+  std::size_t lights() const { return scales_.size(); }
 
   // From one vertex to one point of its set.
   struct Way {

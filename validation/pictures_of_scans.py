@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The part of validation/pictures_of_scans that runs within Blender: ... -- ADDON.zip FOLDER FILE NAME LOOK.
+
+Four clicks, and the viewport beside Cycles; then one look. Prints how many pixels are burnt or
+black in both, of the same view.
+"""
+
+import json
+import os
+import sys
+
+import bpy
+import numpy as np
+
+sys.path.insert(0, os.path.dirname(__file__))
+from pictures_first_brain import FOLDER, bake, call, open_tab, picture, run, view  # noqa: E402
+
+FILE, NAME, LOOK = sys.argv[-3:]
+# Of the stills that are compared, in percent of 1920 x 1080, and the samples of Cycles.
+PERCENTAGE, SAMPLES = 25, 32
+# Of 255.
+BURNT, BLACK = 254, 1
+
+
+def drive():
+    from leaflight import blender
+
+    yield from open_tab()
+    call(bpy.ops.leaflight.import_volume, "EXEC_DEFAULT", filepath=FILE)
+    yield 2.0
+    picture(f"{NAME}_imported")
+    yield 0.5
+    call(bpy.ops.leaflight.stage)
+    yield 30.0  # shaders are compiled
+    yield from bake()
+    # A render waits for the shaders that the viewport compiles beside other work.
+    scene = bpy.context.scene
+    scene.render.resolution_percentage = 5
+    bpy.ops.render.render()
+    yield 20.0
+    picture(f"{NAME}_baked")
+    yield 0.5
+    obj = bpy.context.object
+    scene.render.resolution_percentage = PERCENTAGE
+    shown = os.path.join(FOLDER, f"{NAME}_viewport.png")
+    render_viewport(shown)
+    yield 0.5
+    figures = blender.compare(obj, os.path.join(FOLDER, NAME), SAMPLES, 16)
+    cycles = os.path.join(FOLDER, NAME, f"{obj.name}_{figures['isovalue']:g}_cycles.png")
+    counts = {"viewport": extremes(shown), "cycles": extremes(cycles)}
+    print("SCAN", NAME, json.dumps({**counts, **figures}), flush=True)
+    yield 0.5
+    # Its backdrop lights the scan otherwise.
+    call(bpy.ops.leaflight.isosurface_preset, "EXEC_DEFAULT", preset=LOOK)
+    yield from bake()
+    scene.render.resolution_percentage = 100
+    scene.render.filepath = os.path.join(FOLDER, f"{NAME}.png")
+    bpy.ops.render.render(write_still=True)
+
+
+def render_viewport(path):
+    window, area = view()
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    bpy.context.scene.render.filepath = path
+    with bpy.context.temp_override(window=window, area=area, region=region):
+        bpy.ops.render.opengl(write_still=True, view_context=True)
+
+
+def extremes(path):
+    """How many pixels of a picture are burnt, and how many are black."""
+    image = bpy.data.images.load(path)
+    pixels = 255 * np.array(image.pixels, np.float32).reshape(-1, 4)[:, :3]
+    bpy.data.images.remove(image)
+    return {
+        "burnt": int((pixels.min(axis=1) >= BURNT).sum()),
+        "black": int((pixels.max(axis=1) <= BLACK).sum()),
+    }
+
+
+if __name__ == "__main__":
+    run(drive)
