@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The part of validation/pictures_of_scans that runs within Blender: ... -- ADDON.zip FOLDER FILE NAME LOOK.
+"""The part of validation/pictures_of_scans that runs within Blender:
+... -- ADDON.zip FOLDER FILE NAME LOOK.
 
-Four clicks, and the viewport beside Cycles; then one look. Prints how many pixels are burnt or
-black in both, of the same view.
+Four clicks and one look, and the same view by Cycles. Prints how many pixels are burnt or black in
+both, and the figures of the comparison.
 """
 
 import json
@@ -32,6 +33,8 @@ def drive():
     yield 0.5
     call(bpy.ops.leaflight.stage)
     yield 30.0  # shaders are compiled
+    call(bpy.ops.leaflight.isosurface_preset, "EXEC_DEFAULT", preset=LOOK)
+    yield 1.0
     yield from bake()
     # A render waits for the shaders that the viewport compiles beside other work.
     scene = bpy.context.scene
@@ -50,9 +53,6 @@ def drive():
     counts = {"viewport": extremes(shown), "cycles": extremes(cycles)}
     print("SCAN", NAME, json.dumps({**counts, **figures}), flush=True)
     yield 0.5
-    # Its backdrop lights the scan otherwise.
-    call(bpy.ops.leaflight.isosurface_preset, "EXEC_DEFAULT", preset=LOOK)
-    yield from bake()
     scene.render.resolution_percentage = 100
     scene.render.filepath = os.path.join(FOLDER, f"{NAME}.png")
     bpy.ops.render.render(write_still=True)

@@ -45,8 +45,7 @@ py::tuple direct_ways(const WallRadiance<D>& walls, std::size_t mesh) {
       adopt<std::uint8_t>(std::vector(of.sets), {vertices}),
       least.empty() ? py::object(py::none()) : adopt<float>(std::move(least), {vertices, points}),
       adopt<float>(std::move(greatest), {vertices, points}),
-      adopt<float>(std::move(shares), {vertices, points}),
-      unshadowed(false), unshadowed(true));
+      adopt<float>(std::move(shares), {vertices, points}), unshadowed(false), unshadowed(true));
 }
 
 template <int D>

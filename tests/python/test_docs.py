@@ -53,6 +53,16 @@ def test_commands_have_the_options_that_pages_give_them(page):
             assert set(re.findall(r"--[a-z-]+", rest)) <= known, f"{command}{rest}"
 
 
+def test_tests_that_pages_name_are_there():
+    readme = ROOT / "tests" / "README.md"
+    named = re.findall(r"`([\w./]+\.(?:py|mjs))(?:::(\w+))?`", readme.read_text())
+    assert len(named) > 40
+    for path, function in named:
+        file = readme.parent / path
+        assert file.exists(), path
+        assert f"def {function}" in file.read_text() if function else True, f"{path}::{function}"
+
+
 def sphinx(source, site):
     """What scripts/docs does, of another folder of pages."""
     command = ["-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html", source, site]
@@ -123,7 +133,9 @@ nbformat.write(notebook, sys.argv[2])
 @pytest.mark.slow
 def test_the_notebook_is_executed(tmp_path):
     for name in ("nbclient", "ipykernel", "pyvista"):
-        pytest.importorskip(name, reason="Jupyter or PyVista is not installed; scripts/setup --tests")
+        pytest.importorskip(
+            name, reason="Jupyter or PyVista is not installed; scripts/setup --tests"
+        )
     notebook, executed = ROOT / "examples" / "lit_surface.ipynb", tmp_path / "executed.ipynb"
     found = os.pathsep.join(filter(None, map(str, sys.path)))
     done = subprocess.run(

@@ -62,17 +62,35 @@ def test_info_says_it(cli, head_file):
     assert "(no unit)" in cli("info", "bump_box", "--dims", 8).out
 
 
+def expected_sides(surface):
+    """In meters, along x, y, z."""
+    sides = np.ptp(surface.vertices, axis=0) / 1000
+    assert 0.1 < sides.max() <= 0.22
+    return sides
+
+
 def test_a_head_is_a_head_in_gltf(head, tmp_path):
+    """In trimesh, where y is up."""
+    trimesh = pytest.importorskip("trimesh", reason="trimesh of PyPI is not installed")
     surface = leaflight.export(head, tmp_path / "head.glb", [47.0])[47.0]
-    expected = np.ptp(surface.vertices, axis=0).max() / 1000
-    assert longest_side_in_meters(tmp_path / "head.glb") == pytest.approx(expected)
-    assert 0.1 < expected <= 0.22
+    x, y, z = expected_sides(surface)
+    measured = trimesh.load(tmp_path / "head.glb")
+    np.testing.assert_allclose(measured.extents, (x, z, y), rtol=1e-5)
 
 
-def test_a_head_is_a_head_in_usd(head, tmp_path):
+@pytest.mark.parametrize("suffix", ["usda", "usdc"])
+def test_a_head_is_a_head_in_usd(head, tmp_path, suffix):
+    """In Pixar's own library."""
     pytest.importorskip("pxr", reason="usd-core of PyPI is not installed")
-    leaflight.export(head, tmp_path / "head.usda", [47.0])
-    assert "metersPerUnit = 0.001" in (tmp_path / "head.usda").read_text()
+    from pxr import Usd, UsdGeom
+
+    surface = leaflight.export(head, tmp_path / f"head.{suffix}", [47.0])[47.0]
+    stage = Usd.Stage.Open(str(tmp_path / f"head.{suffix}"))
+    cache = UsdGeom.BBoxCache(Usd.TimeCode.EarliestTime(), [UsdGeom.Tokens.default_])
+    box = cache.ComputeWorldBound(stage.GetDefaultPrim()).ComputeAlignedRange()
+    measured = np.array(box.GetSize()) * UsdGeom.GetStageMetersPerUnit(stage)
+    assert UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z
+    np.testing.assert_allclose(measured, expected_sides(surface), rtol=1e-5)
 
 
 @pytest.mark.parametrize("unit", ["", "Å"])

@@ -91,7 +91,10 @@ def with_lamps(bake, chosen):
 
 def choose_lamps(browser, chosen):
     """By their controls."""
-    change = "(e => (e.value = '{}', e.dispatchEvent(new Event('input'))))(document.getElementById('{}'))"
+    change = (
+        "(e => (e.value = '{}', e.dispatchEvent(new Event('input'))))"
+        "(document.getElementById('{}'))"
+    )
     for number, (strength, color) in chosen.items():
         browser.evaluate(change.format(strength, f"strength-{number}"))
         if color is not None:

@@ -43,6 +43,8 @@ USUAL = "mm"
 SMALLEST = 1e-4
 # Between volumes that stand beside each other, in longest sides of the new one.
 GAP = 0.15
+# Meshes so many times as large as a volume are rooms in which it stands.
+_ROOM = 2.0
 
 
 def meters(unit):
@@ -101,19 +103,39 @@ def _overlap(obj, other):
 
 
 def put_beside(context, obj):
-    """Moves a volume to the right of all others of the scene, in line with their middle."""
+    """Moves a volume to the right of all others of the scene, in line with their middle; without
+    others, of the meshes that would hide it, such as the cube of Blender's first scene."""
+    context.view_layer.update()
+    own_low, own_high = isosurfaces.world_box(obj)
     names = volume_names(context)
     others = [context.scene.objects[name] for name in names if name != obj.name]
-    if not others:
+    boxes = [isosurfaces.world_box(other) for other in others]
+    boxes = boxes or _boxes_around(context, own_low, own_high)
+    if not boxes:
         return
-    context.view_layer.update()
-    boxes = np.array([isosurfaces.world_box(other) for other in others])
-    low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
-    own_low, own_high = isosurfaces.world_box(obj)
+    low, high = np.min(boxes, axis=(0, 1)), np.max(boxes, axis=(0, 1))
+    if not others:
+        low[2] = own_low[2]  # the floor
     gap = GAP * float(np.max(own_high - own_low))
     shift = 0.5 * (low + high) - 0.5 * (own_low + own_high)
     shift[0], shift[2] = high[0] + gap - own_low[0], low[2] - own_low[2]
     obj.matrix_world = Matrix.Translation(shift) @ obj.matrix_world
+
+
+def _boxes_around(context, low, high):
+    """Lowest and highest corner (2, 3) of each visible mesh about as large as a box, within which
+    it stands in part; rooms are larger."""
+    boxes = []
+    for other in context.visible_objects:
+        if other.type != "MESH" or _is_volume(other):
+            continue
+        matrix = np.array(other.matrix_world, np.float64)
+        corners = np.array(other.bound_box) @ matrix[:3, :3].T + matrix[:3, 3]
+        box = np.array([corners.min(axis=0), corners.max(axis=0)])
+        is_as_large = np.max(box[1] - box[0]) < _ROOM * np.max(high - low)
+        if is_as_large and np.all(low < box[1]) and np.all(box[0] < high):
+            boxes.append(box)
+    return boxes
 
 
 def longest_side(volume):

@@ -81,6 +81,24 @@ def check_a_volume_of_another_space_stands_beside_the_first(tmp_path):
     close(isosurfaces.world_box(obj), boxes[0], 1e-5)
 
 
+def check_a_mesh_does_not_hide_the_first_volume(tmp_path):
+    """The cube of Blender's first scene; a room and a table below are left as they are."""
+    write_scan(tmp_path / "a.nii")
+    bpy.ops.mesh.primitive_cube_add(size=9.0)
+    bpy.ops.mesh.primitive_cube_add(size=1.0, location=(0.0, 0.0, -0.5))
+    low, high = isosurfaces.world_box(imported(tmp_path / "a.nii"))
+    close((low + high)[:2], (0.0, 0.0), 1e-5)
+    bpy.data.objects.remove(bpy.data.objects["a"])
+    bpy.ops.mesh.primitive_cube_add(size=2.0)
+    cube = bpy.context.object
+    moved_low, moved_high = isosurfaces.world_box(imported(tmp_path / "a.nii"))
+    assert 0 < moved_low[0] - 1.0 < 0.5
+    close([moved_low[2], (moved_low + moved_high)[1]], [0.0, 0.0], 1e-5)
+    bpy.data.objects.remove(bpy.data.objects["a"])
+    cube.hide_set(True)
+    close(isosurfaces.world_box(imported(tmp_path / "a.nii")), [low, high], 1e-5)
+
+
 def _shifted(distance):
     matrix = np.zeros((4, 4))
     matrix[:3, 3] = distance

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The snippets of docs/*.md, as they stand, on small files of the names that they use."""
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import leaflight
+import nibabel
+import numpy as np
+import pytest
+from PIL import Image
+from waiting import HANG
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = ("scripting", "export", "clusters", "validation")
+# What other programs must be there for, and where that is tested.
+ELSEWHERE = {
+    "blender": "tests/blender/inside/check_scripting.py, test_examples.py",
+    "obj.": "tests/blender/inside/check_scrub.py",
+    "--scheduler": "test_cluster.py",
+    "scheduler=": "test_cluster.py",
+    "leaflight render": "tests/blender/test_render.py",
+    "validation/": "the program itself",
+    "head_fine.vdb": "what `leaflight batch` reads",
+}
+# Snippets are of large volumes.
+SMALLER = {
+    "bump_box(100)": "bump_box(16)",
+    "spp=16384": "spp=16",
+    "1_000_000": "10_000",
+    "samples=64": "samples=4",
+    '"/scratch"': '"."',
+}
+BEGINNING = """
+import leaflight, nibabel, numpy as np
+from leaflight.thesis import PhotonMap, Scattered
+volume = leaflight.read_volume("head.nii.gz")
+array, image = np.asarray(volume.values), leaflight.flatland.flatland.bump_box_2d(16)
+scene = leaflight.cornell_box(volume)
+bake = leaflight.bake(volume, scene, isovalues=(20, 160), error=20.0)
+"""
+
+
+def blocks(page):
+    """The indented blocks of a page that are code."""
+    text = (ROOT / "docs" / f"{page}.md").read_text()
+    found = re.findall(r"(?:^|\n\n)((?:    .*\n(?:\n(?=    ))?)+)", text)
+    return [re.sub(r"^    ", "", block, flags=re.MULTILINE) for block in found]
+
+
+def snippets(page):
+    """(commands, Python) of a page, each in its order."""
+    commands, scripts = [], []
+    for block in blocks(page):
+        python = []
+        for line in block.splitlines():
+            if line.startswith("leaflight "):
+                commands.append(line.partition("#")[0].strip())
+            else:
+                python.append(line)
+        scripts.append("\n".join(python).strip())
+    return commands, [script for script in scripts if script]
+
+
+def is_elsewhere(code):
+    return any(mark in code for mark in ELSEWHERE)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """With the files that snippets read."""
+    values = (1.6 * leaflight.bump_box(20).values).T.astype(np.float32)
+    for name, of in (("head", values), ("scan", np.stack([values, values], axis=-1))):
+        image = nibabel.Nifti1Image(of, np.diag([10.0, 10.0, 10.0, 1.0]))
+        image.header.set_xyzt_units("mm")
+        nibabel.save(image, tmp_path / f"{name}.nii.gz")
+    header = (
+        "NRRD0004\ntype: float\ndimension: 3\nsizes: 20 20 20\nencoding: raw\nendian: little\n\n"
+    )
+    (tmp_path / "scan.nrrd").write_bytes(header.encode() + values.T.tobytes())
+    (tmp_path / "bakes.txt").write_text(next(b for b in blocks("clusters") if "head_fine" in b))
+    shutil.copy(ROOT / "scenes" / "bump_box.json", tmp_path / "scene.json")
+    (tmp_path / "scenes").symlink_to(ROOT / "scenes")
+    return tmp_path
+
+
+def run(folder, *command):
+    done = subprocess.run(
+        [sys.executable, *command],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+        capture_output=True,
+        text=True,
+        timeout=HANG,
+    )
+    assert done.returncode == 0, f"{command}: {done.stdout}{done.stderr}"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", PAGES)
+def test_commands_run(folder, page):
+    run(folder, "-m", "leaflight_command", "bake", "head.nii.gz", "--out", "head.vdb")
+    for command in snippets(page)[0]:
+        if not is_elsewhere(command):
+            run(folder, "-m", "leaflight_command", *shlex.split(command)[1:])
+    if page == "scripting":
+        assert np.ptp(np.asarray(Image.open(folder / "head.png"))) > 50
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", PAGES)
+def test_python_runs(folder, page):
+    run(folder, "-m", "leaflight_command", "bake", "head.nii.gz", "--out", "head.vdb")
+    scripts = [script for script in snippets(page)[1] if not is_elsewhere(script)]
+    assert scripts, "the page has no Python"
+    text = BEGINNING + "\n\n".join(scripts)
+    for large, small in SMALLER.items():
+        text = text.replace(large, small)
+    (folder / "snippets.py").write_text(text)
+    run(folder, "snippets.py")
+
+
+def test_no_page_is_forgotten():
+    others = {path.stem for path in (ROOT / "docs").glob("*.md")} - set(PAGES)
+    for page in others:
+        for block in blocks(page):
+            is_code = re.search(r"^leaflight |leaflight\.|import leaflight", block, re.MULTILINE)
+            assert not is_code or is_elsewhere(block), f"{page}: {block}"
