@@ -13,7 +13,7 @@ TAB = 10, 175
 
 
 def run(drive):
-    """Installs the add-on, then goes through a script, which yields seconds before its next step."""
+    """Installs the add-on, then runs a script, which yields the seconds before its next step."""
     bpy.context.preferences.view.show_splash = False
     bpy.context.preferences.view.ui_scale = 1.0
     bpy.ops.preferences.addon_install(filepath=ADDON)

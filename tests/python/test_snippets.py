@@ -41,7 +41,7 @@ import leaflight, nibabel, numpy as np
 from leaflight.thesis import PhotonMap, Scattered
 volume = leaflight.read_volume("head.nii.gz")
 array, image = np.asarray(volume.values), leaflight.flatland.flatland.bump_box_2d(16)
-scene = leaflight.cornell_box(volume)
+scene = leaflight.cornell_box()
 bake = leaflight.bake(volume, scene, isovalues=(20, 160), error=20.0)
 """
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from blends import open_blend, save
 from leaflight import blender
+from mathutils import Vector
 from tools import add_camera, add_light, close, render_exr
 
 SIZE = 48
@@ -39,13 +40,13 @@ def patient(tmp_path):
 
 def _slices(obj):
     obj.leaflight_look.slice_axes = (False, True, False)
-    obj.leaflight_look.slice_places[1] = 0.9
+    obj.leaflight_look.slice_places[1] = 0.1
 
 
 def _cut(obj):
     bpy.ops.leaflight.add_clip_box()
     box = obj.leaflight_look.box
-    box.location = obj.matrix_world @ box.location.__class__((10.0, 0.0, 20.0))
+    box.location = obj.matrix_world @ Vector((10.0, 0.0, 20.0))
     bpy.context.view_layer.update()
 
 
