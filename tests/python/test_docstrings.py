@@ -3,6 +3,7 @@
 
 import importlib.util
 import inspect
+import re
 from pathlib import Path
 
 import leaflight
@@ -52,7 +53,7 @@ def test_parameters_become_a_table(rewritten):
 def test_options_are_parameters(plain_docstrings):
     lines = inspect.getdoc(leaflight.bake).splitlines()
     plain_docstrings._process(None, None, None, leaflight.bake, None, lines)
-    named = {row[0].strip("`") for row in rows(lines)}
+    named = {name for row in rows(lines) for name in re.findall(r"\w+", row[0])}
     assert {"isovalues", "error", "seed", "on_pass", "checkpoint"} <= named
 
 
