@@ -187,7 +187,7 @@ def compare(
             share=100.0 * share,
         )
     path = max(_written(folder).items() - before.items(), key=lambda item: item[1])[0]
-    figures: dict[str, Any] = json.loads(path.read_text())
+    figures: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     return figures
 
 

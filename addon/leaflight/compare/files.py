@@ -36,7 +36,7 @@ def write(scene, folder, name, result):
     _write_table(f"{stem}_comparison.csv", numbers)
     path = Path(f"{stem}_comparison.json")
     with replaced(path) as temporary:
-        temporary.write_text(json.dumps(numbers, indent=2) + "\n")
+        temporary.write_text(json.dumps(numbers, indent=2) + "\n", encoding="utf-8")
     return path
 
 
@@ -46,7 +46,7 @@ def _write_table(path, numbers):
         ("local", "local_seconds", "local_rms_percent"),
         ("cycles", "cycles_seconds", None),
     ]
-    with replaced(path) as temporary, open(temporary, "w", newline="") as file:
+    with replaced(path) as temporary, open(temporary, "w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
         table.writerow(["name", "isovalue", "still", "render_seconds", "rms_percent_on_isosurface"])
         for still, seconds, rms in rows:

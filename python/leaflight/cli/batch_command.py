@@ -126,7 +126,7 @@ def _read_list(path: str) -> list[tuple[int, Namespace]]:
     from leaflight_command.shared_options import UsageError
 
     try:
-        text = Path(path).read_text()
+        text = Path(path).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise LeaflightError(f"{path}: cannot read it: {error}.") from None
     bakes, parser = [], make_parser()

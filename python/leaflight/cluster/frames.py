@@ -138,7 +138,11 @@ def _run(command: Sequence[str | os.PathLike[str]], key: str | None = None) -> s
             raise Cancelled("cancelled")
         try:
             process = subprocess.Popen(
-                command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+                command,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                encoding="utf-8",
+                errors="replace",
             )
         except OSError as error:
             raise LeaflightError(

@@ -19,6 +19,7 @@ from typing import Any, NoReturn
 
 from .._core import LeaflightError, Progress
 from ..arrays import Array
+from .process_limits import limit_process
 
 # Seconds of a processor for any file, and bytes that are read in one more.
 LEAST_SECONDS = 60
@@ -112,7 +113,7 @@ class ReaderProcess:
 
 def _python() -> str:
     """The interpreter: where Python is part of a program, sys.executable may be another one."""
-    names = ("bin/python{}.{}", "bin/python3", "bin/python.exe", "python.exe")
+    names = ("bin/python{}.{}", "bin/python3", "python.exe", "bin/python.exe")
     for name in names:
         path = Path(sys.prefix, name.format(*sys.version_info))
         if path.is_file():
@@ -123,7 +124,7 @@ def _python() -> str:
 def child() -> NoReturn:
     """Calls the function and answers with a line of JSON, behind it the pieces."""
     path, seconds, module, function, *options = json.loads(sys.argv[2])
-    _limit(seconds)
+    limit_process(seconds)
     out = sys.stdout.buffer
     pieces: Iterable[Array] = ()
     try:
@@ -141,19 +142,3 @@ def child() -> NoReturn:
     out.flush()
     # What libraries do at the end of a process does not matter any more.
     os._exit(0)
-
-
-def _limit(seconds: int) -> None:
-    try:
-        import resource
-    except ImportError:
-        return  # Windows: the time is limited by who waits.
-    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    for what, most in (
-        (resource.RLIMIT_AS, memory),
-        (resource.RLIMIT_CPU, seconds),
-        (resource.RLIMIT_CORE, 0),
-    ):
-        hard = resource.getrlimit(what)[1]
-        most = most if hard == resource.RLIM_INFINITY else min(most, hard)
-        resource.setrlimit(what, (most, hard))
