@@ -91,6 +91,15 @@ LONG_PARTS = (
     Part("package", f"{PYTEST} tests/package {{select}}"),
     # As a user installs it, beside the newest NumPy.
     Part("wheel", f"tests/wheel {PARALLEL} {{select}}", SHORT),
+    # By Wine: the packages for Windows, and the add-on in Blender 4.5 for Windows.
+    Part(
+        "windows",
+        "scripts/setup --windows && "
+        f"{PYTEST} tests/windows && "
+        "program=$(scripts/blender windows-4.5) && PATH=$program:$PATH"
+        f" {PYTEST} tests/blender/test_addon.py {{select}}",
+        "-k 'check_bake.py or check_scrub.py'",
+    ),
     Part("fuzz", "validation/fuzz --minutes 1 --jobs 2 --seed 1 --no-atheris --no-core {select}"),
     Part("faults", "validation/faults --seed 1 {select}", "--tries 20"),
     Part("races", "validation/races {select}"),

@@ -2,6 +2,7 @@
 """The add-on as an extension for Blender 4.2 and later, and as a legacy zip for 3.4 to 4.1."""
 
 import os
+import re
 import shutil
 import zipfile
 
@@ -15,11 +16,16 @@ BPY = "4.2.23"
 # Most of it is one library of 120 MB, and scripts/demo waits for it.
 LEGACY_LEVEL = 1
 PLATFORM = "manylinux_2_28_x86_64"
+# Blender's names of platforms, and the tags of the wheels that run there.
+PLATFORMS = {
+    "linux-x64": (PLATFORM, PLATFORM.replace("_2_28", "_2_27"), "manylinux2014_x86_64"),
+    "windows-x64": ("win_amd64",),
+}
 
 
-def reader_wheels(tags):
+def reader_wheels(tags, platform="linux-x64"):
     """The wheels of the readers for some Pythons ("cp311"), unmodified from PyPI, fetched once."""
-    folder = wheels.WORK / "readers"
+    folder = wheels.WORK / "readers" / platform
     stamp = folder / "stamp"
     wanted = f"{digest(READERS)} {' '.join(sorted(tags))}"
     if not stamp.exists() or stamp.read_text() != wanted:
@@ -29,31 +35,35 @@ def reader_wheels(tags):
             run(
                 *(VENV / "bin" / "python", "-m", "pip", "download", "--no-deps", "--quiet"),
                 *("--only-binary=:all:", "--implementation", "cp", "--python-version", python),
-                *("--platform", PLATFORM, "--platform", PLATFORM.replace("_2_28", "_2_27")),
-                *("--platform", "manylinux2014_x86_64", "--dest", folder, "-r", READERS),
+                *(f"--platform={tag}" for tag in PLATFORMS[platform]),
+                *("--dest", folder, "-r", READERS),
             )
         stamp.write_text(wanted)
     return sorted(folder.glob("*.whl"))
 
 
-def extension(own):
-    """The zip for Blender 4.2 and later, of the wheels for its Pythons."""
-    folder = wheels.WORK / "extension"
+def extension(own, platform="linux-x64"):
+    """The zip for Blender 4.2 and later on a platform, of our wheels for its Pythons."""
+    folder = wheels.WORK / "extension" / platform
     shutil.rmtree(folder, ignore_errors=True)
     _copy_addon(folder)
     (folder / "wheels").mkdir()
     tags = sorted(path.name.split("-")[2] for path in own)
-    shipped = [*own, *reader_wheels(tags)]
+    shipped = [*own, *reader_wheels(tags, platform)]
     for path in shipped:
         shutil.copyfile(path, folder / "wheels" / path.name)
     manifest = folder / "blender_manifest.toml"
     listed = "".join(f'    "./wheels/{path.name}",\n' for path in shipped)
-    manifest.write_text(f"{manifest.read_text()}\nwheels = [\n{listed}]\n")
-    target = OUT / f"leaflight-{version()}.zip"
+    manifest.write_text(
+        f'{manifest.read_text()}\nplatforms = ["{platform}"]\nwheels = [\n{listed}]\n'
+    )
+    # As Blender's own program names extensions for one platform; that for Linux has no suffix.
+    suffix = "" if platform == "linux-x64" else f"-{platform.replace('-', '_')}"
+    target = OUT / f"leaflight-{version()}{suffix}.zip"
     cli = blender_ext()
     python = VENV / "bin" / "python"
     for old in OUT.glob("leaflight-*.zip"):
-        if "legacy" not in old.name:
+        if re.fullmatch(rf"leaflight-[\d.]+{suffix}\.zip", old.name):
             old.unlink()
     run(python, cli, "validate", folder)
     run(python, cli, "build", "--source-dir", folder, "--output-filepath", target)

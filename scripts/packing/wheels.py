@@ -14,11 +14,8 @@ WORK = OUT / "work"
 _RECIPE = sorted(Path(__file__).parent.glob("*.py"))
 
 
-def wheel(python):
-    """Builds, repairs and finishes the wheel for an interpreter; returns its path.
-
-    An unchanged build is not repaired again.
-    """
+def built(python):
+    """Builds the wheel for an interpreter, as it runs on this machine alone; returns its path."""
     python = environment(python)
     tag = _tag(python)
     raw_folder = WORK / tag
@@ -35,7 +32,16 @@ def wheel(python):
         *(f"--config-settings={option}" for option in options),
     )
     (raw,) = raw_folder.glob("*.whl")
-    stamp = WORK / f"{tag}.stamp"
+    return raw
+
+
+def wheel(python):
+    """Builds, repairs and finishes the wheel for an interpreter; returns its path.
+
+    An unchanged build is not repaired again.
+    """
+    raw = built(python)
+    stamp = WORK / f"{raw.parent.name}.stamp"
     wanted = digest(raw, *_RECIPE)
     if stamp.exists():
         name, made_of = stamp.read_text().split()
@@ -57,7 +63,7 @@ def _finish(raw):
     folder = unpack(path, raw.parent / "unpacked")
     make_private(folder)
     _add_licenses(folder)
-    for old in OUT.glob(f"leaflight-*-{'-'.join(path.name.split('-')[2:3])}-*.whl"):
+    for old in OUT.glob(f"leaflight-*-{'-'.join(path.name.split('-')[2:3])}-*linux*.whl"):
         old.unlink()
     return pack(folder, OUT)
 

@@ -25,12 +25,20 @@ ROOT = HERE.parent.parent
 RESULTS = ROOT / "build" / "compatibility"
 
 ABOUT = """
-import bpy, json, numpy, platform, sys
+import bpy, ctypes, json, numpy, platform, sys
+windows = sys.platform == "win32"
+if windows:
+    wine = ctypes.windll.ntdll.wine_get_version
+    wine.restype = ctypes.c_char_p
+    system = f"Windows (Wine {wine().decode().split()[0]})"
+else:
+    system = platform.freedesktop_os_release()["PRETTY_NAME"]
 print("ABOUT", json.dumps({
     "blender": bpy.app.version_string, "version": list(bpy.app.version),
     "python": platform.python_version(), "numpy": numpy.__version__,
     "module": not bpy.app.binary_path,
-    "system": platform.freedesktop_os_release()["PRETTY_NAME"] + " " + platform.machine(),
+    "windows": windows,
+    "system": f"{system} x86_64",
 }))
 """
 
@@ -142,7 +150,9 @@ def blender(request, tmp_path_factory):
     else:
         python = ".".join(blender.about["python"].split(".")[:2])
         options = [] if python == "3.13" else ["--quick"]
-        if python not in ("3.11", "3.13"):
+        if blender.about["windows"]:
+            options = ["--platform", "windows-x64"]
+        elif python not in ("3.11", "3.13"):
             # It came with this Blender (scripts/blender_with_window).
             options += ["--python", Path(shutil.which(f"python{python}")).resolve()]
         (package,) = (
@@ -175,7 +185,9 @@ def results(blender):
     Of several runs together, as long as package and checks are the same.
     """
     about = blender.about
-    folder = RESULTS / f"{about['blender'].split()[0]}-numpy{about['numpy'].split('.')[0]}"
+    system = "-windows" if about["windows"] else ""
+    name = f"{about['blender'].split()[0]}-numpy{about['numpy'].split('.')[0]}{system}"
+    folder = RESULTS / name
     folder.mkdir(parents=True, exist_ok=True)
     # The whole set, wherever only some of it runs.
     about["checks"] = sorted(path.stem for path in (HERE / "inside").glob("check_*.py"))

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is in the packages for Windows, and which libraries the compiled module takes."""
+
+import re
+import subprocess
+import tomllib
+import zipfile
+
+import pytest
+
+MODULE = "leaflight/_core.cp311-win_amd64.pyd"
+# Of every Windows, and Python's own.
+SYSTEM = {
+    "kernel32.dll",
+    "msvcrt.dll",
+    "advapi32.dll",
+    "user32.dll",
+    "shell32.dll",
+    "python311.dll",
+}
+
+
+@pytest.fixture(scope="module")
+def listed(made, tmp_path_factory):
+    """What binutils say of the module."""
+    folder = tmp_path_factory.mktemp("module")
+    with zipfile.ZipFile(made[0]) as archive:
+        path = archive.extract(MODULE, folder)
+    command = ("x86_64-w64-mingw32-objdump", "--private-headers", path)
+    return subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout
+
+
+def test_the_name_tells_the_python_and_the_system(made):
+    assert re.fullmatch(r"leaflight-[\d.]+-cp311-cp311-win_amd64\.whl", made[0].name)
+    with zipfile.ZipFile(made[0]) as archive:
+        (tags,) = (n for n in archive.namelist() if n.endswith(".dist-info/WHEEL"))
+        assert re.findall("^Tag: (.*)$", archive.read(tags).decode(), re.M) == [
+            "cp311-cp311-win_amd64"
+        ]
+
+
+def test_the_module_takes_libraries_of_the_system_alone(listed):
+    """Else another program's library of the same name would serve it."""
+    taken = {name.lower() for name in re.findall(r"DLL Name: (\S+)", listed)}
+    assert {"kernel32.dll", "python311.dll"} <= taken <= SYSTEM
+
+
+def test_the_module_exports_its_entry(listed):
+    """And oneTBB's functions, which declare themselves so. On Windows nobody takes them unasked."""
+    table = listed.partition("[Ordinal/Name Pointer] Table")[2].partition("\n\n")[0]
+    exported = re.findall(r"\[\s*\d+\].*?(\w+)$", table, re.M)
+    others = [name for name in exported if not re.match(r"TBB_|_Z\w*3tbb6detail", name)]
+    assert others == ["PyInit__core"]
+
+
+def test_the_wheel_holds_the_package(made, root):
+    with zipfile.ZipFile(made[0]) as archive:
+        found = archive.namelist()
+    sources = root / "python" / "leaflight"
+    for source in sources.rglob("*.py"):
+        assert f"leaflight/{source.relative_to(sources).as_posix()}" in found
+    assert {"leaflight/page/page.html", "leaflight/scenes/cornell.json", MODULE} <= set(found)
+    assert not [name for name in found if name.endswith(".so") or "__pycache__" in name]
+    licences = [name for name in found if "/licenses/" in name]
+    for package in ("LICENSE", "libtbb", "libembree", "libopenvdb", "libblosc", "gcc-mingw-w64"):
+        assert any(f"/licenses/{package}" in name for name in licences)
+
+
+def test_the_extension_is_for_windows(made):
+    with zipfile.ZipFile(made[1]) as archive:
+        manifest = tomllib.loads(archive.read("blender_manifest.toml").decode())
+        shipped = [name for name in archive.namelist() if name.endswith(".whl")]
+        assert archive.read(f"wheels/{made[0].name}") == made[0].read_bytes()
+    assert manifest["platforms"] == ["windows-x64"]
+    assert sorted(manifest["wheels"]) == sorted(f"./{name}" for name in shipped)
+    assert all(name.endswith(("-win_amd64.whl", "-any.whl")) for name in shipped)
