@@ -112,8 +112,12 @@ void bind_baking(py::module_& module, const std::string& suffix) {
             checkpoints.save = [&, &path = path, &text = text](const Checkpoints::Write& write) {
               try {
                 write_checkpoint(path, text, write);
-              } catch (const Error&) {
-                // A disk that is full now may have space by the end of the bake.
+              } catch (const Error& failure) {
+                // The bake goes on: a disk that is full now may have space by its end.
+                const py::gil_scoped_acquire locked;
+                if (PyErr_WarnEx(PyExc_RuntimeWarning, failure.what(), 1) < 0) {
+                  throw py::error_already_set();
+                }
               }
             };
           }
