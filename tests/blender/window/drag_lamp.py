@@ -152,7 +152,7 @@ def drag():
         "moved": float(np.linalg.norm(np.subtract(tuple(key_light().location), place))),
         "shown": len(labels),
         "times": times,
-        "direct": sum(" moved " in one for one in labels),
+        "direct": sum(bool(json.loads(one)["moved"]) for one in labels),
     }
     yield from picture("direct")
 
