@@ -16,7 +16,7 @@ import numpy as np
 
 ISOVALUES = (24.5, 45.5, 70.5)
 COMPARED = 45.5
-ISOVALUES = (20.0, 75.0)
+ISOVALUE_RANGE = (20.0, 75.0)
 SIZE = 480
 STILL_SAMPLES = 32
 CYCLES_SAMPLES = 96
@@ -83,7 +83,7 @@ def build_scene(volume):
     scene.view_settings.exposure = -0.6
     settings = isosurface.leaflight
     settings.light_walls = False
-    settings.low, settings.high = ISOVALUES
+    settings.low, settings.high = ISOVALUE_RANGE
     bpy.context.view_layer.update()
     return isosurface
 
