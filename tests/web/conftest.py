@@ -102,12 +102,24 @@ def shadows():
     return leaflight.bake(volume, scene, both_sides=True, walls=True, **settings)
 
 
+def ball():
+    """About the origin, in the light of one point."""
+    z, y, x = (np.mgrid[:41, :41, :41] - 20.0) / 20.0
+    values = (100 - 100 * np.sqrt(x * x + y * y + z * z)).astype(np.float32)
+    index_to_world = np.diag([0.05, 0.05, 0.05, 1.0])
+    index_to_world[:3, 3] = -1
+    volume = leaflight.Volume(values, index_to_world, "ball")
+    lamp = PointLight("lamp", (-2.0, -3.0, 2.5), 0.0, (20.0, 16.0, 13.0))
+    scene = SceneDescription("ball", [Isosurfaces("ball", (0.7, 0.7, 0.7))], 1.0, [], [lamp])
+    return leaflight.bake(volume, scene, isovalues=(20.0, 80.0), resolution=32, **WORK)
+
+
 def quadrilateral(name, corner, edge, other):
     corners = np.add(corner, [(0, 0, 0), edge, np.add(edge, other), other]).astype(np.float32)
     return Mesh(name, corners, np.array([[0, 1, 2], [0, 2, 3]], np.uint32), (0.6, 0.6, 0.6))
 
 
-MAKERS = {maker.__name__: maker for maker in (box, brain, oblong, two, shadows)}
+MAKERS = {maker.__name__: maker for maker in (box, brain, oblong, two, shadows, ball)}
 
 
 @pytest.fixture(scope="session")

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from browser import FRAMES
 from leaflight.color_maps import MAPS
+from leaflight.looks import LOOKS
 from leaflight.stills.first_view import camera_around_bake
 from waiting import HANG
 
@@ -16,6 +17,8 @@ SIZE = {"width": 800, "height": 300}
 # test_the_page() is of the short suite.
 pytestmark = pytest.mark.slow
 LOOK, VIEWPOINT = "leaflight.view.look", "leaflight.view.orbit.viewpoint"
+SHOWN = f"{LOOK}.isosurfaces"
+ISOVALUE = f"{SHOWN}[0].isovalue"
 MIDDLE = (
     "(r => [r.x + r.width / 2, r.y + r.height / 2])(leaflight.view.canvas.getBoundingClientRect())"
 )
@@ -129,6 +132,12 @@ def test_clips_begin_at_the_front(browser, pages, bake, end):
     assert browser.evaluate(f"{LOOK}.clip.from") == int(end)
 
 
+def linear(picture):
+    """Of a displayed picture below its highlights, 0..1 [row, column, RGB]."""
+    shown = picture[..., :3] / 255
+    return np.where(shown <= 0.04045, shown / 12.92, ((shown + 0.055) / 1.055) ** 2.4)
+
+
 def choose(page, control, value):
     page.evaluate(
         f"(e => {{ e.value = '{value}'; e.dispatchEvent(new Event('input')); }})"
@@ -141,7 +150,7 @@ def test_slices_show_the_data_in_colors(page, bakes, pages):
     bake = bakes("box")
     low, high = np.asarray(bake.volume.field().bounds)
     place = 0.3
-    page.evaluate(f"{LOOK}.isovalue = {bake.isovalues[1]}")
+    page.evaluate(f"{ISOVALUE} = {bake.isovalues[1]}")
     page.evaluate(f"{LOOK}.showsWalls = false")
     page.click("#has-slice-1")
     choose(page, "#slice-1", place)
@@ -183,7 +192,7 @@ def test_a_color_map_changes_the_albedo_alone(page, bakes):
     page.evaluate(f"{LOOK}.showsWalls = false")
     page.atRest()
     before = page.picture()
-    choose(page, "#isosurface-colors", "VIRIDIS")
+    choose(page, "#isosurfaces .colors", "VIRIDIS")
     page.atRest()
     after = page.picture()
     # By what exposes and displays colors, more light is more and none is none.
@@ -192,9 +201,85 @@ def test_a_color_map_changes_the_albedo_alone(page, bakes):
     ratio = after[lit][:, :3].astype(float) / before[lit][:, :3]
     spread = ratio.std(axis=0) / ratio.mean(axis=0)
     assert (spread < 0.25).all() and ratio.mean(axis=0).max() < 1.0
-    choose(page, "#isosurface-colors", "")
+    choose(page, "#isosurfaces .colors", "")
     page.atRest()
     np.testing.assert_array_equal(page.picture(), before)
+
+
+def test_isosurfaces_are_seen_through_each_other(page, bakes, pages):
+    """Three, of which the outer two are translucent: the pictures of each, over one another."""
+    low, high = bakes("box").isovalues
+    isovalues, opacities = low + (high - low) * np.array([0.8, 0.5, 0.2]), (1.0, 0.4, 0.7)
+    page.evaluate(f"{LOOK}.showsWalls = false")
+    single = []
+    for isovalue in isovalues:
+        page.evaluate(f"leaflight.panel.setIsovalue({isovalue})")
+        single.append(page.picture().astype(float))
+    page.evaluate(f"leaflight.panel.setIsovalue({isovalues[0]})")
+    for k in (1, 2):
+        page.evaluate("document.querySelector('#add').click()")
+        row = f"#isosurfaces > :nth-child({k + 1}) "
+        choose(page, row + ".isovalue", isovalues[k])
+        choose(page, row + ".opacity", opacities[k])
+    shown = page.picture() / 255
+    expected = np.zeros_like(shown[..., :3])
+    for picture, opacity in zip(single, opacities):
+        alpha = opacity * picture[..., 3:] / 255
+        expected = alpha * picture[..., :3] / 255 + (1 - alpha) * expected
+    off = abs(shown[..., :3] * shown[..., 3:] - expected).max(axis=-1)
+    assert (off > 0.03).mean() < 0.01 and (shown[..., 3] > 0.5).mean() > 0.1
+    # The link has all of them; they can be removed up to the last, and there are at most eight.
+    seen = page.evaluate(SHOWN)
+    page.atRest()
+    page.evaluate(FRAMES)
+    page.open(pages("box").as_uri() + page.evaluate("location.hash"), SIZE)
+    assert page.evaluate(SHOWN) == seen and len(seen) == 3
+    for _ in range(9):
+        page.evaluate("document.querySelector('#add').click()")
+    assert page.evaluate(f"{SHOWN}.length") == 8
+    for _ in range(9):
+        page.evaluate("document.querySelector('#isosurfaces .remove').click()")
+    assert page.evaluate(f"{SHOWN}.length") == 1
+
+
+def test_looks_have_a_color_a_coat_and_a_background(browser, bakes, pages):
+    """The coat of a ball, which has no shadow on its lit side, is GGX in the light of its lamp."""
+    page, look, stops = browser, LOOKS["SKIN"], -2
+    (lamp,) = bakes("ball").scene.lights
+    page.open(pages("ball").as_uri(), SIZE)
+    stage = "getComputedStyle(document.querySelector('#stage')).backgroundImage"
+    plain = page.evaluate(stage)
+    choose(page, "#isosurfaces .colors", "SKIN")
+    choose(page, "#exposure", stops)
+    assert page.evaluate(stage) != plain
+    glossy = linear(page.picture())
+    page.evaluate("leaflight.view.header.looks.SKIN.gloss = 0; leaflight.panel.refresh()")
+    seen = (glossy - linear(page.picture())) * 2.0**-stops
+    eye = np.array(page.evaluate(VIEWPOINT)["position"])
+    page.hide_panel(True)
+    compared = 0
+    for y in range(20, SIZE["height"], 8):
+        for x in range(300, 500, 8):
+            place = page.evaluate(
+                f"leaflight.view.placeAt({x + 0.5}, {y + 0.5})?.toArray() ?? null"
+            )
+            if place is None:
+                continue
+            way = np.subtract(lamp.position, place)
+            normal, to_light, to_eye = (v / np.linalg.norm(v) for v in (place, way, eye - place))
+            if min(normal @ to_light, normal @ to_eye) < 0.2:
+                continue
+            half = (to_light + to_eye) / np.linalg.norm(to_light + to_eye)
+            alpha, towards, back = look.roughness**2, normal @ to_light, normal @ to_eye
+            lobe = alpha**2 / (np.pi * ((normal @ half) ** 2 * (alpha**2 - 1) + 1) ** 2)
+            smith = 0.5 / ((1 - alpha) * 2 * towards * back + alpha * (towards + back))
+            weight = look.gloss * (0.08 + 0.92 * (1 - back) ** 5)
+            irradiance = np.array(lamp.intensity) / (way @ way) * towards
+            expected = weight * lobe * smith * irradiance
+            np.testing.assert_allclose(seen[y, x], expected, atol=0.02 + 0.05 * expected.max())
+            compared += expected.max() > 0.05
+    page.hide_panel(False)
+    assert compared > 5
 
 
 def test_numbers_are_those_that_are_shown(page, bakes):
@@ -204,12 +289,12 @@ def test_numbers_are_those_that_are_shown(page, bakes):
             "(i => { i.focus(); i.value = '%s'; i.dispatchEvent(new Event('change')); })"
             "(document.querySelector('#number'))" % typed
         )
-        assert page.evaluate(f"{LOOK}.isovalue") == pytest.approx(shown)
+        assert page.evaluate(f"{ISOVALUE}") == pytest.approx(shown)
         value = page.evaluate("document.querySelector('#number').value")
         assert float(value) == pytest.approx(shown, abs=0.051) and len(value) <= 6
     for key in ("ArrowRight", "PageDown"):
         page.press([key], "#isovalue")
-        value = page.evaluate(f"{LOOK}.isovalue")
+        value = page.evaluate(f"{ISOVALUE}")
         assert value == pytest.approx(round(value, 1), abs=1e-9)
 
 
@@ -223,13 +308,11 @@ def test_controls_stay_in_place_and_look_like_what_they_are(page):
     page.evaluate(FRAMES)
     assert page.evaluate(places) == before
     page.click("#play")
-    boxes = {"#has-clip": ["#clip-share", "#clip-from"], "#has-second": ["#second"]}
-    for box, sliders in boxes.items():
-        for is_on in (False, True):
-            for slider in sliders:
-                disabled = page.evaluate(f"document.querySelector('{slider}').matches(':disabled')")
-                assert disabled != is_on
-            page.click(box)
+    for is_on in (False, True):
+        for slider in ("#clip-share", "#clip-from"):
+            disabled = page.evaluate(f"document.querySelector('{slider}').matches(':disabled')")
+            assert disabled != is_on
+        page.click("#has-clip")
 
 
 def test_the_camera_stops_before_the_isosurface(page, bakes):
@@ -239,7 +322,7 @@ def test_the_camera_stops_before_the_isosurface(page, bakes):
         seen = page.evaluate(VIEWPOINT)
         way = np.subtract(seen["target"], seen["position"])
         way /= np.linalg.norm(way)
-        isovalue = page.evaluate(f"{LOOK}.isovalue")
+        isovalue = page.evaluate(f"{ISOVALUE}")
         hits = _core.isosurface_hits(bake.volume.field(), [seen["position"]], [way], isovalue)
         # From outside, a ray hits the front.
         assert hits[1][0] == 0
@@ -264,7 +347,7 @@ def test_lengths_are_those_of_the_world(page, bakes):
         page.drag([x + dx, y], [x + dx, y])
         place = page.evaluate(f"leaflight.view.placeAt({x + dx - left}, {y}).toArray()")
         seen = page.evaluate(VIEWPOINT)["position"]
-        isovalue = page.evaluate(f"{LOOK}.isovalue")
+        isovalue = page.evaluate(f"{ISOVALUE}")
         way = np.subtract(place, seen)
         distance = _core.isosurface_hits(bake.volume.field(), [seen], [way], isovalue)[0][0]
         assert distance == pytest.approx(1, abs=2e-3)

@@ -14,7 +14,7 @@ from leaflight.stills.camera import ANGLE, Camera
 from leaflight.stills.photograph import tone_mapped
 
 SIZE = {"width": 320, "height": 200}
-ISOVALUE = "leaflight.view.look.isovalue"
+ISOVALUE = "leaflight.view.look.isosurfaces[0].isovalue"
 # Keys on the slider after which pictures are compared: to the end, and back by tenths and steps.
 KEYS = (["Home", "PageUp", "PageUp", "PageUp"], ["PageUp", "ArrowRight"], ["PageUp", "ArrowLeft"])
 
@@ -194,8 +194,8 @@ def test_the_page(browser, bakes, pages):
     assert changed(lambda: browser.drag([600, 150], [660, 180]))
     assert changed(lambda: browser.press(["ArrowLeft", "+"], "#view"))
     assert changed(lambda: browser.press(["r"]))
-    # The second isosurface, the walls, the clip and the exposure change the picture.
-    for selector in ("#has-second", "#walls", "#has-clip"):
+    # Another isosurface, the walls, the clip and the exposure change the picture.
+    for selector in ("#add", "#walls", "#has-clip"):
         before = browser.picture()
         browser.click(selector)
         off = (browser.picture() != before).any(axis=-1).mean()

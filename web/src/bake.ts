@@ -80,6 +80,15 @@ export interface WallsData {
   meshes: WallData[];
 }
 
+// Of one isosurface (python/leaflight/looks.py): linear colors.
+export interface NamedLook {
+  name: string;
+  color: Vector; // albedo
+  gloss: number; // 0..1, the weight of a clear coat
+  roughness: number; // of the coat
+  background: Vector | null;
+}
+
 export interface Header {
   format: number;
   title: string;
@@ -103,11 +112,12 @@ export interface Header {
   unit: string; // of lengths in the world, '' where it is not known
   isPatient: boolean; // the world's axes are towards a patient's right, front and up
   colorMaps: Record<string, string[]>; // the name, then sRGB colors as six hexadecimal digits
+  looks: Record<string, NamedLook>;
   about: [string, string][];
   blocks: [number, number, number][]; // first byte, bytes, bytes when inflated
 }
 
-const FORMAT = 4;
+const FORMAT = 5;
 
 const READ_SHARE = 0.4; // of the work, to read the file
 

@@ -33,6 +33,15 @@ export function linearAt(key: string, share: number, header: Header): Vector {
   }) as Vector;
 }
 
+// A linear color, 0..1, as six hexadecimal digits of sRGB.
+export function digitsOf(color: Vector): string {
+  const digits = color.map((share) => {
+    const curve = share <= 0.0031308 ? 12.92 * share : 1.055 * share ** (1 / 2.4) - 0.055;
+    return Math.round(255 * curve).toString(16).padStart(2, '0');
+  }); // prettier-ignore
+  return digits.join('');
+}
+
 export function linear(displayed: number): number {
   return displayed <= 0.04045 ? displayed / 12.92 : ((displayed + 0.055) / 1.055) ** 2.4;
 }

@@ -12,9 +12,10 @@ import {
   rampAt,
 } from './bake';
 import { bricksOf, textureSize } from './bricks';
-import { colorsOf, linearAt } from './color_maps';
+import { colorsOf } from './color_maps';
 import { colorWords } from './colors';
 import { light, mapTextures, mapUniforms } from './maps';
+import coat from './shaders/coat.glsl';
 import direct from './shaders/direct.glsl';
 import display from './shaders/display.glsl';
 import gradient from './shaders/gradient.glsl';
@@ -25,7 +26,8 @@ import shading from './shaders/light.glsl';
 import precision from './shaders/precision.glsl';
 import trace from './shaders/trace.glsl';
 import { factorsOf, indirectFactor, lampUniforms, lampVectors } from './lamps';
-import { clipPlane, type Lamp, type Look } from './look';
+import { clipPlane, type Lamp, type Look, MOST_SHOWN, type Shown } from './look';
+import { albedoOf, coatOf } from './looks';
 import { given, volumeTextures } from './volume_textures';
 
 const NO_DATA = 65535;
@@ -71,11 +73,11 @@ export class Isosurface {
     this.worldToIndex = this.indexToWorld.clone().invert();
     this.waysToIndex = new three.Matrix3().setFromMatrix4(this.worldToIndex);
     const last = data.dims.map((n) => n - 1) as Vector;
-    const lights = data.direct ? direct : '';
+    const lights = data.direct ? [coat, direct] : [];
     const material = new three.RawShaderMaterial({
       glslVersion: three.GLSL3,
       vertexShader: vertex,
-      fragmentShader: [precision, trace, display, gradient, lights, lamps, shading, fragment].join('\n'),
+      fragmentShader: [precision, trace, display, gradient, lamps, ...lights, shading, fragment].join('\n'),
       defines: data.direct ? { DIRECT: '' } : {},
       side: three.BackSide,
       transparent: true,
@@ -101,11 +103,14 @@ export class Isosurface {
   show(look: Look, camera: three.Camera, rays: Rays, result: Result): void {
     const { uniforms } = this.mesh.material;
     const code = (c: number) => (this.isovalueAt(c) - this.data.offset) / this.data.scale;
-    const own = [look.isovalue, look.second ?? look.isovalue].map((c) => this.isovalueAt(c));
-    uniforms.isovalue.value = code(look.isovalue);
-    uniforms.secondIsovalue.value = code(look.second ?? look.isovalue);
-    uniforms.hasSecond.value = look.second !== null;
-    uniforms.opacity.value = look.opacity;
+    const { isosurfaces } = look;
+    // Uniforms have a place for each isosurface that there may be.
+    const shown = Array.from({ length: MOST_SHOWN }, (_, k) => isosurfaces[k] ?? isosurfaces[0]);
+    const own = shown.map(({ isovalue }) => this.isovalueAt(isovalue));
+    uniforms.count.value = isosurfaces.length;
+    uniforms.isovalues.value = shown.map(({ isovalue }) => code(isovalue));
+    uniforms.opacities.value = shown.map(({ opacity }) => opacity);
+    uniforms.coats.value = shown.flatMap(({ colors }) => coatOf(colors, this.header));
     uniforms.isLocal.value = look.isLocal;
     uniforms.gain.value = 2 ** look.stops;
     uniforms.albedo.value = own.flatMap((c) => rampAt(this.data.albedo, c));
@@ -122,7 +127,7 @@ export class Isosurface {
     uniforms.clip.value = this.clipPlane(look);
     uniforms.slices.value = look.slices.map((share, axis) => this.slicePlane(axis, share));
     uniforms.colors.value = colorsOf(look.sliceColors, this.header).flat();
-    uniforms.tint.value = own.flatMap((c) => this.tint(look, c));
+    uniforms.tint.value = shown.flatMap((each) => this.tint(each));
     if (look.lamps !== this.lit) this.light(look.lamps);
     uniforms.result.value = result;
     this.mesh.material.blending = result === Result.Picture ? three.CustomBlending : three.NoBlending;
@@ -158,11 +163,11 @@ export class Isosurface {
   }
 
   // What another albedo makes of the light of the isosurface of an isovalue that does not glow.
-  private tint(look: Look, isovalue: number): Vector {
-    const key = look.isosurfaceColors;
-    if (key === null || rampAt(this.data.emission, isovalue).some((x) => x > 0)) return [1, 1, 1];
-    const [low, high] = this.header.isovalueRange.map((c) => this.isovalueAt(c));
-    const color = linearAt(key, (isovalue - low) / (high - low), this.header);
+  private tint(shown: Shown): Vector {
+    const isovalue = this.isovalueAt(shown.isovalue);
+    const [low, high] = this.header.isovalueRange;
+    const color = albedoOf(shown.colors, (shown.isovalue - low) / (high - low), this.header);
+    if (color === null || rampAt(this.data.emission, isovalue).some((x) => x > 0)) return [1, 1, 1];
     const albedo = rampAt(this.data.albedo, isovalue);
     return color.map((x, k) => (albedo[k] > 0 ? x / albedo[k] : 0)) as Vector;
   }
@@ -197,7 +202,7 @@ function uniformsOf(
     isovalueRange: new three.Vector2(...isovalueRange),
   };
   const varying = [
-    'isovalue', 'secondIsovalue', 'hasSecond', 'opacity', 'isLocal', 'gain', 'albedo', 'emission',
+    'count', 'isovalues', 'opacities', 'coats', 'isLocal', 'gain', 'albedo', 'emission',
     'worldEye', 'eye', 'corner', 'right', 'up', 'indexToClip', 'clip', 'slices', 'colors', 'tint',
     'indirectFactor', 'result',
   ]; // prettier-ignore

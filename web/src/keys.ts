@@ -15,11 +15,11 @@ export function bindKeys(panel: Panel, view: View, header: Header): void {
   };
   const step = (count: number) => () => {
     const [low, high] = header.isovalueRange;
-    panel.setIsovalue(view.look.isovalue + (count * (high - low)) / STEPS);
+    panel.setIsovalue(view.look.isosurfaces[0].isovalue + (count * (high - low)) / STEPS);
   };
   const anywhere: Keys = {
     '[': step(-1), ']': step(1), '{': step(-10), '}': step(10),
-    ' ': press('play'), l: press('local'), c: press('has-clip'), t: press('has-second'),
+    ' ': press('play'), l: press('local'), c: press('has-clip'), t: press('add'),
     w: press('walls'), s: press('save'), r: press('reset'), '?': press('about-open'),
     o: press('roll'), u: press('flip'), f: press('full'), m: press('ruler-open'),
     h: () => {

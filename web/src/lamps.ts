@@ -5,7 +5,7 @@
 import * as three from 'three';
 
 import type { Header, Vector } from './bake';
-import { linear } from './color_maps';
+import { digitsOf, linear } from './color_maps';
 import type { Lamp } from './look';
 
 const MOST_NUMBERS = 48; // of vectors: three for each of 16 lamps
@@ -62,12 +62,7 @@ export function lampVectors(header: Header, factors: Vector[]): three.Vector4[] 
 // A linear color as bright as it can be displayed: sRGB, six hexadecimal digits.
 export function hueOf(color: Vector): string {
   const most = Math.max(...color, 1e-30);
-  const digits = color.map((x) => {
-    const share = Math.max(x, 0) / most;
-    const curve = share <= 0.0031308 ? 12.92 * share : 1.055 * share ** (1 / 2.4) - 0.055;
-    return Math.round(255 * curve).toString(16).padStart(2, '0');
-  }); // prettier-ignore
-  return digits.join('');
+  return digitsOf(color.map((x) => Math.max(x, 0) / most) as Vector);
 }
 
 function channels(color: string): Vector {

@@ -5,7 +5,7 @@ import type { Header, Vector } from './bake';
 import { GRAY } from './color_maps';
 import { onGrid } from './isovalues';
 import { bakedLamps } from './lamps';
-import type { Lamp, Look, Slices } from './look';
+import { type Lamp, type Look, MOST_SHOWN, type Shown, type Slices } from './look';
 
 export interface Viewpoint {
   position: Vector;
@@ -25,14 +25,15 @@ export function toLink({ look, viewpoint }: State): string {
   const numbers = (...values: number[]) =>
     values.map((value) => Number(value.toPrecision(DIGITS))).join(',');
   const fields: [string, string | null][] = [
-    ['isovalue', numbers(look.isovalue)],
-    ['second', look.second === null ? null : numbers(look.second, look.opacity)],
+    // Of all isosurfaces, separated by commas.
+    ['isovalue', numbers(...look.isosurfaces.map(({ isovalue }) => isovalue))],
+    ['opacity', isOpaque(look) ? null : numbers(...look.isosurfaces.map(({ opacity }) => opacity))],
+    ['colors', isOfBake(look) ? null : look.isosurfaces.map(({ colors }) => colors ?? '').join(',')],
     ['local', look.isLocal ? '1' : null],
     ['walls', look.showsWalls ? null : '0'],
     ['clip', look.clip === null ? null : numbers(look.clip.from, look.clip.share)],
     ['slices', look.slices.every((place) => place === null) ? null : slicesText(look.slices)],
     ['slicecolors', look.sliceColors === GRAY ? null : look.sliceColors],
-    ['colors', look.isosurfaceColors],
     ['exposure', numbers(look.stops)],
     ['lamps', look.lamps.every(isAsBaked) ? null : look.lamps.map(lampText).join(',')],
     ['camera', numbers(...viewpoint.position, ...viewpoint.target, ...viewpoint.up)],
@@ -51,30 +52,46 @@ export function fromLink(link: string, { look, viewpoint }: State, header: Heade
     const found = numbers(name, 1);
     return found && Math.min(high, Math.max(low, found[0]));
   };
-  const isovalue = one('isovalue', ...header.isovalueRange);
-  const second = numbers('second', 2);
   const clip = numbers('clip', 2);
-  const colors = (name: string) => {
-    const key = fields.get(name);
-    return key !== null && key in header.colorMaps ? key : null;
-  };
+  const sliceColors = fields.get('slicecolors') ?? '';
   const camera = numbers('camera', 9);
   return {
     look: {
-      isovalue: isovalue === null ? look.isovalue : onGrid(isovalue, header),
-      second: second && onGrid(second[0], header),
-      opacity: second ? share(second[1]) : look.opacity,
+      isosurfaces: isosurfacesOf(fields, header) ?? look.isosurfaces,
       isLocal: fields.get('local') === '1',
       showsWalls: fields.get('walls') !== '0',
       clip: clip && [0, 1, 2, 3, 4, 5].includes(clip[0]) ? { from: clip[0], share: share(clip[1]) } : null,
       slices: slicesOf(fields.get('slices')),
-      sliceColors: colors('slicecolors') ?? GRAY,
-      isosurfaceColors: colors('colors'),
+      sliceColors: sliceColors in header.colorMaps ? sliceColors : GRAY,
       stops: one('exposure', -4, 4) ?? look.stops,
       lamps: lampsOf(fields.get('lamps'), header) ?? bakedLamps(header),
     },
     viewpoint: camera && isViewpoint(camera) ? viewpointOf(camera) : viewpoint,
   };
+}
+
+function isOpaque({ isosurfaces }: Look): boolean {
+  return isosurfaces.every(({ opacity }) => opacity === 1);
+}
+
+function isOfBake({ isosurfaces }: Look): boolean {
+  return isosurfaces.every(({ colors }) => colors === null);
+}
+
+function isosurfacesOf(fields: URLSearchParams, header: Header): Shown[] | null {
+  const list = (name: string) => fields.get(name)?.split(',') ?? [];
+  const [opacities, colors] = [list('opacity'), list('colors')];
+  const number = (text: string | undefined) => (text ? Number(text) : NaN);
+  const shown = list('isovalue').map((text, k) => {
+    const [isovalue, opacity, key] = [number(text), number(opacities[k]), colors[k] ?? ''];
+    return {
+      isovalue: Number.isFinite(isovalue) ? onGrid(isovalue, header) : NaN,
+      opacity: Number.isFinite(opacity) ? share(opacity) : 1,
+      colors: key in header.looks || key in header.colorMaps ? key : null,
+    };
+  });
+  const isValid = shown.length > 0 && shown.every(({ isovalue }) => Number.isFinite(isovalue));
+  return isValid ? shown.slice(0, MOST_SHOWN) : null;
 }
 
 function isAsBaked({ strength, color }: Lamp): boolean {

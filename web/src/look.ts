@@ -12,16 +12,22 @@ export interface Clip {
   share: number; // 0..1 of the axis, which is left out
 }
 
+// One of the isosurfaces that are shown together.
+export interface Shown {
+  isovalue: number; // a common isovalue
+  opacity: number; // 0..1
+  colors: string | null; // key of a named look or of a color map, null for the albedo of the bake
+}
+
+export const MOST_SHOWN = 8; // MOST of light.glsl
+
 export interface Look {
-  isovalue: number; // common isovalues
-  second: number | null; // of the transparent isosurface in front
-  opacity: number; // its share, 0..1
+  isosurfaces: Shown[]; // the first is that of the main slider, whose light the walls have
   isLocal: boolean;
   showsWalls: boolean;
   clip: Clip | null;
   slices: Slices;
   sliceColors: string; // of slices and of what is cut open: a color map's key, or GRAY
-  isosurfaceColors: string | null; // a color map's key, null for the albedo of the bake
   stops: number; // of exposure, beside the bake's
   lamps: Lamp[]; // those of header.lights
 }
@@ -36,18 +42,23 @@ export type Slices = [number | null, number | null, number | null];
 
 export function firstLook(header: Header): Look {
   return {
-    isovalue: onGrid(header.isovalue, header),
-    second: null,
-    opacity: 0.35,
+    isosurfaces: [{ isovalue: onGrid(header.isovalue, header), opacity: 1, colors: null }],
     isLocal: false,
     showsWalls: true,
     clip: null,
     slices: [null, null, null],
     sliceColors: GRAY,
-    isosurfaceColors: null,
     stops: header.stops,
     lamps: bakedLamps(header),
   };
+}
+
+// With one more isosurface: translucent, in front of those that there are.
+export function withOneMore(isosurfaces: Shown[], header: Header): Shown[] {
+  const [low] = header.isovalueRange;
+  const lowest = Math.min(...isosurfaces.map(({ isovalue }) => isovalue));
+  const isovalue = onGrid(low + 0.25 * (lowest - low), header);
+  return [...isosurfaces, { isovalue, opacity: 0.35, colors: null }];
 }
 
 // What is below the distance along the normal is left out.

@@ -6,10 +6,12 @@ import { namesOf } from './color_maps';
 import { Cube } from './cube';
 import { Histogram } from './histogram';
 import { onGrid, textOf } from './isovalues';
+import { IsosurfaceRows } from './isosurface_rows';
 import { bindKeys } from './keys';
 import { hueOf } from './lamps';
 import { fromLink, type State, STRONGEST, toLink } from './link';
 import type { Lamp, Slices } from './look';
+import { backgroundOf } from './looks';
 import { Ruler, ScaleBar } from './overlay';
 import { Player } from './player';
 import type { View } from './view';
@@ -39,9 +41,7 @@ export function fillPage(header: Header): HTMLCanvasElement {
     element('slices').append(sliceRow(name, axis));
   });
   for (const [key, name] of namesOf(header)) {
-    for (const id of ['slice-colors', 'isosurface-colors']) {
-      document.getElementById(id)?.append(new Option(name, key));
-    }
+    document.getElementById('slice-colors')?.append(new Option(name, key));
   }
   element('lamps').hidden = header.lights.lamps.length === 0;
   header.lights.lamps.forEach(({ name, color }, lamp) => {
@@ -84,6 +84,7 @@ function lampRow(name: string, lamp: number, color: string): HTMLElement {
 export class Panel {
   readonly ruler: Ruler;
   private readonly histogram: Histogram;
+  private readonly isosurfaces: IsosurfaceRows;
   private readonly player: Player;
   private readonly first: State;
   private written = '';
@@ -93,7 +94,7 @@ export class Panel {
     private readonly view: View,
   ) {
     const [low, high] = header.isovalueRange;
-    for (const id of ['isovalue', 'number', 'second']) {
+    for (const id of ['isovalue', 'number']) {
       element(id).min = String(low);
       element(id).max = String(high);
     }
@@ -101,8 +102,10 @@ export class Panel {
     this.histogram = new Histogram(bars, header.histogram, (share) => {
       this.setIsovalue(low + share * (high - low));
     });
-    this.player = new Player(header.isovalueRange, () => view.look.isovalue, (isovalue) => {
-      view.look.isovalue = Math.min(high, Math.max(low, isovalue));
+    this.player = new Player(header.isovalueRange, () => this.isovalue, (isovalue) => {
+      this.show(Math.min(high, Math.max(low, isovalue)));
+    }); // prettier-ignore
+    this.isosurfaces = new IsosurfaceRows(header, () => view.look, () => {
       this.refresh();
     }); // prettier-ignore
     this.ruler = new Ruler(view, header.unit);
@@ -116,7 +119,17 @@ export class Panel {
 
   // The nearest that there is.
   setIsovalue(isovalue: number): void {
-    this.view.look.isovalue = onGrid(isovalue, this.header);
+    this.show(onGrid(isovalue, this.header));
+  }
+
+  // Of the first isosurface, which the main controls have.
+  private get isovalue(): number {
+    return this.view.look.isosurfaces[0].isovalue;
+  }
+
+  private show(isovalue: number): void {
+    const [first, ...others] = this.view.look.isosurfaces;
+    this.view.look.isosurfaces = [{ ...first, isovalue }, ...others];
     this.refresh();
   }
 
@@ -124,31 +137,29 @@ export class Panel {
   refresh(): void {
     const { look, canvas } = this.view;
     const [low, high] = this.header.isovalueRange;
-    const text = textOf(look.isovalue, this.header);
-    element('isovalue').value = String(look.isovalue);
+    const text = textOf(this.isovalue, this.header);
+    element('isovalue').value = String(this.isovalue);
     element('isovalue').setAttribute('aria-valuetext', text);
     if (document.activeElement !== element('number')) element('number').value = text;
-    const shown = look.second === null ? [look.isovalue] : [look.isovalue, look.second];
-    this.histogram.show(shown.map((isovalue) => (isovalue - low) / (high - low)));
+    this.histogram.show(look.isosurfaces.map(({ isovalue }) => (isovalue - low) / (high - low)));
+    this.isosurfaces.refresh();
+    const background = backgroundOf(look.isosurfaces[0].colors, this.header);
+    document.getElementById('stage')?.style.setProperty('--background', background);
     press('play', this.player.isPlaying);
     element('play').textContent = this.player.isPlaying ? 'Pause' : 'Play';
     press('local', look.isLocal);
     press('ruler-open', this.ruler.isOn);
     this.showPart('has-clip', 'clip', look.clip !== null);
-    this.showPart('has-second', 'other', look.second !== null);
     look.slices.forEach((place, axis) => {
       element(`has-slice-${axis}`).checked = place !== null;
       element(`slice-${axis}`).disabled = place === null;
       if (place !== null) element(`slice-${axis}`).value = String(place);
     });
     element('slice-colors').value = look.sliceColors;
-    element('isosurface-colors').value = look.isosurfaceColors ?? '';
     if (look.clip) {
       element('clip-from').value = String(look.clip.from);
       element('clip-share').value = String(look.clip.share);
     }
-    if (look.second !== null) element('second').value = String(look.second);
-    element('opacity').value = String(look.opacity);
     element('walls').checked = look.showsWalls;
     element('exposure').value = String(look.stops);
     look.lamps.forEach(({ strength, color }, lamp) => {
@@ -178,7 +189,7 @@ export class Panel {
     });
     on('number', 'change', (input) => {
       if (Number.isFinite(input.valueAsNumber)) this.setIsovalue(input.valueAsNumber);
-      input.value = textOf(view.look.isovalue, header);
+      input.value = textOf(this.isovalue, header);
     });
     on('play', 'click', () => {
       this.player.toggle();
@@ -204,15 +215,6 @@ export class Panel {
       }
     }
     on('slice-colors', 'input', (input) => (view.look.sliceColors = input.value));
-    on('isosurface-colors', 'input', (input) => (view.look.isosurfaceColors = input.value || null));
-    element('second').value = String(header.isovalueRange[0] + 0.25 * (view.look.isovalue - header.isovalueRange[0]));
-    for (const id of ['has-second', 'second']) {
-      on(id, 'input', () => {
-        const second = onGrid(element('second').valueAsNumber, header);
-        view.look.second = element('has-second').checked ? second : null;
-      });
-    }
-    on('opacity', 'input', (input) => (view.look.opacity = input.valueAsNumber));
     on('walls', 'input', (input) => (view.look.showsWalls = input.checked));
     on('exposure', 'input', (input) => (view.look.stops = input.valueAsNumber));
     for (const lamp of header.lights.lamps.keys()) {
@@ -290,7 +292,7 @@ export class Panel {
   private async save(pixels?: number): Promise<void> {
     const link = document.createElement('a');
     link.href = URL.createObjectURL(await this.view.picture(pixels));
-    link.download = `${this.header.title} ${textOf(this.view.look.isovalue, this.header)}.png`;
+    link.download = `${this.header.title} ${textOf(this.isovalue, this.header)}.png`;
     link.click();
     URL.revokeObjectURL(link.href);
   }

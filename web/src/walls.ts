@@ -77,7 +77,8 @@ export class Wall {
     uniforms.gain.value = 2 ** look.stops;
     uniforms.isLocal.value = look.isLocal || this.lights === null;
     if (look.lamps !== this.lit) this.relight(look.lamps);
-    if (look.showsWalls && !look.isLocal && look.isovalue !== this.shown) this.light(look.isovalue);
+    const [{ isovalue }] = look.isosurfaces;
+    if (look.showsWalls && !look.isLocal && isovalue !== this.shown) this.light(isovalue);
   }
 
   private relight(lamps: Lamp[]): void {

@@ -8,12 +8,15 @@ import { load } from './load.mjs';
 const { onGrid, textOf } = await load('isovalues');
 const { colorsOf, linearAt } = await load('color_maps');
 const { fromLink, toLink } = await load('link');
+const { MOST_SHOWN, withOneMore } = await load('look');
+const { albedoOf, backgroundOf, coatOf, lookNames } = await load('looks');
 const { bakedLamps, factorsOf, hueOf, indirectFactor } = await load('lamps');
 const { positionOf } = await load('framing');
 const { roundLength, lengthText } = await load('lengths');
 
 const VIRIDIS = ['Viridis', '440154', '472d7b', '3b528b', '2c728e', '21918c', '27ad81', '5cc863', 'aadc32', 'fde725'];
-const CT = { isovalueRange: [-1000.5, 2000.5], step: 0.1, colorMaps: { VIRIDIS }, lights: { lamps: [], others: [1, 1, 1] } };
+const BONE = { name: 'Bone', color: [0.8, 0.7, 0.5], gloss: 0.5, roughness: 0.35, background: [0, 1, 0.5] };
+const CT = { isovalueRange: [-1000.5, 2000.5], step: 0.1, colorMaps: { VIRIDIS }, looks: { BONE }, lights: { lamps: [], others: [1, 1, 1] } };
 const LIT = { ...CT, lights: { lamps: [
   { name: 'key', color: [4, 2, 0], share: [0.6, 0.5, 0] }, { name: 'rim', color: [1, 1, 1], share: [0.3, 0.5, 0.9] },
 ], others: [0.1, 0, 0.1] } }; // prettier-ignore
@@ -31,17 +34,21 @@ test('isovalues stay within the isovalue range', () => {
 });
 
 const LOOK = {
-  isovalue: 45.5, second: null, opacity: 0.35, isLocal: false, showsWalls: true, clip: null, stops: 0,
-  slices: [null, null, null], sliceColors: 'GRAY', isosurfaceColors: null, lamps: [],
+  isosurfaces: [{ isovalue: 45.5, opacity: 1, colors: null }], isLocal: false, showsWalls: true, clip: null,
+  stops: 0, slices: [null, null, null], sliceColors: 'GRAY', lamps: [],
 }; // prettier-ignore
 const FIRST = { look: LOOK, viewpoint: { position: [0, -5, 1], target: [0, 0, 0], up: [0, 0, 1] } };
 
 test('a link holds the whole state', () => {
   const state = {
     look: {
-      isovalue: 120.3, second: 20.1, opacity: 0.5, isLocal: true, showsWalls: false,
+      isosurfaces: [
+        { isovalue: 120.3, opacity: 1, colors: 'BONE' }, { isovalue: 20.1, opacity: 0.5, colors: null },
+        { isovalue: -3.5, opacity: 0.25, colors: 'VIRIDIS' },
+      ],
+      isLocal: true, showsWalls: false,
       clip: { from: 4, share: 0.25 }, stops: -1.2, slices: [0.5, null, 0.125], sliceColors: 'VIRIDIS',
-      isosurfaceColors: 'VIRIDIS', lamps: [{ strength: 0.25, color: null }, { strength: 2, color: 'ffa000' }],
+      lamps: [{ strength: 0.25, color: null }, { strength: 2, color: 'ffa000' }],
     },
     viewpoint: { position: [1.5, 2.25, -3], target: [0.5, 0, 1], up: [1, 0, 0] },
   }; // prettier-ignore
@@ -50,14 +57,17 @@ test('a link holds the whole state', () => {
   assert.deepEqual(fromLink('', FIRST, CT), FIRST);
 });
 test('a link that makes no sense changes nothing', () => {
-  const wrong = '#isovalue=x&second=1&clip=7,0.5&slices=a,&colors=JET&exposure=&camera=0,0,0,0,0,0,0,0,1';
+  const wrong = '#isovalue=50,x&opacity=2&clip=7,0.5&slices=a,&colors=JET&exposure=&camera=0,0,0,0,0,0,0,0,1';
   assert.deepEqual(fromLink(wrong, FIRST, CT), FIRST);
   const along = '#camera=0,0,5,0,0,0,0,0,1'; // it looks along its upright axis
   assert.deepEqual(fromLink(along, FIRST, CT).viewpoint, FIRST.viewpoint);
-  const beyond = fromLink('#isovalue=1e9&second=-1e9,7&clip=2,-1&exposure=99', FIRST, CT).look;
-  assert.deepEqual(beyond, {
-    ...LOOK, isovalue: 2000.5, second: -1000.5, opacity: 1, clip: { from: 2, share: 0 }, stops: 4,
-  }); // prettier-ignore
+  const beyond = fromLink('#isovalue=1e9,-1e9&opacity=,-7&colors=JET&clip=2,-1&exposure=99', FIRST, CT).look;
+  const isosurfaces = [
+    { isovalue: 2000.5, opacity: 1, colors: null }, { isovalue: -1000.5, opacity: 0, colors: null },
+  ]; // prettier-ignore
+  assert.deepEqual(beyond, { ...LOOK, isosurfaces, clip: { from: 2, share: 0 }, stops: 4 });
+  const many = fromLink(`#isovalue=${Array(99).fill(5)}`, FIRST, CT).look.isosurfaces;
+  assert.equal(many.length, MOST_SHOWN);
 });
 
 test('lamps that make no sense are as baked, and strengths have an end', () => {
@@ -78,6 +88,22 @@ test('lamps change light by channel, and have no channel that was not baked', ()
   const same = factorsOf([{ strength: 1, color: 'ffbc00' }, { strength: 1, color: 'ffffff' }], LIT);
   same.flat().forEach((x, i) => assert.ok(Math.abs(x - (i === 2 ? 0 : 1)) < 0.01, String(same)));
   assert.deepEqual(factorsOf([{ strength: 1, color: 'ffffff' }], LIT)[0], [1, 2, 0]);
+});
+
+test('another isosurface is in front of the others', () => {
+  const two = withOneMore(LOOK.isosurfaces, CT);
+  const three = withOneMore(two, CT);
+  const isovalues = three.map(({ isovalue }) => isovalue);
+  assert.ok(isovalues[2] < isovalues[1] && isovalues[1] < isovalues[0] && isovalues[2] >= -1000.5);
+  assert.ok(three[2].opacity < 1 && three[0].opacity === 1);
+});
+test('looks have a color, a coat and a background, color maps a color alone', () => {
+  assert.deepEqual(lookNames(CT), [['BONE', 'Bone'], ['VIRIDIS', 'Viridis']]);
+  assert.deepEqual(albedoOf('BONE', 0.3, CT), BONE.color);
+  assert.deepEqual(albedoOf('VIRIDIS', 1, CT), linearAt('VIRIDIS', 1, CT));
+  assert.equal(albedoOf(null, 0.3, CT), null);
+  assert.deepEqual([coatOf('BONE', CT), coatOf('VIRIDIS', CT)[0], coatOf(null, CT)[0]], [[0.5, 0.35], 0, 0]);
+  assert.deepEqual([backgroundOf('BONE', CT), backgroundOf('VIRIDIS', CT)], ['#00ffbc', '']);
 });
 
 test('color maps go from end to end, in displayed and in linear colors', () => {

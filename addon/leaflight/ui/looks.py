@@ -3,6 +3,8 @@
 
 from dataclasses import dataclass, field
 
+from leaflight.looks import LOOKS as OF_ONE_COLOR
+
 from ..show import color_maps
 
 
@@ -21,8 +23,9 @@ class Look:
     background: tuple = None
 
 
-def _colored(name, text, color, gloss, roughness, background):
-    return Look(name, text, {"isosurface_albedo": color}, (), gloss, roughness, background)
+def _one_color(look):
+    settings = {"isosurface_albedo": look.color}
+    return Look(look.name, look.text, settings, (), look.gloss, look.roughness, look.background)
 
 
 def _mapped(name, text, colors):
@@ -31,37 +34,7 @@ def _mapped(name, text, colors):
 
 
 LOOKS = {
-    "PLASTER": Look("Plaster", "Plain light gray, matte", {"isosurface_albedo": (0.8, 0.8, 0.8)}),
-    "BONE": _colored(
-        "Bone",
-        "Warm white with a soft sheen, before dark blue",
-        (0.82, 0.73, 0.56),
-        *(0.5, 0.35, (0.10, 0.13, 0.18)),
-    ),
-    "SKIN": _colored(
-        "Skin",
-        "Rosy, with wide highlights, before blue gray",
-        (0.76, 0.46, 0.34),
-        *(0.6, 0.45, (0.22, 0.26, 0.31)),
-    ),
-    "IVORY": _colored(
-        "Ivory",
-        "Creamy and polished, before dark red",
-        (0.88, 0.81, 0.66),
-        *(1.0, 0.15, (0.18, 0.06, 0.05)),
-    ),
-    "CLAY": _colored(
-        "Clay",
-        "Fired clay, matte, before warm gray",
-        (0.58, 0.27, 0.16),
-        *(0.15, 0.6, (0.42, 0.38, 0.34)),
-    ),
-    "COPPER": _colored(
-        "Copper",
-        "Lacquered copper, before dark gray green",
-        (0.72, 0.31, 0.17),
-        *(1.0, 0.2, (0.10, 0.12, 0.12)),
-    ),
+    **{key: _one_color(look) for key, look in OF_ONE_COLOR.items()},
     "TISSUE": Look(
         "Tissue",
         "Skin, flesh and bone from low to high isovalues",

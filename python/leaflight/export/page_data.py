@@ -16,6 +16,7 @@ from ..arrays import Array
 from ..bake.baked import Bake
 from ..bake.relit import can_be_relit, indirect_by_lamp, strengths_of
 from ..color_maps import MAPS
+from ..looks import LOOKS
 from ..stills.camera import bounds_of
 from ..stills.first_view import FILLED, framing
 from ..stills.lamps import lamps_of
@@ -28,7 +29,7 @@ from .page_walls import walls_data
 from .shared_exponent import planes
 
 # Of the header and the blocks; the page refuses another one.
-FORMAT = 4
+FORMAT = 5
 # How a coarser page is called, by how many times it was halved.
 EVERY = ("every", "every 2nd", "every 4th", "every 8th")
 # That are deflated before somebody may cancel.
@@ -101,6 +102,7 @@ def page_data(bake: Bake, isovalue: float, coarser: int, progress: Progress) -> 
         unit=bake.volumes[0].unit,
         isPatient=any(volume.patient for volume in bake.volumes),
         colorMaps={key: [name, *colors] for key, (name, _, colors) in MAPS.items()},
+        looks={key: asdict(look) for key, look in LOOKS.items()},
         about=about(bake, coarser),
     )
     return data

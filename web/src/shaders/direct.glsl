@@ -8,18 +8,23 @@ uniform ivec3 mapTexels, mapBrick, mapBricks;
 uniform int mapDepth;  // texels of a layer along z
 uniform mat4 indexToFrame;
 
+struct DirectLight {
+  vec3 irradiance, reflected;  // by the coat
+};
+
 const float PARTS = 13.0;  // into which ranges are cut (python/leaflight/export/visibility_levels.py)
 const uint DARK = 15u;
 
-// The irradiance that a light point would bring to a surface if nothing stood in the way.
-vec3 unshadowed(int point, vec3 place, vec3 normal, vec3 geometricNormal) {
+// What a light point would bring to a surface if nothing stood in the way.
+DirectLight unshadowed(int point, vec3 place, vec3 normal, vec3 geometricNormal, Coat coat) {
+  DirectLight none = DirectLight(vec3(0.0), vec3(0.0));
   ++fetches;
   vec4 at = texelFetch(lightPoints, ivec2(0, point), 0);
   vec3 way = at.w * place - at.xyz;
   float perDistance = inversesqrt(dot(way, way));
   way *= perDistance;
   float cosine = -dot(way, normal);
-  if (cosine <= 0.0 || dot(way, geometricNormal) >= 0.0) return vec3(0.0);
+  if (cosine <= 0.0 || dot(way, geometricNormal) >= 0.0) return none;
   fetches += 3;
   vec4 axis = texelFetch(lightPoints, ivec2(1, point), 0);
   float leaving = dot(way, axis.xyz);
@@ -28,18 +33,20 @@ vec3 unshadowed(int point, vec3 place, vec3 normal, vec3 geometricNormal) {
   vec4 cone = texelFetch(lightPoints, ivec2(3, point), 0);
   float inside = max(dot(way, cone.xyz) - cone.w, 0.0);
   share *= inside < amount.w ? smoothstep(0.0, 1.0, inside / amount.w) : float(inside > 0.0);
-  return amount.rgb * (share * cosine * perDistance * perDistance);
+  vec3 irradiance = amount.rgb * (share * cosine * perDistance * perDistance);
+  return DirectLight(irradiance, coat.weight == 0.0 ? vec3(0.0) : irradiance * reflectance(coat, normal, -way));
 }
 
-// Of an isosurface at index coordinates.
-vec3 directIrradiance(vec3 place, vec3 gradient, float isovalue, bool isBack) {
+// Of an isosurface at index coordinates; gloss: of its coat, gloss and roughness.
+DirectLight directLight(vec3 place, vec3 gradient, float isovalue, bool isBack, vec2 gloss) {
+  DirectLight total = DirectLight(vec3(0.0), vec3(0.0));
   vec3 texel = clamp(place * (vec3(mapTexels - 1) / vec3(dims - 1)), vec3(0.0), vec3(mapTexels - 1));
   ivec3 cell = min(ivec3(texel), mapTexels - 2);
   vec3 u = texel - vec3(cell);
   ivec3 within = min(cell / (mapBrick - 1), mapBricks - 1);
   uvec4 entry = texelFetch(mapTable, within, 0);
   ++fetches;
-  if (entry.w == 0u) return vec3(0.0);
+  if (entry.w == 0u) return total;
   ivec3 first = ivec3(entry.xyz) * mapBrick + cell - within * (mapBrick - 1);
   float own = 1.0 + 252.0 * (isovalue - isovalueRange.x) / (isovalueRange.y - isovalueRange.x);
   int pointCount = textureSize(lightPoints, 0).y, groups = (pointCount + 7) / 8;
@@ -54,12 +61,12 @@ vec3 directIrradiance(vec3 place, vec3 gradient, float isovalue, bool isBack) {
     range[corner] = vec2(isBack ? 254.0 - codes.y : codes.x, codes.y - codes.x);
   }
   fetches += 8;
-  if (gradient == vec3(0.0)) return vec3(0.0);
+  if (gradient == vec3(0.0)) return total;
   float side = isBack ? 1.0 : -1.0;
   vec3 normal = side * normalize(normalToWorld * gradient);
   vec3 geometricNormal = side * normalToWorld * surfaceGradient(place, gradient);
   vec3 framed = (indexToFrame * vec4(place, 1.0)).xyz;
-  vec3 total = vec3(0.0);
+  Coat coat = coatAt((indexToWorld * vec4(place, 1.0)).xyz, normal, gloss);
   for (int group = 0; group < groups; ++group) {
     // Of even and odd points: the greatest code on the way, and whether a mesh stands there.
     vec4 greatest[2] = vec4[2](vec4(0.0), vec4(0.0)), dark[2] = greatest;
@@ -79,7 +86,9 @@ vec3 directIrradiance(vec3 place, vec3 gradient, float isovalue, bool isBack) {
     for (int k = 0; k < end; ++k) {
       float behindMesh = dark[k & 1][k >> 1];
       if (behindMesh >= 0.5 || greatest[k & 1][k >> 1] >= own * (1.0 - behindMesh)) continue;
-      total += unshadowed(8 * group + k, framed, normal, geometricNormal);
+      DirectLight one = unshadowed(8 * group + k, framed, normal, geometricNormal, coat);
+      total.irradiance += one.irradiance;
+      total.reflected += one.reflected;
     }
   }
   return total;

@@ -1,5 +1,6 @@
 // Gradients of the values, in index coordinates (core/src/field/field.cpp).
 
+uniform mat4 indexToWorld;
 uniform mat3 normalToWorld;  // of gradients
 
 // Central differences at the voxels, one-sided at the border and where one of two values is missing,

@@ -1,17 +1,16 @@
-// One isosurface of one volume, and a second, transparent one in front of it.
+// The isosurfaces of one volume that are shown together.
 
 // Index coordinates: rays start at the eye; their directions are those of the picture's corner and
 // so much more for each pixel. Not interpolated, since cards round the places of corners.
 uniform vec3 eye, corner, right, up;
 uniform mat4 indexToClip;
-uniform float isovalue, secondIsovalue;  // in codes
-uniform bool hasSecond;
+uniform int count;
+uniform float isovalues[MOST];  // in codes; what is cut open shows the data above the first
+uniform float opacities[MOST];
 uniform int result;  // 0: the picture, 1: fetches a pixel, 2: distances in lengths of the ray
-uniform float opacity;  // of the second
 uniform vec4 clip;      // index coordinates: what dot(clip, (p, 1)) < 0 is left out; 0 for none
 uniform vec4 slices[3];  // planes that show the data, as `clip`
 uniform vec3 colors[9];  // of the data, over the isovalues that are lit, as they are displayed
-uniform vec3 tint[2];    // of the light of both isosurfaces
 
 out vec4 color;
 
@@ -59,57 +58,57 @@ void main() {
       ray.end = -1.0;
     }
   }
-  Hit first = Hit(-1.0, false), second = Hit(-1.0, false);
-  bool showsData = false;
+  float slice = FAR_AWAY, dataValue = -1.0, nearest = FAR_AWAY, farthest = -1.0;
+  Hit hits[MOST];
   if (ray.t < ray.end) {
     float cutValue = isCut ? valueAt(ray.origin + ray.t * direction) : -1.0;
-    float dataValue, slice = sliceAt(ray, dataValue);
-    bool isOnCut = isCut && cutValue >= isovalue;
-    if (isOnCut) {
-      // What is cut open shows the data.
-      slice = ray.t;
-      dataValue = cutValue;
-    } else {
-      Ray before = ray;
-      before.end = min(before.end, slice);
-      first = trace(before, isovalue);
+    slice = sliceAt(ray, dataValue);
+    bool isOnCut = isCut && cutValue >= isovalues[0];
+    if (isOnCut) slice = ray.t, dataValue = cutValue;
+    ray.end = min(ray.end, slice);
+    for (int k = 0; k < count; ++k) {
+      hits[k] = Hit(-1.0, false);
+      if (isOnCut || (k > 0 && isCut && cutValue >= isovalues[k])) continue;
+      hits[k] = trace(ray, isovalues[k]);
+      if (hits[k].t < 0.0) continue;
+      nearest = min(nearest, hits[k].t);
+      // Nothing is seen behind.
+      if (opacities[k] == 1.0) ray.end = min(ray.end, hits[k].t);
     }
-    showsData = first.t < 0.0 && slice < FAR_AWAY;
-    if (showsData) {
-      first.t = slice;
-      color = vec4(colorOf(dataValue), 1.0);
-    }
-    if (hasSecond && !isOnCut) {
-      Ray before = ray;
-      if (first.t >= 0.0) before.end = first.t;
-      if (!isCut || cutValue < secondIsovalue) second = trace(before, secondIsovalue);
-    }
+  } else {
+    for (int k = 0; k < count; ++k) hits[k] = Hit(-1.0, false);
   }
-  // One place that calls it, since drivers copy it to each.
-  Hit hits[2] = Hit[2](first, second);
-  vec3 radiance[2];
-  for (int k = 0; k < 2; ++k) {
-    if (hits[k].t < 0.0 || (k == 0 && showsData)) continue;
-    float own = k == 0 ? isovalue : secondIsovalue;
-    radiance[k] = tint[k] * light(eye + hits[k].t * direction, hits[k], own, k);
+  nearest = min(nearest, slice);
+  // From the nearest to the farthest.
+  color = vec4(0.0);
+  bool isDone[MOST];
+  for (int k = 0; k < count; ++k) isDone[k] = hits[k].t < 0.0;
+  for (int layer = 0; layer < count && color.a < 0.99; ++layer) {
+    int next = -1;
+    for (int k = 0; k < count; ++k) {
+      if (!isDone[k] && (next < 0 || hits[k].t < hits[next].t)) next = k;
+    }
+    if (next < 0 || hits[next].t > slice) break;
+    isDone[next] = true;
+    Hit hit = hits[next];
+    farthest = hit.t;
+    vec3 radiance = light(eye + hit.t * direction, hit, isovalues[next], next);
+    color += (1.0 - color.a) * shown(radiance, opacities[next]);
+  }
+  if (slice < FAR_AWAY && color.a < 0.99) {
+    farthest = slice;
+    color += (1.0 - color.a) * vec4(colorOf(dataValue), 1.0);
   }
   if (result == 1) {
     color = vec4(float(fetches & 255) / 255.0, float(fetches >> 8) / 255.0, 0.0, 1.0);
     gl_FragDepth = 0.0;
     return;
   }
-  if (first.t < 0.0 && second.t < 0.0) discard;
+  if (nearest == FAR_AWAY) discard;
   if (result == 2) {
-    float t = second.t >= 0.0 ? second.t : first.t;
-    color = vec4((uvec4(floatBitsToUint(t)) >> uvec4(0, 8, 16, 24)) & 255u) / 255.0;
-    gl_FragDepth = depthOf(eye + t * direction);
+    color = vec4((uvec4(floatBitsToUint(nearest)) >> uvec4(0, 8, 16, 24)) & 255u) / 255.0;
+    gl_FragDepth = depthOf(eye + nearest * direction);
     return;
   }
-  if (first.t < 0.0) color = vec4(0.0);
-  if (first.t >= 0.0 && !showsData) color = shown(radiance[0], 1.0);
-  if (second.t >= 0.0) {
-    vec4 before = shown(radiance[1], opacity);
-    color = before + (1.0 - opacity) * color;
-  }
-  gl_FragDepth = depthOf(eye + (first.t >= 0.0 ? first.t : second.t) * direction);
+  gl_FragDepth = depthOf(eye + farthest * direction);
 }

@@ -1,5 +1,7 @@
 // The light of a point on an isosurface: of the bake, or by lamps alone.
 
+const int MOST = 8;  // isosurfaces that are shown together
+
 uniform sampler3D front, back;  // bricks of radiance times the exposure of the scene
 uniform usampler3D table;        // where in these each brick is
 uniform ivec3 brick, bricks;     // texels of a brick, with the layers that it shares; their numbers
@@ -8,8 +10,9 @@ uniform int backIs;         // 0: baked, 1: dark, 2: to be shaded by a light at 
 uniform float unbaked;  // how bright such a side is that is white and faces the viewer
 uniform bool isLocal;
 uniform bool backHasMaps;  // or its texels hold all light
-uniform mat4 indexToWorld;
-uniform vec3 albedo[2], emission[2];  // of both isosurfaces
+// Of each isosurface; the tint is that of another albedo, coats are gloss and roughness.
+uniform vec3 albedo[MOST], emission[MOST], tint[MOST];
+uniform vec2 coats[MOST];
 uniform vec3 indirectFactor;          // of lamps that are brighter than in the bake
 
 // Radiance of the texels about a place.
@@ -44,24 +47,26 @@ vec3 indirectLight(vec3 place, vec3 gradient, bool isBack) {
 }
 #endif
 
-// Of the first or the second isosurface.
+// Of an isosurface by its number.
 vec3 light(vec3 place, Hit hit, float isovalue, int number) {
   if (!isLocal && !(hit.fromInside && backIs != 0)) {
 #ifdef DIRECT
-    if (hit.fromInside && !backHasMaps) return ofTexels(place, true);
+    if (hit.fromInside && !backHasMaps) return tint[number] * ofTexels(place, true);
     vec3 gradient = gradientAt(place, isovalue);
-    vec3 irradiance = directIrradiance(place, gradient, isovalue, hit.fromInside);
+    DirectLight direct = directLight(place, gradient, isovalue, hit.fromInside, coats[number]);
     vec3 own = exposure * emission[number];
     vec3 others = indirectLight(place, gradient, hit.fromInside) - own;
-    return max(own + others * indirectFactor, 0.0) + exposure / PI * albedo[number] * irradiance;
+    vec3 radiance = max(own + others * indirectFactor, 0.0);
+    radiance += exposure / PI * albedo[number] * direct.irradiance;
+    return tint[number] * radiance + exposure * direct.reflected;
 #else
-    return ofTexels(place, hit.fromInside);
+    return tint[number] * ofTexels(place, hit.fromInside);
 #endif
   }
   if (!isLocal && backIs == 1) return vec3(0.0);
   vec3 normal = -normalize(normalToWorld * gradientAt(place, isovalue));
   if (hit.fromInside) normal = -normal;
   vec3 world = (indexToWorld * vec4(place, 1.0)).xyz;
-  if (!isLocal) return unbaked * albedo[number] * headlight(world, normal);
-  return exposure * (albedo[number] * irradianceOverPi(world, normal) + emission[number]);
+  if (!isLocal) return unbaked * tint[number] * albedo[number] * headlight(world, normal);
+  return exposure * (tint[number] * albedo[number] * irradianceOverPi(world, normal) + emission[number]);
 }

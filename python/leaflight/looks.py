@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Looks of isosurfaces by name, for the add-on and for pages."""
+
+from dataclasses import dataclass
+
+Color = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Look:
+    """name, text: for people; color: linear albedo; gloss: 0 to 1, the weight of a clear coat, and
+    its roughness; background: a linear color or None.
+    """
+
+    name: str
+    text: str
+    color: Color
+    gloss: float = 0.0
+    roughness: float = 0.3
+    background: Color | None = None
+
+
+LOOKS = {
+    "PLASTER": Look("Plaster", "Plain light gray, matte", (0.8, 0.8, 0.8)),
+    "BONE": Look(
+        "Bone",
+        "Warm white with a soft sheen, before dark blue",
+        (0.82, 0.73, 0.56),
+        *(0.5, 0.35, (0.10, 0.13, 0.18)),
+    ),
+    "SKIN": Look(
+        "Skin",
+        "Rosy, with wide highlights, before blue gray",
+        (0.76, 0.46, 0.34),
+        *(0.6, 0.45, (0.22, 0.26, 0.31)),
+    ),
+    "IVORY": Look(
+        "Ivory",
+        "Creamy and polished, before dark red",
+        (0.88, 0.81, 0.66),
+        *(1.0, 0.15, (0.18, 0.06, 0.05)),
+    ),
+    "CLAY": Look(
+        "Clay",
+        "Fired clay, matte, before warm gray",
+        (0.58, 0.27, 0.16),
+        *(0.15, 0.6, (0.42, 0.38, 0.34)),
+    ),
+    "COPPER": Look(
+        "Copper",
+        "Lacquered copper, before dark gray green",
+        (0.72, 0.31, 0.17),
+        *(1.0, 0.2, (0.10, 0.12, 0.12)),
+    ),
+}
