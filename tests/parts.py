@@ -11,6 +11,7 @@ RUFF = "build/tools-venv/bin/ruff"
 # that of this build.
 TYPES = (
     "build/tools-venv/bin/mypy && build/tools-venv/bin/mypy --config-file addon/mypy.ini"
+    " && build/tools-venv/bin/mypy --config-file validation/mypy.ini"
     " && PYTHONPATH=build/release/python build/tools-venv/bin/pybind11-stubgen"
     " leaflight._core -o build/test/stubs"
     " && diff build/test/stubs/leaflight/_core.pyi python/leaflight/_core.pyi"

@@ -159,8 +159,8 @@ def _known(baked, case, effort, step, work):
         lambda progress: compare(
             baked,
             case.isovalue,
-            effort.points,
-            effort.paths,
+            points=effort.points,
+            spp=effort.paths,
             reference="cycles",
             progress=progress,
             **work,

@@ -194,8 +194,8 @@ def _rows(case, volumes, effort, run, seed, threads):
     of_bake = BakeRow(case, tuple(volumes[0].field().dims), before, baked.statistics, found)
     names = [volume.name for volume in volumes] if len(volumes) > 1 else [None]
     return [
-        CyclesRow(of_bake, names[number], isovalue, *found, effort.judged)
-        for number, isovalue, *found in judged
+        CyclesRow(of_bake, names[number], isovalue, paths, errors, parts, effort.judged)
+        for number, isovalue, paths, errors, parts in judged
     ]
 
 

@@ -55,9 +55,9 @@ def run_report(options, run=run_with_progress):
         written = "cycles.md"
     else:
         _check_folder(options.data)
-        effort = QUICK_REPORT if options.quick else ReportEffort()
-        effort = replace(effort, tables=replace(effort.tables, **work))
-        result = report(options.out, effort, run, options.data)
+        chosen = QUICK_REPORT if options.quick else ReportEffort()
+        chosen = replace(chosen, tables=replace(chosen.tables, **work))
+        result = report(options.out, chosen, run, options.data)
         written = "report.md"
     return result, [
         *(

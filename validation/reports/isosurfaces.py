@@ -96,7 +96,8 @@ def isosurfaces(
             mesh = _core.contour(field, isovalue_at(scene, number, isovalue))
             count = min(share, len(mesh[0]))
             chosen = np.sort(rng.choice(len(mesh[0]), count, replace=False))
-            surfaces.append(Isosurface(number, isovalue, *mesh, chosen))
+            points, normals, triangles = mesh
+            surfaces.append(Isosurface(number, isovalue, points, normals, triangles, chosen))
     surfaces = [one for one in surfaces if len(one.chosen)]
     core = core_scene(scene, fields, isovalue_range)
 
@@ -114,4 +115,5 @@ def isosurfaces(
     start = time.process_time()
     found = [np.concatenate(parts) for parts in zip(*map(traced, surfaces))]
     seconds = (time.process_time() - start) / (paths * len(found[0]))
-    return Isosurfaces(surfaces, *found, scene.exposure, paths, seconds)
+    truth, standard_error = found
+    return Isosurfaces(surfaces, truth, standard_error, scene.exposure, paths, seconds)
