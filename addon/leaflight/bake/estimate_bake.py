@@ -5,6 +5,7 @@ import bpy
 import leaflight
 from leaflight.bake.estimate import pilot
 
+from .. import session
 from ..operators import background, checks
 from ..operators.active_volume import active_volume
 from ..show import bake_options
@@ -27,7 +28,7 @@ _SETTINGS = (
 )
 
 # Full name of an object -> (its settings then, the error that the pilot is for, the Pilot).
-_pilots = {}
+_pilots = session.remembered()
 
 
 def estimate_of(obj, error=None):
@@ -38,10 +39,6 @@ def estimate_of(obj, error=None):
     if key != _key(obj.leaflight) or error < finest - 1e-6:
         return None
     return made.estimate(error, bake.time_limit(obj.leaflight))
-
-
-def forget():
-    _pilots.clear()
 
 
 def sentence(estimate):

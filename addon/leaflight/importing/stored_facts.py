@@ -7,6 +7,7 @@ from pathlib import Path
 import leaflight
 from leaflight.io import readers
 
+from .. import session
 from ..store import source_files
 from ..translations import iface_
 
@@ -31,7 +32,7 @@ _STEPS = {"FULL": 1, "HALF": 2, "QUARTER": 4}
 _NOT_ASKED = {"frame", "channel", "downsample", "smooth"}
 
 # (path, state of the file, choices) -> StoredVolume or a sentence, of the last file looked at.
-_last = {}
+_last = session.remembered()
 
 
 def look(path, choices):

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from .. import versions
+from .. import session, versions
 from . import added, color_maps, display, fill, shader
 
 VALUE = "value"
@@ -26,7 +26,7 @@ _BUILT = "leaflight_built"
 _MOST = 320
 
 # Names of such objects of this file.
-_seen = set()
+_seen = session.remembered(set)
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ import leaflight
 import numpy as np
 from leaflight import _core, flatland
 
+from .. import session
 from . import display, fill, shader, surface_object
 from .isosurface import RADIANCE
 
@@ -25,8 +26,8 @@ _GRAPH, _ISOLINES = "graph", "isolines"
 _PLAIN_GRAPH, _PLAIN_LINE = (0.8, 0.8, 0.8), (0.1, 0.1, 0.1)
 
 # Height fields by their source and bakes by their identifier: never saved, made again on demand.
-_fields = {}
-_bakes = {}
+_fields = session.remembered()
+_bakes = session.remembered()
 
 
 def field_of(obj):

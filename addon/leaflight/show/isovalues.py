@@ -8,7 +8,7 @@ noticed by the isovalue that the mesh still shows: undo and loading a file bring
 
 import bpy
 
-from .. import versions
+from .. import session, versions
 from ..store import cache, frame_bakes
 from . import added, data_faces, surface_material, surface_object, walls
 
@@ -18,7 +18,7 @@ FRAME_PATH = "leaflight.shown_frame"
 
 
 # Names of the volumes of this file, and of what was added to them, that were seen last.
-_seen = set()
+_seen = session.remembered(set)
 
 
 def isovalue_range(settings):

@@ -13,6 +13,7 @@ import leaflight
 from leaflight.bake.relit import scales_exactly, strengths_of
 from leaflight.scene.scene import AreaLight, Cone, PointLight, SunLight
 
+from .. import session
 from ..store import cache
 
 LeaflightError = leaflight.LeaflightError
@@ -21,14 +22,9 @@ _KINDS = {kind.__name__: kind for kind in (AreaLight, PointLight, SunLight)}
 _STRENGTHS = ("radiance", "intensity", "irradiance")
 
 # Id of a bake -> ((name of a lamp, factors (r, g, b)), ...), of those that have changed.
-_factors = {}
+_factors = session.remembered()
 # Id of a bake -> (such factors, the Bake with them).
-_relit = {}
-
-
-def clear():
-    _factors.clear()
-    _relit.clear()
+_relit = session.remembered()
 
 
 def record(bake, lights):

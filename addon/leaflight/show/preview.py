@@ -10,10 +10,11 @@ from dataclasses import dataclass
 import leaflight
 import numpy as np
 
+from .. import session
 from ..store import cache
 
 # Full name of an object -> the Preview that lights it.
-_shown = {}
+_shown = session.remembered()
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,7 @@ import bpy
 import leaflight
 import numpy as np
 
+from .. import session
 from ..store import bake_files
 from . import added, isosurface, lamps, preview, surface_material
 from .fill import colour, fill
@@ -31,10 +32,10 @@ _TRIANGLES = "leaflight_triangles"
 _NOTHING = np.empty((0, 3)), np.empty((0, 3)), {}, 0
 
 # Full name of an object -> why its surface could not be shown, for the panel.
-problems = {}
+problems = session.remembered()
 
 # Full name of an object -> the state in which the files of its bake were all right.
-_looked_after = {}
+_looked_after = session.remembered()
 
 
 @dataclass(frozen=True)
@@ -183,7 +184,7 @@ def _put(obj, label, isovalue, surface, made):
 
 
 def forget():
-    """After loading a file, undo or saving: looks after the files of all bakes again."""
+    """After undo or saving: looks after the files of all bakes again."""
     _looked_after.clear()
 
 

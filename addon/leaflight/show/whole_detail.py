@@ -11,6 +11,7 @@ import time
 import bpy
 import leaflight
 
+from .. import session
 from ..operators.background import BackgroundWork
 from . import isosurface, surface_object
 
@@ -19,7 +20,7 @@ PAUSE = 0.08
 POLL = 0.03
 
 # Name of an object of this file -> its _Job.
-_jobs = {}
+_jobs = session.remembered()
 
 
 def may_follow(depsgraph=None):

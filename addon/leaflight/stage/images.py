@@ -8,13 +8,15 @@ import bpy
 import leaflight
 import numpy as np
 
+from .. import session
+
 LeaflightError = leaflight.LeaflightError
 
 # Spaces in which the numbers of an 8-bit image are linear as they are.
 _LINEAR = {"Linear", "Linear Rec.709", "Non-Color", "Raw"}
 
 # (pixels, their SHA-256) by all that differs between two states of an image.
-_pixels = {}
+_pixels = session.remembered()
 
 
 def linear_pixels(what, image):
@@ -25,7 +27,7 @@ def linear_pixels(what, image):
     _check(what, image)
     key = _key(image)
     if key not in _pixels:
-        forget(image.name_full)
+        _forget(image.name_full)
         pixels = _read(what, image)
         _pixels[key] = (pixels, hashlib.sha256(pixels).digest())
     return _pixels[key][0]
@@ -39,9 +41,9 @@ def digest(pixels):
     return hashlib.sha256(np.ascontiguousarray(pixels)).digest()
 
 
-def forget(name=None):
-    """Frees the pixels of the image of this full name, or of all."""
-    for key in [key for key in _pixels if name in (None, key[0])]:
+def _forget(name):
+    """Frees the pixels of the image of this full name."""
+    for key in [key for key in _pixels if key[0] == name]:
         del _pixels[key]
 
 

@@ -11,6 +11,7 @@ import time
 import bpy
 import leaflight
 
+from .. import session
 from ..operators import background
 from ..show import lamps
 from ..store import bake_files, source_files
@@ -29,13 +30,13 @@ PAUSE = 0.5
 
 # (Full name of an object, its bake) -> what has changed, known until the next change; by the name
 # alone where it stood then.
-_changes = {}
-_places = {}
+_changes = session.remembered()
+_places = session.remembered()
 
 # The same as panels show it, by object and bake, though it may have been before the last change;
 # the names of the objects whose panels are drawn.
-_shown = {}
-_wanted = set()
+_shown = session.remembered()
+_wanted = session.remembered(set)
 _changed_at = 0.0
 
 
@@ -44,13 +45,6 @@ def forget():
     global _changed_at
     _changes.clear()
     _changed_at = time.monotonic()
-
-
-def clear():
-    """Before another file is opened."""
-    forget()
-    for known in (_places, _shown, _wanted):
-        known.clear()
 
 
 def stands_elsewhere(obj):

@@ -25,6 +25,7 @@ import bpy
 import leaflight
 from leaflight.bake.provenance import read_bake_id
 
+from .. import session
 from . import preferences
 
 LeaflightError = leaflight.LeaflightError
@@ -44,7 +45,7 @@ _GIVEN_UP = 7 * 24 * 3600
 _SESSION = time.strftime(f"{_UNSAVED}%Y%m%d_%H%M%S_{os.getpid()}")
 
 # Path -> (the state of the file, its id or the LeaflightError on reading it).
-_ids = {}
+_ids = session.remembered()
 
 
 def user_folder():

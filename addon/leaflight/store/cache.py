@@ -11,18 +11,19 @@ import bpy
 import leaflight
 import numpy as np
 
+from .. import session
 from . import bake_files, source_files
 
 LeaflightError = leaflight.LeaflightError
 
-_volumes = {}
-_bakes = {}
+_volumes = session.remembered()
+_bakes = session.remembered()
 
 # Bytes of voxels, beyond which what is not shown now is freed: frames that were played are many.
 _MOST = 2 << 30
 
 # Path -> (the state of the file, why it could not be read).
-_damaged = {}
+_damaged = session.remembered()
 
 
 def volume_of(obj):
@@ -103,11 +104,6 @@ def _make_room():
     volumes = [*_volumes.values(), *(one for bake in _bakes.values() for one in bake.volumes)]
     if sum(volume.values.nbytes for volume in volumes) > _MOST:
         forget_unused()
-
-
-def clear():
-    _volumes.clear()
-    _bakes.clear()
 
 
 def _load(path):

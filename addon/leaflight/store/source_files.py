@@ -13,6 +13,8 @@ from leaflight.bake.provenance import values_sha256
 from leaflight.io import readers
 from leaflight.io.readers import smoothing
 
+from .. import session
+
 LeaflightError = leaflight.LeaflightError
 
 # The properties that say which volume of a file was read, and how; of a frame or a channel -1 is
@@ -33,9 +35,9 @@ CHOICES = (
 _WITH_ITS_NEEDS = {"zarr": "zarr==2.18.3 numcodecs==0.13.1 asciitree==0.3.3 fasteners==0.19"}
 
 # A key_of() -> the hash of its values, so that a file is read once for it.
-_hashes = {}
+_hashes = session.remembered()
 # The same -> whether its coordinates are a patient's.
-_patients = {}
+_patients = session.remembered()
 
 
 def path_of(settings):
@@ -167,8 +169,3 @@ def changed_since_bake(obj):
             return True
         _hashes[key] = values_sha256(volume.capped() if settings.capped else volume)
     return _hashes[key] != settings.bake_values
-
-
-def forget():
-    _hashes.clear()
-    _patients.clear()

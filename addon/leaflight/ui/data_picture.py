@@ -7,6 +7,7 @@ Painted anew only when the volume, its range or the isovalue has changed by what
 import bpy.utils.previews
 import numpy as np
 
+from .. import session
 from . import distribution
 
 # Pixels of the whole, which Blender shows as a square, and of its lower part.
@@ -18,7 +19,7 @@ ISOVALUE = (1.0, 0.55, 0.1)
 TINT = 0.45
 
 _pictures = None
-_last = {}
+_last = session.remembered()
 
 
 def icon_of(obj):
@@ -104,4 +105,3 @@ def unregister():
     bpy.utils.previews.remove(_pictures)
     _pictures = None
     _last.clear()
-    distribution.forget()

@@ -11,6 +11,7 @@ import bpy
 import leaflight
 import numpy as np
 
+from .. import session
 from ..store import cache, source_files
 
 BINS = 256
@@ -42,7 +43,7 @@ class Distribution:
 
 
 # Key of a volume -> its Distribution, or None while it is being looked at and where it has none.
-_known = {}
+_known = session.remembered()
 
 
 def of(obj):
@@ -61,10 +62,6 @@ def look_now(obj):
     if _known.get(key) is None:
         _known[key] = _distribution(cache.volume_of(obj), obj.leaflight.isovalue)
     return _known[key]
-
-
-def forget():
-    _known.clear()
 
 
 def _key(obj):

@@ -7,24 +7,22 @@ And keeps the files of the bakes with the .blend when it is saved.
 import bpy
 from bpy.app.handlers import persistent
 
-from ..bake import estimate_bake, live, stopped
+from .. import session
+from ..bake import live, stopped
 from ..operators import active_volume, background
 from ..show import (
     added,
     cut_faces,
     display,
     duplicates,
-    graph_object,
     isovalues,
-    lamps,
-    preview,
     slices,
     surface_material,
     surface_object,
     whole_detail,
 )
-from ..stage import images, lamp_strengths, staleness
-from ..store import cache, frame_bakes, moving, source_files
+from ..stage import lamp_strengths, staleness
+from ..store import frame_bakes, moving
 
 
 def _follow(scene, depsgraph, by_hand):
@@ -53,7 +51,7 @@ def _plays():
 
 
 # Volumes whose isovalue was seen to move before Blender evaluated the change.
-_moved = []
+_moved = session.remembered(list)
 
 
 @persistent
@@ -146,22 +144,11 @@ def _before_render(scene, *_):
 
 @persistent
 def _before_load(*_):
-    _moved.clear()
     live.forget()
     background.cancel_running()
     background.forget_failure()
-    whole_detail.forget()
     stopped.save_offered()
-    preview.forget()
-    estimate_bake.forget()
-    cache.clear()
-    lamps.clear()
-    graph_object.forget()
-    images.forget()
-    source_files.forget()
-    surface_object.problems.clear()
-    surface_object.forget()
-    staleness.clear()
+    session.forget()
 
 
 @persistent
@@ -216,9 +203,5 @@ def unregister():
     for event, handler in _HANDLERS:
         getattr(bpy.app.handlers, event).remove(handler)
     background.cancel_running()
-    whole_detail.forget()
     stopped.save_offered()
-    preview.forget()
-    cache.clear()
-    lamps.clear()
-    images.forget()
+    session.forget()

@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 import pytest
 from boxes import build_cornell_box
-from leaflight_addon import versions
+from leaflight_addon import session, versions
 from leaflight_addon.show import isovalues, properties
 from leaflight_addon.stage import scene_export, staleness
 from leaflight_addon.store import cache
@@ -149,7 +149,7 @@ def check_a_hidden_one_is_not_baked_and_its_file_not_overwritten(pair):
     description, volumes, _ = scene_export.export_scene(bpy.context, first)
     assert volumes == [first] and description.isosurfaces[0].isovalues is None
     bpy.ops.leaflight.bake()
-    cache.clear()
+    session.forget()
     assert len(cache.bake_of(first).grids) == 1 and len(cache.bake_of(second).grids) == 2
 
 
