@@ -30,7 +30,8 @@ def check_a_kept_bake_is_continued(endless):
     ours = cache.bake_of(endless)
     assert ours.provenance.continued == kept.id and endless.leaflight.bake_id == ours.id
     assert 0 < ours.statistics.estimated_noise_percent < 0.8 * noise
-    assert endless.leaflight.bake_outcome.endswith(f"(target {endless.leaflight.error:g} %)")
+    # More passes also refine the estimate of what texels miss, so the target may be beyond them.
+    assert f"(target {endless.leaflight.error:g} %)" in endless.leaflight.bake_outcome
     assert endless.leaflight.bake_seconds > kept.statistics.seconds
     assert_shows(endless, 50.0)
     # Both are kept, and what is good enough is not continued.
