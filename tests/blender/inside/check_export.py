@@ -46,38 +46,16 @@ def check_gltf_comes_back_by_blenders_own_importer(baked, uncut, tmp_path, monke
     expected, _, radiance = mesh_arrays(baked)
     expected = to_world(baked, expected)
     close(to_world(mesh, vertices), expected, 1e-5)
-    # Blender keeps eight bits of sRGB in some versions.
-    values, corners = imported_colors(mesh)
-    close(values, np.clip(radiance[corners], 0, 1), 0.01)
-
-
-def check_usd_comes_back_by_blenders_own_importer(baked, uncut, tmp_path):
-    pytest.importorskip("pxr", reason="this Blender has no pxr")
-    if not bpy.app.build_options.usd:
-        pytest.skip("this Blender has no importer of USD")
-    baked.leaflight.isovalue = 47.0
-    assert export(tmp_path / "box.usdc") == {"FINISHED"}
-    before = set(bpy.data.objects)
-    bpy.ops.wm.usd_import(filepath=str(tmp_path / "box.usdc"))
-    (mesh,) = [obj for obj in set(bpy.data.objects) - before if obj.type == "MESH"]
-    bpy.context.view_layer.update()
-    vertices, _, _ = mesh_arrays(mesh)
-    expected, _, radiance = mesh_arrays(baked)
-    close(to_world(mesh, vertices), to_world(baked, expected), 1e-5)
-    values, corners = imported_colors(mesh)
-    close(values, radiance[corners], 0.01)
-
-
-def imported_colors(mesh):
-    """(linear RGB [n, 3], the vertices [n] that have them) of the first color attribute."""
     colors = mesh.data.color_attributes[0]
     values = np.empty(4 * len(colors.data), np.float32)
     colors.data.foreach_get("color", values)
-    corners = np.arange(len(mesh.data.vertices), dtype=np.int32)
+    values = values.reshape(-1, 4)[:, :3]
     if colors.domain == "CORNER":
         corners = np.empty(len(mesh.data.loops), np.int32)
         mesh.data.loops.foreach_get("vertex_index", corners)
-    return values.reshape(-1, 4)[:, :3], corners
+        radiance = radiance[corners]
+    # Blender keeps eight bits of sRGB in some versions.
+    close(values, np.clip(radiance, 0, 1), 0.01)
 
 
 def check_a_range_is_a_sequence(baked, tmp_path):
