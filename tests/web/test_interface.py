@@ -289,12 +289,12 @@ def test_numbers_are_those_that_are_shown(page, bakes):
             "(i => { i.focus(); i.value = '%s'; i.dispatchEvent(new Event('change')); })"
             "(document.querySelector('#number'))" % typed
         )
-        assert page.evaluate(f"{ISOVALUE}") == pytest.approx(shown)
+        assert page.evaluate(ISOVALUE) == pytest.approx(shown)
         value = page.evaluate("document.querySelector('#number').value")
         assert float(value) == pytest.approx(shown, abs=0.051) and len(value) <= 6
     for key in ("ArrowRight", "PageDown"):
         page.press([key], "#isovalue")
-        value = page.evaluate(f"{ISOVALUE}")
+        value = page.evaluate(ISOVALUE)
         assert value == pytest.approx(round(value, 1), abs=1e-9)
 
 
@@ -322,7 +322,7 @@ def test_the_camera_stops_before_the_isosurface(page, bakes):
         seen = page.evaluate(VIEWPOINT)
         way = np.subtract(seen["target"], seen["position"])
         way /= np.linalg.norm(way)
-        isovalue = page.evaluate(f"{ISOVALUE}")
+        isovalue = page.evaluate(ISOVALUE)
         hits = _core.isosurface_hits(bake.volume.field(), [seen["position"]], [way], isovalue)
         # From outside, a ray hits the front.
         assert hits[1][0] == 0
@@ -347,7 +347,7 @@ def test_lengths_are_those_of_the_world(page, bakes):
         page.drag([x + dx, y], [x + dx, y])
         place = page.evaluate(f"leaflight.view.placeAt({x + dx - left}, {y}).toArray()")
         seen = page.evaluate(VIEWPOINT)["position"]
-        isovalue = page.evaluate(f"{ISOVALUE}")
+        isovalue = page.evaluate(ISOVALUE)
         way = np.subtract(place, seen)
         distance = _core.isosurface_hits(bake.volume.field(), [seen], [way], isovalue)[0][0]
         assert distance == pytest.approx(1, abs=2e-3)

@@ -20,7 +20,6 @@ export class IsosurfaceRows {
     this.rows = Array.from({ length: MOST_SHOWN }, (_, k) => this.row(k));
     group?.append(...this.rows);
     this.add.addEventListener('click', () => {
-      if (this.look().isosurfaces.length === MOST_SHOWN) return;
       this.show(withOneMore(this.look().isosurfaces, header));
     });
   }

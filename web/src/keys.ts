@@ -15,7 +15,7 @@ export function bindKeys(panel: Panel, view: View, header: Header): void {
   };
   const step = (count: number) => () => {
     const [low, high] = header.isovalueRange;
-    panel.setIsovalue(view.look.isosurfaces[0].isovalue + (count * (high - low)) / STEPS);
+    panel.setIsovalue(panel.isovalue + (count * (high - low)) / STEPS);
   };
   const anywhere: Keys = {
     '[': step(-1), ']': step(1), '{': step(-10), '}': step(10),

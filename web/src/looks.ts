@@ -8,8 +8,8 @@ const MATTE: [number, number] = [0, 1];
 
 // The elements of a menu: (key, name).
 export function lookNames(header: Header): [string, string][] {
-  const named = Object.entries(header.looks).map(([key, { name }]): [string, string] => [key, name]);
-  return [...named, ...namesOf(header)];
+  const looks = Object.entries(header.looks).map(([key, { name }]): [string, string] => [key, name]);
+  return [...looks, ...namesOf(header)];
 }
 
 function named(key: string | null, { looks }: Header): NamedLook | null {

@@ -123,7 +123,7 @@ export class Panel {
   }
 
   // Of the first isosurface, which the main controls have.
-  private get isovalue(): number {
+  get isovalue(): number {
     return this.view.look.isosurfaces[0].isovalue;
   }
 

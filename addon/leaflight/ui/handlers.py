@@ -149,6 +149,7 @@ def _before_load(*_):
     background.forget_failure()
     stopped.save_offered()
     session.forget()
+    staleness.forget()
 
 
 @persistent
