@@ -43,7 +43,8 @@ def _parameters(obj):
         # A TypedDict of options.
         options = re.fullmatch(r"Unpack\[(\w+)\]", str(one.annotation))
         if options:
-            of = get_type_hints(inspect.unwrap(obj).__globals__[options[1]])
+            function = inspect.unwrap(obj.__init__ if inspect.isclass(obj) else obj)
+            of = get_type_hints(function.__globals__[options[1]])
             types |= {name: _type(hint) for name, hint in of.items()}
     return types
 

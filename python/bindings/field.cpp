@@ -15,6 +15,15 @@ namespace {
 template <class Value>
 using VoxelArray = py::array_t<Value, py::array::c_style>;
 
+// The array lives as long as the field; it must be released with the interpreter's lock held.
+template <class Value>
+std::shared_ptr<const void> kept(const VoxelArray<Value>& values) {
+  return {new VoxelArray<Value>(values), [](const void* p) {
+            const py::gil_scoped_acquire lock;
+            delete static_cast<const VoxelArray<Value>*>(p);
+          }};
+}
+
 template <int D, class Value>
 Field<D> field_from(const VoxelArray<Value>& values, const DoubleArray& index_to_world) {
   if (values.ndim() != D) {
@@ -29,15 +38,21 @@ Field<D> field_from(const VoxelArray<Value>& values, const DoubleArray& index_to
     }
     dims[a] = static_cast<int>(n);
   }
-  // The array lives as long as the field; it must be released with the interpreter's lock held.
-  std::shared_ptr<const void> owner(new VoxelArray<Value>(values), [](const void* p) {
-    const py::gil_scoped_acquire lock;
-    delete static_cast<const VoxelArray<Value>*>(p);
-  });
+  std::shared_ptr<const void> owner = kept(values);
   const Value* data = values.data();
   const Affine<D> transform = to_affine<D>(index_to_world);
   const py::gil_scoped_release unlocked;
   return make_field<D>(data, dims, transform, std::move(owner));
+}
+
+template <int D>
+void shade_by(Field<D>& field, const VoxelArray<float>& values) {
+  if (std::vector<py::ssize_t>(values.shape(), values.shape() + values.ndim()) !=
+      array_shape(field.dims)) {
+    throw Error("The values of shading must be as many as those of the field.");
+  }
+  field.shading_owner = kept(values);
+  field.shading_values = values.data();
 }
 
 template <int D>
@@ -105,6 +120,9 @@ void bind_field_of(py::module_& module, const char* name, const char* doc) {
                                };
                                return std::visit(array, f->values);
                              })
+      .def("shade_by", &shade_by<D>, py::arg("values").noconvert(),
+           "Takes the normals of isosurfaces from other values, float32 [z, y, x], such as\n"
+           "smoothed ones: NaN where the field's are. Before the field is part of a scene.")
       .def_property_readonly("index_to_world",
                              [](const Field<D>& f) { return from_affine(f.index_to_world); })
       .def_property_readonly("bounds", &bounds<D>, "World box of the voxels, (2, D).")

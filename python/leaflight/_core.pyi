@@ -107,6 +107,11 @@ class Field:
         """
         Interpolated values (n,) at world points (n, D); NaN outside and where masked.
         """
+    def shade_by(self, values: numpy.typing.NDArray[numpy.float32]) -> None:
+        """
+        Takes the normals of isosurfaces from other values, float32 [z, y, x], such as
+        smoothed ones: NaN where the field's are. Before the field is part of a scene.
+        """
     @property
     def bounds(self) -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -180,6 +185,11 @@ class Field2:
     def sample(self, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float32]:
         """
         Interpolated values (n,) at world points (n, D); NaN outside and where masked.
+        """
+    def shade_by(self, values: numpy.typing.NDArray[numpy.float32]) -> None:
+        """
+        Takes the normals of isosurfaces from other values, float32 [z, y, x], such as
+        smoothed ones: NaN where the field's are. Before the field is part of a scene.
         """
     @property
     def bounds(self) -> numpy.typing.NDArray[numpy.float64]:

@@ -116,6 +116,12 @@ def layout_options() -> Parser:
         metavar="S",
         help="smooth by a Gaussian of S voxels, against noise and terraces of 8-bit values (0)",
     )
+    parser.add_argument(
+        "--smooth-normals",
+        type=number,
+        metavar="S",
+        help="smooth the normals alone, so that isosurfaces stay where they are (0)",
+    )
     return whole
 
 

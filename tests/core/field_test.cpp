@@ -118,6 +118,19 @@ TEST(CoarserValues, AreThoseOfALinearFunctionInTheMiddleOfBlocks) {
   }
 }
 
+TEST(Field, ShadesByOtherValues) {
+  const Field<3> field = test::noise<3>(7, 1, 0.5), other = test::noise<3>(7, 2, 0.5);
+  Field<3> mixed = field;
+  mixed.shading_values = other.shading_values;
+  Random random(4);
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 p(6 * random.uniform(), 6 * random.uniform(), 6 * random.uniform());
+    const Vec3 expected = shading_gradient(other, locate(other, p));
+    EXPECT_EQ((shading_gradient(mixed, locate(mixed, p)) - expected).length(), 0);
+    EXPECT_EQ(value_at(mixed, p), value_at(field, p));
+  }
+}
+
 TEST(Field, RefusesWhatHasNoIsosurface) {
   const auto message = [](std::vector<float> values, const Index<3>& dims,
                           const Affine<3>& transform) -> std::string {

@@ -73,9 +73,12 @@ void for_each_crossing(const Field<3>& field, int voxels_per_texel, Check check)
 TEST(LineBundle, GradientsAreThoseOfShading) {
   const Field<3> whole = test::noise<3>(9, 5, 0.5);
   std::vector<float> values = test::values_of(whole);
+  const std::vector<float> others(values.rbegin(), values.rend());
   values[whole.offset({3, 4, 8})] = std::nanf("");
   const Field<3> masked = test::field_from<3>(values, whole.dims, whole.index_to_world);
-  for (const Field<3>& field : {whole, masked}) {
+  Field<3> otherwise = whole;
+  otherwise.shading_values = others.data();
+  for (const Field<3>& field : {whole, masked, otherwise}) {
     for (const int voxels_per_texel : {1, 2}) {
       const double scale = static_cast<double>(field.dims[0] - 1) /
                            (coarser_resolution<3>(field.dims, voxels_per_texel)[0] - 1);

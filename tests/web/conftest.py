@@ -119,7 +119,16 @@ def quadrilateral(name, corner, edge, other):
     return Mesh(name, corners, np.array([[0, 1, 2], [0, 2, 3]], np.uint32), (0.6, 0.6, 0.6))
 
 
-MAKERS = {maker.__name__: maker for maker in (box, brain, oblong, two, shadows, ball)}
+def noisy():
+    """A ball of noisy bytes with smooth normals, cut in the middle and capped."""
+    z, y, x = (np.mgrid[:36, :36, :36] - 17.5) / 17.5
+    values = 200 - 130 * np.sqrt(x * x + y * y + z * z)
+    values += np.random.default_rng(8).normal(0, 6, values.shape)
+    volume = leaflight.Volume(np.uint8(values.clip(0, 255))[:20], name="noisy", smooth_normals=1.5)
+    return leaflight.bake(volume.capped(), isovalues=(100.5, 160.5), resolution=36, **WORK)
+
+
+MAKERS = {maker.__name__: maker for maker in (box, brain, oblong, two, shadows, ball, noisy)}
 
 
 @pytest.fixture(scope="session")

@@ -132,7 +132,7 @@ def is_local(url):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["box", "brain", "oblong", "two"])
+@pytest.mark.parametrize("name", ["box", "brain", "oblong", "two", "noisy"])
 def test_pictures_are_those_of_the_core(browser, bakes, pages, name):
     bake, url = bakes(name), pages(name).as_uri()
     browser.open(url, SIZE)

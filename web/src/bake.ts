@@ -39,6 +39,8 @@ export interface VolumeData {
   values: number; // block: codes, a value being offset + scale * code
   bits: 8 | 16;
   masked: boolean;
+  smoothNormals: number; // standard deviation of a Gaussian in voxels, within so many layers
+  layers: number;
   offset: number;
   scale: number;
   light: LightData;
@@ -117,7 +119,7 @@ export interface Header {
   blocks: [number, number, number][]; // first byte, bytes, bytes when inflated
 }
 
-const FORMAT = 5;
+const FORMAT = 6;
 
 const READ_SHARE = 0.4; // of the work, to read the file
 

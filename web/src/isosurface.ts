@@ -28,7 +28,8 @@ import trace from './shaders/trace.glsl';
 import { factorsOf, indirectFactor, lampUniforms, lampVectors } from './lamps';
 import { clipPlane, type Lamp, type Look, MOST_SHOWN, type Shown } from './look';
 import { albedoOf, coatOf } from './looks';
-import { given, volumeTextures } from './volume_textures';
+import { smoothCodes, smoothPerCode } from './smooth_normals';
+import { type Codes, given, integerTexture, quads, volumeTextures } from './volume_textures';
 
 const NO_DATA = 65535;
 
@@ -58,6 +59,7 @@ export class Isosurface {
     const codes = data.bits === 8 ? bytes : new Uint16Array(bytes.buffer);
     const textures = {
       ...volumeTextures(codes, data.dims),
+      ...normalTextures(codes, data),
       ...(await lightTextures(bake, data.light)),
       ...(data.direct && (await mapTextures(bake, data, data.direct, codes))),
     };
@@ -78,7 +80,10 @@ export class Isosurface {
       glslVersion: three.GLSL3,
       vertexShader: vertex,
       fragmentShader: [precision, trace, display, gradient, lamps, ...lights, shading, fragment].join('\n'),
-      defines: data.direct ? { DIRECT: '' } : {},
+      defines: {
+        ...(data.direct && { DIRECT: '' }),
+        ...(data.smoothNormals > 0 && { SMOOTH_NORMALS: '' }),
+      },
       side: three.BackSide,
       transparent: true,
       blending: three.CustomBlending,
@@ -189,6 +194,7 @@ function uniformsOf(
     ...textures,
     dims: data.dims,
     noData: data.masked ? NO_DATA : -1,
+    smoothPerCode: smoothPerCode(data.bits),
     brick: data.light.brick,
     bricks: data.light.bricks,
     texelScale: new three.Vector3(...texelScale),
@@ -211,6 +217,13 @@ function uniformsOf(
     ...Object.entries(constant).map(([name, value]) => [name, { value }]),
     ...varying.map((name) => [name, { value: null }]),
   ]) as Record<string, three.IUniform>;
+}
+
+function normalTextures(codes: Codes, data: VolumeData): Record<string, three.Texture> {
+  if (!(data.smoothNormals > 0)) return {};
+  const smooth = smoothCodes(codes, data);
+  const values = quads(smooth, data.dims);
+  return { smoothValues: integerTexture(values, data.dims, three.RGBAIntegerFormat) };
 }
 
 interface LightTextures {

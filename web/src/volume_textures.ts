@@ -26,7 +26,7 @@ export function volumeTextures(codes: Codes, dims: Vector): VolumeTextures {
 }
 
 // Of each voxel and its next ones in x and y: two fetches read the corners of a cell.
-function quads(codes: Codes, [nx, ny, nz]: Vector): Codes {
+export function quads(codes: Codes, [nx, ny, nz]: Vector): Codes {
   const result = sameKind(codes, 4 * codes.length);
   let at = 0;
   for (let z = 0; z < nz; ++z) {

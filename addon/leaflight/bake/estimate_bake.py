@@ -25,6 +25,7 @@ _SETTINGS = (
     "light_walls",
     "capped",
     "smooth",
+    "smooth_normals",
 )
 
 # Full name of an object -> (its settings then, the error that the pilot is for, the Pilot).

@@ -37,7 +37,7 @@ def light(obj, bake, index, path, columns, state):
     settings.bake_walls = bake.walls is not None
     settings.bake_fingerprint = state.fingerprint
     settings.bake_lamps = lamps.record(bake, bake.scene.lights)
-    settings.bake_smooth = settings.smooth
+    settings.bake_smoothing = settings.smooth, bake.volumes[index].smooth_normals
     settings.bake_seconds = state.seconds
     settings.bake_outcome = outcome(bake)
     settings.bake_error = bake.statistics.estimated_error_percent if settings.bake_outcome else 0

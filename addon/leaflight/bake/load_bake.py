@@ -64,6 +64,7 @@ class LEAFLIGHT_OT_load_bake(bpy.types.Operator, ImportHelper):
                 matrix = _transform(obj, bake, index)
                 file_state = source_files.file_state(obj.leaflight)
                 obj.leaflight.capped = bake.scene.isosurfaces[index].capped
+            obj.leaflight.smooth_normals = bake.volumes[index].smooth_normals
             state = lighting.StateAtBake(matrix, staleness.OTHER_SCENE, seconds, file_state)
             lighting.light(obj, bake, index, path, columns[index], state)
             obj.leaflight.low, obj.leaflight.high = lighting.isovalue_range(bake, index)

@@ -91,6 +91,14 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
         min=0.0,
         max=10.0,
     )
+    smooth_normals: FloatProperty(
+        name="Smooth Normals",
+        description="Smooth the normals alone, by a Gaussian of this standard deviation in voxels: "
+        "the shading is smooth, and the isosurfaces stay where they are",
+        default=0.0,
+        min=0.0,
+        max=10.0,
+    )
     dims: IntVectorProperty(
         name="Dimensions", description="Voxels along x, y and z of a .raw file", size=3, min=0
     )
@@ -181,6 +189,7 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
             layout.prop(self, "partner")
         layout.prop(self, "resolution")
         layout.prop(self, "smooth")
+        layout.prop(self, "smooth_normals")
         if stored is not None and not stored.patient:
             layout.label(text="The file has no orientation", icon="QUESTION")
         layout.prop(self, "up")

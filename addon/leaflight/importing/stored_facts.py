@@ -29,7 +29,7 @@ RESOLUTION_ITEMS = [
 _STEPS = {"FULL": 1, "HALF": 2, "QUARTER": 4}
 
 # Choices that the header has no need of.
-_NOT_ASKED = {"frame", "channel", "downsample", "smooth"}
+_NOT_ASKED = {"frame", "channel", "downsample", *source_files.SMOOTHING}
 
 # (path, state of the file, choices) -> StoredVolume or a sentence, of the last file looked at.
 _last = session.remembered()

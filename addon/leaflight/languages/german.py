@@ -52,6 +52,8 @@ MESSAGES = {
     "The file has no orientation: choose Up and Front": (
         "Die Datei hat keine Ausrichtung: Oben und Vorne wählen"
     ),
+    "Smooth: %s voxels": "Geglättet: %s Voxel",
+    "Smooth Normals: %s": "Normalen geglättet: %s",
     "Pick in Histogram": "Im Histogramm wählen",
     "Looking at the data": "Die Daten werden angesehen",
     "Baked; %d of %d frames are": "Beleuchtet; %d von %d Bildern sind es",

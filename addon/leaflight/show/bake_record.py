@@ -23,7 +23,7 @@ class BakeRecord:
     bake_home: StringProperty(name="Folder Where the Bake Was Last")
     bake_values: StringProperty(name="Hash of the Values at the Bake")
     bake_file_state: StringProperty(name="Volume File at the Bake")
-    bake_smooth: FloatProperty(name="Smoothing at the Bake")
+    bake_smoothing: FloatVectorProperty(name="Smoothing of Values and Normals at the Bake", size=2)
     bake_index: IntProperty(name="Place Among the Volumes Baked Together")
     bake_low: FloatProperty(name="Lowest Isovalue of the Bake")
     bake_high: FloatProperty(name="Highest Isovalue of the Bake")

@@ -7,7 +7,7 @@ import leaflight
 import leaflight._core as _core
 import numpy as np
 
-from ..store import cache
+from ..store import cache, source_files
 from . import added, lamps, preview
 
 LeaflightError = leaflight.LeaflightError
@@ -138,7 +138,7 @@ def is_lit(obj, isovalue):
     # What a mirror or glass shows depends on where it is seen from.
     if baked.scattering != "diffuse" or baked.capped != settings.capped:
         return False
-    if settings.smooth != settings.bake_smooth:
+    if source_files.smoothing_changed(settings):
         return False
     low, high = (bake.isovalue_of(index, c) for c in bake.isovalues)
     rounding = 1e-6 * (high - low)

@@ -44,8 +44,8 @@ def put(obj, bake, index, matrix):
     local_to_world = np.array(matrix, np.float64).reshape(4, 4)
     index_to_local = np.linalg.inv(local_to_world) @ baked.index_to_world
     volume = last.volume if last is not None else _own_volume(obj)
-    if volume is None or not _is_same(volume, baked.values, index_to_local):
-        volume = leaflight.Volume(baked.values, index_to_local, baked.name, baked.source)
+    if volume is None or not _is_same(volume, baked, index_to_local):
+        volume = cache.placed(baked, index_to_local)
     if bake.walls is not None:
         walls = bake, uuid.uuid4().hex
     else:
@@ -60,11 +60,12 @@ def _own_volume(obj):
         return None
 
 
-def _is_same(volume, values, index_to_world):
-    """Whether a volume has these values there, but for rounding."""
-    return volume.values is values and np.allclose(
-        volume.index_to_world, index_to_world, rtol=1e-9, atol=1e-9 * np.abs(index_to_world).max()
-    )
+def _is_same(volume, baked, index_to_world):
+    """Whether a volume is the baked one there, but for rounding."""
+    if volume.values is not baked.values or volume.smooth_normals != baked.smooth_normals:
+        return False
+    atol = 1e-9 * np.abs(index_to_world).max()
+    return np.allclose(volume.index_to_world, index_to_world, rtol=1e-9, atol=atol)
 
 
 def of(obj):

@@ -79,4 +79,13 @@ class VolumeSource:
         options=set(),
         update=shape_changed,
     )
+    smooth_normals: FloatProperty(
+        name="Smooth Normals",
+        description="The same of the normals alone",
+        default=0.0,
+        min=0.0,
+        max=10.0,
+        options=set(),
+        update=shape_changed,
+    )
     unit: StringProperty(name="Unit", description="What the file measures lengths in")

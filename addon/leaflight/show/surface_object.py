@@ -277,7 +277,8 @@ def _wanted(obj, isovalue):
     volume_object = added.volume_object(obj)
     settings = volume_object.leaflight
     part = f"{settings.frame} {settings.channel} {settings.level} {settings.dataset}"
-    shape = f"{settings.smooth} {settings.capped} {obj.leaflight_look.dust}"
+    smooth = f"{settings.smooth} {settings.smooth_normals}"
+    shape = f"{smooth} {settings.capped} {obj.leaflight_look.dust}"
     volume = f"{settings.source} {part} {settings.downsample} {shape}"
     isosurface, seen = f"{isovalue!r} of {volume}", preview.of(volume_object)
     if seen is None:

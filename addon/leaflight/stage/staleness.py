@@ -103,7 +103,7 @@ def _change(context, obj):
         bake_files.locate(obj)
     except leaflight.LeaflightError as error:
         return str(error)
-    if obj.leaflight.smooth != obj.leaflight.bake_smooth:
+    if source_files.smoothing_changed(obj.leaflight):
         return "Smooth has changed since the bake: bake again"
     if source_files.changed_since_bake(obj):
         return f"{obj.leaflight.source} has changed since the bake: bake again"

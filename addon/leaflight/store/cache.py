@@ -59,6 +59,11 @@ def volume_to_bake(obj):
     return replace(volume, source=source_files.source_of(obj.leaflight) or volume.source)
 
 
+def placed(volume, index_to_world):
+    """A volume in coordinates of Blender, which are no patient's and have no unit of a file."""
+    return replace(volume, index_to_world=index_to_world, unit="", patient=False)
+
+
 def keep_volume(obj, volume):
     """Keeps the volume that was read for an object, which is not yet baked."""
     _volumes[source_files.key_of(obj.leaflight)] = volume
@@ -143,7 +148,7 @@ def _baked_key(obj):
         return None
     if bake is None or bake.scene.isosurfaces[settings.bake_index].capped != settings.capped:
         return None
-    if settings.smooth != settings.bake_smooth:
+    if source_files.smoothing_changed(settings):
         return None
     return _key_in_bake(settings)
 
@@ -157,12 +162,12 @@ def _volume_of_bake(obj):
     local_to_world = np.array(settings.bake_matrix, np.float64).reshape(4, 4)
     baked = bake_of(obj).volumes[settings.bake_index]
     index_to_local = np.linalg.inv(local_to_world) @ baked.index_to_world
-    return leaflight.Volume(baked.values, index_to_local, baked.name, baked.source)
+    return placed(baked, index_to_local)
 
 
 def _in_world(obj, volume):
     index_to_world = np.array(obj.matrix_world, np.float64) @ volume.index_to_world
-    return leaflight.Volume(volume.values, index_to_world, volume.name, volume.source)
+    return placed(volume, index_to_world)
 
 
 def _flat(matrix):

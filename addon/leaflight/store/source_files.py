@@ -11,7 +11,7 @@ import bpy
 import leaflight
 from leaflight.bake.provenance import values_sha256
 from leaflight.io import readers
-from leaflight.io.readers import smoothing
+from leaflight.volume import smoothing
 
 from .. import session
 
@@ -31,7 +31,10 @@ CHOICES = (
     "dataset",
     "downsample",
     "smooth",
+    "smooth_normals",
 )
+# Those of them that say how values, and normals alone, are smoothed.
+SMOOTHING = CHOICES[-2:]
 _WITH_ITS_NEEDS = {"zarr": "zarr==2.18.3 numcodecs==0.13.1 asciitree==0.3.3 fasteners==0.19"}
 
 # A key_of() -> the hash of its values, so that a file is read once for it.
@@ -68,8 +71,9 @@ def read_volume(path, progress=None, **choices):
         options["channel"] = choices["channel"]
     if choices["downsample"] > 1:
         options["downsample"] = choices["downsample"]
-    if choices["smooth"] > 0:
-        options["smooth"] = choices["smooth"]
+    for name in SMOOTHING:
+        if choices[name] > 0:
+            options[name] = choices[name]
     with _in_words_of_blender():
         return leaflight.read_volume(path, progress=progress, **options)
 
@@ -151,7 +155,15 @@ def file_state(settings):
 
 def source_of(settings):
     """The file of an object's volume and what was done to its values, for the bake's record."""
-    return smoothing.source_of(path_of(settings), settings.smooth) if settings.source else ""
+    if not settings.source:
+        return ""
+    return smoothing.source_of(path_of(settings), settings.smooth, settings.smooth_normals)
+
+
+def smoothing_changed(settings):
+    """Whether the values, or the normals alone, are smoothed otherwise than they were baked."""
+    now = [getattr(settings, name) for name in SMOOTHING]
+    return now != list(settings.bake_smoothing)
 
 
 def changed_since_bake(obj):

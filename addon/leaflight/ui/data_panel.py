@@ -36,12 +36,9 @@ class LEAFLIGHT_PT_data(bpy.types.Panel):
         if obj.leaflight.frames > 1:
             self._draw_frames(obj.leaflight)
         layout.operator(pick_isovalue.LEAFLIGHT_OT_pick_isovalue.bl_idname, icon="EYEDROPPER")
-        smooth = obj.leaflight.smooth
-        text = iface_("Smooth: %s voxels") % f"{smooth:g}"
-        name = smooth_volume.LEAFLIGHT_OT_smooth.bl_idname
-        layout.operator_menu_enum(name, "amount", text=text, icon="MOD_SMOOTH")
+        _draw_smooth(layout, obj.leaflight)
         found = distribution.of(obj)
-        if found is not None and found.is_terraced and not smooth:
+        if found is not None and found.is_terraced and not obj.leaflight.smooth:
             layout.label(text="8-bit steps show: smooth by 1 voxel", icon="INFO")
 
     def _draw_frames(self, settings):
@@ -55,6 +52,16 @@ class LEAFLIGHT_PT_data(bpy.types.Panel):
             text, icon = iface_("Not baked; %d of %d frames are"), "ERROR"
         layout.label(text=text % (baked, settings.frames), icon=icon, translate=False)
         layout.operator(bake_frames.LEAFLIGHT_OT_bake_frames.bl_idname, icon="RENDER_ANIMATION")
+
+
+def _draw_smooth(layout, settings):
+    name = smooth_volume.LEAFLIGHT_OT_smooth.bl_idname
+    for what, text in (
+        ("smooth", iface_("Smooth: %s voxels")),
+        ("smooth_normals", iface_("Smooth Normals: %s")),
+    ):
+        text = text % f"{getattr(settings, what):g}"
+        layout.operator_menu_enum(name, "amount", text=text, icon="MOD_SMOOTH").what = what
 
 
 def register():

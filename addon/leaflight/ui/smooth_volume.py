@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # flake8: noqa: F722,F821  (Blender declares properties as annotations)
-"""Smooth: reads the volume again, under a Gaussian, against noise and terraces."""
+"""Smooth: reads the volume again, its values or the normals under a Gaussian."""
 
 import bpy
 from bpy.props import EnumProperty
@@ -12,15 +12,15 @@ from ..store import cache, source_files
 
 
 class SmoothJob(background.Job):
-    """Reads the file of a volume object again, smoothed by so many voxels."""
+    """Reads the file of a volume object again, with another one of source_files.SMOOTHING."""
 
     name = "Smooth"
     cancelled = "Smoothing was cancelled; nothing has changed"
 
-    def __init__(self, obj, smooth):
-        self._name, self._smooth = obj.name, smooth
+    def __init__(self, obj, what, amount):
+        self._name, self._what, self._amount = obj.name, what, amount
         self._path = source_files.path_of(obj.leaflight)
-        self._choices = {**source_files.choices_of(obj.leaflight), "smooth": smooth}
+        self._choices = {**source_files.choices_of(obj.leaflight), what: amount}
 
     def run(self, progress):
         self._volume = source_files.read_volume(self._path, progress=progress, **self._choices)
@@ -31,28 +31,37 @@ class SmoothJob(background.Job):
             return self.cancelled
         settings, volume = obj.leaflight, self._volume
         # Stored before the setting's update looks it up.
-        settings["smooth"] = self._smooth
+        settings[self._what] = self._amount
         cache.keep_volume(obj, volume.capped() if settings.capped else volume)
-        settings.smooth = self._smooth
+        setattr(settings, self._what, self._amount)
         for surface in (obj, *added.added_to(obj)):
             isovalues.limit(surface)
         cache.forget_unused()
-        return f"{obj.name}: smoothed by {self._smooth:g} voxels"
+        normals = "normals " if self._what == "smooth_normals" else ""
+        return f"{obj.name}: {normals}smoothed by {self._amount:g} voxels"
 
 
 class LEAFLIGHT_OT_smooth(background.BackgroundOperator, bpy.types.Operator):
     bl_idname = "leaflight.smooth"
     bl_label = "Smooth"
     bl_description = (
-        "Smooth the values by a Gaussian, against noise and against terraces of 8-bit values. A "
-        "bake keeps the values that it was made of: bake again after a change"
+        "Smooth the values by a Gaussian, against noise and against terraces of 8-bit values; or "
+        "the normals alone, and isosurfaces stay where they are. A bake keeps the values that it "
+        "was made of: bake again after a change"
     )
     bl_options = {"REGISTER", "UNDO"}
 
+    what: EnumProperty(
+        name="What",
+        items=[
+            ("smooth", "Values", "The values, and with them isosurfaces and normals"),
+            ("smooth_normals", "Normals", "The normals alone: isosurfaces stay where they are"),
+        ],
+    )
     amount: EnumProperty(
         name="Smooth",
         items=[
-            ("0", "Not Smoothed", "The values of the file"),
+            ("0", "Not Smoothed", "As in the file"),
             ("0.5", "By 0.5 Voxels", "Standard deviation of the Gaussian"),
             ("1", "By 1 Voxel", "Standard deviation of the Gaussian: right for most 8-bit scans"),
             ("1.5", "By 1.5 Voxels", "Standard deviation of the Gaussian"),
@@ -73,7 +82,7 @@ class LEAFLIGHT_OT_smooth(background.BackgroundOperator, bpy.types.Operator):
         return True
 
     def start(self, context):
-        return SmoothJob(active_volume(context), float(self.amount))
+        return SmoothJob(active_volume(context), self.what, float(self.amount))
 
 
 def register():

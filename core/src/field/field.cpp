@@ -139,7 +139,7 @@ Field<D> make_field(const Voxels& values, const Index<D>& dims, const Affine<D>&
   check_placement(dims, index_to_world);
   Field<D> field;
   field.owner = std::move(owner);
-  field.values = values;
+  field.values = field.shading_values = values;
   field.dims = dims;
   field.index_to_world = index_to_world;
   field.world_to_index = inverse(index_to_world);
@@ -230,13 +230,13 @@ Vec<D> geometric_gradient(const CellCorners<D>& corners, const Vec<D>& local) {
 template <int D>
 Vec<D> voxel_gradient(const Field<D>& field, const Index<D>& voxel) {
   return std::visit([&](const auto* values) { return voxel_gradient(field, values, voxel); },
-                    field.values);
+                    field.shading_values);
 }
 
 template <int D>
 Vec<D> shading_gradient(const Field<D>& field, const CellPoint<D>& point) {
   return std::visit([&](const auto* values) { return shading_gradient(field, values, point); },
-                    field.values);
+                    field.shading_values);
 }
 
 template <int D>

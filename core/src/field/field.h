@@ -17,6 +17,9 @@ template <int D>
 struct Field {
   std::shared_ptr<const void> owner;  // keeps the values alive
   Voxels values;
+  // Those whose gradient is that of shading: `values`, or smoothed ones, NaN where these are.
+  Voxels shading_values;
+  std::shared_ptr<const void> shading_owner;
   Index<D> dims{};
   Affine<D> index_to_world;
   Affine<D> world_to_index;
@@ -103,8 +106,8 @@ double value_at(const Field<D>& field, const Vec<D>& index_position);
 template <int D>
 Vec<D> geometric_gradient(const CellCorners<D>& corners, const Vec<D>& local);
 
-// Central differences, in index coordinates; one-sided at the border of the domain and beside
-// masked voxels.
+// Central differences of the values of shading, in index coordinates; one-sided at the border of
+// the domain and beside masked voxels.
 template <int D>
 Vec<D> voxel_gradient(const Field<D>& field, const Index<D>& voxel);
 

@@ -331,7 +331,7 @@ float LineBundle<D>::slope(int plane, int lane) const {
 template <int D>
 Vec<D, float> LineBundle<D>::gradient(int plane, int lane) const {
   return std::visit([&](const auto* values) { return gradient(values, plane, lane); },
-                    field_.values) *
+                    field_.shading_values) *
          per_range_;
 }
 

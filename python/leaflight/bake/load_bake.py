@@ -45,7 +45,15 @@ def load_bake(path: str | os.PathLike[str]) -> Bake:
             f"{path}: this .vdb lacks the metadata of a bake; bake the volume again."
         ) from None
     volumes = [
-        Volume(values, matrix, record.name, str(path), record.unit, bool(record.patient))
+        Volume(
+            values,
+            matrix,
+            record.name,
+            str(path),
+            record.unit,
+            bool(record.patient),
+            record.smooth_normals,
+        )
         for (values, matrix), record in zip(fields, records)
     ]
     for volume in volumes:

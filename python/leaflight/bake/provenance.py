@@ -42,6 +42,7 @@ class VolumeRecord:
     unit: str
     capped: bool
     patient: bool
+    smooth_normals: float
     resolution: tuple[int, ...] = ()
     map_resolution: tuple[int, ...] = ()
 
@@ -141,6 +142,7 @@ def provenance_of(
             volume.unit,
             look.capped,
             volume.patient,
+            volume.smooth_normals,
         )
         for volume, look in zip(volumes, isosurfaces)
     )
@@ -167,6 +169,7 @@ def provenance_from_json(text: str) -> Provenance:
     for volume in volumes:
         texts += [volume.name, volume.source, volume.values_sha256, volume.unit]
     numbers = [found.seed, found.passes, found.blocks, *found.isovalues]
+    numbers += [volume.smooth_normals for volume in volumes]
     numbers += [] if found.error is None else [found.error]
     if not all(isinstance(text, str) for text in texts):
         raise TypeError("a text is none")

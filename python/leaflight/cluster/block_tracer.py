@@ -24,12 +24,14 @@ class Recipe:
     """A bake as a worker needs it.
 
     key: different for each bake; arrays: of each volume, its values, or the file (.npy) on this
-    machine that holds them; settings: of the core, by their names; the others as in Bake.
+    machine that holds them; smooth_normals: of each volume; settings: of the core, by their names;
+    the others as in Bake.
     """
 
     key: str
     arrays: Sequence[Array | str]
     matrices: Sequence[Array]
+    smooth_normals: Sequence[float]
     scene: SceneDescription
     isovalues: tuple[float, float]
     settings: dict[str, Any]
@@ -37,8 +39,10 @@ class Recipe:
 
     def scene_of_core(self) -> _core.Scene:
         volumes = [
-            Volume(load(array), matrix, f"volume {k}")
-            for k, (array, matrix) in enumerate(zip(self.arrays, self.matrices))
+            Volume(load(array), matrix, f"volume {k}", smooth_normals=smooth)
+            for k, (array, matrix, smooth) in enumerate(
+                zip(self.arrays, self.matrices, self.smooth_normals)
+            )
         ]
         return core_scene(self.scene, [volume.field() for volume in volumes], self.isovalues)
 

@@ -29,7 +29,7 @@ from .page_walls import walls_data
 from .shared_exponent import planes
 
 # Of the header and the blocks; the page refuses another one.
-FORMAT = 5
+FORMAT = 6
 # How a coarser page is called, by how many times it was halved.
 EVERY = ("every", "every 2nd", "every 4th", "every 8th")
 # That are deflated before somebody may cancel.

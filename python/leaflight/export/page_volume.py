@@ -98,6 +98,8 @@ def volume_data(data: "PageData", shown: ShownVolume) -> dict[str, Any]:
         "values": data.add(codes),
         "bits": 8 * codes.itemsize,
         "masked": bool(field.masked),
+        "smoothNormals": volume.smooth_normals,
+        "layers": volume.layers,
         "offset": offset,
         "scale": scale,
         "light": _light_data(data, shown),

@@ -4,7 +4,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import leaflight._core as _core
 import numpy as np
@@ -15,13 +15,22 @@ from ..arrays import Array
 from ..words import by, html_table
 from .distribution import Distribution
 from .setting_error import SettingError
+from .smoothing import checked, smoothed
 from .units import METERS, unit_of
 from .voxels import VOXEL_TYPES, as_voxels, new_voxels
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 # Above this share of the voxels, a value at an end of the range is padding around the object.
 BACKGROUND_SHARE = 0.1
 # How far below the data the layer around a capped volume is, in ranges of the data.
 CAP_DEPTH = 2.0
+
+
+class AxisAligned(TypedDict, total=False):
+    spacing: ArrayLike | None
+    origin: ArrayLike | None
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -34,6 +43,8 @@ class Volume:
     name: short name for people; source: the file or the function the values came from.
     unit: of world coordinates, a key of METERS, "" where it is not known.
     patient: whether world coordinates are a patient's: towards right, front and up.
+    smooth_normals: standard deviation in voxels of a Gaussian on the values of which the normals of
+        isosurfaces are the gradient; the isosurfaces stay where they are. 0: on the values alone.
     In flatland values has the shape (ny, nx) and index_to_world (3, 3).
 
     In place of index_to_world there may be spacing, the size of a voxel, one number or (x, y, z),
@@ -46,6 +57,7 @@ class Volume:
     source: str
     unit: str
     patient: bool
+    smooth_normals: float
 
     def __init__(
         self,
@@ -55,15 +67,15 @@ class Volume:
         source: str = "",
         unit: str = "",
         patient: bool = False,
-        *,
-        spacing: ArrayLike | None = None,
-        origin: ArrayLike | None = None,
+        smooth_normals: float = 0.0,
+        **grid: "Unpack[AxisAligned]",
     ) -> None:
         if not isinstance(values, np.ndarray):
             values = np.asarray(values)
+        axis_aligned = _axis_aligned(values.ndim, **grid)
         if index_to_world is None:
-            index_to_world = _axis_aligned(values.ndim, spacing, origin)
-        elif spacing is not None or origin is not None:
+            index_to_world = axis_aligned
+        elif any(value is not None for value in grid.values()):
             raise SettingError(
                 f"{name}: give either index_to_world or spacing and origin.", "spacing"
             )
@@ -73,9 +85,27 @@ class Volume:
             )
         fields = {"values": values, "index_to_world": index_to_world, "name": name}
         self.__dict__.update(fields, source=source, unit=unit_of(unit), patient=patient)
+        self.__dict__.update(smooth_normals=checked(smooth_normals, "smooth_normals", name))
 
     @cached_property
     def _field(self) -> _core.Field:
+        field = self._unsmoothed_field
+        if self.smooth_normals > 0:
+            field.shade_by(self._values_of_normals())
+        return field
+
+    def _values_of_normals(self) -> Array:
+        smooth = smoothed(self.data(), self.smooth_normals, _core.Progress())
+        if not self.layers:
+            return smooth
+        # What capped() adds is no part of what is smoothed.
+        values = new_voxels(self.values.shape, np.float32)
+        values[...] = self._unsmoothed_field.range[0]
+        values[(slice(1, -1),) * values.ndim] = smooth
+        return values
+
+    @cached_property
+    def _unsmoothed_field(self) -> _core.Field:
         """In flatland a Field2, which offers the same."""
         kind: Any = _core.Field2 if np.ndim(self.values) == 2 else _core.Field
         try:
@@ -162,7 +192,7 @@ class Volume:
 
     @cached_property
     def _closed(self) -> bool:
-        low, _ = self.field().range
+        low, _ = self._unsmoothed_field.range
         return all(
             (self.values.take(end, axis=axis) == low).all()
             for axis in range(self.values.ndim)
@@ -193,7 +223,12 @@ class Volume:
         values = _core.coarser_values(self.field())
         from_coarser = np.diag([2.0, 2.0, 2.0, 1.0])
         from_coarser[:3, 3] = 0.5
-        return replace(self, values=values, index_to_world=self.index_to_world @ from_coarser)
+        return replace(
+            self,
+            values=values,
+            index_to_world=self.index_to_world @ from_coarser,
+            smooth_normals=0.5 * self.smooth_normals,
+        )
 
     @cached_property
     def _within_layer(self) -> tuple[Array, tuple[float, float]] | None:
@@ -203,7 +238,7 @@ class Volume:
             return None
         low, high = float(np.nanmin(inside)), float(np.nanmax(inside))
         # Background of the data is never a whole range below them.
-        if not 0 < high - low < low - self.field().range[0]:
+        if not 0 < high - low < low - self._unsmoothed_field.range[0]:
             return None
         return inside, (low, high)
 
@@ -211,6 +246,11 @@ class Volume:
     def distribution(self) -> Distribution:
         """The Distribution of data()."""
         return Distribution(self.data(), self.data_range())
+
+    @property
+    def layers(self) -> int:
+        """How many layers of voxels around data() capped() added: 1 or 0."""
+        return 1 if self._within_layer else 0
 
     def data(self) -> Array:
         """The values without the layer that capped() added, if there is one; not a copy."""
@@ -221,7 +261,9 @@ class Volume:
         return self._within_layer[1] if self._within_layer else self.field().range
 
 
-def _axis_aligned(axes: int, spacing: ArrayLike | None, origin: ArrayLike | None) -> Array:
+def _axis_aligned(
+    axes: int, spacing: ArrayLike | None = None, origin: ArrayLike | None = None
+) -> Array:
     """The index_to_world of a voxel's size and the first node's place. Raises SettingError."""
     try:
         steps = np.broadcast_to(np.asarray(1.0 if spacing is None else spacing, np.float64), axes)

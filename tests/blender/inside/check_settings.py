@@ -16,9 +16,10 @@ ENGINES = ("CYCLES", "EEVEE")
 
 @pytest.fixture
 def patient(tmp_path):
-    """A head of a kind, baked: a ball within a ball with a speck beside, as bytes."""
+    """A head of a kind, baked: a wrinkled ball with a speck beside, as bytes."""
     z, y, x = np.mgrid[:24, :22, :20].astype(np.float32)
-    ball = 9.0 - np.sqrt((x - 9) ** 2 + (y - 10) ** 2 + (z - 12.5) ** 2)
+    wrinkles = 0.4 * np.sin(2.5 * x) * np.sin(2.5 * y) * np.sin(2.5 * z)
+    ball = 9.0 + wrinkles - np.sqrt((x - 9) ** 2 + (y - 10) ** 2 + (z - 12.5) ** 2)
     speck = 1.6 - np.sqrt((x - 16) ** 2 + (y - 3) ** 2 + (z - 3) ** 2)
     values = np.clip(20.0 * np.maximum(ball, speck) + 60.0, 0, 255).astype(np.uint8)
     image = nibabel.Nifti1Image(values.T, np.diag([10.0, 10.0, 10.0, 1.0]))
@@ -65,6 +66,7 @@ SETTINGS = {
     "front": lambda obj: setattr(obj.leaflight_orientation, "front", "POS_X"),
     "turn": lambda _obj: bpy.ops.leaflight.turn_volume(way="ROLL"),
     "smooth": lambda _obj: bpy.ops.leaflight.smooth(amount="2"),
+    "smooth normals": lambda _obj: bpy.ops.leaflight.smooth(what="smooth_normals", amount="3"),
     "dust": lambda obj: setattr(obj.leaflight_look, "dust", 8.0),
     "gloss": lambda obj: setattr(obj.leaflight_look, "gloss", 1.0),
     "opacity": lambda obj: setattr(obj.leaflight_look, "opacity", 0.5),

@@ -10,7 +10,7 @@ from boxes import build_cornell_box
 from leaflight_addon.stage import staleness
 from leaflight_addon.store import cache
 from leaflight_addon.ui import distribution
-from tools import assert_shows, close
+from tools import assert_shows, close, vertices_of
 
 
 @pytest.fixture
@@ -50,6 +50,32 @@ def check_it_is_proposed_for_bytes_and_done_afterwards(steps):
     assert_shows(obj, obj.leaflight.isovalue)
     bpy.ops.leaflight.smooth(amount="0")
     assert cache.volume_of(obj).values.dtype == np.uint8
+
+
+def check_normals_alone_are_smoothed(steps, tmp_path):
+    obj = imported(steps)
+    vertices = vertices_of(obj)
+    bpy.ops.leaflight.smooth(what="smooth_normals", amount="2")
+    assert obj.leaflight.smooth == 0.0 and cache.volume_of(obj).values.dtype == np.uint8
+    close(vertices_of(obj), vertices, 0)
+    expected = leaflight.read_volume(steps, smooth_normals=2.0)
+    assert cache.volume_of(obj).smooth_normals == expected.smooth_normals
+    build_cornell_box()
+    obj.leaflight.error, obj.leaflight.resolution = 50.0, 16
+    bpy.ops.leaflight.bake()
+    (record,) = cache.bake_of(obj).provenance.volumes
+    assert record.source == f"{steps}, normals smoothed by 2 voxels"
+    assert record.smooth_normals == 2.0 and "radiance" in obj.data.attributes
+    save(tmp_path / "scene.blend")
+    obj = open_blend(tmp_path / "scene.blend")
+    assert cache.volume_of(obj).smooth_normals == 2.0
+    assert staleness.change_since_bake(bpy.context, obj) == ""
+    bpy.ops.leaflight.smooth(what="smooth_normals", amount="0")
+    assert "radiance" not in obj.data.attributes
+    # A bake that is loaded brings its normals.
+    bpy.ops.leaflight.load_bake(filepath=obj.leaflight.bake_path)
+    obj = bpy.context.object
+    assert obj.leaflight.smooth_normals == 2.0 and "radiance" in obj.data.attributes
 
 
 def check_a_bake_keeps_what_it_was_made_of(steps):

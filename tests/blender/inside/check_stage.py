@@ -7,7 +7,6 @@ import bpy
 import nibabel
 import numpy as np
 import pytest
-from bpy_extras.object_utils import world_to_camera_view
 from leaflight_addon.stage import (
     hidden,
     camera,
@@ -20,7 +19,15 @@ from leaflight_addon.stage import (
 )
 from leaflight_addon.store import cache
 from mathutils import Matrix
-from tools import add_light, close, error_of, one_coloured_world, to_world, vertices_of
+from tools import (
+    add_light,
+    close,
+    error_of,
+    in_frame,
+    one_coloured_world,
+    to_world,
+    vertices_of,
+)
 
 BUILT = [name for name in presets.PRESETS if name != presets.MY_SCENE]
 
@@ -117,18 +124,11 @@ def check_a_stage_follows_the_isovalue_and_the_camera_alone_after_a_bake(ball):
     assert bpy.ops.leaflight.frame_isosurface() == {"FINISHED"}
     bpy.context.view_layer.update()
     assert _lowest_of_stage() == lowest and ball.leaflight.bake_id == identifier != ""
-    assert _height_in_frame(ball) > 0.5
+    assert _heightin_frame(ball) > 0.5
 
 
-def _height_in_frame(obj):
-    return np.ptp(_in_frame(obj)[:, 1])
-
-
-def _in_frame(obj):
-    """Where the large parts of an isosurface are in the camera's frame, and how far away."""
-    scene = bpy.context.scene
-    points = framing.shown_points([obj])
-    return np.array([world_to_camera_view(scene, scene.camera, p) for p in _vectors(points)])
+def _heightin_frame(obj):
+    return np.ptp(in_frame(obj)[:, 1])
 
 
 @pytest.mark.parametrize("preset", BUILT)
@@ -165,7 +165,7 @@ def check_the_isosurface_fills_the_frame(bumps, preset, size):
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = size
     _stage(preset)
-    x, y, depth = _in_frame(bumps).T
+    x, y, depth = in_frame(bumps).T
     assert 0 < x.min() and x.max() < 1 and 0 < y.min() and y.max() < 1
     assert scene.camera.data.clip_start < depth.min() and depth.max() < scene.camera.data.clip_end
     assert np.ptp(x) == pytest.approx(camera.WIDTH, 0.02) or np.ptp(y) == pytest.approx(

@@ -9,11 +9,14 @@ import bpy
 import leaflight
 import numpy as np
 import pytest
+from bpy_extras.object_utils import world_to_camera_view
 from leaflight.scene.scene import Isosurfaces, core_scene
 from leaflight_addon import versions
 from leaflight_addon.operators import background
 from leaflight_addon.show import whole_detail
+from leaflight_addon.stage import framing
 from leaflight_addon.store import cache
+from mathutils import Vector
 
 
 # Seconds after which another program hangs, whatever the machine.
@@ -87,6 +90,13 @@ def to_world(obj, points):
     """Points (n, 3) in the coordinates of an object, in world space."""
     matrix = np.array(obj.matrix_world, np.float64)
     return points @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def in_frame(obj):
+    """Where the large parts of an isosurface are in the camera's frame, and how far away."""
+    scene = bpy.context.scene
+    points = framing.shown_points([obj])
+    return np.array([world_to_camera_view(scene, scene.camera, Vector(p)) for p in points])
 
 
 def assert_shows(obj, isovalue):

@@ -3,9 +3,23 @@
 uniform mat4 indexToWorld;
 uniform mat3 normalToWorld;  // of gradients
 
+#ifdef SMOOTH_NORMALS
+uniform usampler3D smoothValues;  // as `values`
+uniform float smoothPerCode;      // its codes in one of theirs
+
+float shadingValueAt(vec3 place) { return valueOf(smoothValues, place) / smoothPerCode; }
+#else
+float shadingValueAt(vec3 place) { return valueAt(place); }
+#endif
+
 // Central differences at the voxels, one-sided at the border and where one of two values is missing,
 // interpolated.
-vec3 gradientAt(vec3 place, float own) {
+vec3 gradientAt(vec3 place, float isovalue) {
+#ifdef SMOOTH_NORMALS
+  float own = noData >= 0.0 ? shadingValueAt(place) : isovalue;
+#else
+  float own = isovalue;
+#endif
   vec3 g;
   for (int a = 0; a < 3; ++a) {
     vec3 low = place, high = place;
@@ -13,7 +27,7 @@ vec3 gradientAt(vec3 place, float own) {
     if (voxel > 0.0 && voxel + 1.0 < last) {
       low[a] -= 1.0;
       high[a] += 1.0;
-      float below = valueAt(low), above = valueAt(high);
+      float below = shadingValueAt(low), above = shadingValueAt(high);
       if (below < 0.0) below = own, low = place;
       if (above < 0.0) above = own, high = place;
       float way = high[a] - low[a];
@@ -21,16 +35,16 @@ vec3 gradientAt(vec3 place, float own) {
     } else {
       low[a] = voxel;
       high[a] = voxel + 1.0;
-      float below = valueAt(low), above = valueAt(high);
+      float below = shadingValueAt(low), above = shadingValueAt(high);
       float first = above - below, second = first;
       low[a] = voxel - 1.0;
       high[a] = voxel + 2.0;
       if (low[a] >= 0.0) {
-        float before = valueAt(low);
+        float before = shadingValueAt(low);
         if (before >= 0.0) first = 0.5 * (above - before);
       }
       if (high[a] <= last) {
-        float behind = valueAt(high);
+        float behind = shadingValueAt(high);
         if (behind >= 0.0) second = 0.5 * (behind - below);
       }
       g[a] = mix(first, second, place[a] - voxel);

@@ -22,10 +22,12 @@ struct Hit {
 
 int fetches = 0;
 
-vec4 quadAt(ivec3 voxel) {
+vec4 quadOf(usampler3D of, ivec3 voxel) {
   ++fetches;
-  return vec4(texelFetch(values, voxel, 0));
+  return vec4(texelFetch(of, voxel, 0));
 }
+
+vec4 quadAt(ivec3 voxel) { return quadOf(values, voxel); }
 
 Ray rayThroughBox(vec3 origin, vec3 direction) {
   Ray ray = Ray(origin, direction, 0.0, FAR_AWAY);
@@ -45,15 +47,17 @@ Ray rayThroughBox(vec3 origin, vec3 direction) {
 float largest(vec4 v) { return max(max(v.x, v.y), max(v.z, v.w)); }
 
 // Negative where there are no data.
-float valueAt(vec3 place) {
+float valueOf(usampler3D of, vec3 place) {
   vec3 at = clamp(place, vec3(0.0), vec3(dims - 1));
   ivec3 cell = min(ivec3(at), dims - 2);
   vec3 u = at - vec3(cell);
-  vec4 low = quadAt(cell), high = quadAt(cell + ivec3(0, 0, 1));
+  vec4 low = quadOf(of, cell), high = quadOf(of, cell + ivec3(0, 0, 1));
   if (noData >= 0.0 && largest(max(low, high)) >= noData) return -1.0;
   vec4 q = mix(low, high, u.z);
   return mix(mix(q.x, q.y, u.x), mix(q.z, q.w, u.x), u.y);
 }
+
+float valueAt(vec3 place) { return valueOf(values, place); }
 
 // Of a region without a crossing the side on which it is, or that it is mixed.
 int sideOf(usampler3D of, ivec3 brick, float isovalue) {

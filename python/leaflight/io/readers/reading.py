@@ -17,12 +17,12 @@ from ...arrays import Array
 from ...progress_bar import with_progress
 from ...volume.memory import is_limited
 from ...volume.setting_error import SettingError
+from ...volume.smoothing import checked, smoothed, source_of
 from ...volume.volume import Volume
 from ...volume.voxels import as_voxels, held_type, new_voxels
 from .checks import choose, text
 from .downsampling import downsampled
 from .formats import Format, format_of
-from .smoothing import smoothed, source_of
 from .stored import StoredVolume
 from .watched import watched
 
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 DOWNSAMPLE = (1, 2, 4, 8)
-MOST_SMOOTH = 10.0
 
 
 class StoredOptions(TypedDict, total=False):
@@ -46,7 +45,14 @@ class StoredOptions(TypedDict, total=False):
 
 
 # What read_volume() can be told beside the path.
-OPTIONS = (*StoredOptions.__annotations__, "frame", "channel", "downsample", "smooth")
+OPTIONS = (
+    *StoredOptions.__annotations__,
+    "frame",
+    "channel",
+    "downsample",
+    "smooth",
+    "smooth_normals",
+)
 
 _NOT_IN_DEBIAN = {"imagecodecs"}
 
@@ -75,6 +81,7 @@ def read_volume(
     channel: int | None = None,
     downsample: int | None = None,
     smooth: float | None = None,
+    smooth_normals: float | None = None,
     progress: Progress | None = None,
     **stored: "Unpack[StoredOptions]",
 ) -> Volume:
@@ -91,7 +98,7 @@ def read_volume(
     dataset: name of the array or series, where a file or folder holds several.
     downsample: 2, 4 or 8 keep the mean of so many voxels along each axis; 1 is the default.
     smooth: standard deviation of a Gaussian that the values are smoothed by, in the voxels that
-        are kept; 0 is the default.
+        are kept; 0 is the default. smooth_normals: the same of the normals alone (Volume).
     progress: as of bake().
     Returns a Volume. Raises LeaflightError: one sentence with the file and the remedy.
     Raises Cancelled.
@@ -104,11 +111,8 @@ def read_volume(
             f"{downsample}.",
             "downsample",
         )
-    smooth = smooth or 0.0
-    if not 0.0 <= smooth <= MOST_SMOOTH:
-        raise SettingError(
-            f"{path}: smooth must be 0 to {MOST_SMOOTH:g} voxels, not {smooth:g}.", "smooth"
-        )
+    smooth = checked(smooth or 0.0, "smooth", path)
+    smooth_normals = checked(smooth_normals or 0.0, "smooth_normals", path)
     with _sentences(path) as kind:
         opened = _opened(path, kind(), stored)
         # Files of channels alone were read by `frame` before there was `channel`.
@@ -128,9 +132,10 @@ def read_volume(
             volume,
             values=values,
             index_to_world=matrix,
-            source=source_of(path, smooth),
+            source=source_of(path, smooth, smooth_normals),
             unit=opened.unit,
             patient=opened.patient,
+            smooth_normals=smooth_normals,
         )
     progress.begin("Looking at the values")
     progress.check()

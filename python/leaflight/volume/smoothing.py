@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volumes smoothed by a Gaussian while they are read: against noise, and terraces of few bits."""
+"""Values under a Gaussian: against noise, and terraces of few bits."""
 
 import math
 import os
@@ -7,32 +7,53 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ..._core import Progress
-from ...arrays import Array
-from ...volume.voxels import new_voxels
-from .watched import watched
+from .._core import Progress
+from ..arrays import Array
+from .setting_error import SettingError
+from .voxels import new_voxels
+
+# Standard deviation in voxels.
+MOST_SMOOTH = 10.0
 
 # In standard deviations; what lies beyond has 0.3 % of the weight.
 _REACH = 3.0
 
 
 def smoothed(values: Array, sigma: float, progress: Progress) -> Array:
-    """float32 [z, y, x]: the values under a Gaussian of this standard deviation in voxels.
+    """float32 [z, y, x] or [y, x]: values under a Gaussian of this standard deviation in voxels.
 
     A voxel without data keeps none and has no weight; beyond the border the last voxel goes on.
+    Raises Cancelled.
     """
     weights = _weights(sigma)
-    reach, depth = len(weights) // 2, values.shape[0]
-    kept = new_voxels(values.shape, np.float32)
-    for k in watched(progress, range(depth), "Smoothing"):
-        planes = (values[min(max(k + i, 0), depth - 1)] for i in range(-reach, reach + 1))
-        kept[k] = _smooth_plane(values[k], planes, weights)
-    return kept
+    planes = values if values.ndim == 3 else values[np.newaxis]
+    reach, depth = len(weights) // 2, len(planes)
+    kept = new_voxels(planes.shape, np.float32)
+    progress.begin("Smoothing")
+    if progress.fraction < 1:
+        progress.expect(depth)
+    for k in range(depth):
+        progress.check()
+        near = (planes[min(max(k + i, 0), depth - 1)] for i in range(-reach, reach + 1))
+        kept[k] = _smooth_plane(planes[k], near, weights)
+        progress.advance(1)
+    return kept.reshape(values.shape)
 
 
-def source_of(path: str | os.PathLike[str], sigma: float) -> str:
+def source_of(path: str | os.PathLike[str], smooth: float, smooth_normals: float) -> str:
     """The source of a volume from this file, for its provenance."""
-    return f"{path}, smoothed by {sigma:g} voxels" if sigma > 0 else str(path)
+    values = f", smoothed by {smooth:g} voxels" if smooth > 0 else ""
+    normals = f", normals smoothed by {smooth_normals:g} voxels" if smooth_normals > 0 else ""
+    return f"{path}{values}{normals}"
+
+
+def checked(sigma: float, name: str, whose: str | os.PathLike[str]) -> float:
+    """A standard deviation that was asked for. Raises SettingError of this name."""
+    if not 0.0 <= sigma <= MOST_SMOOTH:
+        raise SettingError(
+            f"{whose}: {name} must be 0 to {MOST_SMOOTH:g} voxels, not {sigma:g}.", name
+        )
+    return sigma
 
 
 def _weights(sigma: float) -> Array:
