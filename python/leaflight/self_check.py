@@ -7,8 +7,9 @@ this module is the check.
 """
 
 import os
+import platform
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from importlib import import_module
 from types import ModuleType
 
@@ -18,6 +19,8 @@ except ImportError:
     resource = None  # Windows has no such limits.
 
 OLDEST_NUMPY = (1, 24)
+# Of x86-64-v2, for which the module is compiled (CMakeLists.txt), by NumPy's names.
+PROCESSOR_FEATURES = ("SSE42", "POPCNT")
 # Bytes of address space that the libraries and their threads take, each thread its stack. With
 # less, they fail as they please: one says that it is version 0.0, another ends the process.
 LEAST_MEMORY, MEMORY_OF_A_THREAD = 1 << 30, 16 << 20
@@ -27,6 +30,7 @@ def check() -> None:
     """Raises ImportError where Leaflight cannot work rightly."""
     check_memory(*memory_limit())
     numpy = _numpy()
+    check_processor(_processor_features())
     core = _core()
     check_libraries(core.libraries())
     try:
@@ -79,6 +83,29 @@ def check_numpy(version: str) -> None:
         raise ImportError(
             f"Leaflight needs NumPy {oldest} or newer, but NumPy {version} is installed; upgrade "
             "the package numpy."
+        )
+
+
+def _processor_features() -> Mapping[str, bool]:
+    """What NumPy found out about an x86 processor; it loads on every one."""
+    if platform.machine().lower() not in ("x86_64", "amd64"):
+        return {}
+    for package in ("numpy._core", "numpy.core"):  # of NumPy 2 and 1
+        try:
+            features = import_module(f"{package}._multiarray_umath").__cpu_features__
+        except (ImportError, AttributeError):
+            continue
+        return dict(features)
+    return {}
+
+
+def check_processor(features: Mapping[str, bool]) -> None:
+    """The compiled module would end the process at an instruction that is missing."""
+    missing = [name for name in PROCESSOR_FEATURES if not features.get(name, True)]
+    if missing:
+        raise ImportError(
+            f"Leaflight needs a processor with {' and '.join(missing)}, as nearly all since 2009 "
+            "have; use it on a newer machine."
         )
 
 

@@ -166,9 +166,7 @@ TEST(TexelLattice, HoldsEveryTexelThatALookupNeeds) {
     const CellPoint<3> point = locate(field, p);
     const double h = interpolate(load_corners(field, point.cell), point.local);
     if (h < 0.7 || h > 0.8) continue;
-    for (const std::int32_t slot : linear_weights(lattice, p).slot) {
-      ASSERT_NE(slot, TexelLattice<3>::inactive);
-    }
+    ASSERT_EQ(linear_weights(lattice, p).count, 8);
   }
 }
 

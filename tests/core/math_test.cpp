@@ -76,6 +76,8 @@ TEST(RankedSet, KnowsWhatItHoldsAndItsPlace) {
     for (std::uint32_t n = 0; n < bound; ++n) {
       const bool holds = std::binary_search(numbers.begin(), numbers.end(), n);
       ASSERT_EQ(set[n], holds ? rank++ : RankedSet::absent) << n << " of " << bound;
+      if (n + 1 == bound) break;
+      ASSERT_EQ(set.two_from(n), (std::array{set[n], set[n + 1]}));
     }
   }
 }

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What `import leaflight` refuses, in one sentence."""
 
+import platform
 import shutil
 import subprocess
 import sys
@@ -61,6 +62,18 @@ def test_an_old_numpy(version):
 @pytest.mark.parametrize("version", ["1.24.0", "1.26.4", "2.0.0rc1", "2.4.1"])
 def test_numpys_that_will_do(version):
     self_check.check_numpy(version)
+
+
+def test_an_old_processor():
+    features = {"SSE42": True, "POPCNT": False}
+    assert "a processor with POPCNT," in refusal(self_check.check_processor, features)
+
+
+def test_the_processor_here():
+    features = self_check._processor_features()
+    self_check.check_processor(features)
+    if platform.machine() == "x86_64":
+        assert set(self_check.PROCESSOR_FEATURES) < set(features)
 
 
 def test_the_libraries_that_are_loaded():

@@ -163,24 +163,37 @@ template <int D>
 TexelWeights<D> linear_weights(const TexelLattice<D>& lattice, const Vec<D>& index_position) {
   const auto [base, local] = lattice.cell_point(index_position);
   TexelWeights<D> result;
+  std::array<double, 1 << D> weights;
   double sum = 0;
-  std::array<double, 1 << D> weight;
-  for (int corner = 0; corner < (1 << D); ++corner) {
-    Index<D> texel;
-    weight[corner] = 1;
-    for (int a = 0; a < D; ++a) {
-      const int bit = (corner >> a) & 1;
-      texel[a] = base[a] + bit;
-      weight[corner] *= bit ? local[a] : 1 - local[a];
+  const auto add = [&](double weight, std::int32_t slot) {
+    if (slot == TexelLattice<D>::inactive) return;
+    result.slot[result.count] = slot;
+    weights[result.count++] = weight;
+    sum += weight;
+  };
+  // Of texels side by side along axis 0.
+  for (int others = 0; others < (1 << (D - 1)); ++others) {
+    Index<D> texel = base;
+    double low = 1 - local[0], high = local[0];
+    for (int a = 1; a < D; ++a) {
+      const int bit = (others >> (a - 1)) & 1;
+      texel[a] += bit;
+      low *= bit ? local[a] : 1 - local[a];
+      high *= bit ? local[a] : 1 - local[a];
     }
-    result.slot[corner] = TexelLattice<D>::inactive;
-    if (weight[corner] == 0) continue;
-    result.slot[corner] = lattice.slot[lattice.linear(texel)];
-    if (result.slot[corner] == TexelLattice<D>::inactive) weight[corner] = 0;
-    sum += weight[corner];
+    const std::size_t number = lattice.linear(texel);
+    if (low > 0 && high > 0) {
+      const auto slots = lattice.slot.two_from(number);
+      add(low, slots[0]);
+      add(high, slots[1]);
+    } else if (low > 0) {
+      add(low, lattice.slot[number]);
+    } else if (high > 0) {
+      add(high, lattice.slot[number + 1]);
+    }
   }
-  for (int corner = 0; corner < (1 << D); ++corner) {
-    result.weight[corner] = sum > 0 ? static_cast<float>(weight[corner] / sum) : 0;
+  for (int i = 0; i < result.count; ++i) {
+    result.weight[i] = static_cast<float>(sum == 1 ? weights[i] : weights[i] / sum);
   }
   return result;
 }

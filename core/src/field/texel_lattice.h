@@ -79,10 +79,12 @@ template <int D>
 std::size_t active_texels(const Field<D>& field, const Index<D>& resolution, double low,
                           double high);
 
-// Up to 2^D slots around an index position with their (bi-, tri-)linear weights, renormalised over
-// the active texels; all weights are zero if none is active.
+// The slots of the active texels around an index position, with their (bi-, tri-)linear weights,
+// renormalised over them. Those without weight are left out: on an edge of the grid six of eight,
+// where texels are as wide as voxels.
 template <int D>
 struct TexelWeights {
+  int count = 0;
   std::array<std::int32_t, 1 << D> slot;
   std::array<float, 1 << D> weight;
 };

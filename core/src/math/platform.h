@@ -15,13 +15,6 @@ namespace leaflight {
 inline int count_ones(std::uint64_t word) {
 #ifdef _MSC_VER
   return static_cast<int>(__popcnt64(word));
-#elif defined(__x86_64__) && !defined(__POPCNT__)
-  // The first of these processors have no instruction for it, so that GCC calls a function: sums of
-  // two, four and eight bits side by side are faster.
-  word -= (word >> 1) & 0x5555555555555555;
-  word = (word & 0x3333333333333333) + ((word >> 2) & 0x3333333333333333);
-  word = (word + (word >> 4)) & 0x0F0F0F0F0F0F0F0F;
-  return static_cast<int>((word * 0x0101010101010101) >> 56);
 #else
   return __builtin_popcountll(word);
 #endif

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -34,6 +35,17 @@ class RankedSet {
     const std::uint64_t word = words_[number / word_bits], own = bit(number);
     if (!(word & own)) return absent;
     return static_cast<std::int32_t>(before_[number / word_bits] + count(word & (own - 1)));
+  }
+  // Those of a number and of the next one.
+  std::array<std::int32_t, 2> two_from(std::size_t number) const {
+    const std::size_t place = number % word_bits;
+    if (place == word_bits - 1) return {(*this)[number], (*this)[number + 1]};
+    const std::uint64_t word = words_[number / word_bits];
+    const auto has = static_cast<std::int32_t>(word >> place & 3);
+    if (has == 0) return {absent, absent};
+    const auto rank =
+        static_cast<std::int32_t>(before_[number / word_bits] + count(word & (bit(number) - 1)));
+    return {has & 1 ? rank : absent, has & 2 ? rank + (has & 1) : absent};
   }
 
  private:

@@ -12,7 +12,7 @@ from tools import in_frame
 SCANS = Path(__file__).resolve().parents[3] / "build" / "scans"
 # Name: (file, whether its header tells the orientation, the look).
 FILES = {
-    "head": (SCANS / "mni_icbm152_t1_tal_nlin_sym_09a_converted.nii.gz", True, "SKIN"),
+    "human": (SCANS / "mni_icbm152_t1_tal_nlin_sym_09a_converted.nii.gz", True, "SKIN"),
     "macaque": (Path("/usr/share/mricron/templates/inia19-t1-brain.nii.gz"), True, "CLAY"),
     "fly": (SCANS / "fly_150x256x256.tif", False, "COPPER"),
     "shell": (SCANS / "shell_225x128x128.tif", False, "IVORY"),

@@ -118,8 +118,7 @@ DirectLight<D> DirectLight<D>::scaled(const std::vector<Rgb>& lights) const {
 template <int D>
 float DirectLight<D>::greatest(std::size_t point, const TexelWeights<D>& near, bool back) const {
   float sum = 0;
-  for (int i = 0; i < (1 << D); ++i) {
-    if (!(near.weight[i] > 0)) continue;
+  for (int i = 0; i < near.count; ++i) {
     sum += near.weight[i] * maps_->codes[back][near.slot[i] * points_.size() + point];
   }
   return sum;
@@ -168,10 +167,8 @@ void DirectLight<D>::bound(Block& of, std::size_t first, std::size_t end) const 
 // Whether no point lights an isosurface of code `own`, whatever the weights of the texels are.
 template <int D>
 bool DirectLight<D>::is_dark(const TexelWeights<D>& near, bool back, float own) const {
-  for (int i = 0; i < (1 << D); ++i) {
-    if (near.weight[i] > 0 && own >= static_cast<float>(maps_->least[back][near.slot[i]]) - 1) {
-      return false;
-    }
+  for (int i = 0; i < near.count; ++i) {
+    if (own >= static_cast<float>(maps_->least[back][near.slot[i]]) - 1) return false;
   }
   return true;
 }
@@ -182,9 +179,8 @@ typename DirectLight<D>::Shadows DirectLight<D>::shadows(std::size_t number,
                                                          bool back) const {
   const std::uint8_t* maps = maps_->codes[back].data() + number * block;
   Shadows found;
-  for (int i = 0; i < (1 << D); ++i) {
+  for (int i = 0; i < near.count; ++i) {
     const float w = near.weight[i];
-    if (!(w > 0)) continue;
     const std::uint8_t* codes = maps + near.slot[i] * points_.size();
     if (!maps_->has_dark) {
       for (int k = 0; k < block; ++k) found.greatest[k] += w * static_cast<float>(codes[k]);

@@ -423,9 +423,8 @@ void LineBake<D>::measure_errors(const std::vector<Average>& direct,
     }
     const TexelWeights<D> near = linear_weights(lattice, position);
     double colour = 0, deviation = 0;
-    for (int i = 0; i < (1 << D); ++i) {
+    for (int i = 0; i < near.count; ++i) {
       const double w = near.weight[i];
-      if (!(w > 0)) continue;
       const Average &d = direct[near.slot[i]], &m = indirect[near.slot[i]];
       colour += w * average(d.mean + m.mean);
       deviation += w * std::sqrt(m.variance);

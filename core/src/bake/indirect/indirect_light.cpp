@@ -134,8 +134,7 @@ std::vector<Average> interpolated(const TexelLattice<D>& from, const std::vector
     for (std::size_t s = begin; s < end; ++s) {
       const TexelWeights<D> near = linear_weights(from, to.centre(to.active[s]));
       float error = 0;
-      for (int i = 0; i < (1 << D); ++i) {
-        if (!(near.weight[i] > 0)) continue;
+      for (int i = 0; i < near.count; ++i) {
         const Average& there = averages[near.slot[i]];
         result[s].mean += there.mean * near.weight[i];
         // Texels that are crossed by the same lines err alike.

@@ -48,61 +48,24 @@ RadianceGrid<D> make_grid(SideAverages direct, SideAverages indirect) {
 
 namespace {
 
-// The texels that a lookup reads, as linear_weights() has them, without those of no weight: on an
-// edge of the grid six of eight, where texels are as wide as voxels.
 template <int D>
-class UsedTexels {
- public:
-  void find(const TexelLattice<D>& lattice, const Vec<D>& index_position) {
-    const CellPoint<D> at = lattice.cell_point(index_position);
-    std::array<double, 1 << D> weights;
-    double sum = 0;
-    int between = 0;  // axes along which the upper texels have weight
-    for (int a = 0; a < D; ++a) between |= (at.local[a] > 0) << a;
-    count_ = 0;
-    for (int corner = 0; corner < (1 << D); ++corner) {
-      if ((corner & ~between) != 0) continue;
-      Index<D> texel;
-      double weight = 1;
-      for (int a = 0; a < D; ++a) {
-        const int bit = (corner >> a) & 1;
-        texel[a] = at.cell[a] + bit;
-        weight *= bit ? at.local[a] : 1 - at.local[a];
-      }
-      if (!(weight > 0)) continue;
-      const std::int32_t slot = lattice.slot[lattice.linear(texel)];
-      if (slot == TexelLattice<D>::inactive) continue;
-      slot_[count_] = slot;
-      weights[count_++] = weight;
-      sum += weight;
-    }
-    for (int i = 0; i < count_; ++i) {
-      weight_[i] = static_cast<float>(sum == 1 ? weights[i] : weights[i] / sum);
-    }
-  }
-  void fetch(const std::vector<Vec<3, float>>& values) const {
-    for (int i = 0; i < count_; ++i) __builtin_prefetch(&values[slot_[i]]);
-  }
-  Vec<3, float> mean(const std::vector<Vec<3, float>>& values) const {
-    Vec<3, float> mean(0);
-    for (int i = 0; i < count_; ++i) mean += values[slot_[i]] * weight_[i];
-    return mean;
-  }
+void prefetch(const TexelWeights<D>& near, const Colours& values) {
+  for (int i = 0; i < near.count; ++i) __builtin_prefetch(&values[near.slot[i]]);
+}
 
- private:
-  int count_ = 0;
-  std::array<std::int32_t, 1 << D> slot_;
-  std::array<float, 1 << D> weight_;
-};
+template <int D>
+Vec<3, float> mean(const TexelWeights<D>& near, const Colours& values) {
+  Vec<3, float> mean(0);
+  for (int i = 0; i < near.count; ++i) mean += values[near.slot[i]] * near.weight[i];
+  return mean;
+}
 
 }  // namespace
 
 template <int D>
 Vec<3, float> lookup(const TexelLattice<D>& lattice, const std::vector<Vec<3, float>>& values,
                      const Vec<D>& index_position) {
-  UsedTexels<D> texels;
-  texels.find(lattice, index_position);
-  return texels.mean(values);
+  return mean(linear_weights(lattice, index_position), values);
 }
 
 namespace {
@@ -129,15 +92,15 @@ class PointLookup {
       is_extrapolated_ = length > 0 && isovalue_range.contains(value_at(field, near)) &&
                          isovalue_range.contains(value_at(field, far));
       if (is_extrapolated_) {
-        near_.find(lattice, near);
-        far_.find(lattice, far);
+        near_ = linear_weights(lattice, near);
+        far_ = linear_weights(lattice, far);
       }
     }
-    if (!is_extrapolated_) near_.find(lattice, index_position);
+    if (!is_extrapolated_) near_ = linear_weights(lattice, index_position);
   }
   void fetch(const Colours& values) const {
-    near_.fetch(values);
-    if (is_extrapolated_) far_.fetch(values);
+    prefetch(near_, values);
+    if (is_extrapolated_) prefetch(far_, values);
   }
   Vec<3, float> radiance(const ShownGrid<D>& shown, const Field<D>& field, const Colours& values,
                          bool back) const {
@@ -152,9 +115,9 @@ class PointLookup {
   static constexpr float most = 2;
 
   Vec<3, float> of_texels(const Colours& values) const {
-    const Vec<3, float> near = near_.mean(values);
+    const Vec<3, float> near = mean(near_, values);
     if (!is_extrapolated_) return near;
-    const Vec<3, float> far = far_.mean(values);
+    const Vec<3, float> far = mean(far_, values);
     Vec<3, float> light;
     for (int i = 0; i < 3; ++i) {
       light[i] = std::clamp(near[i] + 0.5f * (near[i] - far[i]), near[i] / most, near[i] * most);
@@ -164,7 +127,7 @@ class PointLookup {
 
   const DirectLight<D>* direct_ = nullptr;
   IsosurfacePoint<D> point_;
-  UsedTexels<D> near_, far_;
+  TexelWeights<D> near_, far_;
   bool is_extrapolated_ = false;
 };
 
@@ -219,8 +182,7 @@ float lookup_error(const TexelLattice<D>& lattice, const std::vector<float>& err
                    const Vec<D>& index_position) {
   const TexelWeights<D> weights = linear_weights(lattice, index_position);
   float variance = 0;
-  for (int i = 0; i < (1 << D); ++i) {
-    if (!(weights.weight[i] > 0)) continue;
+  for (int i = 0; i < weights.count; ++i) {
     const float error = errors[weights.slot[i]] * weights.weight[i];
     variance += error * error;
   }
