@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The part of validation/pictures_of_scans that runs within Blender:
-... -- ADDON.zip FOLDER FILE NAME LOOK.
+... -- ADDON.zip FOLDER FILE NAME LOOK SMOOTH.
 
-Four clicks and one look, and the same view by Cycles. Prints how many pixels are burnt or black in
-both, and the figures of the comparison.
+Four clicks and one look, smoothed by so many voxels, and the same view by Cycles. Prints how many
+pixels are burnt or black in both, and the figures of the comparison.
 """
 
 import json
@@ -16,7 +16,7 @@ import numpy as np
 sys.path.insert(0, os.path.dirname(__file__))
 from pictures_first_brain import FOLDER, bake, call, open_tab, picture, run, view  # noqa: E402
 
-FILE, NAME, LOOK = sys.argv[-3:]
+FILE, NAME, LOOK, SMOOTH = sys.argv[-4:]
 # Of the stills that are compared, in percent of 1920 x 1080, and the samples of Cycles.
 PERCENTAGE, SAMPLES = 25, 32
 # Of 255.
@@ -27,7 +27,8 @@ def drive():
     from leaflight import blender
 
     yield from open_tab()
-    call(bpy.ops.leaflight.import_volume, "EXEC_DEFAULT", filepath=FILE)
+    options = {"filepath": FILE, "smooth": float(SMOOTH)}
+    call(bpy.ops.leaflight.import_volume, "EXEC_DEFAULT", **options)
     yield 2.0
     picture(f"{NAME}_imported")
     yield 0.5
