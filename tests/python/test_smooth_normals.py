@@ -6,6 +6,7 @@ import leaflight._core as _core
 import numpy as np
 import pytest
 from leaflight.cluster.workers import Workers
+from leaflight.scene.scene import Isosurfaces, SceneDescription, SunLight
 from scipy.ndimage import gaussian_filter
 
 SIGMA = 1.3
@@ -84,6 +85,23 @@ def test_a_bake_has_them_in_its_light_its_file_and_its_workers(values, tmp_path)
         shared = leaflight.bake(volume, workers=workers, **SETTINGS)
     assert shared.id == bake.id
     np.testing.assert_array_equal(shared.surface(110.5).radiance, light)
+
+
+def test_light_does_not_see_the_stairs_of_masks():
+    """A tilted half space of zeros and ones under a sun is as bright as a plane."""
+    z, y, x = np.mgrid[:24, :24, :24]
+    mask = np.uint8(3 * (z - 12) + (x - 12) < 0)
+    # It does not reach the sides of stairs.
+    sun = SunLight("sun", (2**-0.5, 0.0, -(2**-0.5)), (1.0, 1.0, 1.0))
+    scene = SceneDescription("stairs", [Isosurfaces("stairs", (0.5, 0.5, 0.5))], 1.0, [], [sun])
+    volume = leaflight.Volume(mask, smooth_normals=3.0)
+    surface = leaflight.bake(volume, scene, isovalues=(0.4, 0.6), resolution=24).surface(0.5)
+    is_inside = np.all(np.abs(surface.vertices[:, :2] - 11.5) < 6, axis=1)
+    light = surface.radiance[is_inside].mean(axis=1)
+    plane = 0.5 / np.pi * 2 / 20**0.5
+    # Of the shadows that stairs throw on each other, some stay.
+    assert len(light) > 300 and np.mean(light < 0.9 * plane) < 0.1
+    assert light.max() < 1.1 * plane
 
 
 def test_coarser_volumes_have_as_smooth_ones(values):

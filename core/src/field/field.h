@@ -29,6 +29,7 @@ struct Field {
   IntervalPyramid<D> pyramid;
   std::shared_ptr<CellBoundsOnce<D>> cell_bounds_once;
 
+  bool has_smooth_normals() const { return shading_values != values; }
   const CellBounds<D>& cell_bounds() const {
     CellBoundsOnce<D>& once = *cell_bounds_once;
     tbb::collaborative_call_once(once.flag,

@@ -53,6 +53,10 @@ vec3 gradientAt(vec3 place, float isovalue) {
   return g;
 }
 
+#ifdef SMOOTH_NORMALS
+// The stairs of the values would stay dark.
+vec3 surfaceGradient(vec3 place, vec3 shading) { return shading; }
+#else
 // The derivative of the values in their cell. It jumps at the cell's faces and goes over to the
 // gradient of shading there.
 vec3 surfaceGradient(vec3 place, vec3 shading) {
@@ -64,3 +68,4 @@ vec3 surfaceGradient(vec3 place, vec3 shading) {
                   mix(mix(along.x, along.y, u.x), mix(along.z, along.w, u.x), u.y));
   return mix(shading, own, min(min(u, 1.0 - u) / 0.05, 1.0));
 }
+#endif

@@ -60,6 +60,7 @@ DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
       emission_(tracer.scene().volumes[volume].emission),
       offset_(tracer.scene().volumes[volume].offset),
       scale_(tracer.scene().volumes[volume].scale),
+      has_smooth_normals_(tracer.scene().volumes[volume].field.has_smooth_normals()),
       to_frame_(tracer.index_to_frame(volume)),
       to_index_(inverse(to_frame_)),
       points_(points) {
@@ -238,8 +239,9 @@ Rgb DirectLight<D>::radiance(const IsosurfacePoint<D>& point, bool back) const {
   const double length = gradient.length();
   if (!(length > 0)) return Rgb(0);
   const double outward = (back ? 1 : -1) / length;
-  const Vec<D> surface =
-      to_index_.pull_back_gradient(surface_gradient(point.corners, point.at.local, point.gradient));
+  const Vec<D> surface = has_smooth_normals_ ? gradient
+                                             : to_index_.pull_back_gradient(surface_gradient(
+                                                   point.corners, point.at.local, point.gradient));
   const Vec<D> place = to_frame_.point(point.position);
   const Receiver receiver{Vec<D, float>(place), Vec<D, float>(gradient * outward),
                           Vec<D, float>(surface * outward)};

@@ -112,6 +112,9 @@ class DirectLight {
   IsovalueRange isovalue_range_;  // of the field's values
   ColorRamp albedo_, emission_;
   double offset_, scale_;  // isovalue = offset + scale c
+  // Shading normals alone then tell what faces a light: the stairs of the values would stay dark
+  // (docs/decisions/2026-11-25-smooth-normals.md).
+  bool has_smooth_normals_;
   Affine<D> to_frame_, to_index_;
   std::vector<LightPoint<D>> points_;
   std::vector<Block> blocks_;
