@@ -94,8 +94,7 @@ def cycles_text(rows, absent, effort):
     lines += [
         "- *Estimated* are seconds and error before the bake starts, and the error at the end. "
         "*Found* is the RMS over its isosurfaces below, without the noise of Cycles. *True*: "
-        f"estimated after and found differ by a factor of {TRUE_WITHIN:g} at most. Scenes with "
-        "several volumes are not baked in passes, and estimate only their noise.",
+        f"estimated after and found differ by a factor of {TRUE_WITHIN:g} at most.",
     ]
     return [
         *lines,
