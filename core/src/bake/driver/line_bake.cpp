@@ -13,10 +13,10 @@ namespace leaflight {
 namespace {
 
 constexpr int wall_samples = 2, walls_samples = 16;
-// How often indirect light is gathered anew before it counts, each time along so many directions.
-// It begins as none: light from photons is too coarse, and what leaks through a wall stays in a
-// closed cavity for many bounces.
-constexpr int bounces = 2, bounce_directions = 8;
+// Directions of the bounces of indirect light that come before blocks count. Later bounces bring
+// less and vary less. They begin with none: light from photons is too coarse, and what leaks
+// through a wall stays in a closed cavity for many bounces.
+constexpr std::array bounce_directions{8, 8, 4, 4};
 // The light of a bounce over that of the one before, at most: where all is reflected, chance may
 // make it more.
 constexpr Real most_bounced = Real(0.8);
@@ -37,19 +37,16 @@ Rgb mean_of(const std::vector<Rgb>& light) {
   return light.empty() ? Rgb(0) : Rgb(sum / static_cast<double>(light.size()));
 }
 
-// Adds the bounces that are yet to come, as if all were a geometric series. `first`: the mean light
-// of the first bounce; `light` has two.
-void add_later_bounces(std::vector<Rgb>& light, const Rgb& first) {
-  static_assert(bounces == 2);
-  const Rgb mean = mean_of(light);
-  Rgb scale(1);
+// All bounces after `last`, as a multiple of it: a geometric series.
+Rgb later_bounces(const std::vector<Rgb>& before, const std::vector<Rgb>& last) {
+  const Rgb first = mean_of(before), second = mean_of(last);
+  Rgb later(0);
   for (int i = 0; i < 3; ++i) {
-    const Real second = std::max(Real(0), mean[i] - first[i]);
-    if (!(first[i] > 0 && second > 0)) continue;
-    const Real ratio = std::min(second / first[i], most_bounced);
-    scale[i] += second / mean[i] * ratio / (1 - ratio);
+    if (!(first[i] > 0)) continue;
+    const Real ratio = std::min(second[i] / first[i], most_bounced);
+    later[i] = ratio / (1 - ratio);
   }
-  for (Rgb& one : light) one *= scale;
+  return later;
 }
 
 }  // namespace
@@ -80,27 +77,17 @@ template <int D>
 void LineBake<D>::add(int blocks, const std::function<bool()>& go_on) {
   if (!indirect_) return;
   progress_.begin("Indirect light");
+  learn_direct_lookup();
+  const auto ended = [&] { return go_on && !go_on(); };
+  bool stopped = false;
   // It is what it was where an interrupted add() goes on.
   if (indirect_sides_[0].empty()) {
     learn_back_direct();
     learn_indirect();
-  }
-  learn_direct_lookup();
-  const auto ended = [&] { return go_on && !go_on(); };
-  bool stopped = false;
-  while (!previous_ && bounces_ < bounces && !stopped) {
-    const std::array<Rgb, 2> before{mean_of(indirect_sides_[0]), mean_of(indirect_sides_[1])};
-    indirect_->add_block(gathered(), progress_, bounce_directions);
-    learn_indirect();
-    const bool was_last = ++bounces_ == bounces;
-    // All bounces are along the same directions, so that they compare.
-    indirect_->clear(!was_last);
-    if (was_last) {
-      for (int side = 0; side < (plan_.back ? 2 : 1); ++side) {
-        add_later_bounces(indirect_sides_[side], before[side]);
-      }
+    if (this->blocks() == 0) {
+      gather_bounces();
+      stopped = ended();
     }
-    stopped = ended();
   }
   if (workers_ && blocks > 0 && !stopped) {
     workers_->begin(indirect_->next_block(), blocks, [this](std::ostream& stream) {
@@ -118,6 +105,38 @@ void LineBake<D>::add(int blocks, const std::function<bool()>& go_on) {
     stopped = ended();
   }
   release();
+}
+
+// Each bounce is that of the one before. The sides that lines do not gather for keep their light
+// from photons.
+template <int D>
+void LineBake<D>::gather_bounces() {
+  static const DirectLookup<D> no_direct;
+  static const std::vector<char> no_meshes;
+  const int sides = plan_.back ? 2 : 1;
+  std::array<std::vector<Rgb>, 2> bounce, before;
+  for (std::size_t i = 0; i < bounce_directions.size(); ++i) {
+    const GatheredRadiance<D> reflected{indirect_->texels(),
+                                        {&before[0], &before[1]},
+                                        nullptr,
+                                        no_direct,
+                                        nullptr,
+                                        no_meshes,
+                                        nullptr,
+                                        false};
+    indirect_->add_block(i == 0 ? gathered() : reflected, progress_, bounce_directions[i]);
+    for (int side = 0; side < sides; ++side) {
+      bounce[side] =
+          filled_means(indirect_->texels().lattice, indirect_->averages(side != 0), progress_);
+      const bool is_last = i + 1 == bounce_directions.size();
+      const Rgb share = is_last ? Rgb(1) + later_bounces(before[side], bounce[side]) : Rgb(1);
+      for (std::size_t s = 0; s < bounce[side].size(); ++s) {
+        indirect_sides_[side][s] += bounce[side][s] * share;
+      }
+    }
+    indirect_->clear();
+    before = std::move(bounce);
+  }
 }
 
 template <int D>
@@ -138,7 +157,6 @@ template <int D>
 void LineBake<D>::serialize(Archive& archive) {
   if (!indirect_) return;
   indirect_->serialize(archive);
-  archive(bounces_);
   serialize_indirect(archive);
 }
 
@@ -340,10 +358,14 @@ void LineBake<D>::learn_back_direct() {
 
 template <int D>
 GatheredRadiance<D> LineBake<D>::gathered() const {
-  return {indirect_->texels(),    {&indirect_sides_[0], &indirect_sides_[1]},
-          &back_direct_,          direct_lookup_,
-          photons_.walls.get(),   split_.mesh_is_wide,
-          sky_ ? &*sky_ : nullptr};
+  return {indirect_->texels(),
+          {&indirect_sides_[0], &indirect_sides_[1]},
+          plan_.back ? &back_direct_ : nullptr,
+          direct_lookup_,
+          photons_.walls.get(),
+          split_.mesh_is_wide,
+          sky_ ? &*sky_ : nullptr,
+          true};
 }
 
 // From white isosurfaces to those of the scene.

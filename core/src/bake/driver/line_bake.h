@@ -63,6 +63,7 @@ class LineBake final : public Integrator<D> {
   std::vector<Average> direct_averages(bool back);
   std::vector<Rgb> indirect_of_photons(bool back) const;
   void learn_indirect();
+  void gather_bounces();
   void learn_back_direct();
   void learn_direct_lookup();
   GatheredRadiance<D> gathered() const;
@@ -94,7 +95,6 @@ class LineBake final : public Integrator<D> {
   // Of white isosurfaces' sides, at the texels of indirect light, while lines look it up.
   std::array<std::vector<Rgb>, 2> indirect_sides_;
   std::vector<Rgb> back_direct_;  // there, too
-  int bounces_ = 0;               // gathered so far
   IsovalueErrors errors_;
 };
 

@@ -64,7 +64,7 @@ struct Gathering {
   const SceneTracer<D>& tracer = volume.tracer;
   const Volume<D>& of = volume.volume();
   const IsovalueRange isovalue_range = volume.isovalue_range();
-  const bool back = !moments[1].empty(), emissive = of.emission.largest() > 0;
+  const bool back = !moments[1].empty(), emissive = from.emission && of.emission.largest() > 0;
   const bool one_albedo = of.albedo.stops.size() == 1;
   const Affine<D> to_frame = texels_to_frame(volume, texels.lattice);
   const bool meshes = !tracer.meshes().empty();
@@ -78,6 +78,7 @@ struct Gathering {
   void add_sample(const LineBundle<D>& lines, int k, Walk<D>& walk, GatherLines<D>& own) const;
   void find_wall(const LineBundle<D>& lines, double z, Walk<D>& walk) const;
   int beyond_masked(const GatherLines<D>& own, const Walk<D>& walk, float h, bool front) const;
+  Rgb wall_radiance(const WallHit& hit, const Vec<D>& direction, float h, std::int32_t slot) const;
   Rgb isosurface_radiance(const LineBundle<D>& lines, int lane, int k, int crossing, double z,
                           const GatherLines<D>& own) const;
 };
@@ -183,11 +184,20 @@ void Gathering<D>::add_sample(const LineBundle<D>& line, int k, Walk<D>& walk,
   if (crossing >= 0 && (!walk.wall || (z - walk.wall_z) * walk.step > 0)) {
     radiance = isosurface_radiance(line, walk.lane, k, crossing, z, own);
   } else if (walk.wall) {
-    const double u = static_cast<double>(Random::mix(key + slot) >> 11) * 0x1p-53;
-    radiance = from.walls->radiance(*walk.wall, walk.to_origin, of.common_isovalue(h), u);
-    if (from.mesh_is_wide[walk.wall->mesh]) radiance += tracer.meshes()[walk.wall->mesh].emission;
+    radiance = wall_radiance(*walk.wall, walk.to_origin, h, slot);
   }
   moments[!front].sums[slot].add(Imath::V3f(radiance), std::abs(climb));
+}
+
+// That the isosurface of value h gets, at the texel of `slot`.
+template <int D>
+Rgb Gathering<D>::wall_radiance(const WallHit& hit, const Vec<D>& direction, float h,
+                                std::int32_t slot) const {
+  if (!from.walls) return Rgb(0);
+  const double u = static_cast<double>(Random::mix(key + slot) >> 11) * 0x1p-53;
+  Rgb radiance = from.walls->radiance(hit, direction, of.common_isovalue(h), u);
+  if (from.mesh_is_wide[hit.mesh]) radiance += tracer.meshes()[hit.mesh].emission;
+  return radiance;
 }
 
 // The plane at which the way back hits the isosurface of value h before the last masked voxels, or
@@ -227,7 +237,7 @@ Rgb Gathering<D>::isosurface_radiance(const LineBundle<D>& line, int lane, int k
   }
   const double c = one_albedo ? 0 : of.common_isovalue(h);
   radiance *= of.albedo.at(c);
-  if (on_back && slot != TexelLattice<D>::inactive && !from.back_direct->empty()) {
+  if (on_back && slot != TexelLattice<D>::inactive && from.back_direct) {
     radiance += (*from.back_direct)[slot];
   }
   if (emissive) radiance += of.emission.at(of.common_isovalue(h));

@@ -14,12 +14,13 @@ struct GatheredRadiance {
   const IndexedLattice<D>& texels;
   // Indirect light that white isosurfaces reflect, of the texels' front and backs; empty: none.
   std::array<const std::vector<Rgb>*, 2> indirect;
-  const std::vector<Rgb>* back_direct;  // radiance of the backs by direct light; empty: none
+  const std::vector<Rgb>* back_direct;  // radiance of the backs by direct light; null: none
   const DirectLookup<D>& direct;        // of the fronts, at the texels that gather
-  const SurfaceCache<D>* walls;         // null where there are none
+  const SurfaceCache<D>* walls;         // null: they are dark
   // Light that has no points: whether each mesh emits such, and the environment's; null: none.
   const std::vector<char>& mesh_is_wide;
   const EnvironmentSampler<D>* sky;
+  bool emission;  // whether isosurfaces emit theirs
 };
 
 // Gathers light along parallel lines, `spacing` texels apart, in both senses. At each texel that a

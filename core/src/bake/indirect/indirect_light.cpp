@@ -33,9 +33,8 @@ IndirectLight<D>::IndirectLight(const LineVolume<D>& volume, IndexedLattice<D> t
 }
 
 template <int D>
-void IndirectLight<D>::clear(bool again) {
+void IndirectLight<D>::clear() {
   blocks_ = 0;
-  if (again) --drawn_;
   for (int side = 0; side < sides_; ++side) {
     moments_[side] = TexelMoments(texels_.lattice.active.size());
   }

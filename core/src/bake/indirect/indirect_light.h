@@ -38,8 +38,8 @@ class IndirectLight {
   int blocks() const { return blocks_; }
   // What a block costs, in points of lines.
   double cost() const;
-  // Begins anew, with other directions, or again with those of the last block.
-  void clear(bool again = false);
+  // Begins anew, with other directions.
+  void clear();
 
   std::vector<Average> averages(bool back) const;
   std::vector<HalfDifference> halves(bool back) const;
