@@ -15,7 +15,7 @@ from leaflight import Cancelled, Checkpoint, LeaflightError, Progress, load_bake
 from leaflight.bake.checkpoint import checkpoint_for, read_recipe
 from waiting import started, wait_for
 
-ERROR = 0.8
+ERROR = 0.73
 LAYERS = ("radiance", "radiance_indirect", "radiance_error")
 
 

@@ -101,7 +101,8 @@ def test_light_does_not_see_the_stairs_of_masks():
     plane = 0.5 / np.pi * 2 / 20**0.5
     # Of the shadows that stairs throw on each other, some stay.
     assert len(light) > 300 and np.mean(light < 0.9 * plane) < 0.1
-    assert light.max() < 1.1 * plane
+    # Single texels are lit by few lines, since few values of a mask lie between zero and one.
+    assert np.quantile(light, 0.99) < 1.07 * plane
 
 
 def test_coarser_volumes_have_as_smooth_ones(values):

@@ -16,7 +16,8 @@ constexpr int wall_samples = 2, walls_samples = 16;
 // Directions of the bounces of indirect light that come before blocks count. Later bounces bring
 // less and vary less. They begin with none: light from photons is too coarse, and what leaks
 // through a wall stays in a closed cavity for many bounces.
-constexpr std::array bounce_directions{8, 8, 4, 4};
+constexpr std::array bounce_directions{16, 8, 4, 4};
+constexpr int bounces = bounce_directions.size();
 // The light of a bounce over that of the one before, at most: where all is reflected, chance may
 // make it more.
 constexpr Real most_bounced = Real(0.8);
@@ -69,7 +70,7 @@ LineBake<D>::LineBake(LitScene<D>& scene, std::size_t volume, BakeTexels<D> texe
   if (!plan_.indirect) return;
   indirect_ = std::make_unique<IndirectLight<D>>(volume_, std::move(texels.indirect),
                                                  texels.spacing, plan_.back, settings_.seed,
-                                                 previous ? 1 + previous->blocks() : 0);
+                                                 previous ? bounces + previous->blocks() : 0);
   if (texels.photon_count > 0) trace_photons(texels.photons, texels.photon_count);
 }
 
@@ -77,7 +78,7 @@ template <int D>
 void LineBake<D>::add(int blocks, const std::function<bool()>& go_on) {
   if (!indirect_) return;
   progress_.begin("Indirect light");
-  learn_direct_lookup();
+  learn_lookups();
   const auto ended = [&] { return go_on && !go_on(); };
   bool stopped = false;
   // It is what it was where an interrupted add() goes on.
@@ -115,20 +116,15 @@ void LineBake<D>::gather_bounces() {
   static const std::vector<char> no_meshes;
   const int sides = plan_.back ? 2 : 1;
   std::array<std::vector<Rgb>, 2> bounce, before;
-  for (std::size_t i = 0; i < bounce_directions.size(); ++i) {
-    const GatheredRadiance<D> reflected{indirect_->texels(),
-                                        {&before[0], &before[1]},
-                                        nullptr,
-                                        no_direct,
-                                        nullptr,
-                                        no_meshes,
-                                        nullptr,
-                                        false};
+  for (int i = 0; i < bounces; ++i) {
+    const GatheredRadiance<D> reflected{
+        surfaces_, {&before[0], &before[1]}, nullptr, no_direct, nullptr, no_meshes, nullptr,
+        false};
     indirect_->add_block(i == 0 ? gathered() : reflected, progress_, bounce_directions[i]);
     for (int side = 0; side < sides; ++side) {
       bounce[side] =
           filled_means(indirect_->texels().lattice, indirect_->averages(side != 0), progress_);
-      const bool is_last = i + 1 == bounce_directions.size();
+      const bool is_last = i + 1 == bounces;
       const Rgb share = is_last ? Rgb(1) + later_bounces(before[side], bounce[side]) : Rgb(1);
       for (std::size_t s = 0; s < bounce[side].size(); ++s) {
         indirect_sides_[side][s] += bounce[side][s] * share;
@@ -173,7 +169,7 @@ void LineBake<D>::serialize_lookups(Archive& archive) {
   bool walls = photons_.walls != nullptr;
   archive(walls);
   if (archive.restores()) {
-    learn_direct_lookup();
+    learn_lookups();
     if (walls && !photons_.walls) {
       photons_.walls = std::make_unique<SurfaceCache<D>>(volume_.tracer, false, 1.0, 1);
     }
@@ -247,7 +243,7 @@ std::array<NoisyLight, 2> LineBake<D>::filtered_light(UnfilteredLight<D>& unfilt
     pool_variances(texels.lattice, light[side].averages, progress_);
     if (side == 0) measure_texture(light[side]);
   }
-  if (surfaces_.empty()) surfaces_ = texel_surfaces(volume_, texels.lattice, progress_);
+  learn_surfaces();
   filter_along_isosurfaces(texels, surfaces_, light, progress_);
   return light;
 }
@@ -328,10 +324,17 @@ std::vector<Average> LineBake<D>::direct_averages(bool back) {
 }
 
 template <int D>
-void LineBake<D>::learn_direct_lookup() {
+void LineBake<D>::learn_lookups() {
   if (direct_lookup_.sources() == 0) {
     direct_lookup_ = DirectLookup<D>(volume_, indirect_->texels(), *direct_, progress_);
   }
+  learn_surfaces();
+}
+
+template <int D>
+void LineBake<D>::learn_surfaces() {
+  if (surfaces_.empty())
+    surfaces_ = texel_surfaces(volume_, indirect_->texels().lattice, progress_);
 }
 
 // Photons light the back where no lines gather for it.
@@ -358,7 +361,7 @@ void LineBake<D>::learn_back_direct() {
 
 template <int D>
 GatheredRadiance<D> LineBake<D>::gathered() const {
-  return {indirect_->texels(),
+  return {surfaces_,
           {&indirect_sides_[0], &indirect_sides_[1]},
           plan_.back ? &back_direct_ : nullptr,
           direct_lookup_,

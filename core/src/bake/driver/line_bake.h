@@ -65,7 +65,8 @@ class LineBake final : public Integrator<D> {
   void learn_indirect();
   void gather_bounces();
   void learn_back_direct();
-  void learn_direct_lookup();
+  void learn_lookups();
+  void learn_surfaces();
   GatheredRadiance<D> gathered() const;
   void finish(std::vector<Average>& indirect) const;
   std::array<NoisyLight, 2> filtered_light(UnfilteredLight<D>& unfiltered);

@@ -151,22 +151,6 @@ void for_each_texel(std::size_t count, Progress& progress, Body body) {
   });
 }
 
-// The gradient of shading about a texel's centre: isosurfaces pass a texel that is wider than a
-// voxel elsewhere, too.
-template <int D>
-Vec<D> mean_gradient(const Field<D>& field, const Vec<D>& width, const Vec<D>& centre) {
-  Vec<D> reach;
-  for (int a = 0; a < D; ++a) reach[a] = 0.25 * std::max(0.0, width[a] - 1);
-  if (!(reach.length() > 0)) return shading_gradient(field, locate(field, centre));
-  Vec<D> sum(0.0);
-  for (int i = 0; i < 1 << D; ++i) {
-    Vec<D> position = centre;
-    for (int a = 0; a < D; ++a) position[a] += i >> a & 1 ? reach[a] : -reach[a];
-    sum += shading_gradient(field, locate(field, position));
-  }
-  return sum / (1 << D);
-}
-
 // Texels go towards the mean of their neighbours.
 template <int D>
 void shrink(const Neighbours<D>& neighbours, const std::vector<Offset>& offsets, NoisyLight& light,
@@ -201,28 +185,6 @@ void shrink(const Neighbours<D>& neighbours, const std::vector<Offset>& offsets,
 }  // namespace
 
 template <int D>
-std::vector<TexelSurface<D>> texel_surfaces(const LineVolume<D>& volume,
-                                            const TexelLattice<D>& lattice, Progress& progress) {
-  const Field<D>& field = volume.volume().field;
-  const Affine<D> to_index = inverse(volume.tracer.index_to_frame(volume.number));
-  std::vector<TexelSurface<D>> surfaces(lattice.active.size());
-  parallel_range(surfaces.size(), grain, 0, progress, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s) {
-      const Vec<D> centre = lattice.centre(lattice.active[s]);
-      const Vec<D> per_voxel = mean_gradient(field, lattice.voxels_per_texel, centre);
-      const CellPoint<D> at = locate(field, centre);
-      const Vec<D> gradient = to_index.pull_back_gradient(per_voxel);
-      const double length = gradient.length();
-      const double h = interpolate(load_corners(field, at.cell), at.local);
-      if (!(length > 0) || std::isnan(h)) continue;
-      surfaces[s] = {Vec<D, float>(gradient / -length), static_cast<float>(h),
-                     static_cast<float>((per_voxel * lattice.voxels_per_texel).length())};
-    }
-  });
-  return surfaces;
-}
-
-template <int D>
 void filter_along_isosurfaces(const IndexedLattice<D>& texels,
                               const std::vector<TexelSurface<D>>& surfaces,
                               std::array<NoisyLight, 2>& sides, Progress& progress) {
@@ -239,10 +201,6 @@ void filter_along_isosurfaces(const IndexedLattice<D>& texels,
   }
 }
 
-template std::vector<TexelSurface<2>> texel_surfaces<2>(const LineVolume<2>&,
-                                                        const TexelLattice<2>&, Progress&);
-template std::vector<TexelSurface<3>> texel_surfaces<3>(const LineVolume<3>&,
-                                                        const TexelLattice<3>&, Progress&);
 template void filter_along_isosurfaces<2>(const IndexedLattice<2>&,
                                           const std::vector<TexelSurface<2>>&,
                                           std::array<NoisyLight, 2>&, Progress&);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "bake/texels/line_volume.h"
+#include "bake/texels/texel_surface.h"
 #include "math/sample_average.h"
 
 namespace leaflight {
@@ -12,17 +12,6 @@ struct NoisyLight {
   std::vector<Average> averages;
   std::vector<HalfDifference> halves;
 };
-
-// The isosurface through the centre of a texel.
-template <int D>
-struct TexelSurface {
-  Vec<D, float> normal{0.0f};      // unit length, towards lower values; zero where there is none
-  float value = 0, steepness = 1;  // of the field; its gradient in a texel's width, above zero
-};
-
-template <int D>
-std::vector<TexelSurface<D>> texel_surfaces(const LineVolume<D>& volume,
-                                            const TexelLattice<D>& lattice, Progress& progress);
 
 // Takes noise from indirect light: each texel moves towards the mean of its neighbours on about the
 // same isosurface, if it faces the same way there. How far, two halves of the blocks decide, whose

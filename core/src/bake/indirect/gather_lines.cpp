@@ -54,6 +54,14 @@ struct Walk {
   double wall_z;  // of the nearest mesh behind
 };
 
+// Where a way back hits the isosurface of value h: at coordinate z, after a plane.
+struct Hit {
+  float h;
+  int plane;
+  double z;
+  bool on_back;
+};
+
 template <int D>
 struct Gathering {
   const LineVolume<D>& volume;
@@ -69,8 +77,6 @@ struct Gathering {
   const Affine<D> to_frame = texels_to_frame(volume, texels.lattice);
   const bool meshes = !tracer.meshes().empty();
   const bool within = meshes && meshes_near<D>(tracer, volume.number, nullptr);
-  // From texels to those of other lattices.
-  const Vec<D> to_source = texels.lattice.voxels_per_texel / from.texels.lattice.voxels_per_texel;
 
   void add(const LineBundle<D>& lines, GatherLines<D>& own) const;
   void find_slots(const LineBundle<D>& lines, GatherLines<D>& own) const;
@@ -79,8 +85,9 @@ struct Gathering {
   void find_wall(const LineBundle<D>& lines, double z, Walk<D>& walk) const;
   int beyond_masked(const GatherLines<D>& own, const Walk<D>& walk, float h, bool front) const;
   Rgb wall_radiance(const WallHit& hit, const Vec<D>& direction, float h, std::int32_t slot) const;
-  Rgb isosurface_radiance(const LineBundle<D>& lines, int lane, int k, int crossing, double z,
-                          const GatherLines<D>& own) const;
+  std::int64_t texel_at(const LineBundle<D>& lines, const Walk<D>& walk, const Hit& hit) const;
+  Rgb isosurface_radiance(const LineBundle<D>& lines, const Walk<D>& walk, const Hit& hit,
+                          std::size_t source) const;
 };
 
 // Fetches what the walks will look up into the cache: they wait for memory more than for anything
@@ -98,6 +105,7 @@ void Gathering<D>::find_slots(const LineBundle<D>& lines, GatherLines<D>& own) c
       slot = texels.slots[texel];
       if (slot == TexelLattice<D>::inactive) continue;
       __builtin_prefetch(&moments[0].sums[slot], 1);
+      __builtin_prefetch(&from.surfaces[slot]);
       if (!indirect.empty()) __builtin_prefetch(&indirect[slot]);
       from.direct.prefetch(own.source, texel);
     }
@@ -173,16 +181,17 @@ void Gathering<D>::add_sample(const LineBundle<D>& line, int k, Walk<D>& walk,
   const Stack& stack = front ? own.higher : own.lower;
   int crossing = stack.entries[stack.top].plane;
   if (crossing < 0 && walk.stretch != walk.begin) crossing = beyond_masked(own, walk, h, front);
-  double z = 0;
+  Hit hit{h, crossing, 0, false};
   if (crossing >= 0) {
     const float there = own.h[crossing], here = own.h[crossing + walk.step];
     const float t = there != here ? (there - h) / (there - here) : 0;
-    z = line.z(crossing) + (line.z(crossing + walk.step) - line.z(crossing)) * t;
+    hit.z = line.z(crossing) + (line.z(crossing + walk.step) - line.z(crossing)) * t;
+    hit.on_back = there < h;
   }
   const std::int32_t slot = own.slots[k][walk.lane];
   Rgb radiance = walk.sky;
-  if (crossing >= 0 && (!walk.wall || (z - walk.wall_z) * walk.step > 0)) {
-    radiance = isosurface_radiance(line, walk.lane, k, crossing, z, own);
+  if (crossing >= 0 && (!walk.wall || (hit.z - walk.wall_z) * walk.step > 0)) {
+    radiance = isosurface_radiance(line, walk, hit, own.source);
   } else if (walk.wall) {
     radiance = wall_radiance(*walk.wall, walk.to_origin, h, slot);
   }
@@ -219,28 +228,46 @@ int Gathering<D>::beyond_masked(const GatherLines<D>& own, const Walk<D>& walk, 
   return -1;
 }
 
-// Of the isosurface of plane k, hit at coordinate z after a plane.
+// The texel that stands for a hit, or -1. The nearest one may be of a thin shell's other face, or
+// near its crest, where isosurfaces have holes: both would light a closed cavity, which keeps light
+// for many bounces. So it must face the line, and the next in front of the isosurface is taken if
+// its value is nearer.
 template <int D>
-Rgb Gathering<D>::isosurface_radiance(const LineBundle<D>& line, int lane, int k, int crossing,
-                                      double z, const GatherLines<D>& own) const {
-  const float h = own.h[k];
-  const bool on_back = own.h[crossing] < h;
-  Rgb radiance(0);
-  const Vec<D> at = line.position(lane, z);
-  const std::int32_t slot = from.texels.slot_near(at * to_source);
-  if (slot != TexelLattice<D>::inactive && !from.indirect[on_back]->empty()) {
-    radiance = (*from.indirect[on_back])[slot];
+std::int64_t Gathering<D>::texel_at(const LineBundle<D>& line, const Walk<D>& walk,
+                                    const Hit& hit) const {
+  std::int64_t found = -1;
+  float nearest = infinity;
+  for (const double z : {hit.z, line.z(hit.plane + walk.step)}) {
+    const std::size_t texel = nearest_texel(texels.lattice, line.position(walk.lane, z));
+    const std::int32_t slot = texels.slots[texel];
+    if (slot == TexelLattice<D>::inactive) continue;
+    const TexelSurface<D>& surface = from.surfaces[slot];
+    const double away = Vec<D>(surface.normal).dot(walk.to_origin);
+    if (!(hit.on_back ? away > 0 : away < 0)) continue;
+    const float distance = std::abs(surface.value - hit.h) / surface.steepness;
+    if (!(distance < nearest)) continue;
+    nearest = distance;
+    found = static_cast<std::int64_t>(texel);
   }
-  if (!on_back && from.direct.sources() > 0) {
-    const std::size_t there = nearest_texel(texels.lattice, at);
-    radiance += from.direct.reflected(own.source, there, h);
+  return found;
+}
+
+template <int D>
+Rgb Gathering<D>::isosurface_radiance(const LineBundle<D>& line, const Walk<D>& walk,
+                                      const Hit& hit, std::size_t source) const {
+  const double c = of.common_isovalue(hit.h);
+  Rgb radiance(0), back_direct(0);
+  const std::int64_t texel = texel_at(line, walk, hit);
+  if (texel >= 0) {
+    const std::int32_t slot = texels.slots[texel];
+    if (!from.indirect[hit.on_back]->empty()) radiance = (*from.indirect[hit.on_back])[slot];
+    if (!hit.on_back && from.direct.sources() > 0) {
+      radiance += from.direct.reflected(source, texel, hit.h);
+    }
+    if (hit.on_back && from.back_direct) back_direct = (*from.back_direct)[slot];
   }
-  const double c = one_albedo ? 0 : of.common_isovalue(h);
-  radiance *= of.albedo.at(c);
-  if (on_back && slot != TexelLattice<D>::inactive && from.back_direct) {
-    radiance += (*from.back_direct)[slot];
-  }
-  if (emissive) radiance += of.emission.at(of.common_isovalue(h));
+  radiance = radiance * of.albedo.at(one_albedo ? 0 : c) + back_direct;
+  if (emissive) radiance += of.emission.at(c);
   return radiance;
 }
 

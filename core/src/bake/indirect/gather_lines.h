@@ -3,6 +3,7 @@
 
 #include "bake/indirect/direct_lookup.h"
 #include "bake/texels/line_volume.h"
+#include "bake/texels/texel_surface.h"
 #include "transport/environment_sampler.h"
 #include "transport/surface_cache.h"
 
@@ -11,7 +12,7 @@ namespace leaflight {
 // Stored light that lines look up where they hit a surface.
 template <int D>
 struct GatheredRadiance {
-  const IndexedLattice<D>& texels;
+  const std::vector<TexelSurface<D>>& surfaces;  // the isosurfaces through the texels
   // Indirect light that white isosurfaces reflect, of the texels' front and backs; empty: none.
   std::array<const std::vector<Rgb>*, 2> indirect;
   const std::vector<Rgb>* back_direct;  // radiance of the backs by direct light; null: none

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "bake/texels/line_volume.h"
+
+namespace leaflight {
+
+// The isosurface through the centre of a texel.
+template <int D>
+struct TexelSurface {
+  Vec<D, float> normal{0.0f};      // unit length, towards lower values; zero where there is none
+  float value = 0, steepness = 1;  // of the field; its gradient in a texel's width, above zero
+};
+
+template <int D>
+std::vector<TexelSurface<D>> texel_surfaces(const LineVolume<D>& volume,
+                                            const TexelLattice<D>& lattice, Progress& progress);
+
+}  // namespace leaflight
