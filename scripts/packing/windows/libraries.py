@@ -1,207 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The libraries of the core for Windows: static, of the versions that Debian 12 has for Linux.
+"""The libraries of the core for Windows, by Debian's compiler."""
 
-The sources are Debian's, so that both systems get the same code. They are built once.
-"""
-
-import hashlib
-import os
 import shutil
-from dataclasses import dataclass
 from pathlib import Path
 
-from ..tools import ROOT, PackageError, digest, run
+from .. import libraries
+from ..tools import ROOT, PackageError
 
-HERE = Path(__file__).parent
 WORK = ROOT / "build" / "windows"
-PREFIX = WORK / "libraries"
-TOOLCHAIN = HERE / "toolchain.cmake"
-# Debian has them ready, since they are headers alone.
-_HEADERS = ("boost", "nanoflann.hpp")
-# Kinds of geometry that walls.cpp does not use.
-_UNUSED = ("CURVE", "SUBDIVISION", "USER", "INSTANCE", "GRID", "POINT")
+TOOLCHAIN = Path(__file__).parent / "toolchain.cmake"
 # Blosc has threads of its own on Windows, by the names of those that GCC's runtime has. -mxsave:
 # GCC wants it for a query of the processor, which is made only where the processor has it.
 _BLOSC_THREADS = "create cond_init cond_destroy cond_wait cond_signal cond_broadcast".split()
 _BLOSC_FLAGS = " ".join(
     ["-mxsave", *(f"-Dpthread_{name}=blosc_pthread_{name}" for name in _BLOSC_THREADS)]
 )
-
-
-@dataclass(frozen=True)
-class Library:
-    """package: of Debian. archive: of its authors' sources, unpacked into `folder`."""
-
-    package: str
-    archive: str
-    sha256: str
-    folder: str
-    options: tuple[str, ...]
-    cmake: str = "."  # where in the folder CMakeLists.txt lies
-    patch: str = ""  # a file beside this one
-
-
-# In the order in which they need each other.
-LIBRARIES = (
-    Library(
-        "onetbb",
-        "onetbb_2021.8.0.orig.tar.xz",
-        "7e9111b8bb59c8800bf6d0b06afe7b0891937443d2dae1ee1101c8e2ede6a7ef",
-        "oneTBB-2021.8.0",
-        ("TBB_TEST=OFF", "TBB_STRICT=OFF", "TBBMALLOC_BUILD=OFF"),
-    ),
-    Library(
-        "imath",
-        "imath_3.1.6.orig.tar.gz",
-        "ea5592230f5ab917bea3ceab266cf38eb4aa4a523078d46eac0f5a89c52304db",
-        "Imath-3.1.6",
-        ("BUILD_TESTING=OFF",),
-    ),
-    Library(
-        "openexr",
-        "openexr_3.1.5.orig.tar.gz",
-        "93925805c1fc4f8162b35f0ae109c4a75344e6decae5a240afdfce25f8a433ec",
-        "openexr-3.1.5",
-        ("BUILD_TESTING=OFF", "OPENEXR_BUILD_TOOLS=OFF", "OPENEXR_INSTALL_EXAMPLES=OFF"),
-    ),
-    Library(
-        "lz4",
-        "lz4_1.9.4.orig.tar.gz",
-        "0b0e3aa07c8c063ddf40b082bdf7e37a1562bda40a0ff5272957f3e987e0e54b",
-        "lz4-1.9.4",
-        ("LZ4_BUILD_CLI=OFF", "LZ4_BUILD_LEGACY_LZ4C=OFF", "BUILD_STATIC_LIBS=ON"),
-        "build/cmake",
-    ),
-    # OpenVDB compresses by Blosc's LZ4 alone.
-    Library(
-        "c-blosc",
-        "c-blosc_1.21.3+ds.orig.tar.xz",
-        "36a5ca0904135be7b6da02cc93adda2e34fec98286b28172e166f8cad79c8fab",
-        "c-blosc-1.21.3",
-        (
-            *("BUILD_SHARED=OFF", "BUILD_TESTS=OFF", "BUILD_BENCHMARKS=OFF", "BUILD_FUZZERS=OFF"),
-            *("DEACTIVATE_SNAPPY=ON", "DEACTIVATE_ZLIB=ON", "DEACTIVATE_ZSTD=ON"),
-            *("PREFER_EXTERNAL_LZ4=ON", f"CMAKE_C_FLAGS={_BLOSC_FLAGS}"),
-        ),
-    ),
-    # Without delayed loading, which would need a library of Boost.
-    Library(
-        "openvdb",
-        "openvdb_10.0.1.orig.tar.xz",
-        "776706ca285a43b53e24c28d8f8b2112aea3dbf94c3c5f399cf6ff43403f5ace",
-        "openvdb-10.0.1",
-        (
-            *("OPENVDB_CORE_SHARED=OFF", "OPENVDB_BUILD_BINARIES=OFF", "USE_CCACHE=OFF"),
-            *("OPENVDB_USE_DELAYED_LOADING=OFF", "USE_EXPLICIT_INSTANTIATION=OFF"),
-            *("OPENVDB_ENABLE_UNINSTALL=OFF", "OPENVDB_DISABLE_BOOST_IMPLICIT_LINKING=OFF"),
-            *("OPENVDB_INSTALL_CMAKE_MODULES=OFF", f"TBB_ROOT={PREFIX}", f"Blosc_ROOT={PREFIX}"),
-        ),
-    ),
-    # For SSE2 alone, which every processor has: of several instruction sets the linker might take
-    # the AVX copy of a shared function. The patch lets GCC build a static library for Windows.
-    Library(
-        "embree",
-        "embree_3.13.5+dfsg.orig.tar.xz",
-        "1b7c5b6144230ad81b92ece884a2017fbbb433bf5416a6fca9257e0109501c63",
-        "embree-3.13.5",
-        (
-            *("EMBREE_STATIC_LIB=ON", "EMBREE_ISPC_SUPPORT=OFF", "EMBREE_TUTORIALS=OFF"),
-            *("EMBREE_RAY_MASK=ON", "EMBREE_RAY_PACKETS=OFF"),
-            *("EMBREE_MAX_ISA=NONE", "EMBREE_ISA_SSE2=ON"),
-            *(f"EMBREE_ISA_{isa}=OFF" for isa in ("SSE42", "AVX", "AVX2", "AVX512")),
-            *(f"EMBREE_GEOMETRY_{kind}=OFF" for kind in _UNUSED),
-        ),
-        patch="embree.patch",
-    ),
+TARGET = libraries.Target(
+    "Windows", WORK, TOOLCHAIN, {"c-blosc": (f"CMAKE_C_FLAGS={_BLOSC_FLAGS}",)}
 )
 
 
 def build():
-    """Makes sure that all of them lie in PREFIX."""
     if shutil.which("x86_64-w64-mingw32-g++-posix") is None:
         raise PackageError("Debian's compiler for Windows is missing; run scripts/setup --windows.")
-    PREFIX.mkdir(parents=True, exist_ok=True)
-    (PREFIX / "include").mkdir(exist_ok=True)
-    for name in _HEADERS:
-        link = PREFIX / "include" / name
-        if not link.is_symlink():
-            link.symlink_to(Path("/usr/include") / name)
-    modules = PREFIX / "lib" / "cmake" / "OpenVDB"
-    modules.mkdir(parents=True, exist_ok=True)
-    shutil.copyfile(HERE / "FindOpenVDB.cmake", modules / "FindOpenVDB.cmake")
-    needs = digest(TOOLCHAIN, *sorted(HERE.glob("*.patch")))
-    for library in LIBRARIES:
-        # Those before it are part of what it depends on.
-        needs = hashlib.sha256(f"{needs} {library}".encode()).hexdigest()
-        stamp = WORK / f"{library.package}.stamp"
-        if stamp.exists() and stamp.read_text() == needs:
-            continue
-        print(f"scripts/package: building {library.folder} for Windows", flush=True)
-        _build(library)
-        stamp.write_text(needs)
-
-
-def _build(library):
-    source = _source(library) / library.cmake
-    folder = WORK / "build" / library.package
-    shutil.rmtree(folder, ignore_errors=True)
-    shared = (
-        *(f"CMAKE_TOOLCHAIN_FILE={TOOLCHAIN}", "CMAKE_BUILD_TYPE=Release"),
-        *(f"CMAKE_INSTALL_PREFIX={PREFIX}", "BUILD_SHARED_LIBS=OFF"),
-    )
-    options = (f"-D{option}" for option in (*shared, *library.options))
-    run("cmake", "-G", "Ninja", "-S", source, "-B", folder, *options)
-    run("cmake", "--build", folder, "--target", "install", "--parallel", os.cpu_count())
-    shutil.rmtree(folder)
-
-
-def _source(library):
-    """The unpacked sources, fetched once."""
-    folder = WORK / "sources"
-    archive = folder / library.archive
-    folder.mkdir(parents=True, exist_ok=True)
-    if not archive.exists():
-        run("apt-get", *_apt_options(), "source", "--tar-only", "--download-only", library.package,
-            cwd=folder)  # fmt: skip
-    if not archive.exists() or digest(archive) != library.sha256:
-        raise PackageError(
-            f"Debian's source package {library.package} is not {library.archive} with the known "
-            f"checksum; look into {folder} and set the new version in {Path(__file__).name}."
-        )
-    unpacked = folder / library.folder
-    shutil.rmtree(unpacked, ignore_errors=True)
-    run("tar", "--extract", "--file", archive, "--directory", folder)
-    if library.patch:
-        run("patch", "--strip=1", "--input", HERE / library.patch, cwd=unpacked)
-    return unpacked
-
-
-def _apt_options():
-    """For apt's lists of source packages, in a folder of their own: those of this machine's sources
-    of packages."""
-    folder = WORK / "apt"
-    parts = folder / "sources"
-    options = (
-        *("-o", f"Dir::State::Lists={folder / 'lists'}", "-o", "Dir::Etc::SourceList=/dev/null"),
-        *("-o", f"Dir::Etc::SourceParts={parts}", "-o", "APT::Sandbox::User=root"),
-    )
-    if not parts.exists():
-        (folder / "lists" / "partial").mkdir(parents=True, exist_ok=True)
-        parts.mkdir()
-        for path in (Path("/etc/apt/sources.list"), *Path("/etc/apt/sources.list.d").iterdir()):
-            if path.suffix in (".list", ".sources") and path.is_file():
-                (parts / path.name).write_text(_of_sources(path.read_text()))
-        run("apt-get", *options, "update")
-    return options
-
-
-def _of_sources(text):
-    """Where apt finds packages, as where it finds their sources: in either form of such a file."""
-    lines = []
-    for line in text.splitlines():
-        if line.startswith("Types:"):
-            line = "Types: deb-src"
-        elif line.startswith("deb "):
-            line = f"deb-src {line[4:]}"
-        lines.append(line)
-    return "\n".join(lines) + "\n"
+    libraries.build(TARGET)
