@@ -20,6 +20,9 @@ PLATFORM = "manylinux_2_28_x86_64"
 PLATFORMS = {
     "linux-x64": (PLATFORM, PLATFORM.replace("_2_28", "_2_27"), "manylinux2014_x86_64"),
     "windows-x64": ("win_amd64",),
+    "macos-arm64": ("macosx_11_0_arm64",),
+    # flip-evaluator's is for macOS 12.
+    "macos-x64": ("macosx_11_0_x86_64", "macosx_12_0_x86_64"),
 }
 
 
@@ -42,33 +45,45 @@ def reader_wheels(tags, platform="linux-x64"):
     return sorted(folder.glob("*.whl"))
 
 
-def extension(own, platform="linux-x64"):
-    """The zip for Blender 4.2 and later on a platform, of our wheels for its Pythons."""
-    folder = wheels.WORK / "extension" / platform
+def extension(own, *platforms):
+    """The zips for Blender 4.2 and later, one for each platform, of our wheels for its Pythons."""
+    folder = wheels.WORK / "extension" / "-".join(platforms)
     shutil.rmtree(folder, ignore_errors=True)
     _copy_addon(folder)
     (folder / "wheels").mkdir()
-    tags = sorted(path.name.split("-")[2] for path in own)
-    shipped = [*own, *reader_wheels(tags, platform)]
+    tags = sorted({path.name.split("-")[2] for path in own})
+    # The wheels without compiled modules are the same for every platform.
+    readers = {path.name: path for name in platforms for path in reader_wheels(tags, name)}
+    shipped = [*own, *readers.values()]
     for path in shipped:
         shutil.copyfile(path, folder / "wheels" / path.name)
     manifest = folder / "blender_manifest.toml"
     listed = "".join(f'    "./wheels/{path.name}",\n' for path in shipped)
-    manifest.write_text(
-        f'{manifest.read_text()}\nplatforms = ["{platform}"]\nwheels = [\n{listed}]\n'
-    )
-    # As Blender's own program names extensions for one platform; that for Linux has no suffix.
-    suffix = "" if platform == "linux-x64" else f"-{platform.replace('-', '_')}"
-    target = OUT / f"leaflight-{version()}{suffix}.zip"
+    named = ", ".join(f'"{name}"' for name in platforms)
+    manifest.write_text(f"{manifest.read_text()}\nplatforms = [{named}]\nwheels = [\n{listed}]\n")
+    # As Blender's own program names extensions for one of several platforms; that for Linux alone
+    # has no suffix.
+    split = len(platforms) > 1
+    suffixes = [f"-{name.replace('-', '_')}" for name in platforms]
+    if not split and platforms[0] == "linux-x64":
+        suffixes = [""]
+    plain = OUT / f"leaflight-{version()}.zip"
+    targets = [plain.with_stem(plain.stem + suffix) for suffix in suffixes]
+    for old in OUT.glob("leaflight-*.zip"):
+        if any(re.fullmatch(rf"leaflight-[\d.]+{suffix}\.zip", old.name) for suffix in suffixes):
+            old.unlink()
     cli = blender_ext()
     python = VENV / "bin" / "python"
-    for old in OUT.glob("leaflight-*.zip"):
-        if re.fullmatch(rf"leaflight-[\d.]+{suffix}\.zip", old.name):
-            old.unlink()
     run(python, cli, "validate", folder)
-    run(python, cli, "build", "--source-dir", folder, "--output-filepath", target)
-    run(python, cli, "validate", target)
-    return target
+    output = (
+        ("--split-platforms", "--output-filepath", plain)
+        if split
+        else ("--output-filepath", targets[0])
+    )
+    run(python, cli, "build", "--source-dir", folder, *output)
+    for target in targets:
+        run(python, cli, "validate", target)
+    return targets
 
 
 def blender_ext():

@@ -79,4 +79,5 @@ def _compiler(target):
     runtime = (*cache.glob("o/*/libc++.a"), *cache.glob("o/*/libc++abi.a"))
     for path in (*runtime, zig / "lib" / "libc" / "darwin" / "libSystem.11.tbd"):
         shutil.copyfile(path, target.work / "runtime" / path.name)
+    shutil.copyfile(zig / "lib" / "libcxx" / "LICENSE.TXT", target.work / "runtime" / "libcxx.txt")
     stamp.write_text(wanted)
