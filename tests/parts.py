@@ -103,6 +103,11 @@ LONG_PARTS = (
         f" {PYTEST} tests/blender/test_addon.py {{select}}",
         "-k 'check_bake.py or check_scrub.py'",
     ),
+    # Nothing of the packages for macOS runs here: their files are read.
+    Part(
+        "macos",
+        "scripts/setup --macos && build/tools-venv/bin/python -m pytest tests/macos {select}",
+    ),
     Part("fuzz", "validation/fuzz --minutes 1 --jobs 2 --seed 1 --no-atheris --no-core {select}"),
     Part("faults", "validation/faults --seed 1 {select}", "--tries 20"),
     Part("races", "validation/races {select}"),
