@@ -139,7 +139,8 @@ def build(target):
     modules = target.prefix / "lib" / "cmake" / "OpenVDB"
     modules.mkdir(parents=True, exist_ok=True)
     shutil.copyfile(HERE / "FindOpenVDB.cmake", modules / "FindOpenVDB.cmake")
-    needs = digest(target.toolchain, *sorted(HERE.glob("*.patch")))
+    beside = target.toolchain.parent
+    needs = digest(*sorted((*HERE.glob("*.patch"), *beside.glob("*.cmake"), *beside.glob("*.txt"))))
     for library in LIBRARIES:
         # Those before it are part of what it depends on.
         own = target.options.get(library.package, ())

@@ -29,7 +29,9 @@ def _target(processor, toolchain, **options):
 
 # By Blender's names.
 TARGETS = {
-    "macos-arm64": _target("arm64", "arm64.cmake", embree=("EMBREE_ISA_NEON=ON",)),
+    "macos-arm64": _target(
+        "arm64", "arm64.cmake", embree=("EMBREE_ISA_NEON=ON", "EMBREE_ISA_SSE2=OFF")
+    ),
     "macos-x64": _target("x86_64", "x64.cmake"),
 }
 

@@ -17,3 +17,5 @@ set(CMAKE_FIND_PACKAGE_TARGETS_GLOBAL ON)  # static libraries name those that th
 set(ZLIB_LIBRARY "${CMAKE_CURRENT_LIST_DIR}/libz.tbd")
 set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)  # Zig's compiler has none
 set(CMAKE_USER_MAKE_RULES_OVERRIDE "${CMAKE_CURRENT_LIST_DIR}/link.cmake")
+# Boost derives from std::unary_function, which C++17 took away.
+add_compile_definitions(_LIBCPP_ENABLE_CXX17_REMOVED_UNARY_BINARY_FUNCTION)
