@@ -174,7 +174,7 @@ template <int D>
 void LineBundle<D>::follow(const Tracks& tracks) {
   const RowBefore before = take_tracks(tracks);
   for (int k = all_.first; k <= all_.last; ++k) cross(k, before);
-  std::visit([this](const auto* values) { read(values); }, field_.values);
+  std::visit([this](const auto* values) { this->read(values); }, field_.values);
 }
 
 template <int D>
