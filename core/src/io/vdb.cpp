@@ -166,8 +166,8 @@ class SeekableArchive : openvdb::io::Archive {
  public:
   // As Archive::write(), of grids with names of their own, but that the values of field_grid() are
   // written as those of any grid of floats.
-  void write(std::ostream& stream, const openvdb::GridPtrVec& grids,
-             const openvdb::MetaMap& metadata) const {
+  void write_into(std::ostream& stream, const openvdb::GridPtrVec& grids,
+                  const openvdb::MetaMap& metadata) const {
     auto of_stream = std::make_shared<openvdb::io::StreamMetadata>();
     openvdb::io::setStreamMetadataPtr(stream, of_stream, false);
     openvdb::io::setWriteGridStatsMetadata(stream, true);
@@ -537,7 +537,7 @@ void write_bake(const std::filesystem::path& path, const std::vector<const Field
   }
   if (!baked.walls.empty()) grids.push_back(walls_grid(baked.walls));
   const auto write = [&](std::ostream& stream) {
-    SeekableArchive().write(stream, grids, file_metadata);
+    SeekableArchive().write_into(stream, grids, file_metadata);
   };
   replace_file(path, write, progress, true);
 }
