@@ -10,8 +10,9 @@ import pytest
 from waiting import HANG
 
 ROOT = Path(__file__).resolve().parents[2]
-# What Blender 4.5 for Windows brings along.
-NUMPY = "numpy==1.26.4"
+# Version of Python -> NumPy: what Blender 4.5 for Windows brings along, and the newest that needs
+# no function that Wine 8 lacks.
+NUMPYS = {"3.11": "1.26.4", "3.13": "2.1.3"}
 
 
 def call(*command, **variables):
@@ -40,23 +41,40 @@ def root():
 
 @pytest.fixture(scope="session")
 def made():
-    """The paths of the wheel and of the extension."""
+    """The paths of the wheels, by version of Python, and of the extension."""
     command = (ROOT / "scripts" / "package", "--platform", "windows-x64")
     # A compiler does not hang.
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
-    return [ROOT / name for name in done.stdout.splitlines()[-1].split()]
+    *wheels, extension = [ROOT / name for name in done.stdout.splitlines()[-1].split()]
+    return dict(zip(NUMPYS, wheels, strict=True)), extension
+
+
+@pytest.fixture(scope="session", params=NUMPYS)
+def python_version(request):
+    return request.param
 
 
 @pytest.fixture(scope="session")
-def windows(made, tmp_path_factory):
+def numpy_version(python_version):
+    return NUMPYS[python_version]
+
+
+@pytest.fixture(scope="session")
+def tag(python_version):
+    """As names of wheels have it."""
+    return f"cp{python_version.replace('.', '')}"
+
+
+@pytest.fixture(scope="session")
+def windows(made, python_version, numpy_version, tag, tmp_path_factory):
     """Runs Windows' Python with the wheel and the readers of the extension."""
-    folder = call(
-        ROOT / "scripts" / "windows_python", "plain", NUMPY, "pytest", "colorama"
-    ).splitlines()[-1]
+    packages = (f"numpy=={numpy_version}", "pytest", "colorama")
+    program = (ROOT / "scripts" / "windows_python", python_version, f"plain-{python_version}")
+    folder = call(*program, *packages).splitlines()[-1]
     site = tmp_path_factory.mktemp("site")
     with zipfile.ZipFile(made[1]) as extension:
         for name in extension.namelist():
-            if name.endswith(".whl"):
+            if name.endswith((f"-{tag}-win_amd64.whl", "-any.whl", "-abi3-win_amd64.whl")):
                 with extension.open(name) as wheel, zipfile.ZipFile(wheel) as archive:
                     archive.extractall(site)
     return lambda *arguments: call(Path(folder, "python"), *arguments, PYTHONPATH=str(site))

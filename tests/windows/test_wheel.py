@@ -8,41 +8,50 @@ import zipfile
 
 import pytest
 
-MODULE = "leaflight/_core.cp311-win_amd64.pyd"
-# Of every Windows, and Python's own.
+# Of every Windows; beside them Python's own.
 SYSTEM = {
     "kernel32.dll",
     "msvcrt.dll",
     "advapi32.dll",
     "user32.dll",
     "shell32.dll",
-    "python311.dll",
 }
 
 
 @pytest.fixture(scope="module")
-def listed(made, tmp_path_factory):
+def wheel(made, python_version):
+    return made[0][python_version]
+
+
+@pytest.fixture(scope="module")
+def module(tag):
+    return f"leaflight/_core.{tag}-win_amd64.pyd"
+
+
+@pytest.fixture(scope="module")
+def listed(wheel, module, tmp_path_factory):
     """What binutils say of the module."""
     folder = tmp_path_factory.mktemp("module")
-    with zipfile.ZipFile(made[0]) as archive:
-        path = archive.extract(MODULE, folder)
+    with zipfile.ZipFile(wheel) as archive:
+        path = archive.extract(module, folder)
     command = ("x86_64-w64-mingw32-objdump", "--private-headers", path)
     return subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout
 
 
-def test_the_name_tells_the_python_and_the_system(made):
-    assert re.fullmatch(r"leaflight-[\d.]+-cp311-cp311-win_amd64\.whl", made[0].name)
-    with zipfile.ZipFile(made[0]) as archive:
+def test_the_name_tells_the_python_and_the_system(wheel, tag):
+    assert re.fullmatch(rf"leaflight-[\d.]+-{tag}-{tag}-win_amd64\.whl", wheel.name)
+    with zipfile.ZipFile(wheel) as archive:
         (tags,) = (n for n in archive.namelist() if n.endswith(".dist-info/WHEEL"))
         assert re.findall("^Tag: (.*)$", archive.read(tags).decode(), re.M) == [
-            "cp311-cp311-win_amd64"
+            f"{tag}-{tag}-win_amd64"
         ]
 
 
-def test_the_module_takes_libraries_of_the_system_alone(listed):
+def test_the_module_takes_libraries_of_the_system_alone(listed, tag):
     """Else another program's library of the same name would serve it."""
     taken = {name.lower() for name in re.findall(r"DLL Name: (\S+)", listed)}
-    assert {"kernel32.dll", "python311.dll"} <= taken <= SYSTEM
+    own = f"python{tag[2:]}.dll"
+    assert {"kernel32.dll", own} <= taken <= {*SYSTEM, own}
 
 
 def test_the_module_exports_its_entry(listed):
@@ -53,13 +62,13 @@ def test_the_module_exports_its_entry(listed):
     assert others == ["PyInit__core"]
 
 
-def test_the_wheel_holds_the_package(made, root):
-    with zipfile.ZipFile(made[0]) as archive:
+def test_the_wheel_holds_the_package(wheel, module, root):
+    with zipfile.ZipFile(wheel) as archive:
         found = archive.namelist()
     sources = root / "python" / "leaflight"
     for source in sources.rglob("*.py"):
         assert f"leaflight/{source.relative_to(sources).as_posix()}" in found
-    assert {"leaflight/page/page.html", "leaflight/scenes/cornell.json", MODULE} <= set(found)
+    assert {"leaflight/page/page.html", "leaflight/scenes/cornell.json", module} <= set(found)
     assert not [name for name in found if name.endswith(".so") or "__pycache__" in name]
     licences = [name for name in found if "/licenses/" in name]
     for package in ("LICENSE", "libtbb", "libembree", "libopenvdb", "libblosc", "gcc-mingw-w64"):
@@ -70,7 +79,8 @@ def test_the_extension_is_for_windows(made):
     with zipfile.ZipFile(made[1]) as archive:
         manifest = tomllib.loads(archive.read("blender_manifest.toml").decode())
         shipped = [name for name in archive.namelist() if name.endswith(".whl")]
-        assert archive.read(f"wheels/{made[0].name}") == made[0].read_bytes()
+        for wheel in made[0].values():
+            assert archive.read(f"wheels/{wheel.name}") == wheel.read_bytes()
     assert manifest["platforms"] == ["windows-x64"]
     assert sorted(manifest["wheels"]) == sorted(f"./{name}" for name in shipped)
     assert all(name.endswith(("-win_amd64.whl", "-any.whl")) for name in shipped)

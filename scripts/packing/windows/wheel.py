@@ -7,10 +7,7 @@ from .. import wheels
 from ..tools import OUT, ROOT, run
 from . import libraries, python
 
-BUILD = libraries.WORK / "leaflight"
-TAG = f"cp{python.VERSION.replace('.', '')}"
 PLATFORM = "win_amd64"
-SUFFIX = f".{TAG}-{PLATFORM}.pyd"
 # Debian's packages of what is within the module, which have the licences.
 LICENSES = (
     *("libtbb-dev", "libimath-dev", "libopenexr-dev", "liblz4-1", "libblosc-dev", "libopenvdb-dev"),
@@ -19,40 +16,50 @@ LICENSES = (
 )
 
 
-def wheel(built):
-    """Makes it of the one that wheels.built() returns for the same Python; returns its path."""
-    module = _module()
-    folder = wheels.unpack(built, wheels.WORK / f"{TAG}-{PLATFORM}")
+def wheel(built, version):
+    """Makes it for a version of Python, of any that wheels.built() returns; returns its path."""
+    tag = python.tag(version)
+    module = _module(version)
+    folder = wheels.unpack(built, wheels.WORK / f"{tag}-{PLATFORM}")
     (of_linux,) = folder.glob("leaflight/_core*.so")
     of_linux.unlink()
     run("x86_64-w64-mingw32-strip", "-o", folder / "leaflight" / module.name, module)
     (info,) = folder.glob("*.dist-info")
-    _set_tag(info / "WHEEL")
+    _set_tag(info / "WHEEL", tag)
     _add_licenses(info / "licenses")
-    for old in OUT.glob(f"leaflight-*-{PLATFORM}.whl"):
+    for old in OUT.glob(f"leaflight-*-{tag}-{PLATFORM}.whl"):
         old.unlink()
     return wheels.pack(folder, OUT)
 
 
-def _module():
+def build_folder(version, *more):
+    """Where CMake builds for a version of Python, configured; more: options of CMake."""
     libraries.build()
-    home = python.folder()
+    home = python.folder(version)
+    tag = python.tag(version)
+    folder = libraries.WORK / tag
     options = (
         *("CMAKE_BUILD_TYPE=Release", f"CMAKE_TOOLCHAIN_FILE={libraries.TOOLCHAIN}"),
         f"Python_INCLUDE_DIR={home / 'include'}",
-        f"Python_LIBRARY={home / 'libs' / f'python{TAG[2:]}.lib'}",
+        f"Python_LIBRARY={home / 'libs' / f'python{tag[2:]}.lib'}",
         # pybind11 has no interpreter of Windows to ask.
-        *(f"PYTHON_MODULE_EXTENSION={SUFFIX}", "PYTHON_MODULE_DEBUG_POSTFIX=", "PYTHON_IS_DEBUG=0"),
+        f"PYTHON_MODULE_EXTENSION=.{tag}-{PLATFORM}.pyd",
+        *("PYTHON_MODULE_DEBUG_POSTFIX=", "PYTHON_IS_DEBUG=0", *more),
     )
-    run("cmake", "-G", "Ninja", "-S", ROOT, "-B", BUILD, *(f"-D{option}" for option in options))
-    run("cmake", "--build", BUILD, "--target", "_core")
-    return BUILD / "python" / "leaflight" / f"_core{SUFFIX}"
+    run("cmake", "-G", "Ninja", "-S", ROOT, "-B", folder, *(f"-D{option}" for option in options))
+    return folder
 
 
-def _set_tag(path):
+def _module(version):
+    folder = build_folder(version)
+    run("cmake", "--build", folder, "--target", "_core")
+    return folder / "python" / "leaflight" / f"_core.{python.tag(version)}-{PLATFORM}.pyd"
+
+
+def _set_tag(path, tag):
     lines = path.read_text().split("\n")
     kept = [line for line in lines if line and not line.startswith("Tag:")]
-    path.write_text("\n".join([*kept, f"Tag: {TAG}-{TAG}-{PLATFORM}", ""]))
+    path.write_text("\n".join([*kept, f"Tag: {tag}-{tag}-{PLATFORM}", ""]))
 
 
 def _add_licenses(folder):
