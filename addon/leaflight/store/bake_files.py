@@ -173,7 +173,7 @@ def remember(obj, path):
     if obj.library is not None:
         return
     settings = obj.leaflight
-    values = {"bake_path": portable(path), "bake_home": str(path.parent)}
+    values = {"bake_path": portable(path), "bake_home": path.parent.as_posix()}
     for name, value in values.items():
         # Each assignment is a change that Blender propagates.
         if getattr(settings, name) != value:
@@ -181,13 +181,14 @@ def remember(obj, path):
 
 
 def portable(path):
-    """A path as Blender stores it: relative to a .blend that is saved and on the same drive."""
+    """A path as a .blend has it: with slashes, which every system reads, and relative to a .blend
+    that is saved and on the same drive."""
     if bpy.data.filepath:
         try:
-            return bpy.path.relpath(str(path))
+            return bpy.path.relpath(str(path)).replace(os.sep, "/")
         except ValueError:
             pass
-    return str(path)
+    return path.as_posix()
 
 
 def bakes_in(folder):
