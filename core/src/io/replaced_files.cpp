@@ -123,9 +123,9 @@ void ReplacedFiles::commit() {
     if (parts_.size() > 1) holds.push_back(std::make_unique<FolderHold>(folder, true));
   }
   for (const auto& part : parts_) {
-    std::error_code failure;
-    fs::rename(part->file, part->target, failure);
-    if (failure) throw unwritable(part->target, failure.message());
+    if (const std::error_code failure = move_over(part->file, part->target)) {
+      throw unwritable(part->target, failure.message());
+    }
   }
   for (const fs::path& folder : folders) write_through(folder);
   discard();

@@ -17,6 +17,7 @@
 #endif
 
 #include <algorithm>
+#include <atomic>
 #include <fstream>
 #include <string>
 
@@ -53,10 +54,13 @@ void* map_nameless_file(std::size_t bytes, const std::filesystem::path& folder) 
     const int code = static_cast<int>(GetLastError());
     return no_room(bytes, folder, std::error_code(code, std::system_category()).message());
   };
-  wchar_t name[MAX_PATH];
-  if (!GetTempFileNameW(folder.c_str(), L"lfl", 0, name)) throw failed();
-  const HANDLE file = CreateFileW(name, GENERIC_READ | GENERIC_WRITE, 0, nullptr, CREATE_ALWAYS,
-                                  FILE_ATTRIBUTE_TEMPORARY | FILE_FLAG_DELETE_ON_CLOSE, nullptr);
+  static std::atomic<unsigned> count = 0;
+  const std::filesystem::path path =
+      folder / (".leaflight-memory-" + std::to_string(GetCurrentProcessId()) + "-" +
+                std::to_string(++count));
+  const HANDLE file =
+      CreateFileW(path.c_str(), GENERIC_READ | GENERIC_WRITE, 0, nullptr, CREATE_ALWAYS,
+                  FILE_ATTRIBUTE_TEMPORARY | FILE_FLAG_DELETE_ON_CLOSE, nullptr);
   if (file == INVALID_HANDLE_VALUE) throw failed();
   const HANDLE mapping = CreateFileMappingW(file, nullptr, PAGE_READWRITE,
                                             static_cast<DWORD>(std::uint64_t{bytes} >> 32),
@@ -84,6 +88,20 @@ FolderHold::FolderHold(const std::filesystem::path& folder, bool wait) {
 
 FolderHold::~FolderHold() {
   if (state_ == State::held) CloseHandle(reinterpret_cast<HANDLE>(handle_));
+}
+
+// Programs that look for viruses and index files open new ones for a moment.
+std::error_code move_over(const std::filesystem::path& file, const std::filesystem::path& target) {
+  constexpr int patience_ms = 2000, pause_ms = 50;
+  std::error_code failure;
+  for (int waited = 0; waited <= patience_ms; waited += pause_ms) {
+    if (waited) Sleep(pause_ms);
+    if (MoveFileExW(file.c_str(), target.c_str(), MOVEFILE_REPLACE_EXISTING)) return {};
+    const DWORD code = GetLastError();
+    failure = {static_cast<int>(code), std::system_category()};
+    if (code != ERROR_ACCESS_DENIED && code != ERROR_SHARING_VIOLATION) break;
+  }
+  return failure;
 }
 
 std::error_code write_through(const std::filesystem::path& path) {
@@ -166,6 +184,12 @@ FolderHold::FolderHold(const std::filesystem::path& folder, bool wait) {
 
 FolderHold::~FolderHold() {
   if (handle_ >= 0) close(static_cast<int>(handle_));
+}
+
+std::error_code move_over(const std::filesystem::path& file, const std::filesystem::path& target) {
+  std::error_code failure;
+  std::filesystem::rename(file, target, failure);
+  return failure;
 }
 
 std::error_code write_through(const std::filesystem::path& path) {

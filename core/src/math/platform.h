@@ -63,6 +63,10 @@ class FolderHold {
   std::intptr_t handle_ = -1;
 };
 
+// Gives a file the name of another, which it replaces; waits for a moment while another program
+// keeps that one open, where that is in the way.
+std::error_code move_over(const std::filesystem::path& file, const std::filesystem::path& target);
+
 // Returns when a file's content, or the names in a folder, have reached the disk. Of a folder
 // errors count only where something was lost: not every file system writes one through.
 std::error_code write_through(const std::filesystem::path& path);

@@ -5,6 +5,7 @@ test_files.py runs this in Windows' Python.
 """
 
 import sys
+import threading
 
 import leaflight
 import numpy as np
@@ -41,6 +42,31 @@ def check_a_file_that_is_open_is_kept_and_named(bake, tmp_path):
     assert [entry.name for entry in tmp_path.iterdir()] == ["bake.vdb"]
 
 
+def check_a_file_that_is_open_for_a_moment_is_replaced(bake, tmp_path):
+    path = tmp_path / "bake.vdb"
+    path.write_bytes(b"old")
+    file = path.open("rb")
+    threading.Timer(0.3, file.close).start()
+    bake.save(path)
+    assert leaflight.load_bake(path).grid.texels == bake.grid.texels
+    assert [entry.name for entry in tmp_path.iterdir()] == ["bake.vdb"]
+
+
+def check_paths_may_be_longer_than_260_characters(bake, tmp_path):
+    folder = tmp_path.joinpath(*[str(digit) * 100 for digit in range(4)])
+    folder.mkdir(parents=True)
+    killed = folder / ".leaflight-part-0123456789abcdef"
+    killed.mkdir()
+    (killed / "output.vdb").write_bytes(b"incomplete")
+    path = folder / "bake.vdb"
+    for _ in range(2):
+        bake.save(path)
+    assert leaflight.load_bake(path).grid.texels == bake.grid.texels
+    assert min(leaflight.read_volume(path, grid="radiance_error").field().dims) > 1
+    assert [entry.name for entry in folder.iterdir()] == ["bake.vdb"]
+    _check_large_arrays(folder / "arrays")
+
+
 def check_pictures_may_have_such_names(tmp_path):
     image = np.zeros((2, 3, 3), np.float32)
     path = tmp_path / "体.exr"
@@ -64,7 +90,12 @@ def check_a_process_can_limit_itself():
 
 
 def check_large_arrays_lie_in_a_file_that_vanishes(tmp_path):
-    _core.limit_large_memory(1 << 20, str(tmp_path))
+    _check_large_arrays(tmp_path / "体")
+
+
+def _check_large_arrays(folder):
+    folder.mkdir()
+    _core.limit_large_memory(1 << 20, str(folder))
     try:
         array = _core.large_array((4, 512, 1024), np.dtype(np.float32))
         assert _core.large_memory()[1] >= array.nbytes
@@ -72,5 +103,5 @@ def check_large_arrays_lie_in_a_file_that_vanishes(tmp_path):
         assert array.sum() == 7 * array.size
         del array
     finally:
-        _core.limit_large_memory(0, str(tmp_path))
-    assert _core.large_memory()[1] == 0 and not list(tmp_path.iterdir())
+        _core.limit_large_memory(0, str(folder))
+    assert _core.large_memory()[1] == 0 and not list(folder.iterdir())
