@@ -45,7 +45,10 @@ def test_in_blender(blender, results, checks):
     file.unlink(missing_ok=True)
     output = blender.check(file, INSIDE / checks)
     print(output)
-    assert "passed" in output and file.exists()
+    found = json.loads(file.read_text())
+    if all(result["outcome"] == "skipped" for result in found.values()):
+        pytest.skip("none of its checks can run here")
+    assert "passed" in output
 
 
 @pytest.mark.machine

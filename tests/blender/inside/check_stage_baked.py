@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 import pytest
 from leaflight_addon.stage import presets
-from tools import EEVEE
+from tools import require_eevee
 
 BUILT = [name for name in presets.PRESETS if name != presets.MY_SCENE]
 
@@ -48,7 +48,7 @@ def check_nothing_is_burnt_out(bumps, preset, tmp_path):
     _stage(preset)
     scene = bpy.context.scene
     bpy.ops.leaflight.bake()
-    scene.render.engine = EEVEE
+    scene.render.engine = require_eevee()
     scene.render.resolution_x, scene.render.resolution_y = 160, 90
     scene.render.resolution_percentage = 100
     scene.render.filepath = str(tmp_path / "still.png")
