@@ -51,8 +51,13 @@ void remove_leftovers(const fs::path& folder) {
     }
   }
   for (const fs::path& part : left) {
-    const FolderHold hold(part, false);
-    if (hold.held()) fs::remove_all(part, failure);
+    {
+      const FolderHold hold(part, false);
+      if (!hold.held()) continue;
+      fs::remove_all(part, failure);
+    }
+    // Windows removes no folder that is held.
+    fs::remove(part, failure);
   }
 }
 
@@ -89,7 +94,9 @@ struct ReplacedFiles::Part {
   ~Part() {
     std::error_code failure;
     hold.reset();
-    fs::remove_all(folder, failure);
+    // Windows' C library lists no folder whose path is longer than 260 characters.
+    fs::remove(file, failure);
+    if (!fs::remove(folder, failure)) fs::remove_all(folder, failure);
   }
 };
 

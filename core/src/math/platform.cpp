@@ -76,12 +76,12 @@ void* map_nameless_file(std::size_t bytes, const std::filesystem::path& folder) 
 
 void unmap_nameless_file(void* memory, std::size_t) { UnmapViewOfFile(memory); }
 
-// A folder that is open without sharing cannot be opened by another. Folders of users are open in
-// other programs, too, so that waiting for one would be in vain.
+// A folder that is open for writing, and not shared for that, nobody else can open so, or remove.
+// Folders of users are open in other programs, too, so that waiting for one would be in vain.
 FolderHold::FolderHold(const std::filesystem::path& folder, bool wait) {
   if (wait) return;
-  const HANDLE file = CreateFileW(folder.c_str(), GENERIC_READ, 0, nullptr, OPEN_EXISTING,
-                                  FILE_FLAG_BACKUP_SEMANTICS, nullptr);
+  const HANDLE file = CreateFileW(folder.c_str(), GENERIC_WRITE, FILE_SHARE_READ, nullptr,
+                                  OPEN_EXISTING, FILE_FLAG_BACKUP_SEMANTICS, nullptr);
   state_ = file == INVALID_HANDLE_VALUE ? State::refused : State::held;
   handle_ = reinterpret_cast<std::intptr_t>(file);
 }

@@ -55,9 +55,6 @@ def check_a_file_that_is_open_for_a_moment_is_replaced(bake, tmp_path):
 def check_paths_may_be_longer_than_260_characters(bake, tmp_path):
     folder = tmp_path.joinpath(*[str(digit) * 100 for digit in range(4)])
     folder.mkdir(parents=True)
-    killed = folder / ".leaflight-part-0123456789abcdef"
-    killed.mkdir()
-    (killed / "output.vdb").write_bytes(b"incomplete")
     path = folder / "bake.vdb"
     for _ in range(2):
         bake.save(path)
@@ -65,6 +62,14 @@ def check_paths_may_be_longer_than_260_characters(bake, tmp_path):
     assert min(leaflight.read_volume(path, grid="radiance_error").field().dims) > 1
     assert [entry.name for entry in folder.iterdir()] == ["bake.vdb"]
     _check_large_arrays(folder / "arrays")
+
+
+def check_what_a_killed_run_left_is_removed(bake, tmp_path):
+    killed = tmp_path / ".leaflight-part-0123456789abcdef"
+    killed.mkdir()
+    (killed / "output.vdb").write_bytes(b"incomplete")
+    bake.save(tmp_path / "bake.vdb")
+    assert [entry.name for entry in tmp_path.iterdir()] == ["bake.vdb"]
 
 
 def check_pictures_may_have_such_names(tmp_path):
