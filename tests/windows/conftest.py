@@ -2,6 +2,7 @@
 """The packages for Windows, and Windows' Python with the wheel, run by Wine."""
 
 import os
+import shutil
 import subprocess
 import zipfile
 from pathlib import Path
@@ -13,6 +14,13 @@ ROOT = Path(__file__).resolve().parents[2]
 # Version of Python -> NumPy: what Blender 4.5 for Windows brings along, and the newest that needs
 # no function that Wine 8 lacks.
 NUMPYS = {"3.11": "1.26.4", "3.13": "2.1.3"}
+# What tests/python takes: of the versions that run with that NumPy of Python 3.11.
+PACKAGES = (
+    *("hypothesis", "scipy==1.11.4", "matplotlib==3.8.4", "meshio==5.3.5", "trimesh==4.6.0"),
+    *("nibabel==5.3.2", "tifffile==2025.5.10", "pydicom==3.0.1", "mrcfile==1.5.4"),
+    *("pillow==12.0.0", "flip-evaluator==1.7", "h5py==3.11.0"),
+    *("zarr==2.18.3", "numcodecs==0.13.1"),
+)
 
 
 def call(*command, **variables):
@@ -65,19 +73,35 @@ def tag(python_version):
     return f"cp{python_version.replace('.', '')}"
 
 
+def windows_python(version, name, *packages):
+    """Windows' Python beside packages of PyPI's."""
+    program = (ROOT / "scripts" / "windows_python", version, f"{name}-{version}")
+    packages = (f"numpy=={NUMPYS[version]}", "pytest", "colorama", *packages)
+    return Path(call(*program, *packages).splitlines()[-1], "python")
+
+
 @pytest.fixture(scope="session")
-def windows(made, python_version, numpy_version, tag, tmp_path_factory):
+def package_tests(made):
+    """Runs Windows' Python 3.11 with the wheel and the packages that tests/python takes."""
+    program = windows_python("3.11", "tests", *PACKAGES)
+    site = ROOT / "build" / "windows" / "tests-3.11" / "wheel"
+    shutil.rmtree(site, ignore_errors=True)
+    with zipfile.ZipFile(made[0]["3.11"]) as archive:
+        archive.extractall(site)
+    return lambda *arguments: call(program, *arguments, PYTHONPATH=str(site))
+
+
+@pytest.fixture(scope="session")
+def windows(made, python_version, tag, tmp_path_factory):
     """Runs Windows' Python with the wheel and the readers of the extension."""
-    packages = (f"numpy=={numpy_version}", "pytest", "colorama")
-    program = (ROOT / "scripts" / "windows_python", python_version, f"plain-{python_version}")
-    folder = call(*program, *packages).splitlines()[-1]
+    program = windows_python(python_version, "plain")
     site = tmp_path_factory.mktemp("site")
     with zipfile.ZipFile(made[1]) as extension:
         for name in extension.namelist():
             if name.endswith((f"-{tag}-win_amd64.whl", "-any.whl", "-abi3-win_amd64.whl")):
                 with extension.open(name) as wheel, zipfile.ZipFile(wheel) as archive:
                     archive.extractall(site)
-    return lambda *arguments: call(Path(folder, "python"), *arguments, PYTHONPATH=str(site))
+    return lambda *arguments: call(program, *arguments, PYTHONPATH=str(site))
 
 
 @pytest.fixture(scope="session")

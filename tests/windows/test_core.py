@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The core's tests of the short suite, compiled for Windows and run by Wine."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.append(str(Path(__file__).resolve().parents[2] / "scripts"))
+from packing.windows import libraries, wheel  # noqa: E402
+
+
+def test_core():
+    wine = f"env;WINEPREFIX={libraries.WORK / 'wine'};WINEDEBUG=-all;wine"
+    options = ("LEAFLIGHT_TESTS=ON", f"CMAKE_CROSSCOMPILING_EMULATOR={wine}")
+    folder = wheel.build_folder("3.11", *options)
+    # A compiler does not hang, and ctest has a limit for each test.
+    subprocess.run(["cmake", "--build", folder, "--target", "core_tests"], check=True)
+    command = ["ctest", "--test-dir", folder, "--output-on-failure", "-LE", "slow|machine"]
+    done = subprocess.run(
+        [*command, "--no-tests=error", "--parallel", "2"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    print(done.stdout)
+    if done.returncode != 0:
+        pytest.fail(f"The core's tests failed by Wine:\n{done.stdout}", pytrace=False)

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The package's tests of the short suite in Windows' Python 3.11."""
+
+# The files of tests/python that do not run there, and why.
+NOT_HERE = {
+    **dict.fromkeys(
+        ("test_progress_bar.py", "test_saving.py"), "terminals, signals and limits of Linux"
+    ),
+    **dict.fromkeys(
+        (
+            *("test_against_cycles.py", "test_bench.py", "test_bench_rays.py", "test_docs.py"),
+            *("test_docstrings.py", "test_mutations.py", "test_report.py", "test_report_fits.py"),
+            *("test_report_whole.py", "test_rooms.py", "test_snippets.py", "test_translations.py"),
+            "test_web_page.py",
+        ),
+        "programs and sources of this repository, which are the same everywhere",
+    ),
+    **dict.fromkeys(
+        ("test_damaged_files.py", "test_fuzz.py"), "minutes, as Wine starts a process slowly"
+    ),
+}
+
+
+def test_package(package_tests, tmp_path):
+    left_out = (f"--ignore=tests/python/{name}" for name in NOT_HERE)
+    shown = package_tests(
+        *("-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "not slow and not machine"),
+        *("-o", "pythonpath=validation tests/python", f"--basetemp=Z:{tmp_path}/tests"),
+        *("tests/python", *left_out),
+    )
+    print(shown)
+    assert " passed" in shown
