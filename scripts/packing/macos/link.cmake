@@ -6,5 +6,5 @@ set(CMAKE_CXX_VERBOSE_FLAG -v)
 set(runtime "${CMAKE_FIND_ROOT_PATH}/../runtime")
 set(CMAKE_CXX_CREATE_SHARED_MODULE
     "ld64.lld-19 -bundle -arch ${CMAKE_SYSTEM_PROCESSOR} -platform_version macos 11.0 11.0 -undefined dynamic_lookup \
--exported_symbol _PyInit__core -dead_strip -S -x -no_fixup_chains -adhoc_codesign -o <TARGET> <OBJECTS> <LINK_LIBRARIES> \
-${runtime}/libc++.a ${runtime}/libc++abi.a ${runtime}/libSystem.11.tbd")
+-exported_symbol _PyInit__core -dead_strip -S -x -no_fixup_chains -adhoc_codesign -o <TARGET> <OBJECTS> \
+-L${runtime} <LINK_LIBRARIES> ${runtime}/libc++.a ${runtime}/libc++abi.a -lm")

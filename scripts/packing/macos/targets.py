@@ -79,7 +79,10 @@ def _compiler(target):
     source.write_text("")
     run(target.work / "bin" / "c++", "-shared", "-o", target.work / "empty.so", source)
     runtime = (*cache.glob("o/*/libc++.a"), *cache.glob("o/*/libc++abi.a"))
-    for path in (*runtime, zig / "lib" / "libc" / "darwin" / "libSystem.11.tbd"):
+    for path in runtime:
         shutil.copyfile(path, target.work / "runtime" / path.name)
-    shutil.copyfile(zig / "lib" / "libcxx" / "LICENSE.TXT", target.work / "runtime" / "libcxx.txt")
+    # libm is a part of libSystem, and libraries ask for it by that name.
+    names = {"libc/darwin/libSystem.11.tbd": "libm.tbd", "libcxx/LICENSE.TXT": "libcxx.txt"}
+    for source, name in names.items():
+        shutil.copyfile(zig / "lib" / source, target.work / "runtime" / name)
     stamp.write_text(wanted)
