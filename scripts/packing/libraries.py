@@ -110,7 +110,7 @@ LIBRARIES = (
         ),
     ),
     # For one set of instructions, which every processor has: of several the linker might take the
-    # AVX copy of a shared function. The patch lets GCC build a static library for Windows, and takes
+    # AVX copy of a shared function. The patch lets GCC build a static library for Windows. It takes
     # away the version of macOS that Embree sets by itself.
     Library(
         "embree",

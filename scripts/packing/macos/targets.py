@@ -5,7 +5,7 @@ import shutil
 from pathlib import Path
 
 from .. import libraries
-from ..tools import ROOT, PackageError, digest, run
+from ..tools import ROOT, PackageError, run
 
 HERE = Path(__file__).parent
 WORK = ROOT / "build" / "macos"
@@ -57,9 +57,9 @@ def _zig():
 
 
 def _compiler(target):
-    """Makes bin/ of the compiler's programs and runtime/ of its libraries in the target's folder."""
+    """Makes bin/ of the compiler's programs and runtime/ of its libraries, once."""
     stamp = target.work / "compiler.stamp"
-    wanted = digest(REQUIREMENTS, __file__)
+    wanted = f"{REQUIREMENTS.read_text()}{VERSION}\n{PROGRAM}"
     if stamp.exists() and stamp.read_text() == wanted:
         return
     zig = _zig()
