@@ -23,7 +23,8 @@ def module(wheel, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def binary(module):
-    return lief.MachO.parse(str(module)).at(0)
+    processors = lief.MachO.parse(str(module))  # has to outlive the one that is a part of it
+    yield processors.at(0)
 
 
 def test_it_is_for_one_processor_and_macos_11(wheel, module, binary):
@@ -57,7 +58,8 @@ def test_python_has_every_symbol_that_no_library_of_the_system_has(wheel, binary
     """The linker lets such symbols through: on macOS Python's are found as the module is loaded.
     It was given the symbols of macOS 11, so those of later ones would be among them."""
     path = python.folder(wheel.python) / f"libpython{wheel.python}.dylib"
-    exported = {symbol.name for symbol in lief.MachO.parse(str(path)).at(0).exported_symbols}
+    processors = lief.MachO.parse(str(path))
+    exported = {symbol.name for symbol in processors.at(0).exported_symbols}
     bound = {b.symbol.name: b.library_ordinal for b in binary.bindings if b.has_symbol}
     assert all(ordinal > 0 or ordinal == ANY_LIBRARY for ordinal in bound.values())
     free = {name for name, ordinal in bound.items() if ordinal == ANY_LIBRARY}
