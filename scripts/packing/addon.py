@@ -21,9 +21,10 @@ PLATFORMS = {
     "linux-x64": (PLATFORM, PLATFORM.replace("_2_28", "_2_27"), "manylinux2014_x86_64"),
     "windows-x64": ("win_amd64",),
     "macos-arm64": ("macosx_11_0_arm64",),
-    # flip-evaluator's is for macOS 12.
-    "macos-x64": ("macosx_11_0_x86_64", "macosx_12_0_x86_64"),
+    "macos-x64": ("macosx_11_0_x86_64",),
 }
+# What PyPI does not have for a platform. The program then says that FLIP is missing.
+WITHOUT = {"macos-x64": ("flip-evaluator",)}
 
 
 def reader_wheels(tags, platform="linux-x64"):
@@ -33,13 +34,16 @@ def reader_wheels(tags, platform="linux-x64"):
     wanted = f"{digest(READERS)} {' '.join(sorted(tags))}"
     if not stamp.exists() or stamp.read_text() != wanted:
         shutil.rmtree(folder, ignore_errors=True)
+        lines = [line for line in READERS.read_text().splitlines() if not line.startswith("#")]
+        without = WITHOUT.get(platform, ())
+        packages = [line for line in lines if line.partition("==")[0] not in without]
         for tag in tags:
             python = f"{tag[2]}.{tag[3:]}"
             run(
                 *(VENV / "bin" / "python", "-m", "pip", "download", "--no-deps", "--quiet"),
                 *("--only-binary=:all:", "--implementation", "cp", "--python-version", python),
                 *(f"--platform={tag}" for tag in PLATFORMS[platform]),
-                *("--dest", folder, "-r", READERS),
+                *("--dest", folder, *packages),
             )
         stamp.write_text(wanted)
     return sorted(folder.glob("*.whl"))
