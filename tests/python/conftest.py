@@ -165,13 +165,16 @@ def bench_program(called):
 @pytest.fixture(scope="session")
 def script():
     """Calls the program as a user does, from another folder: that of the package under test."""
-    program = ROOT / "scripts" / "leaflight"
-    if not Path(leaflight.__file__).is_relative_to(ROOT / "build" / "release"):
-        program = Path(sys.prefix) / "bin" / "leaflight"
+    program = [ROOT / "scripts" / "leaflight"]
+    if sys.platform == "win32":
+        # The wheel was unpacked, not installed.
+        program = [sys.executable, "-m", "leaflight"]
+    elif not Path(leaflight.__file__).is_relative_to(ROOT / "build" / "release"):
+        program = [Path(sys.prefix) / "bin" / "leaflight"]
 
     def call(*arguments, cwd="/"):
         done = subprocess.run(
-            [program, *map(str, arguments)],
+            [*program, *map(str, arguments)],
             capture_output=True,
             text=True,
             timeout=HANG,
