@@ -14,18 +14,15 @@ from waiting import HANG
 
 # User and system time of a call of main() beside that of an interpreter that does nothing.
 MEASURE = """
-import resource, sys
+import sys, time
 sys.path.insert(0, sys.argv.pop(1))
-def seconds():
-    used = resource.getrusage(resource.RUSAGE_SELF)
-    return used.ru_utime + used.ru_stime
-empty = seconds()
+empty = time.process_time()
 import leaflight_command
 try:
     leaflight_command.main()
 except SystemExit:
     pass
-print(empty, seconds(), "leaflight" in sys.modules, "numpy" in sys.modules)
+print(empty, time.process_time(), "leaflight" in sys.modules, "numpy" in sys.modules)
 """
 
 
