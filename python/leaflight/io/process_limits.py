@@ -64,11 +64,13 @@ class _Limits(ctypes.Structure):
 
 _EXTENDED_LIMITS = 9  # JobObjectExtendedLimitInformation
 _PROCESS_TIME, _PROCESS_MEMORY = 0x2, 0x100  # JOB_OBJECT_LIMIT_*
+_NO_CRASH_DIALOG = 0x2  # SEM_NOGPFAULTERRORBOX
 
 
 def _limit_by_job(seconds: int) -> None:
     """By a job object with this process alone in it. Raises OSError."""
     kernel = ctypes.WinDLL("kernel32", use_last_error=True)  # type: ignore[attr-defined]
+    kernel.SetErrorMode(_NO_CRASH_DIALOG)
     kernel.CreateJobObjectW.restype = kernel.GetCurrentProcess.restype = ctypes.c_void_p
     limits = _Limits(
         _BasicLimits(process_time=seconds * 10**7, flags=_PROCESS_TIME | _PROCESS_MEMORY),
