@@ -9,7 +9,16 @@
 namespace leaflight {
 namespace fs = std::filesystem;
 
-std::string text_of(const fs::path& path) { return path.u8string(); }
+std::string text_of(const fs::path& path) {
+  try {
+    return path.u8string();
+  } catch (const fs::filesystem_error&) {
+    // Names of Windows may hold half of a UTF-16 pair, which no text can.
+    std::string text;
+    for (const auto c : path.native()) text += c > 0 && c < 0x80 ? static_cast<char>(c) : '?';
+    return text;
+  }
+}
 
 std::uintmax_t require_file(const fs::path& path) {
   std::error_code failure;
