@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Both sides of the isosurfaces: baked, and each shown where it faces."""
 
+from pathlib import Path
+
 import bpy
 import numpy as np
 import pytest
@@ -68,10 +70,10 @@ def check_each_side_shows_its_radiance(two_sided, tmp_path, engine, shading):
 def check_each_side_has_its_atlas(two_sided):
     nodes = two_sided.leaflight.baked_material.node_tree.nodes
     images = {node.image for node in nodes if node.type == "TEX_IMAGE"}
-    paths = {bpy.path.abspath(image.filepath) for image in images}
+    paths = {Path(bpy.path.abspath(image.filepath)) for image in images}
     bake = bake_files.locate(two_sided)
-    assert paths == {str(path) for path in atlases.beside(bake)}
-    assert paths == {str(atlases.path_of(bake)), str(atlases.path_of(bake, back=True))}
+    assert paths == set(atlases.beside(bake))
+    assert paths == {atlases.path_of(bake), atlases.path_of(bake, back=True)}
 
 
 def check_one_side_again(two_sided):
