@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/files.h"
 
-#include <cstdint>
 #include <filesystem>
 #include <fstream>
 
@@ -16,7 +15,10 @@ std::string text_of(const fs::path& path) {
   } catch (const fs::filesystem_error&) {
     // Names of Windows may hold half of a UTF-16 pair, which no text can.
     std::string text;
-    for (const std::uint32_t c : path.native()) text += c < 0x80 ? static_cast<char>(c) : '?';
+    for (const auto letter : path.native()) {
+      const int code = letter;
+      text += code >= 0 && code < 0x80 ? static_cast<char>(code) : '?';
+    }
     return text;
   }
 }

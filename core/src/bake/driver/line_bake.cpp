@@ -131,7 +131,7 @@ void LineBake<D>::gather_bounces() {
       }
     }
     indirect_->clear();
-    before = std::move(bounce);
+    std::swap(before, bounce);
   }
 }
 
