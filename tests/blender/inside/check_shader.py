@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 import pytest
 from leaflight_addon.store import cache
-from tools import camera_rays_down, close, look_down, render_exr
+from tools import camera_rays_down, close, look_down, render_exr, texels_at
 
 SIZE, WIDTH = 96, 2.4
 SLOPE_X, SLOPE_Y, HEIGHT = 0.3, 0.2, 0.8
@@ -23,29 +23,6 @@ def _tilted_plane(isosurface):
     plane = bpy.data.objects.new("Plane", mesh)
     plane.matrix_world = isosurface.matrix_world
     bpy.context.scene.collection.objects.link(plane)
-
-
-def _of_texels(bake, points):
-    """Where the shader blends eight texels that are all active, and what they say there."""
-    texels = np.array(bake.grid.resolution)
-    nodes = np.array(bake.volume.values.shape[::-1])
-    inverse = np.linalg.inv(bake.volume.index_to_world)
-    index = points @ inverse[:3, :3].T + inverse[:3, 3]
-    position = index * (texels - 1) / (nodes - 1)
-    low = np.floor(position).astype(int)
-    inside = np.all((low >= 0) & (low <= texels - 2), axis=1)
-    low = np.clip(low, 0, texels - 2)
-    share = position - low
-    active, dense = bake.grid.mask().astype(bool), bake.grid.dense("radiance")
-    radiance = np.zeros((len(points), 3))
-    for corner in range(8):
-        bits = np.array([corner & 1, corner >> 1 & 1, corner >> 2])
-        i, j, k = (low + bits).T
-        # Closest lookups may round to either side right at a texel.
-        inside &= active[k, j, i]
-        weight = np.where(bits, share, 1 - share).prod(axis=1)
-        radiance += weight[:, None] * dense[k, j, i]
-    return inside, radiance
 
 
 @pytest.mark.parametrize("resolution", [0, 37])
@@ -66,7 +43,7 @@ def check_rendered_emission_is_that_of_the_texels(boxed, tmp_path, engine, resol
 
     x, y = camera_rays_down(WIDTH, SIZE)
     points = np.stack([x, y, HEIGHT + SLOPE_X * x + SLOPE_Y * y], axis=-1).reshape(-1, 3)
-    compared, radiance = _of_texels(bake, points)
+    compared, radiance = texels_at(bake, points)
     assert compared.sum() > 500
     expected = radiance[compared]
     assert expected.std() > 0.01

@@ -359,3 +359,26 @@ def displayed_gray(shares):
     shown = np.linspace(0.0, 1.0, 9)
     linear = np.where(shown <= 0.04045, shown / 12.92, ((shown + 0.055) / 1.055) ** 2.4)
     return np.interp(shares, shown, linear)
+
+
+def texels_at(bake, points, name="radiance"):
+    """Where the shader blends eight texels that are all active, and what they say there."""
+    texels = np.array(bake.grid.resolution)
+    nodes = np.array(bake.volume.values.shape[::-1])
+    inverse = np.linalg.inv(bake.volume.index_to_world)
+    index = points @ inverse[:3, :3].T + inverse[:3, 3]
+    position = index * (texels - 1) / (nodes - 1)
+    low = np.floor(position).astype(int)
+    inside = np.all((low >= 0) & (low <= texels - 2), axis=1)
+    low = np.clip(low, 0, texels - 2)
+    share = position - low
+    active, dense = bake.grid.mask().astype(bool), bake.grid.dense(name)
+    radiance = np.zeros((len(points), 3))
+    for corner in range(8):
+        bits = np.array([corner & 1, corner >> 1 & 1, corner >> 2])
+        i, j, k = (low + bits).T
+        # Closest lookups may round to either side right at a texel.
+        inside &= active[k, j, i]
+        weight = np.where(bits, share, 1 - share).prod(axis=1)
+        radiance += weight[:, None] * dense[k, j, i]
+    return inside, radiance
