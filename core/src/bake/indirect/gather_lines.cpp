@@ -11,9 +11,6 @@ namespace leaflight {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
-// The cosine by which a texel may face away from a line that hits it: its normal is that of its
-// middle, and creases pass through texels.
-constexpr double most_away = 0.4;
 
 // Planes of a line whose values fall, or grow, from the bottom to the top: those at which an
 // isosurface may be hit first on the way back.
@@ -233,8 +230,8 @@ int Gathering<D>::beyond_masked(const GatherLines<D>& own, const Walk<D>& walk, 
 
 // The texel that stands for a hit, or -1. The nearest one may be of a thin shell's other face, or
 // near its crest, where isosurfaces have holes: both would light a closed cavity, which keeps light
-// for many bounces. So it must not face away from the line, and the next in front of the isosurface
-// is taken if its value is nearer.
+// for many bounces. So it must face the line, and the next in front of the isosurface is taken if
+// its value is nearer.
 template <int D>
 std::int64_t Gathering<D>::texel_at(const LineBundle<D>& line, const Walk<D>& walk,
                                     const Hit& hit) const {
@@ -246,7 +243,7 @@ std::int64_t Gathering<D>::texel_at(const LineBundle<D>& line, const Walk<D>& wa
     if (slot == TexelLattice<D>::inactive) continue;
     const TexelSurface<D>& surface = from.surfaces[slot];
     const double away = Vec<D>(surface.normal).dot(walk.to_origin);
-    if (!((hit.on_back ? -away : away) < most_away)) continue;
+    if (!(hit.on_back ? away > 0 : away < 0)) continue;
     const float distance = std::abs(surface.value - hit.h) / surface.steepness;
     if (!(distance < nearest)) continue;
     nearest = distance;
