@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What `import leaflight` refuses, in one sentence."""
 
+import os
 import platform
 import shutil
 import subprocess
@@ -15,6 +16,7 @@ from leaflight import _core, self_check
 from waiting import HANG
 
 PACKAGE = Path(leaflight.__file__).parent
+NUMPYS_FOLDER = str(Path(np.__file__).parents[1])
 
 
 class Changed:
@@ -155,7 +157,7 @@ def run(folder, *arguments):
         capture_output=True,
         text=True,
         cwd=folder,
-        env={"PYTHONPATH": str(folder)},
+        env={**os.environ, "PYTHONPATH": os.pathsep.join((str(folder), NUMPYS_FOLDER))},
         timeout=HANG,
     )
 
@@ -165,7 +167,7 @@ def _without_module(package):
 
 
 def _damaged_module(package):
-    (module,) = PACKAGE.glob("_core*.so")
+    (module,) = PACKAGE.glob("_core.cp*")
     (package / module.name).write_bytes(b"not a library")
     return "compiled module cannot be loaded"
 
