@@ -198,7 +198,7 @@ def test_bad_scene_names_the_object(tmp_path, place, value, sentence):
 def test_passes_and_an_interruption(tmp_path):
     settings = {**SMALL, "error": 0.05, "time": 600}
     passes = []
-    whole = bake_flatland(bump_box_2d(60), on_pass=passes.append, **settings)
+    whole = bake_flatland(bump_box_2d(100), on_pass=passes.append, **settings)
     assert len(passes) == whole.statistics.passes - 1 > 0
     assert len({whole.id, *(one.id for one in passes)}) == len(passes) + 1
     assert all(one.texture().mean() > 0.01 for one in passes)
@@ -207,18 +207,18 @@ def test_passes_and_an_interruption(tmp_path):
     path = tmp_path / "flat.checkpoint"
     with pytest.raises(Cancelled):
         bake_flatland(
-            bump_box_2d(60),
+            bump_box_2d(100),
             on_pass=lambda _: progress.cancel(),
             progress=progress,
             checkpoint=Checkpoint(path, seconds=0.0),
             **settings,
         )
-    resumed = bake_flatland(bump_box_2d(60), checkpoint=Checkpoint(path, resume=True), **settings)
+    resumed = bake_flatland(bump_box_2d(100), checkpoint=Checkpoint(path, resume=True), **settings)
     assert resumed.id == whole.id
     np.testing.assert_array_equal(resumed.texture(), whole.texture())
     with pytest.raises(LeaflightError, match="checkpoint of another bake"):
         bake_flatland(
-            bump_box_2d(60), checkpoint=Checkpoint(path, resume=True), **{**settings, "seed": 1}
+            bump_box_2d(100), checkpoint=Checkpoint(path, resume=True), **{**settings, "seed": 1}
         )
 
 

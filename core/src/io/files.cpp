@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <type_traits>
 
 #include "math/error.h"
 
@@ -16,8 +17,8 @@ std::string text_of(const fs::path& path) {
     // Names of Windows may hold half of a UTF-16 pair, which no text can.
     std::string text;
     for (const auto letter : path.native()) {
-      const int code = letter;
-      text += code >= 0 && code < 0x80 ? static_cast<char>(code) : '?';
+      const auto code = static_cast<std::make_unsigned_t<fs::path::value_type>>(letter);
+      text += code < 0x80 ? static_cast<char>(code) : '?';
     }
     return text;
   }
