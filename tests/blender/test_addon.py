@@ -45,9 +45,9 @@ def test_in_blender(blender, results, checks):
     file.unlink(missing_ok=True)
     output = blender.check(file, INSIDE / checks)
     print(output)
-    found = json.loads(file.read_text())
-    if all(result["outcome"] == "skipped" for result in found.values()):
-        pytest.skip("none of its checks can run here")
+    outcomes = {result["outcome"] for result in json.loads(file.read_text()).values()}
+    if blender.about["windows"] and outcomes == {"skipped"}:
+        pytest.skip("none of its checks can run by Wine")
     assert "passed" in output
 
 
