@@ -59,9 +59,7 @@ void bind_direct_light(py::module_& module) {
       .def(py::init([](const Scene<3>& scene, int volume, const Index<3>& resolution, bool back,
                        Progress& progress, double spacing) {
              const py::gil_scoped_release unlocked;
-             const Index<3>& dims = scene.volumes.at(volume).field.dims;
-             for (int a = 0; a < 3; ++a) {
-               if (resolution[a] >= 2 && resolution[a] <= dims[a]) continue;
+             if (!fits_maps(scene.volumes.at(volume).field, resolution)) {
                throw Error("The maps of direct light are of another volume; bake it again.");
              }
              const SceneTracer<3> tracer(scene);
@@ -90,12 +88,16 @@ void bind_direct_light(py::module_& module) {
       .def_property_readonly(
           "index_to_frame", [](const Direct& d) { return from_affine(d.index_to_frame()); },
           "float64 (4, 4): the frame is the world, moved and scaled uniformly.")
+      .def_property_readonly(
+          "code_range",
+          [](const Direct& d) { return std::pair(d.code_range().min, d.code_range().max); },
+          "(lo, hi): the values that codes tell apart, a little more than the isovalue range.")
       .def_property_readonly("has_back", &Direct::has_back, "Whether backs have maps.")
       .def("codes", &codes, py::arg("point"), py::arg("back") = false,
            "uint8 (n,) of the active texels, in the order of mask(), for a light point. An "
            "isosurface is\n"
            "lit at a texel if the code of its isovalue h is greater: 1 + 252 (h - lo) / (hi - lo)\n"
-           "within the isovalue range (lo, hi). 255 is behind a mesh. back: of backs, whose codes\n"
+           "within code_range (lo, hi). 255 is behind a mesh. back: of backs, whose codes\n"
            "begin at hi.")
       .def(
           "mask", [](const Direct& d) { return active_mask(d.lattice()); },

@@ -402,12 +402,17 @@ class DirectLight:
         """
         uint8 (n,) of the active texels, in the order of mask(), for a light point. An isosurface is
         lit at a texel if the code of its isovalue h is greater: 1 + 252 (h - lo) / (hi - lo)
-        within the isovalue range (lo, hi). 255 is behind a mesh. back: of backs, whose codes
+        within code_range (lo, hi). 255 is behind a mesh. back: of backs, whose codes
         begin at hi.
         """
     def mask(self) -> numpy.typing.NDArray[numpy.uint8]:
         """
         uint8 [z, y, x], 1 at active texels.
+        """
+    @property
+    def code_range(self) -> tuple[float, float]:
+        """
+        (lo, hi): the values that codes tell apart, a little more than the isovalue range.
         """
     @property
     def has_back(self) -> bool:

@@ -129,7 +129,7 @@ TEST(RayBake, ContinuesWallsAsOneBake) {
   const Scene<3> scene = with_one_wall(two_balls());
   BakeSettings<3> settings = by_rays(1e-3);
   settings.walls = true;
-  settings.resolution = {9, 9, 9};
+  settings.resolution = {17, 17, 17};
   const Baked<3> first = stopped_after(1, scene, settings);
   const std::vector<PreviousLight<3>> previous = previous_light(first);
   const Baked<3> continued = stopped_after(1, scene, settings, &previous);
@@ -169,7 +169,7 @@ TEST(RayBake, ShadowsOfOtherVolumesAreThoseOfRays) {
       const Vec3 index = field.world_to_index.point(x);
       const SurfacePoint<3> point = tracer.isosurface_point(volume, locate(field, index), c, false);
       const TexelWeights<3> near = linear_weights(direct.lattice(), index);
-      const VisibilityCode code{scene.isovalue_range, false};
+      const VisibilityCode code{direct.code_range(), false};
       for (std::size_t i = 0; i < direct.points(); ++i) {
         const LightSource<3>& source = direct.point(i).source;
         if ((source.position - point.position).dot(point.geometric_normal) <= 0) continue;
@@ -197,7 +197,7 @@ TEST(RayBake, AgreesWithThePathTracer) {
     const SceneTracer<3> tracer(scene);
     const Field<3>& field = scene.volumes[0].field;
     std::vector<Vec3> points;
-    for (const Vec3& x : test::isosurface_points(field, 0.7, 60)) {
+    for (const Vec3& x : test::isosurface_points(field, 0.7, 10)) {
       if (!tracer.is_covered(0, tracer.frame().point(x), 0.7)) points.push_back(x);
     }
     Progress progress;

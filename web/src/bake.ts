@@ -26,6 +26,7 @@ export interface LightData extends BrickData {
 export interface DirectData extends BrickData {
   front: number[]; // blocks: levels of two light points each
   back: number[] | null;
+  codeRange: [number, number]; // codes of the volume at visibility codes 1 and 253
   points: number[][]; // as DirectLight.light_points of the core lists them
   lights: number[]; // of each, the number of the lamp that it belongs to, or -1
   indexToFrame: number[]; // 4 x 4, by rows

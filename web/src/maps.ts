@@ -3,7 +3,7 @@
 
 import * as three from 'three';
 
-import type { Bake, DirectData, Header, Vector, VolumeData } from './bake';
+import type { Bake, DirectData, Vector, VolumeData } from './bake';
 import { bricksOf, textureSize } from './bricks';
 import { factorAt } from './lamps';
 import { type Codes, extremes, integerTexture } from './volume_textures';
@@ -45,7 +45,7 @@ export async function mapTextures(
   return {
     maps: integerTexture(levels, size, three.RGBAIntegerFormat),
     mapTable: table,
-    mapRanges: rangesTexture(bake.header, volume, direct, codes),
+    mapRanges: rangesTexture(volume, direct, codes),
     lightPoints: pointsTexture(direct.points),
   };
 }
@@ -58,6 +58,7 @@ export function mapUniforms(direct: DirectData): Record<string, unknown> {
     mapBrick: direct.brick,
     mapBricks: direct.bricks,
     mapDepth: textureSize(direct)[2],
+    codeRange: new three.Vector2(...direct.codeRange),
     indexToFrame,
   };
 }
@@ -83,13 +84,11 @@ export function light(texture: three.DataTexture, direct: DirectData, factors: V
 
 // The least and the greatest visibility code about each texel.
 function rangesTexture(
-  { isovalueRange }: Header,
-  { dims, isovalues, masked, offset, scale }: VolumeData,
-  { texels }: DirectData,
+  { dims, masked }: VolumeData,
+  { texels, codeRange: [low, high] }: DirectData,
   codes: Codes,
 ): three.Data3DTexture {
-  const [low, high] = isovalueRange.map((c) => isovalues[0] + c * (isovalues[1] - isovalues[0]));
-  const codeOf = (value: number) => 1 + (offset + scale * value - low) * (252 / (high - low));
+  const codeOf = (value: number) => 1 + (value - low) * (252 / (high - low));
   const count = codes instanceof Uint8Array ? 256 : 65536;
   const [floors, ceilings] = [new Uint8ClampedArray(count), new Uint8ClampedArray(count)];
   for (let value = 0; value < count; ++value) {

@@ -45,7 +45,8 @@ enum class Purpose : std::uint64_t {
   scattered,
   gather_lines = 10,  // no number is used again
   noise,
-  ray_block
+  ray_block,
+  measured_error
 };
 
 inline Random random_for(std::uint64_t seed, Purpose purpose, std::uint64_t index) {

@@ -137,10 +137,10 @@ def extrapolated(
     slope = 0.5 * (INDEPENDENT + _slope(alike))
     limit = float("inf") if time is None else time
     noise = float(_noise(last))
-    texture, noisy = _texture(alike, reached, noise)
+    texture = np.sqrt(max(0.0, reached**2 - noise**2))
     left = MOST_PASSES - len(alike)
     while seconds < limit and left > 0:
-        target = _core.noise_to_reach(error, np.hypot(texture, noisy * noise))
+        target = _core.noise_to_reach(error, texture)
         # Rounding is no pass.
         if noise <= (1 + 1e-9) * target:
             break
@@ -148,7 +148,7 @@ def extrapolated(
         seconds += (growth - 1.0) * work * pace
         noise *= growth**slope
         work, count, left = growth * work, count + 1, left - 1
-    error = float(np.sqrt(texture**2 + (1 + noisy**2) * noise**2))
+    error = float(np.hypot(texture, noise))
     return Estimate(seconds + closing, memory, error, count, *pilot)
 
 
@@ -177,23 +177,6 @@ def _work(passes: Sequence[Statistics]) -> tuple[int, float]:
         return last.rays, last.seconds / max(last.rays, 1)
     step = max(last.rays - passes[-2].rays, 1)
     return 2 * step, (last.seconds - passes[-2].seconds) / step
-
-
-def _texture(passes: Sequence[Statistics], reached: float, noise: float) -> tuple[float, float]:
-    """(what texels miss, percent; what noise adds to its estimate, a factor of the noise).
-
-    A bake judges what texels miss by their neighbours, whose noise falls from pass to pass.
-    """
-    texture = max(0.0, reached**2 - noise**2)
-    if len(passes) < 2:
-        return np.sqrt(texture), 0.0
-    errors, noises = ([of(one) ** 2 for one in passes[-2:]] for of in (_error, _noise))
-    fallen = noises[0] - noises[1]
-    if not fallen > 0:
-        return np.sqrt(texture), 0.0
-    noisy = max(0.0, (errors[0] - errors[1]) / fallen - 1)
-    noisy = min(noisy, texture / max(noise**2, 1e-12))
-    return np.sqrt(texture - noisy * noise**2), np.sqrt(noisy)
 
 
 def _slope(passes: Sequence[Statistics]) -> float:

@@ -141,14 +141,13 @@ def _direct_data(
     data: "PageData", shown: ShownVolume, codes: Array, offset: float, scale: float
 ) -> dict[str, Any] | None:
     """The maps, or None; the page finds their ranges as they are found here."""
-    direct, bake = shown.direct, shown.bake
+    direct = shown.direct
     if direct is None or len(direct.light_points) == 0:
         return None
-    isovalue_range = [bake.isovalue_of(shown.number, c) for c in bake.isovalues]
     missing = NO_DATA if shown.volume.field().masked else None
 
     def code(numbers: Array) -> Array:
-        return code_of(offset + scale * numbers, isovalue_range)
+        return code_of(offset + scale * numbers, direct.code_range)
 
     active = direct.mask() != 0
     least, greatest = (each[active] for each in ranges(codes, missing, direct.resolution, code))
@@ -159,6 +158,7 @@ def _direct_data(
     layers = len(sides) * -(-len(direct.light_points) // POINTS_A_TEXEL)
     return {
         **_texture(data, active, layers, sides),
+        "codeRange": [(value - offset) / scale for value in direct.code_range],
         "points": direct.light_points.reshape(-1, 16).tolist(),
         "lights": direct.lights.tolist(),
         "indexToFrame": direct.index_to_frame.ravel().tolist(),

@@ -6,6 +6,7 @@ uniform usampler3D mapRanges;  // the least and the greatest visibility code abo
 uniform sampler2D lightPoints;  // four texels each, as DirectLight.light_points lists them
 uniform ivec3 mapTexels, mapBrick, mapBricks;
 uniform int mapDepth;  // texels of a layer along z
+uniform vec2 codeRange;  // codes of the volume at visibility codes 1 and 253
 uniform mat4 indexToFrame;
 
 struct DirectLight {
@@ -48,7 +49,7 @@ DirectLight directLight(vec3 place, vec3 gradient, float isovalue, bool isBack, 
   ++fetches;
   if (entry.w == 0u) return total;
   ivec3 first = ivec3(entry.xyz) * mapBrick + cell - within * (mapBrick - 1);
-  float own = 1.0 + 252.0 * (isovalue - isovalueRange.x) / (isovalueRange.y - isovalueRange.x);
+  float own = 1.0 + 252.0 * (isovalue - codeRange.x) / (codeRange.y - codeRange.x);
   int pointCount = textureSize(lightPoints, 0).y, groups = (pointCount + 7) / 8;
   if (isBack) own = 254.0 - own, first.z += groups * mapDepth;
   float weight[8];

@@ -14,8 +14,9 @@ namespace {
 
 // Points whose maps are computed at once.
 constexpr std::size_t points_at_once = 8;
-// Of the maps of one side.
-constexpr std::size_t most_bytes = std::size_t{512} << 20;
+// Of the maps of one side; of those that are finer than voxels, which have as many texels at most.
+constexpr std::size_t most_bytes = std::size_t{512} << 20, most_finer_bytes = 24 << 20,
+                      most_fine_texels = 8'000'000;
 
 // The gradient of the surface itself jumps at the faces of cells, on which meshes have their
 // vertices. This near to one, in voxels, it goes over to that of shading, which there is the mean
@@ -32,6 +33,38 @@ Vec<D> surface_gradient(const CellCorners<D>& corners, const Vec<D>& local, cons
   return gradient;
 }
 
+// By how much values at neighbouring texels differ, on average over the isosurfaces.
+template <int D>
+double difference_of_texels(const Field<D>& field, const TexelLattice<D>& lattice) {
+  constexpr std::size_t most_texels = 1 << 16;
+  double sum = 0, area = 0;
+  const std::size_t step = 1 + lattice.active.size() / most_texels;
+  for (std::size_t s = 0; s < lattice.active.size(); s += step) {
+    const Vec<D> centre = lattice.centre(lattice.active[s]);
+    const Vec<D> gradient = shading_gradient(field, locate(field, centre));
+    const double difference = (gradient * lattice.voxels_per_texel).length();
+    sum += difference * difference;
+    area += difference;
+  }
+  return area > 0 ? sum / area : 0;
+}
+
+// The common isovalues that codes tell apart: the isovalue range, and those beyond it that the
+// texels about its isosurfaces have, as codes are interpolated before they are compared.
+template <int D>
+IsovalueRange range_of_codes(const Scene<D>& scene, const Volume<D>& volume,
+                             const TexelLattice<D>& lattice) {
+  constexpr double texels = 2;
+  const double margin = texels * difference_of_texels(volume.field, lattice) / volume.scale;
+  IsovalueRange data = scene.isovalue_range;
+  for (const Volume<D>& each : scene.volumes) {
+    data.min = std::min(data.min, each.common_isovalue(each.field.min));
+    data.max = std::max(data.max, each.common_isovalue(each.field.max));
+  }
+  return {std::max(scene.isovalue_range.min - margin, data.min),
+          std::min(scene.isovalue_range.max + margin, data.max)};
+}
+
 }  // namespace
 
 template <int D>
@@ -44,11 +77,26 @@ IsosurfacePoint<D> isosurface_point(const Field<D>& field, const Vec<D>& index_p
 template <int D>
 Index<D> map_resolution(const Field<D>& field, const IsovalueRange& isovalue_range,
                         const Index<D>& texels, std::size_t points) {
+  const auto bytes = [&](const Index<D>& resolution) {
+    return active_texels(field, resolution, isovalue_range.min, isovalue_range.max) * points;
+  };
+  if (cell_count<D>(texels) <= most_fine_texels && bytes(texels) <= most_finer_bytes) {
+    return texels;
+  }
   Index<D> found;
   for (int a = 0; a < D; ++a) found[a] = std::min(field.dims[a], texels[a]);
-  if (active_texels(field, found, isovalue_range.min, isovalue_range.max) * points <= most_bytes)
-    return found;
-  return coarser_resolution<D>(found, 2);
+  return bytes(found) <= most_bytes ? found : coarser_resolution<D>(found, 2);
+}
+
+template <int D>
+bool fits_maps(const Field<D>& field, const Index<D>& resolution) {
+  bool is_coarse = true;
+  for (int a = 0; a < D; ++a) {
+    if (resolution[a] < 2 || resolution[a] > std::numeric_limits<std::uint16_t>::max())
+      return false;
+    is_coarse = is_coarse && resolution[a] <= field.dims[a];
+  }
+  return is_coarse || cell_count<D>(resolution) <= most_fine_texels;
 }
 
 template <int D>
@@ -68,18 +116,22 @@ DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
   auto maps = std::make_shared<Maps>();
   maps->lattice = make_lattice(tracer.scene().volumes[volume].field, resolution,
                                isovalue_range_.min, isovalue_range_.max);
+  const Scene<D>& scene = tracer.scene();
+  const IsovalueRange common = range_of_codes(scene, scene.volumes[volume], maps->lattice);
+  code_range_ = scene.volumes[volume].isovalues(common);
   std::atomic<bool> any_dark{false};
   const std::size_t count = points_.size(), active = maps->lattice.active.size();
   const VisibilitySweep<D> sweep(tracer, volume, maps->lattice, true, spacing);
   std::vector<std::unique_ptr<VisibilityThrough<D>>> others;
   for (int other = 0; other < static_cast<int>(tracer.scene().volumes.size()); ++other) {
     if (other == volume) continue;
-    others.push_back(std::make_unique<VisibilityThrough<D>>(tracer, other, volume, maps->lattice));
+    others.push_back(
+        std::make_unique<VisibilityThrough<D>>(tracer, other, volume, maps->lattice, common));
   }
   for (int side = 0; side < (back ? 2 : 1); ++side) {
     maps->codes[side].resize(active * count + block);  // whole blocks are read
     maps->least[side].assign(active, VisibilityCode::dark);
-    const VisibilityCode code{isovalue_range_, side != 0};
+    const VisibilityCode code{code_range_, side != 0};
     for (std::size_t first = 0; first < count; first += points_at_once) {
       const std::size_t some = std::min(points_at_once, count - first);
       std::vector<std::vector<std::uint8_t>> found(some);
@@ -232,7 +284,7 @@ Rgb DirectLight<D>::radiance(const IsosurfacePoint<D>& point, bool back) const {
   const double h = point.value;
   if (std::isnan(h)) return Rgb(0);
   const TexelWeights<D> near = linear_weights(maps_->lattice, point.position);
-  const float own = VisibilityCode{isovalue_range_, back}(h);
+  const float own = VisibilityCode{code_range_, back}(h);
   if (is_dark(near, back, own)) return Rgb(0);
   // Towards higher values, the back.
   const Vec<D> gradient = to_index_.pull_back_gradient(point.gradient);
@@ -278,6 +330,8 @@ template Index<2> map_resolution<2>(const Field<2>&, const IsovalueRange&, const
                                     std::size_t);
 template Index<3> map_resolution<3>(const Field<3>&, const IsovalueRange&, const Index<3>&,
                                     std::size_t);
+template bool fits_maps(const Field<2>&, const Index<2>&);
+template bool fits_maps(const Field<3>&, const Index<3>&);
 template class DirectLight<2>;
 template class DirectLight<3>;
 

@@ -44,6 +44,8 @@ class DirectLight {
   const Affine<D>& index_to_frame() const { return to_frame_; }
   // Of the field's values.
   const IsovalueRange& isovalue_range() const { return isovalue_range_; }
+  // That of the codes.
+  const IsovalueRange& code_range() const { return code_range_; }
   bool has_back() const { return !maps_->codes[1].empty(); }
   // VisibilityCode of the way from an active texel to a point.
   std::uint8_t code(std::size_t point, std::size_t slot, bool back) const {
@@ -109,7 +111,7 @@ class DirectLight {
   // without cones.
   static Row arriving(const Block& of, const Receiver& at, const Shadows& shadows, float own);
 
-  IsovalueRange isovalue_range_;  // of the field's values
+  IsovalueRange isovalue_range_, code_range_;  // of the field's values
   ColorRamp albedo_, emission_;
   double offset_, scale_;  // isovalue = offset + scale c
   // Shading normals alone then tell what faces a light: the stairs of the values would stay dark
@@ -130,11 +132,16 @@ class DirectLight {
 };
 
 // The resolution of the maps of so many light points for a bake of so many texels along each axis:
-// that of the field or of the bake, whichever is coarser, or half of it where maps would take
-// more memory than 512 MB. `isovalue_range`: of the field's values.
+// that of the bake where maps then take 24 MB at most; else that of the field or of the bake,
+// whichever is coarser, or half of it where maps would take more than 512 MB. `isovalue_range`: of
+// the field's values.
 template <int D>
 Index<D> map_resolution(const Field<D>& field, const IsovalueRange& isovalue_range,
                         const Index<D>& texels, std::size_t points);
+
+// Whether maps of a field may have such a resolution.
+template <int D>
+bool fits_maps(const Field<D>& field, const Index<D>& resolution);
 
 // What the maps of one side take.
 template <int D>

@@ -9,18 +9,16 @@
 
 namespace leaflight {
 
-// Values of a field as bytes, to compare for shadows: 1 to 253 over the isovalue range, 0 below it,
-// 254 above it, 255 behind a mesh, where nothing is lit. For backs the order of the values is
-// turned around.
+// Values of a field as bytes, to compare for shadows: 1 to 253 over a range, 0 below it, 254 above
+// it, 255 behind a mesh, where nothing is lit. For backs the order of the values is turned around.
 struct VisibilityCode {
-  IsovalueRange isovalue_range;
+  IsovalueRange range;
   bool back = false;
 
   float operator()(double h) const {
-    return static_cast<float>(1 +
-                              (back ? isovalue_range.max - h : h - isovalue_range.min) * scale());
+    return static_cast<float>(1 + (back ? range.max - h : h - range.min) * scale());
   }
-  double scale() const { return 252 / isovalue_range.height(); }
+  double scale() const { return 252 / range.height(); }
   static constexpr float most = 254;
   static constexpr std::uint8_t dark = 255;
 };

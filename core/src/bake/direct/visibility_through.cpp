@@ -52,9 +52,10 @@ float interpolated(const TexelLattice<D>& lattice, const std::vector<std::uint8_
 
 template <int D>
 VisibilityThrough<D>::VisibilityThrough(const SceneTracer<D>& tracer, int other, int volume,
-                                        const TexelLattice<D>& nodes)
+                                        const TexelLattice<D>& nodes,
+                                        const IsovalueRange& code_range)
     : field_(tracer.scene().volumes[other].field),
-      code_{tracer.scene().volumes[other].isovalues(tracer.scene().isovalue_range), false},
+      code_{tracer.scene().volumes[other].isovalues(code_range), false},
       nodes_(nodes),
       lattice_(inactive_lattice<D>(field_.dims, field_.dims)),
       sweep_(tracer, other, lattice_, false),

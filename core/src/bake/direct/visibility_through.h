@@ -11,9 +11,10 @@ namespace leaflight {
 template <int D>
 class VisibilityThrough {
  public:
-  // `nodes`: texels of `volume`, of which the active ones count. All that is given must outlive it.
+  // `nodes`: texels of `volume`, of which the active ones count; `code_range`: of common isovalues.
+  // All else that is given must outlive it.
   VisibilityThrough(const SceneTracer<D>& tracer, int other, int volume,
-                    const TexelLattice<D>& nodes);
+                    const TexelLattice<D>& nodes, const IsovalueRange& code_range);
 
   // Raises the codes of the nodes to the greatest of the other volume on their way to a point of
   // light, the node itself included.

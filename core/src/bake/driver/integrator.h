@@ -31,8 +31,7 @@ class Integrator {
 
   // Of each volume of the scene.
   virtual std::vector<RadianceGrid<D>> grids() = 0;
-  // Of what grids() found: noise by the standard errors of the texels, what they miss estimated
-  // from their neighbours.
+  // The noise of what grids() found, by the standard errors of the texels.
   virtual const IsovalueErrors& errors() const = 0;
   virtual WallRadiance<D> walls() = 0;
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "bake/texels/area_points.h"
 #include "bake/texels/pooled_variance.h"
 #include "bake/walls/light_walls.h"
 #include "math/error.h"
@@ -215,7 +216,7 @@ RadianceGrid<D> LineBake<D>::grid() {
     finish(indirect[side]);
   }
   progress_.check();
-  measure_errors(direct[0], indirect[0]);
+  measure_noise(direct[0], indirect[0]);
   progress_.check();
   RadianceGrid<D> result = make_grid<D>(std::move(direct), std::move(indirect));
   result.lattice = texels_.lattice;
@@ -241,7 +242,6 @@ std::array<NoisyLight, 2> LineBake<D>::filtered_light(UnfilteredLight<D>& unfilt
       unfiltered.sides[side].push_back(average.samples > 0 ? Vec<3, float>(average.mean) : unknown);
     }
     pool_variances(texels.lattice, light[side].averages, progress_);
-    if (side == 0) measure_texture(light[side]);
   }
   learn_surfaces();
   filter_along_isosurfaces(texels, surfaces_, light, progress_);
@@ -386,67 +386,13 @@ void LineBake<D>::finish(std::vector<Average>& indirect) const {
   }
 }
 
-// From how far a texel is from the mean of its neighbours before and after along each axis. Two
-// halves of the blocks estimate it, and their product has no noise on average. Where light bends
-// evenly, interpolation errs by a quarter of that distance at most; where it jumps, by half of it.
 template <int D>
-void LineBake<D>::measure_texture(const NoisyLight& light) {
-  constexpr float share = 0.5f;
-  const IndexedLattice<D>& texels = indirect_->texels();
-  const TexelLattice<D>& lattice = texels.lattice;
-  texture_.resize(lattice.active.size());
-  parallel_range(texture_.size(), 2048, 0, progress_, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s) {
-      const Index<D> texel = lattice.texel(lattice.active[s]);
-      const float p = light.halves[s].first_share;
-      float sum = 0;
-      for (int a = 0; a < D; ++a) {
-        Index<D> before = texel, after = texel;
-        if (--before[a] < 0 || ++after[a] >= lattice.resolution[a]) continue;
-        const std::int32_t b = texels.slots[lattice.linear(before)];
-        const std::int32_t c = texels.slots[lattice.linear(after)];
-        if (b == TexelLattice<D>::inactive || c == TexelLattice<D>::inactive) continue;
-        const Imath::V3f off(light.averages[s].mean -
-                             (light.averages[b].mean + light.averages[c].mean) * Real(0.5));
-        const HalfDifference &own = light.halves[s], &low = light.halves[b],
-                             &high = light.halves[c];
-        if (!(own.is_known && low.is_known && high.is_known)) continue;
-        const Imath::V3f halves =
-            own.first_less_second - (low.first_less_second + high.first_less_second) * 0.5f;
-        sum += off.length2() + (1 - 2 * p) * off.dot(halves) - p * (1 - p) * halves.length2();
-      }
-      texture_[s] = share * share * sum / 3;
-    }
-  });
-}
-
-// At points of the isosurfaces, as many for an area of isosurfaces wherever it is.
-template <int D>
-void LineBake<D>::measure_errors(const std::vector<Average>& direct,
-                                 const std::vector<Average>& indirect) {
-  constexpr std::size_t most_points = 1 << 16;
-  const TexelLattice<D>& lattice = texels_.lattice;
-  const Volume<D>& of = volume_.volume();
-  const std::size_t step = 1 + lattice.active.size() / most_points;
+void LineBake<D>::measure_noise(const std::vector<Average>& direct,
+                                const std::vector<Average>& indirect) {
   const double exposure2 = settings_.exposure * settings_.exposure;
   errors_ = IsovalueErrors(volume_.tracer.scene().isovalue_range);
-  for (std::size_t s = 0; s < direct.size(); s += step) {
-    Random random = random_for(settings_.seed, Purpose::noise, s);
-    Vec<D> position = lattice.centre(lattice.active[s]);
-    for (int a = 0; a < D; ++a) {
-      position[a] += (random.uniform() - 0.5) * lattice.voxels_per_texel[a];
-    }
-    const CellPoint<D> at = locate(of.field, position);
-    const double h = interpolate(load_corners(of.field, at.cell), at.local);
-    if (!volume_.isovalue_range().contains(h)) continue;
-    IsovalueError error;
-    if (indirect_) {
-      const IndexedLattice<D>& coarse = indirect_->texels();
-      const std::int32_t near = coarse.slot_near(position / coarse.lattice.voxels_per_texel);
-      const double albedo = average(albedo_near(of, position));
-      if (near >= 0) error.texture = exposure2 * albedo * albedo * texture_[near];
-    }
-    const TexelWeights<D> near = linear_weights(lattice, position);
+  for (const AreaPoint<D>& place : area_points(volume_, texels_.lattice, settings_.seed)) {
+    const TexelWeights<D> near = linear_weights(texels_.lattice, place.position);
     double colour = 0, deviation = 0;
     for (int i = 0; i < near.count; ++i) {
       const double w = near.weight[i];
@@ -454,11 +400,9 @@ void LineBake<D>::measure_errors(const std::vector<Average>& direct,
       colour += w * average(d.mean + m.mean);
       deviation += w * std::sqrt(m.variance);
     }
-    error.noise = exposure2 * deviation * deviation;
     // What is beyond white does not count.
-    if (colour * settings_.exposure > 1) error = {};
-    const double area = static_cast<double>(step) * shading_gradient(of.field, at).length();
-    errors_.add(of.common_isovalue(h), area, error);
+    const bool is_white = colour * settings_.exposure > 1;
+    errors_.add_noise(place.c, place.area, is_white ? 0 : exposure2 * deviation * deviation);
   }
 }
 

@@ -70,8 +70,7 @@ class LineBake final : public Integrator<D> {
   GatheredRadiance<D> gathered() const;
   void finish(std::vector<Average>& indirect) const;
   std::array<NoisyLight, 2> filtered_light(UnfilteredLight<D>& unfiltered);
-  void measure_texture(const NoisyLight& light);
-  void measure_errors(const std::vector<Average>& direct, const std::vector<Average>& indirect);
+  void measure_noise(const std::vector<Average>& direct, const std::vector<Average>& indirect);
 
   LineVolume<D> volume_;
   const LightSampler<D>& lights_;
@@ -87,11 +86,9 @@ class LineBake final : public Integrator<D> {
   IndexedLattice<D> texels_;
   std::array<std::vector<Rgb>, 2> direct_texels_;  // direct light there, once it is asked for
   std::vector<TexelSurface<D>> surfaces_;          // at the texels of indirect light
-  // What these miss of the light of white isosurfaces between them: a mean square over its colours.
-  std::vector<float> texture_;
-  DirectLookup<D> direct_lookup_;               // while lines look it up
-  std::unique_ptr<IndirectLight<D>> indirect_;  // null: nothing reflects
-  std::vector<TexelLattice<D>> lattices_;       // of the photons
+  DirectLookup<D> direct_lookup_;                  // while lines look it up
+  std::unique_ptr<IndirectLight<D>> indirect_;     // null: nothing reflects
+  std::vector<TexelLattice<D>> lattices_;          // of the photons
   PhotonCaches<D> photons_;
   // Of white isosurfaces' sides, at the texels of indirect light, while lines look it up.
   std::array<std::vector<Rgb>, 2> indirect_sides_;

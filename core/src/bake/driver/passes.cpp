@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "bake/driver/measured_error.h"
 #include "bake/driver/pass_texels.h"
 #include "bake/driver/ray_bake.h"
 #include "math/error.h"
@@ -37,11 +38,9 @@ int first_blocks(std::size_t texels) { return texels < few_texels ? 4 : 2; }
 
 // The blocks after the next pass: as many as leave the noise `target`, a variance, by what was
 // found so far; at most twice as many as now, or eight.
-template <int D>
-int next_blocks(const Integrator<D>& bake, double target) {
-  const int now = bake.blocks();
+int next_blocks(int now, double noise, double target) {
   if (now == 0) return 0;
-  const double wanted = bake.errors().all().noise * now / target;
+  const double wanted = noise * now / target;
   const int most = std::max(now, std::min(std::max(2 * now, 8), most_blocks));
   // A pass that adds little costs as much to look at as one that adds more.
   const double grown = wanted > now ? std::max(std::ceil(wanted), std::ceil(1.25 * now)) : now;
@@ -53,7 +52,10 @@ class Passes {
  public:
   Passes(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
          Progress& progress, const BakeHooks<D>& hooks)
-      : hooks_(hooks), scene_(scene, settings, plan, progress), progress_(progress) {}
+      : hooks_(hooks),
+        scene_(scene, settings, plan, progress),
+        progress_(progress),
+        errors_(scene.isovalue_range) {}
 
   Baked<D> run() {
     progress_.check();
@@ -76,6 +78,7 @@ class Passes {
     if (count_ == 0 && !scene_.plan.walls) throw nothing_to_bake(scene_.tracer.scene());
     const Previous* previous = previous_light(texels);
     expect(texels);
+    measured_.emplace(scene_, texels);
     passes_ = previous ? previous->front().passes() : 0;
     if (!previous && count_ > most_without_preview) {
       ++passes_;
@@ -161,12 +164,12 @@ class Passes {
       preview_.reset();
       ++passes_;
       Baked<D> baked = whole(*bake_);
-      const IsovalueError error = bake_->errors().all();
+      const IsovalueError error = errors_.all();
       const double noise = noise_to_reach(scene_.settings.error, 100 * std::sqrt(error.texture));
       const double target = std::pow(noise / 100, 2);
       if (error.noise <= target) return last(*bake_, std::move(baked), false);
       if (cut || over(0)) return last(*bake_, std::move(baked), true);
-      const int next = next_blocks(*bake_, target);
+      const int next = next_blocks(bake_->blocks(), error.noise, target);
       if (next <= blocks_) return last(*bake_, std::move(baked), false);
       if (hooks_.on_pass) {
         // Where isosurfaces store no light, the walls are all that there is to see.
@@ -227,10 +230,12 @@ class Passes {
     baked.statistics.rays = rays();
     baked.statistics.passes = passes_;
     baked.statistics.blocks = bake.blocks();
-    const IsovalueError error = bake.errors().all();
+    errors_ = bake.errors();
+    measured_->add_to(errors_, baked.grids);
+    const IsovalueError error = errors_.all();
     baked.statistics.noise_percent = 100 * std::sqrt(error.noise);
     baked.statistics.error_percent = error.percent();
-    baked.statistics.worst = bake.errors().worst();
+    baked.statistics.worst = errors_.worst();
     return baked;
   }
 
@@ -254,6 +259,8 @@ class Passes {
   double seconds_a_texel_ = 0;   // that whole() takes
   Clock::time_point saved_ = start_, block_began_ = start_;
   std::unique_ptr<Integrator<D>> preview_, bake_;
+  std::optional<MeasuredError<D>> measured_;
+  IsovalueErrors errors_;  // of the last whole bake
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bake/driver/ray_bake.h"
 
+#include "bake/driver/path_light.h"
 #include "bake/texels/texel_samples.h"
 
 namespace leaflight {
@@ -65,41 +66,20 @@ void RayBake<D>::add(int blocks, const std::function<bool()>& go_on) {
 template <int D>
 void RayBake<D>::add_block(int number, bool texels) {
   const std::uint64_t seed = random_for(scene_.settings.seed, Purpose::ray_block, number).bits();
-  PhotonCaches<D> photons;
-  std::vector<IsosurfaceRadiance<D>> isosurfaces(stored_.size());
-  if (scene_.plan.caustics) {
-    photons = trace_caustics(seed);
-    for (std::size_t v = 0; v < isosurfaces.size(); ++v) {
-      isosurfaces[v] = {&lattices_[v], photons.isosurfaces[v].get()};
-    }
-  }
-  const CausticPhotons<D> caustics{isosurfaces, photons.walls.get()};
-  const auto estimator =
-      make_path_estimator(scene_.tracer, scene_.lights, scene_.plan.caustics ? &caustics : nullptr);
-  const auto from = [&](bool back) {
-    return PointSampler<D>{sampled(back), isosurfaces, caustics.walls, scene_.plan.caustics};
-  };
+  const PathLight<D> paths(scene_, lattices_, photons_, seed);
+  const auto from = [&](bool back) { return paths.sampler(sampled(back)); };
   scene_.progress.begin("Indirect light");
   for (std::size_t v = 0; texels && v < stored_.size(); ++v) {
     if (!stored_[v]) continue;
     stored_[v]->add_block([&](SideMoments& moments) {
       for (int side = 0; side < scene_.sides(); ++side) {
-        gather(v, side != 0, from(side != 0), *estimator, seed, moments[side]);
+        gather(v, side != 0, from(side != 0), paths.estimator(), seed, moments[side]);
       }
     });
   }
   if (walls_) {
-    walls_->add(from(false), estimator.get(), {seed, 0, vertex_samples}, scene_.progress);
+    walls_->add(from(false), &paths.estimator(), {seed, 0, vertex_samples}, scene_.progress);
   }
-}
-
-template <int D>
-PhotonCaches<D> RayBake<D>::trace_caustics(std::uint64_t seed) const {
-  PhotonSettings settings;
-  settings.seed = seed;
-  settings.caustic_photons = photons_;
-  return trace_into_caches(scene_.tracer, scene_.lights, lattices_, settings, scene_.plan,
-                           scene_.progress);
 }
 
 // Of isosurfaces as if they were white.

@@ -29,7 +29,6 @@ class RayBake final : public Integrator<D> {
 
  private:
   void add_block(int number, bool texels);
-  PhotonCaches<D> trace_caustics(std::uint64_t seed) const;
   void gather(std::size_t volume, bool back, const PointSampler<D>& from,
               const IndirectEstimator<D>& estimator, std::uint64_t seed, TexelMoments& moments);
   // What direct light of a side its maps lack.

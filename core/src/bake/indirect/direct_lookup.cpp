@@ -43,7 +43,7 @@ std::vector<std::pair<std::size_t, double>> stand_ins(const DirectLight<D>& dire
 template <int D>
 DirectLookup<D>::DirectLookup(const LineVolume<D>& volume, const IndexedLattice<D>& texels,
                               const DirectLight<D>& direct, Progress& progress)
-    : code_{volume.isovalue_range(), false} {
+    : code_{direct.code_range(), false} {
   const TexelLattice<D>& lattice = texels.lattice;
   const Field<D>& field = volume.volume().field;
   const Affine<D>& to_frame = volume.tracer.index_to_frame(volume.number);

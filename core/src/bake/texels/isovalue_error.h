@@ -10,7 +10,7 @@
 namespace leaflight {
 
 // Mean squares, over points of isosurfaces, of what colours err by: by the noise of indirect light,
-// and by what its texels miss.
+// and by all else, such as what texels miss.
 struct IsovalueError {
   double noise = 0, texture = 0;
 
@@ -26,16 +26,24 @@ struct WorstIsovalue {
 // height.
 class IsovalueErrors {
  public:
+  static constexpr int parts = 16;
+
   explicit IsovalueErrors(const IsovalueRange& isovalue_range) : isovalue_range_(isovalue_range) {}
 
-  void add(double c, double area, const IsovalueError& error) {
-    const double part =
-        (c - isovalue_range_.min) / isovalue_range_.height() * static_cast<double>(parts);
-    for (Sum* sum : {&all_, &parts_[std::clamp(static_cast<int>(part), 0, parts - 1)]}) {
-      sum->area += area;
-      sum->error.noise += area * error.noise;
-      sum->error.texture += area * error.texture;
-    }
+  // The part of the range that a common isovalue of it lies in.
+  int part_of(double c) const {
+    return std::clamp(
+        static_cast<int>((c - isovalue_range_.min) / isovalue_range_.height() * parts), 0,
+        parts - 1);
+  }
+
+  // The square of the noise at a point that stands for so much area.
+  void add_noise(double c, double area, double square) {
+    for (Sum* sum : {&all_, &parts_[part_of(c)]}) sum->noise.add(area, square);
+  }
+  // The square of the whole error, as measured: without bias, so that it may be negative.
+  void add_measured(double c, double area, double square) {
+    for (Sum* sum : {&all_, &parts_[part_of(c)]}) sum->measured.add(area, square);
   }
 
   // Those of the same isovalue range.
@@ -49,7 +57,7 @@ class IsovalueErrors {
   WorstIsovalue worst() const {
     WorstIsovalue worst;
     for (int i = 0; i < parts; ++i) {
-      if (!(parts_[i].area > least_share * all_.area)) continue;
+      if (!(parts_[i].noise.area > least_share * all_.noise.area)) continue;
       const double percent = parts_[i].mean().percent();
       const double c = isovalue_range_.min + isovalue_range_.height() * (i + 0.5) / parts;
       if (percent > worst.percent) worst = {c, percent};
@@ -57,22 +65,32 @@ class IsovalueErrors {
     return worst;
   }
 
- private:
-  static constexpr int parts = 16;
+  // Parts with a smaller share of the area have no estimate of their own.
   static constexpr double least_share = 0.01;
+
+ private:
+  struct Mean {
+    double sum = 0, area = 0;
+
+    void add(double of, double square) {
+      sum += of * square;
+      area += of;
+    }
+    void add(const Mean& other) {
+      sum += other.sum;
+      area += other.area;
+    }
+    double value() const { return area > 0 ? sum / area : 0; }
+  };
   struct Sum {
-    IsovalueError error;
-    double area = 0;
+    Mean noise, measured;
 
     void add(const Sum& other) {
-      area += other.area;
-      error.noise += other.error.noise;
-      error.texture += other.error.texture;
+      noise.add(other.noise);
+      measured.add(other.measured);
     }
     IsovalueError mean() const {
-      if (!(area > 0)) return {};
-      // Products of independent halves may be negative, even on average.
-      return {error.noise / area, std::max(0.0, error.texture / area)};
+      return {noise.value(), std::max(0.0, measured.value() - noise.value())};
     }
   };
 

@@ -150,7 +150,7 @@ void WallLight<D>::add_noise(double exposure, IsovalueErrors& errors, Progress& 
       for (std::size_t e = 0; e < halves[0].size(); ++e) {
         // Half of what the halves differ by is the mean's.
         const Vec<3, float> off = (halves[0][e] - halves[1][e]) * static_cast<float>(exposure / 2);
-        errors.add(nodes_.node(static_cast<int>(e / vertices)), 1, {off.length2() / 3, 0});
+        errors.add_noise(nodes_.node(static_cast<int>(e / vertices)), 1, off.length2() / 3);
       }
     }
   }

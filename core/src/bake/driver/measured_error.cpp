@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/driver/measured_error.h"
+
+#include "bake/driver/path_light.h"
+#include "bake/texels/area_points.h"
+
+namespace leaflight {
+namespace {
+
+constexpr int points_a_volume = 2048;
+
+// Paths of an estimate: the smaller the error, the less noise hides it.
+int paths_to_measure(double error) {
+  const double percents = 1.5 / error;
+  return static_cast<int>(std::clamp(16 * percents * percents, 16.0, 32.0));
+}
+
+// The chance by which each place becomes a point: half of them by area, and half so that each part
+// of the isovalue range which has an estimate of its own gets as many as others.
+template <int D>
+std::vector<double> chances(const std::vector<AreaPoint<D>>& places, const IsovalueErrors& parts) {
+  std::array<double, IsovalueErrors::parts> areas{};
+  double all = 0;
+  for (const AreaPoint<D>& place : places) {
+    areas[parts.part_of(place.c)] += place.area;
+    all += place.area;
+  }
+  const auto is_large = [&](double area) { return area > IsovalueErrors::least_share * all; };
+  const auto large = static_cast<double>(std::count_if(areas.begin(), areas.end(), is_large));
+  std::vector<double> found;
+  for (const AreaPoint<D>& place : places) {
+    const double part = areas[parts.part_of(place.c)];
+    found.push_back(0.5 * place.area * (1 / all + (is_large(part) ? 1 / (part * large) : 0)));
+  }
+  return found;
+}
+
+// The square of what radiance differs by from the mean of others, as colours, over the channels,
+// less the square that the noise of the mean adds.
+template <std::size_t estimates>
+double square_without_noise(const Vec<3, float>& radiance, const std::array<Rgb, estimates>& others,
+                            double exposure) {
+  // A path that meets a lamp by chance may bring a hundred times as much as all others.
+  constexpr double brightest = 1.5;
+  const auto count = static_cast<double>(others.size());
+  double result = 0;
+  for (int i = 0; i < 3; ++i) {
+    double sum = 0, sum2 = 0;
+    for (const Rgb& other : others) {
+      const double one = std::min(brightest, exposure * other[i]);
+      sum += one;
+      sum2 += one * one;
+    }
+    const double mean = sum / count, own = std::min(1.0, exposure * radiance[i]);
+    // What is beyond white does not count.
+    if (mean > 1) {
+      result += (own - 1) * (own - 1);
+    } else {
+      const double noise = (sum2 / count - mean * mean) / (count - 1);
+      result += (own - mean) * (own - mean) - noise;
+    }
+  }
+  return result / 3;
+}
+
+}  // namespace
+
+template <int D>
+MeasuredError<D>::MeasuredError(const LitScene<D>& scene, const std::vector<BakeTexels<D>>& texels)
+    : scene_(scene), points_(texels.size()) {
+  scene.progress.begin("Paths that measure the error");
+  for (std::size_t v = 0; v < texels.size(); ++v) {
+    if (scene.stores_light_of(v)) place(v, texels[v].shown.lattice);
+  }
+  trace(texels);
+}
+
+// Evenly along the places in their order (systematic sampling).
+template <int D>
+void MeasuredError<D>::place(std::size_t volume, const TexelLattice<D>& texels) {
+  const std::vector<AreaPoint<D>> places =
+      area_points(scene_.volumes[volume], texels, scene_.settings.seed);
+  const std::vector<double> chance =
+      chances(places, IsovalueErrors(scene_.tracer.scene().isovalue_range));
+  const Affine<D>& to_frame = scene_.tracer.index_to_frame(static_cast<int>(volume));
+  double passed = 0, next = 0.5;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    passed += chance[i] * points_a_volume;
+    const AreaPoint<D>& place = places[i];
+    for (; next < passed; ++next) {
+      const Vec<D> position = to_frame.point(place.position);
+      if (scene_.tracer.is_covered(static_cast<int>(volume), position, place.c)) continue;
+      Point point{place.position, place.at, place.c, place.area / chance[i], {}};
+      point.radiance.fill(Rgb(0));
+      points_[volume].push_back(point);
+    }
+  }
+}
+
+template <int D>
+void MeasuredError<D>::trace(const std::vector<BakeTexels<D>>& texels) {
+  const int paths = paths_to_measure(scene_.settings.error);
+  std::vector<TexelLattice<D>> lattices;
+  lattices.reserve(texels.size());
+  for (const BakeTexels<D>& one : texels) lattices.push_back(one.indirect.lattice);
+  for (int estimate = 0; estimate < estimates; ++estimate) {
+    const std::uint64_t seed =
+        random_for(scene_.settings.seed, Purpose::measured_error, estimate).bits();
+    const PathLight<D> light(scene_, lattices, texels[0].photon_count, seed);
+    const PointSampler<D> from = light.sampler(scene_.lights);
+    for (std::size_t v = 0; v < points_.size(); ++v) {
+      parallel_range(
+          points_[v].size(), 1, 0, scene_.progress, [&](std::size_t begin, std::size_t end) {
+            std::uint64_t rays = 0;
+            for (std::size_t p = begin; p < end; ++p) {
+              Point& to = points_[v][p];
+              const SurfacePoint<D> point =
+                  scene_.tracer.isosurface_point(static_cast<int>(v), to.at, to.c, false);
+              // No isosurface passes there.
+              if (point.kind() == HitKind::none) to.area = 0;
+              if (!(to.area > 0)) continue;
+              const SampleKeys keys =
+                  sample_keys(seed, Purpose::measured_error, v, static_cast<std::uint32_t>(p));
+              Imath::V3d sum(0);
+              for (int i = 0; i < paths; ++i) {
+                sum += Imath::V3d(from.direct(point, keys, i, rays) +
+                                  from.indirect(point, &light.estimator(), keys, i, rays));
+              }
+              to.radiance[estimate] = Rgb(sum / paths);
+            }
+          });
+    }
+  }
+}
+
+template <int D>
+void MeasuredError<D>::add_to(IsovalueErrors& errors,
+                              const std::vector<RadianceGrid<D>>& grids) const {
+  for (std::size_t v = 0; v < points_.size(); ++v) {
+    const Field<D>& field = scene_.volumes[v].volume().field;
+    for (const Point& point : points_[v]) {
+      if (!(point.area > 0)) continue;
+      const Vec<3, float> radiance = radiance_at(grids[v], field, point.position, false);
+      const double square =
+          square_without_noise(radiance, point.radiance, scene_.settings.exposure);
+      errors.add_measured(point.c, point.area, square);
+    }
+  }
+}
+
+template class MeasuredError<2>;
+template class MeasuredError<3>;
+
+}  // namespace leaflight

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/texels/area_points.h"
+
+#include <cmath>
+
+#include "math/random.h"
+
+namespace leaflight {
+
+template <int D>
+std::vector<AreaPoint<D>> area_points(const LineVolume<D>& volume, const TexelLattice<D>& lattice,
+                                      std::uint64_t seed) {
+  constexpr std::size_t most = 1 << 16;
+  const Volume<D>& of = volume.volume();
+  const Affine<D> to_index = inverse(volume.tracer.index_to_frame(volume.number));
+  const std::size_t step = 1 + lattice.active.size() / most;
+  std::vector<AreaPoint<D>> points;
+  for (std::size_t s = 0; s < lattice.active.size(); s += step) {
+    Random random = random_for(seed, Purpose::noise, s);
+    Vec<D> position = lattice.centre(lattice.active[s]);
+    for (int a = 0; a < D; ++a) {
+      position[a] += (random.uniform() - 0.5) * lattice.voxels_per_texel[a];
+    }
+    const CellPoint<D> at = locate(of.field, position);
+    const double h = interpolate(load_corners(of.field, at.cell), at.local);
+    if (!volume.isovalue_range().contains(h)) continue;
+    // By the coarea formula isosurfaces are as dense as h is steep.
+    const double area = to_index.pull_back_gradient(shading_gradient(of.field, at)).length();
+    if (area > 0) points.push_back({position, at, of.common_isovalue(h), area});
+  }
+  return points;
+}
+
+template std::vector<AreaPoint<2>> area_points(const LineVolume<2>&, const TexelLattice<2>&,
+                                               std::uint64_t);
+template std::vector<AreaPoint<3>> area_points(const LineVolume<3>&, const TexelLattice<3>&,
+                                               std::uint64_t);
+
+}  // namespace leaflight

@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A volume whose bakes are noisy before they are anything else."""
+
+import leaflight
+import numpy as np
+
+
+def cone(nodes: int, is_open: bool = False, dimensions: int = 3) -> leaflight.Volume:
+    """Its isosurfaces are balls, or half balls, whose light is smooth: texels miss little of it."""
+    axis = np.linspace(-1, 1, nodes)
+    first, *others = np.meshgrid(*[axis] * dimensions, indexing="ij")
+    squares = (first + is_open) ** 2 + sum(other**2 for other in others)
+    values = 100 * (1 - np.sqrt(squares))
+    return leaflight.Volume(
+        values.astype(np.float32), np.diag([1 / (nodes - 1)] * dimensions + [1.0]), "cone"
+    )

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whether a bake errs as much as it says, on each isosurface of its isovalue range."""
+
+import leaflight
+import numpy as np
+import pytest
+from leaflight.bake.color_error import noise_percent, rms_percent
+from leaflight.measure.sides import IsosurfaceSide
+from leaflight.measure.truth import without
+
+ISOVALUES = (30.0, 70.0)
+
+
+@pytest.fixture(scope="module")
+def box(bump_scene):
+    """A coarse volume, where texels miss much."""
+    return leaflight.bake(leaflight.bump_box(16), bump_scene, isovalues=ISOVALUES)
+
+
+def found_percent(baked, isovalue):
+    """RMS of colours against the path tracer, whose noise is taken out."""
+    side = IsosurfaceSide(baked, isovalue)
+    truth = side.path_traced(400, 512, 1, 0, None)
+    exposure = baked.scene.exposure
+    whole = rms_percent(side.baked(truth.points), truth.radiance, exposure)
+    return without(whole, noise_percent(truth.radiance, truth.standard_error, exposure))
+
+
+def test_a_bake_errs_as_much_as_it_says(box):
+    low, high = ISOVALUES
+    isovalues = low + (high - low) * (np.arange(16) + 0.5) / 16
+    areas = [IsosurfaceSide(box, c).triangles for c in isovalues]
+    squares = [found_percent(box, c) ** 2 for c in isovalues]
+    found = np.sqrt(np.average(squares, weights=areas))
+    assert found / 1.6 < box.statistics.estimated_error_percent < 1.6 * found
+
+
+@pytest.mark.parametrize("isovalue", [30.02, 69.98])
+def test_isosurfaces_at_the_ends_of_the_range_are_lit_like_others(box, isovalue):
+    """Shadows are interpolated between values of which some lie beyond the range."""
+    assert found_percent(box, isovalue) < 1.6 * found_percent(box, 50.0)
