@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The section of the report on bakes against Cycles: see sections.py."""
 
+import numpy as np
+
 from leaflight.bake.settings import DEFAULT_ERROR
 from leaflight.io.markdown import table
 from volume_recipes import absent_text
@@ -69,8 +71,24 @@ def cycles_rows(rows):
     ]
 
 
+def summary(rows):
+    """A paragraph about the rows of cycles_rows()."""
+    errors = np.array([row["RMS %"] for row in rows])
+    noise = [row["noise %"] for row in rows]
+    off = [row["mean off by %"] for row in rows if row["mean off by %"] is not None]
+    exceeded = sum(row["verdict"] == EXCEEDED for row in rows)
+    return (
+        f"{sum(errors <= DEFAULT_ERROR)} of the {len(rows)} isosurfaces have an error of at most "
+        f"{DEFAULT_ERROR:g} %, and {sum(errors <= 2)} one of at most 2 %; the median is "
+        f"{np.median(errors):.1f} %. Noise is {min(noise):.1f} to {max(noise):.1f} %. "
+        f"{exceeded} err by more than {DEFAULT_ERROR:g} % where their bake reported less. The "
+        f"light of {sum(abs(one) > 2 for one in off)} is off by more than 2 % on average."
+    )
+
+
 def cycles_text(rows, absent, effort):
     lines = [
+        *([summary(cycles_rows(rows)), ""] if effort.judged and rows else []),
         "- Each bake has default settings and covers its default isovalue range. Cycles traces "
         f"*paths* at each of about {effort.points:,} random points of an isosurface's mesh. "
         "Blender builds the scene itself: marching cubes, smooth normals, caustics, no clamping "
