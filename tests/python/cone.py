@@ -9,7 +9,7 @@ def cone(nodes: int, is_open: bool = False, dimensions: int = 3) -> leaflight.Vo
     """Its isosurfaces are balls, or half balls, whose light is smooth: texels miss little of it."""
     axis = np.linspace(-1, 1, nodes)
     first, *others = np.meshgrid(*[axis] * dimensions, indexing="ij")
-    squares = (first + is_open) ** 2 + sum(other**2 for other in others)
+    squares = (first - is_open) ** 2 + sum(other**2 for other in others)
     values = 100 * (1 - np.sqrt(squares))
     return leaflight.Volume(
         values.astype(np.float32), np.diag([1 / (nodes - 1)] * dimensions + [1.0]), "cone"

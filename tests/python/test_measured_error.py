@@ -4,9 +4,8 @@
 import leaflight
 import numpy as np
 import pytest
-from leaflight.bake.color_error import noise_percent, rms_percent
 from leaflight.measure.sides import IsosurfaceSide
-from leaflight.measure.truth import without
+from leaflight.measure.truth import errors_of, without
 
 ISOVALUES = (30.0, 70.0)
 
@@ -21,9 +20,8 @@ def found_percent(baked, isovalue):
     """RMS of colours against the path tracer, whose noise is taken out."""
     side = IsosurfaceSide(baked, isovalue)
     truth = side.path_traced(400, 512, 1, 0, None)
-    exposure = baked.scene.exposure
-    whole = rms_percent(side.baked(truth.points), truth.radiance, exposure)
-    return without(whole, noise_percent(truth.radiance, truth.standard_error, exposure))
+    errors = errors_of(side.baked(truth.points), truth, baked.scene.exposure)
+    return without(errors["rms_percent"], errors["reference_noise_percent"])
 
 
 def test_a_bake_errs_as_much_as_it_says(box):

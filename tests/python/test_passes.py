@@ -8,12 +8,12 @@ from dataclasses import replace
 import leaflight
 import numpy as np
 import pytest
+from cone import cone
 from leaflight import Cancelled, LeaflightError, Progress, _core, load_bake
 from leaflight.bake.estimate import extrapolated
 from leaflight.bake.outcome import outcome
 from leaflight.bake.statistics import Statistics
 from leaflight.volume.setting_error import SettingError
-from cone import cone
 from waiting import HANG
 
 ISOVALUES = (30.0, 70.0)
@@ -52,7 +52,7 @@ def test_each_pass_leaves_a_better_bake(box, tmp_path):
     noises = [one.statistics.estimated_noise_percent for one in [*seen, last]]
     assert noises == sorted(noises, reverse=True)
     errors = [one.statistics.estimated_error_percent for one in [*seen, last]]
-    assert errors[-1] <= 0.8 < errors[0]
+    assert errors == sorted(errors, reverse=True) and errors[-1] <= 0.8 < errors[0]
     seconds = [one.statistics.seconds for one in [*seen, last]]
     assert seconds == sorted(seconds) and seconds[0] > 0
     assert len({one.id for one in [*seen, last]}) == len(seen) + 1

@@ -189,7 +189,7 @@ def _rows(case, volumes, effort, run, seed, threads):
         for number in range(len(volumes))
         for isovalue in case.isovalues
     ]
-    squares = [_own_error(errors) ** 2 for _, _, _, errors, _ in judged]
+    squares = [own_error(errors) ** 2 for _, _, _, errors, _ in judged]
     found = float(np.sqrt(np.mean(squares)))
     of_bake = BakeRow(case, tuple(volumes[0].field().dims), before, baked.statistics, found)
     names = [volume.name for volume in volumes] if len(volumes) > 1 else [None]
@@ -225,6 +225,6 @@ def _judged(side, effort, work, step):
     return paths, errors(truth), side.parts(truth, path)
 
 
-def _own_error(errors):
+def own_error(errors):
     """RMS in percent without the noise of Cycles."""
     return without(errors["rms_percent"], errors["reference_noise_percent"])

@@ -80,11 +80,12 @@ Index<D> map_resolution(const Field<D>& field, const IsovalueRange& isovalue_ran
   const auto bytes = [&](const Index<D>& resolution) {
     return active_texels(field, resolution, isovalue_range.min, isovalue_range.max) * points;
   };
-  if (cell_count<D>(texels) <= most_fine_texels && bytes(texels) <= most_finer_bytes) {
-    return texels;
-  }
   Index<D> found;
   for (int a = 0; a < D; ++a) found[a] = std::min(field.dims[a], texels[a]);
+  if (found != texels && cell_count<D>(texels) <= most_fine_texels &&
+      bytes(texels) <= most_finer_bytes) {
+    return texels;
+  }
   return bytes(found) <= most_bytes ? found : coarser_resolution<D>(found, 2);
 }
 

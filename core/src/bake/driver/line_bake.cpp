@@ -391,8 +391,8 @@ void LineBake<D>::measure_noise(const std::vector<Average>& direct,
                                 const std::vector<Average>& indirect) {
   const double exposure2 = settings_.exposure * settings_.exposure;
   errors_ = IsovalueErrors(volume_.tracer.scene().isovalue_range);
-  for (const AreaPoint<D>& place : area_points(volume_, texels_.lattice, settings_.seed)) {
-    const TexelWeights<D> near = linear_weights(texels_.lattice, place.position);
+  for (const AreaPoint<D>& point : area_points(volume_, texels_.lattice, settings_.seed)) {
+    const TexelWeights<D> near = linear_weights(texels_.lattice, point.position);
     double colour = 0, deviation = 0;
     for (int i = 0; i < near.count; ++i) {
       const double w = near.weight[i];
@@ -402,7 +402,7 @@ void LineBake<D>::measure_noise(const std::vector<Average>& direct,
     }
     // What is beyond white does not count.
     const bool is_white = colour * settings_.exposure > 1;
-    errors_.add_noise(place.c, place.area, is_white ? 0 : exposure2 * deviation * deviation);
+    errors_.add_noise(point.c, point.area, is_white ? 0 : exposure2 * deviation * deviation);
   }
 }
 

@@ -2,7 +2,6 @@
 #include "bake/driver/measured_error.h"
 
 #include "bake/driver/path_light.h"
-#include "bake/texels/area_points.h"
 
 namespace leaflight {
 namespace {
@@ -15,22 +14,22 @@ int paths_to_measure(double error) {
   return static_cast<int>(std::clamp(16 * percents * percents, 16.0, 32.0));
 }
 
-// The chance by which each place becomes a point: half of them by area, and half so that each part
-// of the isovalue range which has an estimate of its own gets as many as others.
+// The chance by which each point is chosen: half of them by area, and half so that each part of the
+// isovalue range which has an estimate of its own gets as many as others.
 template <int D>
-std::vector<double> chances(const std::vector<AreaPoint<D>>& places, const IsovalueErrors& parts) {
+std::vector<double> chances(const std::vector<AreaPoint<D>>& points, const IsovalueErrors& parts) {
   std::array<double, IsovalueErrors::parts> areas{};
   double all = 0;
-  for (const AreaPoint<D>& place : places) {
-    areas[parts.part_of(place.c)] += place.area;
-    all += place.area;
+  for (const AreaPoint<D>& point : points) {
+    areas[parts.part_of(point.c)] += point.area;
+    all += point.area;
   }
   const auto is_large = [&](double area) { return area > IsovalueErrors::least_share * all; };
   const auto large = static_cast<double>(std::count_if(areas.begin(), areas.end(), is_large));
   std::vector<double> found;
-  for (const AreaPoint<D>& place : places) {
-    const double part = areas[parts.part_of(place.c)];
-    found.push_back(0.5 * place.area * (1 / all + (is_large(part) ? 1 / (part * large) : 0)));
+  for (const AreaPoint<D>& point : points) {
+    const double part = areas[parts.part_of(point.c)];
+    found.push_back(0.5 * point.area * (1 / all + (is_large(part) ? 1 / (part * large) : 0)));
   }
   return found;
 }
@@ -75,22 +74,23 @@ MeasuredError<D>::MeasuredError(const LitScene<D>& scene, const std::vector<Bake
   trace(texels);
 }
 
-// Evenly along the places in their order (systematic sampling).
+// Evenly along all points in their order (systematic sampling).
 template <int D>
 void MeasuredError<D>::place(std::size_t volume, const TexelLattice<D>& texels) {
-  const std::vector<AreaPoint<D>> places =
+  const std::vector<AreaPoint<D>> all =
       area_points(scene_.volumes[volume], texels, scene_.settings.seed);
   const std::vector<double> chance =
-      chances(places, IsovalueErrors(scene_.tracer.scene().isovalue_range));
+      chances(all, IsovalueErrors(scene_.tracer.scene().isovalue_range));
   const Affine<D>& to_frame = scene_.tracer.index_to_frame(static_cast<int>(volume));
   double passed = 0, next = 0.5;
-  for (std::size_t i = 0; i < places.size(); ++i) {
+  for (std::size_t i = 0; i < all.size(); ++i) {
     passed += chance[i] * points_a_volume;
-    const AreaPoint<D>& place = places[i];
+    AreaPoint<D> chosen = all[i];
+    chosen.area /= chance[i];
     for (; next < passed; ++next) {
-      const Vec<D> position = to_frame.point(place.position);
-      if (scene_.tracer.is_covered(static_cast<int>(volume), position, place.c)) continue;
-      Point point{place.position, place.at, place.c, place.area / chance[i], {}};
+      const Vec<D> position = to_frame.point(chosen.position);
+      if (scene_.tracer.is_covered(static_cast<int>(volume), position, chosen.c)) continue;
+      Point point{chosen, {}};
       point.radiance.fill(Rgb(0));
       points_[volume].push_back(point);
     }
@@ -100,9 +100,11 @@ void MeasuredError<D>::place(std::size_t volume, const TexelLattice<D>& texels) 
 template <int D>
 void MeasuredError<D>::trace(const std::vector<BakeTexels<D>>& texels) {
   const int paths = paths_to_measure(scene_.settings.error);
-  std::vector<TexelLattice<D>> lattices;
+  std::vector<TexelLattice<D>> lattices;  // of photons
   lattices.reserve(texels.size());
-  for (const BakeTexels<D>& one : texels) lattices.push_back(one.indirect.lattice);
+  for (const BakeTexels<D>& one : texels) {
+    if (scene_.plan.caustics) lattices.push_back(one.indirect.lattice);
+  }
   for (int estimate = 0; estimate < estimates; ++estimate) {
     const std::uint64_t seed =
         random_for(scene_.settings.seed, Purpose::measured_error, estimate).bits();
@@ -113,12 +115,12 @@ void MeasuredError<D>::trace(const std::vector<BakeTexels<D>>& texels) {
           points_[v].size(), 1, 0, scene_.progress, [&](std::size_t begin, std::size_t end) {
             std::uint64_t rays = 0;
             for (std::size_t p = begin; p < end; ++p) {
-              Point& to = points_[v][p];
+              AreaPoint<D>& at = points_[v][p].at;
               const SurfacePoint<D> point =
-                  scene_.tracer.isosurface_point(static_cast<int>(v), to.at, to.c, false);
+                  scene_.tracer.isosurface_point(static_cast<int>(v), at.at, at.c, false);
               // No isosurface passes there.
-              if (point.kind() == HitKind::none) to.area = 0;
-              if (!(to.area > 0)) continue;
+              if (point.kind() == HitKind::none) at.area = 0;
+              if (!(at.area > 0)) continue;
               const SampleKeys keys =
                   sample_keys(seed, Purpose::measured_error, v, static_cast<std::uint32_t>(p));
               Imath::V3d sum(0);
@@ -126,7 +128,7 @@ void MeasuredError<D>::trace(const std::vector<BakeTexels<D>>& texels) {
                 sum += Imath::V3d(from.direct(point, keys, i, rays) +
                                   from.indirect(point, &light.estimator(), keys, i, rays));
               }
-              to.radiance[estimate] = Rgb(sum / paths);
+              points_[v][p].radiance[estimate] = Rgb(sum / paths);
             }
           });
     }
@@ -139,11 +141,11 @@ void MeasuredError<D>::add_to(IsovalueErrors& errors,
   for (std::size_t v = 0; v < points_.size(); ++v) {
     const Field<D>& field = scene_.volumes[v].volume().field;
     for (const Point& point : points_[v]) {
-      if (!(point.area > 0)) continue;
-      const Vec<3, float> radiance = radiance_at(grids[v], field, point.position, false);
+      if (!(point.at.area > 0)) continue;
+      const Vec<3, float> radiance = radiance_at(grids[v], field, point.at.position, false);
       const double square =
           square_without_noise(radiance, point.radiance, scene_.settings.exposure);
-      errors.add_measured(point.c, point.area, square);
+      errors.add_measured(point.at.c, point.at.area, square);
     }
   }
 }

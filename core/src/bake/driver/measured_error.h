@@ -2,6 +2,7 @@
 #pragma once
 
 #include "bake/driver/line_bake.h"
+#include "bake/texels/area_points.h"
 
 namespace leaflight {
 
@@ -21,10 +22,7 @@ class MeasuredError {
   // At a point, independent of each other.
   static constexpr int estimates = 8;
   struct Point {
-    Vec<D> position;  // index
-    CellPoint<D> at;
-    double c;
-    double area;
+    AreaPoint<D> at;
     std::array<Rgb, static_cast<std::size_t>(estimates)> radiance;
   };
 

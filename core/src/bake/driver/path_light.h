@@ -12,7 +12,8 @@ namespace leaflight {
 template <int D>
 class PathLight {
  public:
-  // `lattices`: where photons are stored, of each volume; they and the scene must outlive it.
+  // `lattices`: where photons are stored, of each volume, if any are; they and the scene must
+  // outlive it.
   PathLight(const LitScene<D>& scene, const std::vector<TexelLattice<D>>& lattices,
             std::uint64_t photons, std::uint64_t seed);
   PathLight(const PathLight&) = delete;
