@@ -16,7 +16,7 @@ from leaflight import Cancelled, Checkpoint, LeaflightError, Progress, load_bake
 from leaflight.bake.checkpoint import checkpoint_for, read_recipe
 from waiting import started, wait_for
 
-ERROR = 0.4
+ERROR = 0.3
 LAYERS = ("radiance", "radiance_indirect", "radiance_error")
 
 
@@ -66,7 +66,7 @@ def interrupted(arguments, checkpoint, blocks):
     ids=str,
 )
 def test_the_same_bits(tmp_path, bump_scene, options, counts):
-    volume = cone(12, is_open="both_sides" in options)
+    volume = cone(16, is_open="both_sides" in options)
     arguments = {"volumes": volume, "scene": bump_scene, "isovalues": (30.0, 70.0)}
     arguments.update(options, error=ERROR)
     whole = leaflight.bake(**arguments)
@@ -82,7 +82,7 @@ def test_the_same_bits(tmp_path, bump_scene, options, counts):
 
 
 def test_a_continued_bake_is_resumed(tmp_path, bump_scene):
-    kept = leaflight.bake(cone(12), bump_scene, isovalues=(30.0, 70.0), error=12.0)
+    kept = leaflight.bake(cone(16), bump_scene, isovalues=(30.0, 70.0), error=12.0)
     whole = leaflight.resume(kept, error=0.3)
     checkpoint = Checkpoint(tmp_path / "x.checkpoint", seconds=0.0)
     first = leaflight.resume(kept, error=0.3, checkpoint=checkpoint)

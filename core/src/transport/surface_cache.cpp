@@ -7,6 +7,7 @@
 
 #include "math/error.h"
 #include "math/low_discrepancy.h"
+#include "math/parallel.h"
 #include "math/sampling.h"
 
 namespace leaflight {
@@ -15,8 +16,12 @@ namespace {
 constexpr int sides = 2;
 // Patches the walls are cut into, about, when their facets are large.
 template <int D>
-constexpr double target_patches = D == 3 ? 8192 : 1024;
+constexpr double coarse_patches = D == 3 ? 8192 : 1024;
+template <int D>
+constexpr double fine_patches = D == 3 ? 32768 : 2048;
 constexpr int most_cuts = 512;
+// Of smooth_photons(): each reaches one patch, one node further.
+constexpr int patch_passes = 4, node_passes = 6;
 
 // How a facet is cut: a segment into n pieces; a triangle into n^2, numbered by the lattice square
 // (i, j) of their barycentric coordinates. A square below the diagonal holds two of them, so row j
@@ -24,9 +29,18 @@ constexpr int most_cuts = 512;
 template <int D>
 struct Patches;
 
+// Those that share an edge with a patch; itself at the facet's border.
+template <int D>
+using Beside = std::array<int, static_cast<std::size_t>(D)>;
+
 template <>
 struct Patches<2> {
   static int count(int cuts) { return cuts; }
+  static std::vector<Beside<2>> beside(int cuts) {
+    std::vector<Beside<2>> beside(cuts);
+    for (int i = 0; i < cuts; ++i) beside[i] = {std::max(i - 1, 0), std::min(i + 1, cuts - 1)};
+    return beside;
+  }
   static int number(double u, double, int cuts) {
     return std::clamp(static_cast<int>(u * cuts), 0, cuts - 1);
   }
@@ -38,6 +52,20 @@ struct Patches<2> {
 template <>
 struct Patches<3> {
   static int count(int cuts) { return cuts * cuts; }
+  static std::vector<Beside<3>> beside(int cuts) {
+    const auto at = [&](int i, int j, int upper) { return j * (2 * cuts - j) + 2 * i + upper; };
+    std::vector<Beside<3>> beside;
+    for (int j = 0; j < cuts; ++j) {
+      for (int i = 0; i < cuts - j; ++i) {
+        const int lower = at(i, j, 0);
+        const bool has_upper = i + j + 1 < cuts;
+        beside.push_back({has_upper ? at(i, j, 1) : lower, i > 0 ? at(i - 1, j, 1) : lower,
+                          j > 0 ? at(i, j - 1, 1) : lower});
+        if (has_upper) beside.push_back({lower, at(i + 1, j, 0), at(i, j + 1, 0)});
+      }
+    }
+    return beside;
+  }
   static int number(double u, double v, int cuts) {
     const double x = u * cuts, y = v * cuts;
     const int j = std::clamp(static_cast<int>(y), 0, cuts - 1);
@@ -57,11 +85,37 @@ struct Patches<3> {
   }
 };
 
+// Means of each patch and those beside it; [patch * stride + ...].
+template <int D>
+void spread_over_patches(const std::vector<Beside<D>>& beside, std::size_t stride,
+                         std::vector<Rgb>& light) {
+  for (int pass = 0; pass < patch_passes; ++pass) {
+    const std::vector<Rgb> before = light;
+    for (std::size_t e = 0; e < light.size(); ++e) {
+      for (const int other : beside[e / stride]) light[e] += before[other * stride + e % stride];
+      light[e] /= D + 1;
+    }
+  }
+}
+
+// [... * nodes + node].
+void spread_over_nodes(std::vector<Rgb>& light) {
+  constexpr std::size_t nodes = IsovalueNodes::count;
+  for (int pass = 0; pass < node_passes; ++pass) {
+    const std::vector<Rgb> before = light;
+    for (std::size_t e = 0; e < light.size(); ++e) {
+      const std::size_t node = e % nodes;
+      const Rgb &low = before[node > 0 ? e - 1 : e], &high = before[node + 1 < nodes ? e + 1 : e];
+      light[e] = (before[e] * Real(2) + low + high) / Real(4);
+    }
+  }
+}
+
 }  // namespace
 
 template <int D>
 SurfaceCache<D>::SurfaceCache(const SceneTracer<D>& tracer, bool caustics, double photon_flux,
-                              std::uint64_t photons)
+                              std::uint64_t photons, bool fine)
     : tracer_(tracer), nodes_(tracer.scene()), indirect_sides_(0, 1, 1), caustic_(0, 1, 1) {
   double total_area = 0;
   for (std::size_t m = 0; m < tracer.meshes().size(); ++m) {
@@ -74,10 +128,11 @@ SurfaceCache<D>::SurfaceCache(const SceneTracer<D>& tracer, bool caustics, doubl
       total_area += frame.area();
     }
   }
+  const double wanted = fine ? fine_patches<D> : coarse_patches<D>;
   std::size_t patches = 0;
   for (Facet& facet : facets_) {
     const double share = total_area > 0 ? facet.patch_area / total_area : 0;
-    const double cuts = std::pow(share * target_patches<D>, 1.0 / (D - 1));
+    const double cuts = std::pow(share * wanted, 1.0 / (D - 1));
     facet.cuts = std::clamp(static_cast<int>(std::lround(cuts)), 1, most_cuts);
     facet.patch_area /= Patches<D>::count(facet.cuts);
     facet.first = patches;
@@ -117,17 +172,50 @@ void SurfaceCache<D>::deposit(const PhotonHit<D>& photon) {
   flux.add(entry(photon.point, nodes_.nearest(photon.point.c)), photon.flux_height);
 }
 
+template <int D>
+double SurfaceCache<D>::share_of_range(std::size_t node) const {
+  return nodes_.height(static_cast<int>(node)) / tracer_.scene().isovalue_range.height();
+}
+
 // Irradiance from an entry's photons.
 template <int D>
 Rgb SurfaceCache<D>::density(const FluxAccumulator& flux, std::size_t entry) const {
   if (flux.empty()) return Rgb(0);
-  const int node = static_cast<int>(entry % IsovalueNodes::count);
-  const double height = nodes_.height(node) / tracer_.scene().isovalue_range.height();
-  const double measure = facet_of(entry).patch_area * height;
+  const double measure = facet_of(entry).patch_area * share_of_range(entry % IsovalueNodes::count);
   if (!(measure > 0)) return Rgb(0);
   Rgb irradiance;
   for (int i = 0; i < 3; ++i) irradiance[i] = static_cast<Real>(flux.flux(entry, i) / measure);
   return irradiance;
+}
+
+// A wall has few photons for each of its patches and nodes, and its indirect light varies little
+// from one to the next.
+template <int D>
+void SurfaceCache<D>::collect_photons(bool smooth, Progress& progress) {
+  constexpr std::size_t nodes = IsovalueNodes::count;
+  // Nodes that are close together have few photons each: these and heights are spread alike.
+  std::vector<Rgb> heights(nodes);
+  for (std::size_t n = 0; n < nodes; ++n) heights[n] = Rgb(static_cast<Real>(share_of_range(n)));
+  if (smooth) spread_over_nodes(heights);
+  parallel_range(facets_.size(), 1, 0, progress, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      const std::vector<Beside<D>> beside = Patches<D>::beside(facets_[f].cuts);
+      const std::size_t stride = sides * nodes, first = facets_[f].first * stride;
+      std::vector<Rgb> light(beside.size() * stride);
+      for (std::size_t e = 0; e < light.size(); ++e) {
+        light[e] =
+            density(indirect_sides_, first + e) * static_cast<Real>(share_of_range(e % nodes));
+      }
+      if (smooth) {
+        spread_over_patches<D>(beside, stride, light);
+        spread_over_nodes(light);
+      }
+      for (std::size_t e = 0; e < light.size(); ++e) {
+        const Rgb& height = heights[e % nodes];
+        radiance_[first + e] = height[0] > 0 ? light[e] / height : Rgb(0);
+      }
+    }
+  });
 }
 
 template <int D>
@@ -139,8 +227,8 @@ void SurfaceCache<D>::finish(std::size_t entry, const LightSampler<D>& lights, i
   const Facet& facet = facet_of(entry);
   Random random = random_for(seed, Purpose::surface_cache, entry);
   const std::uint64_t point_key = random.bits(), light_key = random.bits();
-  const Rgb photons = (density(indirect_sides_, entry) + density(caustic_, entry)) /
-                      static_cast<Real>(projected_hemisphere<D>);
+  const Rgb photons =
+      (radiance_[entry] + density(caustic_, entry)) / static_cast<Real>(projected_hemisphere<D>);
   SurfacePoint<D> point = tracer_.facet_point(facet.mesh, facet.facet, 0, 0, front, c);
   if (point.scattering != Scattering::diffuse) return;  // no ray looks it up
   const Mesh<D>& mesh = tracer_.meshes()[facet.mesh];

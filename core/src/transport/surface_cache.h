@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "math/progress.h"
 #include "scene/isovalue_nodes.h"
 #include "transport/flux_accumulator.h"
 #include "transport/photon_tracer.h"
@@ -16,7 +17,7 @@ template <int D>
 class SurfaceCache {
  public:
   SurfaceCache(const SceneTracer<D>& tracer, bool caustics, double photon_flux,
-               std::uint64_t photons);
+               std::uint64_t photons, bool fine);
 
   // Photons that did not come straight from a light: direct light is sampled by finish().
   void deposit(const PhotonHit<D>& photon);
@@ -26,6 +27,8 @@ class SurfaceCache {
   std::vector<Rgb>& finished() { return radiance_; }
 
   std::size_t entries() const { return radiance_.size(); }
+  // Before entries are finished; `smooth`: photons are spread over patches and nodes.
+  void collect_photons(bool smooth, Progress& progress);
   // Turns the photons of one entry into radiance and adds direct light by `samples` shadow rays.
   void finish(std::size_t entry, const LightSampler<D>& lights, int samples, std::uint64_t seed,
               std::uint64_t& rays);
@@ -63,6 +66,7 @@ class SurfaceCache {
   }
   Rgb between_nodes(const FluxAccumulator& flux, const SurfacePoint<D>& point) const;
   Rgb density(const FluxAccumulator& flux, std::size_t entry) const;
+  double share_of_range(std::size_t node) const;
   const Facet& facet_of(std::size_t entry) const;
 
   const SceneTracer<D>& tracer_;

@@ -13,7 +13,7 @@
 namespace leaflight {
 namespace {
 
-constexpr int wall_samples = 2, walls_samples = 16;
+constexpr int wall_samples = 2, walls_samples = 8;
 // Directions of the bounces of indirect light that come before blocks count. Later bounces bring
 // less and vary less. They begin with none: light from photons is too coarse, and what leaks
 // through a wall stays in a closed cavity for many bounces.
@@ -172,7 +172,7 @@ void LineBake<D>::serialize_lookups(Archive& archive) {
   if (archive.restores()) {
     learn_lookups();
     if (walls && !photons_.walls) {
-      photons_.walls = std::make_unique<SurfaceCache<D>>(volume_.tracer, false, 1.0, 1);
+      photons_.walls = std::make_unique<SurfaceCache<D>>(volume_.tracer, false, 1.0, 1, true);
     }
   }
   if (walls) {
@@ -282,6 +282,7 @@ void LineBake<D>::trace_photons(const TexelLattice<D>& texels, std::uint64_t cou
   settings.seed = settings_.seed;
   settings.photons = count;
   settings.wall_samples = wall_samples;
+  settings.smooth_walls = true;
   lattices_ = {texels};
   photons_ = trace_into_caches(volume_.tracer, lights_, lattices_, settings, plan_, progress_);
 }

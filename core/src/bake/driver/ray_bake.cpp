@@ -78,7 +78,7 @@ void RayBake<D>::add_block(int number, bool texels) {
     });
   }
   if (walls_) {
-    walls_->add(from(false), &paths.estimator(), {seed, 0, vertex_samples}, scene_.progress);
+    walls_->add(from(false), &paths.estimator(), {seed, vertex_samples}, scene_.progress);
   }
 }
 

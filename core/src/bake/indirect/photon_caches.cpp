@@ -41,7 +41,8 @@ PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampl
         photon_flux, photons));
   }
   if (plan.wall_cache || lights_walls) {
-    caches.walls = std::make_unique<SurfaceCache<D>>(tracer, plan.caustics, photon_flux, photons);
+    caches.walls = std::make_unique<SurfaceCache<D>>(tracer, plan.caustics, photon_flux, photons,
+                                                     settings.smooth_walls);
   }
   const auto trace = [&](PhotonPaths paths, std::uint64_t count) {
     const auto store = [&](const PhotonHit<D>& photon) {
@@ -72,6 +73,7 @@ PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampl
   if (!plan.wall_cache || !lights_walls) return caches;
   progress.begin("Lighting the walls");
   SurfaceCache<D>& walls = *caches.walls;
+  walls.collect_photons(settings.smooth_walls, progress);
   parallel_range(walls.entries(), 256, 0, progress, [&](std::size_t begin, std::size_t end) {
     std::uint64_t traced = 0;
     for (std::size_t e = begin; e < end; ++e) {

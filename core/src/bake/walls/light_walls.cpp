@@ -16,9 +16,7 @@ WallRadiance<D> light_walls(const SceneTracer<D>& tracer, const PointSampler<D>&
   const PointSampler<D> but_points{wide, sampler.isosurfaces, sampler.walls, sampler.caustics};
   WallLight<D> walls(tracer);
   const int half = std::max(1, samples / 2);
-  for (const int first : {0, half}) {
-    walls.add(but_points, estimator, {seed, first, half}, progress);
-  }
+  for (int i = 0; i < 2; ++i) walls.add(but_points, estimator, {seed, half}, progress);
   return walls.radiance(progress);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bake/walls/mesh_direct_light.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -12,11 +13,23 @@ namespace {
 
 constexpr std::size_t ways_per_piece = 256;
 
-// The sets of a vertex and its neighbours, whose numbers along a facet differ by (1, 0), (0, 1) or
-// (1, -1), all differ.
-int set_of(const std::array<int, 2>& numbers) {
-  static_assert(light_point_sets == 7);
-  return (numbers[0] + 3 * numbers[1]) % light_point_sets;
+// Each vertex has the set that its neighbours and theirs have least.
+std::vector<std::uint8_t> sets_of(const MeshNeighbours& neighbours, std::size_t vertices) {
+  constexpr std::uint8_t none = light_point_sets;
+  constexpr int near = 64;  // a neighbour counts more than all of theirs
+  std::vector<std::uint8_t> sets(vertices, none);
+  for (std::size_t v = 0; v < vertices; ++v) {
+    std::array<int, light_point_sets + 1> uses{};
+    for (const std::uint32_t* u = neighbours.begin(v); u != neighbours.end(v); ++u) {
+      uses[sets[*u]] += near;
+      for (const std::uint32_t* w = neighbours.begin(*u); w != neighbours.end(*u); ++w) {
+        ++uses[sets[*w]];
+      }
+    }
+    sets[v] =
+        static_cast<std::uint8_t>(std::min_element(uses.begin(), uses.end() - 1) - uses.begin());
+  }
+  return sets;
 }
 
 // The way from a point, seen from the front of its facet, to a source.
@@ -74,7 +87,7 @@ typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTra
                                                                   std::size_t share) const {
   const std::size_t vertices = mesh.vertices.size(), points = sets_[0].size();
   MeshWays of{MeshNeighbours(vertices, mesh.facets), {}, {}, {}, {}};
-  of.sets.resize(vertices);
+  of.sets = sets_of(of.neighbours, vertices);
   of.ways.resize(vertices * points);
   if (tracer.has_openings()) of.least.resize(of.ways.size());
   const std::size_t lights = scales_.size();
@@ -84,7 +97,6 @@ typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTra
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end && !progress.cancelled(); ++v) {
           const SurfacePoint<D> from = vertex_point(tracer, mesh, v, true, 0);
-          of.sets[v] = static_cast<std::uint8_t>(set_of(mesh.numbers[v]));
           for (std::size_t set = 0; set < sets_.size(); ++set) {
             for (std::size_t i = 0; i < points; ++i) {
               const LightSource<D>& source = sets_[set][i].source;

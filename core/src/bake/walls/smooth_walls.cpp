@@ -15,42 +15,73 @@ constexpr float tolerance = 2;
 
 float distance2(const Vec<3, float>& a, const Vec<3, float>& b) { return (a - b).length2() / 3; }
 
-// One node's vertices, of both halves.
-struct Layer {
-  std::array<std::vector<Vec<3, float>>, 2> means;
-  std::vector<float> variance;  // of one half's mean
-
-  // From the halves' differences about each vertex: two values alone are no estimate.
-  void learn_variance(const MeshNeighbours& neighbours) {
-    variance.resize(means[0].size());
-    for (std::size_t v = 0; v < variance.size(); ++v) {
-      float sum = 0;
-      for (const std::uint32_t* u = neighbours.begin(v); u != neighbours.end(v); ++u) {
-        sum += distance2(means[0][*u], means[1][*u]) / 2;
-      }
-      variance[v] = sum / static_cast<float>(neighbours.end(v) - neighbours.begin(v));
+// Of one half's mean at each entry of a node, from the halves' differences about it: two values
+// alone are no estimate.
+std::vector<float> variances(const Halves& halves, const MeshNeighbours& neighbours,
+                             std::size_t first, std::size_t vertices) {
+  std::vector<float> variances(vertices);
+  for (std::size_t v = 0; v < vertices; ++v) {
+    float sum = 0;
+    for (const std::uint32_t* u = neighbours.begin(v); u != neighbours.end(v); ++u) {
+      sum += distance2(halves[0][first + *u], halves[1][first + *u]) / 2;
     }
+    variances[v] = sum / static_cast<float>(neighbours.end(v) - neighbours.begin(v));
+  }
+  return variances;
+}
+
+// One pass over an entry's neighbours, at its node and the same vertex at those beside it.
+class Pass {
+ public:
+  Pass(const Halves& before, const MeshNeighbours& neighbours, std::size_t vertices,
+       Progress& progress)
+      : before_(before),
+        neighbours_(neighbours),
+        vertices_(vertices),
+        nodes_(before[0].size() / vertices),
+        variance_(nodes_) {
+    parallel_range(nodes_, 1, 0, progress, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t node = begin; node < end; ++node) {
+        variance_[node] = variances(before, neighbours, node * vertices, vertices);
+      }
+    });
   }
 
-  void pass(const MeshNeighbours& neighbours) {
-    learn_variance(neighbours);
-    const std::array<std::vector<Vec<3, float>>, 2> before = means;
-    for (int half = 0; half < 2; ++half) {
-      const std::vector<Vec<3, float>>& guide = before[1 - half];
-      for (std::size_t v = 0; v < variance.size(); ++v) {
-        Vec<3, float> sum(0);
-        float weights = 0;
-        for (const std::uint32_t* u = neighbours.begin(v); u != neighbours.end(v); ++u) {
-          const float noise = tolerance * tolerance * (variance[v] + variance[*u]);
-          const float difference = distance2(guide[v], guide[*u]);
-          const float weight = difference > 0 ? std::exp(-difference / std::max(noise, 1e-30f)) : 1;
-          sum += before[half][*u] * weight;
-          weights += weight;
-        }
-        means[half][v] = sum / weights;
-      }
+  Vec<3, float> mean(int half, std::size_t node, std::size_t v) const {
+    Weighted sum;
+    const std::size_t e = node * vertices_ + v;
+    const std::uint32_t *begin = neighbours_.begin(v), *end = neighbours_.end(v);
+    for (const std::uint32_t* u = begin; u != end; ++u) {
+      add(half, e, variance_[node][v], node * vertices_ + *u, variance_[node][*u], sum);
     }
+    if (node > 0) {
+      add(half, e, variance_[node][v], e - vertices_, variance_[node - 1][v], sum);
+    }
+    if (node + 1 < nodes_) {
+      add(half, e, variance_[node][v], e + vertices_, variance_[node + 1][v], sum);
+    }
+    return sum.value / sum.weight;
   }
+
+ private:
+  struct Weighted {
+    Vec<3, float> value{0};
+    float weight = 0;
+  };
+  void add(int half, std::size_t e, float variance, std::size_t other, float its_variance,
+           Weighted& sum) const {
+    const std::vector<Vec<3, float>>& guide = before_[1 - half];
+    const float noise = tolerance * tolerance * (variance + its_variance);
+    const float difference = distance2(guide[e], guide[other]);
+    const float weight = difference > 0 ? std::exp(-difference / std::max(noise, 1e-30f)) : 1;
+    sum.value += before_[half][other] * weight;
+    sum.weight += weight;
+  }
+
+  const Halves& before_;
+  const MeshNeighbours& neighbours_;
+  std::size_t vertices_, nodes_;
+  std::vector<std::vector<float>> variance_;  // by node
 };
 
 }  // namespace
@@ -63,22 +94,19 @@ std::vector<Vec<3, float>> mean(const Halves& halves) {
 
 template <int D>
 Halves smooth(const FineMesh<D>& mesh, Halves halves, int passes, Progress& progress) {
-  const MeshNeighbours neighbours(mesh.vertices.size(), mesh.facets);
   const std::size_t n = mesh.vertices.size(), nodes = halves[0].size() / n;
-  parallel_range(nodes, 1, 0, progress, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t node = begin; node < end; ++node) {
-      Layer layer;
-      for (int half = 0; half < 2; ++half) {
-        const auto first = halves[half].begin() + static_cast<std::ptrdiff_t>(node * n);
-        layer.means[half].assign(first, first + static_cast<std::ptrdiff_t>(n));
+  const MeshNeighbours neighbours(n, mesh.facets);
+  for (int i = 0; i < passes; ++i) {
+    const Halves before = halves;
+    const Pass pass(before, neighbours, n, progress);
+    parallel_range(nodes, 1, 0, progress, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t node = begin; node < end; ++node) {
+        for (int half = 0; half < 2; ++half) {
+          for (std::size_t v = 0; v < n; ++v) halves[half][node * n + v] = pass.mean(half, node, v);
+        }
       }
-      for (int i = 0; i < passes; ++i) layer.pass(neighbours);
-      for (int half = 0; half < 2; ++half) {
-        const auto first = halves[half].begin() + static_cast<std::ptrdiff_t>(node * n);
-        std::copy(layer.means[half].begin(), layer.means[half].end(), first);
-      }
-    }
-  });
+    });
+  }
   return halves;
 }
 

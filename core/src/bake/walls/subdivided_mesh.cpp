@@ -5,21 +5,17 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <utility>
+
+#include "bake/walls/wall_spacing.h"
 
 namespace leaflight {
 namespace {
 
-// Coarse pieces that all walls together are cut into, about.
-template <int D>
-constexpr double target_pieces = D == 3 ? 16384 : 1024;
-constexpr int most_cuts = 128;
 // Vertices are lit this share of a piece within the facet, where no other wall touches it.
 constexpr double inset = 0.05;
 // Facets that meet at less than 8 degrees are of one curved surface.
 constexpr double cosine_of_one_surface = 0.9903;
-// Facets this far from the middle of the volumes, in longest sides of their box, and nearer ones
-// are cut most finely.
-constexpr double close_by = 0.6;
 
 template <int D>
 using Place = std::array<float, static_cast<std::size_t>(D)>;
@@ -67,152 +63,219 @@ class CornerNormals {
   std::map<Place<D>, std::vector<std::size_t>> at_;
 };
 
-// Vertices of one mesh that have the same place and look into nearly the same direction are one.
-template <int D>
-class Welder {
- public:
-  explicit Welder(FineMesh<D>& mesh) : mesh_(mesh) {}
-
-  std::uint32_t vertex(const Vec<D>& position, const Vec<D>& normal, const FacetPoint& place,
-                       const std::array<int, 2>& number) {
-    std::vector<std::uint32_t>& here = at_[place_of<D>(position)];
-    for (const std::uint32_t v : here) {
-      if (of_one_surface<D>(mesh_.normals[v], normal)) return v;
-    }
-    here.push_back(static_cast<std::uint32_t>(mesh_.vertices.size()));
-    mesh_.vertices.emplace_back(position);
-    mesh_.places.push_back(place);
-    mesh_.normals.push_back(normal);
-    mesh_.numbers.push_back(number);
-    return here.back();
-  }
-  void facet(const typename Mesh<D>::Facet& facet) { mesh_.facets.push_back(facet); }
-
- private:
-  FineMesh<D>& mesh_;
-  std::map<Place<D>, std::vector<std::uint32_t>> at_;
+// A corner of a piece, which is part of a facet. Its coordinates in the facet are sums of few
+// powers of 1/2, and so exact.
+struct Corner {
+  double u, v;
+  std::uint32_t vertex;
 };
 
-// Cuts one facet of a mesh; its vertices have the numbers 0 to `cuts` along each edge.
 template <int D>
-class FacetCutter {
- public:
-  FacetCutter(const Mesh<D>& mesh, const CornerNormals<D>& normals, int number, int facet, int cuts,
-              Welder<D>& welder)
-      : mesh_of_(mesh),
-        normals_(normals.of(facet)),
-        mesh_(number),
-        facet_(facet),
-        cuts_(cuts),
-        welder_(welder) {}
+struct Piece {
+  int facet;
+  std::array<Corner, static_cast<std::size_t>(D)> corners;
+};
 
-  std::uint32_t vertex(int i, int j) {
-    const double u = static_cast<double>(i) / cuts_, v = static_cast<double>(j) / cuts_;
-    FacetPoint place{mesh_, facet_, u, v, true};
+// A mesh in pieces, whose vertices are numbered.
+template <int D>
+struct CutMesh {
+  struct Vertex {
+    int facet;
+    double u, v;
+    std::array<std::uint32_t, 2> ends;  // of the edge that it cuts; of a mesh's vertex itself
+  };
+  std::vector<Vertex> vertices;
+  std::vector<Piece<D>> pieces;
+};
+
+// What is given at the corners of a facet, between them. Alike for both facets of an edge, to the
+// last bit.
+template <int D>
+Vec<D> between(const std::array<Vec<D>, static_cast<std::size_t>(D)>& corners, double u, double v) {
+  Vec<D> sum = corners[0] * (1 - u - v) + corners[1] * u;
+  if constexpr (D == 3) sum += corners[2] * v;
+  return sum;
+}
+
+template <int D>
+std::array<Vec<D>, static_cast<std::size_t>(D)> corners_of(const Mesh<D>& mesh, int facet) {
+  std::array<Vec<D>, static_cast<std::size_t>(D)> corners;
+  for (int k = 0; k < D; ++k) corners[k] = Vec<D>(mesh.vertices[mesh.facets[facet][k]]);
+  return corners;
+}
+
+// Cuts the pieces of one mesh. What is done to an edge follows from its ends alone, so that pieces
+// on both sides of it fit.
+template <int D>
+class MeshCutter {
+ public:
+  explicit MeshCutter(const Mesh<D>& mesh) : mesh_(mesh), normals_(mesh) {
+    for (std::size_t f = 0; f < mesh.facets.size(); ++f) {
+      enter(static_cast<int>(f));
+      Piece<D> whole{facet_, {original(0, 0), original(1, 0)}};
+      if constexpr (D == 3) whole.corners[2] = original(0, 1);
+      cut_.pieces.push_back(whole);
+    }
+  }
+
+  // Until no edge is longer than the spacing at its middle.
+  void cut(const WallSpacing<D>& spacing) {
+    const auto is_long = [&](const Vec<D>& a, const Vec<D>& b) {
+      return (b - a).length() > spacing.at((a + b) * 0.5);
+    };
+    std::vector<Piece<D>> open = std::move(cut_.pieces), done;
+    while (!open.empty()) {
+      const Piece<D> piece = open.back();
+      open.pop_back();
+      if (!split(piece, is_long, open)) done.push_back(piece);
+    }
+    cut_.pieces = std::move(done);
+  }
+
+  // Each edge in two. The vertices before keep their numbers.
+  void halve() {
+    std::vector<Piece<D>> pieces;
+    for (const Piece<D>& piece : cut_.pieces) {
+      split(
+          piece, [](const Vec<D>&, const Vec<D>&) { return true; }, pieces);
+    }
+    cut_.pieces = std::move(pieces);
+  }
+
+  const CutMesh<D>& result() const { return cut_; }
+
+ private:
+  void enter(int facet) {
+    if (facet == facet_) return;
+    facet_ = facet;
+    positions_ = corners_of(mesh_, facet);
+    corner_normals_ = normals_.of(facet);
+  }
+  Vec<D> position(const Corner& corner) const { return between<D>(positions_, corner.u, corner.v); }
+
+  Corner original(double u, double v) {
+    const auto next = static_cast<std::uint32_t>(cut_.vertices.size());
+    return corner(u, v, {next, next});
+  }
+
+  // Vertices that have the same place and look into nearly the same direction are one.
+  Corner corner(double u, double v, const std::array<std::uint32_t, 2>& ends) {
+    const Vec<D> normal = between<D>(corner_normals_, u, v).normalized();
+    auto& here = at_[place_of<D>(between<D>(positions_, u, v))];
+    for (const auto& [vertex, its_normal] : here) {
+      if (of_one_surface<D>(its_normal, normal)) return {u, v, vertex};
+    }
+    const auto number = static_cast<std::uint32_t>(cut_.vertices.size());
+    here.emplace_back(number, normal);
+    cut_.vertices.push_back({facet_, u, v, ends});
+    return {u, v, number};
+  }
+
+  Corner middle(const Corner& a, const Corner& b) {
+    return corner((a.u + b.u) / 2, (a.v + b.v) / 2, {a.vertex, b.vertex});
+  }
+
+  // Adds a piece's parts to others; none where no edge is to be cut.
+  template <class IsCut>
+  bool split(const Piece<D>& piece, const IsCut& is_cut, std::vector<Piece<D>>& parts) {
+    enter(piece.facet);
+    const auto& corners = piece.corners;
+    std::array<bool, 3> cut{};
+    for (int k = 0; k < (D == 2 ? 1 : 3); ++k) {
+      cut[k] = is_cut(position(corners[k]), position(corners[(k + 1) % D]));
+    }
+    const int count = cut[0] + cut[1] + cut[2];
+    if (count == 0) return false;
     if constexpr (D == 2) {
-      const double margin = inset / cuts_;
-      place.u = std::clamp(u, margin, 1 - margin);
+      const Corner half = middle(corners[0], corners[1]);
+      parts.push_back({facet_, {corners[0], half}});
+      parts.push_back({facet_, {half, corners[1]}});
     } else {
-      // Towards the middle of the facet; an interior vertex stays all but where it is.
-      const double pull = inset * 3 / cuts_;
-      place.u += (1.0 / 3 - u) * pull;
-      place.v += (1.0 / 3 - v) * pull;
+      // Of one or two edges that are cut the first, but not the last.
+      int first = 0;
+      while (count < 3 && !(cut[first] && !cut[(first + 2) % 3])) ++first;
+      split_triangle(corners[first], corners[(first + 1) % 3], corners[(first + 2) % 3], count,
+                     parts);
     }
-    std::array<Vec<D>, static_cast<std::size_t>(D)> corners;
-    for (int k = 0; k < D; ++k) corners[k] = Vec<D>(mesh_of_.vertices[mesh_of_.facets[facet_][k]]);
-    return welder_.vertex(between(corners, {i, j}), between(normals_, {i, j}).normalized(), place,
-                          {i, j});
+    return true;
   }
 
-  void cut() {
-    for (int j = 0; j < (D == 2 ? 1 : cuts_); ++j) {
-      for (int i = 0; i < cuts_ - j; ++i) {
-        if constexpr (D == 2) {
-          welder_.facet({vertex(i, 0), vertex(i + 1, 0)});
-        } else {
-          welder_.facet({vertex(i, j), vertex(i + 1, j), vertex(i, j + 1)});
-          if (i + 1 < cuts_ - j) {
-            welder_.facet({vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)});
-          }
-        }
-      }
+  // The first so many edges are cut.
+  void split_triangle(const Corner& a, const Corner& b, const Corner& c, int edges,
+                      std::vector<Piece<D>>& parts) {
+    const auto add = [&](const Corner& p, const Corner& q, const Corner& r) {
+      parts.push_back({facet_, {p, q, r}});
+    };
+    const Corner ab = middle(a, b);
+    if (edges == 1) {
+      add(a, ab, c);
+      add(ab, b, c);
+      return;
+    }
+    const Corner bc = middle(b, c);
+    add(ab, b, bc);
+    if (edges == 3) {
+      const Corner ca = middle(c, a);
+      add(a, ab, ca);
+      add(ca, bc, c);
+      add(ab, bc, ca);
+    } else if ((position(bc) - position(a)).length() < (position(c) - position(ab)).length()) {
+      add(a, ab, bc);
+      add(a, bc, c);
+    } else {
+      add(a, ab, c);
+      add(ab, bc, c);
     }
   }
 
- private:
-  // Alike for both facets of an edge, to the last bit.
-  Vec<D> between(const std::array<Vec<D>, static_cast<std::size_t>(D)>& corners,
-                 const std::array<int, 2>& number) const {
-    Vec<D> sum = corners[0] * (cuts_ - number[0] - number[1]);
-    for (int k = 1; k < D; ++k) sum += corners[k] * number[k - 1];
-    return sum / cuts_;
-  }
-
-  const Mesh<D>& mesh_of_;
-  std::array<Vec<D>, static_cast<std::size_t>(D)> normals_;
-  int mesh_, facet_, cuts_;
-  Welder<D>& welder_;
+  const Mesh<D>& mesh_;
+  CornerNormals<D> normals_;
+  CutMesh<D> cut_;
+  std::map<Place<D>, std::vector<std::pair<std::uint32_t, Vec<D>>>> at_;
+  int facet_ = -1;  // that pieces are cut of, and its corners
+  std::array<Vec<D>, static_cast<std::size_t>(D)> positions_, corner_normals_;
 };
 
-// Both meshes of one facet, and what lies between which vertices.
+// The widest extent of the smallest piece at each vertex, in coordinates of its facet.
 template <int D>
-void cut_twice(const Mesh<D>& mesh, const CornerNormals<D>& normals, int number, int facet,
-               int cuts, Welder<D>& coarse_welder, Welder<D>& fine_welder,
-               SubdividedMesh<D>& subdivided) {
-  FacetCutter<D> coarse(mesh, normals, number, facet, cuts, coarse_welder);
-  FacetCutter<D> fine(mesh, normals, number, facet, 2 * cuts, fine_welder);
-  coarse.cut();
-  fine.cut();
-  subdivided.between.resize(subdivided.fine.vertices.size());
-  for (int j = 0; j <= (D == 2 ? 0 : 2 * cuts); ++j) {
-    for (int i = 0; i <= 2 * cuts - j; ++i) {
-      // In the middle of a diagonal edge both are odd.
-      subdivided.between[fine.vertex(i, j)] = {coarse.vertex(i / 2, (j + 1) / 2),
-                                               coarse.vertex((i + 1) / 2, j / 2)};
+std::vector<double> extents(const CutMesh<D>& cut) {
+  std::vector<double> extents(cut.vertices.size(), 1);
+  for (const Piece<D>& piece : cut.pieces) {
+    double extent = 0;
+    for (int k = 0; k < D; ++k) {
+      const Corner &a = piece.corners[k], &b = piece.corners[(k + 1) % D];
+      extent = std::max({extent, std::abs(b.u - a.u), std::abs(b.v - a.v)});
+    }
+    for (const Corner& corner : piece.corners) {
+      extents[corner.vertex] = std::min(extents[corner.vertex], extent);
     }
   }
+  return extents;
 }
 
-// How finely a facet is to be cut, against its area: by its distance from the middle of the
-// volumes.
+// The pieces on a mesh with the same facets as the one that was cut.
 template <int D>
-double fineness(const Mesh<D>& mesh, std::size_t facet, const Frame<D>& frame) {
-  Box<D> box;
-  for (const std::uint32_t v : mesh.facets[facet])
-    box.extend(frame.point(Vec<D>(mesh.vertices[v])));
-  Vec<D> nearest;
-  for (int a = 0; a < D; ++a) nearest[a] = std::clamp(0.0, box.low[a], box.high[a]);
-  return std::pow(close_by / std::max(close_by, nearest.length()), 3);
+FineMesh<D> fine_mesh(const CutMesh<D>& cut, const Mesh<D>& mesh, int number) {
+  const CornerNormals<D> normals(mesh);
+  const std::vector<double> extent = extents(cut);
+  FineMesh<D> fine;
+  for (std::size_t i = 0; i < cut.vertices.size(); ++i) {
+    const auto& [facet, u, v, ends] = cut.vertices[i];
+    fine.vertices.emplace_back(between<D>(corners_of(mesh, facet), u, v));
+    fine.normals.push_back(between<D>(normals.of(facet), u, v).normalized());
+    // Towards the middle of the facet; an interior vertex stays all but where it is.
+    const double pull = std::min(1.0, inset * D * extent[i]);
+    fine.places.push_back(
+        {number, facet, u + (1.0 / D - u) * pull, D == 2 ? 0 : v + (1.0 / D - v) * pull, true});
+  }
+  for (const Piece<D>& piece : cut.pieces) {
+    typename Mesh<D>::Facet& facet = fine.facets.emplace_back();
+    for (int k = 0; k < D; ++k) facet[k] = piece.corners[k].vertex;
+  }
+  return fine;
 }
-
-// Along how many pieces the edges of a scene's facets are cut.
-template <int D>
-class Cuts {
- public:
-  explicit Cuts(const Scene<D>& scene) : scene_(scene), frame_(scene) {
-    for (const Mesh<D>& mesh : scene.meshes) {
-      for (std::size_t f = 0; f < mesh.facets.size(); ++f) total_ += weight(mesh, f);
-    }
-  }
-
-  int of(std::size_t mesh, std::size_t facet) const {
-    const double share = total_ > 0 ? weight(scene_.meshes[mesh], facet) / total_ : 0;
-    const double cuts = std::pow(share * target_pieces<D>, 1.0 / (D - 1));
-    return std::clamp(static_cast<int>(std::lround(cuts)), 1, most_cuts);
-  }
-
- private:
-  double weight(const Mesh<D>& mesh, std::size_t facet) const {
-    return FacetFrame<D>(mesh, facet).area() * fineness(mesh, facet, frame_);
-  }
-
-  const Scene<D>& scene_;
-  Frame<D> frame_;
-  double total_ = 0;
-};
 
 }  // namespace
-
 template <int D>
 std::vector<SubdividedMesh<D>> subdivide(const Scene<D>& scene) {
   std::vector<int> itself(scene.meshes.size());
@@ -223,16 +286,22 @@ std::vector<SubdividedMesh<D>> subdivide(const Scene<D>& scene) {
 template <int D>
 std::vector<SubdividedMesh<D>> subdivide_as(const Scene<D>& earlier, const Scene<D>& scene,
                                             const std::vector<int>& same_as) {
-  const std::vector<Mesh<D>>& meshes = scene.meshes;
-  const Cuts<D> then(earlier), now(scene);
-  std::vector<SubdividedMesh<D>> subdivided(meshes.size());
-  for (std::size_t m = 0; m < meshes.size(); ++m) {
-    const CornerNormals<D> normals(meshes[m]);
-    Welder<D> coarse(subdivided[m].coarse), fine(subdivided[m].fine);
-    for (std::size_t f = 0; f < meshes[m].facets.size(); ++f) {
-      const int cuts = same_as[m] < 0 ? now.of(m, f) : then.of(same_as[m], f);
-      cut_twice(meshes[m], normals, static_cast<int>(m), static_cast<int>(f), cuts, coarse, fine,
-                subdivided[m]);
+  const WallSpacing<D> then(earlier), now(scene);
+  std::vector<SubdividedMesh<D>> subdivided(scene.meshes.size());
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    const Mesh<D>& mesh = scene.meshes[m];
+    const int number = static_cast<int>(m);
+    const bool is_new = same_as[m] < 0;
+    MeshCutter<D> cutter(is_new ? mesh : earlier.meshes[same_as[m]]);
+    cutter.cut(is_new ? now : then);
+    SubdividedMesh<D>& result = subdivided[m];
+    result.coarse = fine_mesh(cutter.result(), mesh, number);
+    cutter.halve();
+    result.fine = fine_mesh(cutter.result(), mesh, number);
+    for (const auto& vertex : cutter.result().vertices) {
+      const auto v = static_cast<std::uint32_t>(result.between.size());
+      const bool is_coarse = v < result.coarse.vertices.size();
+      result.between.push_back(is_coarse ? std::array<std::uint32_t, 2>{v, v} : vertex.ends);
     }
   }
   return subdivided;

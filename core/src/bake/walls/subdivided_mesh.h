@@ -16,7 +16,6 @@ struct FineMesh {
   // Of the vertices, unit. Where facets meet at a few degrees they turn evenly from the one to the
   // other, and so does light on a curved wall.
   std::vector<Vec<D>> normals;
-  std::vector<std::array<int, 2>> numbers;  // of the vertices, counted along the facet's edges
 };
 
 // The same mesh cut twice: indirect light, which is smooth, is known at the vertices of the one,
@@ -29,8 +28,8 @@ struct SubdividedMesh {
   std::vector<std::array<std::uint32_t, 2>> between;
 };
 
-// Finest near the volumes, whose shadows have the sharpest edges there. A pure function of the
-// scene, so that a file needs to hold light alone.
+// Finest near the volumes (wall_spacing.h). A pure function of the scene, so that a file needs to
+// hold light alone.
 template <int D>
 std::vector<SubdividedMesh<D>> subdivide(const Scene<D>& scene);
 

@@ -17,10 +17,54 @@ constexpr int smoothing_passes = 9;
 constexpr std::size_t probe_stride = 16;
 // For the progress.
 constexpr double rays_per_sample = 2;
+constexpr int node_bits = 6;
+static_assert(IsovalueNodes::count <= 1 << node_bits);
 
 bool is_dark(const std::vector<Vec<3, float>>& radiance) {
   return std::all_of(radiance.begin(), radiance.end(),
                      [](const auto& one) { return one == Vec<3, float>(0); });
+}
+
+// A number whose bits are those of a place in a box, taken in turns.
+template <int D>
+std::uint64_t morton_code(const Vec<D>& place, const Box<D>& box) {
+  constexpr int bits = 16;
+  const double scale = ((1 << bits) - 1) / std::max(box.longest_side(), 1e-300);
+  std::uint64_t code = 0;
+  for (int bit = bits - 1; bit >= 0; --bit) {
+    for (int a = 0; a < D; ++a) {
+      const auto along = static_cast<std::uint32_t>((place[a] - box.low[a]) * scale);
+      code = code << 1 | (along >> bit & 1);
+    }
+  }
+  return code;
+}
+
+// The ranks of vertices along Morton's curve, on which those of consecutive ranks are neighbours.
+template <int D>
+std::vector<std::uint32_t> ranks_along_curve(const std::vector<Vec<D, float>>& vertices) {
+  Box<D> box;
+  for (const auto& vertex : vertices) box.extend(Vec<D>(vertex));
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> sorted;
+  for (std::uint32_t v = 0; v < vertices.size(); ++v) {
+    sorted.emplace_back(morton_code<D>(Vec<D>(vertices[v]), box), v);
+  }
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<std::uint32_t> ranks(vertices.size());
+  for (std::uint32_t rank = 0; rank < ranks.size(); ++rank) ranks[sorted[rank].second] = rank;
+  return ranks;
+}
+
+// The rank of a vertex at a node, for neighbours of both kinds to have near ones.
+template <int D>
+std::uint32_t rank_at_node(std::uint32_t vertex, std::size_t node) {
+  std::uint32_t rank = 0;
+  int place = 0;
+  for (int bit = 0; bit < node_bits; ++bit) {
+    rank |= static_cast<std::uint32_t>(node >> bit & 1) << place++;
+    for (int a = 0; a < D - 1; ++a, vertex >>= 1) rank |= (vertex & 1) << place++;
+  }
+  return rank | vertex << place;
 }
 
 }  // namespace
@@ -35,6 +79,7 @@ WallLight<D>::WallLight(const SceneTracer<D>& tracer)
     const std::size_t count =
         is_diffuse(m) ? meshes_[m].coarse.places.size() * IsovalueNodes::count : 0;
     for (Halves& side : sums_[m]) side.fill(std::vector<Vec<3, float>>(count, Vec<3, float>(0)));
+    ranks_.push_back(ranks_along_curve<D>(meshes_[m].coarse.vertices));
   }
 }
 
@@ -52,6 +97,11 @@ std::vector<Vec<3, float>> WallLight<D>::means(std::size_t mesh, bool back, std:
                                                const IndirectEstimator<D>* estimator,
                                                const WallSamples& samples,
                                                Progress& progress) const {
+  // All take parts of one low-discrepancy sequence by their ranks, so that the samples of any
+  // neighbourhood, over which light is smoothed, are as evenly distributed as those of one vertex
+  // (Ahmed and Wonka 2020).
+  const SampleKeys keys = sample_keys(samples.seed, Purpose::walls, 2 * mesh + back,
+                                      static_cast<std::uint32_t>(added_));
   const FineMesh<D>& lit = meshes_[mesh].coarse;
   const std::size_t n = (lit.places.size() + stride - 1) / stride;
   std::vector<Vec<3, float>> means(n * IsovalueNodes::count);
@@ -62,13 +112,10 @@ std::vector<Vec<3, float>> WallLight<D>::means(std::size_t mesh, bool back, std:
                      const std::size_t vertex = e % n * stride;
                      const double c = nodes_.node(static_cast<int>(e / n));
                      const SurfacePoint<D> point = vertex_point(tracer_, lit, vertex, !back, c);
-                     // All nodes of a vertex share their random numbers: what noise is left stands
-                     // still while the isovalue moves.
-                     const SampleKeys keys =
-                         sample_keys(samples.seed, Purpose::walls, 2 * mesh + back,
-                                     static_cast<std::uint32_t>(vertex));
+                     const int first = samples.count * static_cast<int>(rank_at_node<D>(
+                                                           ranks_[mesh][vertex], e / n));
                      Imath::V3d sum(0);
-                     for (int i = samples.first; i < samples.first + samples.count; ++i) {
+                     for (int i = first; i < first + samples.count; ++i) {
                        sum += Imath::V3d(from.direct(point, keys, i, traced) +
                                          from.indirect(point, estimator, keys, i, traced));
                      }

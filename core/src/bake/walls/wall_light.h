@@ -9,10 +9,10 @@
 
 namespace leaflight {
 
-// Of each vertex at each node: numbers [first, first + count) of a seed's.
+// Of each vertex at each node.
 struct WallSamples {
   std::uint64_t seed;
-  int first, count;
+  int count;
 };
 
 // The radiance of both sides of the diffuse walls from any number of samples: the direct
@@ -52,6 +52,7 @@ class WallLight {
   const SceneTracer<D>& tracer_;
   IsovalueNodes nodes_;
   std::vector<SubdividedMesh<D>> meshes_;
+  std::vector<std::vector<std::uint32_t>> ranks_;  // of coarse vertices; neighbours have near ones
   // Sums of means, by mesh and side; [node * vertices + vertex]. Empty where it is dark.
   std::vector<std::array<Halves, 2>> sums_;
   int added_ = 0;
