@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "scene/facet.h"
 #include "trace/scene_tracer.h"
