@@ -20,7 +20,7 @@ constexpr double coarse_patches = D == 3 ? 8192 : 1024;
 template <int D>
 constexpr double fine_patches = D == 3 ? 32768 : 2048;
 constexpr int most_cuts = 512;
-// Of smooth_photons(): each reaches one patch, one node further.
+// Of collect_photons(): each reaches one patch, one node further.
 constexpr int patch_passes = 4, node_passes = 6;
 
 // How a facet is cut: a segment into n pieces; a triangle into n^2, numbered by the lattice square
@@ -99,14 +99,15 @@ void spread_over_patches(const std::vector<Beside<D>>& beside, std::size_t strid
 }
 
 // [... * nodes + node].
-void spread_over_nodes(std::vector<Rgb>& light) {
+template <class Value>
+void spread_over_nodes(std::vector<Value>& values) {
   constexpr std::size_t nodes = IsovalueNodes::count;
   for (int pass = 0; pass < node_passes; ++pass) {
-    const std::vector<Rgb> before = light;
-    for (std::size_t e = 0; e < light.size(); ++e) {
+    const std::vector<Value> before = values;
+    for (std::size_t e = 0; e < values.size(); ++e) {
       const std::size_t node = e % nodes;
-      const Rgb &low = before[node > 0 ? e - 1 : e], &high = before[node + 1 < nodes ? e + 1 : e];
-      light[e] = (before[e] * Real(2) + low + high) / Real(4);
+      const Value &low = before[node > 0 ? e - 1 : e], &high = before[node + 1 < nodes ? e + 1 : e];
+      values[e] = (before[e] * Real(2) + low + high) / Real(4);
     }
   }
 }
@@ -194,8 +195,8 @@ template <int D>
 void SurfaceCache<D>::collect_photons(bool smooth, Progress& progress) {
   constexpr std::size_t nodes = IsovalueNodes::count;
   // Nodes that are close together have few photons each: these and heights are spread alike.
-  std::vector<Rgb> heights(nodes);
-  for (std::size_t n = 0; n < nodes; ++n) heights[n] = Rgb(static_cast<Real>(share_of_range(n)));
+  std::vector<Real> heights(nodes);
+  for (std::size_t n = 0; n < nodes; ++n) heights[n] = static_cast<Real>(share_of_range(n));
   if (smooth) spread_over_nodes(heights);
   parallel_range(facets_.size(), 1, 0, progress, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
@@ -211,8 +212,8 @@ void SurfaceCache<D>::collect_photons(bool smooth, Progress& progress) {
         spread_over_nodes(light);
       }
       for (std::size_t e = 0; e < light.size(); ++e) {
-        const Rgb& height = heights[e % nodes];
-        radiance_[first + e] = height[0] > 0 ? light[e] / height : Rgb(0);
+        const Real height = heights[e % nodes];
+        radiance_[first + e] = height > 0 ? light[e] / height : Rgb(0);
       }
     }
   });

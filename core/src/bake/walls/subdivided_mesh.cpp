@@ -255,8 +255,8 @@ std::vector<double> extents(const CutMesh<D>& cut) {
 
 // The pieces on a mesh with the same facets as the one that was cut.
 template <int D>
-FineMesh<D> fine_mesh(const CutMesh<D>& cut, const Mesh<D>& mesh, int number) {
-  const CornerNormals<D> normals(mesh);
+FineMesh<D> fine_mesh(const CutMesh<D>& cut, const Mesh<D>& mesh, const CornerNormals<D>& normals,
+                      int number) {
   const std::vector<double> extent = extents(cut);
   FineMesh<D> fine;
   for (std::size_t i = 0; i < cut.vertices.size(); ++i) {
@@ -290,14 +290,15 @@ std::vector<SubdividedMesh<D>> subdivide_as(const Scene<D>& earlier, const Scene
   std::vector<SubdividedMesh<D>> subdivided(scene.meshes.size());
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     const Mesh<D>& mesh = scene.meshes[m];
+    const CornerNormals<D> normals(mesh);
     const int number = static_cast<int>(m);
     const bool is_new = same_as[m] < 0;
     MeshCutter<D> cutter(is_new ? mesh : earlier.meshes[same_as[m]]);
     cutter.cut(is_new ? now : then);
     SubdividedMesh<D>& result = subdivided[m];
-    result.coarse = fine_mesh(cutter.result(), mesh, number);
+    result.coarse = fine_mesh(cutter.result(), mesh, normals, number);
     cutter.halve();
-    result.fine = fine_mesh(cutter.result(), mesh, number);
+    result.fine = fine_mesh(cutter.result(), mesh, normals, number);
     for (const auto& vertex : cutter.result().vertices) {
       const auto v = static_cast<std::uint32_t>(result.between.size());
       const bool is_coarse = v < result.coarse.vertices.size();
