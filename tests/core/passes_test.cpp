@@ -150,7 +150,7 @@ TEST(Passes, ContinuedLookPreviousLightUp) {
               test::sanitized ? 0.05 : 0.02);
 }
 
-// Whether the error that bakes report is the one they make, beside a much finer one of other nets.
+// Whether the error that bakes report is the one they make, beside a bake of other nets.
 TEST(Passes, ContinuedKnowTheirError) {
   if (test::sanitized) GTEST_SKIP() << "statistics are for other builds";
   const Scene<3> scene = test::cornell(test::torus(25), {0.7, 0.95});

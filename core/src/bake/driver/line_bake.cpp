@@ -279,7 +279,9 @@ WallRadiance<D> LineBake<D>::walls() {
 template <int D>
 void LineBake<D>::trace_photons(const TexelLattice<D>& texels, std::uint64_t count) {
   PhotonSettings settings;
-  settings.seed = settings_.seed;
+  // A continued bake has its own photons: the noise of the walls' cache is in all of its lines.
+  const std::uint64_t before = previous_ ? previous_->blocks() : 0;
+  settings.seed = random_for(settings_.seed, Purpose::photon, before).bits();
   settings.photons = count;
   settings.wall_samples = wall_samples;
   settings.smooth_walls = true;

@@ -129,18 +129,29 @@ float noise_of(const Imath::V3f& difference, float first_share) {
   return square(difference) * first_share * (1 - first_share);
 }
 
-// Two numbers of a texel, and their sums about it.
+// Two numbers of a texel; and their sums about it, in which texels count by their samples, as the
+// noise of few would outweigh all others; and the weights in these sums, of all and of places
+// alone.
 struct Pair {
   float first, second;
 };
+struct Sums {
+  float first = 0, second = 0, weight = 0, places = 0;
+};
 template <int D>
-Pair sums_about(const Neighbours<D>& neighbours, const std::vector<Pair>& of, std::size_t slot) {
-  Pair sum = of[slot];
-  neighbours.of(slot, [&](std::size_t s, float weight) {
-    sum.first += weight * of[s].first;
-    sum.second += weight * of[s].second;
-  });
-  return sum;
+Sums sums_about(const Neighbours<D>& neighbours, const std::vector<Pair>& of,
+                const std::vector<HalfDifference>& halves, std::size_t slot) {
+  Sums sums;
+  const auto add = [&](std::size_t s, float place) {
+    const float weight = place * halves[s].weight;
+    sums.first += weight * of[s].first;
+    sums.second += weight * of[s].second;
+    sums.weight += weight;
+    sums.places += place;
+  };
+  add(slot, 1);
+  neighbours.of(slot, add);
+  return sums;
 }
 
 // Calls body(slot) for all texels, in parallel.
@@ -165,10 +176,13 @@ void shrink(const Neighbours<D>& neighbours, const std::vector<Offset>& offsets,
   });
   std::vector<float> of_light(count);
   for_each_texel(count, progress, [&](std::size_t s) {
-    const auto [all, by_noise] = sums_about(neighbours, changes, s);
-    const float by_light = std::max(0.0f, all - by_noise);
-    const float share = by_noise > 0 ? by_noise / (by_noise + by_light) : 0;
-    if (all > 0) of_light[s] = share * share * by_light / all * changes[s].first;
+    const Sums about = sums_about(neighbours, changes, light.halves, s);
+    // The noise of a texel falls with its samples; the light does not.
+    const float by_noise = about.second / about.places;
+    const float by_light = about.weight > 0 ? (about.first - about.second) / about.weight : 0;
+    const float of_own = std::max(0.0f, by_light) * light.halves[s].weight;
+    const float share = by_noise > 0 ? by_noise / (by_noise + of_own) : 0;
+    of_light[s] = share * share * (1 - share) * changes[s].first;
     HalfDifference& own = light.halves[s];
     own.first_less_second += offsets[s].halves * share;
     noise[s].second = noise_of(own.first_less_second, own.first_share);
@@ -176,8 +190,8 @@ void shrink(const Neighbours<D>& neighbours, const std::vector<Offset>& offsets,
   });
   for_each_texel(count, progress, [&](std::size_t s) {
     float& variance = light.averages[s].variance;
-    const auto [before, after] = sums_about(neighbours, noise, s);
-    if (before > 0) variance *= std::min(1.0f, after / before);
+    const Sums about = sums_about(neighbours, noise, light.halves, s);
+    if (about.first > 0) variance *= std::min(1.0f, about.second / about.first);
     variance += of_light[s];
   });
 }

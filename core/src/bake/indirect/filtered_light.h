@@ -17,9 +17,10 @@ struct NoisyLight {
 // same isosurface, if it faces the same way there. How far, two halves of the blocks decide, whose
 // noise is independent (Rousselle et al. 2012): what both halves would change alike is light, the
 // rest is noise, and the step is the longer, the more of it is noise (shrinkage, James and Stein
-// 1961). So more blocks mean less filtering, and the result goes to the truth. Variances become
-// those of the results, with what the step changes of the light itself counted as error. `sides`:
-// the front and the back one, which is empty where it is not baked.
+// 1961). So more blocks mean less filtering, and the result goes to the truth; and texels of few
+// samples go further than those about them. Variances become those of the results, with what the
+// step changes of the light itself counted as error. `sides`: the front and the back one, which is
+// empty where it is not baked.
 template <int D>
 void filter_along_isosurfaces(const IndexedLattice<D>& texels,
                               const std::vector<TexelSurface<D>>& surfaces,
