@@ -20,8 +20,8 @@ constexpr double coarse_patches = D == 3 ? 8192 : 1024;
 template <int D>
 constexpr double fine_patches = D == 3 ? 32768 : 2048;
 constexpr int most_cuts = 512;
-// Of collect_photons(): each reaches one patch, one node further.
-constexpr int patch_passes = 4, node_passes = 6;
+// Of collect_photons(): each reaches one patch further.
+constexpr int patch_passes = 4;
 
 // How a facet is cut: a segment into n pieces; a triangle into n^2, numbered by the lattice square
 // (i, j) of their barycentric coordinates. A square below the diagonal holds two of them, so row j
@@ -94,20 +94,6 @@ void spread_over_patches(const std::vector<Beside<D>>& beside, std::size_t strid
     for (std::size_t e = 0; e < light.size(); ++e) {
       for (const int other : beside[e / stride]) light[e] += before[other * stride + e % stride];
       light[e] /= D + 1;
-    }
-  }
-}
-
-// [... * nodes + node].
-template <class Value>
-void spread_over_nodes(std::vector<Value>& values) {
-  constexpr std::size_t nodes = IsovalueNodes::count;
-  for (int pass = 0; pass < node_passes; ++pass) {
-    const std::vector<Value> before = values;
-    for (std::size_t e = 0; e < values.size(); ++e) {
-      const std::size_t node = e % nodes;
-      const Value &low = before[node > 0 ? e - 1 : e], &high = before[node + 1 < nodes ? e + 1 : e];
-      values[e] = (before[e] * Real(2) + low + high) / Real(4);
     }
   }
 }
@@ -189,32 +175,19 @@ Rgb SurfaceCache<D>::density(const FluxAccumulator& flux, std::size_t entry) con
   return irradiance;
 }
 
-// A wall has few photons for each of its patches and nodes, and its indirect light varies little
-// from one to the next.
+// A wall has few photons for each of its patches, and its indirect light varies little from one to
+// the next. Over isovalues it may vary fast: where an isosurface leaves the walls, they become
+// dark.
 template <int D>
 void SurfaceCache<D>::collect_photons(bool smooth, Progress& progress) {
-  constexpr std::size_t nodes = IsovalueNodes::count;
-  // Nodes that are close together have few photons each: these and heights are spread alike.
-  std::vector<Real> heights(nodes);
-  for (std::size_t n = 0; n < nodes; ++n) heights[n] = static_cast<Real>(share_of_range(n));
-  if (smooth) spread_over_nodes(heights);
   parallel_range(facets_.size(), 1, 0, progress, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const std::vector<Beside<D>> beside = Patches<D>::beside(facets_[f].cuts);
-      const std::size_t stride = sides * nodes, first = facets_[f].first * stride;
+      const std::size_t stride = sides * IsovalueNodes::count, first = facets_[f].first * stride;
       std::vector<Rgb> light(beside.size() * stride);
-      for (std::size_t e = 0; e < light.size(); ++e) {
-        light[e] =
-            density(indirect_sides_, first + e) * static_cast<Real>(share_of_range(e % nodes));
-      }
-      if (smooth) {
-        spread_over_patches<D>(beside, stride, light);
-        spread_over_nodes(light);
-      }
-      for (std::size_t e = 0; e < light.size(); ++e) {
-        const Real height = heights[e % nodes];
-        radiance_[first + e] = height > 0 ? light[e] / height : Rgb(0);
-      }
+      for (std::size_t e = 0; e < light.size(); ++e) light[e] = density(indirect_sides_, first + e);
+      if (smooth) spread_over_patches<D>(beside, stride, light);
+      std::copy(light.begin(), light.end(), radiance_.begin() + first);
     }
   });
 }

@@ -27,7 +27,7 @@ class SurfaceCache {
   std::vector<Rgb>& finished() { return radiance_; }
 
   std::size_t entries() const { return radiance_.size(); }
-  // Before entries are finished; `smooth`: photons are spread over patches and nodes.
+  // Before entries are finished; `smooth`: photons are spread over patches.
   void collect_photons(bool smooth, Progress& progress);
   // Turns the photons of one entry into radiance and adds direct light by `samples` shadow rays.
   void finish(std::size_t entry, const LightSampler<D>& lights, int samples, std::uint64_t seed,
