@@ -54,8 +54,7 @@ std::vector<Light<D>> in_frame(std::vector<Light<D>> lights, const Frame<D>& fra
 }
 
 template <int D>
-BoundingSphere<D> bounds_of(const Scene<D>& scene, const Frame<D>& frame,
-                            const std::vector<Mesh<D>>& meshes) {
+Box<D> box_of(const Scene<D>& scene, const Frame<D>& frame, const std::vector<Mesh<D>>& meshes) {
   Box<D> box;
   for (const Volume<D>& volume : scene.volumes) {
     const Box<D> own = world_box(volume.field);
@@ -64,6 +63,11 @@ BoundingSphere<D> bounds_of(const Scene<D>& scene, const Frame<D>& frame,
   for (const Mesh<D>& mesh : meshes) {
     for (const auto& v : mesh.vertices) box.extend(Vec<D>(v));
   }
+  return box;
+}
+
+template <int D>
+BoundingSphere<D> sphere_around(const Box<D>& box) {
   return {(box.low + box.high) * 0.5, 0.5 * (box.high - box.low).length() * (1 + 1e-6)};
 }
 
@@ -97,7 +101,8 @@ SceneTracer<D>::SceneTracer(const Scene<D>& scene)
       frame_(scene),
       meshes_(in_frame(scene.meshes, frame_)),
       lights_(in_frame(scene.lights, frame_)),
-      bounds_(bounds_of(scene, frame_, meshes_)),
+      box_(box_of(scene, frame_, meshes_)),
+      bounds_(sphere_around(box_)),
       walls_(meshes_),
       has_openings_(scene.volumes.size() == 1 &&
                     isosurfaces_are_open(scene.volumes[0], scene.isovalue_range)) {

@@ -92,6 +92,8 @@ class SceneTracer {
   const std::vector<Mesh<D>>& meshes() const { return meshes_; }   // frame
   const std::vector<Light<D>>& lights() const { return lights_; }  // frame
   const Affine<D>& index_to_frame(int volume) const { return fields_[volume].index_to_frame; }
+  // Around the volumes and meshes.
+  const Box<D>& box() const { return box_; }
   const BoundingSphere<D>& bounds() const { return bounds_; }
   const Walls<D>& walls() const { return walls_; }
 
@@ -141,6 +143,7 @@ class SceneTracer {
   std::vector<FieldFrame> fields_;
   std::vector<Mesh<D>> meshes_;
   std::vector<Light<D>> lights_;
+  Box<D> box_;
   BoundingSphere<D> bounds_;
   Walls<D> walls_;
   bool has_openings_;

@@ -13,7 +13,7 @@
 namespace leaflight {
 namespace {
 
-constexpr int sides = 2;
+constexpr std::size_t nodes = IsovalueNodes::count;
 // Patches the walls are cut into, about, when their facets are large.
 template <int D>
 constexpr double coarse_patches = D == 3 ? 8192 : 1024;
@@ -85,6 +85,18 @@ struct Patches<3> {
   }
 };
 
+// Whether anything in the scene lies in front of a plane, as far as the box around it all tells.
+template <int D>
+bool sees_anything(const SceneTracer<D>& tracer, const Vec<D>& point, const Vec<D>& normal) {
+  const Box<D>& box = tracer.box();
+  double farthest_in_front = 0;
+  for (int a = 0; a < D; ++a) {
+    farthest_in_front +=
+        std::max((box.low[a] - point[a]) * normal[a], (box.high[a] - point[a]) * normal[a]);
+  }
+  return farthest_in_front > 1e-6 * tracer.bounds().radius;
+}
+
 // Means of each patch and those beside it; [patch * stride + ...].
 template <int D>
 void spread_over_patches(const std::vector<Beside<D>>& beside, std::size_t stride,
@@ -110,22 +122,25 @@ SurfaceCache<D>::SurfaceCache(const SceneTracer<D>& tracer, bool caustics, doubl
     first_facet_.push_back(facets_.size());
     for (std::size_t i = 0; i < mesh.facets.size(); ++i) {
       const FacetFrame<D> frame(mesh, i);
-      facets_.push_back(
-          {static_cast<int>(m), static_cast<int>(i), 1, 0, frame.area(), frame.normal()});
+      const bool back = sees_anything<D>(tracer, frame.point(0, 0), -frame.normal());
+      const bool front = !back || sees_anything<D>(tracer, frame.point(0, 0), frame.normal());
+      facets_.push_back({static_cast<int>(m), static_cast<int>(i), 1, front, back, 0, 0,
+                         frame.area(), frame.normal()});
       total_area += frame.area();
     }
   }
   const double wanted = fine ? fine_patches<D> : coarse_patches<D>;
-  std::size_t patches = 0;
+  std::size_t patches = 0, entries = 0;
   for (Facet& facet : facets_) {
     const double share = total_area > 0 ? facet.patch_area / total_area : 0;
     const double cuts = std::pow(share * wanted, 1.0 / (D - 1));
     facet.cuts = std::clamp(static_cast<int>(std::lround(cuts)), 1, most_cuts);
     facet.patch_area /= Patches<D>::count(facet.cuts);
-    facet.first = patches;
+    facet.first_patch = patches;
+    facet.first_entry = entries;
     patches += Patches<D>::count(facet.cuts);
+    entries += Patches<D>::count(facet.cuts) * facet.sides() * nodes;
   }
-  const std::size_t entries = patches * sides * IsovalueNodes::count;
   if (entries > std::size_t{1} << 28) {
     throw Error("The walls have " + std::to_string(facets_.size()) +
                 " faces, too many for their radiance cache; decimate the meshes.");
@@ -136,39 +151,48 @@ SurfaceCache<D>::SurfaceCache(const SceneTracer<D>& tracer, bool caustics, doubl
 }
 
 template <int D>
-std::size_t SurfaceCache<D>::entry(const WallHit& hit, const Vec<D>& direction, int node) const {
+std::optional<std::size_t> SurfaceCache<D>::column(const WallHit& hit,
+                                                   const Vec<D>& direction) const {
   const Facet& facet = facets_[first_facet_[hit.mesh] + hit.facet];
-  const std::size_t patch = facet.first + Patches<D>::number(hit.u, hit.v, facet.cuts);
-  const int side = facet.normal.dot(direction) > 0;
-  return (patch * sides + side) * IsovalueNodes::count + node;
+  const bool back = facet.normal.dot(direction) > 0;
+  if (!(back ? facet.back : facet.front)) return std::nullopt;
+  const std::size_t patch = Patches<D>::number(hit.u, hit.v, facet.cuts);
+  return facet.first_entry + (patch * facet.sides() + (back && facet.front)) * nodes;
 }
 
 template <int D>
-const typename SurfaceCache<D>::Facet& SurfaceCache<D>::facet_of(std::size_t entry) const {
-  const std::size_t patch = entry / (sides * IsovalueNodes::count);
-  return *(std::upper_bound(facets_.begin(), facets_.end(), patch,
-                            [](std::size_t p, const Facet& f) { return p < f.first; }) -
-           1);
+typename SurfaceCache<D>::Place SurfaceCache<D>::place_of(std::size_t entry) const {
+  const Facet& facet =
+      *(std::upper_bound(facets_.begin(), facets_.end(), entry,
+                         [](std::size_t e, const Facet& f) { return e < f.first_entry; }) -
+        1);
+  const std::size_t column = (entry - facet.first_entry) / nodes;
+  return {facet, static_cast<int>(column / facet.sides()),
+          facet.front && column % facet.sides() == 0,
+          static_cast<int>((entry - facet.first_entry) % nodes)};
 }
 
 template <int D>
 void SurfaceCache<D>::deposit(const PhotonHit<D>& photon) {
   if (photon.arrival == Arrival::direct) return;
+  const auto first = column(photon.point.facet(), -photon.point.geometric_normal);
+  if (!first) return;
   const bool is_caustic = photon.arrival == Arrival::caustic && !caustic_.empty();
   FluxAccumulator& flux = is_caustic ? caustic_ : indirect_sides_;
-  flux.add(entry(photon.point, nodes_.nearest(photon.point.c)), photon.flux_height);
+  flux.add(*first + nodes_.nearest(photon.point.c), photon.flux_height);
 }
 
 template <int D>
-double SurfaceCache<D>::share_of_range(std::size_t node) const {
-  return nodes_.height(static_cast<int>(node)) / tracer_.scene().isovalue_range.height();
+double SurfaceCache<D>::share_of_range(int node) const {
+  return nodes_.height(node) / tracer_.scene().isovalue_range.height();
 }
 
 // Irradiance from an entry's photons.
 template <int D>
 Rgb SurfaceCache<D>::density(const FluxAccumulator& flux, std::size_t entry) const {
   if (flux.empty()) return Rgb(0);
-  const double measure = facet_of(entry).patch_area * share_of_range(entry % IsovalueNodes::count);
+  const Place at = place_of(entry);
+  const double measure = at.facet.patch_area * share_of_range(at.node);
   if (!(measure > 0)) return Rgb(0);
   Rgb irradiance;
   for (int i = 0; i < 3; ++i) irradiance[i] = static_cast<Real>(flux.flux(entry, i) / measure);
@@ -183,34 +207,34 @@ void SurfaceCache<D>::collect_photons(bool smooth, Progress& progress) {
   parallel_range(facets_.size(), 1, 0, progress, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const std::vector<Beside<D>> beside = Patches<D>::beside(facets_[f].cuts);
-      const std::size_t stride = sides * IsovalueNodes::count, first = facets_[f].first * stride;
+      const std::size_t stride = facets_[f].sides() * nodes, first = facets_[f].first_entry;
       std::vector<Rgb> light(beside.size() * stride);
       for (std::size_t e = 0; e < light.size(); ++e) light[e] = density(indirect_sides_, first + e);
       if (smooth) spread_over_patches<D>(beside, stride, light);
       std::copy(light.begin(), light.end(), radiance_.begin() + first);
     }
   });
+  if (smooth) indirect_sides_ = FluxAccumulator(0, 1, 1);
 }
 
 template <int D>
 void SurfaceCache<D>::finish(std::size_t entry, const LightSampler<D>& lights, int samples,
                              std::uint64_t seed, std::uint64_t& rays) {
-  const std::size_t patch = entry / (sides * IsovalueNodes::count);
-  const bool front = (entry / IsovalueNodes::count) % sides == 0;
-  const double c = nodes_.node(static_cast<int>(entry % IsovalueNodes::count));
-  const Facet& facet = facet_of(entry);
-  Random random = random_for(seed, Purpose::surface_cache, entry);
+  const auto& [facet, patch, front, node] = place_of(entry);
+  // Of the patch, side and node: the sides that are kept do not change the light.
+  const std::size_t key = ((facet.first_patch + patch) * 2 + !front) * nodes + node;
+  Random random = random_for(seed, Purpose::surface_cache, key);
   const std::uint64_t point_key = random.bits(), light_key = random.bits();
   const Rgb photons =
       (radiance_[entry] + density(caustic_, entry)) / static_cast<Real>(projected_hemisphere<D>);
-  SurfacePoint<D> point = tracer_.facet_point(facet.mesh, facet.facet, 0, 0, front, c);
+  SurfacePoint<D> point =
+      tracer_.facet_point(facet.mesh, facet.facet, 0, 0, front, nodes_.node(node));
   if (point.scattering != Scattering::diffuse) return;  // no ray looks it up
   const Mesh<D>& mesh = tracer_.meshes()[facet.mesh];
   const FacetFrame<D> frame(mesh, facet.facet);
   Rgb sum(0);
   for (int i = 0; i < samples; ++i) {
-    const auto uv = Patches<D>::point(static_cast<int>(patch - facet.first), facet.cuts,
-                                      sobol_point(i, point_key));
+    const auto uv = Patches<D>::point(patch, facet.cuts, sobol_point(i, point_key));
     point.position = frame.point(uv[0], uv[1]);
     if (mesh.texture) point.albedo = mesh.albedo_at(facet.facet, uv[0], uv[1]);
     sum += point.albedo * photons +
@@ -222,17 +246,21 @@ void SurfaceCache<D>::finish(std::size_t entry, const LightSampler<D>& lights, i
 template <int D>
 Rgb SurfaceCache<D>::between_nodes(const FluxAccumulator& flux,
                                    const SurfacePoint<D>& point) const {
+  // The point's normal faces the side from which it is seen.
+  const auto first = column(point.facet(), -point.geometric_normal);
+  if (!first) return Rgb(0);
   const IsovalueNodes::Place at = nodes_.place(point.c);
   const auto t = static_cast<Real>(at.t);
-  return density(flux, entry(point, at.low)) * (1 - t) +
-         density(flux, entry(point, at.low + 1)) * t;
+  return density(flux, *first + at.low) * (1 - t) + density(flux, *first + at.low + 1) * t;
 }
 
 template <int D>
 Rgb SurfaceCache<D>::radiance(const WallHit& hit, const Vec<D>& direction, double c,
                               double u) const {
+  const auto first = column(hit, direction);
+  if (!first) return Rgb(0);
   const IsovalueNodes::Place at = nodes_.place(c);
-  return radiance_[entry(hit, direction, at.low + (u < at.t))];
+  return radiance_[*first + at.low + (u < at.t)];
 }
 
 template class SurfaceCache<2>;

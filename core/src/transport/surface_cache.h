@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 
 #include "math/progress.h"
 #include "scene/isovalue_nodes.h"
@@ -11,8 +12,8 @@
 namespace leaflight {
 
 // Radiance of the walls over (u, v, c): each triangle is cut into n x n equal patches, each
-// segment of the plane into n, c has nodes, and both sides are kept. It answers rays of the
-// final gather.
+// segment of the plane into n, and c has nodes. Each side is kept that anything in the scene can
+// see; the outside of a closed box is not. It answers rays of the final gather.
 template <int D>
 class SurfaceCache {
  public:
@@ -27,7 +28,8 @@ class SurfaceCache {
   std::vector<Rgb>& finished() { return radiance_; }
 
   std::size_t entries() const { return radiance_.size(); }
-  // Before entries are finished; `smooth`: photons are spread over patches.
+  // Before entries are finished. `smooth`: photons are spread over patches and then given up, so
+  // that indirect_irradiance() is 0.
   void collect_photons(bool smooth, Progress& progress);
   // Turns the photons of one entry into radiance and adds direct light by `samples` shadow rays.
   void finish(std::size_t entry, const LightSampler<D>& lights, int samples, std::uint64_t seed,
@@ -54,26 +56,32 @@ class SurfaceCache {
  private:
   struct Facet {
     int mesh, facet;
-    int cuts;           // patches along each edge
-    std::size_t first;  // its first patch
+    int cuts;          // patches along each edge
+    bool front, back;  // sides that are kept
+    std::size_t first_patch, first_entry;
     double patch_area;
     Vec<D> normal;
+
+    int sides() const { return front + back; }
   };
-  std::size_t entry(const WallHit& hit, const Vec<D>& direction, int node) const;
-  // The point's normal faces the side from which it is seen.
-  std::size_t entry(const SurfacePoint<D>& point, int node) const {
-    return entry(point.facet(), -point.geometric_normal, node);
-  }
+  struct Place {
+    const Facet& facet;
+    int patch;
+    bool front;
+    int node;
+  };
+  // The first entry of the side that a ray of the given direction hits, that of the first node.
+  std::optional<std::size_t> column(const WallHit& hit, const Vec<D>& direction) const;
+  Place place_of(std::size_t entry) const;
   Rgb between_nodes(const FluxAccumulator& flux, const SurfacePoint<D>& point) const;
   Rgb density(const FluxAccumulator& flux, std::size_t entry) const;
-  double share_of_range(std::size_t node) const;
-  const Facet& facet_of(std::size_t entry) const;
+  double share_of_range(int node) const;
 
   const SceneTracer<D>& tracer_;
   std::vector<std::size_t> first_facet_;  // of each mesh, in facets_
   std::vector<Facet> facets_;
   IsovalueNodes nodes_;
-  std::vector<Rgb> radiance_;  // patch, side, node
+  std::vector<Rgb> radiance_;  // of each facet: patch, side, node
   FluxAccumulator indirect_sides_, caustic_;
 };
 
