@@ -4,6 +4,9 @@
 import leaflight
 import numpy as np
 
+# Texels on each axis of cone(16), so fine that what they miss is far below their noise.
+FINE = 31
+
 
 def cone(nodes: int, is_open: bool = False, dimensions: int = 3) -> leaflight.Volume:
     """Its isosurfaces are balls, or half balls, whose light is smooth: texels miss little of it."""

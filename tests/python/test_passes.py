@@ -8,7 +8,7 @@ from dataclasses import replace
 import leaflight
 import numpy as np
 import pytest
-from cone import cone
+from cone import FINE, cone
 from leaflight import Cancelled, LeaflightError, Progress, _core, load_bake
 from leaflight.bake.estimate import extrapolated
 from leaflight.bake.outcome import outcome
@@ -25,8 +25,8 @@ UNREACHED = 1e-3
 def box(bump_scene):
     """bake(**settings) of a small cone."""
 
-    def bake(nodes=16, **settings):
-        return leaflight.bake(cone(nodes), bump_scene, isovalues=ISOVALUES, **settings)
+    def bake(**settings):
+        return leaflight.bake(cone(16), bump_scene, isovalues=ISOVALUES, **settings)
 
     return bake
 
@@ -45,14 +45,14 @@ def stopped_after(passes, box, **settings):
 
 def test_each_pass_leaves_a_better_bake(box, tmp_path):
     seen = []
-    last = box(24, error=0.595, on_pass=seen.append)
+    last = box(resolution=FINE, error=0.5, on_pass=seen.append)
     assert [one.statistics.passes for one in seen] == list(range(1, len(seen) + 1))
     assert last.statistics.passes == len(seen) + 1 > 2
     assert not last.statistics.stopped
     noises = [one.statistics.estimated_noise_percent for one in [*seen, last]]
     assert noises == sorted(noises, reverse=True)
     errors = [one.statistics.estimated_error_percent for one in [*seen, last]]
-    assert errors == sorted(errors, reverse=True) and errors[-1] <= 0.595 < errors[0]
+    assert errors == sorted(errors, reverse=True) and errors[-1] <= 0.5 < errors[0]
     seconds = [one.statistics.seconds for one in [*seen, last]]
     assert seconds == sorted(seconds) and seconds[0] > 0
     assert len({one.id for one in [*seen, last]}) == len(seen) + 1

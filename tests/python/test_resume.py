@@ -6,7 +6,7 @@ import json
 import leaflight
 import numpy as np
 import pytest
-from cone import cone
+from cone import FINE, cone
 from leaflight import LeaflightError, Progress, load_bake, resume
 from leaflight.volume.setting_error import SettingError
 
@@ -29,8 +29,8 @@ def stopping(passes):
 def box(bump_scene):
     """bake(**settings) of a small cone."""
 
-    def bake(nodes=16, **settings):
-        volume = cone(nodes, is_open=settings.get("both_sides", False))
+    def bake(**settings):
+        volume = cone(16, is_open=settings.get("both_sides", False))
         return leaflight.bake(volume, bump_scene, isovalues=(30.0, 70.0), **settings)
 
     return bake
@@ -72,11 +72,11 @@ def test_a_stopped_bake_goes_on_to_its_error(box, previous):
 
 
 def test_a_finished_bake_goes_on_to_a_smaller_error(box):
-    rough = box(nodes=20, error=0.65)
+    rough = box(resolution=FINE, error=1.0)
     assert not rough.statistics.stopped
-    fine = resume(rough, error=0.6)
-    assert fine.provenance.error == 0.6
-    assert fine.statistics.estimated_error_percent <= 0.6
+    fine = resume(rough, error=0.5)
+    assert fine.provenance.error == 0.5
+    assert fine.statistics.estimated_error_percent <= 0.5
     noise = [one.statistics.estimated_noise_percent for one in (rough, fine)]
     assert noise[1] < 0.85 * noise[0]
     points = fine.surface(47.0).vertices
@@ -159,24 +159,25 @@ def test_a_fixed_amount_of_work_is_not_continued(bump_scene, fixed_work):
 def test_the_command_line(cli, root, tmp_path):
     previous, more = tmp_path / "previous.vdb", tmp_path / "more.vdb"
     scene = root / "scenes" / "bump_box.json"
-    volume, spacing = tmp_path / "cone.npy", str(1 / 19)
-    np.save(volume, cone(20).values)
+    volume, spacing = tmp_path / "cone.npy", str(1 / 15)
+    np.save(volume, cone(16).values)
     given = [volume, "--spacing", spacing, "--scene", scene, "--isovalues", "30", "70"]
-    first = cli("bake", *given, "--error", "0.65", "--out", previous, "--json")
+    texels = ["--resolution", str(FINE)]
+    first = cli("bake", *given, *texels, "--error", "1", "--out", previous, "--json")
     assert first.status == 0
     before = json.loads(first.out.splitlines()[-1])
     continued = ["bake", "--continue", previous, "--out", more]
-    outcome = cli(*continued, "--error", "0.6", "--json")
-    assert outcome.status == 0 and "(target 0.6 %)" in outcome.out
+    outcome = cli(*continued, "--error", "0.5", "--json")
+    assert outcome.status == 0 and "(target 0.5 %)" in outcome.out
     after = json.loads(outcome.out.splitlines()[-1])
     name = "estimated_noise_percent"
     assert after[name] < 0.85 * before[name]
     name = "estimated_error_percent"
-    assert after[name] <= 0.6 < before[name]
+    assert after[name] <= 0.5 < before[name]
     assert after["passes"] > before["passes"] and after["rays"] > before["rays"]
     assert load_bake(more).provenance.continued == load_bake(previous).id
     # In place, too.
-    assert cli("bake", "--continue", more, "--out", more, "--error", "0.4").status == 0
+    assert cli("bake", "--continue", more, "--out", more, "--error", "0.45").status == 0
     refused = cli(*continued)
     assert refused.status == 2 and refused.err.endswith("(--error).\n")
     refused = cli(*continued, "--isovalues", "30", "60", "--seed", "2", "--both-sides")
