@@ -193,19 +193,20 @@ def _source(library, target):
 
 def _apt_options():
     """For apt's lists of source packages, in a folder of their own: those of this machine's sources
-    of packages."""
+    of packages, which apt reads in the same order."""
     folder = SOURCES / "apt"
-    parts = folder / "sources"
+    one, parts = folder / "sources.list", folder / "sources.list.d"
     options = (
-        *("-o", f"Dir::State::Lists={folder / 'lists'}", "-o", "Dir::Etc::SourceList=/dev/null"),
+        *("-o", f"Dir::State::Lists={folder / 'lists'}", "-o", f"Dir::Etc::SourceList={one}"),
         *("-o", f"Dir::Etc::SourceParts={parts}", "-o", "APT::Sandbox::User=root"),
     )
-    if not parts.exists():
-        (folder / "lists" / "partial").mkdir(parents=True, exist_ok=True)
-        parts.mkdir()
-        for path in (Path("/etc/apt/sources.list"), *Path("/etc/apt/sources.list.d").iterdir()):
+    if not any((folder / "lists").glob("*Sources*")):
+        for made in (parts, folder / "lists" / "partial"):
+            made.mkdir(parents=True, exist_ok=True)
+        etc = Path("/etc/apt")
+        for path in (etc / one.name, *(etc / parts.name).iterdir()):
             if path.suffix in (".list", ".sources") and path.is_file():
-                (parts / path.name).write_text(_of_sources(path.read_text()))
+                (folder / path.relative_to(etc)).write_text(_of_sources(path.read_text()))
         run("apt-get", *options, "update")
     return options
 
