@@ -4,11 +4,12 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "grid_object.h"
+#include "io/bake_file.h"
 #include "io/checkpoint_file.h"
 #include "io/exr.h"
 #include "io/replaced_files.h"
 #include "io/seal.h"
-#include "io/vdb.h"
+#include "io/vdb_volume.h"
 
 namespace leaflight::python {
 namespace {

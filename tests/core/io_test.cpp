@@ -8,11 +8,12 @@
 #include <fstream>
 
 #include "bake/driver/bake.h"
+#include "io/bake_file.h"
 #include "io/exr.h"
 #include "io/files.h"
 #include "io/replaced_files.h"
 #include "io/seal.h"
-#include "io/vdb.h"
+#include "io/vdb_volume.h"
 #include "math/error.h"
 #include "math/platform.h"
 #include "scenes.h"

@@ -7,7 +7,8 @@
 #include "bake/output/lit_contour.h"
 #include "bytes.h"
 #include "input_file.h"
-#include "io/vdb.h"
+#include "io/bake_file.h"
+#include "io/vdb_volume.h"
 #include "one_thread.h"
 #include "said.h"
 

@@ -3,7 +3,7 @@
 #include "io/vdb_header.h"
 
 #include "input_file.h"
-#include "io/vdb.h"
+#include "io/bake_file.h"
 #include "said.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

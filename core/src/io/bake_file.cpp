@@ -1,30 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "io/vdb.h"
-
-#include <openvdb/io/Archive.h>
-#include <openvdb/io/GridDescriptor.h>
-#include <openvdb/io/Stream.h>
-#include <openvdb/openvdb.h>
-#include <openvdb/tools/Dense.h>
+#include "io/bake_file.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <limits>
-#include <type_traits>
 #include <vector>
 
 #include "io/field_grid.h"
 #include "io/files.h"
 #include "io/replaced_files.h"
 #include "io/seal.h"
+#include "io/vdb_file.h"
 #include "io/vdb_header.h"
 #include "math/error.h"
 #include "math/platform.h"
 
 namespace leaflight {
 namespace {
+
+using Vec3Grid = openvdb::Vec3SGrid;
+using SideRadiance = std::vector<Vec<3, float>>;
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 constexpr char field_name[] = "field", radiance_name[] = "radiance",
@@ -37,75 +33,34 @@ constexpr char field_name[] = "field", radiance_name[] = "radiance",
 // Distinguishes our keys from OpenVDB's own, such as "name".
 const std::string metadata_prefix = "leaflight_";
 
-void initialize() {
-  static const bool done = [] {
-    openvdb::initialize();
-    return true;
-  }();
-  static_cast<void>(done);
-}
+// OpenVDB has no grids of bytes or of shorts: voxels are written as floats, beside the name of the
+// type that they have, in the order of Voxels.
+constexpr std::array<const char*, 4> type_names{"float32", "uint8", "int16", "uint16"};
+constexpr char type_key[] = "leaflight_type";
 
-// OpenVDB refuses transforms whose voxels are smaller than 3e-15, and judges by differences of
-// 1e-15 whether axes are alike: small voxels are written 2^k times larger, beside k.
-constexpr char doublings_key[] = "leaflight_doublings";
-constexpr int most_doublings = 100;
-
-int doublings_for(const Affine<3>& texel_to_world) {
-  const double edge = std::cbrt(std::abs(determinant(texel_to_world)));
-  return edge >= 1e-4 ? 0
-                      : std::min(most_doublings, static_cast<int>(-std::floor(std::log2(edge))));
-}
-
-Affine<3> doubled(Affine<3> m, int times) {
-  for (Vec3& column : m.column) column *= std::ldexp(1.0, times);
-  m.origin *= std::ldexp(1.0, times);
-  return m;
-}
-
-openvdb::math::Transform::Ptr to_transform(const Affine<3>& m) {
-  openvdb::Mat4d matrix = openvdb::Mat4d::identity();
-  for (int a = 0; a < 3; ++a) {
-    for (int i = 0; i < 3; ++i) matrix(a, i) = m.column[a][i];
-    matrix(3, a) = m.origin[a];
-  }
-  return openvdb::math::Transform::createLinearTransform(matrix);
-}
-
-void place(openvdb::GridBase& grid, const Affine<3>& index_to_world, int doublings) {
-  grid.setTransform(to_transform(doubled(index_to_world, doublings)));
-  if (doublings > 0) grid.insertMeta(doublings_key, openvdb::Int32Metadata(doublings));
-}
-
-Affine<3> to_affine(const openvdb::GridBase& grid, const std::filesystem::path& path) {
-  const openvdb::math::Transform& transform = grid.transform();
-  if (!transform.isLinear()) {
-    throw Error("A grid of '" + text_of(path) +
-                "' has a perspective transform; resample it to a linear one.");
-  }
-  const openvdb::Mat4d matrix = transform.baseMap()->getAffineMap()->getMat4();
-  Affine<3> m;
-  for (int a = 0; a < 3; ++a) {
-    for (int i = 0; i < 3; ++i) m.column[a][i] = matrix(a, i);
-    m.origin[a] = matrix(3, a);
-  }
-  if (const auto doublings = grid.getMetadata<openvdb::Int32Metadata>(doublings_key)) {
-    m = doubled(m, -std::clamp(doublings->value(), 0, most_doublings));
-  }
-  return m;
-}
-
-// OpenVDB's dense layout with x fastest.
-template <class T>
-using DenseView = openvdb::tools::Dense<T, openvdb::tools::LayoutXYZ>;
+constexpr int nodes = IsovalueNodes::count;
 
 openvdb::CoordBBox box_of(const Index<3>& dims) {
   return {openvdb::Coord(0), openvdb::Coord(dims[0] - 1, dims[1] - 1, dims[2] - 1)};
 }
 
-// OpenVDB has no grids of bytes or of shorts: voxels are written as floats, beside the name of the
-// type that they have, in the order of Voxels.
-constexpr std::array<const char*, 4> type_names{"float32", "uint8", "int16", "uint16"};
-constexpr char type_key[] = "leaflight_type";
+openvdb::Vec3f to_vdb(const Vec<3, float>& v) { return {v.x, v.y, v.z}; }
+Vec<3, float> from_vdb(const openvdb::Vec3f& v) { return {v.x(), v.y(), v.z()}; }
+
+openvdb::Vec3i to_vdb(const Index<3>& i) { return {i[0], i[1], i[2]}; }
+
+// Grids of the volumes after the first have a number.
+std::string numbered(const char* name, std::size_t volume) {
+  std::string text = name;
+  if (volume > 0) text += "_" + std::to_string(volume + 1);
+  return text;
+}
+
+Affine<3> texel_to_world_of(const Field<3>& field, const TexelLattice<3>& lattice) {
+  Affine<3> texel_to_world = field.index_to_world;
+  for (int a = 0; a < 3; ++a) texel_to_world.column[a] *= lattice.voxels_per_texel[a];
+  return texel_to_world;
+}
 
 template <class Grid, class Value>
 typename Grid::Ptr texel_grid(const std::string& name, const Affine<3>& texel_to_world,
@@ -120,180 +75,6 @@ typename Grid::Ptr texel_grid(const std::string& name, const Affine<3>& texel_to
   place(*grid, texel_to_world, doublings);
   grid->setSaveFloatAsHalf(true);
   return grid;
-}
-
-openvdb::Vec3f to_vdb(const Vec<3, float>& v) { return {v.x, v.y, v.z}; }
-Vec<3, float> from_vdb(const openvdb::Vec3f& v) { return {v.x(), v.y(), v.z()}; }
-
-openvdb::Vec3i to_vdb(const Index<3>& i) { return {i[0], i[1], i[2]}; }
-
-struct Contents {
-  openvdb::GridPtrVec grids;
-  openvdb::MetaMap::Ptr metadata;
-};
-
-// Calls read(stream) and turns what OpenVDB throws into one sentence. OpenVDB does not notice that
-// a file ends early and goes on with sizes it never read, hence a stream of ours that throws.
-template <class Read>
-auto read_stream(const std::filesystem::path& path, const Read& read) {
-  require_file(path);
-  initialize();
-  const auto damaged = [&](const std::string& why) {
-    return Error("'" + text_of(path) + "' is not a readable OpenVDB file (" + why +
-                 "); check that it is complete.");
-  };
-  try {
-    std::ifstream stream(path, std::ios::binary);
-    stream.exceptions(std::ios::failbit | std::ios::badbit);
-    return read(stream);
-  } catch (const std::ios::failure&) {
-    throw damaged("it ends early");
-  } catch (const std::exception& problem) {
-    throw damaged(brief(problem.what()));
-  }
-}
-
-Contents read_file(const std::filesystem::path& path) {
-  return read_stream(path, [](std::istream& stream) {
-    openvdb::io::Stream file(stream, false);
-    return Contents{*file.getGrids(), file.getMetadata()};
-  });
-}
-
-// Archive writes into a stream that can be sought only for its heirs. File would do so too, but not
-// notice that the disk is full.
-class SeekableArchive : openvdb::io::Archive {
- public:
-  // As Archive::write(), of grids with names of their own, but that the values of field_grid() are
-  // written as those of any grid of floats.
-  void write_into(std::ostream& stream, const openvdb::GridPtrVec& grids,
-                  const openvdb::MetaMap& metadata) const {
-    auto of_stream = std::make_shared<openvdb::io::StreamMetadata>();
-    openvdb::io::setStreamMetadataPtr(stream, of_stream, false);
-    openvdb::io::setWriteGridStatsMetadata(stream, true);
-    openvdb::io::setDataCompression(stream, compression());
-    writeHeader(stream, true);
-    metadata.writeMeta(stream);
-    const auto count = static_cast<std::int32_t>(grids.size());
-    stream.write(reinterpret_cast<const char*>(&count), sizeof count);
-    for (const auto& grid : grids) {
-      const bool floats = std::dynamic_pointer_cast<openvdb::FloatGrid>(grid) != nullptr;
-      openvdb::io::GridDescriptor descriptor(grid->getName(),
-                                             floats ? openvdb::FloatGrid::gridType() : grid->type(),
-                                             grid->saveFloatAsHalf());
-      writeGrid(descriptor, grid, stream, true);
-      // A grid may have a compression of its own.
-      openvdb::io::setDataCompression(stream, compression());
-    }
-  }
-};
-
-// Adds the texts among metadata that are ours.
-void add_texts(const openvdb::MetaMap& from, Metadata& to) {
-  for (auto entry = from.beginMeta(); entry != from.endMeta(); ++entry) {
-    const openvdb::Metadata& value = *entry->second;
-    if (entry->first.rfind(metadata_prefix, 0) == 0 &&
-        value.typeName() == openvdb::StringMetadata::staticTypeName()) {
-      to[entry->first.substr(metadata_prefix.size())] = value.str();
-    }
-  }
-}
-
-// Grids of the volumes after the first have a number.
-std::string numbered(const char* name, std::size_t volume) {
-  std::string text = name;
-  if (volume > 0) text += "_" + std::to_string(volume + 1);
-  return text;
-}
-
-template <class Grid>
-typename Grid::Ptr find_grid(const Contents& file, const std::string& name) {
-  for (const auto& grid : file.grids) {
-    if (grid->getName() != name) continue;
-    if (auto found = openvdb::gridPtrCast<Grid>(grid)) return found;
-  }
-  return nullptr;
-}
-
-template <class Grid>
-typename Grid::Ptr require_grid(const Contents& file, const std::string& name,
-                                const std::filesystem::path& path) {
-  if (auto found = find_grid<Grid>(file, name)) return found;
-  throw Error("'" + text_of(path) + "' is not a Leaflight bake, as it has no grid '" + name +
-              "'; choose a file written by a bake.");
-}
-
-Index<3> dims_from(const openvdb::GridBase& grid, const std::filesystem::path& path) {
-  const auto dims = grid.getMetadata<openvdb::Vec3IMetadata>("leaflight_dims");
-  std::uint64_t voxels = 1;
-  if (dims) {
-    for (int a = 0; a < 3; ++a) {
-      const int n = dims->value()[a];
-      voxels *= n >= 2 && n <= 65535 ? n : 0;
-    }
-  }
-  if (!dims || voxels == 0) {
-    throw Error("'" + text_of(path) + "' is not a Leaflight bake, or a damaged one; bake again.");
-  }
-  // As floats, once in the grid and once in order.
-  const std::uint64_t bytes = 2 * sizeof(float) * voxels, here = machine_memory();
-  if (voxels > std::numeric_limits<std::int32_t>::max() && here > 0 && bytes > here) {
-    throw Error("'" + text_of(path) + "': its " + std::to_string(voxels) + " voxels need " +
-                std::to_string(bytes >> 30) + " GiB of memory, but there are " +
-                std::to_string(here >> 30) + " GiB; open it on a larger machine.");
-  }
-  return {dims->value()[0], dims->value()[1], dims->value()[2]};
-}
-
-template <class Grid>
-bool read_as(const openvdb::GridBase::Ptr& base, const std::filesystem::path& path,
-             DenseVolume& volume) {
-  const auto grid = openvdb::gridPtrCast<Grid>(base);
-  if (!grid) return false;
-  const openvdb::CoordBBox box = grid->evalActiveVoxelBoundingBox();
-  if (box.empty()) {
-    throw Error("The grid '" + brief(grid->getName()) + "' of '" + text_of(path) +
-                "' has no active voxels; choose another grid.");
-  }
-  std::uint64_t voxels = 1;
-  for (int a = 0; a < 3; ++a) {
-    const std::int64_t n = std::int64_t{box.max()[a]} - box.min()[a] + 1;
-    if (n > 65535 || (voxels *= n) > std::numeric_limits<std::int32_t>::max()) {
-      throw Error("The grid '" + brief(grid->getName()) + "' of '" + text_of(path) +
-                  "' is too large for a dense volume; crop or resample it.");
-    }
-    volume.dims[a] = static_cast<int>(n);
-  }
-  std::vector<float> values(voxels);
-  DenseView<float> dense(box, values.data());
-  openvdb::tools::copyToDense(*grid, dense);
-  volume.values = std::move(values);
-  volume.name = brief(grid->getName());
-  volume.index_to_world = to_affine(*grid, path);
-  volume.index_to_world.origin =
-      volume.index_to_world.point(Vec3(box.min().x(), box.min().y(), box.min().z()));
-  return true;
-}
-
-bool read_scalar(const openvdb::GridBase::Ptr& grid, const std::filesystem::path& path,
-                 DenseVolume& volume) {
-  return read_as<openvdb::FloatGrid>(grid, path, volume) ||
-         read_as<openvdb::DoubleGrid>(grid, path, volume) ||
-         read_as<openvdb::Int32Grid>(grid, path, volume) ||
-         read_as<openvdb::Int64Grid>(grid, path, volume);
-}
-
-}  // namespace
-
-namespace {
-
-using Vec3Grid = openvdb::Vec3SGrid;
-using SideRadiance = std::vector<Vec<3, float>>;
-
-Affine<3> texel_to_world_of(const Field<3>& field, const TexelLattice<3>& lattice) {
-  Affine<3> texel_to_world = field.index_to_world;
-  for (int a = 0; a < 3; ++a) texel_to_world.column[a] *= lattice.voxels_per_texel[a];
-  return texel_to_world;
 }
 
 void add_radiance(openvdb::GridPtrVec& grids, std::size_t volume, const Field<3>& field,
@@ -345,8 +126,6 @@ void add_volume(openvdb::GridPtrVec& grids, std::size_t volume, const Field<3>& 
   }
 }
 
-constexpr int nodes = IsovalueNodes::count;
-
 Vec3Grid::Ptr walls_grid(const WallRadiance<3>& walls) {
   auto grid = Vec3Grid::create();
   auto accessor = grid->getAccessor();
@@ -366,6 +145,56 @@ Vec3Grid::Ptr walls_grid(const WallRadiance<3>& walls) {
   grid->insertMeta("leaflight_meshes",
                    openvdb::Int32Metadata(static_cast<int>(walls.radiance.size())));
   return grid;
+}
+
+// Adds the texts among metadata that are ours.
+void add_texts(const openvdb::MetaMap& from, Metadata& to) {
+  for (auto entry = from.beginMeta(); entry != from.endMeta(); ++entry) {
+    const openvdb::Metadata& value = *entry->second;
+    if (entry->first.rfind(metadata_prefix, 0) == 0 &&
+        value.typeName() == openvdb::StringMetadata::staticTypeName()) {
+      to[entry->first.substr(metadata_prefix.size())] = value.str();
+    }
+  }
+}
+
+template <class Grid>
+typename Grid::Ptr find_grid(const VdbFile& file, const std::string& name) {
+  for (const auto& grid : file.grids) {
+    if (grid->getName() != name) continue;
+    if (auto found = openvdb::gridPtrCast<Grid>(grid)) return found;
+  }
+  return nullptr;
+}
+
+template <class Grid>
+typename Grid::Ptr require_grid(const VdbFile& file, const std::string& name,
+                                const std::filesystem::path& path) {
+  if (auto found = find_grid<Grid>(file, name)) return found;
+  throw Error("'" + text_of(path) + "' is not a Leaflight bake, as it has no grid '" + name +
+              "'; choose a file written by a bake.");
+}
+
+Index<3> dims_from(const openvdb::GridBase& grid, const std::filesystem::path& path) {
+  const auto dims = grid.getMetadata<openvdb::Vec3IMetadata>("leaflight_dims");
+  std::uint64_t voxels = 1;
+  if (dims) {
+    for (int a = 0; a < 3; ++a) {
+      const int n = dims->value()[a];
+      voxels *= n >= 2 && n <= 65535 ? n : 0;
+    }
+  }
+  if (!dims || voxels == 0) {
+    throw Error("'" + text_of(path) + "' is not a Leaflight bake, or a damaged one; bake again.");
+  }
+  // As floats, once in the grid and once in order.
+  const std::uint64_t bytes = 2 * sizeof(float) * voxels, here = machine_memory();
+  if (voxels > std::numeric_limits<std::int32_t>::max() && here > 0 && bytes > here) {
+    throw Error("'" + text_of(path) + "': its " + std::to_string(voxels) + " voxels need " +
+                std::to_string(bytes >> 30) + " GiB of memory, but there are " +
+                std::to_string(here >> 30) + " GiB; open it on a larger machine.");
+  }
+  return {dims->value()[0], dims->value()[1], dims->value()[2]};
 }
 
 template <class Value>
@@ -389,12 +218,11 @@ VoxelBuffer in_own_type(std::vector<float>&& values, const openvdb::GridBase& gr
   return std::move(values);
 }
 
-DenseVolume read_field(const Contents& file, std::size_t volume,
-                       const std::filesystem::path& path) {
+DenseVolume read_field(const VdbFile& file, std::size_t volume, const std::filesystem::path& path) {
   const auto grid = require_grid<openvdb::FloatGrid>(file, numbered(field_name, volume), path);
   DenseVolume field;
   field.dims = dims_from(*grid, path);
-  field.index_to_world = to_affine(*grid, path);
+  field.index_to_world = affine_of(*grid, path);
   field.name = field_name;
   std::vector<float> values(cell_count<3>(field.dims));
   DenseView<float> dense(box_of(field.dims), values.data());
@@ -435,7 +263,7 @@ SideRadiance texels_of(const Vec3Grid& grid, const TexelLattice<3>& lattice) {
   return found;
 }
 
-UnfilteredLight<3> read_unfiltered(const Contents& file, std::size_t volume, const Index<3>& dims,
+UnfilteredLight<3> read_unfiltered(const VdbFile& file, std::size_t volume, const Index<3>& dims,
                                    const std::filesystem::path& path) {
   const auto front = find_grid<Vec3Grid>(file, numbered(unfiltered_name, volume));
   if (!front) return {};
@@ -447,7 +275,7 @@ UnfilteredLight<3> read_unfiltered(const Contents& file, std::size_t volume, con
   return light;
 }
 
-RadianceGrid<3> read_radiance(const Contents& file, std::size_t volume, const Index<3>& dims,
+RadianceGrid<3> read_radiance(const VdbFile& file, std::size_t volume, const Index<3>& dims,
                               const std::filesystem::path& path) {
   const auto name = [&](const char* base) { return numbered(base, volume); };
   const auto radiance = require_grid<Vec3Grid>(file, name(radiance_name), path);
@@ -478,7 +306,7 @@ RadianceGrid<3> read_radiance(const Contents& file, std::size_t volume, const In
 }
 
 // Their number of vertices is the largest that a side has; attach() checks it against the meshes.
-void read_walls(const Contents& file, const std::filesystem::path& path, WallRadiance<3>& walls) {
+void read_walls(const VdbFile& file, const std::filesystem::path& path, WallRadiance<3>& walls) {
   const auto grid = find_grid<Vec3Grid>(file, walls_name);
   if (!grid && find_grid<Vec3Grid>(file, old_walls_name)) {
     throw Error("'" + text_of(path) +
@@ -514,7 +342,6 @@ void read_walls(const Contents& file, const std::filesystem::path& path, WallRad
 
 void write_bake(const std::filesystem::path& path, const std::vector<const Field<3>*>& fields,
                 const Baked<3>& baked, const Metadata& metadata, const Progress* progress) {
-  initialize();
   // One for all, so that they fit each other in other programs too.
   int doublings = 0;
   for (std::size_t v = 0; v < fields.size(); ++v) {
@@ -536,9 +363,7 @@ void write_bake(const std::filesystem::path& path, const std::vector<const Field
     }
   }
   if (!baked.walls.empty()) grids.push_back(walls_grid(baked.walls));
-  const auto write = [&](std::ostream& stream) {
-    SeekableArchive().write_into(stream, grids, file_metadata);
-  };
+  const auto write = [&](std::ostream& stream) { write_vdb(stream, grids, file_metadata); };
   replace_file(path, write, progress, true);
 }
 
@@ -548,7 +373,7 @@ StoredBake read_bake(const std::filesystem::path& path) {
                 "' is damaged: its checksum is not that of what it holds; fetch it again, or bake "
                 "again.");
   }
-  const Contents file = read_file(path);
+  const VdbFile file = read_vdb(path);
   StoredBake bake;
   for (std::size_t v = 0; v == 0 || find_grid<openvdb::FloatGrid>(file, numbered(field_name, v));
        ++v) {
@@ -568,26 +393,6 @@ Metadata read_bake_header(const std::filesystem::path& path) {
     if (name.rfind(metadata_prefix, 0) == 0) metadata[name.substr(metadata_prefix.size())] = text;
   }
   return metadata;
-}
-
-DenseVolume read_vdb_volume(const std::filesystem::path& path, const std::string& grid_name) {
-  const Contents file = read_file(path);
-  DenseVolume volume;
-  std::string names;
-  for (const auto& grid : file.grids) {
-    const std::string name = grid->getName();
-    names += (names.empty() ? "" : ", ") + name;
-    if (!grid_name.empty() && name != grid_name) continue;
-    if (read_scalar(grid, path, volume)) return volume;
-    if (!grid_name.empty()) {
-      throw Error("The grid '" + grid_name + "' of '" + text_of(path) +
-                  "' does not hold scalars; choose another grid.");
-    }
-  }
-  throw Error(grid_name.empty()
-                  ? "'" + text_of(path) + "' has no scalar grid; it has: " + brief(names) + "."
-                  : "'" + text_of(path) + "' has no grid '" + grid_name +
-                        "'; it has: " + brief(names) + ".");
 }
 
 }  // namespace leaflight

@@ -34,8 +34,4 @@ StoredBake read_bake(const std::filesystem::path& path);
 // The metadata of the file itself, of any .vdb: reads its first bytes alone. Throws Error.
 Metadata read_bake_header(const std::filesystem::path& path);
 
-// A scalar grid of any .vdb as a dense volume over its active voxels; the first one if no name is
-// given. Throws Error.
-DenseVolume read_vdb_volume(const std::filesystem::path& path, const std::string& grid_name);
-
 }  // namespace leaflight
