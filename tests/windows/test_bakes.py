@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 HERE = Path(__file__).resolve().parent
-DATA = Path(os.environ.get("LEAFLIGHT_DATA", HERE.parents[2].parent / "shared" / "data"))
+DATA = Path(os.environ.get("LEAFLIGHT_DATA", HERE.parents[2] / "shared" / "data"))
 
 # The two runtimes round sines and powers differently in the last bit. So a few samples meet another
 # face of a voxel. Relative to the root mean square of the array; measured: 0.00006 and 0.002.
