@@ -121,15 +121,12 @@ void bind_baking(py::module_& module, const std::string& suffix) {
               }
             };
           }
-          const auto run = [&] { baked = bake(scene, settings, progress, hooks); };
           if (resumed) {
-            read_checkpoint_state(*resumed, [&](std::istream& stream) {
-              checkpoints.from = &stream;
-              run();
-            });
-          } else {
-            run();
+            checkpoints.restore = [&](const Checkpoints::Read& read) {
+              read_checkpoint_state(*resumed, read);
+            };
           }
+          baked = bake(scene, settings, progress, hooks);
         }
         return BakedObjects<D>(std::move(baked));
       },

@@ -92,11 +92,13 @@ TEST(RayBake, GoesOnFromACheckpointWithTheSameBits) {
     settings.walls = true;
     settings.resolution = {9, 9, 9};
     std::string state;
-    Checkpoints leaves{0, [&](const Checkpoints::Write& write) {
-                         std::ostringstream stream;
-                         write(stream);
-                         if (state.empty()) state = stream.str();
-                       }};
+    Checkpoints leaves;
+    leaves.seconds = 0;
+    leaves.save = [&](const Checkpoints::Write& write) {
+      std::ostringstream stream;
+      write(stream);
+      if (state.empty()) state = stream.str();
+    };
     BakeHooks<3> hooks;
     hooks.checkpoints = &leaves;
     Progress progress;
@@ -104,7 +106,7 @@ TEST(RayBake, GoesOnFromACheckpointWithTheSameBits) {
     ASSERT_FALSE(state.empty());
     std::istringstream stream(state);
     Checkpoints from;
-    from.from = &stream;
+    from.restore = [&](const Checkpoints::Read& read) { read(stream); };
     hooks.checkpoints = &from;
     const Baked<3> resumed = bake<3>(scene, settings, progress, hooks);
     expect_same(whole, resumed);

@@ -180,9 +180,12 @@ def test_arrays_beyond_the_limit_lie_in_files(tmp_path):
     large = new_voxels((100, 1024, 1024), np.uint8)
     assert _core.large_memory() == (in_memory + small.nbytes, in_files + large.nbytes)
     large[...] = 7
-    assert (large == 7).all() and list(tmp_path.iterdir()) == []
+    assert (large == 7).all()
+    # Windows has the names of files for as long as these are in use.
+    assert sys.platform == "win32" or not list(tmp_path.iterdir())
     del small, large
     assert _core.large_memory() == (in_memory, in_files)
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such limit")

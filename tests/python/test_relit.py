@@ -131,7 +131,7 @@ def test_files_and_stills_of_it(of_one, one_lamp, tmp_path):
     np.testing.assert_allclose(
         loaded.radiance(points), relit.radiance(points), rtol=2e-3, atol=1e-4
     )
-    bright, dim = tmp_path / "bright.vtp", tmp_path / "dim.vtp"
+    bright, dim = tmp_path / "bright.ply", tmp_path / "dim.ply"
     leaflight.export(relit, bright, [47.0])
     leaflight.export(of_one, dim, [47.0])
     assert bright.read_bytes() != dim.read_bytes()

@@ -69,7 +69,7 @@ def test_caps_are_no_part_of_what_is_smoothed(values):
     assert len(beside) > 50 and np.abs(normals[beside] - expected).max() < 1e-3
 
 
-def test_a_bake_has_them_in_its_light_its_file_and_its_workers(values, tmp_path):
+def test_a_bake_has_them_in_its_light_and_its_file(values, tmp_path):
     volume = leaflight.Volume(values, smooth_normals=SIGMA)
     bake = leaflight.bake(volume, **SETTINGS)
     sharp = leaflight.bake(leaflight.Volume(values), **SETTINGS)
@@ -81,10 +81,16 @@ def test_a_bake_has_them_in_its_light_its_file_and_its_workers(values, tmp_path)
     assert again.id == bake.id and again.volumes[0].smooth_normals == SIGMA
     # Files hold halves.
     np.testing.assert_allclose(again.surface(110.5).radiance, light, rtol=1e-3)
+
+
+def test_workers_bake_with_them(values):
+    pytest.importorskip("distributed")
+    volume = leaflight.Volume(values, smooth_normals=SIGMA)
+    bake = leaflight.bake(volume, **SETTINGS)
     with Workers(2) as workers:
         shared = leaflight.bake(volume, workers=workers, **SETTINGS)
     assert shared.id == bake.id
-    np.testing.assert_array_equal(shared.surface(110.5).radiance, light)
+    np.testing.assert_array_equal(shared.surface(110.5).radiance, bake.surface(110.5).radiance)
 
 
 def test_light_does_not_see_the_stairs_of_masks():

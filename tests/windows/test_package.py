@@ -19,6 +19,7 @@ NOT_HERE = {
         ("test_damaged_files.py", "test_fuzz.py"), "minutes, as Wine starts a process slowly"
     ),
     "test_cli.py::test_ctrl_c_leaves_no_file": "signals of Linux",
+    "test_compare.py::test_what_blender_says_when_it_fails": "a shell of Linux in place of Blender",
     "test_hostile_input.py::test_nobody_listens": "a shell of Linux",
     "test_hostile_input.py::test_nrrd_data_stay_in_their_folder": "Wine 8 has no symbolic links",
     "test_notebook.py::test_a_bake_is_shown_as_its_page": "a shell of Linux in place of a browser",

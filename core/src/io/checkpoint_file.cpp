@@ -59,8 +59,7 @@ std::string read_checkpoint(const std::filesystem::path& path) {
   return read_checkpoint_file(path, [&](std::istream& stream) { return read_text(stream, path); });
 }
 
-void read_checkpoint_state(const std::filesystem::path& path,
-                           const std::function<void(std::istream&)>& read) {
+void read_checkpoint_state(const std::filesystem::path& path, const Checkpoints::Read& read) {
   read_checkpoint_file(path, [&](std::istream& stream) {
     read_text(stream, path);
     read(stream);

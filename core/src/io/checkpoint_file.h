@@ -16,8 +16,8 @@ void write_checkpoint(const std::filesystem::path& path, const std::string& text
 // The text, of a file that is whole.
 std::string read_checkpoint(const std::filesystem::path& path);
 
-// Calls read(stream) with the state of a file that read_checkpoint() has found whole.
-void read_checkpoint_state(const std::filesystem::path& path,
-                           const std::function<void(std::istream&)>& read);
+// Reads the state of a file that read_checkpoint() has found whole. The file is closed afterwards:
+// Windows replaces none that is open.
+void read_checkpoint_state(const std::filesystem::path& path, const Checkpoints::Read& read);
 
 }  // namespace leaflight

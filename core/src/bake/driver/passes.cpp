@@ -93,7 +93,7 @@ class Passes {
  private:
   using Previous = std::vector<PreviousLight<D>>;
 
-  bool resumes() const { return hooks_.checkpoints && hooks_.checkpoints->from; }
+  bool resumes() const { return hooks_.checkpoints && hooks_.checkpoints->restore; }
 
   std::unique_ptr<Integrator<D>> integrator(std::vector<BakeTexels<D>> texels,
                                             const Previous* previous, const BlockWorkers* workers) {
@@ -153,7 +153,9 @@ class Passes {
   Baked<D> subdivide() {
     const int before = before_ = bake_->blocks();
     blocks_ = scene_.plan.indirect ? before + first_blocks(count_) : 0;
-    if (resumes()) serialize(Archive(*hooks_.checkpoints->from));
+    if (resumes()) {
+      hooks_.checkpoints->restore([this](std::istream& stream) { serialize(Archive(stream)); });
+    }
     const std::function<bool()> proceed = [this] { return go_on(); };
     for (;;) {
       // The steps before count, too, and the radiance of the texels afterwards.

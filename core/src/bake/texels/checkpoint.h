@@ -50,13 +50,14 @@ class Archive {
 // What a bake in passes does against being interrupted.
 struct Checkpoints {
   using Write = std::function<void(std::ostream&)>;
+  using Read = std::function<void(std::istream&)>;
 
   // Seconds between two of them at most, as long as a block of light takes no longer.
   double seconds = 30;
   // Is called with what writes the state; null: there are none.
   std::function<void(const Write&)> save;
-  // The state to go on from; null: from the beginning.
-  std::istream* from = nullptr;
+  // Is called once with what reads the state to go on from; null: from the beginning.
+  std::function<void(const Read&)> restore;
 };
 
 }  // namespace leaflight
