@@ -21,6 +21,7 @@ def found(blender, ball, tmp_path_factory):
 def test_direct_light_follows_the_hand(found):
     assert found["drag"]["moved"] > 0.5
     assert found["drag"]["direct"] >= 2
+    assert found["drag"]["triangles"] < found["triangles"]
 
 
 def test_esc_ends_it_and_it_stays(found):
@@ -32,3 +33,4 @@ def test_esc_ends_it_and_it_stays(found):
 def test_it_is_final_again_without_a_click(found):
     assert found["final"]
     assert found["seconds"]["direct"] < found["seconds"]["final"]
+    assert found["final triangles"] > found["drag"]["triangles"]

@@ -57,6 +57,9 @@ def checkpoint_path(obj):
 class BakeJob(background.Job):
     """One bake: all it needs, read from the scene; the work; and lighting the volumes by it."""
 
+    # Whether the light of `latest` is there for a moment only: coarse isosurfaces will do.
+    is_rough = False
+
     def __init__(self, context, obj, resume=False):
         """Of all volumes that render, with the settings of `obj`.
 
@@ -130,7 +133,7 @@ class BakeJob(background.Job):
                 continue
             if obj.mode == "OBJECT" and obj.leaflight.frame == self.frames[index]:
                 preview.put(obj, bake, index, matrix)
-                surface_object.update_all(obj, as_coarse=True)
+                surface_object.update_all(obj, self.is_rough, as_coarse=True)
         if bpy.data.scenes.get(self.scene_name) is not None:
             walls.show_pass(bpy.data.scenes[self.scene_name])
         self._shown = bake

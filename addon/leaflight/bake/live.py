@@ -16,7 +16,7 @@ from bpy.props import BoolProperty
 from leaflight.bake.moved import QUICK, WHOLE, lit_walls, moved
 
 from ..operators import background
-from ..show import isovalues, preview, surface_object, walls
+from ..show import isovalues, preview, surface_object, walls, whole_detail
 from ..stage import staleness
 from ..store import cache
 from ..translations import iface_
@@ -55,18 +55,20 @@ class LiveJob(bake.BakeJob):
         path = self.checkpoint.path.with_suffix(".live")
         self.checkpoint = replace(self.checkpoint, path=path, seconds=math.inf)
         self.is_outdated = self._can_be_cancelled = False
+        self.is_rough = self._map_work() > _QUICK_MAPS
 
     def run(self, progress):
         # Only the passes say how much there is to do.
         progress.expect(math.inf)
         known = {name: self._arguments[name] for name in ("volumes", "scene", "isovalues")}
-        blurs_maps, blurs_walls = self._map_work() > _QUICK_MAPS, self._wall_work() > _QUICK_WALLS
+        blurs_maps, blurs_walls = self.is_rough, self._wall_work() > _QUICK_WALLS
         self.latest = moved(self._lit, **known, quick=blurs_maps, walls=False, progress=progress)
         self.latest = lit_walls(self.latest, QUICK if blurs_walls else WHOLE, progress)
         self._can_be_cancelled = True
         self._check()
         if blurs_maps:
             sharp = moved(self._lit, **known, walls=False, progress=progress)
+            self.is_rough = False
             self.latest = replace(sharp, walls=self.latest.walls)
         if blurs_walls:
             self.latest = lit_walls(self.latest, WHOLE, progress)
@@ -92,6 +94,10 @@ class LiveJob(bake.BakeJob):
     def _check(self):
         if self.is_outdated:
             raise leaflight.Cancelled
+
+    def coarsen(self):
+        for name in self.names:
+            surface_object.coarsen_all(bpy.data.objects[name])
 
     def outdate(self, work):
         """Ends the work as soon as its direct light is there: the scene is another now."""
@@ -141,6 +147,7 @@ def forget():
     global _job, _work, _has_changed, _left, _why
     stop()
     _job, _work, _has_changed, _left, _why = None, None, False, "", ""
+    whole_detail.hold(False)
 
 
 def _tick():
@@ -150,6 +157,7 @@ def _tick():
         _look()
     if _job is not None:
         _go_on()
+    whole_detail.hold(_job is not None and _job.is_rough)
     return _POLL if _job is not None or _has_changed else None
 
 
@@ -203,6 +211,9 @@ def _leader(scene):
 
 def _begin(job):
     global _job, _work
+    if job.is_rough:
+        # First: pictures of all detail would keep its light back.
+        job.coarsen()
     _job, _work = job, background.BackgroundWork(job.run, job)
     background.redraw_panels()
 

@@ -6,6 +6,7 @@ loading a file: they bring back mesh and memory together.
 """
 
 import json
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 
 import bpy
@@ -110,7 +111,10 @@ def update(obj, isovalue, moving=False):
     try:
         halvings = _halvings_in_motion(obj.data) if moving else None
         surface = isosurface.isosurface_of(obj, isovalue, halvings)
-        if surface.grid is not None and _differs_by_lamps(obj.data, shown, wanted):
+        # The vertices of all detail take longer to light and to draw than coarse ones to make.
+        is_drawn_slowly = moving and halvings and wanted.moved
+        differs_by_lamps = _differs_by_lamps(obj.data, shown, wanted)
+        if surface.grid is not None and differs_by_lamps and not is_drawn_slowly:
             _color(obj, wanted.label(), surface)
             return
         made = surface.made()
@@ -143,17 +147,30 @@ def _color(obj, label, surface):
     shade(obj)
 
 
-def update_all(volume, as_coarse=False):
+def update_all(volume, moving=False, as_coarse=False):
     """Shows a volume's isosurface and those that were added to it as they are lit now.
 
-    as_coarse: whether those that are coarse may stay so.
+    moving: as of update(). as_coarse: whether those that are coarse may stay so.
     """
     for obj in (volume, *added.added_to(volume)):
-        update(obj, shown_isovalue(obj), as_coarse and is_coarse(obj.data))
+        update(obj, shown_isovalue(obj), moving or (as_coarse and is_coarse(obj.data)))
+
+
+def coarsen_all(volume):
+    """Leaves a volume's isosurfaces the detail that they have while an isovalue moves.
+
+    It comes back as it does then. A failure stays for the next update to tell.
+    """
+    for obj in (volume, *added.added_to(volume)):
+        halvings = _halvings_in_motion(obj.data)
+        if halvings and not is_coarse(obj.data) and obj.library is None and obj.mode == "OBJECT":
+            with suppress(LeaflightError):
+                surface = isosurface.isosurface_of(obj, shown_isovalue(obj), halvings)
+                finish(obj, surface, surface.made())
 
 
 def finish(obj, surface, made):
-    """Shows an Isosurface that was made of an object, in place of a coarse one."""
+    """Shows an Isosurface that was made of an object, in place of one of other detail."""
     _put(obj, label_of(obj.data), surface.isovalue, surface, made)
 
 

@@ -2,8 +2,9 @@
 """The whole detail of surfaces that were coarse while their isovalue moved.
 
 In a window a surface is as coarse as the hand asks for while its isovalue moves. A moment after the
-last move its whole detail is made in the background; the next move comes first. Renders have it
-before their frame, and without a window nothing ever is coarse.
+last move its whole detail is made in the background; the next move comes first. While lamps or
+objects move it waits for sharp light (../bake/live.py). Renders have it before their frame, and
+without a window nothing ever is coarse.
 """
 
 import time
@@ -21,6 +22,9 @@ POLL = 0.03
 
 # Name of an object of this file -> its _Job.
 _jobs = session.remembered()
+
+# Whether no work may start, since what is shown will not stay.
+_is_held = False
 
 
 def may_follow(depsgraph=None):
@@ -50,6 +54,12 @@ def make_now(objects):
     for obj in filter(_is_to_be_made, objects):
         _jobs.pop(obj.name, None)
         surface_object.update(obj, surface_object.shown_isovalue(obj))
+
+
+def hold(is_held):
+    """Has work wait until the next call, or no longer."""
+    global _is_held
+    _is_held = is_held
 
 
 def forget():
@@ -97,6 +107,8 @@ class _Job:
 
 
 def _tick():
+    if _is_held:
+        return POLL
     for name, job in list(_jobs.items()):
         obj = bpy.data.objects.get((name, None))
         if obj is None or obj.mode != "OBJECT" or not job.serves(obj):

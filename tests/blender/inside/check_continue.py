@@ -42,15 +42,15 @@ def check_a_kept_bake_is_continued(endless):
     assert cache.bake_of(endless) is ours
 
 
-def check_a_continued_bake_shows_its_passes_and_is_stopped(passes):
-    passes.leaflight.error = 20.0
+def check_a_continued_bake_shows_its_passes_and_is_stopped(noisy):
+    noisy.leaflight.error = 20.0
     bpy.ops.leaflight.bake()
-    passes.leaflight.error = UNREACHED
-    before, first = state(), cache.bake_of(passes)
+    noisy.leaflight.error = UNREACHED
+    before, first = state(), cache.bake_of(noisy)
     more = first.statistics.passes + 1
-    job, work = begin(passes, more, continue_bake.ContinueJob)
+    job, work = begin(noisy, more, continue_bake.ContinueJob)
     job.show()
-    assert_shows_pass(passes, preview.of(passes).bake)
+    assert_shows_pass(noisy, preview.of(noisy).bake)
     assert "keep" in stop(job, work)
     assert job.latest.provenance.continued == first.id
     bpy.ops.leaflight.throw_bake_away()

@@ -167,11 +167,11 @@ def check_undo_files_frames_and_renders(lit, tmp_path):
 
 
 def check_exports_show_it_and_continue_does_not_go_on(uncut, lit, tmp_path):
-    bpy.ops.leaflight.export(filepath=str(tmp_path / "dim.ply"))
+    bpy.ops.leaflight.export(filepath=str(tmp_path / "dim.glb"))
     lamp().energy *= 2.0
     bpy.context.view_layer.update()
-    bpy.ops.leaflight.export(filepath=str(tmp_path / "bright.ply"))
-    dim, bright = (tmp_path / f"{name}.ply" for name in ("dim", "bright"))
+    bpy.ops.leaflight.export(filepath=str(tmp_path / "bright.glb"))
+    dim, bright = (tmp_path / f"{name}.glb" for name in ("dim", "bright"))
     assert dim.read_bytes() != bright.read_bytes()
     with pytest.raises(RuntimeError, match="Lamps have changed since the bake: set them back"):
         bpy.ops.leaflight.continue_bake()

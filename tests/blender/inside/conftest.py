@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """An empty scene for each check, and the bump box imported, boxed and baked in it."""
 
+import math
 import os
 import shutil
 
@@ -93,9 +94,24 @@ def passes(boxed):
 
 
 @pytest.fixture
-def endless(passes):
-    passes.leaflight.error = UNREACHED
+def noisy(passes):
+    """The same, lit by a spot on the ceiling: all light of isosurfaces is indirect, and most of its
+    error is noise.
+    """
+    (lamp,) = [obj for obj in bpy.data.objects if obj.type == "LIGHT"]
+    lamp.data.type = "SPOT"
+    lamp.data.spot_size, lamp.data.spot_blend = 0.8, 0.0
+    lamp.rotation_euler = (math.pi, 0.0, 0.0)
+    lamp.location.z -= 1.0
+    lamp.data.energy *= 20.0
+    bpy.context.view_layer.update()
     return passes
+
+
+@pytest.fixture
+def endless(noisy):
+    noisy.leaflight.error = UNREACHED
+    return noisy
 
 
 @pytest.fixture

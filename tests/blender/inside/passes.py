@@ -13,7 +13,8 @@ import pytest
 from leaflight_addon.bake import bake
 from tools import close, mesh_arrays, start, to_world, wait_while
 
-# Takes all the passes that a bake may have, five, which is more than any of these checks lets be.
+# Takes all the passes that a bake may have where its error is noise (the fixture "noisy"), which is
+# more than any of these checks lets be.
 UNREACHED = 0.01
 
 
