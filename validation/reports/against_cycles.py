@@ -189,8 +189,12 @@ def _rows(case, volumes, effort, run, seed, threads):
         for number in range(len(volumes))
         for isovalue in case.isovalues
     ]
-    squares = [own_error(errors) ** 2 for _, _, _, errors, _ in judged]
-    found = float(np.sqrt(np.mean(squares)))
+    # Their mean is without the noise of Cycles even where chance makes one of them negative.
+    squares = [
+        errors["rms_percent"] ** 2 - errors["reference_noise_percent"] ** 2
+        for _, _, _, errors, _ in judged
+    ]
+    found = float(np.sqrt(max(np.mean(squares), 0.0)))
     of_bake = BakeRow(case, tuple(volumes[0].field().dims), before, baked.statistics, found)
     names = [volume.name for volume in volumes] if len(volumes) > 1 else [None]
     return [
