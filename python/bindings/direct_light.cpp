@@ -57,20 +57,22 @@ void bind_direct_light(py::module_& module) {
       "lattice\n"
       "and each light point the greatest value of the volume on the way between them, as a byte.")
       .def(py::init([](const Scene<3>& scene, int volume, const Index<3>& resolution, bool back,
-                       Progress& progress, double spacing) {
+                       Progress& progress, double spacing, const Direct* earlier) {
              const py::gil_scoped_release unlocked;
              if (!fits_maps(scene.volumes.at(volume).field, resolution)) {
                throw Error("The maps of direct light are of another volume; bake it again.");
              }
              const SceneTracer<3> tracer(scene);
+             if (earlier && back && !earlier->has_back()) earlier = nullptr;
              return std::make_shared<Direct>(tracer, volume, split_light(tracer).points, resolution,
-                                             back, progress, spacing);
+                                             back, progress, spacing, earlier);
            }),
            py::arg("scene"), py::arg("volume"), py::arg("resolution"), py::arg("back"),
-           py::arg("progress"), py::arg("spacing") = 1.0,
+           py::arg("progress"), py::arg("spacing") = 1.0, py::arg("earlier") = nullptr,
            "Of a scene's volume by its number. resolution: texels of the maps along x, y, z;\n"
            "back: also of the backs; spacing: voxels between the lines that find shadows, or\n"
-           "texels where these are nearer to each other. Raises Cancelled.")
+           "texels where these are nearer to each other; earlier: where lights alone were others,\n"
+           "whose maps serve for the points that have not moved. Raises Cancelled.")
       .def_property_readonly(
           "resolution", [](const Direct& d) { return d.lattice().resolution; },
           "Texels along x, y, z, evenly spaced from the first voxel to the last.")

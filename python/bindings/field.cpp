@@ -165,12 +165,16 @@ void bind_field(py::module_& module) {
           const py::gil_scoped_release unlocked;
           values = coarser_values(field);
         }
-        return adopt<float>(std::move(values),
-                            {field.dims[2] / 2, field.dims[1] / 2, field.dims[0] / 2});
+        const Index<3> dims = coarser_dims(field.dims);
+        return adopt<float>(std::move(values), {dims[2], dims[1], dims[0]});
       },
       py::arg("field"),
-      "The means over blocks of 2^3 voxels, float32 [z, y, x]; NaN where one of a block is. A\n"
-      "block of index i lies at index 2 i + 1/2 of the field.");
+      "The values at half as many voxels along each axis, rounded up, over the same domain: "
+      "float32 "
+      "[z, y, x].\n"
+      "Between its borders each is a mean over two voxels along each axis; NaN where one of the "
+      "mean "
+      "is.");
 }
 
 }  // namespace leaflight::python

@@ -139,17 +139,20 @@ void bind_radiance(py::module_& module, const std::string& suffix) {
           "moved",
           [](const Walls& s, const Scene<D>& earlier, const Scene<D>& scene,
              const std::vector<int>& same_as, const Tuple<3>& factor, Progress& progress,
-             std::size_t share) {
+             std::size_t share, bool lights_alone) {
             const py::gil_scoped_release unlocked;
             return std::make_shared<Walls>(moved(s, earlier, scene, same_as,
-                                                 Vec<3, float>(to_color(factor)), progress, share));
+                                                 Vec<3, float>(to_color(factor)), progress, share,
+                                                 lights_alone));
           },
           py::arg("earlier"), py::arg("scene"), py::arg("same_as"), py::arg("indirect"),
-          py::arg("progress"), py::arg("share") = 1,
+          py::arg("progress"), py::arg("share") = 1, py::arg("lights_alone") = false,
           "The same beside another scene than that which was baked, `earlier`: direct light is\n"
           "exact, all else but the meshes' own emission brighter by the factors (r, g, b).\n"
           "same_as: of each mesh of the scene its number in the earlier one, or -1. share:\n"
-          "one way of so many is traced for shadows. Raises Cancelled.")
+          "one way of so many is traced for shadows; lights_alone: whether nothing else has "
+          "moved,\n"
+          "which takes less time. Raises Cancelled.")
       .def("indirect", &indirect<D>, py::arg("mesh"), py::arg("back") = false,
            "Its part but direct light: float32 (nodes, m, 3) at the vertices of a coarser mesh.")
       .def("between", &between<D>, py::arg("mesh"),

@@ -392,11 +392,12 @@ class DirectLight:
     Maps of the direct light of every isosurface of one volume: for each texel of a lattice
     and each light point the greatest value of the volume on the way between them, as a byte.
     """
-    def __init__(self, scene: Scene, volume: typing.SupportsInt | typing.SupportsIndex, resolution: typing.Annotated[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], "FixedSize(3)"], back: bool, progress: Progress, spacing: typing.SupportsFloat | typing.SupportsIndex = 1.0) -> None:
+    def __init__(self, scene: Scene, volume: typing.SupportsInt | typing.SupportsIndex, resolution: typing.Annotated[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], "FixedSize(3)"], back: bool, progress: Progress, spacing: typing.SupportsFloat | typing.SupportsIndex = 1.0, earlier: DirectLight = None) -> None:
         """
         Of a scene's volume by its number. resolution: texels of the maps along x, y, z;
         back: also of the backs; spacing: voxels between the lines that find shadows, or
-        texels where these are nearer to each other. Raises Cancelled.
+        texels where these are nearer to each other; earlier: where lights alone were others,
+        whose maps serve for the points that have not moved. Raises Cancelled.
         """
     def codes(self, point: typing.SupportsInt | typing.SupportsIndex, back: bool = False) -> numpy.typing.NDArray[numpy.uint8]:
         """
@@ -626,12 +627,13 @@ class WallRadiance:
         """
         (vertices float32 (n, D) world, facets int32 (m, D)).
         """
-    def moved(self, earlier: Scene, scene: Scene, same_as: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], indirect: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], progress: Progress, share: typing.SupportsInt | typing.SupportsIndex = 1) -> WallRadiance:
+    def moved(self, earlier: Scene, scene: Scene, same_as: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], indirect: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], progress: Progress, share: typing.SupportsInt | typing.SupportsIndex = 1, lights_alone: bool = False) -> WallRadiance:
         """
         The same beside another scene than that which was baked, `earlier`: direct light is
         exact, all else but the meshes' own emission brighter by the factors (r, g, b).
         same_as: of each mesh of the scene its number in the earlier one, or -1. share:
-        one way of so many is traced for shadows. Raises Cancelled.
+        one way of so many is traced for shadows; lights_alone: whether nothing else has moved,
+        which takes less time. Raises Cancelled.
         """
     def places(self, mesh: typing.SupportsInt | typing.SupportsIndex) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64]]:
         """
@@ -697,12 +699,13 @@ class WallRadiance2:
         """
         (vertices float32 (n, D) world, facets int32 (m, D)).
         """
-    def moved(self, earlier: Scene2, scene: Scene2, same_as: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], indirect: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], progress: Progress, share: typing.SupportsInt | typing.SupportsIndex = 1) -> WallRadiance2:
+    def moved(self, earlier: Scene2, scene: Scene2, same_as: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], indirect: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], progress: Progress, share: typing.SupportsInt | typing.SupportsIndex = 1, lights_alone: bool = False) -> WallRadiance2:
         """
         The same beside another scene than that which was baked, `earlier`: direct light is
         exact, all else but the meshes' own emission brighter by the factors (r, g, b).
         same_as: of each mesh of the scene its number in the earlier one, or -1. share:
-        one way of so many is traced for shadows. Raises Cancelled.
+        one way of so many is traced for shadows; lights_alone: whether nothing else has moved,
+        which takes less time. Raises Cancelled.
         """
     def places(self, mesh: typing.SupportsInt | typing.SupportsIndex) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64]]:
         """
@@ -1236,8 +1239,8 @@ def bump_box2(n: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDAr
     """
 def coarser_values(field: Field) -> numpy.typing.NDArray[numpy.float32]:
     """
-    The means over blocks of 2^3 voxels, float32 [z, y, x]; NaN where one of a block is. A
-    block of index i lies at index 2 i + 1/2 of the field.
+    The values at half as many voxels along each axis, rounded up, over the same domain: float32 [z, y, x].
+    Between its borders each is a mean over two voxels along each axis; NaN where one of the mean is.
     """
 def connected_parts(triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], vertices: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.int32]:
     """

@@ -177,6 +177,84 @@ TEST(DirectLightOfIsosurfaces, PassesOverMaskedVoxels) {
   expect_shadows("masked", lit<3>(field, {0.2, 0.9}, lamp_above<3>()));
 }
 
+// A lamp above that moves, beside a point of light that does not.
+template <int D>
+std::vector<Light<D>> lights_after(double moved) {
+  AreaLight<D> lamp = lamp_above<D>();
+  lamp.corner[0] += moved;
+  return {point_light<D>(along_all<D>(-0.4, 0.9)), lamp};
+}
+
+template <int D>
+DirectLight<D> maps_of(const Scene<D>& scene, int width, const DirectLight<D>* earlier = nullptr) {
+  const SceneTracer<D> tracer(scene);
+  const Index<D> resolution = coarser_resolution<D>(scene.volumes[0].field.dims, width);
+  return DirectLight<D>(tracer, 0, split_light(tracer).points, resolution, true, ignored, 1,
+                        earlier);
+}
+
+template <int D>
+std::vector<std::uint8_t> codes_of(const DirectLight<D>& direct, std::size_t point) {
+  std::vector<std::uint8_t> codes;
+  for (std::size_t s = 0; s < direct.lattice().active.size(); ++s) {
+    for (const bool back : {false, true}) codes.push_back(direct.code(point, s, back));
+  }
+  return codes;
+}
+
+template <int D>
+void expect_earlier_maps_to_serve(int n) {
+  Scene<D> scene = test::scene_of(bumps<D>(n), Rgb(0.5f), {0.2, 0.9});
+  scene.lights = lights_after<D>(0);
+  const DirectLight<D> before = maps_of(scene, 1);
+  scene.lights = lights_after<D>(0.2);
+  std::swap(scene.lights[0], scene.lights[1]);
+  const DirectLight<D> alone = maps_of(scene, 1), after = maps_of(scene, 1, &before);
+  ASSERT_EQ(after.points(), before.points());
+  for (std::size_t i = 0; i < after.points(); ++i)
+    EXPECT_EQ(codes_of(after, i), codes_of(alone, i));
+  EXPECT_NE(codes_of(after, 0), codes_of(before, 1));
+  const IsosurfacePoint<D> middle =
+      isosurface_point(scene.volumes[0].field, to_vector<D>(scene.volumes[0].field.dims) * 0.4);
+  EXPECT_EQ(after.radiance(middle, false), alone.radiance(middle, false));
+}
+
+TEST(DirectLightOfIsosurfaces, TakesWhatHasNotMovedFromEarlierMaps) {
+  expect_earlier_maps_to_serve<3>(21);
+  expect_earlier_maps_to_serve<2>(41);
+}
+
+TEST(DirectLightOfIsosurfaces, TakesNothingElse) {
+  Scene<3> scene = test::scene_of(bumps<3>(21), Rgb(0.5f), {0.2, 0.9});
+  scene.lights = lights_after<3>(0);
+  const DirectLight<3> alone = maps_of(scene, 1);
+  // Maps that are wrong, since a plate hides all light.
+  Scene<3> other = scene;
+  other.lights = lights_after<3>(0.2);
+  other.meshes = {test::wall("plate", {-0.05, -1, -1}, {0, 3, 0}, {0, 0, 3}, Rgb(0.5f))};
+  const DirectLight<3> wrong = maps_of(other, 1), taken = maps_of(scene, 1, &wrong);
+  EXPECT_NE(codes_of(wrong, 0), codes_of(alone, 0));
+  EXPECT_EQ(codes_of(taken, 0), codes_of(wrong, 0));
+  for (std::size_t i = 1; i < taken.points(); ++i)
+    EXPECT_EQ(codes_of(taken, i), codes_of(alone, i));
+}
+
+TEST(DirectLightOfIsosurfaces, TakesItFromFinerMaps) {
+  Scene<3> scene = test::scene_of(bumps<3>(32), Rgb(0.5f), {0.2, 0.9});
+  scene.lights = lights_after<3>(0);
+  const DirectLight<3> fine = maps_of(scene, 1), coarse = maps_of(scene, 2, &fine);
+  double difference = 0;
+  for (std::size_t s = 0; s < coarse.lattice().active.size(); ++s) {
+    const Vec3 at = coarse.lattice().centre(coarse.lattice().active[s]);
+    const std::int32_t slot = nearest_active_slot(fine.lattice(), at);
+    ASSERT_NE(slot, TexelLattice<3>::inactive);
+    EXPECT_EQ(coarse.code(0, s, false), fine.code(0, slot, false));
+    const Vec3 there = fine.lattice().centre(fine.lattice().active[slot]);
+    difference = std::max(difference, (there - at).length());
+  }
+  EXPECT_LT(difference, 4);
+}
+
 TEST(DirectLightOfIsosurfaces, IsNothingWithoutLights) {
   const Scene<3> scene = test::scene_of(bumps<3>(17), Rgb(0.5f), {0.2, 0.9});
   const SceneTracer<3> tracer(scene);

@@ -96,25 +96,39 @@ TEST(Field, ShadingGradientIsContinuousAcrossFaces) {
   EXPECT_LT((shading_gradient(field, below) - shading_gradient(field, above)).length(), 1e-12);
 }
 
-TEST(CoarserValues, AreThoseOfALinearFunctionInTheMiddleOfBlocks) {
+TEST(CoarserValues, AreThoseOfALinearFunctionOverTheSameDomain) {
   const auto h = [](const Vec3& index) { return 3 + index.dot(Vec3(0.5, -2.0, 7.0)); };
-  const Index<3> dims{9, 4, 6};
+  const Index<3> dims{9, 4, 8}, coarse{5, 2, 4};
   std::vector<float> values;
   for_each_index<3>({0, 0, 0}, dims, [&](const Index<3>& i) {
     values.push_back(static_cast<float>(h(to_vector<3>(i))));
   });
   const float hole = std::numeric_limits<float>::quiet_NaN();
-  values[(3 * 4 + 1) * 9 + 4] = hole;
+  values[(7 * 4 + 0) * 9 + 5] = hole;
+  const Field<3> field = test::field_from<3>(values, dims, test::unit_cube<3>(2));
+  EXPECT_EQ(coarser_dims(dims), coarse);
+  const std::vector<float> coarser = coarser_values(field);
+  ASSERT_EQ(coarser.size(), cell_count<3>(coarse));
+  for (std::size_t voxel = 0; voxel < coarser.size(); ++voxel) {
+    const Index<3> i = index_of<3>(voxel, coarse);
+    if (i == Index<3>{2, 0, 3} || i == Index<3>{3, 0, 3}) {
+      EXPECT_TRUE(std::isnan(coarser[voxel]));
+    } else {
+      EXPECT_NEAR(coarser[voxel], h(Vec3(2 * i[0], 3 * i[1], 7.0 / 3 * i[2])), 1e-5);
+    }
+  }
+}
+
+TEST(CoarserValues, AreMeansOverTwoVoxels) {
+  std::vector<float> values(5 * 5 * 5);
+  const Index<3> dims{5, 5, 5};
+  values[linear_number<3>({2, 3, 0}, dims)] = 16;
   const std::vector<float> coarser =
       coarser_values(test::field_from<3>(values, dims, test::unit_cube<3>(2)));
-  ASSERT_EQ(coarser.size(), 4u * 2u * 3u);
-  for (std::size_t block = 0; block < coarser.size(); ++block) {
-    const Index<3> i = index_of<3>(block, {4, 2, 3});
-    if (i == Index<3>{2, 0, 1}) {
-      EXPECT_TRUE(std::isnan(coarser[block]));
-    } else {
-      EXPECT_FLOAT_EQ(coarser[block], h(Vec3(2 * i[0] + 0.5, 2 * i[1] + 0.5, 2 * i[2] + 0.5)));
-    }
+  for (std::size_t voxel = 0; voxel < coarser.size(); ++voxel) {
+    const Index<3> i = index_of<3>(voxel, {3, 3, 3});
+    const bool is_beside = i == Index<3>{1, 1, 0};
+    EXPECT_EQ(coarser[voxel], is_beside ? 2 : 0);
   }
 }
 

@@ -142,6 +142,52 @@ TEST(MeshDirectLight, LightPassesThroughOpenIsosurfaces) {
   expect_agreement("tube", scene);
 }
 
+TEST(MeshDirectLight, ReachesBesideTheLeastIsovalue) {
+  const Scene<3> scene = over_floor<3>(PointLight<3>{"bulb", {0.4, 0.5, 1.6}, 0, Rgb(1), {}});
+  const MeshDirectLight<3> direct(SceneTracer<3>(scene), subdivide(scene), ignored);
+  const double least = scene.isovalue_range.min;
+  const auto found = direct.radiance(0, least, false),
+             beside = direct.radiance(0, least + 1e-4, false);
+  double most = 0, difference = 0;
+  for (std::size_t v = 0; v < found.size(); ++v) {
+    most = std::max<double>(most, found[v].x);
+    difference += std::abs(found[v].x - beside[v].x);
+  }
+  EXPECT_GT(most, 0.01);
+  EXPECT_LT(difference, 0.01 * most * static_cast<double>(found.size()));
+}
+
+TEST(MeshDirectLight, TakesWhatHasNotMovedFromEarlierWays) {
+  const PointLight<3> still{"still", {0.9, 0.2, 1.4}, 0, Rgb(1), {}};
+  const auto lights = [&](double x) {
+    return std::vector<Light<3>>{PointLight<3>{"moved", {x, 0.7, 1.5}, 0, Rgb(1), {}}, still};
+  };
+  Scene<3> scene = over_floor<3>(still);
+  scene.lights = lights(0.1);
+  const auto direct = [&](std::size_t share, const MeshDirectLight<3>* earlier) {
+    return MeshDirectLight<3>(SceneTracer<3>(scene), subdivide(scene), ignored, share, earlier);
+  };
+  const MeshDirectLight<3> before = direct(1, nullptr);
+  scene.lights = lights(0.3);
+  std::swap(scene.lights[0], scene.lights[1]);
+  const MeshDirectLight<3> alone = direct(1, nullptr), after = direct(1, &before);
+  ASSERT_EQ(after.ways(0).ways.size(), 2 * after.ways(0).sets.size());
+  for (std::size_t i = 0; i < after.ways(0).ways.size(); ++i) {
+    EXPECT_EQ(after.ways(0).ways[i].greatest, alone.ways(0).ways[i].greatest);
+    EXPECT_EQ(after.ways(0).ways[i].share, alone.ways(0).ways[i].share);
+  }
+  EXPECT_EQ(after.radiance(0, 0.7, false), alone.radiance(0, 0.7, false));
+  // With few ways of the moved point, all are there of the other, and both count as they should.
+  const MeshDirectLight<3> some = direct(7, &before);
+  double all = 0, found = 0;
+  for (std::size_t v = 0; v < some.ways(0).sets.size(); ++v) {
+    EXPECT_EQ(some.ways(0).ways[2 * v].greatest, alone.ways(0).ways[2 * v].greatest);
+    all += alone.ways(0).ways[2 * v + 1].share;
+    found += some.ways(0).ways[2 * v + 1].share;
+  }
+  EXPECT_NEAR(found, all, 0.1 * all);
+}
+
 TEST(MeshDirectLight, LiesBetweenTheVerticesOfIndirectLight) {
   Scene<3> scene = test::cornell(test::ball<3>(9), {0.6, 0.9});
   for (const SubdividedMesh<3>& mesh : subdivide(scene)) {

@@ -96,16 +96,17 @@ def test_values_are_not_copied():
 MATRIX = np.array([[-2.0, 0, 0, 90], [0, 2.5, 0, -126], [0, 0.5, 3.0, -72], [0, 0, 0, 1]])
 
 
-def test_coarser_voxels_are_means_of_eight_in_their_place():
+def test_coarser_voxels_fill_the_same_domain():
     index_to_world = np.array([[0, 2, 0, 5], [1, 0, 0, 6], [0, 0, -3, 7], [0, 0, 0, 1.0]])
     z, y, x = np.mgrid[:6, :9, :4].astype(np.float32)
     fine = Volume(x - 2 * y + 7 * z, index_to_world, "linear")
     coarser = fine.coarser()
-    assert coarser.values.shape == (3, 4, 2) and coarser is fine.coarser()
-    k, j, i = np.mgrid[:3, :4, :2]
+    assert coarser.values.shape == (3, 5, 2) and coarser is fine.coarser()
+    k, j, i = np.mgrid[:3, :5, :2]
     nodes = np.stack([i, j, k, np.ones_like(i)], axis=-1).reshape(-1, 4)
     points = (nodes @ coarser.index_to_world.T)[:, :3]
     np.testing.assert_allclose(fine.field().sample(points), coarser.values.ravel(), atol=1e-5)
+    np.testing.assert_allclose(fine.field().bounds, coarser.field().bounds)
     with pytest.raises(LeaflightError):
         coarser.coarser().field()
 

@@ -3,21 +3,77 @@
 
 #include <tbb/parallel_for.h>
 
+#include <cmath>
+
 namespace leaflight {
 
-std::vector<float> coarser_values(const Field<3>& field) {
-  const Index<3> dims{field.dims[0] / 2, field.dims[1] / 2, field.dims[2] / 2};
-  std::vector<float> values(cell_count<3>(dims));
-  tbb::parallel_for(0, dims[2], [&](int z) {
-    std::size_t block = linear_number<3>({0, 0, z}, dims);
-    for (int y = 0; y < dims[1]; ++y) {
-      for (int x = 0; x < dims[0]; ++x, ++block) {
-        double sum = 0;
-        for (const double h : load_corners(field, {2 * x, 2 * y, 2 * z}).h) sum += h;
-        values[block] = static_cast<float>(sum / 8);
-      }
+namespace {
+
+// A part of a mean: the value of a voxel times a weight.
+struct Part {
+  int voxel;
+  float weight;
+};
+
+// Adds the parts of a linear interpolation. One of weight zero is left out, as it may be NaN.
+void add_interpolation(std::vector<Part>& parts, double position, double weight) {
+  const double below = std::floor(position);
+  const auto voxel = static_cast<int>(below);
+  const double above = position - below;
+  for (const Part part : {Part{voxel, static_cast<float>(weight * (1 - above))},
+                          Part{voxel + 1, static_cast<float>(weight * above)}}) {
+    if (part.weight != 0) parts.push_back(part);
+  }
+}
+
+// Of each voxel of an axis that has `coarse` instead of `fine` ones.
+std::vector<std::vector<Part>> means_along_axis(int fine, int coarse) {
+  std::vector<std::vector<Part>> means(coarse);
+  means.front() = {{0, 1}};
+  means.back() = {{fine - 1, 1}};
+  for (int i = 1; i < coarse - 1; ++i) {
+    const double position = static_cast<double>(i) * (fine - 1) / (coarse - 1);
+    add_interpolation(means[i], position - 1, 0.25);
+    add_interpolation(means[i], position, 0.5);
+    add_interpolation(means[i], position + 1, 0.25);
+  }
+  return means;
+}
+
+template <class Value>
+std::vector<float> coarser_along(const Value* values, const Index<3>& dims, int axis, int coarse) {
+  // Voxels that share an index of this axis and of those above it, and how often the axis recurs.
+  std::size_t row = 1, times = 1;
+  for (int a = 0; a < axis; ++a) row *= dims[a];
+  for (int a = axis + 1; a < 3; ++a) times *= dims[a];
+  const std::vector<std::vector<Part>> means = means_along_axis(dims[axis], coarse);
+  std::vector<float> result(row * coarse * times);
+  tbb::parallel_for(std::size_t{0}, coarse * times, [&](std::size_t number) {
+    const Value* const from = values + number / coarse * dims[axis] * row;
+    float* const to = result.data() + number * row;
+    for (const Part& part : means[number % coarse]) {
+      const Value* const of_part = from + part.voxel * row;
+      for (std::size_t i = 0; i < row; ++i) to[i] += part.weight * of_part[i];
     }
   });
+  return result;
+}
+
+}  // namespace
+
+Index<3> coarser_dims(const Index<3>& dims) {
+  return {(dims[0] + 1) / 2, (dims[1] + 1) / 2, (dims[2] + 1) / 2};
+}
+
+std::vector<float> coarser_values(const Field<3>& field) {
+  Index<3> dims = field.dims;
+  const Index<3> coarse = coarser_dims(dims);
+  std::vector<float> values = std::visit(
+      [&](const auto* all) { return coarser_along(all, dims, 2, coarse[2]); }, field.values);
+  for (const int axis : {1, 0}) {
+    dims[axis + 1] = coarse[axis + 1];
+    values = coarser_along(values.data(), dims, axis, coarse[axis]);
+  }
   return values;
 }
 

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "math/error.h"
+#include "math/index_range.h"
 
 namespace leaflight {
 namespace {
@@ -213,6 +214,29 @@ std::vector<bool> texels_around(const Index<D>& dims, const Index<D>& resolution
   return around;
 }
 
+template <int D>
+std::int32_t nearest_active_slot(const TexelLattice<D>& lattice, const Vec<D>& index_position) {
+  constexpr int reach = 3;
+  const Vec<D> position = index_position / lattice.voxels_per_texel;
+  const Index<D> nearest = lattice.nearest_texel(position);
+  std::int32_t found = lattice.slot[lattice.linear(nearest)];
+  if (found != TexelLattice<D>::inactive) return found;
+  Index<D> low, high;
+  for (int a = 0; a < D; ++a) {
+    low[a] = std::max(0, nearest[a] - reach);
+    high[a] = std::min(lattice.resolution[a], nearest[a] + reach + 1);
+  }
+  double least = std::numeric_limits<double>::infinity();
+  for_each_index<D>(low, high, [&](const Index<D>& texel) {
+    const std::int32_t slot = lattice.slot[lattice.linear(texel)];
+    const double distance2 = (to_vector<D>(texel) - position).length2();
+    if (slot == TexelLattice<D>::inactive || distance2 >= least) return;
+    least = distance2;
+    found = slot;
+  });
+  return found;
+}
+
 template struct TexelLattice<2>;
 template struct TexelLattice<3>;
 template TexelLattice<2> inactive_lattice<2>(const Index<2>&, const Index<2>&);
@@ -225,6 +249,8 @@ template TexelLattice<3> make_lattice<3>(const Field<3>&, const Index<3>&, doubl
                                          const std::vector<bool>*);
 template std::size_t active_texels<2>(const Field<2>&, const Index<2>&, double, double);
 template std::size_t active_texels<3>(const Field<3>&, const Index<3>&, double, double);
+template std::int32_t nearest_active_slot<2>(const TexelLattice<2>&, const Vec<2>&);
+template std::int32_t nearest_active_slot<3>(const TexelLattice<3>&, const Vec<3>&);
 template TexelWeights<2> linear_weights<2>(const TexelLattice<2>&, const Vec<2>&);
 template TexelWeights<3> linear_weights<3>(const TexelLattice<3>&, const Vec<3>&);
 template std::vector<bool> texels_around<2>(const Index<2>&, const Index<2>&,

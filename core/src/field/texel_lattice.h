@@ -47,6 +47,11 @@ struct TexelLattice {
   }
 };
 
+// Slot of the active texel nearest to an index position of the field, or inactive if there is none
+// within three texels along each axis.
+template <int D>
+std::int32_t nearest_active_slot(const TexelLattice<D>& lattice, const Vec<D>& index_position);
+
 // Of a lattice with texels `width` times as wide, and with texels half as wide.
 template <int D>
 Index<D> coarser_resolution(Index<D> resolution, int width) {

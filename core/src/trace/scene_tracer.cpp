@@ -2,6 +2,7 @@
 #include "trace/scene_tracer.h"
 
 #include <cmath>
+#include <limits>
 
 #include "math/sampling.h"
 #include "scene/open_isosurfaces.h"
@@ -9,6 +10,11 @@
 
 namespace leaflight {
 namespace {
+
+// In single precision, too, which many of them are kept in.
+double just_less(double c) {
+  return std::nextafter(static_cast<float>(c), -std::numeric_limits<float>::infinity());
+}
 
 // The box about the volumes, or about the meshes where there is no volume.
 template <int D>
@@ -276,7 +282,8 @@ BlockingIsovalues SceneTracer<D>::blocking(const Vec<D>& origin, const Vec<D>& w
                                            double t_max) const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   if (walls_.occluded(origin, way, t_max)) return {-infinity, infinity};
-  double c = scene_.isovalue_range.min;
+  const double nothing = just_less(scene_.isovalue_range.min);
+  double c = nothing;
   for (std::size_t v = 0; v < fields_.size(); ++v) {
     const Volume<D>& volume = scene_.volumes[v];
     const Affine<D>& to_index = fields_[v].frame_to_index;
@@ -284,7 +291,7 @@ BlockingIsovalues SceneTracer<D>::blocking(const Vec<D>& origin, const Vec<D>& w
         c, volume.common_isovalue(greatest_value(volume.field, to_index.point(origin),
                                                  to_index.vector(way), t_max, volume.isovalue(c))));
   }
-  if (!has_openings_ || c == scene_.isovalue_range.min) return {-infinity, c};
+  if (!has_openings_ || c == nothing) return {-infinity, c};
   const Volume<D>& volume = scene_.volumes[0];
   const Affine<D>& to_index = fields_[0].frame_to_index;
   const double least = least_value(volume.field, to_index.point(origin), to_index.vector(way),

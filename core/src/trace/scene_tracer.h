@@ -71,11 +71,14 @@ struct BoundingSphere {
 };
 
 // The isosurfaces that block a way: those of least < c <= greatest. The greatest common isovalue on
-// the way is at least the isovalue range's least one, and infinite where the walls block the way.
+// the way is infinite where the walls block it, and just less than the isovalue range where none of
+// its isosurfaces does.
 // The least one on it is minus infinity in a scene without openings, where every way comes from
 // outside of the isosurfaces.
 struct BlockingIsovalues {
   double least, greatest;
+
+  bool include(double c) const { return least < c && c <= greatest; }
 };
 
 // The scene made ready for rays. All positions are in the frame: world coordinates translated and

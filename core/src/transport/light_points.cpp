@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "transport/light_points.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "math/low_discrepancy.h"
@@ -202,6 +203,20 @@ SplitLight<D> split_into(const SceneTracer<D>& tracer, Sets<D>& sets) {
   return split;
 }
 
+template <int D>
+bool same_cone(const LightSource<D>& a, const LightSource<D>& b) {
+  if (!a.cone || !b.cone) return !a.cone && !b.cone;
+  return a.cone->axis == b.cone->axis && a.cone->cosine == b.cone->cosine &&
+         a.cone->blend == b.cone->blend && a.cone->cosine_falloff == b.cone->cosine_falloff;
+}
+
+template <int D>
+bool same_ways(const LightSource<D>& a, const LightSource<D>& b) {
+  return a.infinite == b.infinite && a.both_sides == b.both_sides && a.sphere == b.sphere &&
+         a.position == b.position && a.direction == b.direction && a.normal == b.normal &&
+         same_cone<D>(a, b);
+}
+
 }  // namespace
 
 template <int D>
@@ -220,6 +235,19 @@ std::vector<std::vector<LightPoint<D>>> interleaved_points(const SceneTracer<D>&
 }
 
 template <int D>
+std::vector<int> same_points(const std::vector<LightPoint<D>>& points,
+                             const std::vector<LightPoint<D>>& earlier) {
+  std::vector<int> same;
+  for (const LightPoint<D>& point : points) {
+    const auto found = std::find_if(earlier.begin(), earlier.end(), [&](const auto& other) {
+      return same_ways<D>(point.source, other.source);
+    });
+    same.push_back(found == earlier.end() ? -1 : static_cast<int>(found - earlier.begin()));
+  }
+  return same;
+}
+
+template <int D>
 void scale_points(const std::vector<Rgb>& lights, std::vector<LightPoint<D>>& points) {
   for (LightPoint<D>& point : points) {
     if (point.light >= 0) point.source.amount *= lights.at(point.light);
@@ -230,6 +258,10 @@ template SplitLight<2> split_light(const SceneTracer<2>&);
 template SplitLight<3> split_light(const SceneTracer<3>&);
 template std::vector<std::vector<LightPoint<2>>> interleaved_points(const SceneTracer<2>&);
 template std::vector<std::vector<LightPoint<3>>> interleaved_points(const SceneTracer<3>&);
+template std::vector<int> same_points(const std::vector<LightPoint<2>>&,
+                                      const std::vector<LightPoint<2>>&);
+template std::vector<int> same_points(const std::vector<LightPoint<3>>&,
+                                      const std::vector<LightPoint<3>>&);
 template void scale_points(const std::vector<Rgb>&, std::vector<LightPoint<2>>&);
 template void scale_points(const std::vector<Rgb>&, std::vector<LightPoint<3>>&);
 

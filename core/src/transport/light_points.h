@@ -36,6 +36,12 @@ inline constexpr int light_point_sets = 7;
 template <int D>
 std::vector<std::vector<LightPoint<D>>> interleaved_points(const SceneTracer<D>& tracer);
 
+// For each point the number of an earlier one whose light goes the same ways, whatever its amount;
+// -1 where there is none.
+template <int D>
+std::vector<int> same_points(const std::vector<LightPoint<D>>& points,
+                             const std::vector<LightPoint<D>>& earlier);
+
 // Makes the points of the scene's lights brighter by a factor per channel of each light.
 template <int D>
 void scale_points(const std::vector<Rgb>& lights, std::vector<LightPoint<D>>& points);

@@ -113,21 +113,39 @@ LightSample<D> LightSampler<D>::sample(const DiscreteDistribution::Pick& pick,
 }
 
 template <int D>
+LightSample<D> LightSampler<D>::reflected(const SurfacePoint<D>& point, double choice,
+                                          const std::array<double, 2>& u) const {
+  if (by_irradiance_.empty()) return {};
+  const auto picked = by_irradiance_.pick(choice);
+  LightSample<D> light = sample(picked, point, u);
+  const double cosine = light.direction.dot(point.shading_normal);
+  if (!(cosine > 0 && light.direction.dot(point.geometric_normal) > 0)) return {};
+  // BRDF albedo / projected_hemisphere.
+  light.radiance *=
+      point.albedo * static_cast<Real>(cosine / (projected_hemisphere<D> * picked.probability));
+  return light;
+}
+
+template <int D>
 Rgb LightSampler<D>::direct_radiance(const SurfacePoint<D>& point, double choice,
                                      const std::array<double, 2>& u, std::uint64_t& rays) const {
-  if (by_irradiance_.empty()) return Rgb(0);
-  const auto picked = by_irradiance_.pick(choice);
-  const LightSample<D> light = sample(picked, point, u);
-  const double cosine = light.direction.dot(point.shading_normal);
-  if (!(cosine > 0 && light.direction.dot(point.geometric_normal) > 0)) return Rgb(0);
-  // BRDF albedo / projected_hemisphere.
-  const Rgb radiance = point.albedo * light.radiance *
-                       static_cast<Real>(cosine / (projected_hemisphere<D> * picked.probability));
-  if (!(largest(radiance) > 0)) return Rgb(0);
+  const LightSample<D> light = reflected(point, choice, u);
+  if (!(largest(light.radiance) > 0)) return Rgb(0);
   ++rays;
   const bool hidden = light.infinite ? tracer_.occluded(point, light.direction)
                                      : tracer_.occluded(point, light.end, light.end_normal);
-  return hidden ? Rgb(0) : radiance;
+  return hidden ? Rgb(0) : light.radiance;
+}
+
+template <int D>
+typename LightSampler<D>::ForAllIsovalues LightSampler<D>::direct_radiance_for_all(
+    const SurfacePoint<D>& point, double choice, const std::array<double, 2>& u,
+    std::uint64_t& rays) const {
+  const LightSample<D> light = reflected(point, choice, u);
+  if (!(largest(light.radiance) > 0)) return {};
+  ++rays;
+  return {light.radiance, light.infinite ? tracer_.blocking(point, light.direction)
+                                         : tracer_.blocking(point, light.end, light.end_normal)};
 }
 
 template <int D>

@@ -35,6 +35,15 @@ class LightSampler {
   Rgb direct_radiance(const SurfacePoint<D>& point, double choice, const std::array<double, 2>& u,
                       std::uint64_t& rays) const;
 
+  // The same for the isovalues of all isosurfaces at once.
+  struct ForAllIsovalues {
+    Rgb radiance{0};  // beside those that do not block its way
+    BlockingIsovalues blocked{0, 0};
+  };
+  ForAllIsovalues direct_radiance_for_all(const SurfacePoint<D>& point, double choice,
+                                          const std::array<double, 2>& u,
+                                          std::uint64_t& rays) const;
+
   // A source that stands for all that direct_radiance() samples; precondition: can_light().
   LightSource<D> source(double choice, const std::array<double, 2>& u) const;
   bool can_light() const { return !by_irradiance_.empty(); }
@@ -62,6 +71,10 @@ class LightSampler {
   std::size_t first_isosurface() const { return environment_number() + (environment_ ? 1 : 0); }
   LightSample<D> sample(const DiscreteDistribution::Pick& pick, const SurfacePoint<D>& point,
                         const std::array<double, 2>& u) const;
+  // A sample of what direct_radiance() seeks; its radiance is what is reflected if it is not
+  // hidden.
+  LightSample<D> reflected(const SurfacePoint<D>& point, double choice,
+                           const std::array<double, 2>& u) const;
 
   const SceneTracer<D>& tracer_;
   std::vector<MeshEmitter<D>> meshes_;

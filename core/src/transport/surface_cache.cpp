@@ -146,6 +146,7 @@ SurfaceCache<D>::SurfaceCache(const SceneTracer<D>& tracer, bool caustics, doubl
                 " faces, too many for their radiance cache; decimate the meshes.");
   }
   radiance_.assign(entries, Rgb(0));
+  if (photons == 0) return;
   indirect_sides_ = FluxAccumulator(entries, photon_flux, photons);
   if (caustics) caustic_ = FluxAccumulator(entries, photon_flux, photons);
 }
@@ -218,29 +219,39 @@ void SurfaceCache<D>::collect_photons(bool smooth, Progress& progress) {
 }
 
 template <int D>
-void SurfaceCache<D>::finish(std::size_t entry, const LightSampler<D>& lights, int samples,
+void SurfaceCache<D>::finish(std::size_t column, const LightSampler<D>& lights, int samples,
                              std::uint64_t seed, std::uint64_t& rays) {
-  const auto& [facet, patch, front, node] = place_of(entry);
-  // Of the patch, side and node: the sides that are kept do not change the light.
-  const std::size_t key = ((facet.first_patch + patch) * 2 + !front) * nodes + node;
-  Random random = random_for(seed, Purpose::surface_cache, key);
-  const std::uint64_t point_key = random.bits(), light_key = random.bits();
-  const Rgb photons =
-      (radiance_[entry] + density(caustic_, entry)) / static_cast<Real>(projected_hemisphere<D>);
+  const std::size_t first = column * nodes;
+  const auto& [facet, patch, front, node] = place_of(first);
   SurfacePoint<D> point =
       tracer_.facet_point(facet.mesh, facet.facet, 0, 0, front, nodes_.node(node));
   if (point.scattering != Scattering::diffuse) return;  // no ray looks it up
+  // Of the patch and side: the sides that are kept do not change the light.
+  const std::size_t key = (facet.first_patch + patch) * 2 + !front;
+  Random random = random_for(seed, Purpose::surface_cache, key);
+  const std::uint64_t point_key = random.bits(), light_key = random.bits();
   const Mesh<D>& mesh = tracer_.meshes()[facet.mesh];
   const FacetFrame<D> frame(mesh, facet.facet);
-  Rgb sum(0);
+  std::array<Rgb, nodes> direct;
+  direct.fill(Rgb(0));
+  Rgb albedo(0);
   for (int i = 0; i < samples; ++i) {
     const auto uv = Patches<D>::point(patch, facet.cuts, sobol_point(i, point_key));
     point.position = frame.point(uv[0], uv[1]);
     if (mesh.texture) point.albedo = mesh.albedo_at(facet.facet, uv[0], uv[1]);
-    sum += point.albedo * photons +
-           lights.direct_radiance(point, random.uniform(), sobol_point(i, light_key), rays);
+    albedo += point.albedo;
+    const auto light = lights.direct_radiance_for_all(point, (i + random.uniform()) / samples,
+                                                      sobol_point(i, light_key), rays);
+    for (std::size_t n = 0; n < nodes; ++n) {
+      if (!light.blocked.include(nodes_.node(static_cast<int>(n)))) direct[n] += light.radiance;
+    }
   }
-  radiance_[entry] = sum / static_cast<Real>(samples);
+  const auto brdf = static_cast<Real>(1 / projected_hemisphere<D>);
+  for (std::size_t n = 0; n < nodes; ++n) {
+    Rgb& radiance = radiance_[first + n];
+    radiance = (albedo * brdf * (radiance + density(caustic_, first + n)) + direct[n]) /
+               static_cast<Real>(samples);
+  }
 }
 
 template <int D>

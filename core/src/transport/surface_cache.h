@@ -17,6 +17,7 @@ namespace leaflight {
 template <int D>
 class SurfaceCache {
  public:
+  // Without `photons` it only holds what is finished elsewhere.
   SurfaceCache(const SceneTracer<D>& tracer, bool caustics, double photon_flux,
                std::uint64_t photons, bool fine);
 
@@ -28,11 +29,14 @@ class SurfaceCache {
   std::vector<Rgb>& finished() { return radiance_; }
 
   std::size_t entries() const { return radiance_.size(); }
-  // Before entries are finished. `smooth`: photons are spread over patches and then given up, so
+  // Each is a side of a patch with an entry for every node.
+  std::size_t columns() const { return entries() / IsovalueNodes::count; }
+  // Before columns are finished. `smooth`: photons are spread over patches and then given up, so
   // that indirect_irradiance() is 0.
   void collect_photons(bool smooth, Progress& progress);
-  // Turns the photons of one entry into radiance and adds direct light by `samples` shadow rays.
-  void finish(std::size_t entry, const LightSampler<D>& lights, int samples, std::uint64_t seed,
+  // Turns the photons of one column into radiance and adds direct light by `samples` shadow rays,
+  // each of which serves all nodes.
+  void finish(std::size_t column, const LightSampler<D>& lights, int samples, std::uint64_t seed,
               std::uint64_t& rays);
 
   // Of the side that a ray of the given direction hits. `u` uniform in [0,1) chooses between two

@@ -6,6 +6,7 @@ direct light is exact. All other light of isosurfaces and walls is that of the b
 factor per channel: the growth of the light that returns to isosurfaces after one reflection.
 """
 
+import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -87,10 +88,7 @@ def moved(
     progress.begin("Direct light")
     detail = QUICK if quick else WHOLE
     factor = _growth(result)
-    grids = [
-        _grid(original.grids[number], now, number, volume, detail, factor, progress)
-        for number, volume in enumerate(volumes)
-    ]
+    grids = [_grid(result, now, number, detail, factor, progress) for number in range(len(volumes))]
     known = result.provenance
     known = known.after(grids, known.passes, known.blocks, known.continued)
     result = replace(result, grids=grids, provenance=known)
@@ -106,7 +104,9 @@ def lit_walls(bake: Bake, detail: Detail, progress: _core.Progress) -> Bake:
     progress.begin("Direct light of the walls")
     same_as = _same_meshes(original.scene.meshes, bake.scene.meshes)
     before, now = original.core_scene(), bake.core_scene()
-    walls = original.walls.moved(before, now, same_as, _growth(bake), progress, detail.share)
+    walls = original.walls.moved(
+        before, now, same_as, _growth(bake), progress, detail.share, _lights_alone_moved(bake)
+    )
     return replace(bake, walls=walls)
 
 
@@ -159,20 +159,37 @@ def _growth(bake: Bake) -> tuple[float, ...]:
 
 
 def _grid(
-    grid: _core.RadianceGrid,
+    bake: Bake,
     scene: _core.Scene,
     number: int,
-    volume: Volume,
     detail: Detail,
     factor: Sequence[float],
     progress: _core.Progress,
 ) -> _core.RadianceGrid:
+    assert bake.original is not None
+    grid, volume = bake.original.grids[number], bake.volumes[number]
     if not grid.map_resolution:
         # Mirrors and glass store no light.
         return grid
-    resolution = [max(2, (n - 1) // detail.wider + 1) for n in grid.map_resolution]
-    direct = _core.DirectLight(scene, number, resolution, grid.has_back, progress, detail.spacing)
+    direct = _core.DirectLight(
+        scene,
+        number,
+        [max(2, (n - 1) // detail.wider + 1) for n in grid.map_resolution],
+        grid.has_back,
+        progress,
+        detail.spacing,
+        grid.direct if _lights_alone_moved(bake) else None,
+    )
     return grid.moved(volume.field(), direct, factor)
+
+
+def _lights_alone_moved(bake: Bake) -> bool:
+    """Whether the scene is that of the original in all that stands in the way of light."""
+    assert bake.original is not None
+    before, now = (
+        {**json.loads(each.provenance.scene), "lights": []} for each in (bake.original, bake)
+    )
+    return before == now and all(a is b for a, b in zip(bake.original.volumes, bake.volumes))
 
 
 def _same_meshes(before: Sequence[Mesh], now: Sequence[Mesh]) -> list[int]:

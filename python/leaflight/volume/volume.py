@@ -211,18 +211,18 @@ class Volume:
         return replace(self, index_to_world=to_unit @ self.index_to_world, unit=unit)
 
     def coarser(self) -> "Volume":
-        """The volume with half as many nodes along each axis, each the mean of eight; one in space.
+        """The volume with half as many nodes along each axis, rounded up; one in space.
 
-        Made at the first call. It ends up to one and a half voxels within the border. Raises
-        LeaflightError where too few nodes are left for a field.
+        It has the same borders; between them each value is a mean over two voxels along each axis.
+        Made at the first call. Raises LeaflightError where too few nodes are left for a field.
         """
         return self._coarser
 
     @cached_property
     def _coarser(self) -> "Volume":
         values = _core.coarser_values(self.field())
-        from_coarser = np.diag([2.0, 2.0, 2.0, 1.0])
-        from_coarser[:3, 3] = 0.5
+        steps = (np.array(self.values.shape) - 1) / np.maximum(np.array(values.shape) - 1, 1)
+        from_coarser = np.diag([*steps[::-1], 1.0])
         return replace(
             self,
             values=values,

@@ -49,7 +49,7 @@ def check_it_is_coarse_while_it_moves_and_whole_at_rest(baked, interactive, larg
         mesh = baked.data
         assert surface_object.is_coarse(mesh) and "radiance" in mesh.attributes
         assert 50 < len(mesh.polygons) < 0.4 * len(expected_surface(baked, isovalue)[1])
-        assert _field_misses(baked, isovalue) < 0.5
+        assert _field_misses(baked, isovalue) < 0.01
         assert surface_object.shown_isovalue(baked) == isovalue
     moved = whole_detail.time.now
     rest()

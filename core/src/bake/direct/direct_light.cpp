@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "bake/direct/visibility_through.h"
 #include "math/parallel.h"
 #include "math/sampling.h"
 
@@ -103,7 +102,8 @@ bool fits_maps(const Field<D>& field, const Index<D>& resolution) {
 template <int D>
 DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
                             const std::vector<LightPoint<D>>& points, const Index<D>& resolution,
-                            bool back, Progress& progress, double spacing)
+                            bool back, Progress& progress, double spacing,
+                            const DirectLight* earlier)
     : isovalue_range_(tracer.scene().volumes[volume].isovalues(tracer.scene().isovalue_range)),
       albedo_(tracer.scene().volumes[volume].albedo),
       emission_(tracer.scene().volumes[volume].emission),
@@ -115,50 +115,87 @@ DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
       points_(points) {
   fill_blocks();
   auto maps = std::make_shared<Maps>();
-  maps->lattice = make_lattice(tracer.scene().volumes[volume].field, resolution,
-                               isovalue_range_.min, isovalue_range_.max);
   const Scene<D>& scene = tracer.scene();
-  const IsovalueRange common = range_of_codes(scene, scene.volumes[volume], maps->lattice);
-  code_range_ = scene.volumes[volume].isovalues(common);
-  std::atomic<bool> any_dark{false};
-  const std::size_t count = points_.size(), active = maps->lattice.active.size();
-  const VisibilitySweep<D> sweep(tracer, volume, maps->lattice, true, spacing);
-  std::vector<std::unique_ptr<VisibilityThrough<D>>> others;
-  for (int other = 0; other < static_cast<int>(tracer.scene().volumes.size()); ++other) {
-    if (other == volume) continue;
-    others.push_back(
-        std::make_unique<VisibilityThrough<D>>(tracer, other, volume, maps->lattice, common));
+  const Volume<D>& own = scene.volumes[volume];
+  maps->lattice = make_lattice(own.field, resolution, isovalue_range_.min, isovalue_range_.max);
+  const IsovalueRange common =
+      range_of_codes(scene, own, earlier ? earlier->lattice() : maps->lattice);
+  code_range_ = own.isovalues(common);
+  std::vector<int> known(points_.size(), -1);
+  if (earlier) known = same_points(points_, earlier->points_);
+  std::vector<std::size_t> unknown;
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    if (known[i] < 0) unknown.push_back(i);
   }
+  const VisibilityThroughAll<D> way(tracer, volume, maps->lattice, common, spacing);
   for (int side = 0; side < (back ? 2 : 1); ++side) {
-    maps->codes[side].resize(active * count + block);  // whole blocks are read
-    maps->least[side].assign(active, VisibilityCode::dark);
-    const VisibilityCode code{code_range_, side != 0};
-    for (std::size_t first = 0; first < count; first += points_at_once) {
-      const std::size_t some = std::min(points_at_once, count - first);
-      std::vector<std::vector<std::uint8_t>> found(some);
-      parallel_range(some, 1, static_cast<double>(maps->lattice.texels()), progress,
-                     [&](std::size_t begin, std::size_t end) {
-                       for (std::size_t i = begin; i < end; ++i) {
-                         const LightSource<D>& source = points_[first + i].source;
-                         sweep.run(source, code, found[i], progress);
-                         for (const auto& other : others) other->run(source, found[i], progress);
-                       }
-                     });
-      parallel_range(active, 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
+    find(way, unknown, side != 0, *maps, progress);
+    if (earlier) take(*earlier, known, side != 0, *maps, progress);
+    summarize(side != 0, *maps, progress);
+  }
+  maps_ = std::move(maps);
+}
+
+template <int D>
+void DirectLight<D>::find(const VisibilityThroughAll<D>& way,
+                          const std::vector<std::size_t>& numbers, bool back, Maps& maps,
+                          Progress& progress) const {
+  const std::size_t count = points_.size(), active = maps.lattice.active.size();
+  std::vector<std::uint8_t>& codes = maps.codes[back];
+  codes.resize(active * count + block);  // whole blocks are read
+  const VisibilityCode code{code_range_, back};
+  for (std::size_t first = 0; first < numbers.size(); first += points_at_once) {
+    const std::size_t some = std::min(points_at_once, numbers.size() - first);
+    std::vector<std::vector<std::uint8_t>> found(some);
+    parallel_range(some, 1, static_cast<double>(maps.lattice.texels()), progress,
+                   [&](std::size_t begin, std::size_t end) {
+                     for (std::size_t i = begin; i < end; ++i) {
+                       way.run(points_[numbers[first + i]].source, code, found[i], progress);
+                     }
+                   });
+    parallel_range(active, 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t s = begin; s < end; ++s) {
+        for (std::size_t i = 0; i < some; ++i) {
+          codes[s * count + numbers[first + i]] = found[i][maps.lattice.active[s]];
+        }
+      }
+    });
+  }
+}
+
+template <int D>
+void DirectLight<D>::take(const DirectLight& earlier, const std::vector<int>& numbers, bool back,
+                          Maps& maps, Progress& progress) const {
+  const std::size_t count = points_.size();
+  parallel_range(
+      maps.lattice.active.size(), 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t s = begin; s < end; ++s) {
-          std::uint8_t* to = &maps->codes[side][s * count + first];
-          std::uint8_t& least = maps->least[side][s];
-          for (std::size_t i = 0; i < some; ++i) {
-            to[i] = found[i][maps->lattice.active[s]];
-            least = std::min(least, to[i]);
-            if (to[i] == VisibilityCode::dark) any_dark = true;
+          const std::int32_t slot =
+              nearest_active_slot(earlier.lattice(), maps.lattice.centre(maps.lattice.active[s]));
+          if (slot == TexelLattice<D>::inactive) continue;
+          for (std::size_t i = 0; i < count; ++i) {
+            if (numbers[i] >= 0)
+              maps.codes[back][s * count + i] = earlier.code(numbers[i], slot, back);
           }
         }
       });
+}
+
+template <int D>
+void DirectLight<D>::summarize(bool back, Maps& maps, Progress& progress) const {
+  const std::size_t count = points_.size(), active = maps.lattice.active.size();
+  std::atomic<bool> any_dark{maps.has_dark};
+  maps.least[back].assign(active, VisibilityCode::dark);
+  parallel_range(active, 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s) {
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::uint8_t code = maps.codes[back][s * count + i];
+        maps.least[back][s] = std::min(maps.least[back][s], code);
+        if (code == VisibilityCode::dark) any_dark = true;
+      }
     }
-  }
-  maps->has_dark = any_dark;
-  maps_ = std::move(maps);
+  });
+  maps.has_dark = any_dark;
 }
 
 template <int D>

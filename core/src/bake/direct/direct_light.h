@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "bake/direct/visibility_sweep.h"
+#include "bake/direct/visibility_through.h"
 #include "math/box.h"
 #include "transport/light_points.h"
 
@@ -29,10 +29,13 @@ template <int D>
 class DirectLight {
  public:
   // Of a volume by its number; `resolution`: of the maps; `back`: of the backs, too, which
-  // needs the scene's only volume; `spacing`: as VisibilitySweep has it. The result is the same for
-  // any number of threads. Throws Cancelled.
+  // needs the scene's only volume; `spacing`: as VisibilitySweep has it; `earlier`: where lights
+  // alone were others, whose maps serve for the points that have not moved. The result is the same
+  // for any number of threads, and where the maps have texels as wide, with `earlier` or without.
+  // Throws Cancelled.
   DirectLight(const SceneTracer<D>& tracer, int volume, const std::vector<LightPoint<D>>& points,
-              const Index<D>& resolution, bool back, Progress& progress, double spacing = 1);
+              const Index<D>& resolution, bool back, Progress& progress, double spacing = 1,
+              const DirectLight* earlier = nullptr);
 
   // With other strengths of the scene's lights: a factor per channel for each. Shares the maps.
   DirectLight scaled(const std::vector<Rgb>& lights) const;
@@ -102,6 +105,15 @@ class DirectLight {
       return any;
     }
   };
+  struct Maps;
+  // The codes of the points of these numbers.
+  void find(const VisibilityThroughAll<D>& way, const std::vector<std::size_t>& numbers, bool back,
+            Maps& maps, Progress& progress) const;
+  // Those of the points that an earlier one has, by their numbers there; -1: it has not.
+  void take(const DirectLight& earlier, const std::vector<int>& numbers, bool back, Maps& maps,
+            Progress& progress) const;
+  // What follows from the codes.
+  void summarize(bool back, Maps& maps, Progress& progress) const;
   void fill_blocks();
   // Of points [first, end).
   void bound(Block& of, std::size_t first, std::size_t end) const;

@@ -82,6 +82,27 @@ void VisibilityThrough<D>::run(const LightSource<D>& source, std::vector<std::ui
   }
 }
 
+template <int D>
+VisibilityThroughAll<D>::VisibilityThroughAll(const SceneTracer<D>& tracer, int volume,
+                                              const TexelLattice<D>& nodes,
+                                              const IsovalueRange& code_range, double spacing)
+    : own_(tracer, volume, nodes, true, spacing) {
+  for (int other = 0; other < static_cast<int>(tracer.scene().volumes.size()); ++other) {
+    if (other == volume) continue;
+    others_.push_back(
+        std::make_unique<VisibilityThrough<D>>(tracer, other, volume, nodes, code_range));
+  }
+}
+
+template <int D>
+void VisibilityThroughAll<D>::run(const LightSource<D>& source, const VisibilityCode& code,
+                                  std::vector<std::uint8_t>& found, Progress& progress) const {
+  own_.run(source, code, found, progress);
+  for (const auto& other : others_) other->run(source, found, progress);
+}
+
+template class VisibilityThroughAll<2>;
+template class VisibilityThroughAll<3>;
 template class VisibilityThrough<2>;
 template class VisibilityThrough<3>;
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
+#include <vector>
+
 #include "bake/direct/visibility_sweep.h"
 
 namespace leaflight {
@@ -28,6 +31,23 @@ class VisibilityThrough {
   TexelLattice<D> lattice_;  // of the other volume's voxels
   VisibilitySweep<D> sweep_;
   Affine<D> to_frame_, to_other_;  // from the indices of the nodes' volume; from the frame
+};
+
+// The greatest codes of all volumes of a scene on the ways from a point of light to nodes of one.
+template <int D>
+class VisibilityThroughAll {
+ public:
+  // As VisibilityThrough and VisibilitySweep have it.
+  VisibilityThroughAll(const SceneTracer<D>& tracer, int volume, const TexelLattice<D>& nodes,
+                       const IsovalueRange& code_range, double spacing);
+
+  // Into as many codes as there are nodes.
+  void run(const LightSource<D>& source, const VisibilityCode& code,
+           std::vector<std::uint8_t>& found, Progress& progress) const;
+
+ private:
+  VisibilitySweep<D> own_;
+  std::vector<std::unique_ptr<VisibilityThrough<D>>> others_;
 };
 
 }  // namespace leaflight

@@ -51,7 +51,8 @@ std::uint64_t block_tracer_memory(const Scene<3>& scene, const BakeSettings<3>& 
                             scene.volumes[0].isovalues(scene.isovalue_range).min);
   const LineVolume<3> volume{tracer, 0, empty};
   const BakeTexels<3> texels = pass_texels(volume, settings);
-  const std::uint64_t sides = make_plan(scene, settings).back ? 2 : 1;
+  const Plan plan = make_plan(scene, settings);
+  const std::uint64_t sides = plan.back ? 2 : 1;
   const auto known = [&](const IndexedLattice<3>& of) {
     return of.slots.size() * sizeof(of.slots[0]) +
            of.lattice.active.size() * sizeof(of.lattice.active[0]);
@@ -62,12 +63,14 @@ std::uint64_t block_tracer_memory(const Scene<3>& scene, const BakeSettings<3>& 
   const std::uint64_t bytes_a_voxel =
       std::visit([](const auto* values) { return sizeof(*values); }, field.values);
   const std::uint64_t indirect = texels.indirect.lattice.active.size();
-  // The values, the maps of direct light and what lines look up of them, indirect light as it comes
-  // and as it is looked up, and a block as it is and as it goes.
+  const std::uint64_t wall_entries =
+      plan.wall_cache ? SurfaceCache<3>(tracer, false, 1, 0, true).entries() : 0;
+  // The values, the maps of direct light and what lines look up of them and of the walls, indirect
+  // light as it comes and as it is looked up, and a block as it is and as it goes.
   const std::uint64_t maps =
       sides * map_bytes(field, volume.isovalue_range(), texels.shown.lattice.resolution,
                         split_light(tracer).points.size());
-  return voxels * bytes_a_voxel + maps +
+  return voxels * bytes_a_voxel + maps + wall_entries * sizeof(Rgb) +
          texels.indirect.lattice.texels() * DirectLookup<3>::bytes_a_texel + known(texels.shown) +
          known(texels.indirect) + indirect * sides * TexelMoments::bytes_a_texel +
          3 * indirect * (2 * sides - 1) * sizeof(Rgb) + 2 * indirect * sides * sizeof(TexelSum);

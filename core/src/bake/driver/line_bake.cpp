@@ -13,7 +13,7 @@
 namespace leaflight {
 namespace {
 
-constexpr int wall_samples = 2, walls_samples = 8;
+constexpr int wall_samples = 8, walls_samples = 8;
 // Directions of the bounces of indirect light that come before blocks count. Later bounces bring
 // less and vary less. They begin with none: light from photons is too coarse, and what leaks
 // through a wall stays in a closed cavity for many bounces.
@@ -172,7 +172,7 @@ void LineBake<D>::serialize_lookups(Archive& archive) {
   if (archive.restores()) {
     learn_lookups();
     if (walls && !photons_.walls) {
-      photons_.walls = std::make_unique<SurfaceCache<D>>(volume_.tracer, false, 1.0, 1, true);
+      photons_.walls = std::make_unique<SurfaceCache<D>>(volume_.tracer, false, 1.0, 0, true);
     }
   }
   if (walls) {

@@ -74,10 +74,10 @@ PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampl
   progress.begin("Lighting the walls");
   SurfaceCache<D>& walls = *caches.walls;
   walls.collect_photons(settings.smooth_walls, progress);
-  parallel_range(walls.entries(), 256, 0, progress, [&](std::size_t begin, std::size_t end) {
+  parallel_range(walls.columns(), 64, 0, progress, [&](std::size_t begin, std::size_t end) {
     std::uint64_t traced = 0;
-    for (std::size_t e = begin; e < end; ++e) {
-      walls.finish(e, lights, settings.wall_samples, settings.seed, traced);
+    for (std::size_t column = begin; column < end; ++column) {
+      walls.finish(column, lights, settings.wall_samples, settings.seed, traced);
     }
     progress.count_rays(traced);
   });

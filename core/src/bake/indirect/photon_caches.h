@@ -24,7 +24,7 @@ struct PhotonSettings {
   std::uint64_t seed = 0;
   std::uint64_t photons = 0, caustic_photons = 0;  // how many the passes trace
   bool density = false;                            // of the photons is looked up with all its noise
-  int wall_samples = 0;       // shadow rays of each entry of the walls' light; 0: not looked up
+  int wall_samples = 0;       // shadow rays of each side of the walls' patches; 0: not looked up
   bool smooth_walls = false;  // their entries are finer, and photons spread over several
 };
 

@@ -62,14 +62,39 @@ BlockingIsovalues blocking(const WayTo<D>& way, const LightSource<D>& source, Su
 template <int D>
 MeshDirectLight<D>::MeshDirectLight(const SceneTracer<D>& tracer,
                                     const std::vector<SubdividedMesh<D>>& meshes,
-                                    Progress& progress, std::size_t share)
+                                    Progress& progress, std::size_t share,
+                                    const MeshDirectLight* earlier)
     : sets_(interleaved_points(tracer)), scales_(tracer.lights().size() + 1, Rgb(1)) {
   auto ways = std::make_shared<std::vector<MeshWays>>(meshes.size());
+  Known known = earlier ? known_of(*earlier) : Known{};
   for (std::size_t m = 0; m < meshes.size(); ++m) {
     if (tracer.meshes()[m].scattering != Scattering::diffuse) continue;
-    (*ways)[m] = ways_of(tracer, meshes[m].fine, progress, share);
+    if (earlier) known.ways = &earlier->ways(static_cast<int>(m));
+    (*ways)[m] = ways_of(tracer, meshes[m].fine, progress, share, known);
   }
   meshes_ = std::move(ways);
+}
+
+template <int D>
+typename MeshDirectLight<D>::Known MeshDirectLight<D>::known_of(
+    const MeshDirectLight& earlier) const {
+  Known known;
+  known.points = earlier.sets_[0].size();
+  constexpr int open = -2;
+  known.lights.assign(lights(), open);
+  for (std::size_t set = 0; set < sets_.size(); ++set) {
+    const std::vector<LightPoint<D>>& before = earlier.sets_[set];
+    known.numbers.push_back(same_points(sets_[set], before));
+    for (std::size_t i = 0; i < sets_[set].size(); ++i) {
+      const int number = known.numbers[set][i];
+      const bool same = number >= 0 && before[number].source.amount == sets_[set][i].source.amount;
+      const int light = same ? static_cast<int>(earlier.place_of(before[number])) : -1;
+      int& found = known.lights[place_of(sets_[set][i])];
+      if (found == open) found = light;
+      if (found != light) found = -1;
+    }
+  }
+  return known;
 }
 
 template <int D>
@@ -84,44 +109,66 @@ template <int D>
 typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTracer<D>& tracer,
                                                                   const FineMesh<D>& mesh,
                                                                   Progress& progress,
-                                                                  std::size_t share) const {
+                                                                  std::size_t share,
+                                                                  const Known& known) const {
   const std::size_t vertices = mesh.vertices.size(), points = sets_[0].size();
-  MeshWays of{MeshNeighbours(vertices, mesh.facets), {}, {}, {}, {}};
-  of.sets = sets_of(of.neighbours, vertices);
+  MeshWays of{known.ways ? known.ways->neighbours : MeshNeighbours(vertices, mesh.facets),
+              known.ways ? known.ways->sets : sets_of(of.neighbours, vertices),
+              {},
+              {},
+              {}};
   of.ways.resize(vertices * points);
   if (tracer.has_openings()) of.least.resize(of.ways.size());
-  const std::size_t lights = scales_.size();
-  for (auto& side : of.unshadowed) side.assign(lights * vertices, Vec<3, float>(0));
+  for (auto& side : of.unshadowed) side.assign(lights() * vertices, Vec<3, float>(0));
   parallel_range(
       vertices, ways_per_piece, static_cast<double>(points), progress,
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end && !progress.cancelled(); ++v) {
+          if (known.ways) take(known, v, of);
           const SurfacePoint<D> from = vertex_point(tracer, mesh, v, true, 0);
+          const Vec<3, float> brdf(from.albedo / static_cast<Real>(projected_hemisphere<D>));
           for (std::size_t set = 0; set < sets_.size(); ++set) {
             for (std::size_t i = 0; i < points; ++i) {
               const LightSource<D>& source = sets_[set][i].source;
-              const int light = sets_[set][i].light;
+              const std::size_t light = place_of(sets_[set][i]);
+              if (known.has(light)) continue;
               const WayTo<D> way(source, from);
-              of.unshadowed[way.share < 0][(light < 0 ? lights - 1 : light) * vertices + v] +=
-                  Vec<3, float>(source.amount) * static_cast<float>(std::abs(way.share));
+              of.unshadowed[way.share < 0][light * vertices + v] +=
+                  Vec<3, float>(source.amount) * brdf *
+                  static_cast<float>(std::abs(way.share) / light_point_sets);
               if (set != of.sets[v] || (i + set) % share != 0) continue;
               const BlockingIsovalues isosurfaces = blocking(way, source, from, tracer);
-              of.ways[v * points + i] = {static_cast<float>(isosurfaces.greatest),
-                                         static_cast<float>(way.share)};
+              of.ways[v * points + i] = {
+                  static_cast<float>(isosurfaces.greatest),
+                  static_cast<float>(way.share * static_cast<double>(share))};
               if (!of.least.empty()) {
                 of.least[v * points + i] = static_cast<float>(isosurfaces.least);
               }
             }
           }
-          const Vec<3, float> brdf(from.albedo / static_cast<Real>(projected_hemisphere<D>));
-          for (auto& side : of.unshadowed) {
-            for (std::size_t l = 0; l < lights; ++l) {
-              side[l * vertices + v] *= brdf / static_cast<float>(light_point_sets);
-            }
-          }
         }
       });
   return of;
+}
+
+template <int D>
+void MeshDirectLight<D>::take(const Known& known, std::size_t vertex, MeshWays& to) const {
+  const MeshWays& from = *known.ways;
+  const std::vector<LightPoint<D>>& set = sets_[to.sets[vertex]];
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    if (!known.has(place_of(set[i]))) continue;
+    const std::size_t same = vertex * known.points + known.numbers[to.sets[vertex]][i];
+    to.ways[vertex * set.size() + i] = from.ways[same];
+    if (!to.least.empty()) to.least[vertex * set.size() + i] = from.least[same];
+  }
+  const std::size_t vertices = to.sets.size();
+  for (std::size_t light = 0; light < lights(); ++light) {
+    if (!known.has(light)) continue;
+    for (const int side : {0, 1}) {
+      to.unshadowed[side][light * vertices + vertex] =
+          from.unshadowed[side][known.lights[light] * vertices + vertex];
+    }
+  }
 }
 
 template <int D>

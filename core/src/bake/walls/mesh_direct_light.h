@@ -19,10 +19,13 @@ namespace leaflight {
 template <int D>
 class MeshDirectLight {
  public:
-  // One way of every `share` is traced for the shadow; neighbours have other ones. Throws
+  // One way of every `share` is traced for the shadow; neighbours have other ones. `earlier`: where
+  // lights alone were others, whose ways serve for the lights that have not changed; it must not
+  // be scaled(). Throws
   // Cancelled.
   MeshDirectLight(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes,
-                  Progress& progress, std::size_t share = 1);
+                  Progress& progress, std::size_t share = 1,
+                  const MeshDirectLight* earlier = nullptr);
 
   // With other strengths of the scene's lights: a factor per channel for each. Shares the ways.
   MeshDirectLight scaled(const std::vector<Rgb>& lights) const;
@@ -40,7 +43,7 @@ class MeshDirectLight {
   struct Way {
     float greatest;  // the common isovalue; infinite where a mesh stands in the way
     // Irradiance over the point's amount if nothing did: positive on the mesh's front, negative on
-    // its back.
+    // its back. Times the ways that this one stands for where not all are traced.
     float share;
   };
   struct MeshWays {
@@ -56,8 +59,24 @@ class MeshDirectLight {
   const std::vector<std::vector<LightPoint<D>>>& sets() const { return sets_; }
 
  private:
+  // An earlier mesh, whose ways serve for the lights that have not changed.
+  struct Known {
+    const MeshWays* ways = nullptr;
+    std::size_t points = 0;                 // of each set then
+    std::vector<std::vector<int>> numbers;  // by set: those of its points then, or -1
+    std::vector<int> lights;                // by place_of(): that of the light then, or -1
+
+    bool has(std::size_t light) const { return ways && lights[light] >= 0; }
+  };
+  Known known_of(const MeshDirectLight& earlier) const;
+  // What is known of a vertex.
+  void take(const Known& known, std::size_t vertex, MeshWays& to) const;
+  // Of the light of a point; the last one is all that is no light.
+  std::size_t place_of(const LightPoint<D>& point) const {
+    return point.light < 0 ? lights() - 1 : static_cast<std::size_t>(point.light);
+  }
   MeshWays ways_of(const SceneTracer<D>& tracer, const FineMesh<D>& mesh, Progress& progress,
-                   std::size_t share) const;
+                   std::size_t share, const Known& known) const;
 
   std::vector<std::vector<LightPoint<D>>> sets_;
   std::vector<Rgb> scales_;                              // of the lights, and 1

@@ -55,7 +55,7 @@ WallRadiance<D> relit(const WallRadiance<D>& walls, const std::vector<Mesh<D>>& 
 template <int D>
 WallRadiance<D> moved(const WallRadiance<D>& walls, const Scene<D>& earlier, const Scene<D>& scene,
                       const std::vector<int>& same_as, const Vec<3, float>& indirect,
-                      Progress& progress, std::size_t share) {
+                      Progress& progress, std::size_t share, bool lights_alone) {
   WallRadiance<D> result{walls.nodes, subdivide_as(earlier, scene, same_as), {}, nullptr};
   result.radiance.resize(scene.meshes.size());
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
@@ -66,8 +66,8 @@ WallRadiance<D> moved(const WallRadiance<D>& walls, const Scene<D>& earlier, con
     scale(result.radiance[m], earlier.meshes[same_as[m]], indirect);
   }
   const SceneTracer<D> tracer(scene);
-  result.direct =
-      std::make_shared<const MeshDirectLight<D>>(tracer, result.meshes, progress, share);
+  result.direct = std::make_shared<const MeshDirectLight<D>>(
+      tracer, result.meshes, progress, share, lights_alone ? walls.direct.get() : nullptr);
   return result;
 }
 
@@ -96,10 +96,10 @@ template WallRadiance<3> relit(const WallRadiance<3>&, const std::vector<Mesh<3>
                                const std::vector<Rgb>&, const Vec<3, float>&);
 template WallRadiance<2> moved(const WallRadiance<2>&, const Scene<2>&, const Scene<2>&,
                                const std::vector<int>&, const Vec<3, float>&, Progress&,
-                               std::size_t);
+                               std::size_t, bool);
 template WallRadiance<3> moved(const WallRadiance<3>&, const Scene<3>&, const Scene<3>&,
                                const std::vector<int>&, const Vec<3, float>&, Progress&,
-                               std::size_t);
+                               std::size_t, bool);
 template void attach<2>(WallRadiance<2>&, const Scene<2>&, Progress&);
 template void attach<3>(WallRadiance<3>&, const Scene<3>&, Progress&);
 template std::vector<Vec<3, float>> radiance_at<2>(const WallRadiance<2>&, int, double, bool);

@@ -34,11 +34,12 @@ WallRadiance<D> relit(const WallRadiance<D>& walls, const std::vector<Mesh<D>>& 
 // The same beside another scene, where lights, volumes and meshes may have moved: the direct light
 // of points is exact, all else but the meshes' own emission is scaled by a factor. `earlier`: the
 // scene that was baked. `same_as`: as subdivide_as() has it; a new mesh has direct light alone.
-// `share`: as MeshDirectLight has it. Throws Cancelled.
+// `share`: as MeshDirectLight has it; `lights_alone`: whether only lights have moved, which takes
+// less time. Throws Cancelled.
 template <int D>
 WallRadiance<D> moved(const WallRadiance<D>& walls, const Scene<D>& earlier, const Scene<D>& scene,
                       const std::vector<int>& same_as, const Vec<3, float>& indirect,
-                      Progress& progress, std::size_t share = 1);
+                      Progress& progress, std::size_t share = 1, bool lights_alone = false);
 
 // Gives a radiance that was read from a file the scene it belongs to, and its direct light. Throws
 // Error if its walls are others, Cancelled.
