@@ -7,6 +7,7 @@
 #include "bindings.h"
 #include "field/bump_box.h"
 #include "field/coarser_values.h"
+#include "field/texel_lattice.h"
 
 namespace leaflight::python {
 namespace {
@@ -165,15 +166,13 @@ void bind_field(py::module_& module) {
           const py::gil_scoped_release unlocked;
           values = coarser_values(field);
         }
-        const Index<3> dims = coarser_dims(field.dims);
+        const Index<3> dims = coarser_resolution<3>(field.dims, 2);
         return adopt<float>(std::move(values), {dims[2], dims[1], dims[0]});
       },
       py::arg("field"),
-      "The values at half as many voxels along each axis, rounded up, over the same domain: "
-      "float32 "
-      "[z, y, x].\n"
-      "Between its borders each is a mean over two voxels along each axis; NaN where one of the "
-      "mean "
+      "The values at nodes n // 2 + 1 along each axis over the same domain, float32 [z, y, x]. "
+      "Between its\n"
+      "borders each is a mean over about two voxels along each axis; NaN where one of the mean "
       "is.");
 }
 

@@ -1239,8 +1239,8 @@ def bump_box2(n: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDAr
     """
 def coarser_values(field: Field) -> numpy.typing.NDArray[numpy.float32]:
     """
-    The values at half as many voxels along each axis, rounded up, over the same domain: float32 [z, y, x].
-    Between its borders each is a mean over two voxels along each axis; NaN where one of the mean is.
+    The values at nodes n // 2 + 1 along each axis over the same domain, float32 [z, y, x]. Between its
+    borders each is a mean over about two voxels along each axis; NaN where one of the mean is.
     """
 def connected_parts(triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], vertices: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.int32]:
     """

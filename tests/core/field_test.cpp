@@ -98,7 +98,7 @@ TEST(Field, ShadingGradientIsContinuousAcrossFaces) {
 
 TEST(CoarserValues, AreThoseOfALinearFunctionOverTheSameDomain) {
   const auto h = [](const Vec3& index) { return 3 + index.dot(Vec3(0.5, -2.0, 7.0)); };
-  const Index<3> dims{9, 4, 8}, coarse{5, 2, 4};
+  const Index<3> dims{9, 4, 8}, coarse{5, 3, 5};
   std::vector<float> values;
   for_each_index<3>({0, 0, 0}, dims, [&](const Index<3>& i) {
     values.push_back(static_cast<float>(h(to_vector<3>(i))));
@@ -106,15 +106,14 @@ TEST(CoarserValues, AreThoseOfALinearFunctionOverTheSameDomain) {
   const float hole = std::numeric_limits<float>::quiet_NaN();
   values[(7 * 4 + 0) * 9 + 5] = hole;
   const Field<3> field = test::field_from<3>(values, dims, test::unit_cube<3>(2));
-  EXPECT_EQ(coarser_dims(dims), coarse);
   const std::vector<float> coarser = coarser_values(field);
   ASSERT_EQ(coarser.size(), cell_count<3>(coarse));
   for (std::size_t voxel = 0; voxel < coarser.size(); ++voxel) {
     const Index<3> i = index_of<3>(voxel, coarse);
-    if (i == Index<3>{2, 0, 3} || i == Index<3>{3, 0, 3}) {
+    if ((i[0] == 2 || i[0] == 3) && i[1] < 2 && i[2] > 2) {
       EXPECT_TRUE(std::isnan(coarser[voxel]));
     } else {
-      EXPECT_NEAR(coarser[voxel], h(Vec3(2 * i[0], 3 * i[1], 7.0 / 3 * i[2])), 1e-5);
+      EXPECT_NEAR(coarser[voxel], h(Vec3(2 * i[0], 1.5 * i[1], 1.75 * i[2])), 1e-5);
     }
   }
 }
@@ -128,7 +127,7 @@ TEST(CoarserValues, AreMeansOverTwoVoxels) {
   for (std::size_t voxel = 0; voxel < coarser.size(); ++voxel) {
     const Index<3> i = index_of<3>(voxel, {3, 3, 3});
     const bool is_beside = i == Index<3>{1, 1, 0};
-    EXPECT_EQ(coarser[voxel], is_beside ? 2 : 0);
+    EXPECT_EQ(coarser[voxel], is_beside ? 1.5f : 0);
   }
 }
 

@@ -231,7 +231,7 @@ def test_a_coarser_page(box_bake, tmp_path):
     leaflight.export(box_bake, coarse, [50.0], coarser=1)
     header = json.loads(script(coarse.read_text(), "leaflight-header"))
     volume = header["volumes"][0]
-    assert volume["dims"] == volume["light"]["texels"] == volume["direct"]["texels"] == [10, 10, 10]
+    assert volume["dims"] == volume["light"]["texels"] == volume["direct"]["texels"] == [11, 11, 11]
     assert coarse.stat().st_size < whole.stat().st_size / 2 and header["isovalue"] == 50
     assert ["Shown here", "every 2nd voxel along each axis"] in header["about"]
 

@@ -111,12 +111,18 @@ class LiveJob(bake.BakeJob):
         super().show()
 
 
-def changed(scene):
-    """After a change of a scene that may concern its bakes."""
+def changed(scene, at_once=False):
+    """After a change of a scene that may concern its bakes.
+
+    at_once: whether work may begin now, before Blender draws the change, which takes long without
+    a graphics card.
+    """
     global _has_changed
     if not _is_in_window() or not scene.leaflight_live:
         return
     _has_changed = True
+    if at_once and _job is None and not bpy.app.is_job_running("RENDER"):
+        _look()
     if not bpy.app.timers.is_registered(_tick):
         bpy.app.timers.register(_tick, first_interval=0.0)
 

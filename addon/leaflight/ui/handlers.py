@@ -84,7 +84,7 @@ def _after_change(scene, depsgraph):
             surface_object.shade(obj)
     if any(_concerns_bakes(scene, changed, update, moved) for changed, update in changes):
         staleness.forget()
-        live.changed(scene)
+        live.changed(scene, at_once=depsgraph.mode == "VIEWPORT")
     if isovalues.left_alone():
         if bpy.app.background:
             isovalues.remove_left_alone()

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "field/texel_lattice.h"
+
 namespace leaflight {
 
 namespace {
@@ -33,9 +35,9 @@ std::vector<std::vector<Part>> means_along_axis(int fine, int coarse) {
   means.back() = {{fine - 1, 1}};
   for (int i = 1; i < coarse - 1; ++i) {
     const double position = static_cast<double>(i) * (fine - 1) / (coarse - 1);
-    add_interpolation(means[i], position - 1, 0.25);
-    add_interpolation(means[i], position, 0.5);
-    add_interpolation(means[i], position + 1, 0.25);
+    add_interpolation(means[i], position - 1, 0.125);
+    add_interpolation(means[i], position, 0.75);
+    add_interpolation(means[i], position + 1, 0.125);
   }
   return means;
 }
@@ -61,13 +63,9 @@ std::vector<float> coarser_along(const Value* values, const Index<3>& dims, int 
 
 }  // namespace
 
-Index<3> coarser_dims(const Index<3>& dims) {
-  return {(dims[0] + 1) / 2, (dims[1] + 1) / 2, (dims[2] + 1) / 2};
-}
-
 std::vector<float> coarser_values(const Field<3>& field) {
   Index<3> dims = field.dims;
-  const Index<3> coarse = coarser_dims(dims);
+  const Index<3> coarse = coarser_resolution<3>(dims, 2);
   std::vector<float> values = std::visit(
       [&](const auto* all) { return coarser_along(all, dims, 2, coarse[2]); }, field.values);
   for (const int axis : {1, 0}) {

@@ -77,7 +77,10 @@ def shown_volume(bake: Bake, number: int, coarser: int, progress: _core.Progress
 
 def dims_of(bake: Bake, number: int, coarser: int) -> tuple[int, ...]:
     """Voxels along x, y and z of the volume that is shown, without making it."""
-    return tuple(-(-n >> coarser) for n in bake.volumes[number].field().dims)
+    dims = tuple(bake.volumes[number].field().dims)
+    for _ in range(coarser):
+        dims = tuple(n // 2 + 1 for n in dims)
+    return dims
 
 
 def texels_of(bake: Bake, number: int, coarser: int) -> tuple[int, ...]:

@@ -211,17 +211,17 @@ class Volume:
         return replace(self, index_to_world=to_unit @ self.index_to_world, unit=unit)
 
     def coarser(self) -> "Volume":
-        """The volume with half as many nodes along each axis, rounded up; one in space.
+        """The volume with n // 2 + 1 instead of n nodes along each axis, over the same domain.
 
-        It has the same borders; between them each value is a mean over two voxels along each axis.
-        Made at the first call. Raises LeaflightError where too few nodes are left for a field.
+        One in space. Between the borders each value is a mean over about two voxels along each
+        axis. Made at the first call.
         """
         return self._coarser
 
     @cached_property
     def _coarser(self) -> "Volume":
         values = _core.coarser_values(self.field())
-        steps = (np.array(self.values.shape) - 1) / np.maximum(np.array(values.shape) - 1, 1)
+        steps = (np.array(self.values.shape) - 1) / (np.array(values.shape) - 1)
         from_coarser = np.diag([*steps[::-1], 1.0])
         return replace(
             self,
