@@ -37,7 +37,6 @@ class Isosurface:
         """(vertices, normals, triangles). Raises LeaflightError, in any thread."""
         if self.is_coarse() or self.grid is None:
             vertices, normals, triangles = _core.contour(self._field(), self.isovalue)
-            vertices = self._projected(vertices)
         else:
             vertices, normals, triangles = self._lit_contour(normals=True)[:3]
         vertices, triangles, normals = self._without_dust(vertices, triangles, normals)
@@ -62,7 +61,10 @@ class Isosurface:
             vertices, _, triangles = _core.contour(self._field(), self.isovalue, normals=False)
             count = len(triangles) * 4 ** (self.halvings or 0)
             vertices, triangles = self._without_dust(vertices, triangles)
-            vertices = self._projected(vertices)
+            if self.grid is not None and self.halvings:
+                # Where their light lies.
+                field = self.volume.field()
+                vertices = _core.project_to_isosurface(field, vertices, self.isovalue)
             return vertices, triangles, self.radiance(vertices), count
         vertices, _, triangles, *sides, count = self._lit_contour()
         vertices, triangles, *sides = self._without_dust(vertices, triangles, *sides)
@@ -73,12 +75,6 @@ class Isosurface:
     def is_coarse(self):
         """Whether mesh() has less than the whole detail."""
         return self.halvings is not None and (self.halvings > 0 or self.grid is not None)
-
-    def _projected(self, vertices):
-        """The same on the isosurface of the volume itself, where its light lies."""
-        if self.grid is None or not self.halvings:
-            return vertices
-        return _core.project_to_isosurface(self.volume.field(), vertices, self.isovalue)
 
     def _without_dust(self, vertices, triangles, *of_vertices):
         """The same without the small parts; of_vertices: arrays with a row each, or None."""
@@ -104,7 +100,7 @@ class Isosurface:
                 volume = volume.coarser()
             return volume.field()
         except LeaflightError:
-            # Too little of it is left.
+            # What differed has been averaged away.
             return self.volume.field()
 
 

@@ -88,7 +88,11 @@ def moved(
     progress.begin("Direct light")
     detail = QUICK if quick else WHOLE
     factor = _growth(result)
-    grids = [_grid(result, now, number, detail, factor, progress) for number in range(len(volumes))]
+    lights_alone = _lights_alone_moved(result)
+    grids = [
+        _grid(result, now, number, detail, factor, lights_alone, progress)
+        for number in range(len(volumes))
+    ]
     known = result.provenance
     known = known.after(grids, known.passes, known.blocks, known.continued)
     result = replace(result, grids=grids, provenance=known)
@@ -164,6 +168,7 @@ def _grid(
     number: int,
     detail: Detail,
     factor: Sequence[float],
+    lights_alone: bool,
     progress: _core.Progress,
 ) -> _core.RadianceGrid:
     assert bake.original is not None
@@ -178,7 +183,7 @@ def _grid(
         grid.has_back,
         progress,
         detail.spacing,
-        grid.direct if _lights_alone_moved(bake) else None,
+        grid.direct if lights_alone else None,
     )
     return grid.moved(volume.field(), direct, factor)
 

@@ -130,7 +130,7 @@ DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
   const VisibilityThroughAll<D> way(tracer, volume, maps->lattice, common, spacing);
   for (int side = 0; side < (back ? 2 : 1); ++side) {
     find(way, unknown, side != 0, *maps, progress);
-    if (earlier) take(*earlier, known, side != 0, *maps, progress);
+    if (unknown.size() < known.size()) take(*earlier, known, side != 0, *maps, progress);
     summarize(side != 0, *maps, progress);
   }
   maps_ = std::move(maps);
