@@ -120,8 +120,7 @@ void bind_surface(py::module_& module) {
       },
       py::arg("field"), py::arg("points"), py::arg("isovalue"), py::arg("directions") = 32,
       py::arg("seed") = 0,
-      "uint8 (n,): 1 where one of `directions` random rays from the isosurface's front isosurfaces "
-      "the\n"
+      "uint8 (n,): 1 where one of `directions` random rays from the isosurface's front leaves the\n"
       "domain, so that the world point can be seen from outside.");
   module.def(
       "connected_parts",

@@ -1257,7 +1257,7 @@ def contour2(field: Field2, isovalue: typing.SupportsFloat | typing.SupportsInde
     """
 def exposed(field: Field, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], isovalue: typing.SupportsFloat | typing.SupportsIndex, directions: typing.SupportsInt | typing.SupportsIndex = 32, seed: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.uint8]:
     """
-    uint8 (n,): 1 where one of `directions` random rays from the isosurface's front isosurfaces the
+    uint8 (n,): 1 where one of `directions` random rays from the isosurface's front leaves the
     domain, so that the world point can be seen from outside.
     """
 def fitting_resolution(scene: Scene, settings: BakeSettings, bytes: typing.SupportsInt | typing.SupportsIndex) -> typing.Annotated[list[int], "FixedSize(3)"]:

@@ -16,7 +16,7 @@ from leaflight.bake.settings import DEFAULT_ERROR
 from leaflight.bake.statistics import Statistics
 from leaflight.io.scene_file import packaged_scene
 from leaflight.measure.sides import IsosurfaceSide
-from leaflight.measure.truth import errors_of, without
+from leaflight.measure.truth import errors_of
 from volume_recipes import (
     amos,
     aneurism,
@@ -227,8 +227,3 @@ def _judged(side, effort, work, step):
         f"paths {at}",
     )
     return paths, errors(truth), side.parts(truth, path)
-
-
-def own_error(errors):
-    """RMS in percent without the noise of Cycles."""
-    return without(errors["rms_percent"], errors["reference_noise_percent"])

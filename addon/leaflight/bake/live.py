@@ -217,10 +217,10 @@ def _leader(scene):
 
 def _begin(job):
     global _job, _work
-    if job.is_rough:
-        # First: pictures of all detail would keep its light back.
-        job.coarsen()
     _job, _work = job, background.BackgroundWork(job.run, job)
+    if job.is_rough:
+        # Before Blender draws: pictures of all detail would keep the light back.
+        job.coarsen()
     background.redraw_panels()
 
 

@@ -51,7 +51,7 @@ def update(volume, depsgraph=None):
 
 
 def _cut(volume):
-    """The shader.Cut of the isosurfaces that are cut, None where the cut is open."""
+    """The shader_graph.Cut of the isosurfaces that are cut, None where the cut is open."""
     if volume.leaflight_look.cut_colors == NONE:
         return None
     cuts = (look.view_of(obj).cut for obj in (volume, *added.added_to(volume)))

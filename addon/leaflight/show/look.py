@@ -4,7 +4,7 @@
 import numpy as np
 
 from .. import versions
-from . import added, isosurface, isosurfaces, shader
+from . import added, isosurface, isosurfaces, shader_graph
 
 # For panels, where a color is not the baked one.
 NEW_COLOR = "Light that was reflected before has still the baked color: bake again"
@@ -20,12 +20,12 @@ _ALIKE = 1e-5
 
 
 def view_of(obj):
-    """The shader.View of an isosurface."""
+    """The shader_graph.View of an isosurface."""
     volume = added.volume_object(obj)
     others = (o for o in (volume, *added.added_to(volume)) if o != obj)
     is_glossy = obj.leaflight_look.gloss > 0 and volume.leaflight.isosurface_scattering == "DIFFUSE"
     among = any(map(_is_translucent, others))
-    return shader.View(_is_translucent(obj), among, _cut_of(obj), is_glossy)
+    return shader_graph.View(_is_translucent(obj), among, _cut_of(obj), is_glossy)
 
 
 def _is_translucent(obj):
@@ -74,4 +74,4 @@ def _cut_of(obj):
         corners = np.array(box.bound_box)
         low, high = tuple(corners.min(axis=0).tolist()), tuple(corners.max(axis=0).tolist())
     keeps = added.volume_object(obj).leaflight_look.keep == "INSIDE"
-    return shader.Cut(box, box.name_full, low, high, keeps)
+    return shader_graph.Cut(box, box.name_full, low, high, keeps)

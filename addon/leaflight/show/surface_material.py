@@ -15,7 +15,7 @@ from .isosurface import RADIANCE, RADIANCE_BACK
 
 # What a material was built for.
 _BUILT = "leaflight_built"
-# And for which shader.View.
+# And for which shader_graph.View.
 _VIEW = "leaflight_view"
 
 

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "trace/brick_children.h"
 #include "trace/cell_crossing.h"
 
 namespace leaflight {
@@ -15,65 +16,6 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 enum class State { below, above, unknown };
 
 State state_of(bool above) { return above ? State::above : State::below; }
-
-// The children of a brick, numbered by rows of so many.
-template <int D, int row>
-struct Children {
-  static constexpr int side = CellBounds<D>::side;
-
-  static constexpr int stride(int axis) {
-    int stride = 1;
-    for (int a = 0; a < axis; ++a) stride *= row;
-    return stride;
-  }
-
-  // ahead[axis][forward][place]: those that a ray may come to from that place along an axis.
-  static constexpr std::array<std::array<std::array<ChildSet, side>, 2>, D> ahead = [] {
-    std::array<std::array<std::array<ChildSet, side>, 2>, D> sets{};
-    int count = 1;
-    for (int a = 0; a < D; ++a) count *= side;
-    for (int child = 0; child < count; ++child) {
-      int places[D]{}, number = 0;
-      for (int a = 0, rest = child; a < D; ++a, rest /= side) {
-        places[a] = rest % side;
-        number += places[a] * stride(a);
-      }
-      for (int a = 0; a < D; ++a) {
-        for (int place = 0; place < side; ++place) {
-          if (places[a] >= place) sets[a][1][place].insert(number);
-          if (places[a] <= place) sets[a][0][place].insert(number);
-        }
-      }
-    }
-    return sets;
-  }();
-};
-
-// The cells of a brick that an isosurface may pass. Those of the others that are above it are
-// `above`.
-template <int D>
-ChildSet crossed_cells(const CellBounds<D>& bounds, const typename CellBounds<D>::Limits& limits,
-                       std::size_t brick, bool is_masked, ChildSet& above) {
-  const auto& steps = bounds.cells[brick].steps;
-  above = at_least(steps, limits.may_be_above);
-  ChildSet below = ~(bounds.is_exact ? above : at_least(steps, limits.may_be_below));
-  if (is_masked) below = below | at_least(steps, CellBounds<D>::masked);
-  // From voxels to the cells between them.
-  for (int a = 0; a < D; ++a) {
-    const int stride = Children<D, CellBounds<D>::row>::stride(a);
-    above = above | above.less(stride);
-    below = below | below.less(stride);
-  }
-  return above & below;
-}
-
-template <int D>
-ChildSet crossed_bricks(const CellBounds<D>& bounds, const typename CellBounds<D>::Limits& limits,
-                        int level, std::size_t brick, ChildSet& above) {
-  const auto& of = bounds.bricks[level - 1][brick];
-  above = at_least(of.low, limits.may_be_below);
-  return at_least(of.high, limits.may_be_above) & ~above;
-}
 
 // Visits the cells that the isosurface may pass, in the order of the ray: a walk over the children
 // of a brick (Amanatides and Woo 1987) for each level of the field's bounds. It ends where none of

@@ -17,7 +17,7 @@ namespace leaflight {
 template <int D>
 class SurfaceCache {
  public:
-  // Without `photons` it only holds what is finished elsewhere.
+  // Without `photons` none can be deposited: it holds what another cache has finished.
   SurfaceCache(const SceneTracer<D>& tracer, bool caustics, double photon_flux,
                std::uint64_t photons, bool fine);
 

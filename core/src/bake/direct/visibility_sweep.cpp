@@ -9,6 +9,7 @@
 #include <limits>
 #include <type_traits>
 
+#include "bake/direct/line_fan.h"
 #include "bake/texels/line_volume.h"
 #include "trace/line_bundle.h"
 
@@ -24,49 +25,6 @@ struct CodePlane {
   std::vector<float> codes;
 
   const float* row(int v) const { return codes.data() + static_cast<std::size_t>(v) * u_count; }
-};
-
-// Where a coordinate lies among regular points.
-struct Between {
-  int below = 0;
-  float part = 0;
-};
-
-Between between(double x, int count) {
-  const double clamped = std::clamp(x, 0.0, static_cast<double>(count - 1));
-  const int below = std::min(static_cast<int>(clamped), std::max(0, count - 2));
-  return {below, static_cast<float>(clamped - below)};
-}
-
-// Lines across one axis of the lines' plane: at distance t from the light, line i is at
-// offset + slope t + i spacing(t).
-struct Fan {
-  bool parallel = false;
-  double offset = 0, slope = 0;
-  double step = 1;  // between lines: of slopes, or of coordinates where they are parallel
-  int first = 0, count = 1;
-  double last_voxel = 0;  // of the axis
-
-  double spacing(double t) const { return parallel ? step : step * t; }
-  double origin(double t) const { return offset + slope * t; }
-  double at(int i, double t) const { return origin(t) + (first + i) * spacing(t); }
-
-  // Makes room for all lines that are in the box somewhere from t to `end`, and a neighbour each.
-  void cover(double t, double end) {
-    double low = std::numeric_limits<double>::infinity(),
-           high = -std::numeric_limits<double>::infinity();
-    for (const double s : {t, end}) {
-      const double width = parallel ? 1 : std::max(s, 1e-9);
-      low = std::min(low, -origin(s) / width);
-      high = std::max(high, (last_voxel - origin(s)) / width);
-    }
-    if (!parallel) {
-      low = std::max(low, -1.0);
-      high = std::min(high, 1.0);
-    }
-    first = static_cast<int>(std::floor(low / step)) - 1;
-    count = std::max(0, static_cast<int>(std::ceil(high / step)) + 2 - first);
-  }
 };
 
 // What all sweeps through a volume share, as VisibilitySweep has it.
@@ -134,7 +92,7 @@ class AxisSweep {
     const int first = q;  // that the light reaches
     if (q == count) return;
     for (int b = 0; b < D - 1; ++b) {
-      Fan& fan = fans_[b];
+      LineFan& fan = fans_[b];
       fan.last_voxel = field_.dims[across_[b]] - 1;
       const double widest = widest_between(b);
       fan.step = source_.infinite ? widest : 1;
@@ -164,8 +122,8 @@ class AxisSweep {
 
   // Twice as many lines across an axis: every second one is one of those before.
   void halve(int b, double t) {
-    const Fan before = fans_[b];
-    Fan& fan = fans_[b];
+    const LineFan before = fans_[b];
+    LineFan& fan = fans_[b];
     const int u_before = u_lines(), v_before = v_lines();
     fan.step /= 2;
     fan.cover(t, t_.back());
@@ -266,7 +224,7 @@ class AxisSweep {
   void pass(int q) {
     const double t = t_[q];
     const CodePlane& plane = ring_[q % ring_.size()];
-    const Fan& fan = fans_[0];
+    const LineFan& fan = fans_[0];
     const double margin = fan.spacing(t);
     // Lines a little beside the box take what is at its border, for their neighbours' sake.
     int begin = 0, end = u_lines();
@@ -278,7 +236,7 @@ class AxisSweep {
     for (int v = 0; v < v_lines(); ++v) {
       const float* row = plane.row(0);
       if constexpr (D == 3) {
-        const Fan& rows = fans_[1];
+        const LineFan& rows = fans_[1];
         const double y = rows.at(v, t), beside = rows.spacing(t);
         if (y < -beside || y > rows.last_voxel + beside) continue;
         const Between at = between(y, plane.v_count);
@@ -319,7 +277,7 @@ class AxisSweep {
     for (int j = 0; j < rows; ++j) {
       Between across;
       if constexpr (D == 3) {
-        const Fan& fan = fans_[1];
+        const LineFan& fan = fans_[1];
         const double y = j * nodes_.voxels_per_texel[across_[1]];
         if (!is_ours(1, y)) continue;
         across = between((y - fan.origin(t)) / fan.spacing(t) - fan.first, v_lines());
@@ -365,7 +323,7 @@ class AxisSweep {
   bool meshes_;
   double spacing_;
   std::array<int, 2> across_{};
-  std::array<Fan, static_cast<std::size_t>(D - 1)> fans_;
+  std::array<LineFan, static_cast<std::size_t>(D - 1)> fans_;
   std::vector<int> order_;  // of the planes, as the light passes them
   std::vector<double> t_;   // voxels from the light to them, along the axis
   double from_ = 0;         // where the light is, or where parallel lines begin

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "bake/indirect/later_bounces.h"
 #include "bake/texels/area_points.h"
 #include "bake/texels/pooled_variance.h"
 #include "bake/walls/light_walls.h"
@@ -19,9 +20,6 @@ constexpr int wall_samples = 8, walls_samples = 8;
 // through a wall stays in a closed cavity for many bounces.
 constexpr std::array bounce_directions{16, 8, 4, 4};
 constexpr int bounces = bounce_directions.size();
-// The light of a bounce over that of the one before, at most: where all is reflected, chance may
-// make it more.
-constexpr Real most_bounced = Real(0.8);
 
 template <int D>
 Rgb emission_near(const Volume<D>& volume, const IsovalueRange& isovalue_range,
@@ -31,24 +29,6 @@ Rgb emission_near(const Volume<D>& volume, const IsovalueRange& isovalue_range,
   const double h = interpolate(load_corners(volume.field, at.cell), at.local);
   const double c = std::isnan(h) ? isovalue_range.min : volume.common_isovalue(h);
   return volume.emission.at(std::clamp(c, isovalue_range.min, isovalue_range.max));
-}
-
-Rgb mean_of(const std::vector<Rgb>& light) {
-  Imath::V3d sum(0);
-  for (const Rgb& one : light) sum += Imath::V3d(one);
-  return light.empty() ? Rgb(0) : Rgb(sum / static_cast<double>(light.size()));
-}
-
-// All bounces after `last`, as a multiple of it: a geometric series.
-Rgb later_bounces(const std::vector<Rgb>& before, const std::vector<Rgb>& last) {
-  const Rgb first = mean_of(before), second = mean_of(last);
-  Rgb later(0);
-  for (int i = 0; i < 3; ++i) {
-    if (!(first[i] > 0)) continue;
-    const Real ratio = std::min(second[i] / first[i], most_bounced);
-    later[i] = ratio / (1 - ratio);
-  }
-  return later;
 }
 
 }  // namespace
