@@ -101,7 +101,7 @@ LONG_PARTS = (
         "scripts/setup --windows && "
         f"{PYTEST} tests/windows && "
         "program=$(scripts/blender windows-4.5) && PATH=$program:$PATH xvfb-run --auto-servernum "
-        f"{PYTEST} tests/blender/test_addon.py -k test_in_blender {{select}}",
+        f"{PYTEST} tests/blender/test_addon.py -k 'test_in_blender or test_starts' {{select}}",
         "-m 'not machine'",
     ),
     # Nothing of the packages for macOS runs here: their files are read.

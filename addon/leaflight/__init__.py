@@ -19,11 +19,18 @@ bl_info = {
 
 
 def _refusal():
-    """Why the package cannot do the add-on's work here, or None."""
+    """Why the package cannot do the add-on's work here, or None.
+
+    Raises ImportError if Blender for Windows removed the package at its start, as it does after an
+    extension was disabled and enabled again. It installs the packages of one that fails anew.
+    """
     try:
         import leaflight
     except ImportError as refusal:
         return str(refusal)
+    if getattr(leaflight, "__file__", None) is None:
+        sentence = "Blender removed the package leaflight; restart Blender to install it."
+        raise ImportError(sentence, name=__name__)
     own = ".".join(map(str, bl_info["version"]))
     if leaflight.__version__ != own:
         return (

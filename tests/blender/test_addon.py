@@ -51,6 +51,35 @@ def test_in_blender(blender, results, checks):
     assert "passed" in output
 
 
+# Switches an extension off and on again, as in the preferences.
+OFF_AND_ON = """
+import bpy
+for switch in (bpy.ops.preferences.addon_disable, bpy.ops.preferences.addon_enable):
+    switch(module="bl_ext.user_default.leaflight")
+import leaflight
+print("VERSION", leaflight.__version__)
+"""
+STARTED = """
+import bpy
+print("STARTED", hasattr(bpy.types.Object, "leaflight"))
+"""
+
+
+@pytest.mark.slow
+def test_starts_after_it_was_off_and_on(blender):
+    """Blender for Windows cannot remove a module in use, and removes its package at its next start
+    instead, though it is installed again by then. Then the one after installs it.
+    """
+    if not blender.extends:
+        pytest.skip("the legacy add-on has its package in a folder of modules")
+    assert "VERSION " in blender.run("--python-expr", OFF_AND_ON)
+    first = blender.run("--python-expr", STARTED)
+    if blender.about["windows"] and "STARTED False" in first:
+        assert "Blender removed the package leaflight; restart Blender to install it." in first
+        first = blender.run("--python-expr", STARTED)
+    assert "STARTED True" in first
+
+
 @pytest.mark.machine
 def test_seconds_in_blender(blender, tmp_path):
     """Those checks of all files that judge the machine."""
