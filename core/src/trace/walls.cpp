@@ -81,6 +81,10 @@ RTCGeometry make_geometry(RTCDevice device, const Mesh<2>& mesh) {
   return buffers.geometry;
 }
 
+// Instructions that all processors have: with others, rays end elsewhere in the last bits, and what
+// bounces often goes another way.
+constexpr const char* same_bits = "isa=sse2";
+
 }  // namespace
 
 template <int D>
@@ -98,7 +102,7 @@ template <int D>
 Walls<D>::Walls(const std::vector<Mesh<D>>& meshes) {
   if (meshes.empty()) return;
   embree_ = std::make_unique<Embree>();
-  embree_->device = rtcNewDevice(nullptr);
+  embree_->device = rtcNewDevice(same_bits);
   if (!embree_->device) {
     throw Error("Embree could not start (error " + std::to_string(rtcGetDeviceError(nullptr)) +
                 "); reinstall the Embree library.");

@@ -73,7 +73,9 @@ class Pass {
     const std::vector<Vec<3, float>>& guide = before_[1 - half];
     const float noise = tolerance * tolerance * (variance + its_variance);
     const float difference = distance2(guide[e], guide[other]);
-    const float weight = difference > 0 ? std::exp(-difference / std::max(noise, 1e-30f)) : 1;
+    // In double, since standard libraries round a float's exponential differently.
+    const double exponent = -difference / std::max(noise, 1e-30f);
+    const float weight = difference > 0 ? static_cast<float>(std::exp(exponent)) : 1;
     sum.value += before_[half][other] * weight;
     sum.weight += weight;
   }
