@@ -131,11 +131,22 @@ def check_what_cannot_be_moved_stays_and_is_reported(unsaved, tmp_path):
     assert_lit(obj)
 
 
+def can_link(path, folder):
+    try:
+        os.link(path, folder / path.name)
+    except OSError:
+        return False
+    (folder / path.name).unlink()
+    return True
+
+
 @pytest.mark.parametrize("linkable", [True, False])
 def check_a_disk_that_fills_up_while_moving_loses_nothing(unsaved, tmp_path, monkeypatch, linkable):
     """Hard links where the file system has them, else copies: the second finds no space."""
     old = bake_files.locate(unsaved)
     files = {path: path.read_bytes() for path in (old, *atlases.beside(old))}
+    if linkable and not can_link(old, tmp_path):
+        pytest.skip("the two folders are on two disks")
     made = []
 
     def no_space(*_):
