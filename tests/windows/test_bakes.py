@@ -19,7 +19,7 @@ def arrays(path):
 def assert_alike(found, expected):
     assert sorted(found) == sorted(expected)
     for name, array in expected.items():
-        assert found[name].dtype == array.dtype, name
+        assert found[name].shape == array.shape and found[name].dtype == array.dtype, name
         np.testing.assert_array_equal(found[name], array, err_msg=name)
 
 
