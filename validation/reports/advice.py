@@ -4,7 +4,7 @@
 import numpy as np
 
 from leaflight.io.markdown import table
-from .curves import CYCLES, DEFAULT
+from .curves import BAKE, CYCLES, GATHER
 from .fits import root, samples_for, slope
 from .sections import MEBIBYTE, THESIS_BREAK_EVEN
 
@@ -19,13 +19,14 @@ def advice(curves, analysis, data_rows):
     effort = curves.effort
     lines = [
         f"All figures of this page are those of the sections below: the bump box of "
-        f"{effort.texels}^3 texels, seconds of a processor, RMS errors of which the "
+        f"{effort.texels}^3 nodes, seconds of a processor, RMS errors of which the "
         f"reference's noise is {curves.reference.noise:.2f} %.",
         "",
         *_table_of_budgets(curves),
         "",
     ]
     sentences = (
+        _bake(curves),
         _samples(analysis),
         _strategies(curves),
         _path(curves),
@@ -48,10 +49,10 @@ def budget_rows(curves):
         if len(found) >= CHOICES:
             (first, point), (second, other), *_ = found
             row = {
-                "choose": first,
-                "rays": point.samples,
+                "choose": first.name,
+                "with": f"{point.samples} {first.unit}",
                 "RMS %": point.error,
-                "next": second,
+                "next": second.name,
                 "its RMS %": other.error,
             }
             # A larger budget that buys nothing more is none of its own.
@@ -63,9 +64,9 @@ def budget_rows(curves):
 
 
 def _best(curve, budget):
-    """(name, Point) of the curve's least error within a budget, or None."""
+    """(Curve, Point) of the curve's least error within a budget, or None."""
     within = [point for point in curve.points if point.seconds <= budget]
-    return (curve.name, min(within, key=lambda point: point.error)) if within else None
+    return (curve, min(within, key=lambda point: point.error)) if within else None
 
 
 def _error(choice):
@@ -73,17 +74,32 @@ def _error(choice):
 
 
 def _table_of_budgets(curves):
-    formats = {"seconds at most": "{:g}", "rays": "{}", "RMS %": "{:.2f}", "its RMS %": "{:.2f}"}
+    formats = {"seconds at most": "{:g}", "RMS %": "{:.2f}", "its RMS %": "{:.2f}"}
     return table(budget_rows(curves), formats)
 
 
+def _bake(curves):
+    """The best of leaflight.bake beside the best of the thesis's methods."""
+    own = curves.of(BAKE)
+    others = [curve for curve in curves.curves if curve.group in ("estimators", "strategies")]
+    if own is None or not others:
+        return None
+    best = min(own.points, key=lambda point: point.error)
+    other, point = min((_best(curve, np.inf) for curve in others), key=_error)
+    return (
+        f"**Bake.** `{BAKE}` errs {best.error:.2f} % in {best.seconds:.1f} s with {best.samples} "
+        f"{own.unit}. The best of the thesis's methods, {other.name}, errs {point.error:.2f} % in "
+        f"{point.seconds:.1f} s."
+    )
+
+
 def _samples(analysis):
-    fit = analysis.errors.get(DEFAULT)
+    fit = analysis.errors.get(GATHER)
     if fit is None:
         return None
-    floor, rate = root(fit.interval(0)), analysis.slopes[DEFAULT].value
+    floor, rate = root(fit.interval(0)), analysis.slopes[GATHER].value
     text = (
-        f"**Samples.** With {DEFAULT}, twice the rays and photons leave {2**rate:.2f} of the noise"
+        f"**Samples.** With {GATHER}, twice the rays and photons leave {2**rate:.2f} of the noise"
     )
     if not floor.value > 0:
         return f"{text}; no floor shows within the samples measured."
@@ -95,7 +111,7 @@ def _samples(analysis):
 
 
 def _strategies(curves):
-    plain = curves.of(DEFAULT)
+    plain = curves.of(GATHER)
     scattered = [curve for curve in curves.curves if curve.group == "strategies"]
     if plain is None or not scattered:
         return None
@@ -112,14 +128,14 @@ def _strategies(curves):
 
 
 def _path(curves):
-    plain, path = curves.of(DEFAULT), curves.of("path")
+    plain, path = curves.of(GATHER), curves.of("path")
     if plain is None or path is None:
         return None
     own, other = plain.points[-1], path.points[-1]
     rate = slope([p.samples for p in path.points], [p.error for p in path.points])
     return (
         f"**Without bias.** `path` has nothing cached: {other.error:.2f} % in "
-        f"{other.seconds:.1f} s with {other.samples} rays a texel, where {DEFAULT} has "
+        f"{other.seconds:.1f} s with {other.samples} rays a texel, where {GATHER} has "
         f"{own.error:.2f} % in {own.seconds:.1f} s; slope {rate.value:.2f}. It is for checking."
     )
 
@@ -141,7 +157,7 @@ def _break_even(analysis):
     known = [
         row
         for row in analysis.break_even
-        if row["bake"] == DEFAULT and 0 < row["isosurfaces"].value < np.inf
+        if row["bake"] == BAKE and 0 < row["isosurfaces"].value < np.inf
     ]
     if not known:
         return None

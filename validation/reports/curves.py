@@ -1,20 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Error against seconds on the bump box: estimators, strategies of sampling, and Cycles.
+"""Error against seconds on the bump box: leaflight.bake, the thesis's methods, and Cycles.
 
-The effort of a bake is its rays a texel; it doubles along each curve, and photons double with it.
-Bakes are repeated with other seeds, curve after curve, so that whatever else the machine does falls
-upon all alike. Seconds are those of a processor, all threads together: they suffer less than
+The effort of leaflight.bake is its texels a side: it takes as many passes as its error needs. That
+of the thesis's methods is their rays a texel; it doubles along each curve, and photons double with
+it. Bakes are repeated with other seeds, curve after curve, so that whatever else the machine does
+falls upon all alike. Seconds are those of a processor, all threads together: they suffer less than
 the clock's where others are at work.
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
+from leaflight.bake.bake import bake
 from leaflight.io.scene_file import packaged_scene
 from leaflight.measure.cycles import bake_vertices
 from leaflight.scene.scene import fit_scene, match_isosurfaces
-from leaflight.thesis import Scattered, bake
+from leaflight.thesis import Scattered
+from leaflight.thesis import bake as bake_fixed_samples
 from leaflight.volume.volume import bump_box
 from .isosurfaces import isosurfaces
 from .memory import Cost, measured
@@ -24,18 +28,24 @@ ISOVALUES = (20.0, 47.0, 100.0)
 PHOTONS = 2_000_000 // 32
 # Rays of each scattered sample.
 RAYS = 32
+BAKE = "leaflight.bake"
 CYCLES = "Cycles, one isosurface"
 # The curve of what thesis.bake does by default.
-DEFAULT = "gather"
+GATHER = "gather"
+# What the samples of a curve count, by its group; of others they are rays a texel.
+UNITS = {"bake": "texels a side", "Cycles": "paths a corner"}
 
 
 @dataclass(frozen=True)
 class CurveEffort:
-    """texels: nodes and texels a side; rays: a texel, along all curves; slow_rays: along those of
-    slow estimators; cycles: samples a corner; vertices, paths: of the reference, in all and each.
+    """texels: nodes a side, and texels of the thesis's methods; resolutions: texels a side along
+    the curve of leaflight.bake; rays: a texel, along those of the thesis's methods; slow_rays:
+    along those of slow estimators; cycles: samples a corner; vertices, paths: of the reference, in
+    all and each.
     """
 
     texels: int = 100
+    resolutions: tuple = (25, 50, 100, 199)
     rays: tuple = (1, 2, 4, 8, 16, 32, 64)
     slow_rays: tuple = (1, 2, 4, 8)
     cycles: tuple = (1, 2, 4, 8, 16, 32, 64, 128, 256)
@@ -46,6 +56,7 @@ class CurveEffort:
 
 QUICK_CURVES = CurveEffort(
     texels=40,
+    resolutions=(10, 20, 40, 79),
     rays=(1, 2, 4, 8, 16, 32),
     slow_rays=(1, 2, 4, 8),
     cycles=(1, 2, 4, 8, 16, 32, 64, 128),
@@ -65,8 +76,15 @@ class Kind:
     strategy: str = None
     slow: bool = False
 
+    def efforts(self, effort):
+        """The samples along its curve."""
+        if self.group == "bake":
+            return effort.resolutions
+        return [rays for rays in effort.rays if not self.slow or rays in effort.slow_rays]
+
 
 KINDS = (
+    Kind(BAKE, "bake"),
     Kind("gather", "estimators"),
     Kind("path", "estimators", "path"),
     Kind("volumetric", "estimators", "volumetric"),
@@ -79,7 +97,7 @@ KINDS = (
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """samples: rays a texel, or samples a corner; costs: a Cost for each repetition.
+    """samples: see UNITS; costs: a Cost for each repetition.
 
     error: RMS in percent over all repetitions; noise: what of it changes from seed to seed.
     """
@@ -104,6 +122,11 @@ class Curve:
     name: str
     group: str
     points: list
+
+    @property
+    def unit(self):
+        """What the samples of its points count."""
+        return UNITS.get(self.group, "rays a texel")
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,13 +166,13 @@ def measure_curves(effort, run, *, seed=0, threads=0, cycles=True, kinds=KINDS):
     # By curve and samples: (radiance at the points, Cost) of each repetition.
     runs = {}
     for repetition in range(effort.repetitions):
-        for rays in effort.rays:
-            for kind in kinds:
-                if kind.slow and rays not in effort.slow_rays:
-                    continue
-                baked, cost = _baked(volume, scene, kind, rays, seed + repetition, threads, run)
+        for kind in kinds:
+            for samples in kind.efforts(effort):
+                work = _work(volume, scene, kind, samples, seed=seed + repetition, threads=threads)
+                label = f"curves: {kind.name}, {samples}, seed {seed + repetition}"
+                baked, cost = measured(partial(run, work, label))
                 found = reference.radiance(baked), cost
-                runs.setdefault((kind.name, rays), []).append(found)
+                runs.setdefault((kind.name, samples), []).append(found)
         if cycles:
             found = _by_cycles(scene, reference, effort.cycles, seed + repetition, threads, run)
             for samples, one in zip(effort.cycles, found):
@@ -159,26 +182,18 @@ def measure_curves(effort, run, *, seed=0, threads=0, cycles=True, kinds=KINDS):
     return Curves(curves, reference, effort)
 
 
-def _baked(volume, scene, kind, rays, seed, threads, run):
-    """(Bake, Cost) of all isosurfaces at an effort of so many rays a texel."""
-    count = max(1, rays * volume.values.size // RAYS)
-    scattered = kind.strategy and Scattered(kind.strategy, count)
-
-    def work(progress):
-        return bake(
-            volume,
-            scene,
-            isovalues=volume.data_range(),
-            samples=RAYS if scattered else rays,
-            photons=rays * PHOTONS,
-            estimator=kind.estimator,
-            scattered=scattered,
-            seed=seed,
-            threads=threads,
-            progress=progress,
+def _work(volume, scene, kind, samples, **settings):
+    """work(progress) that returns a Bake of all isosurfaces, with so many samples (UNITS)."""
+    settings["isovalues"] = volume.data_range()
+    if kind.group == "bake":
+        return lambda progress: bake(
+            volume, scene, resolution=samples, progress=progress, **settings
         )
-
-    return measured(lambda: run(work, f"curves: {kind.name}, {rays} rays, seed {seed}"))
+    count = max(1, samples * volume.values.size // RAYS)
+    scattered = kind.strategy and Scattered(kind.strategy, count)
+    settings |= {"estimator": kind.estimator, "photons": samples * PHOTONS}
+    settings |= {"samples": RAYS if scattered else samples, "scattered": scattered}
+    return lambda progress: bake_fixed_samples(volume, scene, progress=progress, **settings)
 
 
 def _by_cycles(scene, reference, samples, seed, threads, run):

@@ -7,11 +7,11 @@ the same kind, and some scans stand beside them where there are any.
 
 from dataclasses import dataclass
 
+from leaflight.bake.bake import bake
 from leaflight.bake.settings import range_to_bake
 from leaflight.io.scene_file import cornell_box, packaged_scene
 from volume_recipes import bunny, colin27, generated, neuron_stack, nucleon
 from leaflight.scene.scene import fit_scene, match_isosurfaces
-from leaflight.thesis import bake
 from leaflight.volume.particles import lapr, neuron, nucleons
 from .isosurfaces import isosurfaces
 from .memory import Cost, measured
@@ -19,19 +19,16 @@ from .memory import Cost, measured
 
 @dataclass(frozen=True)
 class DataEffort:
-    """rays: of a texel; texels: a node, along each axis; paths: of the reference, at each vertex;
-    fineness: nodes of generated volumes, of those in the thesis.
+    """fineness: nodes of generated volumes, of those in the thesis; vertices, paths: of the
+    reference, in all and at each.
     """
 
-    rays: int = 32
-    photons: int = 2_000_000
-    texels: float = 1.0
     fineness: float = 1.0
     vertices: int = 2000
     paths: int = 4096
 
 
-QUICK_DATA = DataEffort(rays=16, photons=1_000_000, texels=0.5, vertices=600, paths=2048)
+QUICK_DATA = DataEffort(vertices=600, paths=2048)
 
 
 @dataclass(frozen=True)
@@ -61,16 +58,15 @@ class DataSet:
 class DataRow:
     """What became of a data set: its bake beside one isosurface rendered directly.
 
-    texels: of the bake; cost: of the bake; error: RMS in percent, of which noise is that of the
-    reference; vertices: of one isosurface, on average; direct: seconds of a processor in which
-    paths light these with the same error.
+    texels: of the bake; cost: of the bake; estimated: the error that it reports; error: RMS in
+    percent, of which noise is that of the reference; vertices: of one isosurface, on average;
+    direct: seconds of a processor in which paths light these with the same error.
     """
 
     data_set: DataSet
-    nodes: tuple
-    resolution: tuple
     texels: int
     cost: Cost
+    estimated: float
     error: float
     noise: float
     colour: float
@@ -146,19 +142,15 @@ def measure_data_sets(effort, run, *, folder=None, seed=0, threads=0, data_sets=
 def _row(data_set, volumes, effort, run, seed, threads):
     scene = packaged_scene(data_set.scene) if data_set.scene else cornell_box()
     scene = fit_scene(match_isosurfaces(scene, volumes), volumes)
-    # Everything that the data hold, as the thesis's bakes do.
+    # Those of the thesis hold everything that is in the data; others have the default range.
     whole = (0.0, 1.0) if len(volumes) > 1 else volumes[0].data_range()
-    isovalue_range = range_to_bake(whole, volumes, scene.isosurfaces)
-    dims = volumes[0].field().dims
+    isovalue_range = range_to_bake(whole if data_set.printed else None, volumes, scene.isosurfaces)
 
     def work(progress):
         return bake(
             volumes,
             scene,
             isovalues=isovalue_range,
-            resolution=max(2, round(effort.texels * max(dims))),
-            samples=effort.rays,
-            photons=effort.photons,
             seed=seed,
             threads=threads,
             progress=progress,
@@ -183,10 +175,9 @@ def _row(data_set, volumes, effort, run, seed, threads):
     vertices = sum(len(one.vertices) for one in reference.surfaces) / len(data_set.isovalues)
     return DataRow(
         data_set,
-        tuple(dims),
-        tuple(baked.grid.resolution),
         baked.statistics.texels,
         cost,
+        baked.statistics.estimated_error_percent,
         error,
         reference.noise,
         reference.colour,

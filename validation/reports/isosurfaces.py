@@ -85,7 +85,8 @@ def isosurfaces(
     """The Isosurfaces of each volume at each common isovalue, of which some are empty.
 
     scene: in world coordinates, with Isosurfaces for each volume; isovalue_range: (lo, hi) of the
-    common isovalue; vertices: to judge, in all; run(work, label): see experiments.py.
+    common isovalue; vertices: to judge, in all, none of them inside another volume's isosurface;
+    run(work, label): see experiments.py.
     """
     fields = [volume.field() for volume in volumes]
     rng = np.random.default_rng(seed)
@@ -94,9 +95,9 @@ def isosurfaces(
     for number, field in enumerate(fields):
         for isovalue in isovalues:
             mesh = _core.contour(field, isovalue_at(scene, number, isovalue))
-            count = min(share, len(mesh[0]))
-            chosen = np.sort(rng.choice(len(mesh[0]), count, replace=False))
             points, normals, triangles = mesh
+            seen = np.flatnonzero(~_covered(points, number, isovalue, fields, scene))
+            chosen = np.sort(rng.choice(seen, min(share, len(seen)), replace=False))
             surfaces.append(Isosurface(number, isovalue, points, normals, triangles, chosen))
     surfaces = [one for one in surfaces if len(one.chosen)]
     core = core_scene(scene, fields, isovalue_range)
@@ -117,3 +118,12 @@ def isosurfaces(
     seconds = (time.process_time() - start) / (paths * len(found[0]))
     truth, standard_error = found
     return Isosurfaces(surfaces, truth, standard_error, scene.exposure, paths, seconds)
+
+
+def _covered(points, number, isovalue, fields, scene):
+    """Which points (n, 3) of a volume's isosurface lie inside another's, a mask (n,)."""
+    covered = np.zeros(len(points), bool)
+    for other, field in enumerate(fields):
+        if other != number:
+            covered |= field.sample(points) >= isovalue_at(scene, other, isovalue)
+    return covered

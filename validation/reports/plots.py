@@ -6,10 +6,16 @@ import io
 import numpy as np
 
 from leaflight._core import LeaflightError
+from .curves import GATHER
 
 # Okabe and Ito's colours, which colour-blind eyes distinguish.
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000")
 MARKERS = "osD^vPX"
+# Of curves that both panels show.
+STYLES = {
+    "bake": {"color": "black", "linewidth": 2.5},
+    "Cycles": {"color": "0.45", "linestyle": "--", "marker": "."},
+}
 DOTS_PER_INCH = 110
 
 
@@ -24,16 +30,16 @@ def error_against_seconds(curves):
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     groups = (("estimators", "estimators"), ("strategies", "strategies of sampling (gather)"))
     for panel, (group, title) in zip(panels, groups):
-        shown = [curve for curve in curves.curves if curve.group in (group, "Cycles")]
+        shown = [curve for curve in curves.curves if curve.group in (group, "bake", "Cycles")]
         if group == "strategies":
-            shown.insert(0, curves.curves[0])
-        for number, curve in enumerate(shown):
+            shown.insert(0, curves.of(GATHER))
+        for number, curve in enumerate(filter(None, shown)):
             style = {"color": COLOURS[number], "marker": MARKERS[number], "markersize": 4}
-            name = curve.name if curve.group == group else f"{curve.name}, each texel"
-            if curve.group == "Cycles":
-                name, style = curve.name, {"color": "0.45", "linestyle": "--", "marker": "."}
+            each = curve.name == GATHER and group == "strategies"
+            label = f"{curve.name}, each texel" if each else curve.name
+            style |= STYLES.get(curve.group, {})
             seconds = [point.seconds for point in curve.points]
-            panel.plot(seconds, [point.error for point in curve.points], label=name, **style)
+            panel.plot(seconds, [point.error for point in curve.points], label=label, **style)
         panel.axhline(curves.reference.noise, color="0.6", linewidth=1, linestyle=":")
         panel.annotate(
             "reference's noise",

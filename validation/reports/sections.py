@@ -10,7 +10,7 @@ import numpy as np
 
 from leaflight.io.markdown import table
 from volume_recipes import absent_text
-from .curves import CYCLES, DEFAULT, PHOTONS, RAYS
+from .curves import BAKE, CYCLES, GATHER, PHOTONS, RAYS
 from .fits import break_even, cost, noise_and_floor, root, samples_for, slope
 
 # From how many to how many isosurfaces the thesis breaks even.
@@ -25,8 +25,8 @@ NO_BLENDER = "There is no Blender on the search path, so this section is empty."
 class Analysis:
     """Conclusions from the curves.
 
-    slopes: Estimates of the slope of each curve's noise, errors and costs: Fits, by name;
-    break_even: rows, dicts.
+    slopes: Estimates of the slope of each curve's noise, errors and costs: Fits, by name, but
+    for leaflight.bake, whose passes follow from its error; break_even: rows, dicts.
     """
 
     slopes: dict
@@ -38,7 +38,7 @@ class Analysis:
 def analysed(curves, seed):
     """The Analysis of Curves."""
     slopes, errors, costs = {}, {}, {}
-    for curve in curves.curves:
+    for curve in _sampled(curves):
         name, samples = curve.name, [point.samples for point in curve.points]
         slopes[name] = slope(samples, [point.noise for point in curve.points])
         values = [point.error for point in curve.points]
@@ -47,19 +47,25 @@ def analysed(curves, seed):
     return Analysis(slopes, errors, costs, list(_break_even_rows(curves, errors, costs, seed)))
 
 
+def _sampled(curves):
+    """Those along which samples grow."""
+    return [curve for curve in curves.curves if curve.name != BAKE]
+
+
 def _break_even_rows(curves, errors, costs, seed):
-    """One row for each bake by the default estimator."""
+    """One row for each bake by leaflight.bake and by the thesis's default estimator."""
     cycles = curves.of(CYCLES)
     if cycles is None:
         return
     least = min(point.error for point in cycles.points)
-    for point in curves.of(DEFAULT).points:
+    bakes = filter(None, (curves.of(name) for name in (BAKE, GATHER)))
+    for curve, point in ((curve, point) for curve in bakes for point in curve.points):
         isosurfaces = break_even(
             point.error, point.seconds, errors[CYCLES], costs[CYCLES], SECONDS_VARY, seed
         )
         yield {
-            "bake": DEFAULT,
-            "rays": point.samples,
+            "bake": curve.name,
+            "samples": f"{point.samples} {curve.unit}",
             "RMS %": point.error,
             "seconds": point.seconds,
             "isosurfaces": isosurfaces,
@@ -94,12 +100,14 @@ def curves_text(curves):
     return [
         "![RMS error against seconds of a processor](images/curves.png)",
         "",
-        f"- Each bake lights all isosurfaces of the bump box, with {effort.texels}^3 nodes and as "
-        f"many texels. The error is measured at {len(reference.truth)} vertices of the isosurfaces "
+        f"- Each bake lights all isosurfaces of the bump box, with {effort.texels}^3 nodes. The "
+        f"error is measured at {len(reference.truth)} vertices of the isosurfaces "
         f"{isovalues}, against {reference.paths:,} paths at each. The mean color is "
         f"{reference.colour:.2f}. The noise of the reference is {reference.noise:.2f} % and is not "
         "subtracted.",
-        "- Along each curve the rays of a texel double, and so do the photons, with "
+        f"- {BAKE} has default settings, but for its texels: their number a side is in the column "
+        "*samples*. The others are the methods of the thesis, with as many texels as nodes. "
+        "Along each curve of theirs the rays of a texel double, and so do the photons, with "
         f"{PHOTONS:,} for each ray. Scattered samples have {RAYS} rays each, and the same number "
         "of rays in all. Their filter is Shepard's of 3 texels.",
         f"- Seconds are processor time of all threads, medians of {repetitions}, one curve after "
@@ -117,7 +125,7 @@ def curves_text(curves):
 def slope_rows(curves, analysis):
     """One row for each curve: slopes and floors, with their intervals."""
     rows = []
-    for curve in curves.curves:
+    for curve in _sampled(curves):
         samples = [point.samples for point in curve.points]
         fit, last = analysis.errors[curve.name], curve.points[-1]
         floor = root(fit.interval(0))
@@ -188,6 +196,7 @@ def data_rows(rows):
                 "texels": row.texels,
                 "bake s": row.cost.seconds,
                 "direct s": row.direct,
+                "estimated %": row.estimated,
                 "RMS %": row.error,
                 "of which noise %": row.noise,
                 "mean colour": row.colour,
@@ -203,10 +212,10 @@ def data_rows(rows):
 
 def data_text(rows, absent, effort):
     lines = [
-        f"- Bakes cover the whole range of isovalues, with {effort.rays} rays a texel, "
-        f"{effort.photons:,} photons and {effort.texels:g} texels a node along each axis. The "
-        f"error is measured at up to {effort.vertices} vertices of the isosurfaces, against "
-        f"{effort.paths:,} paths at each.",
+        "- Bakes have default settings. The four of the thesis cover the whole range of isovalues. "
+        "*Estimated* is the error that the bake reports at its end. The true one is measured at up "
+        "to "
+        f"{effort.vertices} vertices of the isosurfaces, against {effort.paths:,} paths at each.",
         '- "Direct" is the time in which our path tracer lights the vertices of one isosurface to '
         "the error of the bake. It follows from its time for a path and its noise. Seconds are "
         "processor time of all threads. Those of the thesis are of two Pentium 4 Xeon of 3 GHz. "
@@ -215,11 +224,6 @@ def data_text(rows, absent, effort):
         "of the same kind and size. RMS % grows with the brightness of a scene, which the thesis "
         "does not state. Isovalues of two volumes are from 0 to 1 over the range of each.",
     ]
-    if effort.texels < 1:
-        lines += [
-            f"- Reduced: a node has {effort.texels:g} texels along each axis instead of one. The "
-            "errors are larger and the seconds fewer."
-        ]
     return [*lines, *absent_text(absent), "", *table(data_rows(rows), DATA_FORMATS)]
 
 
@@ -272,7 +276,6 @@ SLOPE_FORMATS = {
     "error less noise there, %": "{:.2f}",
 }
 BREAK_EVEN_FORMATS = {
-    "rays": "{}",
     "RMS %": "{:.2f}",
     "seconds": "{:.2f}",
     "isosurfaces": "{:.1f}",
@@ -281,6 +284,7 @@ DATA_FORMATS = {
     "texels": "{:,}",
     "bake s": "{:.1f}",
     "direct s": "{:.1f}",
+    "estimated %": "{:.2f}",
     "RMS %": "{:.2f}",
     "of which noise %": "{:.2f}",
     "mean colour": "{:.2f}",
