@@ -49,6 +49,8 @@ class LineBundle {
   int first(int lane) const { return range_[lane + 1].first; }
   int last(int lane) const { return range_[lane + 1].last; }
   float value(int plane, int lane) const { return rows_[plane].value[lane]; }
+  // Whether all lines are in empty space there.
+  bool is_empty(int plane) const { return rows_[plane].is_empty; }
   double z(int plane) const { return planes_.planes[plane].z; }
   // In texels, at a coordinate along the axis.
   Vec<D> position(int lane, double z) const {

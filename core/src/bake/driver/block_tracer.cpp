@@ -71,8 +71,9 @@ std::uint64_t block_tracer_memory(const Scene<3>& scene, const BakeSettings<3>& 
       sides * map_bytes(field, volume.isovalue_range(), texels.shown.lattice.resolution,
                         split_light(tracer).points.size());
   return voxels * bytes_a_voxel + maps + wall_entries * sizeof(Rgb) +
-         texels.indirect.lattice.texels() * DirectLookup<3>::bytes_a_texel + known(texels.shown) +
-         known(texels.indirect) + indirect * sides * TexelMoments::bytes_a_texel +
+         texels.indirect.lattice.active.size() * DirectLookup<3>::bytes_a_texel +
+         known(texels.shown) + known(texels.indirect) +
+         indirect * sides * TexelMoments::bytes_a_texel +
          3 * indirect * (2 * sides - 1) * sizeof(Rgb) + 2 * indirect * sides * sizeof(TexelSum);
 }
 

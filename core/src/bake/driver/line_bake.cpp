@@ -309,7 +309,7 @@ std::vector<Average> LineBake<D>::direct_averages(bool back) {
 template <int D>
 void LineBake<D>::learn_lookups() {
   if (direct_lookup_.sources() == 0) {
-    direct_lookup_ = DirectLookup<D>(volume_, indirect_->texels(), *direct_, progress_);
+    direct_lookup_ = DirectLookup<D>(volume_, indirect_->texels().lattice, *direct_, progress_);
   }
   learn_surfaces();
 }

@@ -68,8 +68,15 @@ TexelLattice<D> lattice_of(const LineVolume<D>& volume, const Index<D>& resoluti
 template <int D>
 PassResolutions<D> pass_resolutions(const Field<D>& field, const IsovalueRange& isovalue_range,
                                     const BakeSettings<D>& settings) {
+  std::vector<std::pair<Index<D>, std::size_t>> known;
   const Counted<D> counted = [&](const Index<D>& resolution) {
-    return active_texels(field, resolution, isovalue_range.min, isovalue_range.max);
+    for (const auto& [other, count] : known) {
+      if (other == resolution) return count;
+    }
+    const std::size_t count =
+        active_texels(field, resolution, isovalue_range.min, isovalue_range.max);
+    known.emplace_back(resolution, count);
+    return count;
   };
   const bool given = settings.resolution != Index<D>{};
   const std::size_t voxels = counted(field.dims);
@@ -103,7 +110,9 @@ BakeTexels<D> pass_texels(const LineVolume<D>& volume, const BakeSettings<D>& se
       pass_resolutions(volume.volume().field, volume.isovalue_range(), settings);
   BakeTexels<D> texels;
   texels.shown = IndexedLattice<D>(lattice_of(volume, chosen.shown));
-  texels.indirect = IndexedLattice<D>(lattice_of(volume, chosen.indirect));
+  texels.indirect = chosen.indirect == chosen.shown
+                        ? texels.shown
+                        : IndexedLattice<D>(lattice_of(volume, chosen.indirect));
   texels.spacing = chosen.spacing;
   texels.photons = lattice_of(volume, chosen.photons);
   texels.photon_count = photons;

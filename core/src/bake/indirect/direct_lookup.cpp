@@ -41,22 +41,20 @@ std::vector<std::pair<std::size_t, double>> stand_ins(const DirectLight<D>& dire
 }  // namespace
 
 template <int D>
-DirectLookup<D>::DirectLookup(const LineVolume<D>& volume, const IndexedLattice<D>& texels,
+DirectLookup<D>::DirectLookup(const LineVolume<D>& volume, const TexelLattice<D>& lattice,
                               const DirectLight<D>& direct, Progress& progress)
     : code_{direct.code_range(), false} {
-  const TexelLattice<D>& lattice = texels.lattice;
   const Field<D>& field = volume.volume().field;
   const Affine<D>& to_frame = volume.tracer.index_to_frame(volume.number);
   const Affine<D> to_index = inverse(to_frame);
   const auto chosen = stand_ins(direct, most_sources);
   for (const auto& [number, times] : chosen) {
     amounts_.push_back(direct.point(number).source.amount * static_cast<Real>(times));
-    reflected_.emplace_back(lattice.texels(), 0u);
+    reflected_.emplace_back(lattice.active.size(), 0u);
   }
   parallel_range(lattice.active.size(), 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) {
-      const std::uint32_t texel = lattice.active[s];
-      const Vec<D> position = lattice.centre(texel);
+      const Vec<D> position = lattice.centre(lattice.active[s]);
       const Vec<D> gradient =
           to_index.pull_back_gradient(shading_gradient(field, locate(field, position)));
       const double steep = gradient.length();
@@ -77,7 +75,7 @@ DirectLookup<D>::DirectLookup(const LineVolume<D>& volume, const IndexedLattice<
         const auto share =
             static_cast<float>(source.strength(way, distance) * cosine / projected_hemisphere<D>);
         const float greatest = direct.greatest(chosen[k].first, near, false);
-        std::uint32_t& packed = reflected_[k][texel];
+        std::uint32_t& packed = reflected_[k][s];
         std::memcpy(&packed, &share, sizeof share);
         packed = (packed & ~0xffu) | static_cast<std::uint32_t>(greatest);
       }

@@ -20,18 +20,18 @@ class DirectLookup {
   static constexpr std::size_t bytes_a_texel = most_sources * sizeof(std::uint32_t);
 
   DirectLookup() = default;
-  DirectLookup(const LineVolume<D>& volume, const IndexedLattice<D>& texels,
+  DirectLookup(const LineVolume<D>& volume, const TexelLattice<D>& lattice,
                const DirectLight<D>& direct, Progress& progress);
 
   std::size_t sources() const { return amounts_.size(); }
 
-  void prefetch(std::size_t source, std::size_t texel) const {
-    if (source < reflected_.size()) __builtin_prefetch(&reflected_[source][texel]);
+  void prefetch(std::size_t source, std::int32_t slot) const {
+    if (source < reflected_.size()) __builtin_prefetch(&reflected_[source][slot]);
   }
-  // What the front of the isosurface of value h reflects in a texel, if this source is all light;
-  // the mean over the sources counts.
-  Rgb reflected(std::size_t source, std::size_t texel, double h) const {
-    const std::uint32_t packed = reflected_[source][texel];
+  // What the front of the isosurface of value h reflects in the texel of a slot, if this source is
+  // all light; the mean over the sources counts.
+  Rgb reflected(std::size_t source, std::int32_t slot, double h) const {
+    const std::uint32_t packed = reflected_[source][slot];
     if (!(static_cast<float>(packed & 0xff) < code_(h))) return Rgb(0);
     const std::uint32_t bits = packed & ~0xffu;
     float share;
@@ -42,7 +42,7 @@ class DirectLookup {
  private:
   VisibilityCode code_;
   std::vector<Rgb> amounts_;  // of the sources
-  // Of each source and texel, without its shadow, as a share of the source's amount: a float, whose
+  // Of each source and slot, without its shadow, as a share of the source's amount: a float, whose
   // last 8 bits are the greatest value on the way.
   std::vector<std::vector<std::uint32_t>> reflected_;
 };

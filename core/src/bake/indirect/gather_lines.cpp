@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bake/indirect/gather_lines.h"
 
+#include <bitset>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -79,23 +80,30 @@ struct Gathering {
   const bool within = meshes && meshes_near<D>(tracer, volume.number, nullptr);
 
   void add(const LineBundle<D>& lines, GatherLines<D>& own) const;
-  void find_slots(const LineBundle<D>& lines, GatherLines<D>& own) const;
+  using Lanes = std::bitset<LineBundle<D>::width>;
+  Lanes find_slots(const LineBundle<D>& lines, GatherLines<D>& own) const;
   void walk(const LineBundle<D>& lines, Walk<D> walk, GatherLines<D>& own) const;
   void add_sample(const LineBundle<D>& lines, int k, Walk<D>& walk, GatherLines<D>& own) const;
   void find_wall(const LineBundle<D>& lines, double z, Walk<D>& walk) const;
   int beyond_masked(const GatherLines<D>& own, const Walk<D>& walk, float h, bool front) const;
   Rgb wall_radiance(const WallHit& hit, const Vec<D>& direction, float h, std::int32_t slot) const;
-  std::int64_t texel_at(const LineBundle<D>& lines, const Walk<D>& walk, const Hit& hit) const;
+  std::int32_t slot_at(const LineBundle<D>& lines, const Walk<D>& walk, const Hit& hit) const;
   Rgb isosurface_radiance(const LineBundle<D>& lines, const Walk<D>& walk, const Hit& hit,
                           std::size_t source) const;
 };
 
-// Fetches what the walks will look up into the cache: they wait for memory more than for anything
-// else.
+// The lanes whose lines cross active texels within the field. Fetches what the walks will look up
+// into the cache: they wait for memory more than for anything else.
 template <int D>
-void Gathering<D>::find_slots(const LineBundle<D>& lines, GatherLines<D>& own) const {
+typename Gathering<D>::Lanes Gathering<D>::find_slots(const LineBundle<D>& lines,
+                                                      GatherLines<D>& own) const {
   const std::vector<Rgb>& indirect = *from.indirect[0];
+  Lanes found;
   for (int k = lines.first(); k <= lines.last(); ++k) {
+    if (lines.is_empty(k)) {
+      own.slots[k].fill(TexelLattice<D>::inactive);
+      continue;
+    }
     for (int lane = 0; lane < lines.lanes(); ++lane) {
       std::int32_t& slot = own.slots[k][lane];
       slot = TexelLattice<D>::inactive;
@@ -104,24 +112,22 @@ void Gathering<D>::find_slots(const LineBundle<D>& lines, GatherLines<D>& own) c
       if (texel < 0) continue;
       slot = texels.slots[texel];
       if (slot == TexelLattice<D>::inactive) continue;
+      if (lines.first(lane) <= k && k <= lines.last(lane)) found.set(lane);
       __builtin_prefetch(&moments[0].sums[slot], 1);
       __builtin_prefetch(&from.surfaces[slot]);
       if (!indirect.empty()) __builtin_prefetch(&indirect[slot]);
-      from.direct.prefetch(own.source, texel);
+      from.direct.prefetch(own.source, slot);
     }
   }
+  return found;
 }
 
 template <int D>
 void Gathering<D>::add(const LineBundle<D>& lines, GatherLines<D>& own) const {
-  find_slots(lines, own);
+  const Lanes lanes = find_slots(lines, own);
   for (int lane = 0; lane < lines.lanes(); ++lane) {
-    bool any = false;
-    for (int k = lines.first(lane); k <= lines.last(lane); ++k) {
-      own.h[k] = lines.value(k, lane);
-      any = any || own.slots[k][lane] != TexelLattice<D>::inactive;
-    }
-    if (!any) continue;
+    if (!lanes[lane]) continue;
+    for (int k = lines.first(lane); k <= lines.last(lane); ++k) own.h[k] = lines.value(k, lane);
     const Vec<D> per_z = to_frame.vector(lines.direction(lane));
     const double length = per_z.length();
     for (const int step : {1, -1}) {
@@ -228,18 +234,18 @@ int Gathering<D>::beyond_masked(const GatherLines<D>& own, const Walk<D>& walk, 
   return -1;
 }
 
-// The texel that stands for a hit, or -1. The nearest one may be of a thin shell's other face, or
-// near its crest, where isosurfaces have holes: both would light a closed cavity, which keeps light
-// for many bounces. So it must face the line, and the next in front of the isosurface is taken if
-// its value is nearer.
+// The slot of the texel that stands for a hit, or inactive. The nearest one may be of a thin
+// shell's other face, or near its crest, where isosurfaces have holes: both would light a closed
+// cavity, which keeps light for many bounces. So it must face the line, and the next in front of
+// the isosurface is taken if its value is nearer.
 template <int D>
-std::int64_t Gathering<D>::texel_at(const LineBundle<D>& line, const Walk<D>& walk,
-                                    const Hit& hit) const {
-  std::int64_t found = -1;
+std::int32_t Gathering<D>::slot_at(const LineBundle<D>& line, const Walk<D>& walk,
+                                   const Hit& hit) const {
+  std::int32_t found = TexelLattice<D>::inactive;
   float nearest = infinity;
   for (const double z : {hit.z, line.z(hit.plane + walk.step)}) {
-    const std::size_t texel = nearest_texel(texels.lattice, line.position(walk.lane, z));
-    const std::int32_t slot = texels.slots[texel];
+    const Vec<D> position = line.position(walk.lane, z);
+    const std::int32_t slot = texels.slots[nearest_texel(texels.lattice, position)];
     if (slot == TexelLattice<D>::inactive) continue;
     const TexelSurface<D>& surface = from.surfaces[slot];
     const double away = Vec<D>(surface.normal).dot(walk.to_origin);
@@ -247,7 +253,7 @@ std::int64_t Gathering<D>::texel_at(const LineBundle<D>& line, const Walk<D>& wa
     const float distance = std::abs(surface.value - hit.h) / surface.steepness;
     if (!(distance < nearest)) continue;
     nearest = distance;
-    found = static_cast<std::int64_t>(texel);
+    found = slot;
   }
   return found;
 }
@@ -257,12 +263,11 @@ Rgb Gathering<D>::isosurface_radiance(const LineBundle<D>& line, const Walk<D>& 
                                       const Hit& hit, std::size_t source) const {
   const double c = of.common_isovalue(hit.h);
   Rgb radiance(0), back_direct(0);
-  const std::int64_t texel = texel_at(line, walk, hit);
-  if (texel >= 0) {
-    const std::int32_t slot = texels.slots[texel];
+  const std::int32_t slot = slot_at(line, walk, hit);
+  if (slot != TexelLattice<D>::inactive) {
     if (!from.indirect[hit.on_back]->empty()) radiance = (*from.indirect[hit.on_back])[slot];
     if (!hit.on_back && from.direct.sources() > 0) {
-      radiance += from.direct.reflected(source, texel, hit.h);
+      radiance += from.direct.reflected(source, slot, hit.h);
     }
     if (hit.on_back && from.back_direct) back_direct = (*from.back_direct)[slot];
   }
