@@ -8,7 +8,7 @@ import leaflight._core as _core
 import numpy as np
 
 from leaflight.bake.color_error import noise_percent, rms_percent
-from leaflight.scene.scene import core_scene, isovalue_at
+from leaflight.scene.scene import core_scene, covered, isovalue_at
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +96,7 @@ def isosurfaces(
         for isovalue in isovalues:
             mesh = _core.contour(field, isovalue_at(scene, number, isovalue))
             points, normals, triangles = mesh
-            seen = np.flatnonzero(~_covered(points, number, isovalue, fields, scene))
+            seen = np.flatnonzero(~covered(scene, fields, number, isovalue, points))
             chosen = np.sort(rng.choice(seen, min(share, len(seen)), replace=False))
             surfaces.append(Isosurface(number, isovalue, points, normals, triangles, chosen))
     surfaces = [one for one in surfaces if len(one.chosen)]
@@ -118,12 +118,3 @@ def isosurfaces(
     seconds = (time.process_time() - start) / (paths * len(found[0]))
     truth, standard_error = found
     return Isosurfaces(surfaces, truth, standard_error, scene.exposure, paths, seconds)
-
-
-def _covered(points, number, isovalue, fields, scene):
-    """Which points (n, 3) of a volume's isosurface lie inside another's, a mask (n,)."""
-    covered = np.zeros(len(points), bool)
-    for other, field in enumerate(fields):
-        if other != number:
-            covered |= field.sample(points) >= isovalue_at(scene, other, isovalue)
-    return covered

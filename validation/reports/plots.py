@@ -35,9 +35,9 @@ def error_against_seconds(curves):
             shown.insert(0, curves.of(GATHER))
         for number, curve in enumerate(filter(None, shown)):
             style = {"color": COLOURS[number], "marker": MARKERS[number], "markersize": 4}
-            each = curve.name == GATHER and group == "strategies"
-            label = f"{curve.name}, each texel" if each else curve.name
             style |= STYLES.get(curve.group, {})
+            is_here = curve.group in (group, *STYLES)
+            label = curve.name if is_here else f"{curve.name}, each texel"
             seconds = [point.seconds for point in curve.points]
             panel.plot(seconds, [point.error for point in curve.points], label=label, **style)
         panel.axhline(curves.reference.noise, color="0.6", linewidth=1, linestyle=":")

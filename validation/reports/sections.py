@@ -213,9 +213,9 @@ def data_rows(rows):
 def data_text(rows, absent, effort):
     lines = [
         "- Bakes have default settings. The four of the thesis cover the whole range of isovalues. "
-        "*Estimated* is the error that the bake reports at its end. The true one is measured at up "
-        "to "
-        f"{effort.vertices} vertices of the isosurfaces, against {effort.paths:,} paths at each.",
+        "*Estimated* is the error that the bake reports at its end. The true one is measured at "
+        f"up to {effort.vertices} vertices of the isosurfaces, against {effort.paths:,} paths at "
+        "each.",
         '- "Direct" is the time in which our path tracer lights the vertices of one isosurface to '
         "the error of the bake. It follows from its time for a path and its noise. Seconds are "
         "processor time of all threads. Those of the thesis are of two Pentium 4 Xeon of 3 GHz. "

@@ -13,7 +13,7 @@ from .._core import Field, LeaflightError, Progress
 from ..arrays import Array
 from ..bake.baked import Bake
 from ..scene.on_mesh import positions, random_places, random_points
-from ..scene.scene import Isosurfaces, Mesh
+from ..scene.scene import Isosurfaces, Mesh, covered
 from .cycles import measure
 from .sampling import Sampling, Target
 from .truth import Truth, parts_of
@@ -80,11 +80,9 @@ class IsosurfaceSide:
 
     def _of_visible(self, truth: Truth) -> Truth:
         """The same; points inside another volume's isosurface, which are hidden, have no weight."""
-        weights = truth.weights.copy()
-        for other, look in enumerate(self.bake.scene.isosurfaces):
-            if other != self.volume and look.scattering != "glass":
-                values = self.bake.volumes[other].field().sample(truth.points)
-                weights[values >= self.bake.isovalue_of(other, self.isovalue)] = 0
+        fields = [volume.field() for volume in self.bake.volumes]
+        hidden = covered(self.bake.scene, fields, self.volume, self.isovalue, truth.points)
+        weights = np.where(hidden, 0, truth.weights)
         if not weights.any():
             raise LeaflightError(
                 f"Isovalue {self.isovalue:g} lies inside another volume; choose another one."

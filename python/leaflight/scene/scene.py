@@ -288,6 +288,21 @@ def isovalue_at(description: SceneDescription, volume: int, c: float) -> float:
     return lo + c * (hi - lo)
 
 
+def covered(
+    description: SceneDescription,
+    fields: Sequence[_core.Field],
+    volume: int,
+    c: float,
+    points: Array,
+) -> Array:
+    """A mask (n,) of points (n, 3), world, hidden by other volumes' isosurfaces; not by glass."""
+    hidden = np.zeros(len(points), bool)
+    for other, (field, look) in enumerate(zip(fields, description.isosurfaces, strict=True)):
+        if other != volume and look.scattering != "glass":
+            hidden |= field.sample(points) >= isovalue_at(description, other, c)
+    return hidden
+
+
 def core_scene(
     description: SceneDescription,
     fields: Sequence[_core.Field],
