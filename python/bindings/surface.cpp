@@ -106,6 +106,31 @@ void bind_surface(py::module_& module) {
       "within\n"
       "two voxels; points without one are returned as they are.");
   module.def(
+      "project_along",
+      [](const Field<3>& field, const DoubleArray& array, const DoubleArray& directions,
+         double isovalue, double reach) {
+        std::vector<Vec3> points = to_points<3>(array);
+        const std::vector<Vec3> outward = to_points<3>(directions);
+        if (outward.size() != points.size()) {
+          throw Error("The directions must be an array of the shape of the points.");
+        }
+        {
+          const py::gil_scoped_release unlocked;
+          tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+            points[i] = project_along(field, points[i], outward[i], isovalue, reach);
+          });
+        }
+        const auto n = static_cast<py::ssize_t>(points.size());
+        return adopt<double>(std::move(points), {n, 3});
+      },
+      py::arg("field"), py::arg("points"), py::arg("outward"), py::arg("isovalue"),
+      py::arg("reach"),
+      "The points of the trilinear isosurface nearest to world points (n, 3), along the directions "
+      "outward (n, 3)\n"
+      "or against them, where values fall below the isovalue in that direction, within reach "
+      "voxels; points\n"
+      "without one are returned as they are.");
+  module.def(
       "exposed",
       [](const Field<3>& field, const DoubleArray& array, double isovalue, int directions,
          std::uint64_t seed) {

@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AreaLight', 'AreaLight2', 'BakeSettings', 'BakeSettings2', 'BakeStatistics', 'Baked', 'Baked2', 'BlockTracer', 'Cancelled', 'DirectLight', 'Environment', 'Environment2', 'Field', 'Field2', 'FixedSettings', 'FixedSettings2', 'IndirectShares', 'LeaflightError', 'Mesh', 'Mesh2', 'PointLight', 'PointLight2', 'Progress', 'RadianceGrid', 'RadianceGrid2', 'ReplacedFiles', 'Scene', 'Scene2', 'SunLight', 'SunLight2', 'Texture', 'Volume', 'Volume2', 'WallRadiance', 'WallRadiance2', 'attach_walls', 'bake', 'bake2', 'bake_with_fixed_samples', 'bake_with_fixed_samples2', 'block_tracer_memory', 'bump_box', 'bump_box2', 'coarser_values', 'connected_parts', 'contour', 'contour2', 'exposed', 'fitting_resolution', 'has_seal', 'isosurface_hits', 'large_array', 'large_memory', 'large_parts', 'libraries', 'light_memory', 'limit_large_memory', 'machine_memory', 'mesh_hits', 'noise_to_reach', 'normals', 'photon_balance', 'photon_balance2', 'photon_points', 'photon_points2', 'polygon_edges', 'project_to_isosurface', 'read_bake', 'read_bake_header', 'read_checkpoint', 'read_exr', 'read_exr_comments', 'read_vdb_volume', 'reference', 'reference2', 'reference_walls', 'reference_walls2', 'skipped_passes', 'skipped_passes2', 'trace', 'write_bake', 'write_exr']
+__all__: list[str] = ['AreaLight', 'AreaLight2', 'BakeSettings', 'BakeSettings2', 'BakeStatistics', 'Baked', 'Baked2', 'BlockTracer', 'Cancelled', 'DirectLight', 'Environment', 'Environment2', 'Field', 'Field2', 'FixedSettings', 'FixedSettings2', 'IndirectShares', 'LeaflightError', 'Mesh', 'Mesh2', 'PointLight', 'PointLight2', 'Progress', 'RadianceGrid', 'RadianceGrid2', 'ReplacedFiles', 'Scene', 'Scene2', 'SunLight', 'SunLight2', 'Texture', 'Volume', 'Volume2', 'WallRadiance', 'WallRadiance2', 'attach_walls', 'bake', 'bake2', 'bake_with_fixed_samples', 'bake_with_fixed_samples2', 'block_tracer_memory', 'bump_box', 'bump_box2', 'coarser_values', 'connected_parts', 'contour', 'contour2', 'exposed', 'fitting_resolution', 'has_seal', 'isosurface_hits', 'large_array', 'large_memory', 'large_parts', 'libraries', 'light_memory', 'limit_large_memory', 'machine_memory', 'mesh_hits', 'noise_to_reach', 'normals', 'photon_balance', 'photon_balance2', 'photon_points', 'photon_points2', 'polygon_edges', 'project_along', 'project_to_isosurface', 'read_bake', 'read_bake_header', 'read_checkpoint', 'read_exr', 'read_exr_comments', 'read_vdb_volume', 'reference', 'reference2', 'reference_walls', 'reference_walls2', 'skipped_passes', 'skipped_passes2', 'trace', 'write_bake', 'write_exr']
 class LeaflightError(Exception):
     pass
 class Cancelled(Exception):
@@ -1348,6 +1348,12 @@ def polygon_edges(polygons: typing.Annotated[numpy.typing.ArrayLike, numpy.int32
     """
     (edges int32 (e, 2), each once, lower vertex first, ascending; the edge from each corner to
     the next one, int32 (m, k)) of polygons int32 (m, k) with so many vertices in all.
+    """
+def project_along(field: Field, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], outward: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], isovalue: typing.SupportsFloat | typing.SupportsIndex, reach: typing.SupportsFloat | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    The points of the trilinear isosurface nearest to world points (n, 3), along the directions outward (n, 3)
+    or against them, where values fall below the isovalue in that direction, within reach voxels; points
+    without one are returned as they are.
     """
 def project_to_isosurface(field: Field, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], isovalue: typing.SupportsFloat | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float64]:
     """

@@ -197,3 +197,23 @@ def test_whole_numbers_but_for_the_background():
     values[0] = -0.5
     found = volume(values).distribution
     assert not found.are_whole() and found.are_whole(without=[-0.5])
+
+
+def test_coarse_vertices_stay_on_their_side_of_a_thin_shell():
+    """Along the gradient some would go to the other side, which light does not reach."""
+    k, j, i = np.mgrid[:49, :49, :49]
+    distance = np.sqrt((i - 24.0) ** 2 + (j - 24.0) ** 2 + (k - 24.0) ** 2)
+    head = volume(np.interp(distance, [15.5, 16.5, 19.5, 20.5], [0.45, 1, 1, 0]))
+    field, core = head.field(), leaflight._core
+    vertices, normals, _ = core.contour(head.coarser().coarser().field(), 0.5)
+    is_outside = np.einsum("ij,ij->i", vertices - 24, normals) > 0
+
+    def misses(points):
+        return np.abs(np.linalg.norm(points - 24, axis=1) - np.where(is_outside, 20, 15.6))
+
+    assert misses(core.project_along(field, vertices, normals, 0.5, 8.0)).max() < 1
+    assert misses(core.project_to_isosurface(field, vertices, 0.5)).max() > 2
+    far, up = np.array([[24.0, 24, 24]]), np.array([[0.0, 0, 1]])
+    np.testing.assert_array_equal(core.project_along(field, far, up, 0.5, 8.0), far)
+    with pytest.raises(LeaflightError, match="The directions must be an array of the shape of"):
+        core.project_along(field, vertices, normals[1:], 0.5, 8.0)

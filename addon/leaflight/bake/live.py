@@ -8,6 +8,8 @@ but its direct light is finished, so that a lamp that is dragged shows some on i
 """
 
 import math
+import threading
+import time
 from dataclasses import replace
 
 import bpy
@@ -31,8 +33,15 @@ _POLL = 0.05
 # shadows come first: about half a second of work.
 _QUICK_MAPS, _QUICK_WALLS = 50_000_000, 500_000
 
+# Where Blender takes longer than the first to draw a picture, in seconds, it waits for direct light
+# before it draws a move, but no longer than the second.
+_SLOW_PICTURE, _LONGEST_WAIT = 0.2, 1.0
+
 # The LiveJob in progress with its BackgroundWork, or None.
 _job = _work = None
+# When the last look at it ended, and the most seconds that Blender took until the next, to draw,
+# while its light was rough.
+_looked_at, _picture = 0.0, 0.0
 # Whether the scene may have changed since the last look.
 _has_changed = False
 # The fingerprint of the scene whose light was stopped or failed, and a sentence about it.
@@ -55,14 +64,22 @@ class LiveJob(bake.BakeJob):
         path = self.checkpoint.path.with_suffix(".live")
         self.checkpoint = replace(self.checkpoint, path=path, seconds=math.inf)
         self.is_outdated = self._can_be_cancelled = False
+        self._has_direct = threading.Event()
         self.is_rough = self._map_work() > _QUICK_MAPS
 
     def run(self, progress):
+        try:
+            self._pass_after_direct(progress)
+        finally:
+            self._has_direct.set()
+
+    def _pass_after_direct(self, progress):
         # Only the passes say how much there is to do.
         progress.expect(math.inf)
         known = {name: self._arguments[name] for name in ("volumes", "scene", "isovalues")}
         blurs_maps, blurs_walls = self.is_rough, self._wall_work() > _QUICK_WALLS
         self.latest = moved(self._lit, **known, quick=blurs_maps, walls=False, progress=progress)
+        self._has_direct.set()
         self.latest = lit_walls(self.latest, QUICK if blurs_walls else WHOLE, progress)
         self._can_be_cancelled = True
         self._check()
@@ -73,6 +90,10 @@ class LiveJob(bake.BakeJob):
         if blurs_walls:
             self.latest = lit_walls(self.latest, WHOLE, progress)
         super().run(progress)
+
+    def wait_for_direct(self, seconds):
+        """Whether direct light can be shown, within so many seconds."""
+        return self._has_direct.wait(seconds)
 
     def _map_work(self):
         """Texels times light points."""
@@ -157,14 +178,20 @@ def forget():
 
 
 def _tick():
+    global _looked_at, _picture
     if bpy.app.is_job_running("RENDER"):
+        _looked_at = 0.0
         return _POLL
+    if _job is not None and _job.is_rough and _looked_at:
+        _picture = max(_picture, time.perf_counter() - _looked_at)
     if _has_changed:
         _look()
     if _job is not None:
         _go_on()
     whole_detail.hold(_job is not None and _job.is_rough)
-    return _POLL if _job is not None or _has_changed else None
+    goes_on = _job is not None or _has_changed
+    _looked_at = time.perf_counter() if goes_on else 0.0
+    return _POLL if goes_on else None
 
 
 def _look():
@@ -216,11 +243,15 @@ def _leader(scene):
 
 
 def _begin(job):
-    global _job, _work
+    global _job, _work, _picture
     _job, _work = job, background.BackgroundWork(job.run, job)
-    if job.is_rough:
-        # Before Blender draws: pictures of all detail would keep the light back.
+    # Before Blender draws: pictures of all detail would keep the light back, and light that comes
+    # while a picture is drawn would be shown by the next.
+    if _picture > _SLOW_PICTURE and job.wait_for_direct(_LONGEST_WAIT):
+        job.show()
+    elif job.is_rough:
         job.coarsen()
+    _picture = 0.0
     background.redraw_panels()
 
 

@@ -58,13 +58,14 @@ class Isosurface:
         count: about how many triangles the volume's own nodes give.
         """
         if self.is_coarse() or self.grid is None:
-            vertices, _, triangles = _core.contour(self._field(), self.isovalue, normals=False)
+            is_projected = bool(self.grid is not None and self.halvings)
+            vertices, normals, triangles = _core.contour(self._field(), self.isovalue, is_projected)
             count = len(triangles) * 4 ** (self.halvings or 0)
-            vertices, triangles = self._without_dust(vertices, triangles)
-            if self.grid is not None and self.halvings:
-                # Where their light lies.
-                field = self.volume.field()
-                vertices = _core.project_to_isosurface(field, vertices, self.isovalue)
+            vertices, triangles, normals = self._without_dust(vertices, triangles, normals)
+            if is_projected:
+                # Where their light lies, on the same side of a thin shell.
+                field, reach = self.volume.field(), 2.0 * 2**self.halvings
+                vertices = _core.project_along(field, vertices, normals, self.isovalue, reach)
             return vertices, triangles, self.radiance(vertices), count
         vertices, _, triangles, *sides, count = self._lit_contour()
         vertices, triangles, *sides = self._without_dust(vertices, triangles, *sides)

@@ -112,9 +112,8 @@ def update(obj, isovalue, moving=False):
         halvings = _halvings_in_motion(obj.data) if moving else None
         surface = isosurface.isosurface_of(obj, isovalue, halvings)
         # The vertices of all detail take longer to light and to draw than coarse ones to make.
-        is_drawn_slowly = moving and halvings and wanted.moved
-        differs_by_lamps = _differs_by_lamps(obj.data, shown, wanted)
-        if surface.grid is not None and differs_by_lamps and not is_drawn_slowly:
+        wants_coarse = bool(moving and halvings and wanted.moved)
+        if surface.grid is not None and _serves(obj.data, shown, wanted, wants_coarse):
             _color(obj, wanted.label(), surface)
             return
         made = surface.made()
@@ -126,9 +125,14 @@ def update(obj, isovalue, moving=False):
     _put(obj, wanted.label(), isovalue, surface, made)
 
 
-def _differs_by_lamps(mesh, shown, wanted):
-    """Whether the vertices of a mesh are those of the wanted state, with other light."""
-    if shown is None or shown.failed or is_coarse(mesh) or shown.isosurface != wanted.isosurface:
+def _serves(mesh, shown, wanted, coarse):
+    """Whether the vertices of a mesh are those of the wanted state, with other light.
+
+    coarse: whether those of coarse isosurfaces are wanted.
+    """
+    if shown is None or shown.failed or shown.isosurface != wanted.isosurface:
+        return False
+    if is_coarse(mesh) != coarse:
         return False
     # The light of a moved scene will not stay: the vertices of any other light will do.
     return bool(wanted.moved) or shown.light == wanted.light

@@ -37,21 +37,24 @@ double change_of_sign(const Value& value, double near, double at_near, double fa
   return far;
 }
 
-// How far the isosurface is along a direction, both in index coordinates, from where the field's
-// value less the isovalue is `here`; 0 where it does not reach it within two voxels.
+// How far it is along a direction, both in index coordinates, from a start to the first place where
+// the field's value less the isovalue comes from below 0, or from above; 0 where there is none
+// within `reach` voxels.
 template <int D>
-double first_crossing(const Field<D>& field, const Vec<D>& start, const Vec<D>& along, double here,
-                      double isovalue) {
-  constexpr double step = 1.0 / 16, reach = 2;
+double first_crossing(const Field<D>& field, const Vec<D>& start, const Vec<D>& along,
+                      double isovalue, bool from_below, double reach) {
+  constexpr double step = 1.0 / 16;
   const auto value = [&](double t) {
     const CellPoint<D> point = locate(field, Vec<D>(start + along * t));
     return interpolate(load_corners(field, point.cell), point.local) - isovalue;
   };
-  double low = 0, at_low = here;
+  double low = 0, at_low = value(0);
   for (double high = step; high <= reach; high += step) {
     const double at_high = value(high);
     if (std::isnan(at_high)) break;
-    if ((at_high < 0) != (here < 0)) return change_of_sign(value, low, at_low, high, at_high);
+    if ((at_low < 0) == from_below && (at_high < 0) != from_below) {
+      return change_of_sign(value, low, at_low, high, at_high);
+    }
     low = high;
     at_low = at_high;
   }
@@ -72,10 +75,24 @@ Vec<D> project_to_isosurface(const Field<D>& field, const Vec<D>& world, double 
   for (Vec<D> along : {geometric_gradient(corners, point.local), shading_gradient(field, point)}) {
     if (!(along.length() > 0)) continue;
     along *= (here < 0 ? 1 : -1) / along.length();
-    const double t = first_crossing(field, start, along, here, isovalue);
+    const double t = first_crossing(field, start, along, isovalue, here < 0, 2);
     if (t > 0) return field.index_to_world.point(locate(field, start + along * t).index_position());
   }
   return world;
+}
+
+Vec3 project_along(const Field<3>& field, const Vec3& world, const Vec3& outward, double isovalue,
+                   double reach) {
+  const Vec3 start = field.world_to_index.point(world);
+  Vec3 along = field.world_to_index.vector(outward);
+  if (!holds_given(field, start) || !(along.length() > 0)) return world;
+  along /= along.length();
+  const double after = first_crossing(field, start, along, isovalue, false, reach);
+  const double before =
+      first_crossing(field, start, along * -1, isovalue, true, after > 0 ? after : reach);
+  const double t = before > 0 ? -before : after;
+  if (t == 0) return world;
+  return field.index_to_world.point(locate(field, start + along * t).index_position());
 }
 
 template Vec<2> project_to_isosurface<2>(const Field<2>&, const Vec<2>&, double);

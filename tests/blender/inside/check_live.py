@@ -155,6 +155,15 @@ def check_a_lamp_that_moves_lights_at_once_and_finally(lit, held):
     assert "leaflight.stop_live" not in drawn(bake_panel.LEAFLIGHT_PT_bake)
 
 
+def check_where_pictures_take_long_they_wait_for_direct_light(lit, held, monkeypatch):
+    monkeypatch.setattr(live, "_picture", 60.0)
+    monkeypatch.setattr(live, "_LONGEST_WAIT", 60.0)
+    move_lamp()
+    live._tick()
+    assert preview.of(lit).bake.is_moved
+    finish(held)
+
+
 def check_the_newest_place_wins(lit, held):
     move_lamp()
     first = to_passes()
