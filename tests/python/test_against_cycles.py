@@ -202,8 +202,9 @@ def test_files(found, tmp_path, monkeypatch):
             "found %",
         ),
     }
+    files = {"against_cycles": "cycles_isosurfaces", "bakes_against_cycles": "cycles_bakes"}
     for table, names in columns.items():
-        with open(tmp_path / "csv" / f"{table}.csv", newline="") as file:
+        with open(tmp_path / "csv" / f"{files[table]}.csv", newline="") as file:
             lines = list(csv.DictReader(file))
         for name in names:
             assert [float(line[name]) for line in lines] == [row[name] for row in result[table]]

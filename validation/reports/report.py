@@ -159,7 +159,7 @@ def report_tables(folder, effort, run, tables=TABLES):
 
 
 def report_cycles(folder, effort, run, data=None, *, seed=0, threads=0):
-    """Measures bakes against Cycles; writes folder/cycles.md and both its tables in folder/csv.
+    """Measures bakes against Cycles; writes folder/cycles.md and folder/csv/cycles_*.csv.
 
     effort: a CyclesEffort; run, data: see report(). Returns a dict: "out", "seed", "passed" (none
     is exceeded), "rows" (none), "bakes_against_cycles" and "against_cycles", lists of dicts. Raises
@@ -177,7 +177,8 @@ def report_cycles(folder, effort, run, data=None, *, seed=0, threads=0):
         *cycles_section.cycles_text(judged, absent, effort),
     ]
     found = _against_cycles(judged)
-    files = {f"csv/{name}.csv": _csv(rows) for name, rows in found.items()}
+    names = {"bakes_against_cycles": "cycles_bakes", "against_cycles": "cycles_isosurfaces"}
+    files = {f"csv/{names[name]}.csv": _csv(rows) for name, rows in found.items()}
     _write(folder, {**files, "cycles.md": "\n".join(lines) + "\n"})
     return {**_result(folder, seed, judged=judged), **_finite(found)}
 
