@@ -14,7 +14,7 @@
 namespace leaflight {
 namespace {
 
-constexpr int wall_samples = 8, walls_samples = 8;
+constexpr int shadow_rays_of_patches = 8, rays_of_wall_vertices = 8;
 // Directions of the bounces of indirect light that come before blocks count. Later bounces bring
 // less and vary less. They begin with none: light from photons is too coarse, and what leaks
 // through a wall stays in a closed cavity for many bounces.
@@ -252,8 +252,8 @@ WallRadiance<D> LineBake<D>::walls() {
     estimator = make_gather_estimator(volume_.tracer, lights_, isosurfaces, *photons_.walls);
   }
   const PointSampler<D> sampler{lights_, isosurfaces, photons_.walls.get(), false};
-  return light_walls(volume_.tracer, sampler, estimator.get(), walls_samples, settings_.seed,
-                     progress_);
+  return light_walls(volume_.tracer, sampler, estimator.get(), rays_of_wall_vertices,
+                     settings_.seed, progress_);
 }
 
 template <int D>
@@ -263,7 +263,7 @@ void LineBake<D>::trace_photons(const TexelLattice<D>& texels, std::uint64_t cou
   const std::uint64_t before = previous_ ? previous_->blocks() : 0;
   settings.seed = random_for(settings_.seed, Purpose::photon, before).bits();
   settings.photons = count;
-  settings.wall_samples = wall_samples;
+  settings.wall_samples = shadow_rays_of_patches;
   settings.smooth_walls = true;
   lattices_ = {texels};
   photons_ = trace_into_caches(volume_.tracer, lights_, lattices_, settings, plan_, progress_);
