@@ -220,24 +220,6 @@ TEST(Passes, EndInTime) {
   EXPECT_GT(baked.statistics.noise_percent, 1e-4);
 }
 
-TEST(Passes, GoOnWhileTimeIsLeft) {
-  // Planes, on which texels miss nothing: all error is noise.
-  const Scene<3> scene =
-      test::cornell(test::sampled<3>(9, [](const Vec3& x) { return 1 - x.z; }), {0.4, 0.6});
-  BakeSettings<3> settings = in_passes();
-  settings.error = 0.02;
-  const auto blocks = [&](double seconds) {
-    settings.seconds = seconds;
-    Progress progress;
-    const auto look = [&](Baked<3>&& baked) {
-      if (baked.statistics.blocks > 32) progress.stop();
-    };
-    return bake<3>(scene, settings, progress, {look}).statistics.blocks;
-  };
-  EXPECT_EQ(blocks(0), 32);
-  EXPECT_GT(blocks(1e9), 32);
-}
-
 double seconds_to_cancel_passes() {
   const Scene<3> scene = test::cornell(test::ball<3>(65), {0.3, 0.9});
   BakeSettings<3> settings = in_passes();

@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <cmath>
-#include <limits>
 
 #include "bake/driver/measured_error.h"
 #include "bake/driver/pass_texels.h"
@@ -15,7 +14,7 @@ namespace {
 
 // Bakes of fewer texels do without a first picture.
 constexpr std::size_t most_without_preview = 200'000;
-// Blocks of a first picture, and of all passes at most where no time was asked for.
+// Blocks of a first picture, and of all passes at most.
 constexpr int preview_blocks = 2, most_blocks = 32;
 // How much wider the texels of its maps are, and the voxels between their lines.
 constexpr int preview_spacing = 2;
@@ -38,11 +37,11 @@ double seconds_since(Clock::time_point then) {
 int first_blocks(std::size_t texels) { return texels < few_texels ? 4 : 2; }
 
 // The blocks after the next pass: as many as leave the noise `target`, a variance, by what was
-// found so far; at most twice as many as now, or eight, and no more than `of_all`.
-int next_blocks(int now, double noise, double target, int of_all) {
+// found so far; at most twice as many as now, or eight.
+int next_blocks(int now, double noise, double target) {
   if (now == 0) return 0;
   const double wanted = noise * now / target;
-  const int most = std::max(now, std::min(std::max(2 * now, 8), of_all));
+  const int most = std::max(now, std::min(std::max(2 * now, 8), most_blocks));
   // A pass that adds little costs as much to look at as one that adds more.
   const double grown = wanted > now ? std::max(std::ceil(wanted), std::ceil(1.25 * now)) : now;
   return static_cast<int>(std::clamp<double>(grown, now, most));
@@ -172,9 +171,7 @@ class Passes {
       const double target = std::pow(noise / 100, 2);
       if (error.noise <= target) return last(*bake_, std::move(baked), false);
       if (cut || over(0)) return last(*bake_, std::move(baked), true);
-      const int of_all =
-          scene_.settings.seconds > 0 ? std::numeric_limits<int>::max() / 4 : most_blocks;
-      const int next = next_blocks(bake_->blocks(), error.noise, target, of_all);
+      const int next = next_blocks(bake_->blocks(), error.noise, target);
       if (next <= blocks_) return last(*bake_, std::move(baked), false);
       if (hooks_.on_pass) {
         // Where isosurfaces store no light, the walls are all that there is to see.
