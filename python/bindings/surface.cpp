@@ -35,6 +35,19 @@ const std::array<std::int32_t, 3>* triangles_of(const IndexArray& polygons) {
   return reinterpret_cast<const std::array<std::int32_t, 3>*>(polygons.data());
 }
 
+// float64 (n, 3): what a function makes of each world point and its number.
+template <class Move>
+py::array_t<double> moved_points(const DoubleArray& array, const Move& move) {
+  std::vector<Vec3> points = to_points<3>(array);
+  {
+    const py::gil_scoped_release unlocked;
+    tbb::parallel_for(std::size_t{0}, points.size(),
+                      [&](std::size_t i) { points[i] = move(i, points[i]); });
+  }
+  const auto n = static_cast<py::ssize_t>(points.size());
+  return adopt<double>(std::move(points), {n, 3});
+}
+
 }  // namespace
 
 void bind_surface(py::module_& module) {
@@ -91,15 +104,9 @@ void bind_surface(py::module_& module) {
   module.def(
       "project_to_isosurface",
       [](const Field<3>& field, const DoubleArray& array, double isovalue) {
-        std::vector<Vec3> points = to_points<3>(array);
-        {
-          const py::gil_scoped_release unlocked;
-          tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
-            points[i] = project_to_isosurface(field, points[i], isovalue);
-          });
-        }
-        const auto n = static_cast<py::ssize_t>(points.size());
-        return adopt<double>(std::move(points), {n, 3});
+        return moved_points(array, [&](std::size_t, const Vec3& point) {
+          return project_to_isosurface(field, point, isovalue);
+        });
       },
       py::arg("field"), py::arg("points"), py::arg("isovalue"),
       "The points of the trilinear isosurface nearest along the gradient to world points (n, 3), "
@@ -109,19 +116,13 @@ void bind_surface(py::module_& module) {
       "project_along",
       [](const Field<3>& field, const DoubleArray& array, const DoubleArray& directions,
          double isovalue, double reach) {
-        std::vector<Vec3> points = to_points<3>(array);
         const std::vector<Vec3> outward = to_points<3>(directions);
-        if (outward.size() != points.size()) {
+        if (rows(array, 3, "points") != static_cast<py::ssize_t>(outward.size())) {
           throw Error("The directions must be an array of the shape of the points.");
         }
-        {
-          const py::gil_scoped_release unlocked;
-          tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
-            points[i] = project_along(field, points[i], outward[i], isovalue, reach);
-          });
-        }
-        const auto n = static_cast<py::ssize_t>(points.size());
-        return adopt<double>(std::move(points), {n, 3});
+        return moved_points(array, [&](std::size_t i, const Vec3& point) {
+          return project_along(field, point, outward[i], isovalue, reach);
+        });
       },
       py::arg("field"), py::arg("points"), py::arg("outward"), py::arg("isovalue"),
       py::arg("reach"),
