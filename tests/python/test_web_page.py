@@ -17,6 +17,7 @@ from leaflight import LeaflightError
 from leaflight.export import page, page_volume
 from leaflight.export.light_bricks import light_bricks
 from leaflight.export.shared_exponent import LEAST, packed
+from leaflight.export.visibility_levels import DARK, HIDDEN, LIT, levels
 
 
 @pytest.fixture(autouse=True)
@@ -160,14 +161,20 @@ def test_the_page_holds_maps_of_direct_light(bump_scene, small, tmp_path):
             code = direct.codes(point, is_back)
             part = (np.clip(code, least, most) - least) / np.maximum(most - least, 1e-9)
             sharp = most - least > 60
-            off = abs(part - np.clip((level - 0.5) / 13, 0, 1))[sharp & (level < 15)]
-            assert len(off) > 1000 and off.max() < 0.5 / 13 + 2 / 60
-            np.testing.assert_array_equal(level == 15, code == 255)
+            off = abs(part - part_of(level, point))[sharp & (level < DARK)]
+            assert len(off) > 1000 and off.max() < 0.5 / 12 + 2 / 60
+            np.testing.assert_array_equal(level == DARK, code == 255)
     # Beside them texels hold indirect light.
     lit = active_texels(header, body, volume["light"])
     expected = grid.dense("radiance_indirect")[lit] * bake.scene.exposure
     got = colors(header, body, volume["light"]["front"])
     assert (abs(got - expected).max(1) <= LEAST + expected.max(1) / 500).all()
+
+
+def part_of(level, point):
+    """Of the range of codes, as web/src/shaders/direct.glsl reads it."""
+    shift = point * 0.6180339887 % 1.0
+    return np.clip((level - 1.5 + shift) / 12, 0, 1)
 
 
 def of_27(values):
@@ -284,3 +291,16 @@ def test_titles_are_no_markup(box_bake, tmp_path):
     text = (tmp_path / "x.html").read_text()
     assert text.count("</script>") == 2 and "<b>" not in text.partition("<script")[0]
     assert json.loads(script(text, "leaflight-header"))["title"] == "</script><b>x"
+
+
+def test_levels_of_light_points_round_unlike_each_other():
+    """A code and the mean of what the light points make of it are nearer than half a part."""
+    points, least, greatest = 36, 20, 140
+    codes = np.arange(256, dtype=np.uint8)
+    about = np.full_like(codes, least), np.full_like(codes, greatest)
+    given = np.stack([levels(codes, *about, point) for point in range(points)])
+    assert (given[:, : least + 1] == LIT).all() and (given[:, 255] == DARK).all()
+    assert (given[:, greatest:255] == HIDDEN).all()
+    shown = np.stack([part_of(level, point) for point, level in enumerate(given)])
+    off = (shown - (codes - float(least)) / (greatest - least))[:, least + 10 : greatest - 9]
+    assert np.abs(off).max() > 0.4 / 12 and np.abs(off.mean(axis=0)).max() < 0.1 / 12

@@ -149,6 +149,15 @@ def test_pictures_are_those_of_the_core(browser, bakes, pages, name):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("isovalue", [70.5, 80.5])
+def test_shadows_of_thin_shells_are_those_of_the_core(browser, bakes, pages, isovalue):
+    """The visibility codes of all light points there are close to that of the isosurface."""
+    browser.open(pages("brain").as_uri(), {"width": 640, "height": 400})
+    browser.evaluate(f"{ISOVALUE} = {isovalue}; leaflight.view.changed()")
+    check_like_still(browser, bakes("brain"))
+
+
+@pytest.mark.slow
 def test_a_pixel_costs_few_fetches(browser, pages):
     browser.open(pages("brain").as_uri(), {"width": 320, "height": 180})
     for keys in KEYS:

@@ -14,11 +14,14 @@ from .._core import DirectLight
 from ..arrays import Array
 
 # A way that no isosurface about the texel blocks; one that all of them do; one that a mesh does.
-# Levels between are even parts of the range of codes.
+# Levels between are even parts of the range of codes, the first and the last of which are cut.
 LIT, HIDDEN, DARK = 0, 14, 15
 # Of which the card reads the levels at once.
 POINTS_A_TEXEL = 8
-_PARTS = HIDDEN - 1
+_PARTS = HIDDEN - 2
+# The light points of a lamp have nearly the same codes. Each begins its parts at another place, so
+# that rounding does not move all of their shadows in one direction: a Kronecker sequence.
+_SHIFT = 0.6180339887
 
 
 def code_of(value: Array, isovalue_range: Sequence[float]) -> Array:
@@ -45,10 +48,11 @@ def ranges(
     return _byte(np.floor(code(least))), _byte(np.ceil(code(greatest)))
 
 
-def levels(codes: Array, least: Array, greatest: Array) -> Array:
-    """The levels uint8 of codes between others, uint8 arrays of one shape."""
+def levels(codes: Array, least: Array, greatest: Array, point: int) -> Array:
+    """The levels uint8 of codes between others, uint8 arrays of one shape, for a light point."""
     part = np.clip(codes, least, greatest) - least
-    found: Array = _LEVELS.take((greatest - least).astype(np.uint16) * np.uint16(256) + part)
+    place = (greatest - least).astype(np.uint16) * np.uint16(256) + part
+    found: Array = _table(point * _SHIFT % 1.0).take(place)
     found[codes == 255] = DARK
     return found
 
@@ -57,9 +61,9 @@ def pairs(direct: DirectLight, back: bool, least: Array, greatest: Array) -> Ite
     """uint8 (n,) of the active texels for each two light points of a DirectLight: levels of the
     first, and of the second times 16. least, greatest: codes about these texels."""
     for point in range(0, len(direct.light_points), 2):
-        both = levels(direct.codes(point, back), least, greatest)
+        both = levels(direct.codes(point, back), least, greatest, point)
         if point + 1 < len(direct.light_points):
-            both |= levels(direct.codes(point + 1, back), least, greatest) << 4
+            both |= levels(direct.codes(point + 1, back), least, greatest, point + 1) << 4
         yield both
 
 
@@ -78,12 +82,9 @@ def _byte(codes: Array) -> Array:
     return np.clip(codes, 0, 254).astype(np.uint8)
 
 
-def _table() -> Array:
-    """[range of codes, part of it]: the level."""
+def _table(shift: float) -> Array:
+    """[range of codes, part of it]: the level; shift: of the parts, 0 to 1."""
     span, part = np.mgrid[:256, :256]
-    between = 1 + part * _PARTS // np.maximum(span, 1)
+    between = np.floor(part * _PARTS / np.maximum(span, 1) + 2.0 - shift)
     table = np.where(part == 0, LIT, np.where(part >= span, HIDDEN, between))
     return table.astype(np.uint8).ravel()
-
-
-_LEVELS = _table()

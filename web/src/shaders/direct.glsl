@@ -13,7 +13,9 @@ struct DirectLight {
   vec3 irradiance, reflected;  // by the coat
 };
 
-const float PARTS = 13.0;  // into which ranges are cut (python/leaflight/export/visibility_levels.py)
+// Ranges are cut into parts, for each light point at other places
+// (python/leaflight/export/visibility_levels.py).
+const float PARTS = 12.0, SHIFT = 0.6180339887;
 const uint DARK = 15u;
 
 // What a light point would bring to a surface if nothing stood in the way.
@@ -71,13 +73,15 @@ DirectLight directLight(vec3 place, vec3 gradient, float isovalue, bool isBack, 
   for (int group = 0; group < groups; ++group) {
     // Of even and odd points: the greatest code on the way, and whether a mesh stands there.
     vec4 greatest[2] = vec4[2](vec4(0.0), vec4(0.0)), dark[2] = greatest;
+    vec4 evenPoints = 8.0 * float(group) + vec4(0.0, 2.0, 4.0, 6.0);
     for (int corner = 0; corner < 8; ++corner) {
       ivec3 offset = ivec3(corner, corner >> 1, corner >> 2) & 1;
       uvec4 levels = texelFetch(maps, first + offset + ivec3(0, 0, group * mapDepth), 0);
       for (int odd = 0; odd < 2; ++odd) {
         uvec4 level = odd == 0 ? levels & 15u : levels >> 4;
         vec4 isDark = vec4(equal(level, uvec4(DARK))) * weight[corner];
-        vec4 part = clamp((vec4(level) - 0.5) / PARTS, 0.0, 1.0);
+        vec4 shift = fract((evenPoints + float(odd)) * SHIFT);
+        vec4 part = clamp((vec4(level) - 1.5 + shift) / PARTS, 0.0, 1.0);
         dark[odd] += isDark;
         greatest[odd] += (weight[corner] - isDark) * (range[corner].x + range[corner].y * part);
       }
