@@ -129,28 +129,24 @@ float noise_of(const Imath::V3f& difference, float first_share) {
   return square(difference) * first_share * (1 - first_share);
 }
 
-// Two numbers of a texel; and their sums about it, in which texels count by their samples, as the
-// noise of few would outweigh all others; and the weights in these sums, of all and of places
-// alone.
-struct Pair {
-  float first, second;
-};
-struct Sums {
+// Two numbers of a texel times its weight, as the noise of few samples would outweigh all others;
+// its weight; and 1. Side by side, so that a sum over neighbours reads them at once.
+struct alignas(16) Weighed {
   float first = 0, second = 0, weight = 0, places = 0;
 };
+Weighed weighed(float first, float second, float weight) {
+  return {weight * first, weight * second, weight, 1};
+}
 template <int D>
-Sums sums_about(const Neighbours<D>& neighbours, const std::vector<Pair>& of,
-                const std::vector<HalfDifference>& halves, std::size_t slot) {
-  Sums sums;
-  const auto add = [&](std::size_t s, float place) {
-    const float weight = place * halves[s].weight;
-    sums.first += weight * of[s].first;
-    sums.second += weight * of[s].second;
-    sums.weight += weight;
-    sums.places += place;
-  };
-  add(slot, 1);
-  neighbours.of(slot, add);
+Weighed sums_about(const Neighbours<D>& neighbours, const std::vector<Weighed>& of,
+                   std::size_t slot) {
+  Weighed sums = of[slot];
+  neighbours.of(slot, [&](std::size_t s, float place) {
+    sums.first += place * of[s].first;
+    sums.second += place * of[s].second;
+    sums.weight += place * of[s].weight;
+    sums.places += place * of[s].places;
+  });
   return sums;
 }
 
@@ -168,29 +164,30 @@ void shrink(const Neighbours<D>& neighbours, const std::vector<Offset>& offsets,
             Progress& progress) {
   const std::size_t count = light.averages.size();
   // Squares of the offsets, and of what of them is noise; the noise of texels before and after.
-  std::vector<Pair> changes(count), noise(count);
+  std::vector<Weighed> changes(count), noise(count);
   for_each_texel(count, progress, [&](std::size_t s) {
     const HalfDifference& own = light.halves[s];
-    changes[s] = {square(offsets[s].light), noise_of(offsets[s].halves, own.first_share)};
-    noise[s].first = noise_of(own.first_less_second, own.first_share);
+    changes[s] =
+        weighed(square(offsets[s].light), noise_of(offsets[s].halves, own.first_share), own.weight);
   });
   std::vector<float> of_light(count);
   for_each_texel(count, progress, [&](std::size_t s) {
-    const Sums about = sums_about(neighbours, changes, light.halves, s);
+    const Weighed about = sums_about(neighbours, changes, s);
+    HalfDifference& own = light.halves[s];
     // The noise of a texel falls with its samples; the light does not.
     const float by_noise = about.second / about.places;
     const float by_light = about.weight > 0 ? (about.first - about.second) / about.weight : 0;
-    const float of_own = std::max(0.0f, by_light) * light.halves[s].weight;
+    const float of_own = std::max(0.0f, by_light) * own.weight;
     const float share = by_noise > 0 ? by_noise / (by_noise + of_own) : 0;
-    of_light[s] = share * share * (1 - share) * changes[s].first;
-    HalfDifference& own = light.halves[s];
+    of_light[s] = share * share * (1 - share) * square(offsets[s].light);
+    const float before = noise_of(own.first_less_second, own.first_share);
     own.first_less_second += offsets[s].halves * share;
-    noise[s].second = noise_of(own.first_less_second, own.first_share);
+    noise[s] = weighed(before, noise_of(own.first_less_second, own.first_share), own.weight);
     light.averages[s].mean += Rgb(offsets[s].light * share);
   });
   for_each_texel(count, progress, [&](std::size_t s) {
     float& variance = light.averages[s].variance;
-    const Sums about = sums_about(neighbours, noise, light.halves, s);
+    const Weighed about = sums_about(neighbours, noise, s);
     if (about.first > 0) variance *= std::min(1.0f, about.second / about.first);
     variance += of_light[s];
   });
