@@ -75,11 +75,38 @@ class Neighbours {
   std::vector<Neighbour> all_;
 };
 
+// Calls body(slot) for all texels, in parallel.
+template <class Body>
+void for_each_texel(std::size_t count, Progress& progress, Body body) {
+  parallel_range(count, grain, 0, progress, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s) body(s);
+  });
+}
+
+// A texel's surface and light side by side, so that neighbours are read at once.
+template <int D>
+struct Texel {
+  TexelSurface<D> surface;
+  Rgb light;
+  Imath::V3f halves;  // the first less the second
+  float weight;
+};
+
+template <int D>
+std::vector<Texel<D>> texels_of(const std::vector<TexelSurface<D>>& surfaces,
+                                const NoisyLight& light, Progress& progress) {
+  std::vector<Texel<D>> texels(surfaces.size());
+  for_each_texel(texels.size(), progress, [&](std::size_t s) {
+    const HalfDifference& own = light.halves[s];
+    texels[s] = {surfaces[s], light.averages[s].mean, own.first_less_second, own.weight};
+  });
+  return texels;
+}
+
 // How far a texel is from the mean of its neighbours, and its halves' difference from theirs.
 struct Offset {
   Imath::V3f light{0}, halves{0};
 };
-using SideOffsets = std::array<std::vector<Offset>, 2>;
 
 template <int D>
 float likeness(const TexelSurface<D>& a, const TexelSurface<D>& b, bool across) {
@@ -94,31 +121,20 @@ float likeness(const TexelSurface<D>& a, const TexelSurface<D>& b, bool across) 
 }
 
 template <int D>
-void find_offsets(const Neighbours<D>& neighbours, const std::vector<TexelSurface<D>>& surfaces,
-                  bool across, const std::array<NoisyLight, 2>& sides, std::size_t slot,
-                  SideOffsets& offsets) {
-  std::array<Offset, 2> sums;
-  std::array<float, 2> weights{};
-  for (std::size_t side = 0; side < 2; ++side) {
-    if (!sides[side].halves.empty()) weights[side] = sides[side].halves[slot].weight;
-  }
-  neighbours.of(slot, [&](std::size_t s, float weight) {
-    const float alike = weight * likeness(surfaces[slot], surfaces[s], across);
-    for (std::size_t side = 0; side < 2; ++side) {
-      const NoisyLight& light = sides[side];
-      if (light.averages.empty()) continue;
-      const float w = alike * light.halves[s].weight;
-      weights[side] += w;
-      sums[side].light += Imath::V3f(light.averages[s].mean - light.averages[slot].mean) * w;
-      sums[side].halves +=
-          (light.halves[s].first_less_second - light.halves[slot].first_less_second) * w;
-    }
+Offset offset_of(const Neighbours<D>& neighbours, const std::vector<Texel<D>>& texels, bool across,
+                 std::size_t slot) {
+  const Texel<D>& own = texels[slot];
+  Offset sum;
+  float weights = own.weight;
+  neighbours.of(slot, [&](std::size_t s, float place) {
+    const Texel<D>& one = texels[s];
+    const float weight = place * likeness(own.surface, one.surface, across) * one.weight;
+    weights += weight;
+    sum.light += Imath::V3f(one.light - own.light) * weight;
+    sum.halves += (one.halves - own.halves) * weight;
   });
-  for (std::size_t side = 0; side < 2; ++side) {
-    if (sides[side].averages.empty()) continue;
-    const float weight = weights[side] > 0 ? weights[side] : 1;
-    offsets[side][slot] = {sums[side].light / weight, sums[side].halves / weight};
-  }
+  const float weight = weights > 0 ? weights : 1;
+  return {sum.light / weight, sum.halves / weight};
 }
 
 // The mean square of three channels.
@@ -150,43 +166,35 @@ Weighed sums_about(const Neighbours<D>& neighbours, const std::vector<Weighed>& 
   return sums;
 }
 
-// Calls body(slot) for all texels, in parallel.
-template <class Body>
-void for_each_texel(std::size_t count, Progress& progress, Body body) {
-  parallel_range(count, grain, 0, progress, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s) body(s);
-  });
-}
-
-// Texels go towards the mean of their neighbours.
+// Texels go towards the mean of their neighbours; `averages` get their new variances.
 template <int D>
-void shrink(const Neighbours<D>& neighbours, const std::vector<Offset>& offsets, NoisyLight& light,
-            Progress& progress) {
-  const std::size_t count = light.averages.size();
+void shrink(const Neighbours<D>& neighbours, const std::vector<Offset>& offsets,
+            const std::vector<HalfDifference>& halves, std::vector<Texel<D>>& texels,
+            std::vector<Average>& averages, Progress& progress) {
+  const std::size_t count = texels.size();
   // Squares of the offsets, and of what of them is noise; the noise of texels before and after.
   std::vector<Weighed> changes(count), noise(count);
   for_each_texel(count, progress, [&](std::size_t s) {
-    const HalfDifference& own = light.halves[s];
-    changes[s] =
-        weighed(square(offsets[s].light), noise_of(offsets[s].halves, own.first_share), own.weight);
+    changes[s] = weighed(square(offsets[s].light),
+                         noise_of(offsets[s].halves, halves[s].first_share), texels[s].weight);
   });
   std::vector<float> of_light(count);
   for_each_texel(count, progress, [&](std::size_t s) {
     const Weighed about = sums_about(neighbours, changes, s);
-    HalfDifference& own = light.halves[s];
+    Texel<D>& own = texels[s];
     // The noise of a texel falls with its samples; the light does not.
     const float by_noise = about.second / about.places;
     const float by_light = about.weight > 0 ? (about.first - about.second) / about.weight : 0;
     const float of_own = std::max(0.0f, by_light) * own.weight;
     const float share = by_noise > 0 ? by_noise / (by_noise + of_own) : 0;
     of_light[s] = share * share * (1 - share) * square(offsets[s].light);
-    const float before = noise_of(own.first_less_second, own.first_share);
-    own.first_less_second += offsets[s].halves * share;
-    noise[s] = weighed(before, noise_of(own.first_less_second, own.first_share), own.weight);
-    light.averages[s].mean += Rgb(offsets[s].light * share);
+    const float before = noise_of(own.halves, halves[s].first_share);
+    own.halves += offsets[s].halves * share;
+    noise[s] = weighed(before, noise_of(own.halves, halves[s].first_share), own.weight);
+    own.light += Rgb(offsets[s].light * share);
   });
   for_each_texel(count, progress, [&](std::size_t s) {
-    float& variance = light.averages[s].variance;
+    float& variance = averages[s].variance;
     const Weighed about = sums_about(neighbours, noise, s);
     if (about.first > 0) variance *= std::min(1.0f, about.second / about.first);
     variance += of_light[s];
@@ -199,16 +207,21 @@ template <int D>
 void filter_along_isosurfaces(const IndexedLattice<D>& texels,
                               const std::vector<TexelSurface<D>>& surfaces,
                               std::array<NoisyLight, 2>& sides, Progress& progress) {
-  SideOffsets offsets;
-  for (std::size_t side = 0; side < 2; ++side) offsets[side].resize(sides[side].averages.size());
-  for (const Step& step : steps) {
-    const Neighbours<D> neighbours(texels, step.reach);
-    for_each_texel(surfaces.size(), progress, [&](std::size_t s) {
-      find_offsets(neighbours, surfaces, step.across, sides, s, offsets);
-    });
-    for (std::size_t side = 0; side < 2; ++side) {
-      if (!offsets[side].empty()) shrink(neighbours, offsets[side], sides[side], progress);
+  for (NoisyLight& light : sides) {
+    if (light.averages.empty()) continue;
+    std::vector<Texel<D>> seen = texels_of(surfaces, light, progress);
+    std::vector<Offset> offsets(seen.size());
+    for (const Step& step : steps) {
+      const Neighbours<D> neighbours(texels, step.reach);
+      for_each_texel(seen.size(), progress, [&](std::size_t s) {
+        offsets[s] = offset_of(neighbours, seen, step.across, s);
+      });
+      shrink(neighbours, offsets, light.halves, seen, light.averages, progress);
     }
+    for_each_texel(seen.size(), progress, [&](std::size_t s) {
+      light.averages[s].mean = seen[s].light;
+      light.halves[s].first_less_second = seen[s].halves;
+    });
   }
 }
 
