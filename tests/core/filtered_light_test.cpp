@@ -44,7 +44,7 @@ struct Filtering {
       const Rgb errors = (first + second) * Real(0.5);
       light.averages[s] = {Rgb(static_cast<Real>(exact[s])) + errors,
                            static_cast<float>(noise * noise / 3), 16};
-      light.halves[s] = {Imath::V3f(first - second), 0.5f, 1, true};
+      light.halves[s] = {Imath::V3f(first - second), 0.5f, 1};
       const double error = average(errors);
       found.before += error * error;
     }

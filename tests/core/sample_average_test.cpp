@@ -8,6 +8,7 @@
 
 #include "agreement.h"
 #include "bake/texels/pooled_variance.h"
+#include "bake/texels/texel_moments.h"
 #include "math/low_discrepancy.h"
 #include "statistics.h"
 #include "transport/flux_accumulator.h"
@@ -137,6 +138,14 @@ TEST(PooledVariance, IsThatOfTheNeighboursSamples) {
   const double share = averages[empty].mean.x;
   EXPECT_TRUE(std::abs(share - 3 / 7.0) < 1e-6 || std::abs(share - 4 / 7.0) < 1e-6) << share;
   EXPECT_FLOAT_EQ(averages[empty].variance, static_cast<float>(12 / 49.0));
+}
+
+TEST(TexelMoments, FreeTheMemoryOfSumsThatAreReleased) {
+  TexelMoments moments(1000);
+  moments.open();
+  EXPECT_EQ(moments.sums.size(), 1000);
+  moments.release();
+  EXPECT_EQ(moments.sums.capacity(), 0);
 }
 
 }  // namespace

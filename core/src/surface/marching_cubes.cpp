@@ -8,6 +8,7 @@
 #include <string>
 
 #include "math/error.h"
+#include "math/release.h"
 #include "surface/cell_polygons.h"
 #include "surface/cell_triangles.h"
 #include "surface/points_inside.h"
@@ -95,7 +96,7 @@ void check_count(std::int64_t count, const char* what) {
 // Its memory is used again; what it held is not copied where that is too small.
 template <class Element>
 void resize(std::vector<Element>& list, std::size_t size) {
-  if (list.capacity() < size) list = {};
+  if (list.capacity() < size) release(list);
   list.resize(size);
 }
 

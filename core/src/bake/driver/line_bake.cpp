@@ -9,6 +9,7 @@
 #include "bake/texels/pooled_variance.h"
 #include "bake/walls/light_walls.h"
 #include "math/error.h"
+#include "math/release.h"
 #include "math/sampling.h"
 
 namespace leaflight {
@@ -125,7 +126,7 @@ void LineBake<D>::add_block(const std::function<void(SideMoments&)>& fill) {
 template <int D>
 void LineBake<D>::release() {
   indirect_->release();
-  back_direct_ = {};
+  leaflight::release(back_direct_);
   indirect_sides_ = {};
   direct_lookup_ = {};
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "math/parallel.h"
+#include "math/release.h"
 
 namespace leaflight {
 namespace {
@@ -83,23 +84,18 @@ void for_each_texel(std::size_t count, Progress& progress, Body body) {
   });
 }
 
-// A texel's surface and light side by side, so that neighbours are read at once.
-template <int D>
+// The light of a texel and how its halves differ, side by side, so that neighbours are read at
+// once.
 struct Texel {
-  TexelSurface<D> surface;
   Rgb light;
-  Imath::V3f halves;  // the first less the second
-  float weight;
+  HalfDifference halves;
 };
 
-template <int D>
-std::vector<Texel<D>> texels_of(const std::vector<TexelSurface<D>>& surfaces,
-                                const NoisyLight& light, Progress& progress) {
-  std::vector<Texel<D>> texels(surfaces.size());
-  for_each_texel(texels.size(), progress, [&](std::size_t s) {
-    const HalfDifference& own = light.halves[s];
-    texels[s] = {surfaces[s], light.averages[s].mean, own.first_less_second, own.weight};
-  });
+std::vector<Texel> texels_of(const NoisyLight& light) {
+  std::vector<Texel> texels(light.averages.size());
+  for (std::size_t s = 0; s < texels.size(); ++s) {
+    texels[s] = {light.averages[s].mean, light.halves[s]};
+  }
   return texels;
 }
 
@@ -121,17 +117,17 @@ float likeness(const TexelSurface<D>& a, const TexelSurface<D>& b, bool across) 
 }
 
 template <int D>
-Offset offset_of(const Neighbours<D>& neighbours, const std::vector<Texel<D>>& texels, bool across,
-                 std::size_t slot) {
-  const Texel<D>& own = texels[slot];
+Offset offset_of(const Neighbours<D>& neighbours, const std::vector<TexelSurface<D>>& surfaces,
+                 const std::vector<Texel>& texels, bool across, std::size_t slot) {
+  const Texel& own = texels[slot];
   Offset sum;
-  float weights = own.weight;
+  float weights = own.halves.weight;
   neighbours.of(slot, [&](std::size_t s, float place) {
-    const Texel<D>& one = texels[s];
-    const float weight = place * likeness(own.surface, one.surface, across) * one.weight;
+    const Texel& one = texels[s];
+    const float weight = place * likeness(surfaces[slot], surfaces[s], across) * one.halves.weight;
     weights += weight;
     sum.light += Imath::V3f(one.light - own.light) * weight;
-    sum.halves += (one.halves - own.halves) * weight;
+    sum.halves += (one.halves.first_less_second - own.halves.first_less_second) * weight;
   });
   const float weight = weights > 0 ? weights : 1;
   return {sum.light / weight, sum.halves / weight};
@@ -146,7 +142,7 @@ float noise_of(const Imath::V3f& difference, float first_share) {
 }
 
 // Two numbers of a texel times its weight, as the noise of few samples would outweigh all others;
-// its weight; and 1. Side by side, so that a sum over neighbours reads them at once.
+// its weight; and 1. Aligned, so that a sum over neighbours adds them at once.
 struct alignas(16) Weighed {
   float first = 0, second = 0, weight = 0, places = 0;
 };
@@ -169,29 +165,29 @@ Weighed sums_about(const Neighbours<D>& neighbours, const std::vector<Weighed>& 
 // Texels go towards the mean of their neighbours; `averages` get their new variances.
 template <int D>
 void shrink(const Neighbours<D>& neighbours, const std::vector<Offset>& offsets,
-            const std::vector<HalfDifference>& halves, std::vector<Texel<D>>& texels,
-            std::vector<Average>& averages, Progress& progress) {
+            std::vector<Texel>& texels, std::vector<Average>& averages, Progress& progress) {
   const std::size_t count = texels.size();
   // Squares of the offsets, and of what of them is noise; the noise of texels before and after.
   std::vector<Weighed> changes(count), noise(count);
   for_each_texel(count, progress, [&](std::size_t s) {
-    changes[s] = weighed(square(offsets[s].light),
-                         noise_of(offsets[s].halves, halves[s].first_share), texels[s].weight);
+    const HalfDifference& own = texels[s].halves;
+    changes[s] =
+        weighed(square(offsets[s].light), noise_of(offsets[s].halves, own.first_share), own.weight);
   });
   std::vector<float> of_light(count);
   for_each_texel(count, progress, [&](std::size_t s) {
     const Weighed about = sums_about(neighbours, changes, s);
-    Texel<D>& own = texels[s];
+    HalfDifference& own = texels[s].halves;
     // The noise of a texel falls with its samples; the light does not.
     const float by_noise = about.second / about.places;
     const float by_light = about.weight > 0 ? (about.first - about.second) / about.weight : 0;
     const float of_own = std::max(0.0f, by_light) * own.weight;
     const float share = by_noise > 0 ? by_noise / (by_noise + of_own) : 0;
     of_light[s] = share * share * (1 - share) * square(offsets[s].light);
-    const float before = noise_of(own.halves, halves[s].first_share);
-    own.halves += offsets[s].halves * share;
-    noise[s] = weighed(before, noise_of(own.halves, halves[s].first_share), own.weight);
-    own.light += Rgb(offsets[s].light * share);
+    const float before = noise_of(own.first_less_second, own.first_share);
+    own.first_less_second += offsets[s].halves * share;
+    noise[s] = weighed(before, noise_of(own.first_less_second, own.first_share), own.weight);
+    texels[s].light += Rgb(offsets[s].light * share);
   });
   for_each_texel(count, progress, [&](std::size_t s) {
     float& variance = averages[s].variance;
@@ -209,19 +205,17 @@ void filter_along_isosurfaces(const IndexedLattice<D>& texels,
                               std::array<NoisyLight, 2>& sides, Progress& progress) {
   for (NoisyLight& light : sides) {
     if (light.averages.empty()) continue;
-    std::vector<Texel<D>> seen = texels_of(surfaces, light, progress);
-    std::vector<Offset> offsets(seen.size());
+    std::vector<Texel> lit = texels_of(light);
+    release(light.halves);
+    std::vector<Offset> offsets(lit.size());
     for (const Step& step : steps) {
       const Neighbours<D> neighbours(texels, step.reach);
-      for_each_texel(seen.size(), progress, [&](std::size_t s) {
-        offsets[s] = offset_of(neighbours, seen, step.across, s);
+      for_each_texel(lit.size(), progress, [&](std::size_t s) {
+        offsets[s] = offset_of(neighbours, surfaces, lit, step.across, s);
       });
-      shrink(neighbours, offsets, light.halves, seen, light.averages, progress);
+      shrink(neighbours, offsets, lit, light.averages, progress);
     }
-    for_each_texel(seen.size(), progress, [&](std::size_t s) {
-      light.averages[s].mean = seen[s].light;
-      light.halves[s].first_less_second = seen[s].halves;
-    });
+    for (std::size_t s = 0; s < lit.size(); ++s) light.averages[s].mean = lit[s].light;
   }
 }
 

@@ -36,6 +36,8 @@ template <int D>
 void IndirectLight<D>::clear() {
   blocks_ = 0;
   for (int side = 0; side < sides_; ++side) {
+    // The memory of those before first.
+    moments_[side] = TexelMoments();
     moments_[side] = TexelMoments(texels_.lattice.active.size());
   }
 }

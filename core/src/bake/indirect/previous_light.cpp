@@ -52,7 +52,7 @@ void PreviousLight<D>::blend(NoisyLight& light, int blocks, bool back) const {
     now.samples /= 1 - w;
     if (light.halves.empty()) continue;
     HalfDifference& halves = light.halves[s];
-    halves = {difference, w, halves.weight / (1 - w), true};
+    halves = {difference, w, halves.weight / (1 - w)};
   }
 }
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "math/release.h"
+
 namespace leaflight {
 
 namespace {
@@ -41,7 +43,7 @@ RadianceGrid<D> make_grid(SideAverages direct, SideAverages indirect) {
   // Averages take more memory than all else that large bakes hold at this time.
   direct = {};
   grid.radiance_indirect = means(indirect[0]);
-  indirect[0] = {};
+  release(indirect[0]);
   grid.radiance_back_indirect = means(indirect[1]);
   return grid;
 }

@@ -5,6 +5,7 @@
 
 #include "bake/texels/checkpoint.h"
 #include "math/parallel.h"
+#include "math/release.h"
 #include "math/sample_average.h"
 
 namespace leaflight {
@@ -30,7 +31,6 @@ struct TexelSum {
 struct HalfDifference {
   Imath::V3f first_less_second{0};
   float first_share = 0.5f, weight = 0;
-  bool is_known = false;  // both have samples
 };
 
 // The samples of all texels of a lattice, on one side. They come in blocks, each of which is a net
@@ -47,7 +47,7 @@ class TexelMoments {
   void open() { sums.resize(blocks_.size()); }
   // None are for a while, and the memory of their sums is free. A block that is not closed is
   // forgotten.
-  void release() { sums = {}; }
+  void release() { leaflight::release(sums); }
   // `number`: of the block, from 0; even and odd ones are the halves.
   void close_block(int number, Progress& progress) {
     parallel_range(sums.size(), 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
@@ -101,7 +101,7 @@ class TexelMoments {
       const TexelSum &a = halves[0], &b = halves[1];
       const float weight = a.weight + b.weight;
       if (a.weight > 0 && b.weight > 0) {
-        return {a.radiance / a.weight - b.radiance / b.weight, a.weight / weight, weight, true};
+        return {a.radiance / a.weight - b.radiance / b.weight, a.weight / weight, weight};
       }
       // What one half alone has found may be all noise.
       if (!(weight > 0)) return {};

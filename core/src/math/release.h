@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+namespace leaflight {
+
+// Empties a vector and frees its memory, which `vector = {}` keeps: that is its assignment of an
+// empty list.
+template <class Element>
+void release(std::vector<Element>& vector) {
+  std::vector<Element>().swap(vector);
+}
+
+}  // namespace leaflight
