@@ -74,14 +74,14 @@ DirectLight directLight(vec3 place, vec3 gradient, float isovalue, bool isBack, 
     // Of even and odd points: the greatest code on the way, and whether a mesh stands there.
     vec4 greatest[2] = vec4[2](vec4(0.0), vec4(0.0)), dark[2] = greatest;
     vec4 evenPoints = 8.0 * float(group) + vec4(0.0, 2.0, 4.0, 6.0);
+    vec4 shift[2] = vec4[2](fract(evenPoints * SHIFT), fract((evenPoints + 1.0) * SHIFT));
     for (int corner = 0; corner < 8; ++corner) {
       ivec3 offset = ivec3(corner, corner >> 1, corner >> 2) & 1;
       uvec4 levels = texelFetch(maps, first + offset + ivec3(0, 0, group * mapDepth), 0);
       for (int odd = 0; odd < 2; ++odd) {
         uvec4 level = odd == 0 ? levels & 15u : levels >> 4;
         vec4 isDark = vec4(equal(level, uvec4(DARK))) * weight[corner];
-        vec4 shift = fract((evenPoints + float(odd)) * SHIFT);
-        vec4 part = clamp((vec4(level) - 1.5 + shift) / PARTS, 0.0, 1.0);
+        vec4 part = clamp((vec4(level) - 1.5 + shift[odd]) / PARTS, 0.0, 1.0);
         dark[odd] += isDark;
         greatest[odd] += (weight[corner] - isDark) * (range[corner].x + range[corner].y * part);
       }

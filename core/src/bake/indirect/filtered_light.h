@@ -20,7 +20,7 @@ struct NoisyLight {
 // 1961). So more blocks mean less filtering, and the result goes to the truth; and texels of few
 // samples go further than those about them. Variances become those of the results, with what the
 // step changes of the light itself counted as error. `sides`: the front and the back one, which is
-// empty where it is not baked.
+// empty where it is not baked; their halves are empty afterwards.
 template <int D>
 void filter_along_isosurfaces(const IndexedLattice<D>& texels,
                               const std::vector<TexelSurface<D>>& surfaces,

@@ -36,7 +36,7 @@ template <int D>
 void IndirectLight<D>::clear() {
   blocks_ = 0;
   for (int side = 0; side < sides_; ++side) {
-    // The memory of those before first.
+    // Frees the earlier ones before it asks for as much memory again.
     moments_[side] = TexelMoments();
     moments_[side] = TexelMoments(texels_.lattice.active.size());
   }
