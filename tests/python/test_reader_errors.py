@@ -327,3 +327,11 @@ def test_what_cannot_fit_is_refused_before_it_is_allocated(tmp_path, cli, monkey
     assert outcome.err.endswith(
         "downsample it, or limit the memory, so that they lie on the disk (--downsample).\n"
     )
+
+
+def test_a_name_that_no_kind_of_file_has_is_a_type_error(tmp_path):
+    path = tmp_path / "x.raw"
+    raw(path, NOISE)
+    for read in (reading.read_volume, reading.probe):
+        with pytest.raises(TypeError, match="'value_type'; there are dims, type, "):
+            read(path, dims=(16, 20, 24), value_type="uint8")

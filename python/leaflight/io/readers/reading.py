@@ -104,6 +104,7 @@ def read_volume(
     Raises Cancelled.
     """
     assert progress is not None
+    _check_names(stored)
     path = Path(path)
     if downsample is not None and downsample not in DOWNSAMPLE:
         raise SettingError(
@@ -149,9 +150,19 @@ def probe(path: str | os.PathLike[str], **stored: "Unpack[StoredOptions]") -> St
     stored: as of read_volume(); without a choice that is needed the file's own list of them comes
         back, with dims None. Raises LeaflightError.
     """
+    _check_names(stored)
     path = Path(path)
     with _sentences(path) as kind:
         return _opened(path, kind(), stored)
+
+
+def _check_names(stored: StoredOptions) -> None:
+    """Raises TypeError for an option that no kind of file has, as for a wrong keyword."""
+    for name in stored:
+        if name not in StoredOptions.__annotations__:
+            raise TypeError(
+                f"A volume is not read by an option {name!r}; there are {', '.join(OPTIONS)}."
+            )
 
 
 def _opened(path: Path, kind: Format, stored: StoredOptions) -> StoredVolume:
