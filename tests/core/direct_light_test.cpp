@@ -214,9 +214,9 @@ void expect_earlier_maps_to_serve(int n) {
   for (std::size_t i = 0; i < after.points(); ++i)
     EXPECT_EQ(codes_of(after, i), codes_of(alone, i));
   EXPECT_NE(codes_of(after, 0), codes_of(before, 1));
-  const IsosurfacePoint<D> middle =
-      isosurface_point(scene.volumes[0].field, to_vector<D>(scene.volumes[0].field.dims) * 0.4);
-  EXPECT_EQ(after.radiance(middle, false), alone.radiance(middle, false));
+  const Field<D>& field = scene.volumes[0].field;
+  const Vec<D> middle = to_vector<D>(field.dims) * 0.4;
+  EXPECT_EQ(after.radiance(field, middle, false), alone.radiance(field, middle, false));
 }
 
 TEST(DirectLightOfIsosurfaces, TakesWhatHasNotMovedFromEarlierMaps) {

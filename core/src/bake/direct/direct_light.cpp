@@ -318,10 +318,10 @@ typename DirectLight<D>::Row DirectLight<D>::arriving(const Block& of, const Rec
 }
 
 template <int D>
-Rgb DirectLight<D>::radiance(const IsosurfacePoint<D>& point, bool back) const {
+Rgb DirectLight<D>::radiance(const IsosurfacePoint<D>& point, const TexelWeights<D>& near,
+                             bool back) const {
   const double h = point.value;
   if (std::isnan(h)) return Rgb(0);
-  const TexelWeights<D> near = linear_weights(maps_->lattice, point.position);
   const float own = VisibilityCode{code_range_, back}(h);
   if (is_dark(near, back, own)) return Rgb(0);
   // Towards higher values, the back.

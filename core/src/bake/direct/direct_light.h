@@ -57,9 +57,19 @@ class DirectLight {
 
   // Radiance [W/(m^2 sr)] that the isosurface through an index position of the field, which must be
   // that of the volume, reflects on one of its sides; zero where no isosurface passes.
-  Rgb radiance(const IsosurfacePoint<D>& point, bool back) const;
+  // `near`: the position's weights in lattice().
+  Rgb radiance(const IsosurfacePoint<D>& point, const TexelWeights<D>& near, bool back) const;
   Rgb radiance(const Field<D>& field, const Vec<D>& index_position, bool back) const {
-    return radiance(isosurface_point(field, index_position), back);
+    return radiance(isosurface_point(field, index_position),
+                    linear_weights(lattice(), index_position), back);
+  }
+  // Has what radiance() will read of the maps brought from memory.
+  void prefetch(const TexelWeights<D>& near, bool back) const {
+    for (int i = 0; i < near.count; ++i) {
+      const auto slot = static_cast<std::size_t>(near.slot[i]);
+      __builtin_prefetch(&maps_->least[back][slot]);
+      __builtin_prefetch(&maps_->codes[back][slot * points_.size()]);
+    }
   }
   // What the isosurface emits by itself, [W/(m^2 sr)].
   Rgb emission(const Field<D>& field, const Vec<D>& index_position) const;

@@ -86,6 +86,7 @@ class PointLookup {
     direct_ = shown.direct_of(back);
     if (direct_) {
       point_ = isosurface_point(field, index_position);
+      around_ = linear_weights(direct_->lattice(), index_position);
       const Vec<D>& gradient = point_.gradient;
       const double length = (gradient / lattice.voxels_per_texel).length();
       const Vec<D> half = gradient * (length > 0 ? (back ? 0.5 : -0.5) / length : 0);
@@ -100,16 +101,17 @@ class PointLookup {
     }
     if (!is_extrapolated_) near_ = linear_weights(lattice, index_position);
   }
-  void fetch(const Colours& values) const {
+  void fetch(const Colours& values, bool back) const {
     prefetch(near_, values);
     if (is_extrapolated_) prefetch(far_, values);
+    if (direct_) direct_->prefetch(around_, back);
   }
   Vec<3, float> radiance(const ShownGrid<D>& shown, const Field<D>& field, const Colours& values,
                          bool back) const {
     const Vec<3, float> light = of_texels(values);
     if (!direct_) return light;
     return shown.scaled(light, field, point_.position) +
-           Vec<3, float>(direct_->radiance(point_, back));
+           Vec<3, float>(direct_->radiance(point_, around_, back));
   }
 
  private:
@@ -130,6 +132,7 @@ class PointLookup {
   const DirectLight<D>* direct_ = nullptr;
   IsosurfacePoint<D> point_;
   TexelWeights<D> near_, far_;
+  TexelWeights<D> around_;  // in the lattice of the maps
   bool is_extrapolated_ = false;
 };
 
@@ -171,7 +174,7 @@ void radiance_at(const ShownGrid<D>& shown, const Field<D>& field,
     const std::size_t count = std::min(ahead, index_positions.size() - first);
     for (std::size_t n = 0; n < count; ++n) {
       lookups[n].find(shown, field, index_positions[first + n], back);
-      lookups[n].fetch(values);
+      lookups[n].fetch(values, back);
     }
     for (std::size_t n = 0; n < count; ++n) {
       found[first + n] = lookups[n].radiance(shown, field, values, back);
