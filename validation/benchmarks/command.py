@@ -148,7 +148,6 @@ def _scrub(options, run):
     origin = {"machine": machine(), "commit": commit()}
     work = {"seed": options.seed, "threads": options.threads}
     result = measure_scrub(effort, run, folder=options.data, **work)
-    inside = result["blender"]
     return {**origin, **result}, [
         *(
             f"{row['name']} at {row['isovalue']:g}: {row['triangles']} triangles, "
@@ -156,9 +155,12 @@ def _scrub(options, run):
             f"{row['vtk_ratio']:.2f} times ours"
             for row in result["cases"]
         ),
-        f"in Blender {inside['blender']} at {inside['isovalue']:g}: {inside['whole_ms']:.0f} ms to "
-        f"{inside['triangles']} triangles; while it moves {inside['moving_ms']:.0f} ms, "
-        f"{inside['moving_triangles']} triangles",
+        *(
+            f"in Blender {row['blender']} at {row['isovalue']:g}: {row['whole_ms']:.0f} ms to "
+            f"{row['triangles']} triangles; while it moves {row['moving_ms']:.0f} ms, "
+            f"{row['moving_triangles']} triangles"
+            for row in result["blender"]
+        ),
         *([f"absent: {'; '.join(result['absent'])} (--data)"] if result["absent"] else []),
     ]
 
