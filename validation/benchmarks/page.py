@@ -229,8 +229,8 @@ def scrub_lines(result):
         "",
         "- Times are wall-clock medians of contouring and lookup of the radiance at the vertices. "
         "VTK's FlyingEdges3D and ProbeFilter take turns with ours; the ratio is that of a turn.",
-        f"- The second table is of Blender {result['blender'][0]['blender']}, from the slider to the "
-        "evaluated mesh, before any drawing.",
+        f"- The second table is of Blender {result['blender'][0]['blender']}, from the slider to "
+        "the evaluated mesh, before any drawing.",
         *absent_text(result["absent"]),
         "",
         *table(rows, SCRUB_FORMATS),
