@@ -15,7 +15,7 @@
 namespace leaflight {
 namespace {
 
-constexpr int shadow_rays_of_patches = 8, rays_of_wall_vertices = 8;
+constexpr int rays_of_wall_vertices = 8;
 // Directions of the bounces of indirect light that come before blocks count. Later bounces bring
 // less and vary less. They begin with none: light from photons is too coarse, and what leaks
 // through a wall stays in a closed cavity for many bounces.
@@ -53,7 +53,7 @@ LineBake<D>::LineBake(LitScene<D>& scene, std::size_t volume, BakeTexels<D> texe
   indirect_ = std::make_unique<IndirectLight<D>>(volume_, std::move(texels.indirect),
                                                  texels.spacing, plan_.back, settings_.seed,
                                                  previous ? bounces + previous->blocks() : 0);
-  if (texels.photon_count > 0) trace_photons(texels.photons, texels.photon_count);
+  if (texels.photon_count > 0) trace_photons(texels);
 }
 
 template <int D>
@@ -258,15 +258,15 @@ WallRadiance<D> LineBake<D>::walls() {
 }
 
 template <int D>
-void LineBake<D>::trace_photons(const TexelLattice<D>& texels, std::uint64_t count) {
+void LineBake<D>::trace_photons(const BakeTexels<D>& texels) {
   PhotonSettings settings;
   // A continued bake has its own photons: the noise of the walls' cache is in all of its lines.
   const std::uint64_t before = previous_ ? previous_->blocks() : 0;
   settings.seed = random_for(settings_.seed, Purpose::photon, before).bits();
-  settings.photons = count;
-  settings.wall_samples = shadow_rays_of_patches;
+  settings.photons = texels.photon_count;
+  settings.wall_samples = texels.wall_samples;
   settings.smooth_walls = true;
-  lattices_ = {texels};
+  lattices_ = {texels.photons};
   photons_ = trace_into_caches(volume_.tracer, lights_, lattices_, settings, plan_, progress_);
 }
 

@@ -21,6 +21,7 @@ struct BakeTexels {
   int spacing = 1;                 // of the lines for indirect light, in its texels
   TexelLattice<D> photons;         // what photons fall into
   std::uint64_t photon_count = 0;  // 0: their light comes by serialize_lookups()
+  int wall_samples = 0;            // shadow rays of each patch of the walls
 };
 
 // One volume's bake by lines, from nothing, or from a previous bake, to any number of
@@ -58,7 +59,7 @@ class LineBake final : public Integrator<D> {
  private:
   // Exact direct light at the texels of a lattice; none of a side whose maps are not known.
   std::vector<Rgb> direct_at(const TexelLattice<D>& lattice, bool back) const;
-  void trace_photons(const TexelLattice<D>& texels, std::uint64_t count);
+  void trace_photons(const BakeTexels<D>& texels);
   void serialize_indirect(Archive& archive);
   std::vector<Average> direct_averages(bool back);
   std::vector<Rgb> indirect_of_photons(bool back) const;

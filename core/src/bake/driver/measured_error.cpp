@@ -36,8 +36,7 @@ std::vector<double> chances(const std::vector<AreaPoint<D>>& points, const Isova
 
 // The square of what radiance differs by from the mean of others, as colours, over the channels,
 // less the square that the noise of the mean adds.
-template <std::size_t estimates>
-double square_without_noise(const Vec<3, float>& radiance, const std::array<Rgb, estimates>& others,
+double square_without_noise(const Vec<3, float>& radiance, const std::vector<Rgb>& others,
                             double exposure) {
   // A path that meets a lamp by chance may bring a hundred times as much as all others.
   constexpr double brightest = 1.5;
@@ -67,11 +66,9 @@ double square_without_noise(const Vec<3, float>& radiance, const std::array<Rgb,
 template <int D>
 MeasuredError<D>::MeasuredError(const LitScene<D>& scene, const std::vector<BakeTexels<D>>& texels)
     : scene_(scene), points_(texels.size()) {
-  scene.progress.begin("Paths that measure the error");
   for (std::size_t v = 0; v < texels.size(); ++v) {
     if (scene.stores_light_of(v)) place(v, texels[v].shown.lattice);
   }
-  trace(texels);
 }
 
 // Evenly along all points in their order (systematic sampling).
@@ -90,24 +87,23 @@ void MeasuredError<D>::place(std::size_t volume, const TexelLattice<D>& texels) 
     for (; next < passed; ++next) {
       const Vec<D> position = to_frame.point(chosen.position);
       if (scene_.tracer.is_covered(static_cast<int>(volume), position, chosen.c)) continue;
-      Point point{chosen, {}};
-      point.radiance.fill(Rgb(0));
-      points_[volume].push_back(point);
+      points_[volume].push_back({chosen, {}});
     }
   }
 }
 
 template <int D>
-void MeasuredError<D>::trace(const std::vector<BakeTexels<D>>& texels) {
+void MeasuredError<D>::trace(const std::vector<BakeTexels<D>>& texels, int estimates) {
+  scene_.progress.begin("Paths that measure the error");
   const int paths = paths_to_measure(scene_.settings.error);
   std::vector<TexelLattice<D>> lattices;  // of photons
   lattices.reserve(texels.size());
   for (const BakeTexels<D>& one : texels) {
     if (scene_.plan.caustics) lattices.push_back(one.indirect.lattice);
   }
-  for (int estimate = 0; estimate < estimates; ++estimate) {
+  for (; estimates_ < estimates; ++estimates_) {
     const std::uint64_t seed =
-        random_for(scene_.settings.seed, Purpose::measured_error, estimate).bits();
+        random_for(scene_.settings.seed, Purpose::measured_error, estimates_).bits();
     const PathLight<D> light(scene_, lattices, texels[0].photon_count, seed);
     const PointSampler<D> from = light.sampler(scene_.lights);
     for (std::size_t v = 0; v < points_.size(); ++v) {
@@ -128,7 +124,7 @@ void MeasuredError<D>::trace(const std::vector<BakeTexels<D>>& texels) {
                 sum += Imath::V3d(from.direct(point, keys, i, rays) +
                                   from.indirect(point, &light.estimator(), keys, i, rays));
               }
-              points_[v][p].radiance[estimate] = Rgb(sum / paths);
+              points_[v][p].radiance.push_back(Rgb(sum / paths));
             }
           });
     }

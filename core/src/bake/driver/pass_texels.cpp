@@ -26,6 +26,8 @@ constexpr int preview_width = 4;
 // Photons give the light that has bounced more than once before line passes have sampled it, and
 // the indirect light of the walls.
 constexpr std::uint64_t photons = 400'000, preview_photons = 20'000;
+// Shadow rays of each patch of the walls.
+constexpr int wall_samples = 8, preview_wall_samples = 2;
 
 // How many texels isosurfaces pass.
 template <int D>
@@ -116,6 +118,7 @@ BakeTexels<D> pass_texels(const LineVolume<D>& volume, const BakeSettings<D>& se
   texels.spacing = chosen.spacing;
   texels.photons = lattice_of(volume, chosen.photons);
   texels.photon_count = photons;
+  texels.wall_samples = wall_samples;
   return texels;
 }
 
@@ -146,6 +149,7 @@ BakeTexels<D> preview_texels(const LineVolume<D>& volume, const Index<D>& resolu
   texels.photons = lattice_of(volume, coarser);
   texels.shown = texels.indirect = IndexedLattice<D>(texels.photons);
   texels.photon_count = preview_photons;
+  texels.wall_samples = preview_wall_samples;
   return texels;
 }
 

@@ -18,6 +18,8 @@ constexpr std::size_t most_without_preview = 200'000;
 constexpr int preview_blocks = 2, most_blocks = 32;
 // How much wider the texels of its maps are, and the voxels between their lines.
 constexpr int preview_spacing = 2;
+// Estimates at each point where its error is measured; all of them would delay it.
+constexpr int preview_estimates = 2;
 // Bakes of fewer texels begin with four blocks, which take little time there.
 constexpr std::size_t few_texels = 1'500'000;
 // A pass that is out of time ends after so many.
@@ -82,10 +84,14 @@ class Passes {
     passes_ = previous ? previous->front().passes() : 0;
     if (!previous && count_ > most_without_preview) {
       ++passes_;
-      if ((hooks_.on_pass || scene_.settings.seconds > 0) && !resumes()) preview(shown);
+      if ((hooks_.on_pass || scene_.settings.seconds > 0) && !resumes()) {
+        measured_->trace(texels, preview_estimates);
+        preview(shown);
+      }
     }
     work_ += scene_.learn_direct(shown, 1);
     if (preview_ && over(0)) return last(*preview_, whole(*preview_), true);
+    measured_->trace(texels, MeasuredError<D>::most_estimates);
     bake_ = integrator(std::move(texels), previous, hooks_.workers);
     return subdivide();
   }
