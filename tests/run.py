@@ -27,6 +27,9 @@ RESULTS = OUT / "results.json"
 
 
 def main(arguments):
+    if arguments and arguments[0] in ("-h", "--help"):
+        print(__doc__.strip())
+        return 0
     if arguments == ["--list"]:
         for part in PARTS.values():
             print(f"{part.name:15} {part.command.format(select=part.select)}")

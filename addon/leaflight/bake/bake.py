@@ -12,7 +12,7 @@ from leaflight.io.output import check_writable
 
 from ..operators import background, checks
 from ..operators.active_volume import active_volume
-from ..show import preview, surface_object, walls
+from ..show import first_light, preview, surface_object, walls
 from ..stage import scene_export
 from ..store import atlases, bake_files, cache, frame_bakes, preferences, source_files
 from . import lighting, stopped
@@ -125,6 +125,8 @@ class BakeJob(background.Job):
     def show(self):
         """Lights the volumes by the last pass, unless that would take too much of the time."""
         start, bake = time.perf_counter(), self.latest
+        if bake is None:
+            self._prepare()
         if bake is None or bake is self._shown or start < self._quiet_until:
             return
         for index, (name, matrix) in enumerate(zip(self.names, self.matrices)):
@@ -140,7 +142,13 @@ class BakeJob(background.Job):
         end = time.perf_counter()
         self._quiet_until = end + (_SHOWN_SHARE - 1) * (end - start)
 
+    def _prepare(self):
+        objects = [bpy.data.objects.get((name, None)) for name in self.names]
+        volumes = [obj for obj in objects if obj is not None and obj.leaflight.is_volume]
+        first_light.prepare(volumes, self._arguments["both_sides"], self._arguments["walls"])
+
     def ended(self):
+        first_light.forget()
         if self.latest is None:
             return super().ended()
         statistics = replace(self.latest.statistics, stopped=True)
@@ -156,6 +164,7 @@ class BakeJob(background.Job):
         Raises LeaflightError when one has gone meanwhile.
         """
         preview.forget()
+        first_light.forget()
         volumes = [bpy.data.objects.get((name, None)) for name in self.names]
         for name, obj in zip(self.names, volumes):
             if obj is None or not obj.leaflight.is_volume:

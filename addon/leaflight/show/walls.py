@@ -141,13 +141,12 @@ def _build(scene, leader):
     collection = bpy.data.collections.new(COLLECTION)
     collection[_COLLECTION] = True
     scene.collection.children.link(collection)
-    material = shader.shared_material(_WALL_MATERIAL, "Leaflight Wall", RADIANCE, RADIANCE_BACK)
     for index, mesh in enumerate(bake.scene.meshes):
         original = _original(scene, mesh.name)
         # What a mirror or glass shows depends on where it is seen from: these stay as they are.
         if original is None or mesh.scattering != "diffuse":
             continue
-        collection.objects.link(_display(bake, index, mesh.name, material))
+        collection.objects.link(_display(bake, index, mesh.name))
         original[_BAKED_AS] = mesh.name
         _hide(scene, original)
 
@@ -158,12 +157,17 @@ def _original(scene, name):
     return next(marked, None) or scene.objects.get(name)
 
 
-def _display(bake, index, name, material):
+def material():
+    """The one of all displays."""
+    return shader.shared_material(_WALL_MATERIAL, "Leaflight Wall", RADIANCE, RADIANCE_BACK)
+
+
+def _display(bake, index, name):
     vertices, triangles = bake.walls.mesh(index)
     data = bpy.data.meshes.new(f"{name} Lit")
     fill.fill(data, vertices, triangles, {})
     data.polygons.foreach_set("use_smooth", np.zeros(len(triangles), bool))
-    data.materials.append(material)
+    data.materials.append(material())
     obj = bpy.data.objects.new(f"{name} Lit", data)
     display.mark(obj, _WALL)
     obj[_INDEX], obj[_NAME] = index, name

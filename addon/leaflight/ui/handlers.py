@@ -15,6 +15,7 @@ from ..show import (
     cut_faces,
     display,
     duplicates,
+    first_light,
     isovalues,
     slices,
     surface_material,
@@ -130,6 +131,7 @@ def _after_undo(scene, _depsgraph):
     """Undo may bring back an isovalue without its surface, made after the step was stored."""
     staleness.forget()
     surface_object.forget()
+    first_light.forget()
     duplicates.complete()
     depsgraph = bpy.context.evaluated_depsgraph_get()
     lamp_strengths.follow(scene, depsgraph)
@@ -172,6 +174,7 @@ def _after_save(*_):
 
 @persistent
 def _after_load(*_):
+    first_light.forget()
     for scene in bpy.data.scenes:
         if any(obj.leaflight.is_volume for obj in scene.objects):
             isovalues.lock_interface(scene)

@@ -13,7 +13,7 @@ import pytest
 from leaflight_addon.bake import bake, estimate_bake, stopped
 from leaflight.volume.memory import memory_of_light
 from leaflight_addon.operators import background
-from leaflight_addon.show import bake_options, preview, surface_object
+from leaflight_addon.show import bake_options, preview, surface_object, walls
 from leaflight_addon.store import bake_files, cache
 from leaflight_addon.ui import advanced_panel, bake_panel
 from passes import UNREACHED, assert_shows_pass, begin, drawn, passes_of, state, stop
@@ -98,6 +98,62 @@ def check_each_pass_is_shown_as_it_comes(endless):
     assert_shows_pass(endless, job.latest)
     surface_object.forget_passes()
     assert state() == before
+
+
+def check_materials_are_compiled_before_the_first_pass(endless):
+    """Drawn before they are, Blender would show them gray."""
+    endless.leaflight.light_walls = True
+    before = state()
+    job, work = begin(endless, passes=0)
+    job.show()
+    job.show()
+    (name,) = set(state()["objects"]) - set(before["objects"])
+    compiled = bpy.data.objects[name]
+    assert len(compiled.data.polygons) == 2 and compiled.hide_render
+    isosurface, wall = (_nodes_of(material) for material in compiled.data.materials)
+    job.most = 1
+    wait_while(work, lambda: job.latest is None)
+    job.show()
+    assert_shows_pass(endless, job.latest)
+    assert isosurface == _nodes_of(endless.data.materials[0])
+    stop(job, work)
+    assert name not in bpy.data.objects
+    stopped.offer(None)
+    surface_object.forget_passes()
+    assert state() == before
+    assert wall == _nodes_of(walls.material())
+
+
+def _nodes_of(material):
+    """What decides how Blender compiles the nodes of a material."""
+    tree = material.node_tree
+    return (
+        [(node.type, getattr(node, "attribute_name", "")) for node in tree.nodes],
+        [
+            (link.from_node.name, link.from_socket.name, link.to_node.name, link.to_socket.name)
+            for link in tree.links
+        ],
+    )
+
+
+def check_nothing_that_was_compiled_stays_without_a_pass(endless):
+    before = state()
+    job, work = begin(endless, passes=0)
+    job.show()
+    assert state() != before
+    stop(job, work)
+    assert state() == before
+
+
+def check_a_file_saved_before_the_first_pass_opens_without_what_was_compiled(endless, tmp_path):
+    objects = sorted(o.name for o in bpy.data.objects)
+    job, work = begin(endless, passes=0)
+    job.show()
+    assert sorted(o.name for o in bpy.data.objects) != objects
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "saved.blend"), copy=True)
+    stop(job, work)
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "saved.blend"))
+    assert sorted(o.name for o in bpy.data.objects) == objects
 
 
 def check_passes_stay_with_the_surface_when_the_object_moves(endless):
