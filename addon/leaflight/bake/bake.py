@@ -130,8 +130,8 @@ class BakeJob(background.Job):
         if bake is None or bake is self._shown or start < self._quiet_until:
             return
         for index, (name, matrix) in enumerate(zip(self.names, self.matrices)):
-            obj = bpy.data.objects.get((name, None))
-            if obj is None or not obj.leaflight.is_volume:
+            obj = _volume(name)
+            if obj is None:
                 continue
             if obj.mode == "OBJECT" and obj.leaflight.frame == self.frames[index]:
                 preview.put(obj, bake, index, matrix)
@@ -143,8 +143,7 @@ class BakeJob(background.Job):
         self._quiet_until = end + (_SHOWN_SHARE - 1) * (end - start)
 
     def _prepare(self):
-        objects = [bpy.data.objects.get((name, None)) for name in self.names]
-        volumes = [obj for obj in objects if obj is not None and obj.leaflight.is_volume]
+        volumes = [obj for obj in map(_volume, self.names) if obj is not None]
         first_light.prepare(volumes, self._arguments["both_sides"], self._arguments["walls"])
 
     def ended(self):
@@ -165,9 +164,9 @@ class BakeJob(background.Job):
         """
         preview.forget()
         first_light.forget()
-        volumes = [bpy.data.objects.get((name, None)) for name in self.names]
+        volumes = [_volume(name) for name in self.names]
         for name, obj in zip(self.names, volumes):
-            if obj is None or not obj.leaflight.is_volume:
+            if obj is None:
                 raise LeaflightError(
                     f'"{name}" is gone or has another name, so the bake lights nothing: select '
                     f"the volume and load the bake from {self.path}."
@@ -210,6 +209,12 @@ class LEAFLIGHT_OT_bake(background.BackgroundOperator, bpy.types.Operator):
 
     def start(self, context):
         return BakeJob(context, active_volume(context))
+
+
+def _volume(name):
+    """The volume object of this name in the file itself, or None."""
+    obj = bpy.data.objects.get((name, None))
+    return obj if obj is not None and obj.leaflight.is_volume else None
 
 
 def _check_own(obj):

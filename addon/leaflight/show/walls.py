@@ -141,12 +141,13 @@ def _build(scene, leader):
     collection = bpy.data.collections.new(COLLECTION)
     collection[_COLLECTION] = True
     scene.collection.children.link(collection)
+    shared = material()
     for index, mesh in enumerate(bake.scene.meshes):
         original = _original(scene, mesh.name)
         # What a mirror or glass shows depends on where it is seen from: these stay as they are.
         if original is None or mesh.scattering != "diffuse":
             continue
-        collection.objects.link(_display(bake, index, mesh.name))
+        collection.objects.link(_display(bake, index, mesh.name, shared))
         original[_BAKED_AS] = mesh.name
         _hide(scene, original)
 
@@ -162,12 +163,12 @@ def material():
     return shader.shared_material(_WALL_MATERIAL, "Leaflight Wall", RADIANCE, RADIANCE_BACK)
 
 
-def _display(bake, index, name):
+def _display(bake, index, name, shared):
     vertices, triangles = bake.walls.mesh(index)
     data = bpy.data.meshes.new(f"{name} Lit")
     fill.fill(data, vertices, triangles, {})
     data.polygons.foreach_set("use_smooth", np.zeros(len(triangles), bool))
-    data.materials.append(material())
+    data.materials.append(shared)
     obj = bpy.data.objects.new(f"{name} Lit", data)
     display.mark(obj, _WALL)
     obj[_INDEX], obj[_NAME] = index, name
