@@ -73,7 +73,7 @@ def test_a_smaller_error_is_nearer_to_the_truth(box):
     points = box(error=50.0).surface(47.0).vertices[::20]
     # Beside texels of the same width, so that noise is all they differ by.
     truth = np.mean([box(error=0.1, seed=seed).radiance(points) for seed in range(1, 9)], axis=0)
-    rough = box(error=UNREACHED, time=1e-9)
+    rough, _ = stopped_after(1, box)
     fine = box(error=0.3)
     errors = [np.abs(one.radiance(points) - truth).mean() for one in (rough, fine)]
     assert errors[1] < 0.7 * errors[0]
@@ -104,10 +104,11 @@ def test_a_stopped_bake_is_kept_like_any_other(box, tmp_path):
 
 
 def test_the_time_ends_a_bake(box):
-    # Over before the first pass is.
+    # Over before the first pass is: the texels of a first picture are all that there is.
     baked = box(error=UNREACHED, time=1e-9)
     assert baked.statistics.stopped and baked.statistics.passes == 1
     assert baked.surface(47.0).radiance.mean() > 0.01
+    assert "is what the time has room for" in outcome(baked)
     unlimited, limited = box(error=0.3), box(error=0.3, time=HANG)
     assert not limited.statistics.stopped
     assert limited.statistics.passes == unlimited.statistics.passes > 1
@@ -115,9 +116,9 @@ def test_the_time_ends_a_bake(box):
 
 @pytest.mark.machine
 def test_a_bake_takes_the_time_that_it_has(box):
-    baked = box(error=UNREACHED, time=0.3)
-    assert baked.statistics.stopped and baked.statistics.passes >= 1
-    assert 0.3 <= baked.statistics.seconds < 5
+    baked = box(error=UNREACHED, time=4.0)
+    assert baked.statistics.passes >= 1
+    assert baked.statistics.seconds < 1.1 * 4.0
 
 
 def test_cancelled_after_a_pass(box):
@@ -225,10 +226,12 @@ def test_extrapolation_knows_what_more_work_does_not_mend():
     assert expected.passes == 5
 
 
-def test_extrapolation_ends_with_the_pass_in_which_the_time_is_over():
+def test_extrapolation_ends_within_the_time():
     expected = extrapolated(*passes_of(2, -0.5), error=0.5, time=9.0)
-    assert expected.seconds == pytest.approx(2 + 8 + 1)
-    assert expected.error == pytest.approx(8.0 / math.sqrt(8))
+    assert expected.seconds == pytest.approx(9.0)
+    # 2 s and the last one leave 6 for light.
+    assert expected.error == pytest.approx(8.0 / math.sqrt(6))
+    assert expected.passes == 4
 
 
 @pytest.mark.parametrize("power", [-0.35, -0.8])

@@ -94,7 +94,8 @@ def test_an_interrupted_bake_goes_on_with_the_same_bits(mirror, two, tmp_path):
 
 
 def test_it_is_continued_from_its_file(two, tmp_path):
-    first = two(error=UNREACHED, time=1e-9)
+    progress = Progress()
+    first = two(error=UNREACHED, on_pass=lambda _: progress.stop(), progress=progress)
     first.save(tmp_path / "first.vdb")
     loaded = load_bake(tmp_path / "first.vdb")
     points = first.surface(0.5, 1).vertices

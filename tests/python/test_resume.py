@@ -38,8 +38,8 @@ def box(bump_scene):
 
 @pytest.fixture
 def previous(box):
-    """A bake that was out of time in its first pass."""
-    return box(error=0.3, time=1e-9)
+    """A bake that was stopped after its first pass."""
+    return box(error=0.3, **stopping(1))
 
 
 def blocks(baked):

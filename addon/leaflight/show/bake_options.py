@@ -88,12 +88,12 @@ class BakeOptions:
     )
     use_time_limit: BoolProperty(
         name="Time Limit",
-        description="End the bake after some time, whatever its error is then. Continue goes on "
-        "with it later",
+        description="End the bake in some time, whatever its error is then. Where the time is "
+        "short, its light is coarser. Continue improves it later",
     )
     time_limit: FloatProperty(
         name="Seconds",
-        description="Seconds after which the bake ends with what it has",
+        description="Seconds that the bake may take",
         subtype="TIME_ABSOLUTE",
         default=60.0,
         min=0.1,

@@ -41,6 +41,7 @@ class Progress {
     const std::lock_guard<std::mutex> lock(mutex_);
     stage_ = stage;
   }
+  double work() const { return done_; }
   void advance(double work) {
     double done = done_.load();
     while (!done_.compare_exchange_weak(done, done + work)) {

@@ -112,8 +112,9 @@ def bake(
     isovalues: (lo, hi) of the common isovalue: in data units for one volume, where None takes that
         of the scene or else default_isovalue_range(volume); within 0..1 for several, where None is
         (0, 1).
-    error: percent, of what compare() calls rms_percent; None is 1.5. time: seconds after which the
-        bake ends with the pass in progress, None for no limit.
+    error: percent, of what compare() calls rms_percent; None is 1.5. time: seconds that the
+        bake may take, None for no limit. Where they are few its texels are wider, and one coarse
+        picture is made in any case.
     resolution: texels along the longest axis (the other axes in proportion of their nodes), or
         (nx, ny, nz); None is as fine as the volumes need and their size allows.
     seed: same seed, same result, whatever the threads; threads: 0 takes every core.

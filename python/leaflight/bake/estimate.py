@@ -135,7 +135,7 @@ def extrapolated(
     alike = _alike(passes)
     work, pace = _work(alike)
     slope = 0.5 * (INDEPENDENT + _slope(alike))
-    limit = float("inf") if time is None else time
+    limit = float("inf") if time is None else time - closing
     noise = float(_noise(last))
     texture = np.sqrt(max(0.0, reached**2 - noise**2))
     left = MOST_PASSES - len(alike)
@@ -144,7 +144,8 @@ def extrapolated(
         # Rounding is no pass.
         if noise <= (1 + 1e-9) * target:
             break
-        growth = min((noise / target) ** (-1.0 / slope), 2.0)
+        in_time = 1.0 + (limit - seconds) / (work * pace)
+        growth = min((noise / target) ** (-1.0 / slope), 2.0, in_time)
         seconds += (growth - 1.0) * work * pace
         noise *= growth**slope
         work, count, left = growth * work, count + 1, left - 1

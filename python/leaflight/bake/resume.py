@@ -43,7 +43,8 @@ def resume(
 
     What the other has learnt counts: its light is averaged with that of the passes to come. The
     bake that results is a new one, whose statistics count the passes, the seconds and the rays of
-    both. A bake that was stopped at its first, coarse picture begins anew.
+    both. A bake that was stopped at its first, coarse picture, or whose time had no room for finer
+    texels, begins anew.
 
     previous: a Bake in passes, or one that load_bake() read. error: percent, as of bake(); None is
     what was asked for then. time: seconds that are added at most, None for no limit. walls: whether

@@ -20,7 +20,8 @@ Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, Progress& 
     baked.statistics.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     baked.statistics.peak_memory_bytes = peak_memory();
-    baked.statistics.skipped = plan.skipped;
+    std::vector<SkippedPass>& skipped = baked.statistics.skipped;
+    skipped.insert(skipped.begin(), plan.skipped.begin(), plan.skipped.end());
   };
   BakeHooks<D> timed = hooks;
   if (hooks.on_pass) {

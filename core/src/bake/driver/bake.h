@@ -21,6 +21,8 @@ struct BakeHooks {
   const std::vector<PreviousLight<D>>* previous = nullptr;
   const Checkpoints* checkpoints = nullptr;
   const BlockWorkers* workers = nullptr;
+  // Of the time that settings.seconds limits, as TimeLimit has it.
+  std::function<double()> clock = nullptr;
 };
 
 // Lights every isosurface of the scene's isovalue range at once. The result is the same, bit for

@@ -33,6 +33,7 @@ class Integrator {
   virtual std::vector<RadianceGrid<D>> grids() = 0;
   // The noise of what grids() found, by the standard errors of the texels.
   virtual const IsovalueErrors& errors() const = 0;
+  // Once the scene knows their direct light.
   virtual WallRadiance<D> walls() = 0;
 };
 

@@ -41,6 +41,7 @@ LineBake<D>::LineBake(LitScene<D>& scene, std::size_t volume, BakeTexels<D> texe
       lights_(scene.lights),
       split_(scene.split),
       direct_(scene.direct[volume]),
+      direct_of_walls_(scene.direct_of_walls),
       settings_(scene.settings),
       plan_(scene.plan),
       progress_(scene.progress),
@@ -253,8 +254,8 @@ WallRadiance<D> LineBake<D>::walls() {
     estimator = make_gather_estimator(volume_.tracer, lights_, isosurfaces, *photons_.walls);
   }
   const PointSampler<D> sampler{lights_, isosurfaces, photons_.walls.get(), false};
-  return light_walls(volume_.tracer, sampler, estimator.get(), rays_of_wall_vertices,
-                     settings_.seed, progress_);
+  return light_walls(volume_.tracer, sampler, estimator.get(), direct_of_walls_,
+                     rays_of_wall_vertices, settings_.seed, progress_);
 }
 
 template <int D>

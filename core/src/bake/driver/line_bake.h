@@ -78,6 +78,7 @@ class LineBake final : public Integrator<D> {
   const SplitLight<D>& split_;
   // Of the scene: coarser maps while the first picture is made.
   const std::shared_ptr<const DirectLight<D>>& direct_;
+  const std::shared_ptr<const MeshDirectLight<D>>& direct_of_walls_;
   std::optional<EnvironmentSampler<D>> sky_;  // that has no points
   const BakeSettings<D>& settings_;
   const Plan& plan_;

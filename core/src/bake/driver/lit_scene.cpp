@@ -41,6 +41,14 @@ double LitScene<D>::learn_direct(const std::vector<Index<D>>& texels, double spa
   return work * static_cast<double>(split.points.size()) * (back ? 2 : 1);
 }
 
+template <int D>
+void LitScene<D>::learn_direct_of_walls() {
+  if (direct_of_walls) return;
+  progress.begin("Direct light of the walls");
+  direct_of_walls =
+      std::make_shared<const MeshDirectLight<D>>(tracer, subdivide(tracer.scene()), progress);
+}
+
 template struct LitScene<2>;
 template struct LitScene<3>;
 

@@ -6,6 +6,7 @@
 #include "bake/direct/direct_light.h"
 #include "bake/plan/plan.h"
 #include "bake/texels/line_volume.h"
+#include "bake/walls/mesh_direct_light.h"
 #include "transport/light_sampler.h"
 
 namespace leaflight {
@@ -22,6 +23,7 @@ struct LitScene {
   std::vector<LineVolume<D>> volumes;
   // Of each volume, once it is known; null where no texel stores light.
   std::vector<std::shared_ptr<const DirectLight<D>>> direct;
+  std::shared_ptr<const MeshDirectLight<D>> direct_of_walls;  // once it is known
 
   // Throws Error where lights are walled in.
   LitScene(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
@@ -36,6 +38,8 @@ struct LitScene {
   // Computes the maps of the points of `split`; `texels`: the resolution of each volume's;
   // `spacing`: as VisibilitySweep has it. Returns how much work that was for the progress.
   double learn_direct(const std::vector<Index<D>>& texels, double spacing);
+  // Once.
+  void learn_direct_of_walls();
 
  private:
   std::vector<EmptySpace<D>> empty_;  // of each volume, below the isovalue range

@@ -107,9 +107,11 @@ PassResolutions<D> pass_resolutions(const Field<D>& field, const IsovalueRange& 
 }
 
 template <int D>
-BakeTexels<D> pass_texels(const LineVolume<D>& volume, const BakeSettings<D>& settings) {
-  const PassResolutions<D> chosen =
+BakeTexels<D> pass_texels(const LineVolume<D>& volume, const BakeSettings<D>& settings, int width) {
+  PassResolutions<D> chosen =
       pass_resolutions(volume.volume().field, volume.isovalue_range(), settings);
+  chosen.shown = coarser_resolution<D>(chosen.shown, width);
+  chosen.indirect = coarser_resolution<D>(chosen.indirect, width);
   BakeTexels<D> texels;
   texels.shown = IndexedLattice<D>(lattice_of(volume, chosen.shown));
   texels.indirect = chosen.indirect == chosen.shown
@@ -123,8 +125,8 @@ BakeTexels<D> pass_texels(const LineVolume<D>& volume, const BakeSettings<D>& se
 }
 
 template <int D>
-BakeTexels<D> ray_texels(const LineVolume<D>& volume, const BakeSettings<D>& settings) {
-  BakeTexels<D> texels = pass_texels(volume, settings);
+BakeTexels<D> ray_texels(const LineVolume<D>& volume, const BakeSettings<D>& settings, int width) {
+  BakeTexels<D> texels = pass_texels(volume, settings, width);
   const Field<D>& field = volume.volume().field;
   const IsovalueRange isovalue_range = volume.isovalue_range();
   Index<D> indirect = field.dims;
@@ -157,10 +159,10 @@ template PassResolutions<2> pass_resolutions(const Field<2>&, const IsovalueRang
                                              const BakeSettings<2>&);
 template PassResolutions<3> pass_resolutions(const Field<3>&, const IsovalueRange&,
                                              const BakeSettings<3>&);
-template BakeTexels<2> pass_texels(const LineVolume<2>&, const BakeSettings<2>&);
-template BakeTexels<3> pass_texels(const LineVolume<3>&, const BakeSettings<3>&);
-template BakeTexels<2> ray_texels(const LineVolume<2>&, const BakeSettings<2>&);
-template BakeTexels<3> ray_texels(const LineVolume<3>&, const BakeSettings<3>&);
+template BakeTexels<2> pass_texels(const LineVolume<2>&, const BakeSettings<2>&, int);
+template BakeTexels<3> pass_texels(const LineVolume<3>&, const BakeSettings<3>&, int);
+template BakeTexels<2> ray_texels(const LineVolume<2>&, const BakeSettings<2>&, int);
+template BakeTexels<3> ray_texels(const LineVolume<3>&, const BakeSettings<3>&, int);
 template BakeTexels<2> preview_texels(const LineVolume<2>&, const Index<2>&);
 template BakeTexels<3> preview_texels(const LineVolume<3>&, const Index<3>&);
 

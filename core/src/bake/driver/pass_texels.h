@@ -17,11 +17,13 @@ template <int D>
 PassResolutions<D> pass_resolutions(const Field<D>& field, const IsovalueRange& isovalue_range,
                                     const BakeSettings<D>& settings);
 
-// Where it does, by lines or by rays.
+// Where it does, by lines or by rays, with texels so many times as wide.
 template <int D>
-BakeTexels<D> pass_texels(const LineVolume<D>& volume, const BakeSettings<D>& settings);
+BakeTexels<D> pass_texels(const LineVolume<D>& volume, const BakeSettings<D>& settings,
+                          int width = 1);
 template <int D>
-BakeTexels<D> ray_texels(const LineVolume<D>& volume, const BakeSettings<D>& settings);
+BakeTexels<D> ray_texels(const LineVolume<D>& volume, const BakeSettings<D>& settings,
+                         int width = 1);
 
 // Where its first picture does; resolution: of the texels of the result.
 template <int D>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bake/driver/passes.h"
 
-#include <chrono>
 #include <cmath>
 
 #include "bake/driver/measured_error.h"
 #include "bake/driver/pass_texels.h"
 #include "bake/driver/ray_bake.h"
+#include "bake/driver/time_limit.h"
 #include "math/error.h"
 
 namespace leaflight {
@@ -29,11 +29,10 @@ constexpr int least_blocks = 2;
 // falls: a share of the texture error is enough.
 constexpr double least_noise = 0.4, most_noise = 0.8, out_of_reach_noise = 0.5;
 
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point then) {
-  return std::chrono::duration<double>(Clock::now() - then).count();
-}
+// The texels of a bake: as fine as its volume needs, or, where its time is too short for them,
+// twice as wide or those of its first picture.
+enum class Texels : int { usual, wider, preview };
+constexpr int wider_by = 2;
 
 // Blocks of the first pass. The difference of two shows the error.
 int first_blocks(std::size_t texels) { return texels < few_texels ? 4 : 2; }
@@ -50,11 +49,19 @@ int next_blocks(int now, double noise, double target) {
 }
 
 template <int D>
+std::size_t texels_of_indirect_light(const std::vector<BakeTexels<D>>& texels) {
+  std::size_t count = 0;
+  for (const BakeTexels<D>& one : texels) count += one.indirect.lattice.active.size();
+  return count;
+}
+
+template <int D>
 class Passes {
  public:
   Passes(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
          Progress& progress, const BakeHooks<D>& hooks)
-      : hooks_(hooks),
+      : limit_(settings.seconds, hooks.clock),
+        hooks_(hooks),
         scene_(scene, settings, plan, progress),
         progress_(progress),
         errors_(scene.isovalue_range) {}
@@ -66,33 +73,19 @@ class Passes {
           "Workers share the lines through one volume without mirrors or glass; bake without "
           "them.");
     }
-    std::vector<BakeTexels<D>> texels;
-    for (const LineVolume<D>& volume : scene_.volumes) {
-      texels.push_back(scene_.plan.lines ? pass_texels(volume, scene_.settings)
-                                         : ray_texels(volume, scene_.settings));
-    }
-    std::vector<Index<D>> shown;
-    for (const BakeTexels<D>& one : texels) {
-      shown.push_back(one.shown.lattice.resolution);
-      count_ += one.shown.lattice.active.size();
-    }
+    texels_ = texels(1);
+    count_texels();
     progress_.check();
     if (count_ == 0 && !scene_.plan.walls) throw nothing_to_bake(scene_.tracer.scene());
-    const Previous* previous = previous_light(texels);
-    expect(texels);
-    measured_.emplace(scene_, texels);
-    passes_ = previous ? previous->front().passes() : 0;
-    if (!previous && count_ > most_without_preview) {
-      ++passes_;
-      if ((hooks_.on_pass || scene_.settings.seconds > 0) && !resumes()) {
-        measured_->trace(texels, preview_estimates);
-        preview(shown);
-      }
+    previous_ = previous_light();
+    expect();
+    measured_.emplace(scene_, texels_);
+    passes_ = previous_ ? previous_->front().passes() : 0;
+    if (resumes()) {
+      hooks_.checkpoints->restore([this](std::istream& stream) { serialize(Archive(stream)); });
+    } else {
+      begin(first_picture());
     }
-    work_ += scene_.learn_direct(shown, 1);
-    if (preview_ && over(0)) return last(*preview_, whole(*preview_), true);
-    measured_->trace(texels, MeasuredError<D>::most_estimates);
-    bake_ = integrator(std::move(texels), previous, hooks_.workers);
     return subdivide();
   }
 
@@ -100,6 +93,25 @@ class Passes {
   using Previous = std::vector<PreviousLight<D>>;
 
   bool resumes() const { return hooks_.checkpoints && hooks_.checkpoints->restore; }
+
+  // So many times as wide as usual.
+  std::vector<BakeTexels<D>> texels(int width) const {
+    std::vector<BakeTexels<D>> found;
+    for (const LineVolume<D>& volume : scene_.volumes) {
+      found.push_back(scene_.plan.lines ? pass_texels(volume, scene_.settings, width)
+                                        : ray_texels(volume, scene_.settings, width));
+    }
+    return found;
+  }
+
+  void count_texels() {
+    shown_.clear();
+    count_ = 0;
+    for (const BakeTexels<D>& one : texels_) {
+      shown_.push_back(one.shown.lattice.resolution);
+      count_ += one.shown.lattice.active.size();
+    }
+  }
 
   std::unique_ptr<Integrator<D>> integrator(std::vector<BakeTexels<D>> texels,
                                             const Previous* previous, const BlockWorkers* workers) {
@@ -110,31 +122,84 @@ class Passes {
     return std::make_unique<LineBake<D>>(scene_, 0, std::move(texels[0]), light, workers);
   }
 
-  // A first picture, from coarse texels and maps.
-  void preview(const std::vector<Index<D>>& shown) {
+  // Shows a first picture where the bake is large; returns the texels that the time is enough for.
+  Texels first_picture() {
+    const bool is_large = count_ > most_without_preview;
+    if (previous_ || count_ == 0 || !(is_large || limit_.is_given())) return Texels::usual;
+    if (is_large) ++passes_;
+    if (!hooks_.on_pass && !limit_.is_given()) return Texels::usual;
+    const double began = limit_.seconds();
+    measured_->trace(texels_, preview_estimates);
+    make_preview();
+    preview_->add(preview_blocks);
+    Baked<D> baked = whole(*preview_);
+    preview_seconds_ = limit_.seconds() - began;
+    if (hooks_.on_pass && is_large) hooks_.on_pass(std::move(baked));
+    // Nothing else tells how long they take.
+    if (limit_.is_given() && scene_.plan.walls) walls(*preview_);
+    // Nobody knows how fast workers are.
+    const bool is_usual = hooks_.workers ? !over(0) : fits(texels_);
+    return is_usual ? Texels::usual : wider_in_time();
+  }
+
+  Texels wider_in_time() const { return fits(texels(wider_by)) ? Texels::wider : Texels::preview; }
+
+  // Whether there is time for a first pass of these texels. For 5 to 57 times as many texels as in
+  // the first picture, it takes 2.2 to 7.8 times as long (docs/decisions/2026-11-28-time-limit.md).
+  bool fits(const std::vector<BakeTexels<D>>& texels) const {
+    const double ratio = static_cast<double>(texels_of_indirect_light(texels)) /
+                         static_cast<double>(preview_texels_);
+    return !over(preview_seconds_ * std::sqrt(ratio) + walls_seconds_);
+  }
+
+  // With coarse texels and maps.
+  void make_preview() {
     std::vector<Index<D>> coarse;
     std::vector<BakeTexels<D>> texels;
-    for (std::size_t v = 0; v < shown.size(); ++v) {
-      coarse.push_back(coarser_resolution<D>(shown[v], preview_spacing));
-      texels.push_back(preview_texels(scene_.volumes[v], shown[v]));
+    for (std::size_t v = 0; v < shown_.size(); ++v) {
+      coarse.push_back(coarser_resolution<D>(shown_[v], preview_spacing));
+      texels.push_back(preview_texels(scene_.volumes[v], shown_[v]));
     }
+    preview_texels_ = std::max<std::size_t>(1, texels_of_indirect_light(texels));
     work_ += scene_.learn_direct(coarse, preview_spacing);
     preview_ = integrator(std::move(texels), nullptr, nullptr);
-    preview_->add(preview_blocks);
-    if (hooks_.on_pass) hooks_.on_pass(whole(*preview_));
+  }
+
+  // Makes the integrator of these texels.
+  void begin(Texels chosen) {
+    chosen_ = chosen;
+    bake_.reset();
+    const bool is_preview = chosen == Texels::preview, is_usual = chosen == Texels::usual;
+    measured_->trace(texels_, is_preview ? preview_estimates : MeasuredError<D>::most_estimates);
+    if (is_preview) {
+      if (!preview_) make_preview();
+      count_ = preview_texels_;
+      bake_ = std::move(preview_);
+    } else {
+      if (!is_usual) {
+        texels_ = texels(wider_by);
+        count_texels();
+      }
+      work_ += scene_.learn_direct(shown_, 1);
+      bake_ = integrator(std::move(texels_), previous_, is_usual ? hooks_.workers : nullptr);
+    }
+    texels_.clear();
+    if (limit_.is_given() && scene_.plan.walls) scene_.learn_direct_of_walls();
+    before_ = previous_ ? bake_->blocks() : 0;
+    blocks_ = scene_.plan.indirect ? before_ + first_blocks(count_) : 0;
   }
 
   // What the bake goes on with; null where it has texels of another width.
-  const Previous* previous_light(const std::vector<BakeTexels<D>>& texels) const {
+  const Previous* previous_light() const {
     const Previous* previous = hooks_.previous;
     if (!previous) return nullptr;
-    bool fits = previous->size() == texels.size();
-    for (std::size_t v = 0; v < texels.size() && fits; ++v) {
+    bool fits = previous->size() == texels_.size();
+    for (std::size_t v = 0; v < texels_.size() && fits; ++v) {
       if (!scene_.stores_light_of(v)) continue;
-      const TexelLattice<D>& shown = texels[v].shown.lattice;
+      const TexelLattice<D>& shown = texels_[v].shown.lattice;
       if ((*previous)[v].resolution() != shown.resolution) return nullptr;
       fits = !scene_.plan.indirect ||
-             (*previous)[v].fits(shown, texels[v].indirect.lattice, scene_.plan.back);
+             (*previous)[v].fits(shown, texels_[v].indirect.lattice, scene_.plan.back);
     }
     if (fits) return previous;
     throw Error(
@@ -143,10 +208,10 @@ class Passes {
   }
 
   // Work of the maps and of the first pass, until the time of a block is known.
-  void expect(const std::vector<BakeTexels<D>>& texels) {
+  void expect() {
     const auto points = static_cast<double>(scene_.split.points.size());
     double work = 0;
-    for (const BakeTexels<D>& one : texels) {
+    for (const BakeTexels<D>& one : texels_) {
       const auto all = static_cast<double>(one.shown.lattice.texels());
       work += scene_.sides() * all * points + first_blocks(count_) * all *
                                                   IndirectLight<D>::directions_per_block /
@@ -157,53 +222,67 @@ class Passes {
 
   // Pass by pass.
   Baked<D> subdivide() {
-    const int before = before_ = bake_->blocks();
-    blocks_ = scene_.plan.indirect ? before + first_blocks(count_) : 0;
-    if (resumes()) {
-      hooks_.checkpoints->restore([this](std::istream& stream) { serialize(Archive(stream)); });
-    }
     const std::function<bool()> proceed = [this] { return go_on(); };
     for (;;) {
+      // The first picture is a whole bake.
+      if (chosen_ == Texels::preview && passes_ <= 1 &&
+          over(preview_seconds_ + closing_seconds())) {
+        return last(whole(*bake_), true);
+      }
+      block_began_ = limit_.seconds();
       // The steps before count, too, and the radiance of the texels afterwards.
-      progress_.expect(work_ + bake_->cost() * (blocks_ - before + 2));
+      progress_.expect(work_ + bake_->cost() * (blocks_ - before_ + 2));
       bake_->add(blocks_ - bake_->blocks(), proceed);
       const bool cut = bake_->blocks() < blocks_;
-      if (cut && bake_->blocks() == before) return last(*preview_, whole(*preview_), true);
+      if (cut && preview_ && bake_->blocks() - before_ < least_blocks) {
+        begin(chosen_ == Texels::usual ? wider_in_time() : Texels::preview);
+        continue;
+      }
       preview_.reset();
       ++passes_;
       Baked<D> baked = whole(*bake_);
       const IsovalueError error = errors_.all();
       const double noise = noise_to_reach(scene_.settings.error, 100 * std::sqrt(error.texture));
       const double target = std::pow(noise / 100, 2);
-      if (error.noise <= target) return last(*bake_, std::move(baked), false);
-      if (cut || over(0)) return last(*bake_, std::move(baked), true);
       const int next = next_blocks(bake_->blocks(), error.noise, target);
-      if (next <= blocks_) return last(*bake_, std::move(baked), false);
+      if (error.noise <= target) return last(std::move(baked), false);
+      if (cut || is_late()) return last(std::move(baked), true);
+      if (next <= blocks_) return last(std::move(baked), false);
       if (hooks_.on_pass) {
         // Where isosurfaces store no light, the walls are all that there is to see.
-        if (count_ == 0) baked.walls = bake_->walls();
+        if (count_ == 0) baked.walls = walls(*bake_);
         hooks_.on_pass(std::move(baked));
       }
       // What was shown is what is left.
-      if (over(0)) return last(*bake_, whole(*bake_), true);
+      if (is_late()) return last(whole(*bake_), true);
       blocks_ = next;
     }
   }
 
   // After each block: leaves a checkpoint where one is due. Whether time is left for another.
   bool go_on() {
-    const double block_seconds = seconds_since(block_began_);
-    block_began_ = Clock::now();
+    const double now = limit_.seconds();
+    block_seconds_ = now - block_began_;
+    block_began_ = now;
     const Checkpoints* checkpoints = hooks_.checkpoints;
-    // The next block takes about as long as the one before.
-    if (checkpoints && checkpoints->save &&
-        seconds_since(saved_) + block_seconds >= checkpoints->seconds) {
+    if (checkpoints && checkpoints->save && now - saved_ + block_seconds_ >= checkpoints->seconds) {
       checkpoints->save([this](std::ostream& stream) { serialize(Archive(stream)); });
-      saved_ = Clock::now();
+      saved_ = limit_.seconds();
     }
     const int done = bake_->blocks() - before_;
-    const bool can_end = done >= least_blocks || (done == 0 && preview_);
-    return !can_end || !over(seconds_a_texel_ * static_cast<double>(count_));
+    if (done >= least_blocks) return !is_late();
+    // Before it, nothing is left but the first picture. What comes before a first block takes as
+    // long as the least blocks.
+    if (done == 0) return !preview_ || !is_late();
+    return !preview_ || !limit_.is_over(block_seconds_ + closing_seconds());
+  }
+
+  // Another block takes about as long as the one before.
+  bool is_late() const { return over(block_seconds_ + closing_seconds()); }
+  // Of what follows the blocks.
+  double closing_seconds() const {
+    return seconds_a_texel_ * static_cast<double>(std::max<std::size_t>(1, count_)) +
+           walls_seconds_;
   }
 
   void serialize(Archive archive) {
@@ -212,6 +291,8 @@ class Passes {
     const int own_layout = layout;
     archive(layout);
     if (layout != own_layout) throw Error("The checkpoint is of another Leaflight; bake anew.");
+    archive(chosen_);
+    if (archive.restores()) begin(chosen_);
     const std::uint64_t before = rays();
     std::uint64_t traced = before;
     archive(traced);
@@ -223,18 +304,16 @@ class Passes {
 
   std::uint64_t rays() const { return progress_.rays() - first_rays_; }
 
-  bool over(double to_come) const {
-    const double seconds = scene_.settings.seconds;
-    return progress_.stopped() || (seconds > 0 && seconds_since(start_) + to_come > seconds);
-  }
+  bool over(double to_come) const { return progress_.stopped() || limit_.is_over(to_come); }
 
   Baked<D> whole(Integrator<D>& bake) {
-    const auto begin = Clock::now();
+    const double began = limit_.seconds();
     Baked<D> baked;
     baked.grids = bake.grids();
     std::size_t texels = 0;
     for (const RadianceGrid<D>& grid : baked.grids) texels += grid.texels();
-    seconds_a_texel_ = seconds_since(begin) / static_cast<double>(std::max<std::size_t>(1, texels));
+    seconds_a_texel_ =
+        (limit_.seconds() - began) / static_cast<double>(std::max<std::size_t>(1, texels));
     baked.statistics.rays = rays();
     baked.statistics.passes = passes_;
     baked.statistics.blocks = bake.blocks();
@@ -247,25 +326,48 @@ class Passes {
     return baked;
   }
 
+  WallRadiance<D> walls(Integrator<D>& bake) {
+    scene_.learn_direct_of_walls();
+    const double began = limit_.seconds();
+    WallRadiance<D> walls = bake.walls();
+    walls_seconds_ = limit_.seconds() - began;
+    return walls;
+  }
+
   // A bake's last pass, which has the walls, too.
-  Baked<D> last(Integrator<D>& bake, Baked<D> baked, bool stopped) {
-    if (scene_.plan.walls) baked.walls = bake.walls();
-    baked.statistics.rays = rays();
-    baked.statistics.stopped = stopped;
+  Baked<D> last(Baked<D> baked, bool stopped) {
+    if (scene_.plan.walls) baked.walls = walls(*bake_);
+    BakeStatistics& statistics = baked.statistics;
+    statistics.rays = rays();
+    statistics.passes = std::max(1, passes_);
+    statistics.stopped = stopped;
+    if (chosen_ == Texels::usual || !limit_.is_given() || progress_.stopped()) return baked;
+    statistics.stopped = stopped || statistics.error_percent > scene_.settings.error;
+    std::string texels;
+    for (const int along : baked.grids[0].lattice.resolution) {
+      texels += (texels.empty() ? "" : " x ") + std::to_string(along);
+    }
+    statistics.skipped.push_back(
+        {"finer texels", "the light of " + texels + " is what the time has room for"});
     return baked;
   }
 
-  const Clock::time_point start_ = Clock::now();
+  const TimeLimit limit_;
   const BakeHooks<D>& hooks_;
   LitScene<D> scene_;
   Progress& progress_;
   const std::uint64_t first_rays_ = progress_.rays();  // of others, before
-  std::size_t count_ = 0;                              // of all texels
-  double work_ = 0;                                    // of direct light
+  const Previous* previous_ = nullptr;                 // null: nothing
+  std::vector<BakeTexels<D>> texels_;                  // until the integrator has them
+  std::vector<Index<D>> shown_;                        // their resolutions
+  std::size_t count_ = 0, preview_texels_ = 1;         // of all texels, of the first picture's
+  Texels chosen_ = Texels::usual;
+  double work_ = 0;  // of direct light
   int passes_ = 0;
   int before_ = 0, blocks_ = 0;  // blocks of the previous bake, and those after the pass
-  double seconds_a_texel_ = 0;   // that whole() takes
-  Clock::time_point saved_ = start_, block_began_ = start_;
+  // What steps took.
+  double preview_seconds_ = 0, block_seconds_ = 0, seconds_a_texel_ = 0, walls_seconds_ = 0;
+  double block_began_ = 0, saved_ = 0;
   std::unique_ptr<Integrator<D>> preview_, bake_;
   std::optional<MeasuredError<D>> measured_;
   IsovalueErrors errors_;  // of the last whole bake

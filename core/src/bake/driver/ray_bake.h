@@ -25,7 +25,9 @@ class RayBake final : public Integrator<D> {
 
   std::vector<RadianceGrid<D>> grids() override;
   const IsovalueErrors& errors() const override { return errors_; }
-  WallRadiance<D> walls() override { return walls_->radiance(scene_.progress); }
+  WallRadiance<D> walls() override {
+    return walls_->radiance(scene_.direct_of_walls, scene_.progress);
+  }
 
  private:
   void add_block(int number, bool texels);

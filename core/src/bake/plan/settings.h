@@ -11,7 +11,7 @@ template <int D>
 struct BakeSettings {
   Index<D> resolution{};  // texels; all zero: as fine as the volume needs and its size allows
   double error = 1.5;     // the RMS error of colours to reach, in percent
-  double seconds = 0;     // no pass begins after so many; 0: no limit
+  double seconds = 0;     // that it may take; 0: no limit
   std::uint64_t seed = 0;
   int threads = 0;          // 0: all
   double exposure = 1;      // radiance times this is a displayed colour, whose differences count

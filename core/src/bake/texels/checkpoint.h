@@ -20,7 +20,8 @@ class Archive {
 
   bool restores() const { return from_ != nullptr; }
   template <class Number>
-  std::enable_if_t<std::is_arithmetic_v<Number>> operator()(Number& number) {
+  std::enable_if_t<std::is_arithmetic_v<Number> || std::is_enum_v<Number>> operator()(
+      Number& number) {
     bytes(&number, sizeof number);
   }
   // Of structs of numbers alone; `most`: how many there can be.

@@ -171,12 +171,10 @@ Halves WallLight<D>::smoothed(std::size_t mesh, bool back, Progress& progress) c
 }
 
 template <int D>
-WallRadiance<D> WallLight<D>::radiance(Progress& progress) {
-  if (!direct_) {
-    direct_ = std::make_shared<const MeshDirectLight<D>>(tracer_, meshes_, progress);
-  }
+WallRadiance<D> WallLight<D>::radiance(std::shared_ptr<const MeshDirectLight<D>> direct,
+                                       Progress& progress) {
   WallRadiance<D> result;
-  result.direct = direct_;
+  result.direct = std::move(direct);
   result.nodes = nodes_;
   result.meshes = meshes_;
   result.radiance.resize(meshes_.size());

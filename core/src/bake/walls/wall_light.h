@@ -35,7 +35,8 @@ class WallLight {
   // Its state.
   void serialize(Archive& archive);
 
-  WallRadiance<D> radiance(Progress& progress);
+  // `direct`: of the same scene.
+  WallRadiance<D> radiance(std::shared_ptr<const MeshDirectLight<D>> direct, Progress& progress);
   // The noise of that, each vertex alike.
   void add_noise(double exposure, IsovalueErrors& errors, Progress& progress);
 
@@ -56,7 +57,6 @@ class WallLight {
   // Sums of means, by mesh and side; [node * vertices + vertex]. Empty where it is dark.
   std::vector<std::array<Halves, 2>> sums_;
   int added_ = 0;
-  std::shared_ptr<const MeshDirectLight<D>> direct_;  // once it is asked for
 };
 
 }  // namespace leaflight

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Bakes whose time is limited, by a clock that counts their work: it is the same on any machine.
+#include "bake/driver/time_limit.h"
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "whole_passes.h"
+
+namespace leaflight {
+namespace {
+
+using test::same_bits;
+
+TEST(TimeLimit, IsOverWhereWhatIsToComeEndsTooLate) {
+  double now = 5;
+  const auto clock = [&] { return now; };
+  const TimeLimit limit(10, clock), none(0, clock);
+  now = 12;
+  EXPECT_EQ(limit.seconds(), 7);
+  EXPECT_FALSE(limit.is_over(3));
+  EXPECT_TRUE(limit.is_over(3.1));
+  EXPECT_FALSE(none.is_given());
+  EXPECT_FALSE(none.is_over(1e9));
+}
+
+constexpr int voxels = 33, wider = 17, of_preview = 9;
+
+Scene<3> scene() {
+  Scene<3> scene = test::cornell(test::ball<3>(voxels), {0.4, 0.9});
+  scene.meshes.resize(1);
+  return scene;
+}
+
+// Seconds are work.
+struct Limited {
+  BakeSettings<3> settings = test::in_passes(1e-3);  // not reached
+  Progress progress;
+  Checkpoints checkpoints;
+  double lost = 0;  // by a machine that others use, too
+
+  explicit Limited(double limit) {
+    settings.resolution = {voxels, voxels, voxels};
+    settings.seconds = limit;
+    checkpoints.seconds = 0;
+  }
+  Baked<3> bake() {
+    BakeHooks<3> hooks;
+    hooks.checkpoints = &checkpoints;
+    hooks.clock = [this] { return progress.work() + lost; };
+    return leaflight::bake<3>(scene(), settings, progress, hooks);
+  }
+};
+
+int texels_along(const Baked<3>& baked) { return baked.grids[0].lattice.resolution[0]; }
+
+// Work of a bake that is stopped after its first pass.
+double work_of_a_pass() {
+  Limited unlimited(0);
+  BakeHooks<3> hooks;
+  hooks.on_pass = [&](Baked<3>&&) { unlimited.progress.stop(); };
+  bake<3>(scene(), unlimited.settings, unlimited.progress, hooks);
+  return unlimited.progress.work();
+}
+
+bool says_that_texels_are_wider(const Baked<3>& baked) {
+  const std::vector<SkippedPass>& skipped = baked.statistics.skipped;
+  return std::any_of(skipped.begin(), skipped.end(),
+                     [](const SkippedPass& one) { return one.pass == "finer texels"; });
+}
+
+TEST(TimeLimit, IsKeptByWiderTexels) {
+  const double pass = work_of_a_pass();
+  for (const auto& [passes, along] : {std::pair(0.15, of_preview), {0.4, wider}, {1.1, voxels}}) {
+    Limited limited(passes * pass);
+    const Baked<3> baked = limited.bake();
+    EXPECT_EQ(texels_along(baked), along);
+    EXPECT_LE(limited.progress.work(), 1.1 * passes * pass);
+    EXPECT_EQ(says_that_texels_are_wider(baked), along < voxels);
+    EXPECT_EQ(baked.statistics.stopped, along < voxels);
+    EXPECT_GE(baked.statistics.passes, 1);
+  }
+}
+
+TEST(TimeLimit, IsKeptWhereABakeBecomesSlow) {
+  const double limit = 2 * work_of_a_pass();
+  Limited limited(limit);
+  // Before the first block.
+  limited.checkpoints.save = [&](const Checkpoints::Write&) { limited.lost = 0.75 * limit; };
+  const Baked<3> baked = limited.bake();
+  EXPECT_EQ(texels_along(baked), of_preview);
+  EXPECT_LE(limited.progress.work() + limited.lost, 1.1 * limit);
+  EXPECT_TRUE(baked.statistics.stopped);
+}
+
+TEST(TimeLimit, GoesOnFromACheckpointWithTheSameTexels) {
+  const double pass = work_of_a_pass();
+  for (const auto& [passes, along] : {std::pair(0.15, of_preview), {0.4, wider}}) {
+    Limited first(passes * pass);
+    std::string state;
+    first.checkpoints.save = [&](const Checkpoints::Write& write) {
+      std::ostringstream stream;
+      write(stream);
+      if (state.empty()) state = stream.str();
+      first.lost = -1e3 * pass;  // the choice is made, time is left
+    };
+    const Baked<3> whole = first.bake();
+    ASSERT_FALSE(state.empty());
+    EXPECT_EQ(texels_along(whole), along);
+    std::istringstream stream(state);
+    Limited second(0);
+    second.checkpoints.restore = [&](const Checkpoints::Read& read) { read(stream); };
+    const Baked<3> resumed = second.bake();
+    EXPECT_TRUE(same_bits(whole.grids[0], resumed.grids[0]));
+    EXPECT_EQ(whole.statistics.blocks, resumed.statistics.blocks);
+    EXPECT_EQ(whole.statistics.passes, resumed.statistics.passes);
+  }
+}
+
+}  // namespace
+}  // namespace leaflight
