@@ -38,6 +38,7 @@ struct Limited {
   BakeSettings<3> settings = test::in_passes(1e-3);  // not reached
   Progress progress;
   Checkpoints checkpoints;
+  const BlockWorkers* workers = nullptr;
   double lost = 0;  // by a machine that others use, too
 
   explicit Limited(double limit) {
@@ -48,6 +49,7 @@ struct Limited {
   Baked<3> bake() {
     BakeHooks<3> hooks;
     hooks.checkpoints = &checkpoints;
+    hooks.workers = workers;
     hooks.clock = [this] { return progress.work() + lost; };
     return leaflight::bake<3>(scene(), settings, progress, hooks);
   }
@@ -92,6 +94,23 @@ TEST(TimeLimit, IsKeptWhereABakeBecomesSlow) {
   EXPECT_EQ(texels_along(baked), of_preview);
   EXPECT_LE(limited.progress.work() + limited.lost, 1.1 * limit);
   EXPECT_TRUE(baked.statistics.stopped);
+}
+
+TEST(TimeLimit, LeavesWorkersOutWhereTexelsAreWider) {
+  const double pass = work_of_a_pass();
+  for (const auto& [passes, along] : {std::pair(0.4, wider), {1.1, voxels}}) {
+    Limited limited(passes * pass);
+    int asked = 0;
+    BlockWorkers workers;
+    workers.begin = [](int, int, const std::function<void(std::ostream&)>&) {};
+    workers.take = [&](int) {
+      ++asked;
+      return std::string();  // it traces the block itself
+    };
+    limited.workers = &workers;
+    EXPECT_EQ(texels_along(limited.bake()), along);
+    EXPECT_EQ(asked > 0, along == voxels);
+  }
 }
 
 TEST(TimeLimit, GoesOnFromACheckpointWithTheSameTexels) {

@@ -137,9 +137,7 @@ class Passes {
     if (hooks_.on_pass && is_large) hooks_.on_pass(std::move(baked));
     // Nothing else tells how long they take.
     if (limit_.is_given() && scene_.plan.walls) walls(*preview_);
-    // Nobody knows how fast workers are.
-    const bool is_usual = hooks_.workers ? !over(0) : fits(texels_);
-    return is_usual ? Texels::usual : wider_in_time();
+    return fits(texels_) ? Texels::usual : wider_in_time();
   }
 
   Texels wider_in_time() const { return fits(texels(wider_by)) ? Texels::wider : Texels::preview; }
