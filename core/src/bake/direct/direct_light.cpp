@@ -147,7 +147,7 @@ void DirectLight<D>::find(const VisibilityThroughAll<D>& way,
   for (std::size_t first = 0; first < numbers.size(); first += points_at_once) {
     const std::size_t some = std::min(points_at_once, numbers.size() - first);
     std::vector<std::vector<std::uint8_t>> found(some);
-    parallel_range(some, 1, static_cast<double>(maps.lattice.texels()), progress,
+    parallel_range(some, 1, work_of_texel * static_cast<double>(maps.lattice.texels()), progress,
                    [&](std::size_t begin, std::size_t end) {
                      for (std::size_t i = begin; i < end; ++i) {
                        way.run(points_[numbers[first + i]].source, code, found[i], progress);

@@ -28,6 +28,9 @@ IsosurfacePoint<D> isosurface_point(const Field<D>& field, const Vec<D>& index_p
 template <int D>
 class DirectLight {
  public:
+  // Of a map, for the progress, in points of lines.
+  static constexpr double work_of_texel = 0.2;
+
   // Of a volume by its number; `resolution`: of the maps; `back`: of the backs, too, which
   // needs the scene's only volume; `spacing`: as VisibilitySweep has it; `earlier`: where lights
   // alone were others, whose maps serve for the points that have not moved. The result is the same

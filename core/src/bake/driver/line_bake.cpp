@@ -15,7 +15,6 @@
 namespace leaflight {
 namespace {
 
-constexpr int rays_of_wall_vertices = 8;
 // Directions of the bounces of indirect light that come before blocks count. Later bounces bring
 // less and vary less. They begin with none: light from photons is too coarse, and what leaks
 // through a wall stays in a closed cavity for many bounces.
@@ -255,7 +254,7 @@ WallRadiance<D> LineBake<D>::walls() {
   }
   const PointSampler<D> sampler{lights_, isosurfaces, photons_.walls.get(), false};
   return light_walls(volume_.tracer, sampler, estimator.get(), direct_of_walls_,
-                     rays_of_wall_vertices, settings_.seed, progress_);
+                     LitScene<D>::samples_of_walls, settings_.seed, progress_);
 }
 
 template <int D>

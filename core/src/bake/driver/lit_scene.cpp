@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bake/driver/lit_scene.h"
 
+#include "bake/walls/wall_light.h"
 #include "transport/placement.h"
 
 namespace leaflight {
@@ -25,9 +26,8 @@ LitScene<D>::LitScene(const Scene<D>& scene, const BakeSettings<D>& settings_, c
 }
 
 template <int D>
-double LitScene<D>::learn_direct(const std::vector<Index<D>>& texels, double spacing) {
+void LitScene<D>::learn_direct(const std::vector<Index<D>>& texels, double spacing) {
   progress.begin("Direct light");
-  double work = 0;
   // The light of backs would take two maps where other volumes stand in its way.
   const bool back = plan.back && volumes.size() == 1;
   for (std::size_t v = 0; v < volumes.size(); ++v) {
@@ -36,9 +36,7 @@ double LitScene<D>::learn_direct(const std::vector<Index<D>>& texels, double spa
         volumes[v].volume().field, volumes[v].isovalue_range(), texels[v], split.points.size());
     direct[v] = std::make_shared<const DirectLight<D>>(tracer, static_cast<int>(v), split.points,
                                                        resolution, back, progress, spacing);
-    work += static_cast<double>(direct[v]->lattice().texels());
   }
-  return work * static_cast<double>(split.points.size()) * (back ? 2 : 1);
 }
 
 template <int D>
@@ -47,6 +45,14 @@ void LitScene<D>::learn_direct_of_walls() {
   progress.begin("Direct light of the walls");
   direct_of_walls =
       std::make_shared<const MeshDirectLight<D>>(tracer, subdivide(tracer.scene()), progress);
+}
+
+template <int D>
+double LitScene<D>::cost_of_walls() const {
+  if (!plan.walls) return 0;
+  const std::vector<SubdividedMesh<D>> meshes = subdivide(tracer.scene());
+  const double ways = direct_of_walls ? 0 : work_of_ways(tracer, meshes);
+  return ways + (plan.lines ? work_of_samples(tracer, meshes, samples_of_walls) : 0);
 }
 
 template struct LitScene<2>;

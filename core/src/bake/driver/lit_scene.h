@@ -14,6 +14,9 @@ namespace leaflight {
 // A scene made ready for light: what its integrators share. All that it is given must outlive it.
 template <int D>
 struct LitScene {
+  // Of each vertex at each node, where lines light the volume.
+  static constexpr int samples_of_walls = 8;
+
   const BakeSettings<D>& settings;
   const Plan& plan;
   Progress& progress;
@@ -36,10 +39,12 @@ struct LitScene {
     return tracer.scene().volumes[volume].scattering == Scattering::diffuse;
   }
   // Computes the maps of the points of `split`; `texels`: the resolution of each volume's;
-  // `spacing`: as VisibilitySweep has it. Returns how much work that was for the progress.
-  double learn_direct(const std::vector<Index<D>>& texels, double spacing);
+  // `spacing`: as VisibilitySweep has it.
+  void learn_direct(const std::vector<Index<D>>& texels, double spacing);
   // Once.
   void learn_direct_of_walls();
+  // What they still are for the progress. Paths light walls in their blocks.
+  double cost_of_walls() const;
 
  private:
   std::vector<EmptySpace<D>> empty_;  // of each volume, below the isovalue range

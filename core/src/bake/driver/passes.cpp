@@ -18,8 +18,9 @@ constexpr std::size_t most_without_preview = 200'000;
 constexpr int preview_blocks = 2, most_blocks = 32;
 // How much wider the texels of its maps are, and the voxels between their lines.
 constexpr int preview_spacing = 2;
-// Estimates at each point where its error is measured; all of them would delay it.
-constexpr int preview_estimates = 2;
+// Estimates at each point where its error is measured; all of them would delay it. How many times
+// as long the photons of a whole pass take.
+constexpr int preview_estimates = 2, more_photons = 5;
 // Bakes of fewer texels begin with four blocks, which take little time there.
 constexpr std::size_t few_texels = 1'500'000;
 // A pass that is out of time ends after so many.
@@ -142,12 +143,12 @@ class Passes {
 
   Texels wider_in_time() const { return fits(texels(wider_by)) ? Texels::wider : Texels::preview; }
 
-  // Whether there is time for a first pass of these texels. For 5 to 57 times as many texels as in
-  // the first picture, it takes 2.2 to 7.8 times as long (docs/decisions/2026-11-28-time-limit.md).
+  // For a first pass (docs/decisions/2026-11-28-time-limit.md).
   bool fits(const std::vector<BakeTexels<D>>& texels) const {
     const double ratio = static_cast<double>(texels_of_indirect_light(texels)) /
                          static_cast<double>(preview_texels_);
-    return !over(preview_seconds_ * std::sqrt(ratio) + walls_seconds_);
+    return !over((preview_seconds_ - photon_seconds_) * std::sqrt(ratio) +
+                 more_photons * photon_seconds_ + walls_seconds_);
   }
 
   // With coarse texels and maps.
@@ -159,8 +160,10 @@ class Passes {
       texels.push_back(preview_texels(scene_.volumes[v], shown_[v]));
     }
     preview_texels_ = std::max<std::size_t>(1, texels_of_indirect_light(texels));
-    work_ += scene_.learn_direct(coarse, preview_spacing);
+    scene_.learn_direct(coarse, preview_spacing);
+    const double began = limit_.seconds();
     preview_ = integrator(std::move(texels), nullptr, nullptr);
+    photon_seconds_ = limit_.seconds() - began;
   }
 
   // Makes the integrator of these texels.
@@ -178,7 +181,7 @@ class Passes {
         texels_ = texels(wider_by);
         count_texels();
       }
-      work_ += scene_.learn_direct(shown_, 1);
+      scene_.learn_direct(shown_, 1);
       bake_ = integrator(std::move(texels_), previous_, is_usual ? hooks_.workers : nullptr);
     }
     texels_.clear();
@@ -205,17 +208,23 @@ class Passes {
         "anew.");
   }
 
-  // Work of the maps and of the first pass, until the time of a block is known.
+  // Work of all that comes before the walls, until the integrator tells it.
   void expect() {
     const auto points = static_cast<double>(scene_.split.points.size());
     double work = 0;
     for (const BakeTexels<D>& one : texels_) {
       const auto all = static_cast<double>(one.shown.lattice.texels());
-      work += scene_.sides() * all * points + first_blocks(count_) * all *
-                                                  IndirectLight<D>::directions_per_block /
-                                                  std::pow(one.spacing, D - 1);
+      work += scene_.sides() * all * points * DirectLight<D>::work_of_texel +
+              first_blocks(count_) * all * IndirectLight<D>::directions_per_block /
+                  std::pow(one.spacing, D - 1);
     }
-    progress_.expect(work);
+    progress_.expect(progress_.work() + work + scene_.cost_of_walls());
+  }
+
+  // What is done, the blocks, what comes before them, the radiance of the texels and the walls.
+  void expect_pass() {
+    const int blocks = blocks_ - bake_->blocks() + (bake_->blocks() == before_ ? 2 : 1);
+    progress_.expect(progress_.work() + bake_->cost() * blocks + scene_.cost_of_walls());
   }
 
   // Pass by pass.
@@ -228,8 +237,7 @@ class Passes {
         return last(whole(*bake_), true);
       }
       block_began_ = limit_.seconds();
-      // The steps before count, too, and the radiance of the texels afterwards.
-      progress_.expect(work_ + bake_->cost() * (blocks_ - before_ + 2));
+      expect_pass();
       bake_->add(blocks_ - bake_->blocks(), proceed);
       const bool cut = bake_->blocks() < blocks_;
       if (cut && preview_ && bake_->blocks() - before_ < least_blocks) {
@@ -360,12 +368,11 @@ class Passes {
   std::vector<Index<D>> shown_;                        // their resolutions
   std::size_t count_ = 0, preview_texels_ = 1;         // of all texels, of the first picture's
   Texels chosen_ = Texels::usual;
-  double work_ = 0;  // of direct light
   int passes_ = 0;
   int before_ = 0, blocks_ = 0;  // blocks of the previous bake, and those after the pass
   // What steps took.
-  double preview_seconds_ = 0, block_seconds_ = 0, seconds_a_texel_ = 0, walls_seconds_ = 0;
-  double block_began_ = 0, saved_ = 0;
+  double preview_seconds_ = 0, photon_seconds_ = 0, walls_seconds_ = 0;
+  double block_seconds_ = 0, seconds_a_texel_ = 0, block_began_ = 0, saved_ = 0;
   std::unique_ptr<Integrator<D>> preview_, bake_;
   std::optional<MeasuredError<D>> measured_;
   IsovalueErrors errors_;  // of the last whole bake

@@ -45,7 +45,7 @@ double RayBake<D>::cost() const {
   }
   const double photons = scene_.plan.caustics ? static_cast<double>(photons_) : 0;
   return rays_per_photon * photons + texel_samples * texels +
-         (walls_ ? vertex_samples * walls_->entries() : 0);
+         (walls_ ? walls_->work(vertex_samples) : 0);
 }
 
 template <int D>

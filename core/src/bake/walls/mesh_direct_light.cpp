@@ -12,6 +12,8 @@ namespace leaflight {
 namespace {
 
 constexpr std::size_t ways_per_piece = 256;
+// A way takes as long as so many.
+constexpr double points_of_lines_per_way = 48;
 
 // Each vertex has the set that its neighbours and theirs have least.
 std::vector<std::uint8_t> sets_of(const MeshNeighbours& neighbours, std::size_t vertices) {
@@ -121,7 +123,7 @@ typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTra
   if (tracer.has_openings()) of.least.resize(of.ways.size());
   for (auto& side : of.unshadowed) side.assign(lights() * vertices, Vec<3, float>(0));
   parallel_range(
-      vertices, ways_per_piece, static_cast<double>(points), progress,
+      vertices, ways_per_piece, points_of_lines_per_way * static_cast<double>(points), progress,
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end && !progress.cancelled(); ++v) {
           if (known.ways) take(known, v, of);
@@ -223,7 +225,20 @@ std::vector<Vec<3, float>> MeshDirectLight<D>::radiance(int mesh, double c, bool
   return radiance;
 }
 
+template <int D>
+double work_of_ways(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes) {
+  double vertices = 0;
+  for (std::size_t m = 0; m < meshes.size(); ++m) {
+    if (tracer.meshes()[m].scattering != Scattering::diffuse) continue;
+    vertices += static_cast<double>(meshes[m].fine.vertices.size());
+  }
+  return points_of_lines_per_way * vertices *
+         static_cast<double>(interleaved_points(tracer)[0].size());
+}
+
 template class MeshDirectLight<2>;
 template class MeshDirectLight<3>;
+template double work_of_ways(const SceneTracer<2>&, const std::vector<SubdividedMesh<2>>&);
+template double work_of_ways(const SceneTracer<3>&, const std::vector<SubdividedMesh<3>>&);
 
 }  // namespace leaflight

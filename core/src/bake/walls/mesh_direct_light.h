@@ -83,4 +83,8 @@ class MeshDirectLight {
   std::shared_ptr<const std::vector<MeshWays>> meshes_;  // those of mirrors and glass are empty
 };
 
+// What its ways are for the progress, which it is given when they are traced: in points of lines.
+template <int D>
+double work_of_ways(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes);
+
 }  // namespace leaflight

@@ -15,8 +15,8 @@ constexpr int smoothing_passes = 9;
 
 // A side of the walls is tried at every so many vertices before it is lit.
 constexpr std::size_t probe_stride = 16;
-// For the progress.
-constexpr double rays_per_sample = 2;
+// A sample takes as long as so many.
+constexpr double points_of_lines_per_sample = 7;
 constexpr int node_bits = 6;
 static_assert(IsovalueNodes::count <= 1 << node_bits);
 
@@ -84,10 +84,12 @@ WallLight<D>::WallLight(const SceneTracer<D>& tracer)
 }
 
 template <int D>
-double WallLight<D>::entries() const {
-  double count = 0;
-  for (const auto& sides : sums_) count += 2 * static_cast<double>(sides[0][0].size());
-  return count;
+double WallLight<D>::work(int samples) const {
+  double entries = 0;  // vertices at nodes
+  for (const auto& sides : sums_) {
+    for (const Halves& side : sides) entries += static_cast<double>(side[0].size());
+  }
+  return points_of_lines_per_sample * samples * entries;
 }
 
 // Their means at every so many vertices of one side, for all nodes.
@@ -105,8 +107,8 @@ std::vector<Vec<3, float>> WallLight<D>::means(std::size_t mesh, bool back, std:
   const FineMesh<D>& lit = meshes_[mesh].coarse;
   const std::size_t n = (lit.places.size() + stride - 1) / stride;
   std::vector<Vec<3, float>> means(n * IsovalueNodes::count);
-  parallel_range(means.size(), samples_per_piece, rays_per_sample * samples.count, progress,
-                 [&](std::size_t begin, std::size_t end) {
+  parallel_range(means.size(), samples_per_piece, points_of_lines_per_sample * samples.count,
+                 progress, [&](std::size_t begin, std::size_t end) {
                    std::uint64_t traced = 0;
                    for (std::size_t e = begin; e < end && !progress.cancelled(); ++e) {
                      const std::size_t vertex = e % n * stride;
@@ -201,7 +203,21 @@ void WallLight<D>::add_noise(double exposure, IsovalueErrors& errors, Progress& 
   }
 }
 
+template <int D>
+double work_of_samples(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes,
+                       int samples) {
+  double vertices = 0;
+  for (std::size_t m = 0; m < meshes.size(); ++m) {
+    if (tracer.meshes()[m].scattering != Scattering::diffuse) continue;
+    vertices += static_cast<double>(meshes[m].coarse.vertices.size());
+  }
+  constexpr int sides = 2;
+  return points_of_lines_per_sample * samples * sides * IsovalueNodes::count * vertices;
+}
+
 template class WallLight<2>;
 template class WallLight<3>;
+template double work_of_samples(const SceneTracer<2>&, const std::vector<SubdividedMesh<2>>&, int);
+template double work_of_samples(const SceneTracer<3>&, const std::vector<SubdividedMesh<3>>&, int);
 
 }  // namespace leaflight

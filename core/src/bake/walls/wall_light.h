@@ -24,12 +24,13 @@ class WallLight {
   // Refers to the tracer.
   explicit WallLight(const SceneTracer<D>& tracer);
 
-  // Vertices at nodes, of both sides.
-  double entries() const;
   // For one half, in turns. `from`: of all light but that of points. The estimator may be null
   // where there is no indirect light.
   void add(const PointSampler<D>& from, const IndirectEstimator<D>* estimator,
            const WallSamples& samples, Progress& progress);
+  // What add() of so many samples is for the progress, in points of lines: less where a side is
+  // known to be dark.
+  double work(int samples) const;
   // How often samples were added.
   int blocks() const { return added_; }
   // Its state.
@@ -58,5 +59,10 @@ class WallLight {
   std::vector<std::array<Halves, 2>> sums_;
   int added_ = 0;
 };
+
+// The same before any is known.
+template <int D>
+double work_of_samples(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes,
+                       int samples);
 
 }  // namespace leaflight
