@@ -138,7 +138,7 @@ Baked<D> light(const Scene<D>& scene, const FixedSettings<D>& settings, const Pl
     progress.begin("Radiance of the walls");
     const auto direct_of_walls =
         std::make_shared<const MeshDirectLight<D>>(tracer, walls, progress);
-    baked.walls = light_walls(tracer, bake.sampler(), estimator.get(), direct_of_walls,
+    baked.walls = light_walls(tracer, bake.sampler(), estimator.get(), walls, direct_of_walls,
                               walls_share * settings.samples, settings.seed, progress);
   }
   for (std::size_t v = 0; v < baked.grids.size(); ++v) {

@@ -36,11 +36,11 @@ Rgb emission_near(const Volume<D>& volume, const IsovalueRange& isovalue_range,
 template <int D>
 LineBake<D>::LineBake(LitScene<D>& scene, std::size_t volume, BakeTexels<D> texels,
                       const PreviousLight<D>* previous, const BlockWorkers* workers)
-    : volume_(scene.volumes[volume]),
+    : scene_(scene),
+      volume_(scene.volumes[volume]),
       lights_(scene.lights),
       split_(scene.split),
       direct_(scene.direct[volume]),
-      direct_of_walls_(scene.direct_of_walls),
       settings_(scene.settings),
       plan_(scene.plan),
       progress_(scene.progress),
@@ -253,8 +253,9 @@ WallRadiance<D> LineBake<D>::walls() {
     estimator = make_gather_estimator(volume_.tracer, lights_, isosurfaces, *photons_.walls);
   }
   const PointSampler<D> sampler{lights_, isosurfaces, photons_.walls.get(), false};
-  return light_walls(volume_.tracer, sampler, estimator.get(), direct_of_walls_,
-                     LitScene<D>::samples_of_walls, settings_.seed, progress_);
+  return light_walls(volume_.tracer, sampler, estimator.get(), scene_.subdivided(),
+                     scene_.direct_of_walls, LitScene<D>::samples_of_walls, settings_.seed,
+                     progress_);
 }
 
 template <int D>

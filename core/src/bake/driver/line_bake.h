@@ -73,12 +73,12 @@ class LineBake final : public Integrator<D> {
   std::array<NoisyLight, 2> filtered_light(UnfilteredLight<D>& unfiltered);
   void measure_noise(const std::vector<Average>& direct, const std::vector<Average>& indirect);
 
+  LitScene<D>& scene_;
   LineVolume<D> volume_;
   const LightSampler<D>& lights_;
   const SplitLight<D>& split_;
   // Of the scene: coarser maps while the first picture is made.
   const std::shared_ptr<const DirectLight<D>>& direct_;
-  const std::shared_ptr<const MeshDirectLight<D>>& direct_of_walls_;
   std::optional<EnvironmentSampler<D>> sky_;  // that has no points
   const BakeSettings<D>& settings_;
   const Plan& plan_;

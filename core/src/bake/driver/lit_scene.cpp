@@ -26,6 +26,12 @@ LitScene<D>::LitScene(const Scene<D>& scene, const BakeSettings<D>& settings_, c
 }
 
 template <int D>
+const std::vector<SubdividedMesh<D>>& LitScene<D>::subdivided() {
+  if (subdivided_.empty()) subdivided_ = subdivide(tracer.scene());
+  return subdivided_;
+}
+
+template <int D>
 void LitScene<D>::learn_direct(const std::vector<Index<D>>& texels, double spacing) {
   progress.begin("Direct light");
   // The light of backs would take two maps where other volumes stand in its way.
@@ -43,16 +49,14 @@ template <int D>
 void LitScene<D>::learn_direct_of_walls() {
   if (direct_of_walls) return;
   progress.begin("Direct light of the walls");
-  direct_of_walls =
-      std::make_shared<const MeshDirectLight<D>>(tracer, subdivide(tracer.scene()), progress);
+  direct_of_walls = std::make_shared<const MeshDirectLight<D>>(tracer, subdivided(), progress);
 }
 
 template <int D>
-double LitScene<D>::cost_of_walls() const {
+double LitScene<D>::cost_of_walls() {
   if (!plan.walls) return 0;
-  const std::vector<SubdividedMesh<D>> meshes = subdivide(tracer.scene());
-  const double ways = direct_of_walls ? 0 : work_of_ways(tracer, meshes);
-  return ways + (plan.lines ? work_of_samples(tracer, meshes, samples_of_walls) : 0);
+  const double ways = direct_of_walls ? 0 : work_of_ways(tracer, subdivided());
+  return ways + (plan.lines ? work_of_samples(tracer, subdivided(), samples_of_walls) : 0);
 }
 
 template struct LitScene<2>;

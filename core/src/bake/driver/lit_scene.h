@@ -38,16 +38,19 @@ struct LitScene {
   bool stores_light_of(std::size_t volume) const {
     return tracer.scene().volumes[volume].scattering == Scattering::diffuse;
   }
+  // The walls' meshes, which are cut when they are first asked for.
+  const std::vector<SubdividedMesh<D>>& subdivided();
   // Computes the maps of the points of `split`; `texels`: the resolution of each volume's;
   // `spacing`: as VisibilitySweep has it.
   void learn_direct(const std::vector<Index<D>>& texels, double spacing);
   // Once.
   void learn_direct_of_walls();
   // What they still are for the progress. Paths light walls in their blocks.
-  double cost_of_walls() const;
+  double cost_of_walls();
 
  private:
   std::vector<EmptySpace<D>> empty_;  // of each volume, below the isovalue range
+  std::vector<SubdividedMesh<D>> subdivided_;
 };
 
 }  // namespace leaflight

@@ -29,7 +29,7 @@ RayBake<D>::RayBake(LitScene<D>& scene, std::vector<BakeTexels<D>> texels,
     stored_[v] = std::make_unique<LineBake<D>>(scene, v, std::move(texels[v]),
                                                previous ? &(*previous)[v] : nullptr);
   }
-  if (scene.plan.walls) walls_.emplace(scene.tracer);
+  if (scene.plan.walls) walls_.emplace(scene.tracer, scene.subdivided());
 }
 
 template <int D>

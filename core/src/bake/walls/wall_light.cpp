@@ -70,11 +70,8 @@ std::uint32_t rank_at_node(std::uint32_t vertex, std::size_t node) {
 }  // namespace
 
 template <int D>
-WallLight<D>::WallLight(const SceneTracer<D>& tracer)
-    : tracer_(tracer),
-      nodes_(tracer.scene()),
-      meshes_(subdivide(tracer.scene())),
-      sums_(meshes_.size()) {
+WallLight<D>::WallLight(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes)
+    : tracer_(tracer), meshes_(meshes), nodes_(tracer.scene()), sums_(meshes.size()) {
   for (std::size_t m = 0; m < meshes_.size(); ++m) {
     const std::size_t count =
         is_diffuse(m) ? meshes_[m].coarse.places.size() * IsovalueNodes::count : 0;

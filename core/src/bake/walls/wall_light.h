@@ -21,8 +21,8 @@ struct WallSamples {
 template <int D>
 class WallLight {
  public:
-  // Refers to the tracer.
-  explicit WallLight(const SceneTracer<D>& tracer);
+  // `meshes`: the scene's. Refers to both.
+  WallLight(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes);
 
   // For one half, in turns. `from`: of all light but that of points. The estimator may be null
   // where there is no indirect light.
@@ -52,8 +52,8 @@ class WallLight {
   }
 
   const SceneTracer<D>& tracer_;
+  const std::vector<SubdividedMesh<D>>& meshes_;
   IsovalueNodes nodes_;
-  std::vector<SubdividedMesh<D>> meshes_;
   std::vector<std::vector<std::uint32_t>> ranks_;  // of coarse vertices; neighbours have near ones
   // Sums of means, by mesh and side; [node * vertices + vertex]. Empty where it is dark.
   std::vector<std::array<Halves, 2>> sums_;
