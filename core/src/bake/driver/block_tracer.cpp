@@ -5,7 +5,6 @@
 
 #include "bake/driver/line_bake.h"
 #include "bake/driver/pass_texels.h"
-#include "bake/driver/passes.h"
 #include "math/error.h"
 
 namespace leaflight {

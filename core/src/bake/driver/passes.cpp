@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "bake/driver/measured_error.h"
+#include "bake/driver/pass_blocks.h"
 #include "bake/driver/pass_texels.h"
 #include "bake/driver/ray_bake.h"
 #include "bake/driver/time_limit.h"
@@ -14,40 +15,20 @@ namespace {
 
 // Bakes of fewer texels do without a first picture.
 constexpr std::size_t most_without_preview = 200'000;
-// Blocks of a first picture, and of all passes at most.
-constexpr int preview_blocks = 2, most_blocks = 32;
+// Blocks of a first picture.
+constexpr int preview_blocks = 2;
 // How much wider the texels of its maps are, and the voxels between their lines.
 constexpr int preview_spacing = 2;
 // Estimates at each point where its error is measured; all of them would delay it. How many times
 // as long the photons of a whole pass take.
 constexpr int preview_estimates = 2, more_photons = 5;
-// Bakes of fewer texels begin with four blocks, which take little time there.
-constexpr std::size_t few_texels = 1'500'000;
 // A pass that is out of time ends after so many.
 constexpr int least_blocks = 2;
-// The noise to reach, as a share of the target error: what the texture error leaves of it. Where
-// that is less than the least, passes would take several times as long for an error that hardly
-// falls: a share of the texture error is enough.
-constexpr double least_noise = 0.4, most_noise = 0.8, out_of_reach_noise = 0.5;
 
 // The texels of a bake: as fine as its volume needs, or, where its time is too short for them,
 // twice as wide or those of its first picture.
 enum class Texels : int { usual, wider, preview };
 constexpr int wider_by = 2;
-
-// Blocks of the first pass. The difference of two shows the error.
-int first_blocks(std::size_t texels) { return texels < few_texels ? 4 : 2; }
-
-// The blocks after the next pass: as many as leave the noise `target`, a variance, by what was
-// found so far; at most twice as many as now, or eight.
-int next_blocks(int now, double noise, double target) {
-  if (now == 0) return 0;
-  const double wanted = noise * now / target;
-  const int most = std::max(now, std::min(std::max(2 * now, 8), most_blocks));
-  // A pass that adds little costs as much to look at as one that adds more.
-  const double grown = wanted > now ? std::max(std::ceil(wanted), std::ceil(1.25 * now)) : now;
-  return static_cast<int>(std::clamp<double>(grown, now, most));
-}
 
 template <int D>
 std::size_t texels_of_indirect_light(const std::vector<BakeTexels<D>>& texels) {
@@ -141,7 +122,12 @@ class Passes {
     return fits(texels_) ? Texels::usual : wider_in_time();
   }
 
-  Texels wider_in_time() const { return fits(texels(wider_by)) ? Texels::wider : Texels::preview; }
+  Texels wider_in_time() { return fits(wider()) ? Texels::wider : Texels::preview; }
+
+  std::vector<BakeTexels<D>>& wider() {
+    if (wider_.empty()) wider_ = texels(wider_by);
+    return wider_;
+  }
 
   // For a first pass (docs/decisions/2026-11-28-time-limit.md).
   bool fits(const std::vector<BakeTexels<D>>& texels) const {
@@ -178,13 +164,14 @@ class Passes {
       bake_ = std::move(preview_);
     } else {
       if (!is_usual) {
-        texels_ = texels(wider_by);
+        texels_ = std::move(wider());
         count_texels();
       }
       scene_.learn_direct(shown_, 1);
       bake_ = integrator(std::move(texels_), previous_, is_usual ? hooks_.workers : nullptr);
     }
     texels_.clear();
+    wider_.clear();
     if (limit_.is_given() && scene_.plan.walls) scene_.learn_direct_of_walls();
     before_ = previous_ ? bake_->blocks() : 0;
     blocks_ = scene_.plan.indirect ? before_ + first_blocks(count_) : 0;
@@ -215,8 +202,7 @@ class Passes {
     for (const BakeTexels<D>& one : texels_) {
       const auto all = static_cast<double>(one.shown.lattice.texels());
       work += scene_.sides() * all * points * DirectLight<D>::work_of_texel +
-              first_blocks(count_) * all * IndirectLight<D>::directions_per_block /
-                  std::pow(one.spacing, D - 1);
+              first_blocks(count_) * IndirectLight<D>::cost(one.indirect.lattice, one.spacing);
     }
     progress_.expect(progress_.work() + work + scene_.cost_of_walls());
   }
@@ -364,7 +350,7 @@ class Passes {
   Progress& progress_;
   const std::uint64_t first_rays_ = progress_.rays();  // of others, before
   const Previous* previous_ = nullptr;                 // null: nothing
-  std::vector<BakeTexels<D>> texels_;                  // until the integrator has them
+  std::vector<BakeTexels<D>> texels_, wider_;          // until the integrator has them
   std::vector<Index<D>> shown_;                        // their resolutions
   std::size_t count_ = 0, preview_texels_ = 1;         // of all texels, of the first picture's
   Texels chosen_ = Texels::usual;
@@ -379,12 +365,6 @@ class Passes {
 };
 
 }  // namespace
-
-double noise_to_reach(double error, double texture) {
-  const double wanted = std::sqrt(std::max(0.0, error * error - texture * texture));
-  if (wanted < least_noise * error) return out_of_reach_noise * texture;
-  return std::min(wanted, most_noise * error);
-}
 
 template <int D>
 Baked<D> bake_in_passes(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,

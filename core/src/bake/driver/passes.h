@@ -5,10 +5,6 @@
 
 namespace leaflight {
 
-// The noise, in percent, at which a bake of this target error and this texture error ends: what the
-// texture error leaves of the target, within bounds.
-double noise_to_reach(double error, double texture);
-
 // A bake in passes: each adds blocks of an integrator (integrator.h), lines where there is one
 // volume without mirrors and glass, else rays, and leaves a whole bake. What a pass does depends
 // on the passes before alone, never on time. Ends when the estimated noise leaves room for

@@ -109,11 +109,11 @@ void IndirectLight<D>::serialize(Archive& archive) {
 }
 
 template <int D>
-double IndirectLight<D>::cost() const {
+double IndirectLight<D>::cost(const TexelLattice<D>& texels, int spacing) {
   // Lines are as wide apart as texels; along them each plane of voxels counts.
-  const double planes = std::max(1.0, texels_.lattice.voxels_per_texel[0]);
-  return static_cast<double>(texels_.lattice.texels()) * planes * directions_per_block /
-         std::pow(spacing_, D - 1);
+  const double planes = std::max(1.0, texels.voxels_per_texel[0]);
+  return static_cast<double>(texels.texels()) * planes * directions_per_block /
+         std::pow(spacing, D - 1);
 }
 
 template <int D>

@@ -37,7 +37,8 @@ class IndirectLight {
   void serialize(Archive& archive);
   int blocks() const { return blocks_; }
   // What a block costs, in points of lines.
-  double cost() const;
+  double cost() const { return cost(texels_.lattice, spacing_); }
+  static double cost(const TexelLattice<D>& texels, int spacing);
   // Begins anew, with other directions.
   void clear();
 

@@ -17,6 +17,11 @@ constexpr int smoothing_passes = 9;
 constexpr std::size_t probe_stride = 16;
 // A sample takes as long as so many.
 constexpr double points_of_lines_per_sample = 7;
+// What so many samples of each entry, a vertex at a node, are for the progress.
+double work_of(int samples, double entries) {
+  return points_of_lines_per_sample * samples * entries;
+}
+
 constexpr int node_bits = 6;
 static_assert(IsovalueNodes::count <= 1 << node_bits);
 
@@ -86,7 +91,7 @@ double WallLight<D>::work(int samples) const {
   for (const auto& sides : sums_) {
     for (const Halves& side : sides) entries += static_cast<double>(side[0].size());
   }
-  return points_of_lines_per_sample * samples * entries;
+  return work_of(samples, entries);
 }
 
 // Their means at every so many vertices of one side, for all nodes.
@@ -209,7 +214,7 @@ double work_of_samples(const SceneTracer<D>& tracer, const std::vector<Subdivide
     vertices += static_cast<double>(meshes[m].coarse.vertices.size());
   }
   constexpr int sides = 2;
-  return points_of_lines_per_sample * samples * sides * IsovalueNodes::count * vertices;
+  return work_of(samples, sides * IsovalueNodes::count * vertices);
 }
 
 template class WallLight<2>;

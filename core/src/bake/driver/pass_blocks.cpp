@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/driver/pass_blocks.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace leaflight {
+namespace {
+
+// Of all passes, at most.
+constexpr int most_blocks = 32;
+// Bakes of fewer texels begin with four blocks, which take little time there.
+constexpr std::size_t few_texels = 1'500'000;
+// The noise to reach, as a share of the target error: what the texture error leaves of it. Where
+// that is less than the least, passes would take several times as long for an error that hardly
+// falls: a share of the texture error is enough.
+constexpr double least_noise = 0.4, most_noise = 0.8, out_of_reach_noise = 0.5;
+
+}  // namespace
+
+double noise_to_reach(double error, double texture) {
+  const double wanted = std::sqrt(std::max(0.0, error * error - texture * texture));
+  if (wanted < least_noise * error) return out_of_reach_noise * texture;
+  return std::min(wanted, most_noise * error);
+}
+
+int first_blocks(std::size_t texels) { return texels < few_texels ? 4 : 2; }
+
+int next_blocks(int now, double noise, double target) {
+  if (now == 0) return 0;
+  const double wanted = noise * now / target;
+  const int most = std::max(now, std::min(std::max(2 * now, 8), most_blocks));
+  // A pass that adds little costs as much to look at as one that adds more.
+  const double grown = wanted > now ? std::max(std::ceil(wanted), std::ceil(1.25 * now)) : now;
+  return static_cast<int>(std::clamp<double>(grown, now, most));
+}
+
+}  // namespace leaflight
