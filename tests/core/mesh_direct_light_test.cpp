@@ -177,15 +177,48 @@ TEST(MeshDirectLight, TakesWhatHasNotMovedFromEarlierWays) {
     EXPECT_EQ(after.ways(0).ways[i].share, alone.ways(0).ways[i].share);
   }
   EXPECT_EQ(after.radiance(0, 0.7, false), alone.radiance(0, 0.7, false));
-  // With few ways of the moved point, all are there of the other, and both count as they should.
-  const MeshDirectLight<3> some = direct(7, &before);
-  double all = 0, found = 0;
+  // With few ways of the moved point, all are there of the other.
+  const MeshDirectLight<3> some = direct(light_point_sets, &before);
   for (std::size_t v = 0; v < some.ways(0).sets.size(); ++v) {
     EXPECT_EQ(some.ways(0).ways[2 * v].greatest, alone.ways(0).ways[2 * v].greatest);
-    all += alone.ways(0).ways[2 * v + 1].share;
-    found += some.ways(0).ways[2 * v + 1].share;
+    EXPECT_EQ(some.ways(0).ways[2 * v + 1].share, alone.ways(0).ways[2 * v + 1].share);
   }
-  EXPECT_NEAR(found, all, 0.1 * all);
+}
+
+// A sharp lamp has one point, and only one vertex of seven traces the way to it. Beside a wide lamp
+// each counts as much as with all ways.
+template <int D>
+void expect_few_ways_to_show_shadows() {
+  PointLight<D> bulb{"bulb", place<D>(0.3, 1.5), 0, Rgb(1), {}};
+  bulb.intensity = Rgb(1.5f);
+  const SunLight<D> sharp{"sun", place<D>(0.2, -1).normalized(), Rgb(1), 0},
+      wide{"sky", place<D>(-0.3, -1).normalized(), Rgb(1), 0.4};
+  for (const std::vector<Light<D>>& lights :
+       {std::vector<Light<D>>{bulb}, {sharp}, {wide}, {sharp, wide}}) {
+    Scene<D> scene = over_floor<D>(bulb);
+    scene.lights = lights;
+    const SceneTracer<D> tracer(scene);
+    const std::vector<SubdividedMesh<D>> meshes = subdivide(scene);
+    const MeshDirectLight<D> all(tracer, meshes, ignored),
+        few(tracer, meshes, ignored, light_point_sets);
+    const auto exact = all.radiance(0, 0.7, false), found = few.radiance(0, 0.7, false),
+               open = all.unshadowed(0, false);
+    double sum = 0, exact_sum = 0, difference = 0, shadow = 0;
+    for (std::size_t v = 0; v < found.size(); ++v) {
+      sum += found[v].x;
+      exact_sum += exact[v].x;
+      difference += (found[v] - exact[v]).length2();
+      shadow += (open[v] - exact[v]).length2();
+    }
+    EXPECT_NEAR(sum, exact_sum, 0.02 * exact_sum);
+    EXPECT_GT(shadow, 0);
+    EXPECT_LT(difference, 0.1 * shadow);
+  }
+}
+
+TEST(MeshDirectLight, ShowsTheShadowsOfSharpLampsByFewWays) {
+  expect_few_ways_to_show_shadows<2>();
+  expect_few_ways_to_show_shadows<3>();
 }
 
 TEST(MeshDirectLight, LiesBetweenTheVerticesOfIndirectLight) {

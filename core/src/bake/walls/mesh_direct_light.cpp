@@ -34,6 +34,28 @@ std::vector<std::uint8_t> sets_of(const MeshNeighbours& neighbours, std::size_t 
   return sets;
 }
 
+// By the number of a point, modulo `share`, who traces the way of a vertex to that point: the
+// nearest of its neighbours, or of theirs, whose turn it is, else the vertex itself.
+std::array<std::uint32_t, light_point_sets> turns(const MeshNeighbours& neighbours,
+                                                  const std::vector<std::uint8_t>& sets,
+                                                  std::size_t vertex, std::size_t share) {
+  std::array<std::uint32_t, light_point_sets> found;
+  const auto none = static_cast<std::uint32_t>(sets.size());
+  found.fill(none);
+  std::size_t missing = share;
+  const auto offer = [&](std::uint32_t u) {
+    std::uint32_t& turn = found[(light_point_sets * share - sets[u]) % share];
+    if (turn == none) turn = u, --missing;
+  };
+  const std::uint32_t *begin = neighbours.begin(vertex), *end = neighbours.end(vertex);
+  std::for_each(begin, end, offer);
+  for (const std::uint32_t* u = begin; missing > 0 && u != end; ++u) {
+    std::for_each(neighbours.begin(*u), neighbours.end(*u), offer);
+  }
+  std::replace(found.begin(), found.end(), none, static_cast<std::uint32_t>(vertex));
+  return found;
+}
+
 // The way from a point, seen from the front of its facet, to a source.
 template <int D>
 struct WayTo {
@@ -123,12 +145,14 @@ typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTra
   if (tracer.has_openings()) of.least.resize(of.ways.size());
   for (auto& side : of.unshadowed) side.assign(lights() * vertices, Vec<3, float>(0));
   parallel_range(
-      vertices, ways_per_piece, points_of_lines_per_way * static_cast<double>(points), progress,
+      vertices, ways_per_piece,
+      points_of_lines_per_way * static_cast<double>(points) / static_cast<double>(share), progress,
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end && !progress.cancelled(); ++v) {
           if (known.ways) take(known, v, of);
           const SurfacePoint<D> from = vertex_point(tracer, mesh, v, true, 0);
           const Vec<3, float> brdf(from.albedo / static_cast<Real>(projected_hemisphere<D>));
+          const auto turn = turns(of.neighbours, of.sets, v, share);
           for (std::size_t set = 0; set < sets_.size(); ++set) {
             for (std::size_t i = 0; i < points; ++i) {
               const LightSource<D>& source = sets_[set][i].source;
@@ -138,11 +162,11 @@ typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTra
               of.unshadowed[way.share < 0][light * vertices + v] +=
                   Vec<3, float>(source.amount) * brdf *
                   static_cast<float>(std::abs(way.share) / light_point_sets);
-              if (set != of.sets[v] || (i + set) % share != 0) continue;
+              if (set != of.sets[v]) continue;
+              of.ways[v * points + i].share = static_cast<float>(way.share);
+              if (turn[i % share] != v) continue;
               const BlockingIsovalues isosurfaces = blocking(way, source, from, tracer);
-              of.ways[v * points + i] = {
-                  static_cast<float>(isosurfaces.greatest),
-                  static_cast<float>(way.share * static_cast<double>(share))};
+              of.ways[v * points + i].greatest = static_cast<float>(isosurfaces.greatest);
               if (!of.least.empty()) {
                 of.least[v * points + i] = static_cast<float>(isosurfaces.least);
               }
@@ -150,7 +174,23 @@ typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTra
           }
         }
       });
+  if (share > 1) take_from_neighbours(of, share, known);
   return of;
+}
+
+template <int D>
+void MeshDirectLight<D>::take_from_neighbours(MeshWays& ways, std::size_t share,
+                                              const Known& known) const {
+  const std::size_t points = sets_[0].size();
+  for (std::size_t v = 0; v < ways.sets.size(); ++v) {
+    const auto turn = turns(ways.neighbours, ways.sets, v, share);
+    for (std::size_t i = 0; i < points; ++i) {
+      const std::size_t own = v * points + i, other = turn[i % share] * points + i;
+      if (known.has(place_of(sets_[ways.sets[v]][i]))) continue;
+      ways.ways[own].greatest = ways.ways[other].greatest;
+      if (!ways.least.empty()) ways.least[own] = ways.least[other];
+    }
+  }
 }
 
 template <int D>
@@ -226,19 +266,22 @@ std::vector<Vec<3, float>> MeshDirectLight<D>::radiance(int mesh, double c, bool
 }
 
 template <int D>
-double work_of_ways(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes) {
+double work_of_ways(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes,
+                    std::size_t share) {
   double vertices = 0;
   for (std::size_t m = 0; m < meshes.size(); ++m) {
     if (tracer.meshes()[m].scattering != Scattering::diffuse) continue;
     vertices += static_cast<double>(meshes[m].fine.vertices.size());
   }
   return points_of_lines_per_way * vertices *
-         static_cast<double>(interleaved_points(tracer)[0].size());
+         static_cast<double>(interleaved_points(tracer)[0].size()) / static_cast<double>(share);
 }
 
 template class MeshDirectLight<2>;
 template class MeshDirectLight<3>;
-template double work_of_ways(const SceneTracer<2>&, const std::vector<SubdividedMesh<2>>&);
-template double work_of_ways(const SceneTracer<3>&, const std::vector<SubdividedMesh<3>>&);
+template double work_of_ways(const SceneTracer<2>&, const std::vector<SubdividedMesh<2>>&,
+                             std::size_t);
+template double work_of_ways(const SceneTracer<3>&, const std::vector<SubdividedMesh<3>>&,
+                             std::size_t);
 
 }  // namespace leaflight

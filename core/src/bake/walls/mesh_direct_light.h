@@ -19,10 +19,10 @@ namespace leaflight {
 template <int D>
 class MeshDirectLight {
  public:
-  // One way of every `share` is traced for the shadow; neighbours have other ones. `earlier`: where
-  // lights alone were others, whose ways serve for the lights that have not changed; it must not
-  // be scaled(). Throws
-  // Cancelled.
+  // One way of every `share` (at most light_point_sets) is traced for the shadow, and the others
+  // are taken from neighbours, which trace them to their own points nearby: shadows are softer.
+  // `earlier`: where lights alone were others, whose ways serve for the lights that have not
+  // changed; it must not be scaled(). Throws Cancelled.
   MeshDirectLight(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes,
                   Progress& progress, std::size_t share = 1,
                   const MeshDirectLight* earlier = nullptr);
@@ -43,7 +43,7 @@ class MeshDirectLight {
   struct Way {
     float greatest;  // the common isovalue; infinite where a mesh stands in the way
     // Irradiance over the point's amount if nothing did: positive on the mesh's front, negative on
-    // its back. Times the ways that this one stands for where not all are traced.
+    // its back.
     float share;
   };
   struct MeshWays {
@@ -77,6 +77,7 @@ class MeshDirectLight {
   }
   MeshWays ways_of(const SceneTracer<D>& tracer, const FineMesh<D>& mesh, Progress& progress,
                    std::size_t share, const Known& known) const;
+  void take_from_neighbours(MeshWays& ways, std::size_t share, const Known& known) const;
 
   std::vector<std::vector<LightPoint<D>>> sets_;
   std::vector<Rgb> scales_;                              // of the lights, and 1
@@ -85,6 +86,7 @@ class MeshDirectLight {
 
 // What its ways are for the progress, which it is given when they are traced: in points of lines.
 template <int D>
-double work_of_ways(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes);
+double work_of_ways(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes,
+                    std::size_t share = 1);
 
 }  // namespace leaflight
