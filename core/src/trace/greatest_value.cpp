@@ -56,13 +56,26 @@ class Walk {
       t = std::max(t, std::min(low, high));
       end = std::min(end, std::max(low, high));
     }
-    if (t <= end) visit<top>({}, t, end);
+    if (!(t <= end)) return greatest_;
+    begin_with_samples(t, end);
+    visit<top>({}, t, end);
     return greatest_;
   }
 
  private:
+  static constexpr int samples = 4;
   static constexpr int log2_side = CellBounds<D>::log2_side, side = CellBounds<D>::side;
   static constexpr int top = CellBounds<D>::levels;
+
+  // The greater the value that is known, the more bricks are skipped.
+  void begin_with_samples(double t, double end) {
+    for (int i = 0; i < samples; ++i) {
+      const double h =
+          value_at(field_, position_ + direction_ * (t + (i + 0.5) / samples * (end - t)));
+      if (sign * h > greatest_) greatest_ = sign * h;
+    }
+    steps_ = bounds_.steps_at(sign * greatest_);
+  }
 
   // Whether a value may be greater within a child. Bounds are rounded down.
   bool may_be_greater(const typename CellBounds<D>::Bricks& children, int number) const {
