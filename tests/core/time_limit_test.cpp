@@ -69,10 +69,10 @@ double work_of_a_pass() {
   return unlimited.progress.work();
 }
 
-bool says_that_texels_are_wider(const Baked<3>& baked) {
+bool says(const Baked<3>& baked, const char* what) {
   const std::vector<SkippedPass>& skipped = baked.statistics.skipped;
   return std::any_of(skipped.begin(), skipped.end(),
-                     [](const SkippedPass& one) { return one.pass == "finer texels"; });
+                     [&](const SkippedPass& one) { return one.pass == what; });
 }
 
 TEST(TimeLimit, IsKeptByWiderTexels) {
@@ -87,9 +87,30 @@ TEST(TimeLimit, IsKeptByWiderTexels) {
       EXPECT_EQ(along, voxels);
     }
     EXPECT_LE(limited.progress.work(), 1.1 * passes * pass);
-    EXPECT_EQ(says_that_texels_are_wider(baked), along < voxels);
+    EXPECT_EQ(says(baked, "finer texels"), along < voxels);
     EXPECT_EQ(baked.statistics.stopped, along < voxels);
     EXPECT_GE(baked.statistics.passes, 1);
+  }
+}
+
+TEST(TimeLimit, LightsWallsAsFinelyAsItHasRoomFor) {
+  Limited unlimited(0);
+  unlimited.settings.walls = true;
+  unlimited.settings.error = 100;
+  const Baked<3> whole = unlimited.bake();
+  const double work = unlimited.progress.work();
+  for (const auto& [works, finely] : {std::pair(0.5, false), {4.0, true}}) {
+    Limited limited(works * work);
+    limited.settings.walls = true;
+    const Baked<3> baked = limited.bake();
+    EXPECT_LE(limited.progress.work(), 1.1 * works * work);
+    EXPECT_EQ(says(baked, "finer walls"), !finely);
+    const auto exact = whole.walls.direct->radiance(0, 0.7, false),
+               found = baked.walls.direct->radiance(0, 0.7, false);
+    EXPECT_EQ(same_bits(exact, found), finely);
+    double sum = 0, all = 0;
+    for (std::size_t v = 0; v < exact.size(); ++v) sum += found[v].x, all += exact[v].x;
+    EXPECT_NEAR(sum, all, 0.02 * all);
   }
 }
 

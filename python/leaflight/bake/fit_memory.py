@@ -12,8 +12,9 @@ from ..volume.setting_error import SettingError
 from ..volume.volume import Volume
 from .statistics import SkippedPass
 
-# What is skipped where the memory is short, as in skipped_passes.
+# What is skipped where the memory is short, as in skipped_passes, and what where the time is.
 FINER_TEXELS = "finer texels"
+NO_ROOM = FINER_TEXELS, "finer walls"
 # Bytes that the light of a texel never exceeds.
 _MOST_OF_A_TEXEL = 500
 _MOST_TEXELS = 2**31

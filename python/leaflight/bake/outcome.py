@@ -3,7 +3,7 @@
 
 from typing import Protocol
 
-from .fit_memory import FINER_TEXELS
+from .fit_memory import NO_ROOM
 from .provenance import Provenance
 from .statistics import Statistics
 
@@ -25,7 +25,7 @@ def outcome(bake: _Baked, why: str = "it was stopped or its time was over") -> s
     if bake.provenance.fixed is not None:
         return ""
     text = _reached(bake, why)
-    reasons = [reason for name, reason in bake.statistics.skipped_passes if name == FINER_TEXELS]
+    reasons = [reason for name, reason in bake.statistics.skipped_passes if name in NO_ROOM]
     return "; ".join([text, *reasons])
 
 

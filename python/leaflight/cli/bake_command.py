@@ -12,7 +12,7 @@ from ..bake.bake import bake, task_of, worker_memory
 from ..bake.baked import Bake
 from ..bake.checkpoint import Checkpoint, checkpoint_for, read_recipe
 from ..bake.estimate import Estimate, estimate
-from ..bake.fit_memory import FINER_TEXELS
+from ..bake.fit_memory import NO_ROOM
 from ..bake.load_bake import load_bake
 from ..bake.outcome import outcome
 from ..bake.resume import resume
@@ -198,11 +198,11 @@ def _output(baked: Bake, options: Namespace) -> Output:
         f"noise about {result['estimated_rms_percent']:.2f} %",
         *([end] if end else []),
         *_isosurface_map(baked),
-        # What memory had no room for stands in the outcome.
+        # What memory or time had no room for stands in the outcome.
         *(
             f"skipped: {name} ({reason})"
             for name, reason in result["skipped_passes"]
-            if options.verbose and name != FINER_TEXELS
+            if options.verbose and name not in NO_ROOM
         ),
     ]
 

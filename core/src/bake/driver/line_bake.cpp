@@ -254,8 +254,7 @@ WallRadiance<D> LineBake<D>::walls() {
   }
   const PointSampler<D> sampler{lights_, isosurfaces, photons_.walls.get(), false};
   return light_walls(volume_.tracer, sampler, estimator.get(), scene_.subdivided(),
-                     scene_.direct_of_walls, LitScene<D>::samples_of_walls, settings_.seed,
-                     progress_);
+                     scene_.direct_of_walls, scene_.wall_detail.samples, settings_.seed, progress_);
 }
 
 template <int D>

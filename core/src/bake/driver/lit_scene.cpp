@@ -47,16 +47,19 @@ void LitScene<D>::learn_direct(const std::vector<Index<D>>& texels, double spaci
 
 template <int D>
 void LitScene<D>::learn_direct_of_walls() {
-  if (direct_of_walls) return;
+  if (learned_share_ == wall_detail.share) return;
   progress.begin("Direct light of the walls");
-  direct_of_walls = std::make_shared<const MeshDirectLight<D>>(tracer, subdivided(), progress);
+  direct_of_walls =
+      std::make_shared<const MeshDirectLight<D>>(tracer, subdivided(), progress, wall_detail.share);
+  learned_share_ = wall_detail.share;
 }
 
 template <int D>
 double LitScene<D>::cost_of_walls() {
   if (!plan.walls) return 0;
-  const double ways = direct_of_walls ? 0 : work_of_ways(tracer, subdivided());
-  return ways + (plan.lines ? work_of_samples(tracer, subdivided(), samples_of_walls) : 0);
+  const bool learned = learned_share_ == wall_detail.share;
+  const double ways = learned ? 0 : work_of_ways(tracer, subdivided(), wall_detail.share);
+  return ways + (plan.lines ? work_of_samples(tracer, subdivided(), wall_detail.samples) : 0);
 }
 
 template struct LitScene<2>;

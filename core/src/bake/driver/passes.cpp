@@ -15,13 +15,12 @@ namespace {
 
 // Bakes of fewer texels do without a first picture.
 constexpr std::size_t most_without_preview = 200'000;
-// Blocks of a first picture.
-constexpr int preview_blocks = 2;
-// How much wider the texels of its maps are, and the voxels between their lines.
-constexpr int preview_spacing = 2;
-// Estimates at each point where its error is measured; all of them would delay it. How many times
-// as long the photons of a whole pass take.
-constexpr int preview_estimates = 2, more_photons = 5;
+// Blocks of a first picture; how much wider texels of its maps are, and voxels between their lines.
+constexpr int preview_blocks = 2, preview_spacing = 2;
+// Estimates at each point where its error is measured; all of them would delay it.
+constexpr int preview_estimates = 2;
+// How many times as long a whole pass takes for photons, and for the walls' ways and all else.
+constexpr int more_photons = 5, more_ways = 6, more_samples = 3;
 // A pass that is out of time ends after so many.
 constexpr int least_blocks = 2;
 
@@ -117,9 +116,26 @@ class Passes {
     Baked<D> baked = whole(*preview_);
     preview_seconds_ = limit_.seconds() - began;
     if (hooks_.on_pass && is_large) hooks_.on_pass(std::move(baked));
-    // Nothing else tells how long they take.
-    if (limit_.is_given() && scene_.plan.walls) walls(*preview_);
+    if (limit_.is_given() && scene_.plan.walls) choose_wall_detail();
     return fits(texels_) ? Texels::usual : wider_in_time();
+  }
+
+  // Lights the first picture's walls coarsely: nothing else tells how long they take.
+  void choose_wall_detail() {
+    scene_.wall_detail = least_wall_detail;
+    scene_.subdivided();
+    const double began = limit_.seconds();
+    scene_.learn_direct_of_walls();
+    const double ways = more_ways * (limit_.seconds() - began);
+    preview_walls_ = walls(*preview_);
+    // Rays light them with the volume.
+    const double samples = walls_seconds_ * (scene_.plan.lines ? more_samples : 1);
+    // At most half of the time that is left is theirs.
+    if (over(2 * (ways + samples))) return;
+    preview_walls_.reset();
+    scene_.wall_detail = WallDetail();
+    scene_.learn_direct_of_walls();
+    walls_seconds_ = samples;
   }
 
   Texels wider_in_time() { return fits(wider()) ? Texels::wider : Texels::preview; }
@@ -284,6 +300,8 @@ class Passes {
     archive(layout);
     if (layout != own_layout) throw Error("The checkpoint is of another Leaflight; bake anew.");
     archive(chosen_);
+    archive(scene_.wall_detail.samples);
+    archive(scene_.wall_detail.share);
     if (archive.restores()) begin(chosen_);
     const std::uint64_t before = rays();
     std::uint64_t traced = before;
@@ -328,19 +346,19 @@ class Passes {
 
   // A bake's last pass, which has the walls, too.
   Baked<D> last(Baked<D> baked, bool stopped) {
-    if (scene_.plan.walls) baked.walls = walls(*bake_);
+    const bool is_preview =
+        preview_walls_ && chosen_ == Texels::preview && bake_->blocks() == preview_blocks;
+    if (scene_.plan.walls) baked.walls = is_preview ? *std::move(preview_walls_) : walls(*bake_);
     BakeStatistics& statistics = baked.statistics;
     statistics.rays = rays();
     statistics.passes = std::max(1, passes_);
     statistics.stopped = stopped;
-    if (chosen_ == Texels::usual || !limit_.is_given() || progress_.stopped()) return baked;
-    statistics.stopped = stopped || statistics.error_percent > scene_.settings.error;
-    std::string texels;
-    for (const int along : baked.grids[0].lattice.resolution) {
-      texels += (texels.empty() ? "" : " x ") + std::to_string(along);
+    if (!limit_.is_given() || progress_.stopped()) return baked;
+    if (chosen_ != Texels::usual) {
+      statistics.stopped = stopped || statistics.error_percent > scene_.settings.error;
+      statistics.skipped.push_back(finer_texels<D>(baked.grids[0].lattice.resolution));
     }
-    statistics.skipped.push_back(
-        {"finer texels", "the light of " + texels + " is what the time has room for"});
+    if (scene_.wall_detail.share > 1) statistics.skipped.push_back(finer_walls());
     return baked;
   }
 
@@ -360,6 +378,7 @@ class Passes {
   double preview_seconds_ = 0, photon_seconds_ = 0, walls_seconds_ = 0;
   double block_seconds_ = 0, seconds_a_texel_ = 0, block_began_ = 0, saved_ = 0;
   std::unique_ptr<Integrator<D>> preview_, bake_;
+  std::optional<WallRadiance<D>> preview_walls_;
   std::optional<MeasuredError<D>> measured_;
   IsovalueErrors errors_;  // of the last whole bake
 };

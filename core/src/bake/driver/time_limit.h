@@ -3,6 +3,9 @@
 
 #include <chrono>
 #include <functional>
+#include <string>
+
+#include "bake/plan/plan.h"
 
 namespace leaflight {
 
@@ -30,5 +33,17 @@ class TimeLimit {
   std::function<double()> clock_;
   double began_;
 };
+
+// What there is no time for. `resolution`: of the texels that there is time for.
+template <int D>
+SkippedPass finer_texels(const Index<D>& resolution) {
+  std::string texels;
+  for (const int along : resolution)
+    texels += (texels.empty() ? "" : " x ") + std::to_string(along);
+  return {"finer texels", "the light of " + texels + " is what the time has room for"};
+}
+inline SkippedPass finer_walls() {
+  return {"finer walls", "the walls have the light that the time has room for"};
+}
 
 }  // namespace leaflight
