@@ -33,7 +33,7 @@ def call(*command, **variables):
         stderr=subprocess.STDOUT,
         encoding="utf-8",
         errors="replace",
-        timeout=HANG,
+        timeout=4 * HANG,  # some are whole suites of tests
         cwd=ROOT,
         env={**kept, "PYTHONNOUSERSITE": "1", **variables},
     )
