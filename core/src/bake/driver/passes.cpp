@@ -15,10 +15,9 @@ namespace {
 
 // Bakes of fewer texels do without a first picture.
 constexpr std::size_t most_without_preview = 200'000;
-// Blocks of a first picture; how much wider texels of its maps are, and voxels between their lines.
-constexpr int preview_blocks = 2, preview_spacing = 2;
-// Estimates at each point where its error is measured; all of them would delay it.
-constexpr int preview_estimates = 2;
+// Blocks of a first picture; how much wider texels of its maps are, and voxels between their lines;
+// estimates at each point where its error is measured, of which all would delay it.
+constexpr int preview_blocks = 2, preview_spacing = 2, preview_estimates = 2;
 // How many times as long a whole pass takes for photons, and for the walls' ways and all else.
 constexpr int more_photons = 5, more_ways = 6, more_samples = 3;
 // A pass that is out of time ends after so many.
@@ -130,9 +129,9 @@ class Passes {
     preview_walls_ = walls(*preview_);
     // Rays light them with the volume.
     const double samples = walls_seconds_ * (scene_.plan.lines ? more_samples : 1);
+    fine_walls_seconds_ = ways + samples;
     // At most half of the time that is left is theirs.
-    if (over(2 * (ways + samples))) return;
-    preview_walls_.reset();
+    if (over(2 * fine_walls_seconds_)) return;
     scene_.wall_detail = WallDetail();
     scene_.learn_direct_of_walls();
     walls_seconds_ = samples;
@@ -302,6 +301,7 @@ class Passes {
     archive(chosen_);
     archive(scene_.wall_detail.samples);
     archive(scene_.wall_detail.share);
+    archive(fine_walls_seconds_);
     if (archive.restores()) begin(chosen_);
     const std::uint64_t before = rays();
     std::uint64_t traced = before;
@@ -346,9 +346,10 @@ class Passes {
 
   // A bake's last pass, which has the walls, too.
   Baked<D> last(Baked<D> baked, bool stopped) {
-    const bool is_preview =
-        preview_walls_ && chosen_ == Texels::preview && bake_->blocks() == preview_blocks;
-    if (scene_.plan.walls) baked.walls = is_preview ? *std::move(preview_walls_) : walls(*bake_);
+    if (!over(fine_walls_seconds_)) scene_.wall_detail = WallDetail();
+    const bool is_known = scene_.wall_detail.share > 1 && preview_walls_ &&
+                          chosen_ == Texels::preview && bake_->blocks() == preview_blocks;
+    if (scene_.plan.walls) baked.walls = is_known ? *std::move(preview_walls_) : walls(*bake_);
     BakeStatistics& statistics = baked.statistics;
     statistics.rays = rays();
     statistics.passes = std::max(1, passes_);
@@ -375,7 +376,7 @@ class Passes {
   int passes_ = 0;
   int before_ = 0, blocks_ = 0;  // blocks of the previous bake, and those after the pass
   // What steps took.
-  double preview_seconds_ = 0, photon_seconds_ = 0, walls_seconds_ = 0;
+  double preview_seconds_ = 0, photon_seconds_ = 0, walls_seconds_ = 0, fine_walls_seconds_ = 0;
   double block_seconds_ = 0, seconds_a_texel_ = 0, block_began_ = 0, saved_ = 0;
   std::unique_ptr<Integrator<D>> preview_, bake_;
   std::optional<WallRadiance<D>> preview_walls_;
