@@ -68,7 +68,10 @@ def check_the_time_ends_a_bake(endless, monkeypatch):
 def check_a_bake_ends_soon_after_its_time(endless):
     endless.leaflight.time_limit = 0.5
     bpy.ops.leaflight.bake()
-    assert 0.5 <= cache.bake_of(endless).statistics.seconds < 10
+    statistics = cache.bake_of(endless).statistics
+    # On a slow machine the first picture, the least that a bake is, takes longer.
+    assert statistics.stopped and statistics.seconds < 5
+    assert "was not reached" in endless.leaflight.bake_outcome
 
 
 def check_each_pass_is_shown_as_it_comes(endless):

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "bake/driver/first_pass.h"
 #include "bake/driver/measured_error.h"
 #include "bake/driver/pass_blocks.h"
 #include "bake/driver/pass_texels.h"
@@ -18,8 +19,8 @@ constexpr std::size_t most_without_preview = 200'000;
 // Blocks of a first picture; how much wider texels of its maps are, and voxels between their lines;
 // estimates at each point where its error is measured, of which all would delay it.
 constexpr int preview_blocks = 2, preview_spacing = 2, preview_estimates = 2;
-// How many times as long a whole pass takes for photons, and for the walls' ways and all else.
-constexpr int more_photons = 5, more_ways = 6, more_samples = 3;
+// How many times as long the walls of a whole pass take for ways, and for all else.
+constexpr int more_ways = 6, more_samples = 3;
 // A pass that is out of time ends after so many.
 constexpr int least_blocks = 2;
 
@@ -110,10 +111,11 @@ class Passes {
     if (!hooks_.on_pass && !limit_.is_given()) return Texels::usual;
     const double began = limit_.seconds();
     measured_->trace(texels_, preview_estimates);
+    preview_seconds_.points = limit_.seconds() - began;
     make_preview();
     preview_->add(preview_blocks);
     Baked<D> baked = whole(*preview_);
-    preview_seconds_ = limit_.seconds() - began;
+    preview_seconds_.rest = limit_.seconds() - began - preview_seconds_.all();
     if (hooks_.on_pass && is_large) hooks_.on_pass(std::move(baked));
     if (limit_.is_given() && scene_.plan.walls) choose_wall_detail();
     return fits(texels_) ? Texels::usual : wider_in_time();
@@ -132,6 +134,7 @@ class Passes {
     fine_walls_seconds_ = ways + samples;
     // At most half of the time that is left is theirs.
     if (over(2 * fine_walls_seconds_)) return;
+    preview_walls_.reset();
     scene_.wall_detail = WallDetail();
     scene_.learn_direct_of_walls();
     walls_seconds_ = samples;
@@ -144,15 +147,13 @@ class Passes {
     return wider_;
   }
 
-  // For a first pass (docs/decisions/2026-11-28-time-limit.md).
+  // For a first pass.
   bool fits(const std::vector<BakeTexels<D>>& texels) const {
     const double ratio = static_cast<double>(texels_of_indirect_light(texels)) /
                          static_cast<double>(preview_texels_);
-    return !over((preview_seconds_ - photon_seconds_) * std::sqrt(ratio) +
-                 more_photons * photon_seconds_ + walls_seconds_);
+    return !over(first_pass_seconds(preview_seconds_, ratio) + walls_seconds_);
   }
 
-  // With coarse texels and maps.
   void make_preview() {
     std::vector<Index<D>> coarse;
     std::vector<BakeTexels<D>> texels;
@@ -164,7 +165,7 @@ class Passes {
     scene_.learn_direct(coarse, preview_spacing);
     const double began = limit_.seconds();
     preview_ = integrator(std::move(texels), nullptr, nullptr);
-    photon_seconds_ = limit_.seconds() - began;
+    preview_seconds_.photons = limit_.seconds() - began;
   }
 
   // Makes the integrator of these texels.
@@ -228,13 +229,12 @@ class Passes {
     progress_.expect(progress_.work() + bake_->cost() * blocks + scene_.cost_of_walls());
   }
 
-  // Pass by pass.
   Baked<D> subdivide() {
     const std::function<bool()> proceed = [this] { return go_on(); };
     for (;;) {
       // The first picture is a whole bake.
       if (chosen_ == Texels::preview && passes_ <= 1 &&
-          over(preview_seconds_ + closing_seconds())) {
+          over(preview_seconds_.all() + closing_seconds())) {
         return last(whole(*bake_), true);
       }
       block_began_ = limit_.seconds();
@@ -246,6 +246,7 @@ class Passes {
         continue;
       }
       preview_.reset();
+      preview_walls_.reset();
       ++passes_;
       Baked<D> baked = whole(*bake_);
       const IsovalueError error = errors_.all();
@@ -347,8 +348,7 @@ class Passes {
   // A bake's last pass, which has the walls, too.
   Baked<D> last(Baked<D> baked, bool stopped) {
     if (!over(fine_walls_seconds_)) scene_.wall_detail = WallDetail();
-    const bool is_known = scene_.wall_detail.share > 1 && preview_walls_ &&
-                          chosen_ == Texels::preview && bake_->blocks() == preview_blocks;
+    const bool is_known = scene_.wall_detail.share > 1 && preview_walls_;
     if (scene_.plan.walls) baked.walls = is_known ? *std::move(preview_walls_) : walls(*bake_);
     BakeStatistics& statistics = baked.statistics;
     statistics.rays = rays();
@@ -373,11 +373,11 @@ class Passes {
   std::vector<Index<D>> shown_;                        // their resolutions
   std::size_t count_ = 0, preview_texels_ = 1;         // of all texels, of the first picture's
   Texels chosen_ = Texels::usual;
-  int passes_ = 0;
-  int before_ = 0, blocks_ = 0;  // blocks of the previous bake, and those after the pass
-  // What steps took.
-  double preview_seconds_ = 0, photon_seconds_ = 0, walls_seconds_ = 0, fine_walls_seconds_ = 0;
-  double block_seconds_ = 0, seconds_a_texel_ = 0, block_began_ = 0, saved_ = 0;
+  // Passes, blocks of the previous bake, and those after the pass.
+  int passes_ = 0, before_ = 0, blocks_ = 0;
+  PreviewSeconds preview_seconds_;
+  double walls_seconds_ = 0, fine_walls_seconds_ = 0, block_seconds_ = 0, seconds_a_texel_ = 0;
+  double block_began_ = 0, saved_ = 0;  // when
   std::unique_ptr<Integrator<D>> preview_, bake_;
   std::optional<WallRadiance<D>> preview_walls_;
   std::optional<MeasuredError<D>> measured_;
