@@ -108,6 +108,7 @@ def drive():
     yield from bake_alone()
     background.running().cancel()
     yield from stepwise.until(lambda: background.running() is None)
+    bpy.ops.leaflight.throw_bake_away()
     # Another: on a fast machine little would be left of the first.
     yield from begin_bake(window)
     yield from drag(window, place, "baking")
