@@ -176,8 +176,9 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
         if stored is not None:
             column = layout.column(align=True)
             step = stored_facts.step_of(self.resolution, stored)
-            for line in stored_facts.lines(path, stored, step):
-                column.label(text=line, translate=False)
+            for fact in stored_facts.lines(path, stored, step):
+                for line in textwrap.wrap(fact, 38):
+                    column.label(text=line, translate=False)
         elif problem and not ("type" in takes and not any(self.dims)):
             column = layout.column(align=True)
             for line in textwrap.wrap(problem, 38):
@@ -283,6 +284,7 @@ class ImportJob(background.Job):
 
     def apply(self):
         context, volume = bpy.context, self._volume
+        self.warnings = volume.notes
         obj = surface_object.create(context, volume, self._size)
         try:
             obj.leaflight.unit = self._stored.unit

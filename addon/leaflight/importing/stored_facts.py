@@ -90,7 +90,7 @@ def lines(path, stored, step):
         if step > 1:
             facts.append(iface_("Read as %s voxels") % _by(n // step for n in stored.dims))
         facts.append(iface_("Memory: %s") % _megabytes(stored.bytes(step)))
-    return facts
+    return [*facts, *stored.notes]
 
 
 def _extent(stored):

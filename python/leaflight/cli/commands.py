@@ -102,12 +102,14 @@ def _info(options: Namespace) -> Output:
         "index_to_world": volume.index_to_world.tolist(),
         "isovalues": [lo, hi],
         "isovalue": default_isovalue(volume),
+        "notes": list(volume.notes),
     }
     return result, [
         f"{volume.source}: {by(result['dims'])} voxels of {by(result['spacing'])}"
         f" {volume.unit or '(no unit)'}" + (", some without data" if field.masked else ""),
         f"values {low:g}..{high:g}; by default isovalues {lo:g}..{hi:g} are baked "
         f"and {result['isovalue']:g} is shown",
+        *volume.notes,
     ]
 
 

@@ -15,6 +15,7 @@ from ..io.sources import open_volume
 from ..scene.scene import SceneDescription
 from ..volume.memory import limit_memory
 from ..volume.volume import Volume
+from .output import print_error
 
 
 def to_light(options: Namespace, suffix: str) -> tuple[list[Volume], SceneDescription]:
@@ -37,6 +38,9 @@ def to_light(options: Namespace, suffix: str) -> tuple[list[Volume], SceneDescri
     volumes = [
         open_with(source, options, reading) for source, (_, reading) in zip(sources, readings)
     ]
+    for volume in volumes:
+        for note in volume.notes:
+            print_error(note)
     if options.capped:
         scene = replace(
             scene,

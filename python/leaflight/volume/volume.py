@@ -45,6 +45,7 @@ class Volume:
     patient: whether world coordinates are a patient's: towards right, front and up.
     smooth_normals: standard deviation in voxels of a Gaussian on the values of which the normals of
         isosurfaces are the gradient; the isosurfaces stay where they are. 0: on the values alone.
+    notes: sentences for the user about choices that its reader made, such as a guessed type.
     In flatland values has the shape (ny, nx) and index_to_world (3, 3).
 
     In place of index_to_world there may be spacing, the size of a voxel, one number or (x, y, z),
@@ -58,6 +59,7 @@ class Volume:
     unit: str
     patient: bool
     smooth_normals: float
+    notes: tuple[str, ...]
 
     def __init__(
         self,
@@ -68,6 +70,7 @@ class Volume:
         unit: str = "",
         patient: bool = False,
         smooth_normals: float = 0.0,
+        notes: Sequence[str] = (),
         **grid: "Unpack[AxisAligned]",
     ) -> None:
         if not isinstance(values, np.ndarray):
@@ -86,6 +89,7 @@ class Volume:
         fields = {"values": values, "index_to_world": index_to_world, "name": name}
         self.__dict__.update(fields, source=source, unit=unit_of(unit), patient=patient)
         self.__dict__.update(smooth_normals=checked(smooth_normals, "smooth_normals", name))
+        self.__dict__.update(notes=tuple(notes))
 
     @cached_property
     def _field(self) -> _core.Field:

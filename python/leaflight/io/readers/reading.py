@@ -137,6 +137,7 @@ def read_volume(
             unit=opened.unit,
             patient=opened.patient,
             smooth_normals=smooth_normals,
+            notes=(*opened.notes, *volume.notes),
         )
     progress.begin("Looking at the values")
     progress.check()

@@ -28,6 +28,8 @@ class StoredVolume:
     levels: dims of each resolution that the file holds, finest first; datasets: names of the
         volumes in it. Both empty where there is but one.
     patient: whether its world coordinates are a patient's: towards right, front and up.
+    notes: sentences for the user about choices that the header left to the reader, such as slices
+        that it leaves out. load() may add others, as notes of its Volume.
     """
 
     dims: tuple[int, ...] | None
@@ -40,6 +42,7 @@ class StoredVolume:
     levels: tuple[tuple[int, ...], ...] = ()
     datasets: tuple[str, ...] = ()
     patient: bool = False
+    notes: tuple[str, ...] = ()
 
     def bytes(self, downsample: int = 1) -> int | None:
         """Memory of the voxels once they are read, None where only reading shows."""
