@@ -4,7 +4,9 @@
 https://ngff.openmicroscopy.org/0.4, and 0.5 by zarr 3
 """
 
-from collections.abc import Sequence
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +30,11 @@ _MOST_IMAGES = 1000
 def open_volume(path: Path, dataset: str | None = None, level: int = 0) -> StoredVolume:
     """dataset: which image of a folder of several; level: which resolution, 0 the finest."""
     _check_version(path)
+    with _codecs_by_name(path):
+        return _opened(path, dataset, level)
+
+
+def _opened(path: Path, dataset: str | None, level: int) -> StoredVolume:
     node = zarr.open(str(path), mode="r")
     names: tuple[str, ...] = ()
     notes: list[str] = []
@@ -111,6 +118,21 @@ def _check_version(path: Path) -> None:
             f"{zarr.__version__} that is installed reads Zarr 2 alone: install zarr 3, or save the "
             "image as OME-Zarr 0.4."
         )
+
+
+@contextmanager
+def _codecs_by_name(path: Path) -> Iterator[None]:
+    """Turns the error about a codec that is not at hand into a sentence with its name."""
+    try:
+        yield
+    except ValueError as error:
+        absent = re.search(r"codec.*?: '+([^']{1,40})'", str(error))
+        if absent is None:
+            raise
+        raise LeaflightError(
+            f"{path}: its chunks are packed by the codec {absent[1]}, which the installed zarr "
+            "does not have; save them with another one, such as Blosc."
+        ) from None
 
 
 def _images(path: Path, group: zarr.Group) -> dict[str, dict[str, Any]]:
