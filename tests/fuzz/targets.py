@@ -123,11 +123,44 @@ def _ply(folder):
 
 
 def _zarr(folder):
-    from test_reader_arrays import ome_zarr
+    from test_reader_zarr import ome_zarr
 
     values = np.random.default_rng(7).permutation(96).reshape(4, 4, 6).astype(np.float32)
     path = ome_zarr(folder / "input.zarr", values)
     return [(path / ".zattrs").read_bytes()]
+
+
+def _zarr_array(folder):
+    from test_reader_zarr import ome_zarr
+
+    values = np.random.default_rng(7).permutation(96).reshape(4, 4, 6).astype(np.float32)
+    path = ome_zarr(folder / "input.zarr", values)
+    return [(path / "0" / ".zarray").read_bytes()]
+
+
+def _by_hdf5(*names):
+    """Files of programs that write HDF5, by functions of its tests."""
+
+    def seeds(folder):
+        import test_reader_hdf5
+
+        values = np.random.default_rng(7).permutation(96).reshape(4, 4, 6).astype(np.uint16)
+        data = []
+        for name in names:
+            getattr(test_reader_hdf5, name)(folder / "seed.h5", values)
+            data.append((folder / "seed.h5").read_bytes())
+        return data
+
+    return seeds
+
+
+def _netcdf(folder):
+    from test_reader_netcdf import classic, even
+
+    values = np.random.default_rng(7).permutation(96).reshape(4, 4, 6).astype(np.float32)
+    dimensions = {name: (even(2, n), {"units": "nm"}) for name, n in zip("zyx", values.shape)}
+    path = classic(folder / "seed.nc", values, dimensions, _FillValue=np.float32(7))
+    return [path.read_bytes()]
 
 
 def _bake(folder):
@@ -181,6 +214,8 @@ def _pictures(kind):
 
 
 _INFO = ("info", "FILE", "--json")
+_BDV = (*_INFO, "--dataset", "s00", "--frame", "0")
+_IMARIS = (*_INFO, "--frame", "0", "--channel", "0")
 _POINTS = (*_INFO, "--dims", "8")
 _FLAT = ("--error", "50", "--resolution", "4", "--out", "TEXTURE")
 _TINY = ("bump_box", "--dims", "4", "--error", "50", "--resolution", "4")
@@ -198,7 +233,12 @@ TARGETS = (
     Target("imagej", ".tif", _of_tests("imagej.tif"), _INFO),
     Target("ome-tiff", ".ome.tif", _of_tests("x.ome.tif"), _INFO),
     Target("ome-zarr", ".zarr", _zarr, (*_INFO, "--channel", "0"), within=".zattrs"),
+    Target("zarr-array", ".zarr", _zarr_array, (*_INFO, "--channel", "0"), within="0/.zarray"),
     Target("hdf5", ".h5", _of_tests("x.h5"), _INFO, slow=True),
+    Target("scales", ".h5", _by_hdf5("scaled", "nexus"), _INFO, slow=True),
+    Target("bdv", ".h5", _by_hdf5("big_data_viewer"), _BDV, slow=True),
+    Target("imaris", ".ims", _by_hdf5("imaris"), _IMARIS, slow=True),
+    Target("netcdf", ".nc", _netcdf, _INFO),
     Target("npy", ".npy", _of_tests("x.npy"), _INFO),
     Target("npz", ".npz", _of_tests("x.npz"), _INFO),
     Target("cube", ".cube", _of_tests("x.cube"), _INFO),

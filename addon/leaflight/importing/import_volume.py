@@ -148,7 +148,7 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
         min=-1,
     )
     level: IntProperty(
-        name="Level", description="Which resolution of an OME-Zarr to read; 0 is the finest", min=0
+        name="Level", description="Which of several resolutions to read; 0 is the finest", min=0
     )
     dataset: StringProperty(
         name="Dataset",

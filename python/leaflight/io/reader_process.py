@@ -78,7 +78,8 @@ class ReaderProcess:
     def answer(self) -> Any:
         """What the function answers.
 
-        Raises LeaflightError as it does, and ValueError where it raises anything else.
+        Raises LeaflightError and ModuleNotFoundError as it does, and ValueError where it raises
+        anything else.
         """
         try:
             answer = json.loads(self._output.readline(_MOST_ANSWER))
@@ -86,6 +87,8 @@ class ReaderProcess:
             raise self.died() from None
         if "refusal" in answer:
             raise LeaflightError(answer["refusal"])
+        if "absent" in answer:
+            raise ModuleNotFoundError(name=answer["absent"])
         if "failure" in answer:
             raise ValueError(answer["failure"])
         return answer["answer"]
@@ -133,6 +136,8 @@ def child() -> NoReturn:
         answer = {"answer": answer}
     except LeaflightError as error:
         answer = {"refusal": str(error)}
+    except ImportError as error:
+        answer = {"absent": error.name or str(error)}
     except Exception as error:
         # On damaged files libraries fail with whatever comes first.
         answer = {"failure": type(error).__name__}

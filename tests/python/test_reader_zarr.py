@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""OME-Zarr and plain Zarr, by zarr 2 or 3, whichever is installed."""
+
+import json
+
+import numpy as np
+import pytest
+from leaflight import LeaflightError, read_volume
+from leaflight.io.readers import probe
+
+zarr = pytest.importorskip("zarr")
+_ZARR = int(zarr.__version__.partition(".")[0])
+ZARR_2 = {"zarr_format": 2} if _ZARR > 2 else {}
+
+
+def ome_zarr(path, values):
+    """Two channels at two levels, the second half as fine, as OME-NGFF 0.4 has it."""
+    group = zarr.open_group(str(path), mode="w", **ZARR_2)
+    levels = [np.stack([values, values + 1])]
+    levels.append(levels[0].reshape(2, 2, 2, 2, 2, 3, 2).mean((2, 4, 6)).astype(values.dtype))
+    datasets = []
+    for number, level in enumerate(levels):
+        group.create_dataset(str(number), data=level, shape=level.shape, chunks=(1, 2, 4, 4))
+        scale = {"type": "scale", "scale": [1.0] + [size * 2**number for size in (4, 2, 1)]}
+        place = {"type": "translation", "translation": [0.0] + [0.5 * number] * 3}
+        datasets.append({"path": str(number), "coordinateTransformations": [scale, place]})
+    axes = [{"name": "c", "type": "channel"}]
+    axes += [{"name": axis, "type": "space", "unit": "micrometer"} for axis in "zyx"]
+    group.attrs["multiscales"] = [{"version": "0.4", "axes": axes, "datasets": datasets}]
+    return path
+
+
+def test_zarr_3(tmp_path, values):
+    """OME-Zarr from 0.5 on."""
+    path = tmp_path / "x.zarr"
+    if _ZARR < 3:
+        path.mkdir()
+        (path / "zarr.json").write_text('{"zarr_format": 3, "node_type": "group"}')
+        with pytest.raises(LeaflightError, match="it is of Zarr 3.*: install zarr 3"):
+            read_volume(path)
+        return
+    group = zarr.open_group(str(path), mode="w", zarr_format=3)
+    group.create_array("0", shape=values.shape, dtype=values.dtype)[:] = values
+    axes = [{"name": axis, "type": "space"} for axis in "zyx"]
+    scale = {"type": "scale", "scale": [1.0, 1.0, 2.0]}
+    datasets = [{"path": "0", "coordinateTransformations": [scale]}]
+    image = {"version": "0.5", "multiscales": [{"axes": axes, "datasets": datasets}]}
+    group.attrs["ome"] = image
+    np.testing.assert_array_equal(read_volume(path).values, values)
+    assert probe(path).voxel_size == (2, 1, 1)
+
+
+def test_ome_zarr(tmp_path, values):
+    values = values[:, :4].copy()
+    path = ome_zarr(tmp_path / "x.ome.zarr", values)
+    stored = probe(path)
+    assert (stored.dims, stored.channels, stored.unit) == ((6, 4, 4), 2, "µm")
+    assert stored.levels == ((6, 4, 4), (3, 2, 2)) and stored.voxel_size == (1, 2, 4)
+    volume = read_volume(path, channel=1)
+    np.testing.assert_array_equal(volume.values, values + 1)
+    assert volume.name == "x"
+    coarse = read_volume(path, channel=0, level=1)
+    assert coarse.values.shape == (2, 2, 3) and probe(path, level=1).dims == (3, 2, 2)
+    np.testing.assert_array_equal(np.diag(coarse.index_to_world), [2, 4, 8, 1])
+    np.testing.assert_array_equal(coarse.index_to_world[:3, 3], [0.5] * 3)
+    with pytest.raises(LeaflightError, match="no level 2; choose one of 0..1"):
+        read_volume(path, level=2, channel=0)
+    with pytest.raises(LeaflightError, match="2 channels; choose one of 0..1"):
+        read_volume(path)
+    # Without its suffix it is known by what is in it.
+    path.rename(tmp_path / "plain")
+    np.testing.assert_array_equal(read_volume(tmp_path / "plain", channel=0).values, values)
+    (tmp_path / "plain" / ".zattrs").write_text("{}")
+    with pytest.raises(LeaflightError, match="no multiscale image"):
+        read_volume(tmp_path / "plain")
+    one = read_volume(tmp_path / "plain" / "0", frame=1)
+    np.testing.assert_array_equal(one.values, values + 1)
+
+
+def image(path, values, axes, scale, name="", **extra):
+    """One level of Zarr 2, as OME-NGFF 0.4 has it; axes: as of its metadata."""
+    group = zarr.open_group(str(path / name) if name else str(path), mode="w", **ZARR_2)
+    group.create_dataset("0", data=values, shape=values.shape, chunks=(2,) * values.ndim)
+    step = {"type": "scale", "scale": scale}
+    datasets = [{"path": "0", "coordinateTransformations": [step]}]
+    group.attrs["multiscales"] = [{"version": "0.4", "axes": axes, "datasets": datasets, **extra}]
+    return path
+
+
+def space(**units):
+    return [{"name": name, "type": "space", "unit": unit} for name, unit in units.items()]
+
+
+@pytest.mark.parametrize(
+    "units, unit, sizes",
+    [
+        # As the axes are in the file: z, y, x.
+        (("nanometer", "micrometer", "micrometer"), "µm", (1.2, 0.9, 2.5e-3)),
+        (("micrometer", "nanometer", "nanometer"), "nm", (1.2, 0.9, 2500)),
+        (("um", "\u03bcm", "micron"), "µm", (1.2, 0.9, 2.5)),
+        (("", "millimetre", ""), "mm", (1.2, 0.9, 2.5)),
+        (("decimeter", "centimeter", "inch"), "cm", (1.2 * 2.54, 0.9, 25)),
+        (("picometer",) * 3, "Å", (0.012, 0.009, 0.025)),
+        (("pixel",) * 3, "", (1.2, 0.9, 2.5)),
+        # These have no common measure.
+        (("second", "micrometer", "micrometer"), "", (1, 1, 1)),
+    ],
+)
+def test_each_axis_has_its_unit(tmp_path, values, units, unit, sizes):
+    axes = space(**dict(zip("zyx", units)))
+    path = image(tmp_path / "x.zarr", values, axes, [2.5, 0.9, 1.2])
+    stored = probe(path)
+    assert stored.unit == unit
+    np.testing.assert_allclose(stored.voxel_size, sizes, rtol=1e-12)
+    assert bool(stored.notes) == (units in (("", "millimetre", ""), ("second",) + units[1:]))
+
+
+def test_a_translation_is_in_the_unit_of_its_axis(tmp_path, values):
+    place = {"type": "translation", "translation": [3000, 2, 1]}
+    shear = {"type": "affine", "affine": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]}
+    axes = space(z="nanometer", y="micrometer", x="micrometer")
+    path = image(
+        tmp_path / "x.zarr", values, axes, [500, 1, 1], coordinateTransformations=[place, shear]
+    )
+    volume = read_volume(path)
+    np.testing.assert_allclose(volume.index_to_world[:3, 3], [1, 2, 3])
+    np.testing.assert_allclose(volume.spacing, [1, 1, 0.5])
+    assert volume.notes == ("Its transformation 'affine' is left out.",)
+
+
+def test_axes_in_any_order(tmp_path, values):
+    whole = np.stack([values.T, values.T + 1], axis=1)
+    axes = [*space(X="micrometer"), {"name": "marker", "type": "channel"}]
+    axes += space(Y="micrometer", Z="micrometer")
+    path = image(tmp_path / "x.zarr", whole, axes, [1, 1, 2, 3])
+    np.testing.assert_array_equal(read_volume(path, channel=1).values, values + 1)
+    assert probe(path).voxel_size == (1, 2, 3)
+    path = image(
+        tmp_path / "y.zarr", values[None, None], space(t="", c="", z="", y="", x=""), [1] * 5
+    )
+    np.testing.assert_array_equal(read_volume(path).values, values)
+    path = image(tmp_path / "z.zarr", values[:1], space(z="", y="", x=""), [1] * 3)
+    with pytest.raises(LeaflightError, match="its axes are z 1, y 5, x 6, but a volume needs"):
+        read_volume(path)
+
+
+def test_a_codec_that_is_not_at_hand(tmp_path, values):
+    path = image(tmp_path / "x.zarr", values, space(z="", y="", x=""), [1, 1, 1])
+    metadata = json.loads((path / "0" / ".zarray").read_text())
+    metadata["compressor"] = {"id": "packed_by_nobody"}
+    (path / "0" / ".zarray").write_text(json.dumps(metadata))
+    with pytest.raises(LeaflightError, match="packed by the codec packed_by_nobody, which"):
+        read_volume(path)
+
+
+@pytest.mark.parametrize("fill", [None, 0, 7])
+def test_absent_chunks_are_the_fill_value(tmp_path, fill):
+    """Also without one: then they are 0, and not memory that nobody filled."""
+    path = tmp_path / "x.zarr"
+    options = {"mode": "w", "chunks": (2, 4, 4), "dtype": "f4", "fill_value": fill, **ZARR_2}
+    array = zarr.open(str(path), shape=(64, 8, 8), **options)
+    array[:2] = 5.0
+    expected = np.full((64, 8, 8), fill or 0, np.float32)
+    expected[:2] = 5
+    for _ in range(8):
+        np.full(expected.shape, 777.0, np.float32)
+        np.testing.assert_array_equal(read_volume(path).values, expected)
+
+
+def test_a_folder_of_images(tmp_path, values):
+    """As bioformats2raw writes it."""
+    path = tmp_path / "x.zarr"
+    root = zarr.open_group(str(path), mode="w", **ZARR_2)
+    root.attrs["bioformats2raw.layout"] = 3
+    axes = space(z="", y="", x="")
+    image(path, values, axes, [1, 1, 1], "0")
+    np.testing.assert_array_equal(read_volume(path).values, values)
+    image(path, values + 1, axes, [1, 1, 2], "1")
+    assert probe(path).datasets == ("0", "1")
+    with pytest.raises(LeaflightError, match="2 volumes; choose one of 0, 1"):
+        read_volume(path)
+    np.testing.assert_array_equal(read_volume(path, dataset="1").values, values + 1)
+
+
+def test_names_of_a_plain_array(tmp_path, values):
+    """As xarray writes them."""
+    path = tmp_path / "x.zarr"
+    array = zarr.open(str(path), mode="w", shape=values.T.shape, dtype=values.dtype, **ZARR_2)
+    array[:] = values.T
+    array.attrs["_ARRAY_DIMENSIONS"] = ["x", "y", "z"]
+    np.testing.assert_array_equal(read_volume(path).values, values)
+
+
+@pytest.mark.skipif(_ZARR < 3, reason="zarr 2 does not read Zarr 3")
+def test_shards(tmp_path, values):
+    """Of which some, and some of their chunks, are absent."""
+    path = tmp_path / "x.zarr"
+    group = zarr.open_group(str(path), mode="w", zarr_format=3)
+    array = group.create_array(
+        "s0", shape=(16, 8, 8), chunks=(2, 4, 4), shards=(4, 8, 8), dtype="i2", fill_value=-3
+    )
+    expected = np.full((16, 8, 8), -3, np.int16)
+    expected[5, :, 6] = np.arange(8)
+    array[5, :, 6] = np.arange(8)
+    axes = space(z="nanometer", y="micrometer", x="micrometer")
+    datasets = [
+        {"path": "s0", "coordinateTransformations": [{"type": "scale", "scale": [9, 1, 2]}]}
+    ]
+    group.attrs["ome"] = {"version": "0.5", "multiscales": [{"axes": axes, "datasets": datasets}]}
+    volume = read_volume(path)
+    np.testing.assert_array_equal(volume.values, expected)
+    np.testing.assert_allclose(volume.spacing, [2, 1, 0.009])
+    metadata = json.loads((path / "zarr.json").read_text())
+    metadata["attributes"]["ome"]["multiscales"][0]["axes"].pop()
+    (path / "zarr.json").write_text(json.dumps(metadata))
+    with pytest.raises(LeaflightError, match="name 2 axes, but its arrays have 3"):
+        read_volume(path)
