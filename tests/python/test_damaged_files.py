@@ -74,7 +74,7 @@ def vtk_image(path):
 
 
 def cube_text(path):
-    from test_reader_mrc import cube
+    from test_reader_cube import cube
 
     return cube(VALUES.astype(np.float32)).encode()
 
