@@ -307,6 +307,6 @@ def test_pieces_that_claim_too_much(tmp_path, values):
 def test_other_data_of_vtk(tmp_path, values):
     data = vti(values, "Float32", "appended").replace(b"ImageData", b"RectilinearGrid")
     sentence = "holds RectilinearGrid data.*Resample To Image"
-    for name in ("x.vti",):
+    for name in ("x.vti", "x.vtr"):
         with pytest.raises(LeaflightError, match=sentence):
             read_back(tmp_path / name, data)
