@@ -4,12 +4,13 @@
 import base64
 import lzma
 import re
+import sys
 import zlib
 
 import numpy as np
 import pytest
 from leaflight import LeaflightError, read_volume
-from leaflight.io.readers import probe
+from leaflight.io.readers import MissingPackage, probe
 
 
 def header(size, data, *blocks):
@@ -310,3 +311,10 @@ def test_other_data_of_vtk(tmp_path, values):
     for name in ("x.vti", "x.vtr"):
         with pytest.raises(LeaflightError, match=sentence):
             read_back(tmp_path / name, data)
+
+
+def test_lz4_is_not_installed(tmp_path, values, monkeypatch):
+    monkeypatch.setitem(sys.modules, "lz4", None)
+    data = vti(values, "Float32", "appended").replace(b"ZLib", b"LZ4")
+    with pytest.raises(MissingPackage, match="x.vti: .*needs the Python package lz4"):
+        read_back(tmp_path / "x.vti", data)

@@ -2,11 +2,12 @@
 """Files whose names do not say what they hold are tried by their contents."""
 
 import gzip
+from fnmatch import fnmatchcase
 
 import numpy as np
 import pytest
 from leaflight import LeaflightError, read_volume
-from leaflight.io.readers import format_of
+from leaflight.io.readers import SUFFIXES, format_of, name_patterns
 from leaflight.io.readers import sniffing
 from leaflight.io.readers.formats import FORMATS
 from leaflight.io.readers.sniffing import module_of
@@ -50,8 +51,22 @@ def test_the_reader_of_contents(tmp_path, name):
     path = tmp_path / "no_suffix_that_is_known.foo"
     path.write_bytes(good(tmp_path / name))
     assert module_of(path) == format_of(path).module == MODULES[name]
-    path.write_bytes(gzip.compress(path.read_bytes()))
-    assert module_of(path) == (None if name.endswith((".npz", ".gz")) else MODULES[name])
+
+
+@pytest.mark.parametrize("name", ["x.cube", "x.dx", "x.xsf", "x.brix", "x.mrc"])
+def test_packed_contents(tmp_path, name):
+    known, packed = tmp_path / name, tmp_path / "packed"
+    known.write_bytes(good(known))
+    packed.write_bytes(gzip.compress(known.read_bytes()))
+    np.testing.assert_array_equal(read_volume(packed).values, read_volume(known).values)
+
+
+@pytest.mark.parametrize("name", ["x.vti", "x.nrrd", "x.h5", "x.vtk", "plain.tif", "x.npy"])
+def test_packed_contents_that_must_be_unpacked(tmp_path, name):
+    path = tmp_path / f"{name}.gz"
+    path.write_bytes(gzip.compress(good(tmp_path / name)))
+    with pytest.raises(LeaflightError, match="unpack it first"):
+        read_volume(path)
 
 
 @pytest.mark.parametrize("name", sorted(MODULES.keys() - {"LOCPOT", "x.nii", "x.nii.gz"}))
@@ -108,3 +123,13 @@ def test_contents_that_are_not_known(tmp_path, content):
 def test_every_reader_that_contents_name_is_there():
     named = {module for module, *_ in (*sniffing._SIGNATURES, *sniffing._TEXTS)}
     assert named <= {kind.module for kind in FORMATS}
+
+
+def test_the_patterns_of_the_file_browser():
+    """Of which Blender compares 15 characters each, in 255 all in all."""
+    patterns = name_patterns().split(";")
+    assert len(name_patterns()) <= 255 and max(map(len, patterns)) <= 15
+    for name in (*(f"x{suffix}" for suffix in SUFFIXES), "CHGCAR", "LOCPOT_1", "my_PARCHG.0001"):
+        assert any(fnmatchcase(name, pattern) for pattern in patterns), name
+    for name in ("x.txt", "x.zip"):
+        assert not any(fnmatchcase(name, pattern) for pattern in patterns), name

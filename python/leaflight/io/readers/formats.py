@@ -61,9 +61,28 @@ FORMATS = (
 SUFFIXES = tuple(suffix for kind in FORMATS for suffix in kind.suffixes)
 # Files of a folder that are opened to find out whether it is a series.
 _LOOKED_AT = 100
-# Suffixes that an error names, at most.
-_NAMED = 24
+# Suffixes that an error names, at most, and letters of one pattern of name_patterns().
+_NAMED, _IN_BRACKETS = 24, 9
 _BY_MODULE = {kind.module: kind for kind in FORMATS}
+
+
+def name_patterns() -> str:
+    """Patterns of the names of FORMATS for Blender's file browser, with ";" between them.
+
+    It takes 255 characters and 15 for a pattern, so suffixes of one first letter share a pattern
+    such as *.n[hir]*; it lists a few files of other suffixes, too.
+    """
+    letters: dict[str, list[str]] = {}
+    for suffix in sorted(SUFFIXES):
+        if suffix[2] not in letters.setdefault(suffix[1], []):
+            letters[suffix[1]].append(suffix[2])
+    patterns = [
+        f"*.{first}[{''.join(second[at : at + _IN_BRACKETS])}]*"
+        for first, second in letters.items()
+        for at in range(0, len(second), _IN_BRACKETS)
+    ]
+    names = [pattern.strip("*") for kind in FORMATS for pattern in kind.names]
+    return ";".join([*patterns, *(f"*{name}*" for name in names if "." not in name)])
 
 
 def format_of(path: str | os.PathLike[str]) -> Format:

@@ -6,6 +6,8 @@ import zipfile
 import zlib
 from pathlib import Path
 
+from ..._core import LeaflightError
+
 # Bytes that a file is looked at, and that packed ones are unpacked to.
 _LOOKED_AT = 1 << 16
 
@@ -48,24 +50,38 @@ _TEXTS = (
 )
 
 
+# Readers of files that are packed by gzip, too.
+_UNPACKING = {"nifti", "mrc", "opendx", "xsf", "cube", "vasp", "dsn6"}
+
+
 def module_of(path: Path) -> str | None:
-    """The module of the reader for what a file holds, None where that is not known."""
+    """The module of the reader for what a file holds, None where that is not known.
+
+    Raises LeaflightError for a packed file whose reader does not unpack it.
+    """
     try:
         with open(path, "rb") as file:
             head = file.read(_LOOKED_AT)
         if head.startswith(b"PK\x03\x04"):
             return "numpy_file" if _is_npz(path) else None
-        if head.startswith(b"\x1f\x8b"):
+        packed = head.startswith(b"\x1f\x8b")
+        if packed:
             head = zlib.decompressobj(31).decompress(head, _LOOKED_AT)
     except (OSError, zlib.error):
         return None
+    module = _module_of(head)
+    if packed and module and module not in _UNPACKING:
+        raise LeaflightError(f"{path}: it is packed by gzip; unpack it first, as gunzip does.")
+    return module
+
+
+def _module_of(head: bytes) -> str | None:
+    """The module for what begins so."""
     for module, place, signature in _SIGNATURES:
         if head[place : place + len(signature)] == signature:
             return module
-    for module, pattern in _TEXTS:
-        if re.search(pattern, head, re.MULTILINE):
-            return module
-    return None
+    found = (module for module, text in _TEXTS if re.search(text, head, re.MULTILINE))
+    return next(found, None)
 
 
 def _is_npz(path: Path) -> bool:
