@@ -24,6 +24,8 @@ from .watched import STAGE, begin
 
 # Voxels for the shortest wave, gemmi's own choice for maps.
 _SAMPLES = 3.0
+# Waves along an edge of the cell, at most.
+_MOST_WAVES = 1 << 14
 # Amplitudes of the map that programs of refinement make for looking at, the best known first.
 _BEST = ("FWT", "2FOFCWT", "2FOFCWT_fill", "2FOFCWT_no_fill")
 
@@ -76,13 +78,16 @@ def _reader(path: Path, function: str, *options: object) -> ReaderProcess:
 def list_maps(path: Path) -> tuple[dict[str, Any], tuple[()]]:
     """Within the process: the maps that can be computed, their dims and the cell."""
     mtz = gemmi.read_mtz_file(str(path))
-    cell = mtz.cell
-    answer = {
-        "maps": _pairs([(column.label, column.type) for column in mtz.columns]),
-        "dims": list(mtz.get_size_for_hkl(sample_rate=_SAMPLES)),
-        "cell": [cell.a, cell.b, cell.c, cell.alpha, cell.beta, cell.gamma],
-    }
-    return answer, ()
+    maps = _pairs([(column.label, column.type) for column in mtz.columns])
+    if not maps:
+        return {"maps": ()}, ()
+    # On others gemmi never ends.
+    waves = np.asarray(mtz)[:, :3]
+    if not (len(waves) and np.isfinite(waves).all() and np.abs(waves).max() < _MOST_WAVES):
+        raise ValueError("the indices of the waves")
+    cell, dims = mtz.cell, list(mtz.get_size_for_hkl(sample_rate=_SAMPLES))
+    sides = [cell.a, cell.b, cell.c, cell.alpha, cell.beta, cell.gamma]
+    return {"maps": maps, "dims": dims, "cell": sides}, ()
 
 
 def _pairs(columns: Sequence[tuple[str, str]]) -> list[str]:
