@@ -224,5 +224,5 @@ def test_a_grid_of_ase(tmp_path, values):
     with open(path, "w") as file:
         write_xsf(file, [atoms], data=values.transpose(2, 1, 0))
     with open(path) as file:
-        theirs, _ = read_xsf(file, read_data=True)
+        theirs = read_xsf(file, read_data=True)[0]
     np.testing.assert_allclose(read_volume(path).values.transpose(2, 1, 0), theirs)

@@ -22,7 +22,7 @@ _LINE = 1 << 12
 
 
 def open_volume(path: Path) -> StoredVolume:
-    """Several orbitals in one file are channels; lengths are in bohr, or in angstrom if it says."""
+    """Opens a cube: orbitals are channels, lengths are in bohr, or in angstrom if it says."""
     try:
         with open_watched(path, Progress()) as file:
             lines = [file.readline(_LINE) for _ in range(6)]
@@ -60,7 +60,7 @@ def open_volume(path: Path) -> StoredVolume:
 
 
 def _orbitals(file: io.BufferedIOBase, line: bytes, atoms: float) -> int:
-    """How many values a voxel has; reads the list of orbitals, which a negative count announces."""
+    """Counts the values of a voxel; a negative count of atoms announces a list of orbitals."""
     if atoms >= 0:
         fields = numbers_of(line)
         return int(fields[4]) if len(fields) > 4 else 1
@@ -76,7 +76,7 @@ def _orbitals(file: io.BufferedIOBase, line: bytes, atoms: float) -> int:
 
 
 def _skip(file: io.BufferedIOBase, count: int) -> None:
-    """So many lines, of which a damaged file may claim billions."""
+    """Skips so many lines, of which a damaged file may claim billions."""
     for _ in range(count):
         if not file.readline():
             raise EOFError

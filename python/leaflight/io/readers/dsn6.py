@@ -43,7 +43,7 @@ class _Header:
 
 
 def open_volume(path: Path) -> StoredVolume:
-    """The part of the cell that the file covers, in angstrom."""
+    """Opens the part of the cell that the file covers, in angstrom."""
     try:
         with open_watched(path, Progress()) as file:
             head = file.read(_HEADER)
@@ -82,7 +82,7 @@ def open_volume(path: Path) -> StoredVolume:
 
 
 def _of_brix(head: bytes) -> _Header:
-    """From words that are followed by their numbers."""
+    """Reads words that are followed by their numbers."""
     line, found = head.decode("latin-1"), {}
     for word, count in _FIELDS.items():
         match = re.search(word + _NUMBERS * count, line, re.IGNORECASE)
@@ -93,7 +93,7 @@ def _of_brix(head: bytes) -> _Header:
 
 
 def _of_dsn6(head: bytes) -> _Header:
-    """From whole numbers of two bytes, in either order, which the number 100 shows."""
+    """Reads whole numbers of two bytes, in either order, which the number 100 shows."""
     for order in "<>":
         words = [int(word) for word in np.frombuffer(head, order + "i2", 19)]
         if words[18] == 100:

@@ -67,7 +67,7 @@ _BY_MODULE = {kind.module: kind for kind in FORMATS}
 
 
 def name_patterns() -> str:
-    """Patterns of the names of FORMATS for Blender's file browser, with ";" between them.
+    """Returns patterns of the names of FORMATS for Blender's file browser, parted by ";".
 
     It takes 255 characters and 15 for a pattern, so suffixes of one first letter share a pattern
     such as *.n[hir]*; it lists a few files of other suffixes, too.

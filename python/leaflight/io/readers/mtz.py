@@ -31,7 +31,7 @@ _BEST = ("FWT", "2FOFCWT", "2FOFCWT_fill", "2FOFCWT_no_fill")
 
 
 def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
-    """One cell of the crystal; pairs of amplitudes and phases are datasets.
+    """Opens one cell of the crystal; pairs of amplitudes and phases are datasets.
 
     The grid is periodic: behind its last voxel the first one of the next cell follows.
     """
@@ -76,7 +76,7 @@ def _reader(path: Path, function: str, *options: object) -> ReaderProcess:
 
 
 def list_maps(path: Path) -> tuple[dict[str, Any], tuple[()]]:
-    """Within the process: the maps that can be computed, their dims and the cell."""
+    """Lists, within the process, the maps that can be computed, their dims and the cell."""
     mtz = gemmi.read_mtz_file(str(path))
     maps = _pairs([(column.label, column.type) for column in mtz.columns])
     if not maps:
@@ -91,7 +91,7 @@ def list_maps(path: Path) -> tuple[dict[str, Any], tuple[()]]:
 
 
 def _pairs(columns: Sequence[tuple[str, str]]) -> list[str]:
-    """ "amplitudes/phases" of each column of phases and the last one of amplitudes before it."""
+    """Pairs each column of phases with the last one of amplitudes before it."""
     pairs, amplitudes = [], None
     for label, kind in columns:
         if kind == "F":
@@ -103,7 +103,7 @@ def _pairs(columns: Sequence[tuple[str, str]]) -> list[str]:
 
 
 def compute_map(path: Path, amplitudes: str, phases: str) -> tuple[list[int], Iterable[Array]]:
-    """Within the process: the density [z, y, x] of a whole cell."""
+    """Computes, within the process, the density [z, y, x] of a whole cell."""
     mtz = gemmi.read_mtz_file(str(path))
     grid = mtz.transform_f_phi_to_map(amplitudes, phases, sample_rate=_SAMPLES)
     values = np.ascontiguousarray(np.array(grid, np.float32).transpose(2, 1, 0))

@@ -55,7 +55,7 @@ class _Map:
 
 
 def open_volume(path: Path) -> StoredVolume:
-    """The first array over a regular grid; components of vectors are channels."""
+    """Opens the first array over a regular grid; components of vectors are channels."""
     try:
         with open_watched(path, Progress()) as file:
             grid = _header(path, file)
@@ -122,7 +122,7 @@ def _header(path: Path, file: io.BufferedIOBase) -> _Map:
 
 
 def _read_array(grid: _Map, line: str, file: io.BufferedIOBase) -> None:
-    """From the line that announces the values, which follow it or lie in another file."""
+    """Reads the line that announces the values, which follow it or lie in another file."""
     words = line.lower().replace('"', "").split()
     kind = _after(words, "type", "float")
     if kind in ("signed", "unsigned"):

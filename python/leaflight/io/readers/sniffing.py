@@ -55,7 +55,7 @@ _UNPACKING = {"nifti", "mrc", "opendx", "xsf", "cube", "vasp", "dsn6"}
 
 
 def module_of(path: Path) -> str | None:
-    """The module of the reader for what a file holds, None where that is not known.
+    """Returns the module of the reader for what a file holds, None where that is not known.
 
     Raises LeaflightError for a packed file whose reader does not unpack it.
     """
@@ -76,7 +76,7 @@ def module_of(path: Path) -> str | None:
 
 
 def _module_of(head: bytes) -> str | None:
-    """The module for what begins so."""
+    """Returns the module for what begins so."""
     for module, place, signature in _SIGNATURES:
         if head[place : place + len(signature)] == signature:
             return module
@@ -85,7 +85,7 @@ def _module_of(head: bytes) -> str | None:
 
 
 def _is_npz(path: Path) -> bool:
-    """Whether all that an archive holds are arrays of NumPy."""
+    """Returns whether all that an archive holds are arrays of NumPy."""
     try:
         with zipfile.ZipFile(path) as archive:
             names = archive.namelist()

@@ -39,7 +39,7 @@ def read_numbers(
     progress: Progress,
     width: int | None = None,
 ) -> Array:
-    """The array of the next `count` numbers in a file of text.
+    """Reads the array of the next `count` numbers in a file of text.
 
     width: of a column, where a format has one. Raises EOFError where the file ends before, and
     ValueError for what is no number of this type.
@@ -63,7 +63,7 @@ def read_numbers(
 
 
 def numbers_of(line: str | bytes) -> list[float]:
-    """All numbers of a line. Raises ValueError for anything else."""
+    """Returns all numbers of a line. Raises ValueError for anything else."""
     text = line if isinstance(line, bytes) else line.encode("latin-1", "replace")
     return [float(number) for number in _parsed(text, len(text), None)]
 
@@ -77,7 +77,7 @@ def check_count(path: Path, shape: Sequence[int], packed: bool | None = None) ->
 
 
 def _end(text: bytes) -> int:
-    """Where the last line of a text ends that is whole; of very long lines, the last number."""
+    """Finds where the last line of a text ends that is whole; of long lines, the last number."""
     line = text.rfind(b"\n", max(0, len(text) - _LONGEST))
     if line < 0 and len(text) > _LONGEST:
         line = max(map(text.rfind, (b" ", b"\t", b"\r", b"\n")))
@@ -85,7 +85,7 @@ def _end(text: bytes) -> int:
 
 
 def _parsed(text: bytes, most: int, width: int | None) -> Array:
-    """The first `most` numbers of a text."""
+    """Returns the first `most` numbers of a text."""
     words = text.split(None, most)[:most]
     try:
         return np.fromiter(map(float, words), np.float64, len(words))
@@ -106,7 +106,7 @@ def _parsed(text: bytes, most: int, width: int | None) -> Array:
 
 
 def _of_line(line: bytes, most: int, width: int | None) -> list[float]:
-    """The numbers of a line, of which some may touch."""
+    """Returns the numbers of a line, of which some may touch."""
     words = line.split(None, most)[:most]
     try:
         return [float(word) for word in words]

@@ -9,7 +9,7 @@ from ...arrays import Array
 
 
 def cell_axes(sizes: Sequence[float] | Array, angles: Sequence[float]) -> Array:
-    """The edges a, b and c, in columns: a along x, b in the plane of x and y.
+    """Returns the edges a, b and c, in columns: a along x, b in the plane of x and y.
 
     angles: alpha, beta and gamma in degrees; old files have 0 where they mean right angles.
     """

@@ -47,7 +47,7 @@ class _Grids:
 
 
 def open_volume(path: Path) -> StoredVolume:
-    """Spins are channels, steps of a run frames; densities are electrons per cubic angstrom.
+    """Opens a grid: spins are channels, steps of a run frames; densities are per cubic angstrom.
 
     The grid is periodic: behind its last voxel the first one of the next cell follows.
     """
@@ -91,7 +91,7 @@ def _matrix(lattice: Array, dims: tuple[int, ...]) -> Array:
 
 
 def _quantity(path: Path, grids: _Grids) -> tuple[bool, tuple[str, ...]]:
-    """(whether the values are a density, what was guessed)."""
+    """Returns (whether the values are a density, what was guessed)."""
     name = path.name.upper()
     if grids.augmented or any(word in name for word in _DENSITIES):
         return True, ()
@@ -135,7 +135,7 @@ def _grids(path: Path, file: io.BufferedIOBase) -> _Grids:
 
 
 def _structure(lines: Iterator[bytes]) -> Array:
-    """The lattice in angstrom, vectors in rows; goes on behind the atoms."""
+    """Reads the lattice in angstrom, vectors in rows, and goes on behind the atoms."""
     scales = numbers_of(next(lines, b""))
     lattice = np.array([numbers_of(next(lines, b""))[:3] for _ in range(3)]).reshape(3, 3)
     words = next(lines, b"").split()

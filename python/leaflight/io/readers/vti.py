@@ -33,18 +33,18 @@ class _Piece:
     extent: Array
 
     def arrays(self, of_cells: bool) -> dict[str, Element]:
-        """Those of numbers, by name."""
+        """Returns those of numbers, by name."""
         found = self.element.findall(("CellData" if of_cells else "PointData") + "/DataArray")
         return {one.get("Name") or "unnamed": one for one in found if one.get("type") in TYPES}
 
     def shape(self, of_cells: bool) -> tuple[int, ...]:
-        """[z, y, x] of an array."""
+        """Returns [z, y, x] of an array."""
         counts = self.extent[:, 1] - self.extent[:, 0] + 1
         return tuple(int(n) for n in (np.maximum(1, counts - 1) if of_cells else counts)[::-1])
 
 
 def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
-    """Arrays of points and of cells are datasets; components of vectors and colors are channels."""
+    """Opens an image: its arrays are datasets, components of vectors and colors are channels."""
     document = open_document(path)
     image = _image(document)
     pieces = _pieces(document, image)
@@ -84,7 +84,7 @@ def _image(document: Document) -> Element:
 
 
 def _pieces(document: Document, image: Element) -> list[_Piece]:
-    """The pieces of an image, also those in other files. Raises LeaflightError."""
+    """Returns the pieces of an image, also those in other files. Raises LeaflightError."""
     found: list[_Piece] = []
     for piece in image.findall("Piece"):
         source = piece.get("Source")
@@ -114,7 +114,7 @@ def _extent(element: Element, key: str) -> Array:
 
 
 def _array(name: str, of_cells: bool, pieces: Sequence[_Piece], low: Array) -> ImageArray:
-    """The array of this name of all pieces; low: the first of the image's points."""
+    """Joins the arrays of this name of all pieces; low: the first of the image's points."""
     parts = [(one, one.arrays(of_cells)[name]) for one in pieces if name in one.arrays(of_cells)]
     document, element = parts[0][0].document, parts[0][1]
     dtype, channels = dtype_of(document, element), int(element.get("NumberOfComponents") or 1)

@@ -15,7 +15,7 @@ from ...volume.volume import Volume
 from .checks import check_matrix, choose_named, listed, undecided
 from .stored import StoredVolume, lengths
 
-# What VTK keeps for itself: which voxels another piece has, too.
+# VTK marks voxels by them which another piece has, too.
 _NOT_VALUES = {"vtkGhostType", "vtkGhostLevels"}
 
 
@@ -47,7 +47,7 @@ class Image:
 
 
 def open_image(image: Image, dataset: str | None) -> StoredVolume:
-    """The array that is chosen, else the only one of points, else the only one."""
+    """Opens the array that is chosen, else the only one of points, else the only one."""
     path = image.path
     if min(image.points) < 1:
         raise LeaflightError(f"{path}: the header claims no voxels; the file is damaged.")
@@ -86,7 +86,7 @@ def open_image(image: Image, dataset: str | None) -> StoredVolume:
 
 
 def _named(arrays: Sequence[ImageArray]) -> dict[str, ImageArray]:
-    """The arrays that may be volumes, by names of their own."""
+    """Returns the arrays that may be volumes, by names of their own."""
     of_points = {array.name for array in arrays if not array.of_cells}
     found: dict[str, ImageArray] = {}
     for array in arrays:
@@ -97,7 +97,7 @@ def _named(arrays: Sequence[ImageArray]) -> dict[str, ImageArray]:
 
 
 def matrix_of(origin: ArrayLike, spacing: ArrayLike, axes: ArrayLike, first: ArrayLike) -> Array:
-    """The matrix (4, 4) of VTK's numbers; first: the index (x, y, z) that the values begin at."""
+    """Returns the matrix (4, 4); first: the index (x, y, z) that the values begin at."""
     matrix = np.eye(4)
     matrix[:3, :3] = np.reshape(axes, (3, 3)) * np.asarray(spacing, np.float64)
     matrix[:3, 3] = np.asarray(origin, np.float64) + matrix[:3, :3] @ np.asarray(first, np.float64)

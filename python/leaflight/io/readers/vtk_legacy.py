@@ -77,7 +77,7 @@ class _File:
     arrays: list[ImageArray] = field(default_factory=list)
 
     def line(self) -> list[str] | None:
-        """The words of the next line that has some, None at the end."""
+        """Reads the words of the next line that has some, None at the end."""
         while self.place < len(self.data):
             end = self.data.find(b"\n", self.place)
             end = len(self.data) if end < 0 else end
@@ -88,13 +88,13 @@ class _File:
         return None
 
     def go_to(self, pattern: re.Pattern[bytes]) -> None:
-        """Goes on at the line that matches, from the end of the last one on, or to the end."""
+        """Goes on at the next line that matches, or to the end."""
         found = pattern.search(self.data, max(0, self.place - 1))
         self.place = found.start() + 1 if found else len(self.data)
 
 
 def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
-    """Arrays of points and of cells are datasets; components of vectors and colors are channels."""
+    """Opens an image: its arrays are datasets, components of vectors and colors are channels."""
     with open(path, "rb") as opened:
         try:
             data = mmap.mmap(opened.fileno(), 0, access=mmap.ACCESS_READ)
@@ -112,7 +112,7 @@ def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
     _check_kind(file)
     while (words := file.line()) is not None:
         if not _read(file, words):
-            # Of a type that has no length: all else of these points or cells is left out.
+            # Its type has no length: all else of these points or cells is left out.
             file.go_to(_SECTION)
     points = tuple(int(n) for n in file.header["DIMENSIONS"])
     spacing = file.header.get("SPACING") or file.header.get("ASPECT_RATIO") or [1.0] * 3
@@ -175,7 +175,7 @@ def _read_attribute(file: _File, key: str, words: list[str]) -> bool:
 
 
 def _read_of_field(file: _File) -> bool:
-    """One array of a field: a line with its name, values of each, their number and their type."""
+    """Reads one array of a field: its name, values of each, their number and their type."""
     words = file.line()
     while words and words[0] == "METADATA":
         _read(file, words)
@@ -235,7 +235,7 @@ def _skip(file: _File, dtype: np.dtype[Any], count: int) -> None:
 
 
 def _count(file: _File, word: str) -> int:
-    """How many arrays a field claims to have."""
+    """Returns how many arrays a field claims to have."""
     count = int(word)
     if count > len(file.data):
         raise truncated(file.path, (count,))

@@ -124,7 +124,7 @@ def check_claim(document: Document, shape: tuple[int, ...], itemsize: int) -> No
 def values_of(
     document: Document, array: Element, shape: tuple[int, ...], progress: Progress
 ) -> Array:
-    """The array of a DataArray element. Raises LeaflightError where it is not whole."""
+    """Reads the array of a DataArray element. Raises LeaflightError where it is not whole."""
     dtype, form = dtype_of(document, array), array.get("format")
     size = prod(shape) * dtype.itemsize
     try:
@@ -157,7 +157,7 @@ class _Run:
     is_base64: bool
 
     def length(self, count: int) -> int:
-        """How long so many bytes are."""
+        """Returns how long so many bytes are."""
         return -(-count // 3) * 4 if self.is_base64 else count
 
     def read(self, start: int, count: int) -> bytes:
@@ -168,7 +168,7 @@ class _Run:
 def _unpacked(
     document: Document, run: _Run, start: int, size: int, progress: Progress
 ) -> Iterator[bytes]:
-    """Blocks: their number, two sizes, the compressed size of each, and then themselves.
+    """Unpacks blocks: their number, two sizes, the compressed size of each, and then themselves.
 
     In base64 the header and the blocks are encoded one after the other.
     """

@@ -35,7 +35,7 @@ class _Grid:
 
 
 def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
-    """Several grids are datasets. The last points of a periodic one are its first ones again."""
+    """Opens a grid, of which several are datasets; the last points may be the first ones again."""
     try:
         found = _grids(path)
     except (IndexError, ValueError, OverflowError, EOFError, zlib.error):
@@ -67,7 +67,7 @@ def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
 
 
 def _grids(path: Path) -> dict[str, _Grid]:
-    """The grids of a file by name. Raises ValueError."""
+    """Finds the grids of a file, by name. Raises ValueError."""
     found: dict[str, _Grid] = {}
     with open_watched(path, Progress()) as file:
         lines = iter(lambda: file.readline(_MOST_LINE), b"")
@@ -88,7 +88,7 @@ def _grids(path: Path) -> dict[str, _Grid]:
 
 
 def _placed(path: Path, lines: Iterator[bytes]) -> tuple[tuple[int, ...], Array]:
-    """(dims, the matrix) from the number of points, the origin and three spanning vectors."""
+    """Returns (dims, matrix) from the number of points, the origin and three spanning vectors."""
     numbers: list[float] = []
     while len(numbers) < 15:
         numbers += numbers_of(next(lines, b"end"))
