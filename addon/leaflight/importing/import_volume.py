@@ -27,8 +27,8 @@ from ..translations import iface_
 from . import placing, stored_facts
 
 
-# Which files the browser lists; Blender takes 255 characters.
-_BY_SUFFIX = ";".join(f"*{suffix}" for suffix in readers.SUFFIXES)
+# Which files the browser lists.
+_BY_NAME = readers.name_patterns()
 
 _OF_THE_FILE = ("FILE", "As in the File", "The file's own, or +Z up and -Y to the front")
 
@@ -36,7 +36,7 @@ _OF_THE_FILE = ("FILE", "As in the File", "The file's own, or +Z up and -Y to th
 def _list_files(operator, context):
     browser = getattr(context.space_data, "params", None)
     if browser is not None:
-        browser.filter_glob = "*" if operator.all_files else _BY_SUFFIX
+        browser.filter_glob = "*" if operator.all_files else _BY_NAME
 
 
 class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operator, ImportHelper):
@@ -45,7 +45,7 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
     bl_description = "Read a scalar volume and show one of its isosurfaces"
     bl_options = {"REGISTER", "UNDO"}
 
-    filter_glob: StringProperty(default=_BY_SUFFIX, options={"HIDDEN"})
+    filter_glob: StringProperty(default=_BY_NAME, options={"HIDDEN"})
     all_files: BoolProperty(
         name="All Files",
         description="List files of any name, as the slices of a DICOM series often have no suffix. "
