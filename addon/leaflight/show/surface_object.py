@@ -183,6 +183,11 @@ def is_coarse(mesh):
     return bool(mesh.get(_COARSE))
 
 
+def expect_as_many_triangles(obj, other):
+    """Has an isosurface that is yet to be shown be coarse at first where another one is large."""
+    obj.data[_TRIANGLES] = other.data.get(_TRIANGLES, 0)
+
+
 def _halvings_in_motion(mesh):
     """Of the volume's fineness, for an isosurface like the one that the mesh holds."""
     triangles, halvings = mesh.get(_TRIANGLES, 0), 0
