@@ -94,15 +94,50 @@ def _nrrd(folder):
         b"hex": data.hex().encode(),
         b"ascii": " ".join(map(str, data)).encode(),
     }
-    spaced = NRRD.split(b"space:")[0] + b"spacings: 1 2 nan\nline skip: 0\nbyte skip: -1\n\n" + data
-    return [NRRD.replace(b"raw", name) + text for name, text in packed.items()] + [spaced]
+    seeds = [NRRD.replace(b"raw", name) + text for name, text in packed.items()]
+    plain = NRRD.split(b"space:")[0]
+    seeds.append(plain + b"spacings: 1 2 nan\nline skip: 0\nbyte skip: -1\n\n" + data)
+    ends = (
+        b'axis mins: 0 1 2\naxis maxs: 4 8 nan\ncenterings: cell node cell\nunits: "mm" "um" "m"\n'
+    )
+    seeds.append(plain.replace(b"raw", b"gzip") + ends + b"\n" + packed[b"gzip"])
+    four = plain.replace(b"dimension: 3", b"dimension: 4").replace(b"8 7 6", b"1 8 7 6")
+    return [*seeds, four + b"kinds: vector domain domain domain\n\n" + data]
 
 
 def _detached_nrrd(folder):
     from test_damaged_files import NRRD, VALUES
 
     (folder / "values.raw").write_bytes(VALUES.tobytes())
-    return [NRRD.rstrip() + b"\ndata file: values.raw\n# note\nkey:=value\n"]
+    header = NRRD.rstrip() + b"\ndata file: "
+    return [
+        header + b"values.raw\n# note\nkey:=value\n",
+        header + b"LIST 2\n" + _spread(folder),
+        header.replace(b"raw", b"gzip") + b"plane%d.gz 1 6 1\nbyte skip: -1\n",
+    ]
+
+
+def _metaimage(folder):
+    from test_damaged_files import VALUES, metaimage
+
+    packed = metaimage(folder)
+    text = packed[: packed.index(b"LOCAL\n") + 6].replace(b"CompressedData", b"BinaryData = 0\nX")
+    local = text + " ".join(map(str, VALUES.ravel())).encode()
+    header = text.split(b"BinaryData")[0] + b"HeaderSize = -1\nElementType = MET_UCHAR\n"
+    header += b"ElementDataFile = "
+    return [packed, local, header + b"LIST\n" + _spread(folder), header + b"plane%d.raw 1 6 1\n"]
+
+
+def _spread(folder):
+    """Writes each plane to a file of its own; returns the lines that name them."""
+    import gzip
+
+    from test_damaged_files import VALUES
+
+    for k, plane in enumerate(VALUES.reshape(6, -1), 1):
+        (folder / f"plane{k}.raw").write_bytes(plane.tobytes())
+        (folder / f"plane{k}.gz").write_bytes(gzip.compress(plane.tobytes()))
+    return b"".join(b"plane%d.raw\n" % k for k in range(1, 7))
 
 
 def _legacy_vtk(_folder):
@@ -293,7 +328,7 @@ TARGETS = (
     Target("nifti-gz", ".nii.gz", _of_tests("x.nii.gz"), _INFO),
     Target("nrrd", ".nrrd", _nrrd, _INFO),
     Target("nhdr", ".nhdr", _detached_nrrd, _INFO),
-    Target("metaimage", ".mha", _of_tests("x.mha"), _INFO),
+    Target("metaimage", ".mha", _metaimage, _INFO),
     Target("dicom", ".dcm", _of_tests("x.dcm"), _INFO),
     Target("mrc", ".mrc", _of_tests("x.mrc"), _INFO),
     Target("vti", ".vti", _of_tests("x.vti"), _INFO),
