@@ -208,6 +208,76 @@ def _unnamed(folder):
     return [_of_tests(name)(folder)[0] for name in names]
 
 
+def _mgh(folder):
+    import gzip
+
+    import nibabel
+    from test_damaged_files import VALUES
+
+    data = nibabel.MGHImage(VALUES.T.astype(np.int16), np.eye(4)).to_bytes()
+    return [data, gzip.compress(data, mtime=0)]
+
+
+def _analyze(folder):
+    import nibabel
+    from test_damaged_files import VALUES
+
+    seeds = []
+    for kind in (nibabel.AnalyzeImage, nibabel.Nifti1Pair, nibabel.Nifti2Pair):
+        nibabel.save(kind(VALUES.T, None), folder / "input.img")
+        seeds.append((folder / "input.hdr").read_bytes())
+    return seeds
+
+
+def _afni(folder):
+    from test_damaged_files import VALUES
+    from test_reader_scans import HEAD
+
+    (folder / "input.BRIK").write_bytes(VALUES.tobytes())
+    texts = [HEAD.format(count=1, types="0", factors=k, order="LSB_FIRST") for k in ("0", "0.5")]
+    return [text.replace("6 5 4", "8 7 6").encode() for text in texts]
+
+
+def _minc(_folder):
+    import nibabel
+    import pytest
+
+    files = [Path(nibabel.__file__).parent / "tests" / "data" / "tiny.mnc"]
+    files.append(files[0].with_name("minc2_1_scale.mnc"))
+    if not all(file.exists() for file in files):
+        pytest.skip("nibabel's data are not here")
+    return [file.read_bytes() for file in files]
+
+
+def _mrtrix(_folder):
+    import gzip
+
+    from test_damaged_files import VALUES
+    from test_reader_mrtrix import header
+
+    data = VALUES.tobytes()
+    plain = header((8, 7, 6), "-0,+2,-1", "UInt8").ljust(500) + data
+    bits = header((8, 7, 6), "+0,+1,+2", "Bit", ". 500", "scaling: 1,2").ljust(500) + data
+    return [plain, bits, gzip.compress(plain, mtime=0)]
+
+
+def _amira(_folder):
+    import zlib
+
+    from test_damaged_files import VALUES
+    from test_reader_amira import header, runs
+
+    packed = {"": VALUES.tobytes(), "HxZip": zlib.compress(VALUES.tobytes())}
+    packed["HxByteRLE"] = runs(VALUES.tobytes())
+    seeds = []
+    for name, data in packed.items():
+        packing = f"({name},{len(data)})" if name else ""
+        start = header(f"Lattice {{ byte Data }} @1{packing}").replace(b"6 5 4", b"8 7 6")
+        seeds.append(start + b"@1\n" + data)
+    text = header("Lattice { byte Data } @1", "AmiraMesh 3D ASCII 2.0").replace(b"6 5 4", b"8 7 6")
+    return [*seeds, text + b"@1\n" + " ".join(map(str, VALUES.ravel())).encode()]
+
+
 def _csv(_folder):
     points = np.random.default_rng(1).random((40, 4)).round(3)
     lines = [",".join(map(str, row)) for row in points]
@@ -326,6 +396,12 @@ _TINY = ("bump_box", "--dims", "4", "--error", "50", "--resolution", "4")
 TARGETS = (
     Target("nifti", ".nii", _of_tests("x.nii"), _INFO),
     Target("nifti-gz", ".nii.gz", _of_tests("x.nii.gz"), _INFO),
+    Target("analyze", ".hdr", _analyze, _INFO),
+    Target("freesurfer", ".mgz", _mgh, _INFO),
+    Target("afni", ".HEAD", _afni, _INFO),
+    Target("minc", ".mnc", _minc, _INFO, slow=True),
+    Target("mrtrix", ".mif", _mrtrix, _INFO),
+    Target("amira", ".am", _amira, _INFO),
     Target("nrrd", ".nrrd", _nrrd, _INFO),
     Target("nhdr", ".nhdr", _detached_nrrd, _INFO),
     Target("metaimage", ".mha", _metaimage, _INFO),

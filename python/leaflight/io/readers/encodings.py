@@ -122,6 +122,24 @@ def _unpacked(
     return pieces
 
 
+def _byte_rle(file: _File, _dtype: np.dtype[Any], _size: int) -> Iterator[bytes]:
+    """Amira's: a byte, and as many of the next as it says; above 128 so many other ones follow."""
+    packed = b""
+    while piece := file.read(_PIECE):
+        packed, place, unpacked = packed + piece, 0, bytearray()
+        # As long as the longest run is whole.
+        while place + 1 < len(packed):
+            count = packed[place]
+            run = count - 128 if count > 128 else 1
+            if place + 1 + run > len(packed):
+                break
+            part = packed[place + 1 : place + 1 + run]
+            unpacked += part if count > 128 else part * count
+            place += 1 + run
+        packed = packed[place:]
+        yield bytes(unpacked)
+
+
 # zlib is what it says, or gzip where the first bytes say so.
 _deflated = _unpacked(lambda: zlib.decompressobj(zlib.MAX_WBITS | 32))
 ENCODINGS = {
@@ -130,5 +148,6 @@ ENCODINGS = {
     "text": Encoding(_text, least=lambda dtype: 2),
     "hex": Encoding(_hex, least=lambda dtype: 2 * dtype.itemsize),
     "gzip": Encoding(_deflated, most=DEFLATE_MOST, packed=True),
+    "byte-rle": Encoding(_byte_rle, most=64, packed=True),
     "bzip2": Encoding(_unpacked(bz2.BZ2Decompressor), most=100_000, packed=True),
 }

@@ -39,6 +39,12 @@ _OF_MRC = ".mrc .ccp4 .map .mrcs .rec .st .ali .mrc.gz .ccp4.gz .map.gz .mrcs.gz
 _OF_RAW = ("dims", "type", "endian", "spacing", "skip")
 FORMATS = (
     _format("NIfTI file", "nifti", ".nii .nii.gz"),
+    _format("NIfTI or Analyze pair", "nifti", ".hdr .img .hdr.gz .img.gz"),
+    _format("FreeSurfer volume", "freesurfer", ".mgz .mgh .mgh.gz"),
+    _format("MINC file", "minc", ".mnc .mnc.gz"),
+    _format("AFNI dataset", "afni", ".head .brik .brik.gz"),
+    _format("MRtrix image", "mrtrix", ".mif .mif.gz .mih"),
+    _format("AmiraMesh lattice", "amira", ".am", "dataset"),
     _format("NRRD file", "nrrd", ".nrrd .nhdr"),
     _format("MetaImage", "metaimage", ".mhd .mha"),
     _format("DICOM series", "dicom", ".dcm .dicom .ima", "dataset"),

@@ -168,7 +168,7 @@ def _directions(
     """One for each axis, None for those that have none; None where the header gives none at all."""
     if "space directions" not in fields:
         return None
-    words = re.findall(r"\([^)]*\)|[^\s()]+", fields["space directions"])
+    words = re.findall(r"\([^()]*\)|[^\s()]+", fields["space directions"])
     if fields.get("space dimension") == "2":
         raise _no_volume(path, 2, sizes)
     if len(words) != len(sizes):
