@@ -196,6 +196,7 @@ def test_damaged_maps(tmp_path, values):
         (ccp4(values)[:-1], "claims"),
         (ccp4(values, at={0: 2**30, 1: 2**30}), "claims"),
         (ccp4(values, at={3: 4}), "complex"),
+        (b"no map" * 400, "not a readable MRC or CCP4 map; if its values are plain"),
         (b"no map", "damaged|readable"),
         (b"", "damaged|readable"),
     ):

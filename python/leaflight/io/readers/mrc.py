@@ -14,6 +14,7 @@ from mrcfile.mrcinterpreter import MrcInterpreter
 
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
+from ...volume.setting_error import SettingError
 from ...volume.volume import Volume
 from .checks import DEFLATE_MOST, check_matrix, check_scalar, check_size
 from .stored import StoredVolume, lengths
@@ -23,7 +24,8 @@ from .watched import is_packed, open_head
 
 # Bytes of the header, and where the length of the text behind it stands.
 _HEADER, _LENGTH = 1024, 92
-# Modes of values that are bytes, and halves of bytes.
+# The stamp, which old files lack, and modes; of values that are bytes, and halves of bytes.
+_STAMP, _MODES = b"MAP ", (0, 1, 2, 3, 4, 6, 12, 101)
 _BYTES, _HALVES = 0, 101
 # IMOD's stamp, the byte where it stands with its flags behind, and the flag for bytes with a sign.
 _IMOD, _IMOD_PLACE, _SIGNED = 1146047817, 152, 1
@@ -92,6 +94,13 @@ def _header(path: Path) -> Array:
     without = head[:_LENGTH] + bytes(4) + head[_LENGTH + 4 :]
     interpreter = MrcInterpreter(io.BytesIO(without), permissive=True, header_only=True)
     header: Array = interpreter.header.copy()
+    if header["map"].item() != _STAMP and int(header["mode"]) not in _MODES:
+        raise SettingError(
+            f"{path}: this is not a readable MRC or CCP4 map; if its values are plain, give the "
+            "dimensions and the type.",
+            "dims",
+            "type",
+        )
     header["nsymbt"] = np.frombuffer(head, header["nsymbt"].dtype, 1, _LENGTH)[0]
     length = int(header["nsymbt"])
     if length < 0:

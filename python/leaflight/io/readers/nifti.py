@@ -123,8 +123,9 @@ def _image(path: Path, header: Path, file: Path) -> Any:
         ValueError,
         zlib.error,
     ):
+        kind = "NIfTI file" if header == file else "NIfTI or Analyze header"
         raise LeaflightError(
-            f"{path}: this is not a readable NIfTI file; it is damaged or of another kind."
+            f"{path}: this is not a readable {kind}; it is damaged or of another kind."
         ) from None
 
 
