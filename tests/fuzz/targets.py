@@ -197,7 +197,7 @@ TARGETS = (
     Target("tiff", ".tif", _of_tests("deflated.tif"), _INFO),
     Target("imagej", ".tif", _of_tests("imagej.tif"), _INFO),
     Target("ome-tiff", ".ome.tif", _of_tests("x.ome.tif"), _INFO),
-    Target("ome-zarr", ".zarr", _zarr, (*_INFO, "--channel", "0"), within=".zattrs"),
+    Target("ome-zarr", ".zarr", _zarr, (*_INFO, "--channel", "0"), within=".zattrs", slow=True),
     Target("hdf5", ".h5", _of_tests("x.h5"), _INFO, slow=True),
     Target("npy", ".npy", _of_tests("x.npy"), _INFO),
     Target("npz", ".npz", _of_tests("x.npz"), _INFO),

@@ -113,27 +113,6 @@ def _ZARR_2(zarr):
     return {"zarr_format": 2} if int(zarr.__version__.partition(".")[0]) > 2 else {}
 
 
-def test_zarr_3(tmp_path, values):
-    """OME-Zarr from 0.5 on."""
-    zarr = pytest.importorskip("zarr")
-    path = tmp_path / "x.zarr"
-    if int(zarr.__version__.partition(".")[0]) < 3:
-        path.mkdir()
-        (path / "zarr.json").write_text('{"zarr_format": 3, "node_type": "group"}')
-        with pytest.raises(LeaflightError, match="it is of Zarr 3.*: install zarr 3"):
-            read_volume(path)
-        return
-    group = zarr.open_group(str(path), mode="w", zarr_format=3)
-    group.create_array("0", shape=values.shape, dtype=values.dtype)[:] = values
-    axes = [{"name": axis, "type": "space"} for axis in "zyx"]
-    scale = {"type": "scale", "scale": [1.0, 1.0, 2.0]}
-    datasets = [{"path": "0", "coordinateTransformations": [scale]}]
-    image = {"version": "0.5", "multiscales": [{"axes": axes, "datasets": datasets}]}
-    group.attrs["ome"] = image
-    np.testing.assert_array_equal(read_volume(path).values, values)
-    assert probe(path).voxel_size == (2, 1, 1)
-
-
 def test_ome_zarr(tmp_path, values):
     values = values[:, :4].copy()
     path = ome_zarr(tmp_path / "x.ome.zarr", values)

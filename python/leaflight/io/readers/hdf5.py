@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """HDF5 through h5py: the only array of three or four dimensions, or the one that is chosen.
 
-In a process of its own: on damaged files HDF5 ends the one that it is in.
+In a process of its own: on damaged files HDF5 ends the one that it is in. Only that process imports
+h5py.
 """
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import h5py
 import numpy as np
 
 from ..._core import Progress
@@ -19,6 +19,9 @@ from ..reader_process import ReaderProcess
 from .checks import choose_named, index_to_world, undecided
 from .stored import StoredVolume, lengths
 from .watched import STAGE, begin
+
+if TYPE_CHECKING:
+    import h5py
 
 # How ilastik and Fiji write the size of a voxel, z first, in micrometers.
 _ELEMENT_SIZE = "element_size_um"
@@ -64,6 +67,8 @@ def _reader(path: Path, function: str, *options: object) -> ReaderProcess:
 
 def list_arrays(path: Path) -> tuple[dict[str, Any], tuple[()]]:
     """Within the process: {name: (shape, type, size of a voxel or None)} of what may be volumes."""
+    import h5py
+
     found: dict[str, Any] = {}
 
     def look(name: str, item: object) -> None:
@@ -77,6 +82,8 @@ def list_arrays(path: Path) -> tuple[dict[str, Any], tuple[()]]:
 
 def read_array(path: Path, name: str, frame: int | None) -> tuple[list[Any], Iterator[Array]]:
     """Within the process: one volume, in slabs; frame: of four dimensions, else None."""
+    import h5py
+
     file = h5py.File(path, "r")
     data = file[name]
     index = [slice(None) if n > 1 else 0 for n in data.shape]
@@ -94,11 +101,11 @@ def read_array(path: Path, name: str, frame: int | None) -> tuple[list[Any], Ite
     return [shape, data.dtype.str], slabs()
 
 
-def _is_volume(data: h5py.Dataset) -> bool:
+def _is_volume(data: "h5py.Dataset") -> bool:
     return sum(n > 1 for n in data.shape) in (3, 4) and data.size > 0 and data.dtype.kind in "biuf"
 
 
-def _voxel_size(data: h5py.Dataset) -> tuple[float, ...] | None:
+def _voxel_size(data: "h5py.Dataset") -> tuple[float, ...] | None:
     """(x, y, z) in micrometers, or None."""
     sizes = np.atleast_1d(data.attrs.get(_ELEMENT_SIZE, ()))
     if sizes.shape != (3,) or sizes.dtype.kind not in "iuf" or not (sizes > 0).all():

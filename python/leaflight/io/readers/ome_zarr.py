@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""OME-Zarr folders through zarr, of which one resolution is read; and plain Zarr arrays.
+"""OME-Zarr folders, of which one resolution is read; and plain Zarr arrays.
 
-https://ngff.openmicroscopy.org/0.4, and 0.5 by zarr 3
+https://ngff.openmicroscopy.org/0.4, and 0.5
 """
 
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import zarr
 
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
@@ -16,16 +15,15 @@ from ...volume.setting_error import SettingError
 from ...volume.units import unit_of
 from ...volume.volume import Volume
 from ...volume.voxels import new_voxels
-from .checks import check_scalar, check_shape, listed
+from .checks import check_shape, listed
 from .stored import StoredVolume, lengths
-from .watched import watched
+from .zarr_folder import ZarrArray, ZarrGroup, open_zarr
 
 
 def open_volume(path: Path, level: int = 0) -> StoredVolume:
     """level: which resolution, 0 the finest."""
-    _check_version(path)
-    node = zarr.open(str(path), mode="r")
-    if hasattr(node, "shape"):
+    node = open_zarr(path)
+    if isinstance(node, ZarrArray):
         arrays, axes, matrices, unit = [node], _plain_axes(path, node.shape), [np.eye(4)], ""
     else:
         arrays, axes, matrices, unit = _multiscale(path, node)
@@ -36,21 +34,15 @@ def open_volume(path: Path, level: int = 0) -> StoredVolume:
             "level",
         )
     array, matrix = arrays[level], matrices[level]
-    check_scalar(path, array.dtype)
     sizes = dict(zip(axes, array.shape))
     if not {"x", "y", "z"} <= sizes.keys():
         raise LeaflightError(f"{path}: its axes are {listed(axes)}, but a volume needs x, y and z.")
-    order = [axis for axis in axes if axis in "zyx"]
 
     def load(frame: int, channel: int, progress: Progress) -> Volume:
         chosen = {"t": frame, "c": channel}
-        index = [slice(None) if axis in "xyz" else chosen.get(axis, 0) for axis in axes]
+        places = [None if axis in "xyz" else chosen.get(axis, 0) for axis in axes]
         values = new_voxels([sizes[axis] for axis in "zyx"], array.dtype)
-        step = array.chunks[axes.index("z")]
-        for k in watched(progress, range(0, len(values), step)):
-            index[axes.index("z")] = slice(k, k + step)
-            part = np.asarray(array[tuple(index)])
-            values[k : k + step] = part.transpose([order.index(axis) for axis in "zyx"])
+        array.read(values, places, [axes.index(axis) for axis in "zyx"], progress)
         return Volume(values, matrix, path.name.partition(".")[0])
 
     return StoredVolume(
@@ -67,22 +59,11 @@ def open_volume(path: Path, level: int = 0) -> StoredVolume:
     )
 
 
-def _check_version(path: Path) -> None:
-    """Raises LeaflightError where the folder is newer than the package that is to read it."""
-    if (path / "zarr.json").is_file() and int(zarr.__version__.partition(".")[0]) < 3:
-        raise LeaflightError(
-            f"{path}: it is of Zarr 3, as OME-Zarr from 0.5 on, and the package zarr "
-            f"{zarr.__version__} that is installed reads Zarr 2 alone: install zarr 3, or save the "
-            "image as OME-Zarr 0.4."
-        )
-
-
 def _multiscale(
-    path: Path, group: zarr.Group
-) -> tuple[list[zarr.Array], list[str], list[Array], str]:
+    path: Path, group: ZarrGroup
+) -> tuple[list[ZarrArray], list[str], list[Array], str]:
     """(arrays, names of their axes, matrices, unit), from the finest resolution on."""
-    attributes = group.attrs.asdict()
-    attributes = attributes.get("ome", attributes)
+    attributes = group.attributes.get("ome", group.attributes)
     images = attributes.get("multiscales")
     if not images:
         raise LeaflightError(
@@ -95,7 +76,7 @@ def _multiscale(
     axes = [axis["name"] if isinstance(axis, dict) else axis for axis in named]
     unit = next((a.get("unit") for a in named if isinstance(a, dict) and a["name"] == "x"), None)
     whole = _transform(image, axes)
-    arrays = [group[part["path"]] for part in image["datasets"]]
+    arrays = [group.array(part["path"]) for part in image["datasets"]]
     matrices = [whole @ _transform(part, axes) for part in image["datasets"]]
     return arrays, axes, matrices, unit_of(unit)
 

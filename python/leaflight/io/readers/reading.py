@@ -54,7 +54,7 @@ OPTIONS = (
     "smooth_normals",
 )
 
-_NOT_IN_DEBIAN = {"imagecodecs"}
+_NOT_IN_DEBIAN = {"imagecodecs", "google_crc32c"}
 
 
 class MissingPackage(LeaflightError):
