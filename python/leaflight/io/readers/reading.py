@@ -54,7 +54,7 @@ OPTIONS = (
     "smooth_normals",
 )
 
-_NOT_IN_DEBIAN = {"imagecodecs", "google_crc32c"}
+_NOT_IN_DEBIAN = {"imagecodecs"}
 
 
 class MissingPackage(LeaflightError):

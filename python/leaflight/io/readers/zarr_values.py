@@ -16,6 +16,7 @@ from typing import Any
 
 import numcodecs
 import numpy as np
+from crc32c import crc32c
 from numcodecs.compat import ensure_contiguous_ndarray
 
 from ..._core import LeaflightError
@@ -229,9 +230,7 @@ def _codec(path: Path, options: dict[str, Any]) -> Callable[[Bytes], Bytes]:
 
 def _checked(data: Bytes) -> Bytes:
     """Without the checksum behind it. Raises ValueError for a wrong one."""
-    import google_crc32c
-
-    if google_crc32c.value(bytes(data[:-4])) != int.from_bytes(data[-4:], "little"):
+    if crc32c(data[:-4]) != int.from_bytes(data[-4:], "little"):
         raise ValueError("a checksum is wrong")
     return data[:-4]
 
