@@ -10,11 +10,14 @@ import pytest
 from leaflight import LeaflightError
 from leaflight.io import reader_process
 from leaflight.io.reader_process import ReaderProcess
+from leaflight.io.readers import page_process
 from leaflight.volume.setting_error import SettingError
 
 MODULE = """
+import os
 import numpy as np
 from leaflight import LeaflightError
+from leaflight.io.reader_process import requests
 from leaflight.volume.setting_error import SettingError
 
 VALUES = np.arange(24, dtype="<u2").reshape(2, 3, 4)
@@ -39,6 +42,14 @@ def refuses_later(path):
         yield VALUES[0]
         raise LeaflightError(f"{path}: not the second.")
     return None, pieces()
+
+def pages(path):
+    def answers():
+        for path, number in requests():
+            if number == 9:
+                raise LeaflightError(f"{path}: no page 9.")
+            yield VALUES[0] + (os.getpid() if number < 0 else number)
+    return None, answers()
 
 def names_its_version(path):
     import shadowed
@@ -89,6 +100,28 @@ def test_errors_come_as_they_were_raised(call):
         process.answer()
         with pytest.raises(LeaflightError, match="not the second"):
             process.fill(np.zeros((2, 3, 4), "<u2"))
+
+
+def test_one_process_decodes_all_pages(call, tmp_path):
+    def page(name, number, most=24):
+        path = tmp_path / name
+        return page_process.decoded(path, "file", ("its_functions", "pages"), most, number)
+
+    (tmp_path / "other.dat").write_bytes(b"")
+    first = np.arange(12, dtype="<u2").reshape(3, 4)
+    with page_process.kept_processes():
+        np.testing.assert_array_equal(page("file.dat", 3), first + 3)
+        np.testing.assert_array_equal(page("other.dat", 4), first + 4)
+        number = page("file.dat", -1, most=1000)
+        np.testing.assert_array_equal(number, page("other.dat", -1, most=1000))
+        with pytest.raises(LeaflightError, match="other.dat: no page 9"):
+            page("other.dat", 9)
+        # Another one takes its place.
+        assert not np.array_equal(number, page("other.dat", -1, most=1000))
+    # Without it, a process decodes one page.
+    np.testing.assert_array_equal(page("file.dat", 3), first + 3)
+    with pytest.raises(LeaflightError, match="file.dat: this file .* did not live"):
+        page("file.dat", 3, most=23)
 
 
 def test_packages_of_its_own_win(call, tmp_path, monkeypatch):

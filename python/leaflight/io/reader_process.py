@@ -14,7 +14,8 @@ import os
 import subprocess
 import sys
 import threading
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from importlib import import_module
 from math import prod
 from pathlib import Path
@@ -31,6 +32,7 @@ from .process_limits import limit_process
 # Seconds of a processor for any file, and bytes that are read in one more.
 LEAST_SECONDS = 60
 BYTES_PER_SECOND = 1e6
+ENDLESS = 10**12
 # A processor is not always there for us alone.
 WAIT = 5
 # Bytes of an answer, and of what is filled between looks at the progress.
@@ -49,7 +51,8 @@ class ReaderProcess:
 
     kind: of file, for people. The function returns (answer, pieces): what JSON can hold, and the
     arrays, C-contiguous, which fill() and array() get. options: what JSON can hold. size: bytes
-    that are read, None for those of the file.
+    that are read, None for those of the file; ENDLESS for a function that answers requests(), each
+    of which has a time of its own.
     """
 
     def __init__(
@@ -62,14 +65,13 @@ class ReaderProcess:
         size: int | None = None,
     ) -> None:
         self.path, self.kind = path, kind
-        size = Path(path).stat().st_size if size is None else size
-        self.seconds = math.ceil(LEAST_SECONDS + size / BYTES_PER_SECOND)
+        self.seconds = _seconds(Path(path).stat().st_size if size is None else size)
         job = json.dumps([str(path), self.seconds, module, function, *options])
         hidden = getattr(subprocess, "CREATE_NO_WINDOW", 0)
         try:
             self._process = subprocess.Popen(
                 [_python(), "-c", _CHILD, json.dumps([*PACKAGES, *sys.path]), job],
-                stdin=subprocess.DEVNULL,
+                stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
                 creationflags=hidden,
@@ -80,19 +82,41 @@ class ReaderProcess:
                 "other programs and try again."
             ) from None
         output = self._process.stdout
-        assert isinstance(output, io.BufferedReader)
-        self._output = output
-        self._timer = threading.Timer(WAIT * self.seconds, self._process.kill)
+        assert isinstance(output, io.BufferedReader) and self._process.stdin is not None
+        self._output, self._input = output, self._process.stdin
+        self._timer = self._started_timer()
+
+    def _started_timer(self) -> threading.Timer:
+        timer = threading.Timer(WAIT * self.seconds, self._process.kill)
+        timer.daemon = True
+        timer.start()
+        return timer
 
     def __enter__(self) -> "ReaderProcess":
-        self._timer.start()
         return self
 
     def __exit__(self, *_: object) -> None:
         self._timer.cancel()
         self._process.kill()
         self._output.close()
+        with suppress(OSError):
+            self._input.close()
         self._process.wait()
+
+    def ask(self, path: str | os.PathLike[str], most: int, *request: object) -> Array:
+        """What answers a request about a file, an array of at most so many bytes."""
+        self.path, self.seconds = path, _seconds(most)
+        self._timer.cancel()
+        self._timer = self._started_timer()
+        try:
+            self._input.write(json.dumps([str(path), *request]).encode() + b"\n")
+            self._input.flush()
+        except OSError:
+            raise self.died() from None
+        try:
+            return self.array(most)
+        finally:
+            self._timer.cancel()
 
     def answer(self) -> Any:
         """What the function answers.
@@ -162,6 +186,11 @@ class ReaderProcess:
         )
 
 
+def _seconds(size: int) -> int:
+    """Of a processor that may be taken for so many bytes."""
+    return math.ceil(LEAST_SECONDS + size / BYTES_PER_SECOND)
+
+
 def _python() -> str:
     """The interpreter: where Python is part of a program, sys.executable may be another one."""
     names = ("bin/python{}.{}", "bin/python3", "python.exe", "bin/python.exe")
@@ -170,6 +199,12 @@ def _python() -> str:
         if path.is_file():
             return str(path)
     return sys.executable
+
+
+def requests() -> Iterator[list[Any]]:
+    """Within the process: [path, ...] of each request, which one piece is to answer."""
+    for line in sys.stdin.buffer:
+        yield json.loads(line)
 
 
 def child() -> NoReturn:
@@ -186,9 +221,11 @@ def child() -> NoReturn:
         called = getattr(import_module(module), function)
         answer, pieces = called(Path(path), *options)
         tell({"answer": answer})
+        out.flush()
         for piece in pieces:
             tell({"shape": piece.shape, "dtype": piece.dtype.str})
             out.write(piece.data)
+            out.flush()
     except LeaflightError as error:
         tell({"refusal": str(error), "settings": getattr(error, "settings", ())})
     except ImportError as error:

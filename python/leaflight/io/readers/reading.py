@@ -23,6 +23,7 @@ from ...volume.voxels import as_voxels, held_type, new_voxels
 from .checks import choose, text
 from .downsampling import downsampled
 from .formats import Format, format_of
+from .page_process import kept_processes
 from .stored import StoredVolume
 from .watched import watched
 
@@ -191,7 +192,7 @@ def _sentences(path: Path) -> Iterator[Callable[[], Format]]:
 
     try:
         # What a library warns of is harmless, or an error comes.
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), kept_processes():
             warnings.simplefilter("ignore")
             yield kind
     except (Cancelled, SettingError):
