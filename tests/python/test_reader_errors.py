@@ -207,9 +207,9 @@ def sizes_as_bytes(path):
     path.write_bytes(b"II*\0\x08\0\0\0" + struct.pack("<H", 3) + tags + bytes(4))
 
 
-@case(".tif", "colour")
+@case(".tif", r"one of 0..2 \(--channel\)\.")
 def colour_tiff(path):
-    tifffile.imwrite(path, np.stack([NOISE] * 3, axis=-1), photometric="rgb")
+    tifffile.imwrite(path, np.stack([NOISE, NOISE, NOISE + 1], axis=-1), photometric="rgb")
 
 
 @case(".tif", "three dimensions")
@@ -222,7 +222,7 @@ def tiff_of_4_dimensions(path):
     tifffile.imwrite(path, np.stack([NOISE, NOISE]))
 
 
-@case("", "holds no .tif")
+@case("", "holds no slices as DICOM, TIFF")
 def empty_folder(path):
     path.mkdir()
 

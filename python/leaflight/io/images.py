@@ -92,7 +92,7 @@ def write_png(path: str | os.PathLike[str], pixels: Array) -> None:
 
 
 def _read_tiff(path: Path) -> Array:
-    from .readers.tiff import opened
+    from .readers.tiff_pages import opened
 
     with opened(path) as file:
         pixels: Array = file.pages[0].asarray()

@@ -33,7 +33,8 @@ FORMATS = (
     _format("DICOM series", "dicom", ".dcm .dicom .ima", "dataset"),
     _format("MRC or CCP4 map", "mrc", ".mrc .ccp4 .map .mrc.gz .ccp4.gz .map.gz"),
     _format("VTK image", "vti", ".vti", "dataset"),
-    _format("TIFF file", "tiff", ".tif .tiff", "spacing"),
+    _format("TIFF file", "tiff", ".tif .tiff .ome .lsm .stk .btf .tf8", "dataset", "spacing"),
+    _format("picture", "pictures", ".png .jpg .jpeg .bmp", "dataset", "spacing"),
     _format("OME-Zarr folder", "ome_zarr", ".zarr", "level"),
     _format("HDF5 file", "hdf5", ".h5 .hdf5 .hdf", "dataset", "spacing"),
     _format("NumPy file", "numpy_file", ".npy .npz", "dataset", "spacing"),
@@ -46,6 +47,9 @@ FORMATS = (
 SUFFIXES = tuple(suffix for kind in FORMATS for suffix in kind.suffixes)
 # Files of a folder that are opened to find out whether it is a series.
 _LOOKED_AT = 100
+# As many more files than of another kind are slices, and the others are pictures beside them.
+_MANY_TIMES = 3
+_OF_SLICES = {"dicom": "DICOM", "tiff": "TIFF", "pictures": "PNG, JPEG or BMP"}
 _BY_MODULE = {kind.module: kind for kind in FORMATS}
 
 
@@ -57,25 +61,47 @@ def format_of(path: str | os.PathLike[str]) -> Format:
         (suffix, kind) for kind in FORMATS for suffix in kind.suffixes if name.endswith(suffix)
     ]
     if path.is_dir():
-        if any((path / entry).exists() for entry in (".zgroup", ".zarray", "zarr.json")):
-            return _BY_MODULE["ome_zarr"]
-        entries = [entry for entry in path.iterdir() if entry.is_file()]
-        if any(entry.suffix.lower() in _BY_MODULE["tiff"].suffixes for entry in entries):
-            return _BY_MODULE["tiff"]
-        if any(is_dicom(entry) for entry in entries[:_LOOKED_AT]):
-            return _BY_MODULE["dicom"]
-        raise LeaflightError(
-            f"{path}: this folder holds no .tif or .tiff files, no DICOM slices and no OME-Zarr."
-        )
+        return _of_folder(path)
     if found:
         # The longest: a .nii.gz is no other .gz.
         return max(found, key=lambda pair: len(pair[0]))[1]
     if is_dicom(path):
         return _BY_MODULE["dicom"]
+    known = ", ".join(kind.suffixes[0] for kind in FORMATS)
     raise LeaflightError(
-        f"{path}: the suffix {path.suffix or '(none)'} is not known; known are "
-        f"{', '.join(SUFFIXES)} and folders of TIFF or DICOM slices."
+        f"{path}: the suffix {path.suffix or '(none)'} is not known; known are {known}, more "
+        "of these formats, and folders of slices."
     )
+
+
+def _of_folder(path: Path) -> Format:
+    """By the kind of most of its files; hidden ones and a few of other kinds do not count."""
+    if any((path / entry).exists() for entry in (".zgroup", ".zarray", "zarr.json")):
+        return _BY_MODULE["ome_zarr"]
+    # macOS writes hidden files, ._NAME, beside those that it copies to other disks.
+    entries = [entry for entry in path.iterdir() if entry.name[0] != "." and entry.is_file()]
+    counts = {
+        module: sum(entry.suffix.lower() in _BY_MODULE[module].suffixes for entry in entries)
+        for module in _OF_SLICES
+    }
+    without = [entry for entry in entries if not entry.name.lower().endswith(SUFFIXES)]
+    looked_at = without[:_LOOKED_AT]
+    if looked_at:
+        share = sum(map(is_dicom, looked_at)) / len(looked_at)
+        counts["dicom"] += round(share * len(without))
+    (most, first), (second, others) = sorted(counts.items(), key=lambda kind: -kind[1])[:2]
+    if first == 0:
+        raise LeaflightError(
+            f"{path}: this folder holds no slices as DICOM, TIFF, PNG, JPEG or BMP files, and no "
+            "OME-Zarr."
+        )
+    # Pictures beside DICOM files are previews of these.
+    if first < (1 if most == "dicom" else _MANY_TIMES) * others:
+        raise LeaflightError(
+            f"{path}: this folder holds {first} {_OF_SLICES[most]} files and {others} "
+            f"{_OF_SLICES[second]} files; keep the slices of one volume in it."
+        )
+    return _BY_MODULE[most]
 
 
 def is_dicom(path: str | os.PathLike[str]) -> bool:
