@@ -17,6 +17,7 @@ import threading
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from importlib import import_module
+from importlib.machinery import PathFinder
 from math import prod
 from pathlib import Path
 from typing import Any, NoReturn
@@ -44,6 +45,11 @@ _CHILD += "from leaflight.io.reader_process import child; child()"
 PACKAGES = [
     str(Path(__file__).parents[2] / name) for name in ("leaflight_readers", "leaflight_codecs")
 ]
+
+
+def has_package(name: str) -> bool:
+    """Whether the processes find a package."""
+    return PathFinder.find_spec(name, [*PACKAGES, *sys.path]) is not None
 
 
 class ReaderProcess:

@@ -3,20 +3,24 @@
 
 import logging
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from math import prod
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import tifffile
 
 from ..._core import Cancelled, LeaflightError
 from ...arrays import Array
+from ..reader_process import requests
 from .checks import check_scalar, check_size, truncated
+from .page_process import decoded
 
 # No compression of TIFF that is decoded here expands more: 12-bit LZW makes 4 KB of 12 bits.
 LZW_MOST = 4096
 _RGB, _YCBCR = 2, 6
+_NOT_COMPRESSED = 1
 _ALPHAS = (1, 2)
 if int(tifffile.__version__.partition(".")[0]) < 2025:
     # Older ones multiply sizes that a damaged file gives as bytes: these become gigabytes.
@@ -50,7 +54,7 @@ def opened(path: Path) -> Iterator[tifffile.TiffFile]:
         if complaints.damage:
             raise damage from None
         raise
-    except (Cancelled, MemoryError, OSError):
+    except (Cancelled, ImportError, MemoryError, OSError):
         raise
     except Exception as error:
         # On damaged files tifffile fails with whatever comes first, from KeyError to a failed
@@ -95,8 +99,32 @@ def read_page(path: Path, page: Any) -> Array:
     """The values of a page, checked by itself: frames of tifffile have the header of another."""
     page = page.aspage()
     check_pages(path, [page])
-    values: Array = page.asarray()
-    return values
+    if page.compression == _NOT_COMPRESSED:
+        values: Array = page.asarray()
+        return values
+    where = page.index, page.offset
+    return decoded(path, "TIFF file", (__name__, "decoded_pages"), page.nbytes, *where)
+
+
+def decoded_pages(_path: Path) -> tuple[None, Iterator[Array]]:
+    """Within a process of its own, which imports imagecodecs: the pages of requests()."""
+
+    def pages() -> Iterator[Array]:
+        last: Path | None = None
+        with ExitStack() as files:
+            for name, number, offset in requests():
+                if Path(name) != last:
+                    files.close()
+                    last = Path(name)
+                    tiff = files.enter_context(opened(last))
+                page = tiff.pages[number].aspage()
+                if page.offset != offset:
+                    # It is within another page.
+                    tiff.filehandle.seek(offset)
+                    page = tifffile.TiffPage(tiff, number)
+                yield np.ascontiguousarray(page.asarray())
+
+    return None, pages()
 
 
 def axes_of(page: Any) -> tuple[tuple[tuple[str, int], ...], int, bool]:
