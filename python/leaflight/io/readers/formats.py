@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..._core import LeaflightError
+from .dicom_signature import holds_dicom, is_dicom
 
 
 @dataclass(frozen=True)
@@ -90,6 +91,8 @@ def _of_folder(path: Path) -> Format:
         share = sum(map(is_dicom, looked_at)) / len(looked_at)
         counts["dicom"] += round(share * len(without))
     (most, first), (second, others) = sorted(counts.items(), key=lambda kind: -kind[1])[:2]
+    if first == 0 and holds_dicom(path):
+        return _BY_MODULE["dicom"]
     if first == 0:
         raise LeaflightError(
             f"{path}: this folder holds no slices as DICOM, TIFF, PNG, JPEG or BMP files, and no "
@@ -102,12 +105,3 @@ def _of_folder(path: Path) -> Format:
             f"{_OF_SLICES[second]} files; keep the slices of one volume in it."
         )
     return _BY_MODULE[most]
-
-
-def is_dicom(path: str | os.PathLike[str]) -> bool:
-    """Whether a file begins as DICOM files do; scanners often give them no suffix."""
-    try:
-        with open(path, "rb") as file:
-            return file.read(132)[128:] == b"DICM"
-    except OSError:
-        return False
