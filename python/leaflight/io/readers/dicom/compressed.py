@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pages that are compressed, by JPEG and others, through the decoders that pydicom finds."""
+"""Pages that are compressed, by JPEG and others, through the decoders that pydicom finds.
+
+Only a process of its own imports these.
+"""
 
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from functools import lru_cache
 from importlib import import_module
+from pathlib import Path
 from struct import unpack
 
 import numpy as np
@@ -13,8 +18,11 @@ from pydicom.uid import UID
 
 from ...._core import LeaflightError
 from ....arrays import Array
+from ...reader_process import requests
 from .header import Pixels
 
+# Files that are open at once: times of a series may each be one, of which all have some planes.
+_OPEN = 4
 _DEFLATED_PAGES = "1.2.840.10008.1.2.8.1"
 # Functions of imagecodecs, by the transfer syntaxes that they decode.
 _OF_IMAGECODECS = {
@@ -34,7 +42,20 @@ _SIZES = {*range(0xC0, 0xD0), 0xF7} - {0xC4, 0xC8, 0xCC}
 _Decode = Callable[[bytes, pydicom.Dataset], Array]
 
 
-def decoder(pixels: Pixels) -> Callable[[int], Array]:
+def decoded_pages(_path: Path) -> tuple[None, Iterator[Array]]:
+    """Within the process: the pages of requests()."""
+    opened = lru_cache(maxsize=_OPEN)(_decoder)
+
+    def pages() -> Iterator[Array]:
+        for _, facts, number in requests():
+            shape, file = tuple(facts["shape"]), Path(facts["file"])
+            pixels = Pixels(**{**facts, "shape": shape, "file": file})
+            yield np.ascontiguousarray(opened(pixels)(number))
+
+    return None, pages()
+
+
+def _decoder(pixels: Pixels) -> Callable[[int], Array]:
     """What decodes a page of a file. Raises LeaflightError, then or when it is called."""
     data = pydicom.dcmread(pixels.file, force=True)
     decode = _decode_of(pixels)

@@ -2,6 +2,7 @@
 """The numbers that a DICOM file stores for the pixels of a page."""
 
 from collections.abc import Callable
+from dataclasses import asdict
 from hashlib import sha256
 
 import numpy as np
@@ -9,12 +10,14 @@ import pydicom
 
 from ...._core import LeaflightError
 from ....arrays import Array
-from .compressed import decoder
+from ..page_process import decoded
 from .header import Pixels
 from .planes import Plane
 
 # A function that gives the numbers of a page, [row, column].
 Pages = Callable[[int], Array]
+# What a number takes that a decoder gives.
+_MOST_BYTES = 8
 
 
 def open_pages(pixels: Pixels) -> Pages:
@@ -23,9 +26,8 @@ def open_pages(pixels: Pixels) -> Pages:
     Bits beyond those that count, such as overlays, are gone, and signs are as they should be.
     """
     if pixels.compressed:
-        decode = decoder(pixels)
         # Decoders begin at the lowest bit.
-        return lambda page: _counted(decode(page), pixels, 0)
+        return lambda page: _counted(_decoded(pixels, page), pixels, 0)
     if pixels.start < 0:
         data = bytes(pydicom.dcmread(pixels.file, force=True)[pixels.element].value)
         return lambda page: _native(pixels, page, lambda start, count: data[start : start + count])
@@ -51,6 +53,14 @@ def digest(plane: Plane) -> bytes:
     """The same for planes with the same values."""
     values = np.ascontiguousarray(values_of(plane, open_pages(plane.pixels)), np.float64)
     return sha256(values.tobytes()).digest()
+
+
+def _decoded(pixels: Pixels, page: int) -> Array:
+    """A page that is compressed, by the process that has the decoders."""
+    facts = {**asdict(pixels), "file": str(pixels.file)}
+    function = f"{__package__}.compressed", "decoded_pages"
+    most = pixels.shape[0] * pixels.shape[1] * _MOST_BYTES
+    return decoded(pixels.file, "DICOM file", function, most, facts, page)
 
 
 def _native(pixels: Pixels, page: int, part: Callable[[int, int], bytes]) -> Array:
