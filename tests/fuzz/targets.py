@@ -123,7 +123,7 @@ def _ply(folder):
 
 
 def _zarr(folder):
-    from test_reader_arrays import ome_zarr
+    from test_reader_zarr import ome_zarr
 
     values = np.random.default_rng(7).permutation(96).reshape(4, 4, 6).astype(np.float32)
     path = ome_zarr(folder / "input.zarr", values)

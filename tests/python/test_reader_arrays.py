@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Arrays of NumPy, HDF5, OME-Zarr and OME-TIFF."""
+"""Arrays of NumPy, HDF5 and OME-TIFF."""
 
 import numpy as np
 import pytest
@@ -11,10 +11,12 @@ from scipy.ndimage import gaussian_filter
 
 @pytest.mark.parametrize("dtype", ["u1", ">i2", "<f8", "?"])
 @pytest.mark.parametrize("order", "CF")
-def test_npy(tmp_path, values, dtype, order):
+@pytest.mark.parametrize("version", [(1, 0), (2, 0), (3, 0)])
+def test_npy(tmp_path, values, dtype, order, version):
     array = (values > 60 if dtype == "?" else values).astype(dtype, order=order)
     path = tmp_path / "x.npy"
-    np.save(path, array)
+    with open(path, "wb") as file:
+        np.lib.format.write_array(file, array, version)
     stored = probe(path, spacing=(1, 2, 3))
     assert (stored.dims, stored.voxel_size) == ((6, 5, 4), (1, 2, 3))
     volume = read_volume(path, spacing=2)
@@ -89,55 +91,6 @@ def test_hdf5(tmp_path, values):
         file["times"] = np.arange(3)
     with pytest.raises(LeaflightError, match="no volume of real numbers"):
         read_volume(path)
-
-
-def ome_zarr(path, values):
-    """Two channels at two levels, the second half as fine, as OME-NGFF 0.4 has it."""
-    zarr = pytest.importorskip("zarr")
-    group = zarr.open_group(str(path), mode="w", **_ZARR_2(zarr))
-    levels = [np.stack([values, values + 1])]
-    levels.append(levels[0].reshape(2, 2, 2, 2, 2, 3, 2).mean((2, 4, 6)).astype(values.dtype))
-    datasets = []
-    for number, level in enumerate(levels):
-        group.create_dataset(str(number), data=level, shape=level.shape, chunks=(1, 2, 4, 4))
-        scale = {"type": "scale", "scale": [1.0] + [size * 2**number for size in (4, 2, 1)]}
-        place = {"type": "translation", "translation": [0.0] + [0.5 * number] * 3}
-        datasets.append({"path": str(number), "coordinateTransformations": [scale, place]})
-    axes = [{"name": "c", "type": "channel"}]
-    axes += [{"name": axis, "type": "space", "unit": "micrometer"} for axis in "zyx"]
-    group.attrs["multiscales"] = [{"version": "0.4", "axes": axes, "datasets": datasets}]
-    return path
-
-
-def _ZARR_2(zarr):
-    return {"zarr_format": 2} if int(zarr.__version__.partition(".")[0]) > 2 else {}
-
-
-def test_ome_zarr(tmp_path, values):
-    values = values[:, :4].copy()
-    path = ome_zarr(tmp_path / "x.ome.zarr", values)
-    stored = probe(path)
-    assert (stored.dims, stored.channels, stored.unit) == ((6, 4, 4), 2, "µm")
-    assert stored.levels == ((6, 4, 4), (3, 2, 2)) and stored.voxel_size == (1, 2, 4)
-    volume = read_volume(path, channel=1)
-    np.testing.assert_array_equal(volume.values, values + 1)
-    assert volume.name == "x"
-    coarse = read_volume(path, channel=0, level=1)
-    assert coarse.values.shape == (2, 2, 3) and probe(path, level=1).dims == (3, 2, 2)
-    np.testing.assert_array_equal(np.diag(coarse.index_to_world), [2, 4, 8, 1])
-    np.testing.assert_array_equal(coarse.index_to_world[:3, 3], [0.5] * 3)
-    with pytest.raises(LeaflightError, match="no level 2; choose one of 0..1"):
-        read_volume(path, level=2, channel=0)
-    with pytest.raises(LeaflightError, match="2 channels; choose one of 0..1"):
-        read_volume(path)
-    # Without its suffix it is known by what is in it.
-    path.rename(tmp_path / "plain")
-    np.testing.assert_array_equal(read_volume(tmp_path / "plain", channel=0).values, values)
-    (tmp_path / "plain" / ".zattrs").write_text("{}")
-    with pytest.raises(LeaflightError, match="no multiscale image"):
-        read_volume(tmp_path / "plain")
-    one = read_volume(tmp_path / "plain" / "0", frame=1)
-    np.testing.assert_array_equal(one.values, values + 1)
 
 
 def test_ome_tiff_of_five_dimensions(tmp_path, values):

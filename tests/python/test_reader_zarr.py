@@ -1,183 +1,188 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Zarr 2 as zarr writes it, Zarr 3 as tensorstore does, and a shard that is made by hand."""
+"""OME-Zarr and plain Zarr, written by zarr 2 or 3, whichever is installed."""
 
-import gzip
 import json
-import struct
-import subprocess
-from pathlib import Path
 
 import numpy as np
 import pytest
 from leaflight import LeaflightError, read_volume
 from leaflight.io.readers import probe
 
-VALUES = np.random.default_rng(3).integers(0, 60000, (5, 6, 7)).astype(np.uint16)
-LITTLE = {"name": "bytes", "configuration": {"endian": "little"}}
-SCALE = {"type": "scale", "scale": [4.0, 2.0, 1.0]}
+zarr = pytest.importorskip("zarr")
+_ZARR = int(zarr.__version__.partition(".")[0])
+ZARR_2 = {"zarr_format": 2} if _ZARR > 2 else {}
 
 
-ROOT = Path(__file__).resolve().parents[2]
-# It has tensorstore (scripts/test-tools.txt), which reads and writes Zarr by code of its own.
-WRITER = ROOT / "build" / "tools-venv" / "bin" / "python"
-WRITE = """
-import json, sys
-import numpy as np
-import tensorstore
-array, path, metadata = sys.argv[1:]
-store = {"driver": "file", "path": path}
-spec = {"driver": "zarr3", "kvstore": store, "metadata": json.loads(metadata)}
-tensorstore.open(spec, create=True).result().write(np.load(array)).result()
-"""
-
-
-def write_3(path, values, *codecs, chunks=(2, 3, 4)):
-    metadata = {
-        "shape": values.shape,
-        "data_type": values.dtype.name,
-        "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": chunks}},
-        "codecs": list(codecs),
-    }
-    array = path.parent / "values.npy"
-    np.save(array, values)
-    if not WRITER.exists():
-        pytest.skip("scripts/setup --tests has not made build/tools-venv")
-    subprocess.run([WRITER, "-c", WRITE, array, path, json.dumps(metadata)], check=True)
+def ome_zarr(path, values):
+    """Two channels at two levels, the second half as fine, as OME-NGFF 0.4 has it."""
+    group = zarr.open_group(str(path), mode="w", **ZARR_2)
+    levels = [np.stack([values, values + 1])]
+    levels.append(levels[0].reshape(2, 2, 2, 2, 2, 3, 2).mean((2, 4, 6)).astype(values.dtype))
+    datasets = []
+    for number, level in enumerate(levels):
+        group.create_dataset(str(number), data=level, shape=level.shape, chunks=(1, 2, 4, 4))
+        scale = {"type": "scale", "scale": [1.0] + [size * 2**number for size in (4, 2, 1)]}
+        place = {"type": "translation", "translation": [0.0] + [0.5 * number] * 3}
+        datasets.append({"path": str(number), "coordinateTransformations": [scale, place]})
+    axes = [{"name": "c", "type": "channel"}]
+    axes += [{"name": axis, "type": "space", "unit": "micrometer"} for axis in "zyx"]
+    group.attrs["multiscales"] = [{"version": "0.4", "axes": axes, "datasets": datasets}]
     return path
 
 
-def sharded(chunks=(2, 3, 4)):
-    configuration = {"chunk_shape": chunks, "codecs": [LITTLE, {"name": "zstd"}]}
-    return {"name": "sharding_indexed", "configuration": configuration}
+def test_ome_zarr(tmp_path, values):
+    values = values[:, :4].copy()
+    path = ome_zarr(tmp_path / "x.ome.zarr", values)
+    stored = probe(path)
+    assert (stored.dims, stored.channels, stored.unit) == ((6, 4, 4), 2, "µm")
+    assert stored.levels == ((6, 4, 4), (3, 2, 2)) and stored.voxel_size == (1, 2, 4)
+    volume = read_volume(path, channel=1)
+    np.testing.assert_array_equal(volume.values, values + 1)
+    assert volume.name == "x"
+    coarse = read_volume(path, channel=0, level=1)
+    assert coarse.values.shape == (2, 2, 3) and probe(path, level=1).dims == (3, 2, 2)
+    np.testing.assert_array_equal(np.diag(coarse.index_to_world), [2, 4, 8, 1])
+    np.testing.assert_array_equal(coarse.index_to_world[:3, 3], [0.5] * 3)
+    with pytest.raises(LeaflightError, match="no level 2; choose one of 0..1"):
+        read_volume(path, level=2, channel=0)
+    with pytest.raises(LeaflightError, match="2 channels; choose one of 0..1"):
+        read_volume(path)
+    # Without its suffix it is known by what is in it.
+    path.rename(tmp_path / "plain")
+    np.testing.assert_array_equal(read_volume(tmp_path / "plain", channel=0).values, values)
+    (tmp_path / "plain" / ".zattrs").write_text("{}")
+    with pytest.raises(LeaflightError, match="no multiscale image"):
+        read_volume(tmp_path / "plain")
+    one = read_volume(tmp_path / "plain" / "0", frame=1)
+    np.testing.assert_array_equal(one.values, values + 1)
 
 
-def write_group_3(path, axes="zyx"):
-    """OME-Zarr 0.5 around the array "0"."""
-    axes = [{"name": axis, "type": "space", "unit": "micrometer"} for axis in axes]
-    datasets = [{"path": "0", "coordinateTransformations": [SCALE]}]
-    ome = {"version": "0.5", "multiscales": [{"axes": axes, "datasets": datasets}]}
-    path.mkdir(exist_ok=True)
-    header = {"zarr_format": 3, "node_type": "group", "attributes": {"ome": ome}}
-    (path / "zarr.json").write_text(json.dumps(header))
+def image(path, values, axes, scale, name="", **extra):
+    """One level of Zarr 2, as OME-NGFF 0.4 has it; axes: as of its metadata."""
+    group = zarr.open_group(str(path / name) if name else str(path), mode="w", **ZARR_2)
+    group.create_dataset("0", data=values, shape=values.shape, chunks=(2,) * values.ndim)
+    step = {"type": "scale", "scale": scale}
+    datasets = [{"path": "0", "coordinateTransformations": [step]}]
+    group.attrs["multiscales"] = [{"version": "0.4", "axes": axes, "datasets": datasets, **extra}]
     return path
+
+
+def space(**units):
+    return [{"name": name, "type": "space", "unit": unit} for name, unit in units.items()]
 
 
 @pytest.mark.parametrize(
-    "codecs",
+    "units, unit, sizes",
     [
-        (LITTLE,),
-        ({"name": "bytes", "configuration": {"endian": "big"}}, {"name": "gzip"}),
-        (LITTLE, {"name": "blosc", "configuration": {"cname": "lz4"}}, {"name": "crc32c"}),
-        ({"name": "transpose", "configuration": {"order": [2, 0, 1]}}, LITTLE, {"name": "zstd"}),
+        # As the axes are in the file: z, y, x.
+        (("nanometer", "micrometer", "micrometer"), "µm", (1.2, 0.9, 2.5e-3)),
+        (("micrometer", "nanometer", "nanometer"), "nm", (1.2, 0.9, 2500)),
+        (("um", "\u03bcm", "micron"), "µm", (1.2, 0.9, 2.5)),
+        (("", "millimetre", ""), "mm", (1.2, 0.9, 2.5)),
+        (("decimeter", "centimeter", "inch"), "cm", (1.2 * 2.54, 0.9, 25)),
+        (("picometer",) * 3, "Å", (0.012, 0.009, 0.025)),
+        (("pixel",) * 3, "", (1.2, 0.9, 2.5)),
+        # These have no common measure.
+        (("second", "micrometer", "micrometer"), "", (1, 1, 1)),
     ],
 )
-def test_codecs_of_zarr_3(tmp_path, codecs):
-    path = write_3(tmp_path / "x.zarr", VALUES, *codecs)
-    np.testing.assert_array_equal(read_volume(path).values, VALUES)
-
-
-def test_ome_zarr_of_shards(tmp_path):
-    """OME-Zarr from 0.5 on, of which one slab touches a part of each shard."""
-    path = write_group_3(tmp_path / "x.ome.zarr")
-    write_3(path / "0", VALUES, sharded(), chunks=(4, 6, 8))
+def test_each_axis_has_its_unit(tmp_path, values, units, unit, sizes):
+    axes = space(**dict(zip("zyx", units)))
+    path = image(tmp_path / "x.zarr", values, axes, [2.5, 0.9, 1.2])
     stored = probe(path)
-    assert (stored.dims, stored.voxel_size, stored.unit) == ((7, 6, 5), (1, 2, 4), "µm")
-    np.testing.assert_array_equal(read_volume(path).values, VALUES)
-    # Its axes may stand in any order.
-    other = write_group_3(tmp_path / "y.ome.zarr", axes="xzy")
-    write_3(other / "0", VALUES, sharded(), chunks=(4, 6, 8))
-    np.testing.assert_array_equal(read_volume(other).values, VALUES.transpose(1, 2, 0))
+    assert stored.unit == unit
+    np.testing.assert_allclose(stored.voxel_size, sizes, rtol=1e-12)
+    assert bool(stored.notes) == (units in (("", "millimetre", ""), ("second",) + units[1:]))
 
 
-def test_a_shard_that_is_made_by_hand(tmp_path):
-    """By the specification: packed chunks, behind them the places and the sizes of all."""
-    path = tmp_path / "x.zarr"
-    (path / "c" / "0" / "0").mkdir(parents=True)
-    shard = {
-        "chunk_shape": [2, 6, 7],
-        "codecs": [LITTLE, {"name": "gzip", "configuration": {"level": 1}}],
-        "index_codecs": [LITTLE],
-    }
-    header = {
-        "zarr_format": 3,
-        "node_type": "array",
-        "shape": [4, 6, 7],
-        "data_type": "uint16",
-        "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": [6, 6, 7]}},
-        "chunk_key_encoding": {"name": "default"},
-        "fill_value": 9,
-        "codecs": [{"name": "sharding_indexed", "configuration": shard}],
-    }
-    (path / "zarr.json").write_text(json.dumps(header))
-    first = gzip.compress(VALUES[:2].astype("<u2").tobytes())
-    absent = (2**64 - 1, 2**64 - 1)
-    index = struct.pack("<6Q", 0, len(first), *absent, *absent)
-    (path / "c" / "0" / "0" / "0").write_bytes(first + index)
-    values = read_volume(path).values
-    np.testing.assert_array_equal(values[:2], VALUES[:2])
-    assert values.shape == (4, 6, 7) and (values[2:] == 9).all()
-    # A damaged shard is refused.
-    (path / "c" / "0" / "0" / "0").write_bytes(first[:-9] + index)
-    with pytest.raises(LeaflightError, match="x.zarr: .*damaged"):
-        read_volume(path)
-
-
-def _zarr_2(path, **options):
-    zarr = pytest.importorskip("zarr")
-    if int(zarr.__version__.partition(".")[0]) > 2:
-        pytest.skip("zarr 3 writes other options")
-    array = zarr.open(
-        str(path), mode="w", shape=VALUES.shape, dtype=VALUES.dtype, chunks=(2, 3, 4), **options
+def test_a_translation_is_in_the_unit_of_its_axis(tmp_path, values):
+    place = {"type": "translation", "translation": [3000, 2, 1]}
+    shear = {"type": "affine", "affine": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]}
+    axes = space(z="nanometer", y="micrometer", x="micrometer")
+    path = image(
+        tmp_path / "x.zarr", values, axes, [500, 1, 1], coordinateTransformations=[place, shear]
     )
-    array[:] = VALUES
-    return path
+    volume = read_volume(path)
+    np.testing.assert_allclose(volume.index_to_world[:3, 3], [1, 2, 3])
+    np.testing.assert_allclose(volume.spacing, [1, 1, 0.5])
+    assert volume.notes == ("Its transformation 'affine' is left out.",)
 
 
-def test_packings_of_zarr_2(tmp_path):
-    codecs = pytest.importorskip("numcodecs")
-    for name in ("Blosc", "Zstd", "Zlib", "GZip", "BZ2", "LZ4", "LZMA"):
-        path = _zarr_2(tmp_path / "x.zarr", compressor=getattr(codecs, name)())
-        np.testing.assert_array_equal(read_volume(path).values, VALUES, name)
-    filters = [codecs.Delta("u2"), codecs.FixedScaleOffset(0, 1, "u2", "u4")]
-    path = _zarr_2(tmp_path / "x.zarr", compressor=None, filters=filters)
-    np.testing.assert_array_equal(read_volume(path).values, VALUES)
-    path = _zarr_2(tmp_path / "y.zarr", order="F", dimension_separator="/")
-    np.testing.assert_array_equal(read_volume(path).values, VALUES)
-    # What is written nowhere has the fill value.
-    (tmp_path / "y.zarr" / "1" / "0" / "0").unlink()
-    _change(tmp_path / "y.zarr" / ".zarray", fill_value=7)
-    values = read_volume(path).values
-    assert (values == 7).sum() >= 24 and (values != VALUES).sum() <= 24
-    _change(tmp_path / "y.zarr" / ".zarray", compressor={"id": "pressed"})
-    with pytest.raises(LeaflightError, match="packed by 'pressed', which is not supported; save"):
+def test_axes_in_any_order(tmp_path, values):
+    whole = np.stack([values.T, values.T + 1], axis=1)
+    axes = [*space(X="micrometer"), {"name": "marker", "type": "channel"}]
+    axes += space(Y="micrometer", Z="micrometer")
+    path = image(tmp_path / "x.zarr", whole, axes, [1, 1, 2, 3])
+    np.testing.assert_array_equal(read_volume(path, channel=1).values, values + 1)
+    assert probe(path).voxel_size == (1, 2, 3)
+    path = image(
+        tmp_path / "y.zarr", values[None, None], space(t="", c="", z="", y="", x=""), [1] * 5
+    )
+    np.testing.assert_array_equal(read_volume(path).values, values)
+    path = image(tmp_path / "z.zarr", values[:1], space(z="", y="", x=""), [1] * 3)
+    with pytest.raises(LeaflightError, match="its axes are z 1, y 5, x 6, but a volume needs"):
         read_volume(path)
 
 
-def _change(path, **changes):
-    header = json.loads(path.read_text())
-    path.write_text(json.dumps({**header, **changes}))
+@pytest.mark.parametrize("fill", [None, 0, 7])
+def test_absent_chunks_are_the_fill_value(tmp_path, fill):
+    """Also without one: then they are 0, and not memory that nobody filled."""
+    path = tmp_path / "x.zarr"
+    options = {"mode": "w", "chunks": (2, 4, 4), "dtype": "f4", "fill_value": fill, **ZARR_2}
+    array = zarr.open(str(path), shape=(64, 8, 8), **options)
+    array[:2] = 5.0
+    expected = np.full((64, 8, 8), fill or 0, np.float32)
+    expected[:2] = 5
+    for _ in range(8):
+        np.full(expected.shape, 777.0, np.float32)
+        np.testing.assert_array_equal(read_volume(path).values, expected)
 
 
-def test_bad_headers(tmp_path):
-    path = write_group_3(tmp_path / "x.zarr")
-    with pytest.raises(LeaflightError, match="0: there is no array and no group of Zarr here"):
-        probe(path)
-    write_group_3(path / "0")
-    with pytest.raises(LeaflightError, match="0: this is no array of Zarr"):
-        probe(path)
-    ome = json.loads((path / "zarr.json").read_text())["attributes"]["ome"]
-    ome["multiscales"][0]["datasets"][0]["path"] = "../y.zarr"
-    _change(path / "zarr.json", attributes={"ome": ome})
-    with pytest.raises(LeaflightError, match="'../y.zarr' outside of itself"):
-        probe(path)
-    write_3(tmp_path / "y.zarr", VALUES, sharded(), chunks=(4, 6, 8))
-    for kind in ("string", "complex64", "r24", {"name": "struct"}):
-        _change(tmp_path / "y.zarr" / "zarr.json", data_type=kind)
-        with pytest.raises(LeaflightError, match="y.zarr: (the|its) values are .* convert"):
-            probe(tmp_path / "y.zarr")
-    _change(tmp_path / "y.zarr" / "zarr.json", data_type="uint16", shape=[0, 6, 7])
-    with pytest.raises(LeaflightError, match="its shape is 0 x 6 x 7, so it has no values"):
-        probe(tmp_path / "y.zarr")
-    (tmp_path / "y.zarr" / "zarr.json").write_text("[")
-    with pytest.raises(LeaflightError, match="y.zarr: this is not a readable OME-Zarr"):
-        probe(tmp_path / "y.zarr")
+def test_a_folder_of_images(tmp_path, values):
+    """As bioformats2raw writes it."""
+    path = tmp_path / "x.zarr"
+    root = zarr.open_group(str(path), mode="w", **ZARR_2)
+    root.attrs["bioformats2raw.layout"] = 3
+    axes = space(z="", y="", x="")
+    image(path, values, axes, [1, 1, 1], "0")
+    np.testing.assert_array_equal(read_volume(path).values, values)
+    image(path, values + 1, axes, [1, 1, 2], "1")
+    assert probe(path).datasets == ("0", "1")
+    with pytest.raises(LeaflightError, match="2 volumes; choose one of 0, 1"):
+        read_volume(path)
+    np.testing.assert_array_equal(read_volume(path, dataset="1").values, values + 1)
+
+
+def test_names_of_a_plain_array(tmp_path, values):
+    """As xarray writes them."""
+    path = tmp_path / "x.zarr"
+    array = zarr.open(str(path), mode="w", shape=values.T.shape, dtype=values.dtype, **ZARR_2)
+    array[:] = values.T
+    array.attrs["_ARRAY_DIMENSIONS"] = ["x", "y", "z"]
+    np.testing.assert_array_equal(read_volume(path).values, values)
+
+
+@pytest.mark.skipif(_ZARR < 3, reason="zarr 2 does not write Zarr 3")
+def test_shards(tmp_path, values):
+    """Of which some, and some of their chunks, are absent."""
+    path = tmp_path / "x.zarr"
+    group = zarr.open_group(str(path), mode="w", zarr_format=3)
+    array = group.create_array(
+        "s0", shape=(16, 8, 8), chunks=(2, 4, 4), shards=(4, 8, 8), dtype="i2", fill_value=-3
+    )
+    expected = np.full((16, 8, 8), -3, np.int16)
+    expected[5, :, 6] = np.arange(8)
+    array[5, :, 6] = np.arange(8)
+    axes = space(z="nanometer", y="micrometer", x="micrometer")
+    datasets = [
+        {"path": "s0", "coordinateTransformations": [{"type": "scale", "scale": [9, 1, 2]}]}
+    ]
+    group.attrs["ome"] = {"version": "0.5", "multiscales": [{"axes": axes, "datasets": datasets}]}
+    volume = read_volume(path)
+    np.testing.assert_array_equal(volume.values, expected)
+    np.testing.assert_allclose(volume.spacing, [2, 1, 0.009])
+    metadata = json.loads((path / "zarr.json").read_text())
+    metadata["attributes"]["ome"]["multiscales"][0]["axes"].pop()
+    (path / "zarr.json").write_text(json.dumps(metadata))
+    with pytest.raises(LeaflightError, match="name 2 axes, but its arrays have 3"):
+        read_volume(path)

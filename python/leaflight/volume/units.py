@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Units of length, as files of volumes name them."""
 
+import re
+from collections.abc import Sequence
+
 # What files measure lengths in -> meters.
 METERS = {
     "m": 1.0,
@@ -15,36 +18,87 @@ METERS = {
 
 def unit_of(text: object) -> str:
     """The key of METERS that a file's own word means, "" for any other."""
-    return _WORDS.get(str(text or "").strip().lower(), "")
+    length = meters_of(text)
+    return next((key for key, meters in METERS.items() if meters == length), "")
 
 
+def meters_of(text: object) -> float | None:
+    """The length that a file's own word means, None for any that is no unit of length."""
+    word = str(text or "").strip().lower()
+    for spelling, sign in _SIGNS.items():
+        word = word.replace(spelling, sign)
+    if word in _WORDS:
+        return _WORDS[word]
+    found = _LONG.fullmatch(word) or _SHORT.fullmatch(word)
+    return _PREFIXES[found[1] or ""] if found else None
+
+
+def common_unit(texts: Sequence[object]) -> tuple[str, tuple[float, ...]] | None:
+    """(unit, factors): one key of METERS for axes x, y, z, and what takes theirs to it.
+
+    texts: the file's own words, "" where it has none, which stand for the unit of the others. The
+    unit is that of the first axis with a known one, or the next smaller. Where no axis has one
+    it is "", if all have the same word. None: lengths cannot be compared with what the others are.
+    """
+    words = [str(text or "").strip() for text in texts]
+    lengths = [meters_of(word) for word in words]
+    first = next((length for length in lengths if length), None)
+    if first is None:
+        return ("", (1.0,) * len(words)) if len(set(words)) == 1 else None
+    if any(word and not length for word, length in zip(words, lengths)):
+        return None
+    smaller = [key for key in _DECIMAL if METERS[key] <= first]
+    unit = unit_of(texts[lengths.index(first)]) or (smaller[0] if smaller else _DECIMAL[-1])
+    return unit, tuple((length or first) / METERS[unit] for length in lengths)
+
+
+_DECIMAL = ("m", "cm", "mm", "µm", "nm", "Å")
+# How programs write a micro sign: the Greek letter, escaped, and decoded by the wrong table.
+_SIGNS = {"μ": "µ", "\\u00b5": "µ", "âµ": "µ", "î¼": "µ"}
+_PREFIXES = {
+    "": 1.0,
+    "tera": 1e12,
+    "giga": 1e9,
+    "mega": 1e6,
+    "kilo": 1e3,
+    "k": 1e3,
+    "hecto": 1e2,
+    "deci": 1e-1,
+    "d": 1e-1,
+    "centi": 1e-2,
+    "c": 1e-2,
+    "milli": 1e-3,
+    "m": 1e-3,
+    "micro": 1e-6,
+    "u": 1e-6,
+    "µ": 1e-6,
+    "nano": 1e-9,
+    "n": 1e-9,
+    "pico": 1e-12,
+    "p": 1e-12,
+    "femto": 1e-15,
+    "f": 1e-15,
+}
+_LONG = re.compile(f"({'|'.join(p for p in _PREFIXES if len(p) != 1)})[ -]?met(?:er|re)s?")
+_SHORT = re.compile(f"([{''.join(p for p in _PREFIXES if len(p) == 1)}]?)m")
 _WORDS = {
-    "m": "m",
-    "meter": "m",
-    "meters": "m",
-    "metre": "m",
-    "cm": "cm",
-    "centimeter": "cm",
-    "mm": "mm",
-    "millimeter": "mm",
-    "millimeters": "mm",
-    "millimetre": "mm",
-    "µm": "µm",
-    "μm": "µm",
-    "um": "µm",
-    "\\u00b5m": "µm",
-    "micron": "µm",
-    "microns": "µm",
-    "micrometer": "µm",
-    "micrometers": "µm",
-    "micrometre": "µm",
-    "nm": "nm",
-    "nanometer": "nm",
-    "nanometers": "nm",
-    "nanometre": "nm",
-    "å": "Å",
-    "angstrom": "Å",
-    "angstroms": "Å",
-    "ångström": "Å",
-    "bohr": "bohr",
+    "micron": 1e-6,
+    "microns": 1e-6,
+    "µ": 1e-6,
+    "å": 1e-10,
+    "a": 1e-10,
+    "ang": 1e-10,
+    "angstrom": 1e-10,
+    "angstroms": 1e-10,
+    "ångström": 1e-10,
+    "ångstrom": 1e-10,
+    "bohr": METERS["bohr"],
+    "in": 0.0254,
+    "inch": 0.0254,
+    "inches": 0.0254,
+    "foot": 0.3048,
+    "feet": 0.3048,
+    "ft": 0.3048,
+    "yard": 0.9144,
+    "mile": 1609.344,
 }

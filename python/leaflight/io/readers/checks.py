@@ -77,6 +77,14 @@ def choose(path: Path, what: str, chosen: int | None, count: int) -> int:
     return int(chosen)
 
 
+def choose_level(path: Path, level: int, count: int) -> int:
+    """Which of `count` resolutions to read, 0 the finest. Raises LeaflightError."""
+    if not 0 <= level < count:
+        levels = f"choose one of 0..{count - 1}, 0 is the finest" if count > 1 else "it has only 0"
+        raise SettingError(f"{path}: there is no level {level}; {levels}.", "level")
+    return level
+
+
 def choose_named(path: Path, names: Sequence[str], chosen: str | None) -> str | None:
     """The name of the dataset to read, None where several demand a choice. Raises LeaflightError.
 

@@ -36,7 +36,7 @@ FORMATS = (
     _format("VTK image", "vti", ".vti", "dataset"),
     _format("TIFF file", "tiff", ".tif .tiff .ome .lsm .stk .btf .tf8", "dataset", "spacing"),
     _format("picture", "pictures", ".png .jpg .jpeg .bmp", "dataset", "spacing"),
-    _format("OME-Zarr folder", "ome_zarr", ".zarr", "level"),
+    _format("OME-Zarr folder", "ome_zarr", ".zarr", "dataset", "level"),
     _format("HDF5 file", "hdf5", ".h5 .hdf5 .hdf", "dataset", "spacing"),
     _format("NumPy file", "numpy_file", ".npy .npz", "dataset", "spacing"),
     _format("Gaussian cube", "cube", ".cube .cube.gz .cub"),

@@ -28,6 +28,8 @@ _Header = tuple[tuple[int, ...], bool, np.dtype[Any]]
 _READ_HEADER: dict[tuple[int, int], Callable[[IO[bytes]], _Header]] = {
     (1, 0): np.lib.format.read_array_header_1_0,
     (2, 0): np.lib.format.read_array_header_2_0,
+    # It differs from 2.0 in the names of fields alone, which volumes do not have.
+    (3, 0): np.lib.format.read_array_header_2_0,
 }
 
 

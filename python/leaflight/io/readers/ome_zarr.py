@@ -4,6 +4,8 @@
 https://ngff.openmicroscopy.org/0.4, and 0.5
 """
 
+from collections.abc import Sequence
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -11,91 +13,144 @@ import numpy as np
 
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
-from ...volume.setting_error import SettingError
-from ...volume.units import unit_of
 from ...volume.volume import Volume
 from ...volume.voxels import new_voxels
-from .checks import check_shape, listed
+from .axes import Axis, Grid, grid_of
+from .checks import check_matrix, choose_level, choose_named, text, undecided
 from .stored import StoredVolume, lengths
 from .zarr_folder import ZarrArray, ZarrGroup, open_zarr
 
+# Images within a folder that are looked for.
+_MOST_IMAGES = 1000
 
-def open_volume(path: Path, level: int = 0) -> StoredVolume:
-    """level: which resolution, 0 the finest."""
+
+def open_volume(path: Path, dataset: str | None = None, level: int = 0) -> StoredVolume:
+    """dataset: which image of a folder of several; level: which resolution, 0 the finest."""
     node = open_zarr(path)
+    names: tuple[str, ...] = ()
+    notes: list[str] = []
     if isinstance(node, ZarrArray):
-        arrays, axes, matrices, unit = [node], _plain_axes(path, node.shape), [np.eye(4)], ""
+        levels = [(node, _plain_axes(node))]
     else:
-        arrays, axes, matrices, unit = _multiscale(path, node)
-    if not 0 <= level < len(arrays):
-        raise SettingError(
-            f"{path}: there is no level {level}; choose one of 0..{len(arrays) - 1}, 0 is the "
-            "finest.",
-            "level",
+        images = _images(path, node)
+        names = tuple(images)
+        name = choose_named(path, names, dataset)
+        if name is None:
+            return StoredVolume(None, np.dtype(np.float32), undecided(path, names), datasets=names)
+        levels, notes = _levels(path, images[name])
+    array, axes = levels[choose_level(path, level, len(levels))]
+    grid = grid_of(axes)
+    if grid is None:
+        named = ", ".join(f"{axis.name or '(no name)'} {text([axis.size])}" for axis in axes)
+        raise LeaflightError(
+            f"{path}: its axes are {named[:200]}, but a volume needs x, y and z of two samples at "
+            "least."
         )
-    array, matrix = arrays[level], matrices[level]
-    sizes = dict(zip(axes, array.shape))
-    if not {"x", "y", "z"} <= sizes.keys():
-        raise LeaflightError(f"{path}: its axes are {listed(axes)}, but a volume needs x, y and z.")
+    check_matrix(path, grid.matrix)
+    sizes = {letter: axis.size for letter, axis in zip(grid.letters, axes)}
 
     def load(frame: int, channel: int, progress: Progress) -> Volume:
-        chosen = {"t": frame, "c": channel}
-        places = [None if axis in "xyz" else chosen.get(axis, 0) for axis in axes]
-        values = new_voxels([sizes[axis] for axis in "zyx"], array.dtype)
-        array.read(values, places, [axes.index(axis) for axis in "zyx"], progress)
-        return Volume(values, matrix, path.name.partition(".")[0])
+        values = _values(array, grid, frame, channel, progress)
+        return Volume(values, grid.matrix, path.name.partition(".")[0])
 
     return StoredVolume(
-        dims=tuple(sizes[axis] for axis in "xyz"),
+        dims=tuple(sizes[letter] for letter in "xyz"),
         dtype=array.dtype,
         load=load,
-        voxel_size=lengths(matrix),
-        unit=unit,
+        voxel_size=lengths(grid.matrix),
+        unit=grid.unit,
         frames=sizes.get("t", 1),
         channels=sizes.get("c", 1),
-        levels=tuple(tuple(dict(zip(axes, one.shape))[axis] for axis in "xyz") for one in arrays)
-        if len(arrays) > 1
-        else (),
+        levels=_dims(levels, grid) if len(levels) > 1 else (),
+        datasets=names if len(names) > 1 else (),
+        notes=(*notes, *grid.notes),
     )
 
 
-def _multiscale(
-    path: Path, group: ZarrGroup
-) -> tuple[list[ZarrArray], list[str], list[Array], str]:
-    """(arrays, names of their axes, matrices, unit), from the finest resolution on."""
-    attributes = group.attributes.get("ome", group.attributes)
-    images = attributes.get("multiscales")
-    if not images:
+def _values(array: ZarrArray, grid: Grid, frame: int, channel: int, progress: Progress) -> Array:
+    """One volume as [z, y, x]."""
+    chosen = {"x": None, "y": None, "z": None, "t": frame, "c": channel}
+    places = [chosen.get(letter, 0) for letter in grid.letters]
+    axes = [grid.letters.index(letter) for letter in "zyx"]
+    values = new_voxels([array.shape[axis] for axis in axes], array.dtype)
+    array.read(values, places, axes, progress)
+    return values
+
+
+def _dims(levels: list[tuple[ZarrArray, list[Axis]]], grid: Grid) -> tuple[tuple[int, ...], ...]:
+    places = [grid.letters.index(letter) for letter in "xyz"]
+    return tuple(tuple(int(array.shape[place]) for place in places) for array, _ in levels)
+
+
+def _images(path: Path, group: ZarrGroup) -> dict[str, ZarrGroup]:
+    """{name: the group of an image}: the folder itself, or those in it as of bioformats2raw."""
+    if _multiscales(group):
+        return {path.name: group}
+    groups = islice(group.groups(), _MOST_IMAGES)
+    found = {one.path.name: one for one in groups if _multiscales(one)}
+    if not found:
         raise LeaflightError(
             f"{path}: it has no multiscale image of OME-Zarr; give the folder of one image, or of "
             "one array."
         )
-    image = images[0]
+    return found
+
+
+def _multiscales(group: ZarrGroup) -> Any:
+    return group.attributes.get("ome", group.attributes).get("multiscales")
+
+
+def _levels(path: Path, group: ZarrGroup) -> tuple[list[tuple[ZarrArray, list[Axis]]], list[str]]:
+    """([(array, its axes)], notes), from the finest resolution on."""
+    image = _multiscales(group)[0]
     # Before 0.4 axes were names alone, and before 0.3 always these.
     named = image.get("axes") or ["t", "c", "z", "y", "x"]
-    axes = [axis["name"] if isinstance(axis, dict) else axis for axis in named]
-    unit = next((a.get("unit") for a in named if isinstance(a, dict) and a["name"] == "x"), None)
-    whole = _transform(image, axes)
-    arrays = [group.array(part["path"]) for part in image["datasets"]]
-    matrices = [whole @ _transform(part, axes) for part in image["datasets"]]
-    return arrays, axes, matrices, unit_of(unit)
+    named = [axis if isinstance(axis, dict) else {"name": axis} for axis in named]
+    levels, left_out = [], set()
+    for part in image["datasets"]:
+        array = group.array(part["path"])
+        if len(named) != len(array.shape):
+            raise LeaflightError(
+                f"{path}: its metadata name {len(named)} axes, but its arrays have "
+                f"{len(array.shape)}; repair them."
+            )
+        steps, firsts, others = _transform([part, image], len(named))
+        left_out |= others
+        axes = [
+            _axis(n, axis, first, step)
+            for n, axis, first, step in zip(array.shape, named, firsts, steps)
+        ]
+        levels.append((array, axes))
+    notes = [f"Its transformation {kind[:40]!r} is left out." for kind in sorted(left_out)]
+    return levels, notes
 
 
-def _transform(part: dict[str, Any], axes: list[str]) -> Array:
-    """The matrix (4, 4) of a list of scales and translations."""
-    matrix = np.eye(4)
-    for step in part.get("coordinateTransformations", []):
-        numbers = dict(zip(axes, step.get(step["type"]) or ()))
-        of_space = [float(numbers.get(axis, step["type"] == "scale")) for axis in "xyz"]
-        one = np.eye(4)
-        if step["type"] == "scale":
-            one = np.diag([*of_space, 1.0])
-        elif step["type"] == "translation":
-            one[:3, 3] = of_space
-        matrix = one @ matrix
-    return matrix
+def _axis(size: int, named: dict[str, Any], first: float, step: float) -> Axis:
+    name = str(named["name"])
+    kinds = {"time": "t", "channel": "c"}
+    letter = name.lower() if name.lower() in tuple("xyztc") else kinds.get(named.get("type", ""))
+    return Axis(int(size), name, letter or "", first, step, str(named.get("unit") or ""))
 
 
-def _plain_axes(path: Path, shape: tuple[int, ...]) -> list[str]:
-    check_shape(path, shape)
-    return ["t", "z", "y", "x"][-len(shape) :]
+def _transform(parts: Sequence[dict[str, Any]], axes: int) -> tuple[Array, Array, set[str]]:
+    """(steps, places of the first samples, kinds of others) by lists of scales and translations."""
+    steps, firsts, others = np.ones(axes), np.zeros(axes), set()
+    for part in parts:
+        for one in part.get("coordinateTransformations") or ():
+            kind = str(one["type"])
+            numbers = np.asarray(one.get(kind, 1.0 if kind == "scale" else 0.0), object)
+            if kind == "scale":
+                scale = np.broadcast_to(numbers.astype(float), axes)
+                steps, firsts = steps * scale, firsts * scale
+            elif kind == "translation":
+                firsts = firsts + np.broadcast_to(numbers.astype(float), axes)
+            elif kind != "identity":
+                others.add(kind)
+    return steps, firsts, others
+
+
+def _plain_axes(array: ZarrArray) -> list[Axis]:
+    """The axes of an array by itself, with the names that Zarr 3 or xarray gives them."""
+    names = array.names or tuple(array.attributes.get("_ARRAY_DIMENSIONS") or ())
+    names = names if len(names) == len(array.shape) else ("",) * len(array.shape)
+    return [Axis(n, str(name or "")) for n, name in zip(array.shape, names)]

@@ -5,7 +5,7 @@ https://zarr-specs.readthedocs.io; the values are read by zarr_values.py, in a p
 """
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -57,6 +57,13 @@ class ZarrGroup:
     path: Path
     attributes: dict[str, Any]
 
+    def groups(self) -> Iterator["ZarrGroup"]:
+        """The groups directly in it, 2 before 10."""
+        for path in sorted(self.path.iterdir(), key=lambda path: (len(path.name), path.name)):
+            found = open_zarr(path) if is_zarr(path) else None
+            if isinstance(found, ZarrGroup):
+                yield found
+
     def array(self, name: str) -> ZarrArray:
         """One of its arrays, at any depth. Raises LeaflightError."""
         path = self.path / name
@@ -70,6 +77,11 @@ class ZarrGroup:
         if isinstance(found, ZarrGroup):
             raise LeaflightError(f"{path}: this is no array of Zarr; repair the metadata.")
         return found
+
+
+def is_zarr(path: Path) -> bool:
+    """Whether a folder is a group or an array."""
+    return any((path / name).is_file() for name in ("zarr.json", ".zgroup", ".zarray"))
 
 
 def open_zarr(path: Path) -> ZarrArray | ZarrGroup:

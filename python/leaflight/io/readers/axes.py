@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The axes of arrays in files: which run along x, y and z, and where their samples lie."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...arrays import Array
+from ...volume.units import common_unit
+
+# Attributes of the places along an axis that axis_at() looks at.
+CF = ("units", "axis", "positive", "standard_name")
+# Places that differ by less than this from even ones, in steps, are even.
+_EVEN = 0.01
+# A last axis of no more samples holds channels where nothing is known of it.
+_MOST_CHANNELS = 4
+# Units of which more is lower, where a vertical axis does not give its direction.
+_PRESSURES = {"pa", "hpa", "kpa", "mbar", "millibar", "bar", "atm", "dbar", "decibar"}
+_DEGREES = re.compile(r"deg(?:ree)?s?_?([ensw]|east|north|south|west)", re.IGNORECASE)
+_NAMES = {
+    "x": "x lon longitude easting column columns col",
+    "y": "y lat latitude northing row rows",
+    "z": "z depth height altitude alt lev level levels plev pressure layer slice slices plane",
+    "t": "t time times frame frames timepoint timepoints date",
+    "c": "c channel channels band bands component components wavelength member ensemble",
+}
+_LETTERS = {name: letter for letter, names in _NAMES.items() for name in names.split()}
+# Of a reciprocal lattice, where they stand together: alone k may be any axis.
+_MILLER = {"h": "x", "k": "y", "l": "z"}
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One axis of an array, as its file describes it.
+
+    size: its samples; name: of the dimension; letter: one of "xyztc" where the file says so, else
+    name may show it. first, step: where the samples lie, None where that is not known, in `unit`,
+    the file's own word; even: whether they lie at even distances.
+    """
+
+    size: int
+    name: str = ""
+    letter: str = ""
+    first: float | None = None
+    step: float | None = None
+    unit: str = ""
+    even: bool = True
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Where an array's samples lie.
+
+    letters: one of "xyztc" for each axis of the array, "-" for those of one sample; matrix: index
+    to world, in `unit`, a key of METERS or ""; notes: see StoredVolume.
+    """
+
+    letters: str
+    matrix: Array
+    unit: str
+    notes: tuple[str, ...]
+
+
+def grid_of(axes: Sequence[Axis]) -> Grid | None:
+    """The Grid of an array with these axes, None for one that holds no volume."""
+    letters, guesses = _letters(axes)
+    if not set("xyz") <= set(letters):
+        return None
+    space = [axes[letters.index(letter)] for letter in "xyz"]
+    # Times are no places.
+    space = [replace(axis, step=None) if axis.letter == "t" else axis for axis in space]
+    matrix, unit, notes = _placed(space)
+    return Grid(letters, matrix, unit, (*guesses, *notes))
+
+
+def axis_at(size: int, name: str, places: Array, attributes: Mapping[str, str]) -> Axis:
+    """An Axis whose samples, or the edges between them, lie at `places`.
+
+    attributes: those of CF that these have, as text; https://cfconventions.org
+    """
+    unit = attributes.get("units", "")
+    unit = "degrees" if _DEGREES.fullmatch(unit) else unit
+    axis = Axis(size, name, _cf_letter(name, attributes), unit=unit)
+    if places.dtype.kind not in "iuf" or places.ndim != 1 or axis.letter == "t":
+        return axis
+    places = places.astype(np.float64)
+    if len(places) == size + 1:
+        places = 0.5 * (places[1:] + places[:-1])
+    if len(places) != size or size < 2 or not np.isfinite(places).all():
+        return axis
+    steps = np.diff(places)
+    if not ((steps > 0).all() or (steps < 0).all()):
+        return axis
+    if attributes.get("positive", "").lower() == "down" or (
+        "positive" not in attributes and unit.lower() in _PRESSURES
+    ):
+        places = -places
+    step = (places[-1] - places[0]) / (size - 1)
+    slack = _EVEN * abs(step) + 8 * np.finfo(np.float32).eps * np.abs(places).max()
+    even = np.abs(places - places[0] - step * np.arange(size)).max() <= slack
+    return replace(axis, first=float(places[0]), step=float(step), even=bool(even))
+
+
+def _cf_letter(name: str, attributes: Mapping[str, str]) -> str:
+    """Of an axis, as its attributes or names tell; "" where they do not."""
+    letter = attributes.get("axis", "").strip().lower()
+    if letter in tuple("xyzt"):
+        return letter
+    unit = attributes.get("units", "").strip()
+    if " since " in f" {unit} ":
+        return "t"
+    degrees = _DEGREES.fullmatch(unit)
+    if degrees:
+        return "x" if degrees[1][0].lower() in "ew" else "y"
+    if attributes.get("positive", "").lower() in ("up", "down"):
+        return "z"
+    return _letter_of(name) or _letter_of(attributes.get("standard_name", ""))
+
+
+def _letter_of(name: str) -> str:
+    """The letter of an axis of this name, "" where it does not show: "voxel_x", "qx" are x."""
+    name = name.strip().lower()
+    if name in _LETTERS:
+        return _LETTERS[name]
+    words = re.split(r"[^a-z]+", name)
+    letters = {word for word in words if word in tuple("xyz")}
+    letters |= {_LETTERS[word] for word in words if len(word) > 1 and word in _LETTERS}
+    letters |= {word[1] for word in words if re.fullmatch("[a-z][xyz]", word)}
+    return letters.pop() if len(letters) == 1 else ""
+
+
+def _letters(axes: Sequence[Axis]) -> tuple[str, tuple[str, ...]]:
+    """(a letter for each axis, "-" for those of one sample or where there is none; notes).
+
+    Axes whose letters are not known are z, y and x in this order, before them time and channels.
+    """
+    names = [axis.name.lower() for axis in axes]
+    known = _MILLER if _MILLER.keys() <= set(names) else {}
+    found = [
+        (axis.letter or known.get(name) or _letter_of(name)) if axis.size > 1 else ""
+        for axis, name in zip(axes, names)
+    ]
+    # Of two axes with one letter neither has it.
+    found = [letter if found.count(letter) == 1 else "" for letter in found]
+    long = [i for i, axis in enumerate(axes) if axis.size > 1]
+    unknown = [i for i in long if not found[i]]
+    notes: list[str] = []
+    sizes = [axes[i].size for i in long]
+    nameless = len(unknown) == len(long) and len(long) > 3
+    if nameless and sizes[-1] <= _MOST_CHANNELS < min(sizes[-4:-1]):
+        found[unknown.pop()] = "c"
+        notes.append(f"Its last axis has only {sizes[-1]} samples, which are read as channels.")
+    missing = [letter for letter in "zyx" if letter not in found]
+    kept = min(len(unknown), len(missing))
+    for i, letter in zip(unknown[len(unknown) - kept :], missing[len(missing) - kept :]):
+        found[i] = letter
+    others = unknown[: len(unknown) - kept]
+    if len(others) == 2:
+        notes.append("Its first two axes are read as frames and channels.")
+    for i in others:
+        before = all(i < found.index(letter) for letter in "xyz" if letter in found)
+        free = [letter for letter in ("tc" if before else "ct") if letter not in found]
+        if not free:
+            return "-" * len(axes), ()
+        found[i] = free[0]
+    # As of a film: a time without a depth is one.
+    if [letter for letter in missing if letter not in found] == ["z"] and "t" in found:
+        found[found.index("t")] = "z"
+        notes.append("It has no axis z; its frames are read as the slices of a volume.")
+    return "".join(letter or "-" for letter in found), tuple(notes)
+
+
+def _placed(space: Sequence[Axis]) -> tuple[Array, str, list[str]]:
+    """(index to world, unit, notes) of the axes x, y and z."""
+    known = [axis for axis in space if axis.step]
+    if not known:
+        return np.eye(4), "", []
+    steps, firsts, notes = [], [], []
+    common = common_unit([axis.unit for axis in known])
+    factors = iter(common[1] if common else [])
+    for letter, axis in zip("xyz", space):
+        if axis.step is None or axis.step == 0:
+            steps.append(1.0)
+            firsts.append(0.0)
+            notes.append(
+                f"The file does not give the size of its voxels along {letter}; it is 1 here."
+            )
+        elif common is None:
+            steps.append(float(np.sign(axis.step)))
+            firsts.append(0.0)
+        else:
+            factor = next(factors)
+            steps.append(factor * axis.step)
+            firsts.append(factor * (axis.first or 0.0))
+            if not axis.even:
+                notes.append(
+                    f"Its samples along {letter} lie at uneven distances, of which the mean is "
+                    "used."
+                )
+    if common is None:
+        units = ", ".join(f"{axis.unit[:40] or 'no unit'}" for axis in known)
+        notes.append(
+            f"Its axes are measured in {units}, which cannot be compared; its voxels are read as "
+            "cubes of size 1. Give a voxel size for others."
+        )
+    elif common[0] and not all(axis.unit for axis in known):
+        notes.append(f"Only some of its axes have a unit; {common[0]} counts for all.")
+    matrix = np.diag([*steps, 1.0])
+    matrix[:3, 3] = firsts
+    return matrix, common[0] if common else "", notes
