@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Arrays of NumPy, HDF5 and OME-TIFF."""
+"""Arrays of NumPy and OME-TIFF."""
 
 import numpy as np
 import pytest
@@ -62,34 +62,6 @@ def test_damaged_npy(tmp_path, values):
         read_volume(path)
     np.save(path, values[0])
     with pytest.raises(LeaflightError, match="three dimensions"):
-        read_volume(path)
-
-
-def test_hdf5(tmp_path, values):
-    h5py = pytest.importorskip("h5py")
-    path = tmp_path / "x.h5"
-    with h5py.File(path, "w") as file:
-        file["a/h"] = values[None]
-        file["a/h"].attrs["element_size_um"] = (3.0, 2.0, 1.0)
-        file["times"] = np.arange(3)
-    stored = probe(path)
-    assert (stored.dims, stored.voxel_size, stored.unit) == ((6, 5, 4), (1, 2, 3), "µm")
-    np.testing.assert_array_equal(read_volume(path).values, values)
-    with h5py.File(path, "a") as file:
-        packed = np.stack([values, values + 1])
-        file.create_dataset("g", data=packed, chunks=True, compression="gzip")
-    assert probe(path).datasets == ("a/h", "g")
-    np.testing.assert_array_equal(read_volume(path, dataset="g", frame=1).values, values + 1)
-    half = read_volume(path, dataset="g", frame=1, downsample=2)
-    np.testing.assert_allclose(half.values[0, 0, 0], values[:2, :2, :2].mean() + 1, rtol=1e-6)
-    with pytest.raises(LeaflightError, match="2 volumes; choose one of a/h, g"):
-        read_volume(path)
-    path.write_bytes(path.read_bytes()[:-100])
-    with pytest.raises(LeaflightError, match="x.h5: .*damaged"):
-        read_volume(path, dataset="g", frame=1)
-    with h5py.File(path, "w") as file:
-        file["times"] = np.arange(3)
-    with pytest.raises(LeaflightError, match="no volume of real numbers"):
         read_volume(path)
 
 

@@ -1,113 +1,122 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""HDF5 through h5py: the only array of three or four dimensions, or the one that is chosen.
+"""HDF5 through h5py: the only volume of the file, its default, or the one that is chosen.
 
-In a process of its own: on damaged files HDF5 ends the one that it is in. Only that process imports
-h5py.
+In a process of its own: on damaged files HDF5 ends the one that it is in, and Blender has an HDF5
+of its own. hdf5_layouts.py says which volumes a file holds.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..._core import Progress
-from ...arrays import Array
+from ..._core import LeaflightError, Progress
 from ...volume.volume import Volume
 from ...volume.voxels import new_voxels
-from ..reader_process import ReaderProcess
-from .checks import choose_named, index_to_world, undecided
+from ..reader_process import ReaderProcess, has_package
+from .checks import check_matrix, choose_level, choose_named, index_to_world, undecided
+from .hdf5_image import image_of_json
+from .reading import MissingPackage
 from .stored import StoredVolume, lengths
 from .watched import STAGE, begin
 
-if TYPE_CHECKING:
-    import h5py
+_PROCESS = f"{__package__}.hdf5_process"
+# How HDF4 files begin, which have the same suffix.
+_HDF4 = b"\x0e\x03\x13\x01"
 
-# How ilastik and Fiji write the size of a voxel, z first, in micrometers.
-_ELEMENT_SIZE = "element_size_um"
+# Filters that the package hdf5plugin brings.
+_OF_HDF5PLUGIN = {
+    307: "bzip2",
+    32001: "Blosc",
+    32004: "LZ4",
+    32008: "bitshuffle",
+    32013: "ZFP",
+    32015: "Zstandard",
+    32017: "SZ",
+    32018: "FCI",
+    32024: "SZ3",
+    32026: "Blosc2",
+    32028: "SPERR",
+}
+_OTHER_FILTERS = {4: "szip", 305: "LZO", 32000: "LZF"}
 
 
 def open_volume(
-    path: Path, dataset: str | None = None, spacing: float | Sequence[float] | None = None
+    path: Path,
+    dataset: str | None = None,
+    level: int = 0,
+    spacing: float | Sequence[float] | None = None,
 ) -> StoredVolume:
-    """Arrays are [z, y, x] or [frame, z, y, x]; axes of length 1 do not count."""
-    with _reader(path, "list_arrays") as process:
-        found = process.answer()
-    names = tuple(sorted(found))
-    name = choose_named(path, names, None if dataset is None else dataset.strip("/"))
+    """dataset: a name of those that it lists, or the path of any array; level: 0 the finest."""
+    _check_readable(path)
+    dataset = None if dataset is None else dataset.strip("/")
+    with _reader(path, "list_images", dataset) as process:
+        listed = process.answer()
+    images = {name: image_of_json(facts) for name, facts in listed["images"].items()}
+    names, notes = tuple(sorted(listed["names"])), []
+    name = dataset if dataset in images else choose_named(path, names, dataset)
+    if name is None and listed["default"] is not None:
+        name = listed["default"]
+        notes.append(f"This is {name}, the default of the {len(names)} volumes in the file.")
     if name is None:
         return StoredVolume(None, np.dtype(np.float32), undecided(path, names), datasets=names)
-    shape, dtype, size = found[name]
-    shape, dtype = tuple(n for n in shape if n > 1), np.dtype(dtype)
-    matrix = index_to_world(path, spacing if spacing is not None else size or 1.0)
+    image = images[name]
+    chosen = image.levels[choose_level(path, level, len(image.levels))]
+    matrix, dtype = np.array(chosen.matrix), image.packing.dtype(np.dtype(image.dtype))
+    matrix = matrix if spacing is None else index_to_world(path, spacing)
+    check_matrix(path, matrix)
 
-    def load(frame: int, _channel: int, progress: Progress) -> Volume:
-        values = new_voxels(shape[-3:], dtype)
+    def load(frame: int, channel: int, progress: Progress) -> Volume:
+        if image.absent_filter is not None:
+            raise _without_filter(path, *image.absent_filter)
+        values = new_voxels(chosen.dims, dtype)
         begin(progress, STAGE, values.nbytes)
-        with _reader(path, "read_array", name, frame if len(shape) == 4 else None) as process:
+        channels = chosen.paths[min(frame, len(chosen.paths) - 1)]
+        where = channels[min(channel, len(channels) - 1)], chosen.dims
+        with _reader(path, "read_image", image.json(), *where, frame, channel) as process:
             if process.answer() != [list(values.shape), dtype.str]:
                 raise process.died()
             process.fill(values, progress)
-        return Volume(values, matrix, path.stem)
+        return Volume(values, matrix, path.stem, notes=image.packing.note(values))
 
     return StoredVolume(
-        dims=shape[-3:][::-1],
+        dims=tuple(chosen.dims[::-1]),
         dtype=dtype,
         load=load,
         voxel_size=lengths(matrix),
-        unit="µm" if size and spacing is None else "",
-        frames=shape[0] if len(shape) == 4 else 1,
+        unit=image.unit if spacing is None else "",
+        frames=image.frames,
+        channels=image.channels,
+        levels=tuple(tuple(one.dims[::-1]) for one in image.levels)
+        if len(image.levels) > 1
+        else (),
         datasets=names,
+        notes=(*notes, *image.notes),
     )
 
 
+def _check_readable(path: Path) -> None:
+    if not has_package("h5py"):
+        raise ModuleNotFoundError(name="h5py")
+    with open(path, "rb") as file:
+        if file.read(len(_HDF4)) == _HDF4:
+            raise LeaflightError(
+                f"{path}: this is a file of HDF4, the predecessor of HDF5, which is not read; "
+                "convert it by 'h4toh5' of the HDF Group first."
+            )
+
+
 def _reader(path: Path, function: str, *options: object) -> ReaderProcess:
-    return ReaderProcess(path, "HDF5 file", __name__, function, *options)
+    return ReaderProcess(path, "HDF5 file", _PROCESS, function, *options)
 
 
-def list_arrays(path: Path) -> tuple[dict[str, Any], tuple[()]]:
-    """Within the process: {name: (shape, type, size of a voxel or None)} of what may be volumes."""
-    import h5py
-
-    found: dict[str, Any] = {}
-
-    def look(name: str, item: object) -> None:
-        if isinstance(item, h5py.Dataset) and _is_volume(item):
-            found[name] = item.shape, item.dtype.str, _voxel_size(item)
-
-    with h5py.File(path, "r") as file:
-        file.visititems(look)
-    return found, ()
-
-
-def read_array(path: Path, name: str, frame: int | None) -> tuple[list[Any], Iterator[Array]]:
-    """Within the process: one volume, in slabs; frame: of four dimensions, else None."""
-    import h5py
-
-    file = h5py.File(path, "r")
-    data = file[name]
-    index = [slice(None) if n > 1 else 0 for n in data.shape]
-    places = [i for i, n in enumerate(data.shape) if n > 1]
-    if frame is not None:
-        index[places.pop(0)] = frame
-    shape = [data.shape[place] for place in places]
-
-    def slabs() -> Iterator[Array]:
-        step = data.chunks[places[0]] if data.chunks else 1
-        for k in range(0, shape[0], step):
-            index[places[0]] = slice(k, k + step)
-            yield np.ascontiguousarray(data[tuple(index)])
-
-    return [shape, data.dtype.str], slabs()
-
-
-def _is_volume(data: "h5py.Dataset") -> bool:
-    return sum(n > 1 for n in data.shape) in (3, 4) and data.size > 0 and data.dtype.kind in "biuf"
-
-
-def _voxel_size(data: "h5py.Dataset") -> tuple[float, ...] | None:
-    """(x, y, z) in micrometers, or None."""
-    sizes = np.atleast_1d(data.attrs.get(_ELEMENT_SIZE, ()))
-    if sizes.shape != (3,) or sizes.dtype.kind not in "iuf" or not (sizes > 0).all():
-        return None
-    return tuple(float(size) for size in sizes[::-1])
+def _without_filter(path: Path, code: int, name: str) -> LeaflightError:
+    """The error for values that a filter packs which is not at hand."""
+    name = name or {**_OF_HDF5PLUGIN, **_OTHER_FILTERS}.get(code, "without a name")
+    if code in _OF_HDF5PLUGIN and not has_package("hdf5plugin"):
+        kind = f"HDF5 file, which the filter {name} ({code}) packs,"
+        return MissingPackage(path, kind, "hdf5plugin")
+    return LeaflightError(
+        f"{path}: its values are packed by the HDF5 filter {name} ({code}), which is not at hand; "
+        "unpack them where it is, for example by 'h5repack -f NONE'."
+    )

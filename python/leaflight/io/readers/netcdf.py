@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""NetCDF: version 4 is HDF5; the classic format is read by the copy of SciPy's reader in nibabel.
+
+https://docs.unidata.ucar.edu/netcdf-c/current/file_format_specifications.html
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from nibabel.externals.netcdf import netcdf_file
+
+from ..._core import LeaflightError, Progress
+from ...arrays import Array
+from ...volume.volume import Volume
+from ...volume.voxels import new_voxels
+from . import hdf5
+from .attributes import text_of
+from .axes import CF, Axis, Grid, axis_at, grid_of
+from .checks import check_matrix, choose_named, index_to_world, undecided
+from .packing import NAMES, Packing, packing_of
+from .stored import StoredVolume, lengths
+from .watched import watched
+
+_CLASSIC = (b"CDF\x01", b"CDF\x02")
+_CLASSIC_5 = b"CDF\x05"
+
+
+def open_volume(
+    path: Path, dataset: str | None = None, spacing: float | Sequence[float] | None = None
+) -> StoredVolume:
+    """dataset: the name of a variable."""
+    with open(path, "rb") as file:
+        mark = file.read(4)
+    if mark == _CLASSIC_5:
+        raise LeaflightError(
+            f"{path}: this is netCDF of the format CDF-5, which is not read; convert it by "
+            "'nccopy -k nc4'."
+        )
+    if mark not in _CLASSIC:
+        return hdf5.open_volume(path, dataset, 0, spacing)
+    with netcdf_file(str(path), "r", mmap=True) as file:
+        found = {name: _variable(file, name) for name in file.variables}
+    volumes = {name: variable for name, variable in found.items() if variable is not None}
+    names = tuple(sorted(volumes))
+    name = choose_named(path, names, dataset)
+    if name is None:
+        return StoredVolume(None, np.dtype(np.float32), undecided(path, names), datasets=names)
+    grid, shape, stored, packing = volumes[name]
+    sizes = dict(zip(grid.letters, shape))
+    matrix = grid.matrix if spacing is None else index_to_world(path, spacing)
+    check_matrix(path, matrix)
+
+    def load(frame: int, channel: int, progress: Progress) -> Volume:
+        with netcdf_file(str(path), "r", mmap=True) as file:
+            data = file.variables[name].data
+            values = _values(data, grid.letters, packing, frame, channel, progress)
+            # Else the file stays open.
+            del data
+        return Volume(values, matrix, path.stem, notes=packing.note(values))
+
+    return StoredVolume(
+        dims=tuple(sizes[letter] for letter in "xyz"),
+        dtype=packing.dtype(stored),
+        load=load,
+        voxel_size=lengths(matrix),
+        unit=grid.unit if spacing is None else "",
+        frames=sizes.get("t", 1),
+        channels=sizes.get("c", 1),
+        datasets=names,
+        notes=grid.notes,
+    )
+
+
+def _variable(
+    file: netcdf_file, name: str
+) -> tuple[Grid, tuple[int, ...], np.dtype[Any], Packing] | None:
+    """(Grid, shape, type, Packing) of a variable; None for one that holds no volume."""
+    variable = file.variables[name]
+    data = variable.data
+    if data.dtype.kind not in "biuf" or not data.size:
+        return None
+    grid = grid_of([_axis(file, axis, n) for axis, n in zip(variable.dimensions, data.shape)])
+    attributes = {one: getattr(variable, one, None) for one in NAMES}
+    return None if grid is None else (grid, data.shape, data.dtype, packing_of(attributes))
+
+
+def _axis(file: netcdf_file, name: str, size: int) -> Axis:
+    """By the variable of the same name, which has the places."""
+    places = file.variables.get(name)
+    if places is None or places.data.shape != (size,):
+        return Axis(size, name)
+    about = {one: text_of(getattr(places, one, None)) for one in CF}
+    return axis_at(
+        size, name, places.data.copy(), {one: text for one, text in about.items() if text}
+    )
+
+
+def _values(
+    data: Array, letters: str, packing: Packing, frame: int, channel: int, progress: Progress
+) -> Array:
+    """One volume as [z, y, x]."""
+    chosen: dict[str, int | slice] = {axis: slice(None) for axis in "xyz"}
+    chosen |= {"t": frame, "c": channel}
+    order = [letter for letter in letters if letter in "zyx"]
+    part = data[tuple(chosen.get(letter, 0) for letter in letters)]
+    part = part.transpose([order.index(letter) for letter in "zyx"])
+    values = new_voxels(part.shape, packing.dtype(data.dtype).newbyteorder("="))
+    for k in watched(progress, range(len(values))):
+        values[k] = packing.unpacked(np.ascontiguousarray(part[k]))
+    return values

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Values that files store as other numbers, with those that stand for missing data.
+
+By attributes of netCDF: https://cfconventions.org, Packed Data and Missing Data
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...arrays import Array
+from .attributes import numbers_of, text_of
+
+# The attributes that packing_of() looks at.
+NAMES = ("scale_factor", "add_offset", "_FillValue", "missing_value", "_Unsigned")
+# Values that stand for missing data; more is damage.
+_MOST_FILLS = 8
+
+
+@dataclass(frozen=True)
+class Packing:
+    """Values are offset + scale * stored; stored ones of `fills` are missing data, NaN.
+
+    unsigned: whether integers that are stored with a sign have none.
+    """
+
+    unsigned: bool = False
+    scale: float = 1.0
+    offset: float = 0.0
+    fills: tuple[float, ...] = ()
+
+    def dtype(self, stored: np.dtype[Any]) -> np.dtype[Any]:
+        """The type of unpacked values."""
+        plain = self._plain(stored)
+        if plain.kind == "f" or not (self._is_scaled or self.fills):
+            return plain
+        return np.dtype(np.float32 if plain.itemsize <= 2 else np.float64)
+
+    def unpacked(self, stored: Array) -> Array:
+        """The values; `stored` itself where it holds them already."""
+        plain = stored.view(self._plain(stored.dtype))
+        dtype = self.dtype(stored.dtype)
+        values = plain.astype(dtype) if self._is_scaled or plain.dtype != dtype else plain
+        if self._is_scaled:
+            values *= dtype.type(self.scale)
+            values += dtype.type(self.offset)
+        for fill in self.fills:
+            missing = plain == _as(fill, plain.dtype)
+            if missing.any():
+                values = values.copy() if values is plain else values
+                values[missing] = np.nan
+        return values
+
+    def note(self, values: Array) -> tuple[str, ...]:
+        """A sentence about those of the unpacked values that are missing, if any are."""
+        if not self.fills:
+            return ()
+        missing = sum(int(np.isnan(plane).sum()) for plane in values)
+        if not missing:
+            return ()
+        fills = " or ".join(f"{fill:g}" for fill in self.fills)
+        return (f"{missing} of its voxels are missing data: the file marks them by {fills}.",)
+
+    @property
+    def _is_scaled(self) -> bool:
+        return (self.scale, self.offset) != (1.0, 0.0)
+
+    def _plain(self, stored: np.dtype[Any]) -> np.dtype[Any]:
+        if self.unsigned and stored.kind == "i":
+            return np.dtype(f"{stored.byteorder}u{stored.itemsize}")
+        return stored
+
+
+def packing_of(attributes: Mapping[str, Any]) -> Packing:
+    """The Packing that the attributes of an array describe, those of NAMES."""
+    scale = [number for number in numbers_of(attributes.get("scale_factor")) if number]
+    offset = numbers_of(attributes.get("add_offset"))
+    fills = [
+        *numbers_of(attributes.get("_FillValue")),
+        *numbers_of(attributes.get("missing_value")),
+    ]
+    return Packing(
+        unsigned=text_of(attributes.get("_Unsigned")).lower() == "true",
+        scale=scale[0] if len(scale) == 1 and np.isfinite(scale[0]) else 1.0,
+        offset=offset[0] if len(offset) == 1 and np.isfinite(offset[0]) else 0.0,
+        fills=tuple(dict.fromkeys(fill for fill in fills if np.isfinite(fill)))[:_MOST_FILLS],
+    )
+
+
+def _as(fill: float, dtype: np.dtype[Any]) -> Any:
+    """The number of this type that a fill value is, which a file may give in another type."""
+    if dtype.kind == "f":
+        with np.errstate(over="ignore"):
+            return dtype.type(fill)
+    if dtype.kind == "u" and fill < 0:
+        # As the signed integer that it is stored as.
+        fill += 2.0 ** (8 * dtype.itemsize)
+    return fill

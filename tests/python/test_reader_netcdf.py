@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""NetCDF: the classic format as SciPy writes it, and version 4 by h5py."""
+
+import numpy as np
+import pytest
+from leaflight import LeaflightError, read_volume
+from leaflight.io.readers import probe
+from scipy.io import netcdf_file
+
+
+def classic(path, values, dimensions, version=1, **attributes):
+    """A variable "h" with the places of its dimensions: {name: (places or None, attributes)}."""
+    with netcdf_file(str(path), "w", version=version) as file:
+        for (name, (places, about)), size in zip(dimensions.items(), values.shape):
+            file.createDimension(name, None if name == "time" else size)
+            if places is not None:
+                one = file.createVariable(name, np.asarray(places).dtype, (name,))
+                one[:] = places
+                for key, text in about.items():
+                    setattr(one, key, text)
+        data = file.createVariable("h", values.dtype, tuple(dimensions))
+        data[:] = values
+        for key, value in attributes.items():
+            setattr(data, key, value)
+    return path
+
+
+def even(step, size, first=0.0):
+    return first + step * np.arange(size, dtype=np.float32)
+
+
+@pytest.mark.parametrize("version", [1, 2])
+def test_a_classic_file(tmp_path, values, version):
+    """With times as frames, and a depth that grows downwards."""
+    dimensions = {
+        "time": (np.arange(2, dtype=np.int32), {"units": "days since 1900-01-01"}),
+        "depth": (even(10, 4), {"units": "m", "positive": "down"}),
+        "y": (even(0.5, 5), {"units": "km", "standard_name": "projection_y_coordinate"}),
+        "x": (even(0.25, 6, 100), {"units": "km"}),
+    }
+    path = classic(tmp_path / "x.nc", np.stack([values, values + 1]), dimensions, version)
+    stored = probe(path)
+    assert (stored.dims, stored.frames, stored.unit) == ((6, 5, 4), 2, "m")
+    volume = read_volume(path, frame=1)
+    np.testing.assert_array_equal(volume.values, values + 1)
+    np.testing.assert_allclose(
+        volume.index_to_world[:3], [[250, 0, 0, 1e5], [0, 500, 0, 0], [0, 0, -10, 0]]
+    )
+    assert volume.notes == ()
+
+
+def test_degrees_are_no_lengths(tmp_path, values):
+    dimensions = {
+        "plev": (even(-100, 4, 1000), {"units": "hPa"}),
+        "lat": (even(-2, 5, 90), {"units": "degrees_north"}),
+        "lon": (even(2, 6), {"units": "degrees_east"}),
+    }
+    path = classic(tmp_path / "x.nc", values, dimensions)
+    volume = read_volume(path)
+    # Pressure falls upwards, and the first latitude is the northernmost.
+    assert np.diag(volume.index_to_world).tolist() == [1, -1, 1, 1] and volume.unit == ""
+    assert volume.notes == (
+        "Its axes are measured in degrees, degrees, hPa, which cannot be compared; its voxels are "
+        "read as cubes of size 1. Give a voxel size for others.",
+    )
+    assert read_volume(path, spacing=(3, 2, 1)).spacing == (3, 2, 1)
+
+
+def test_several_variables_and_axes_without_places(tmp_path, values):
+    path = classic(tmp_path / "x.nc", values, {"a": (None, {}), "b": (None, {}), "c3": (None, {})})
+    np.testing.assert_array_equal(read_volume(path).values, values)
+    with netcdf_file(str(path), "a") as file:
+        file.createVariable("g", "f4", ("a", "b", "c3"))[:] = values + 1
+    with pytest.raises(LeaflightError, match="2 volumes; choose one of g, h"):
+        read_volume(path)
+    np.testing.assert_array_equal(read_volume(path, dataset="g").values, values + 1)
+
+
+def test_packed_and_missing_values(tmp_path, values):
+    stored = values.astype(np.int16)
+    stored[1, 1, 1] = -99
+    dimensions = {name: (even(1, n), {"units": "um"}) for name, n in zip("zyx", stored.shape)}
+    about = {"scale_factor": 0.5, "add_offset": 100.0, "_FillValue": np.int16(-99)}
+    path = classic(tmp_path / "x.nc", stored, dimensions, **about)
+    assert probe(path).dtype == np.float32
+    volume = read_volume(path)
+    np.testing.assert_allclose(volume.values, np.where(stored == -99, np.nan, 0.5 * stored + 100.0))
+    assert volume.notes == ("1 of its voxels are missing data: the file marks them by -99.",)
+    path = classic(tmp_path / "x.nc", (values + 100).astype(np.int8), dimensions, _Unsigned="true")
+    np.testing.assert_array_equal(read_volume(path).values, values + 100)
+
+
+def test_version_4(tmp_path, values):
+    """HDF5 by another name; a dimension without places has a scale, too."""
+    h5py = pytest.importorskip("h5py")
+    path = tmp_path / "x.nc"
+    with h5py.File(path, "w") as file:
+        data = file.create_dataset("g/h", data=values)
+        for place, name in enumerate("zyx"):
+            if name == "z":
+                file[name] = np.zeros(4, ">f4")
+                file[name].make_scale("This is a netCDF dimension but not a netCDF variable.     4")
+            else:
+                file[name] = even(2, values.shape[place])
+                file[name].make_scale(name)
+                file[name].attrs["units"] = "nanometers"
+            data.dims[place].attach_scale(file[name])
+    volume = read_volume(path)
+    np.testing.assert_array_equal(volume.values, values)
+    assert (volume.spacing, volume.unit) == ((2, 2, 1), "nm")
+    assert volume.notes == ("The file does not give the size of its voxels along z; it is 1 here.",)
+
+
+def test_damaged(tmp_path, values):
+    dimensions = {name: (even(1, n), {}) for name, n in zip("zyx", values.shape)}
+    path = classic(tmp_path / "x.nc", values, dimensions)
+    whole = path.read_bytes()
+    for broken, sentence in (
+        (whole[:-200], "damaged"),
+        (whole[:60], "damaged"),
+        (b"CDF\x05" + whole[4:], "CDF-5, which is not read"),
+        (b"text", "damaged"),
+    ):
+        path.write_bytes(broken)
+        with pytest.raises(LeaflightError, match=f"x.nc: .*{sentence}"):
+            read_volume(path)
