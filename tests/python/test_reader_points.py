@@ -43,6 +43,69 @@ def test_a_lattice_of_points_comes_back_exactly(values):
     np.testing.assert_allclose(np.diag(volume.index_to_world), [2, 2, 2, 1])
 
 
+def grid(values, steps, first, digits=None):
+    """Places and values of a grid, in any order, as a table has them."""
+    nz, ny, nx = values.shape
+    k, j, i = np.mgrid[:nz, :ny, :nx]
+    places = np.stack([i, j, k], axis=-1).reshape(-1, 3) * np.array(steps, float) + first
+    places = places if digits is None else places.round(digits)
+    order = np.random.default_rng(1).permutation(len(places))
+    return places[order], values.ravel()[order].astype(np.float64)
+
+
+@pytest.mark.parametrize(
+    "steps, first, digits",
+    [
+        ((0.5, 0.5, 2), (0, 0, 0), None),
+        ((1 / 3, 2, 0.01), (-7, 1e4, 0.1), None),
+        ((1 / 3, 0.7, 12.5), (100, 5, -3), 2),
+    ],
+)
+def test_a_grid_with_other_distances_along_each_axis(tmp_path, values, steps, first, digits):
+    places, h = grid(values, steps, first, digits)
+    path = tmp_path / "x.csv"
+    np.savetxt(path, np.c_[places, h], delimiter=",", header="x,y,z,value", comments="")
+    volume = read_volume(path)
+    np.testing.assert_array_equal(volume.values, values)
+    slack = 0.5 * 10.0 ** -(digits or 9)
+    np.testing.assert_allclose(volume.index_to_world[:3, 3], first, rtol=0, atol=2 * slack)
+    np.testing.assert_allclose(volume.spacing, steps, rtol=0, atol=slack)
+    path = tmp_path / "x.ply"
+    ply(path, places, "ascii", density=h)
+    np.testing.assert_array_equal(read_volume(path).values, values)
+
+
+def test_a_grid_in_single_precision_far_from_the_origin(values):
+    """As of surveys, whose coordinates have seven digits before the point."""
+    places, h = grid(values, (1, 2.3, 0.7), (4_000_000.1, 500_000, 10))
+    volume = interpolated(places.astype(np.float32), h, "h")
+    np.testing.assert_array_equal(volume.values, values)
+    np.testing.assert_allclose(volume.spacing, (1, 2.3, 0.7), rtol=0.1)
+
+
+def test_a_grid_keeps_its_missing_values_and_its_precision():
+    values = np.arange(1e9, 1e9 + 60).reshape(3, 4, 5)
+    values[1, 1, 1] = np.nan
+    places, h = grid(values, (1, 2, 3), (0, 0, 0))
+    np.testing.assert_array_equal(interpolated(places, h, "h").values, values)
+
+
+def test_no_whole_grid_is_interpolated(values):
+    """Nor is one where another number of nodes is chosen."""
+    places, h = grid(values, (1, 2, 3), (0, 0, 0))
+    for points, of_points in (
+        (places[1:], h[1:]),
+        (np.r_[places[1:], places[1:2]], np.r_[h[1:], h[1:2]]),
+        (places + np.random.default_rng(2).uniform(-0.1, 0.1, places.shape), h),
+        # Denser towards one end.
+        (places**1.2, h),
+    ):
+        assert interpolated(points, of_points, "h").values.dtype == np.float32
+        assert interpolated(points, of_points, "h").values.shape != values.shape
+    assert interpolated(places, h, "h", nodes=(9,)).values.shape == (9, 8, 5)
+    assert interpolated(places, h, "h", nodes=(6,)).values.shape == (4, 5, 6)
+
+
 def test_gaps_are_filled(points):
     kept = points[np.linalg.norm(points - [0, 0, 1], axis=1) > 0.4]
     volume = interpolated(kept, kept[:, 2], "z", nodes=(40,))
@@ -109,6 +172,9 @@ def test_ply(tmp_path, points, form):
     h = bump(points).astype(np.float32)
     ply(path, points, form, red=h, density=h)
     expected = interpolated(points, h, "x").values
+    np.testing.assert_allclose(read_volume(path).values, expected, atol=1e-6)
+    # As programs on Windows write the header.
+    path.write_bytes(path.read_bytes().replace(b"end_header\n", b"end_header\r\n"))
     np.testing.assert_allclose(read_volume(path).values, expected, atol=1e-6)
     ply(path, points, form, density=h, heat=-h)
     np.testing.assert_allclose(read_volume(path, dataset="heat").values, -expected, atol=1e-6)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Volumes of scattered points with a value each, by Shepard's interpolation (thesis 4.3.1)."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -16,6 +17,9 @@ REACH = 3
 POWER = 5
 # Nearer than this, in voxels, a point counts as lying on the node.
 NEAREST = 1e-3
+# So far beside the nodes of a grid, in voxels, points are on them: files round coordinates to a few
+# digits, or to single precision, of which the second explains more, but never more than this.
+EVEN, ROUNDED = 0.02, 0.25
 # Nodes along the longest side where they are not chosen.
 FEWEST, MOST = 16, 256
 
@@ -29,13 +33,20 @@ def interpolated(
 ) -> Volume:
     """A Volume through points (n, 3) with values (n,), on the box that they fill.
 
-    Each node is the mean of the points within REACH voxels, weighted by distance^-5; one that none
+    The values of points that are the nodes of a grid, in any order, are kept as they are. Else each
+    node is the mean of the points within REACH voxels, weighted by distance^-5; one that none
     reaches takes the mean of its neighbours that have a value, so that there are no holes. Points
     that are not finite, or whose value is not, are left out.
     nodes: along the longest side, or along x, y and z; by default about one for each point.
     Raises LeaflightError when the points do not fill a box.
     """
     points, values = np.asarray(points, np.float64), np.asarray(values, np.float64)
+    grid = _regular(points)
+    if grid is not None and _fits(nodes, grid[0]):
+        counts, step, first, places = grid
+        array = np.full(counts[::-1], np.nan)
+        array[tuple(places.T[::-1])] = values
+        return Volume(array, _matrix(step, first), name, source)
     known = np.isfinite(points).all(axis=1) & np.isfinite(values)
     points, values = points[known], values[known]
     low, high = (points.min(axis=0), points.max(axis=0)) if len(points) else (np.zeros(3),) * 2
@@ -49,9 +60,48 @@ def interpolated(
     # Centred, since the sides need not be whole numbers of voxels.
     first = low + 0.5 * (sides - step * (counts - 1))
     array = _filled(*_averages((points - first) / step, values, counts))
+    return Volume(array.astype(np.float32), _matrix(step, first), name, source)
+
+
+def _regular(points: Array) -> tuple[Array, Array, Array, Array] | None:
+    """(nodes along x, y and z, their distances, the first, the node of each point) of a whole grid.
+
+    None where the points are no grid, or some are missing or doubled.
+    """
+    if len(points) < 8 or not np.isfinite(points).all():
+        return None
+    # Coordinates may be rounded to single precision.
+    rounding = np.finfo(np.float32).eps * np.abs(points).max(axis=0)
+    counts, steps, places = [], [], []
+    for along, slack in zip(points.T, rounding):
+        gaps = np.diff(np.sort(along))
+        count = int((gaps > 0.5 * gaps.max()).sum()) + 1
+        if count < 2:
+            return None
+        step = np.ptp(along) / (count - 1)
+        place = (along - along.min()) / step
+        if np.abs(place - np.rint(place)).max() > EVEN + min(ROUNDED, slack / step):
+            return None
+        counts.append(count)
+        steps.append(step)
+        places.append(np.rint(place).astype(np.int64))
+    if math.prod(counts) != len(points):
+        return None
+    nodes = np.stack(places, axis=-1)
+    if len(np.unique(np.ravel_multi_index(nodes.T, counts))) != len(points):
+        return None
+    return np.array(counts), np.array(steps), points.min(axis=0), nodes
+
+
+def _fits(nodes: Sequence[int] | None, counts: Array) -> bool:
+    """Whether a choice of nodes leaves a grid of so many as it is."""
+    return nodes is None or list(nodes) in ([*counts], [max(counts)])
+
+
+def _matrix(step: Array, first: Array) -> Array:
     matrix = np.diag([*step, 1.0])
     matrix[:3, 3] = first
-    return Volume(array.astype(np.float32), matrix, name, source)
+    return matrix
 
 
 def _grid(
@@ -70,7 +120,7 @@ def _grid(
     if nodes is not None:
         step = sides.max() / (nodes[0] - 1)
     else:
-        # So that a lattice of points gets a node for each.
+        # About one node for each point.
         step = _lattice_step(sides, points)
         step = np.clip(step, sides.max() / (MOST - 1), sides.max() / (FEWEST - 1))
     counts = np.maximum(2, np.rint(sides / step).astype(int) + 1)

@@ -2,9 +2,13 @@
 """Tables of scattered points, x, y, z and a value in each line, interpolated into a volume."""
 
 import csv
+import io
 import re
+from array import array
 from collections.abc import Sequence
+from itertools import chain
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 
@@ -13,6 +17,7 @@ from ...arrays import Array
 from ...volume.scattered_points import interpolated
 from ...volume.volume import Volume
 from .stored import StoredVolume
+from .watched import open_watched
 
 COLUMNS = ("x", "y", "z", "value")
 
@@ -24,42 +29,45 @@ def open_volume(path: Path, dims: Sequence[int] | None = None) -> StoredVolume:
     semicolons, tabs or spaces. dims: nodes, see interpolated().
     """
 
-    def load(_frame: int, _channel: int, _progress: Progress) -> Volume:
-        table = _table(path)
+    def load(_frame: int, _channel: int, progress: Progress) -> Volume:
+        table = _table(path, progress)
         return interpolated(table[:, :3], table[:, 3], path.stem, str(path), dims)
 
     return StoredVolume(None, np.dtype(np.float32), load)
 
 
-def _table(path: Path) -> Array:
+def _table(path: Path, progress: Progress) -> Array:
     """Rows of x, y, z and value."""
-    text = path.read_text(encoding="utf-8-sig", errors="replace")
-    lines = [line for line in text.splitlines() if line.strip()]
-    rows = [_row(line) for line in lines if not line.lstrip().startswith("#")]
-    # The names may stand in a remark.
-    names = [name.lower() for name in _row(lines[0].lstrip("# \t"))] if lines else []
-    columns: Sequence[int] = range(4)
-    if any(re.match(r"[a-z_]", name) and name not in ("nan", "inf") for name in names):
-        rows = rows if lines[0].lstrip().startswith("#") else rows[1:]
-        columns = _columns(path, names, rows)
-    table = []
-    for row in rows:
-        try:
-            table.append([float(row[column]) for column in columns])
-            if len(row) != len(rows[0]):
-                raise ValueError
-        except (IndexError, ValueError):
-            raise LeaflightError(
-                f"{path}: each line must hold the numbers {', '.join(COLUMNS)}, and as many fields "
-                f"as the first; the line of {', '.join(row)[:60]!r} does not."
-            ) from None
+    table = array("d")
+    with open_watched(path, progress) as file:
+        reader = cast(io.BufferedReader, file)
+        text = io.TextIOWrapper(reader, encoding="utf-8-sig", errors="replace")
+        lines = (line for line in text if line.strip())
+        first = next(lines, "")
+        # The names may stand in a remark.
+        names = [name.lower() for name in _row(first.lstrip("# \t"))]
+        named = any(re.match(r"[a-z_]", name) and name not in ("nan", "inf") for name in names)
+        rest = lines if named else chain((first,), lines)
+        rows = (_row(line) for line in rest if line.strip() and not line.lstrip().startswith("#"))
+        head = next(rows, [])
+        columns = _columns(path, names, head) if named else range(4)
+        for row in chain((head,), rows) if head else ():
+            try:
+                table.extend([float(row[column]) for column in columns])
+                if len(row) != len(head):
+                    raise ValueError
+            except (IndexError, ValueError):
+                raise LeaflightError(
+                    f"{path}: each line must hold the numbers {', '.join(COLUMNS)}, and as many "
+                    f"fields as the first; the line of {', '.join(row)[:60]!r} does not."
+                ) from None
     return np.array(table, np.float64).reshape(-1, 4)
 
 
-def _columns(path: Path, names: list[str], rows: list[list[str]]) -> list[int]:
-    """Where x, y, z and the value stand."""
+def _columns(path: Path, names: list[str], row: list[str]) -> list[int]:
+    """Where x, y, z and the value stand; row: the first one of numbers."""
     others = [name for name in names if name not in ("x", "y", "z", "")]
-    numbers = [name for name in others if rows and _is_number(rows[0], names.index(name))]
+    numbers = [name for name in others if _is_number(row, names.index(name))]
     if not {"x", "y", "z"} <= set(names) or not (numbers or others):
         raise LeaflightError(
             f"{path}: its first line must name the columns {', '.join(COLUMNS)}, or there must be "

@@ -4,6 +4,7 @@
 http://paulbourke.net/dataformats/ply
 """
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -80,11 +81,13 @@ def open_volume(
 def _header(path: Path) -> tuple[str, int, np.dtype[Any], int]:
     """(format, number of points, dtype of one, where they begin)."""
     with open(path, "rb") as file:
-        text, end, _ = file.read(_MOST).partition(b"end_header\n")
+        begin = file.read(_MOST)
+    found = re.search(rb"end_header\r?\n", begin)
+    text = begin[: found.start()] if found else b""
     lines = text.decode("latin-1").split("\n")
     words = [line.split() for line in lines if line.strip()]
     form = next((line[1] for line in words if line[0] == "format" and len(line) > 1), None)
-    if not end or words[0] != ["ply"] or form not in _MARKS:
+    if not found or words[0] != ["ply"] or form not in _MARKS:
         raise LeaflightError(
             f"{path}: this is not a readable point cloud, or it is damaged; fetch it again."
         )
@@ -96,4 +99,4 @@ def _header(path: Path) -> tuple[str, int, np.dtype[Any], int]:
     if any(kind not in _TYPES for kind, *_ in properties):
         raise LeaflightError(f"{path}: its points have properties that are no numbers.")
     dtype = np.dtype([(name, _MARKS[form] + _TYPES[kind]) for kind, name in properties])
-    return form, int(words[elements[0]][2]), dtype, len(text) + len(end)
+    return form, int(words[elements[0]][2]), dtype, found.end()
