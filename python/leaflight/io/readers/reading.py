@@ -55,7 +55,7 @@ OPTIONS = (
     "smooth_normals",
 )
 
-_NOT_IN_DEBIAN = {"imagecodecs"}
+_NOT_IN_DEBIAN = {"hdf5plugin", "imagecodecs"}
 
 
 class MissingPackage(LeaflightError):
