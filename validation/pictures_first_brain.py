@@ -58,11 +58,11 @@ def drive():
 
 
 def bake():
-    from leaflight_addon.operators import background
+    from leaflight_addon.operators import jobs
     from leaflight_addon.show import surface_object
 
     call(bpy.ops.leaflight.bake)
-    while background.running() is not None:
+    while jobs.running() is not None:
         yield 0.5
     while surface_object.is_coarse(bpy.context.object.data):
         yield 0.5

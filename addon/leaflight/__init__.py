@@ -66,11 +66,13 @@ else:
     from .compare import render_comparison
     from .export import export_bake
     from .importing import import_image, import_volume
+    from .operators import background, failures
     from .show import flat_properties, look_properties, properties
     from .stage import hidden, open_example, orientation, stage, stage_settings
     from .store import preferences
     from .ui import (
         add_isosurface,
+        clip_outline,
         handlers,
         header,
         isosurface_look,
@@ -86,6 +88,8 @@ else:
         properties,
         look_properties,
         flat_properties,
+        failures,
+        background,
         import_volume,
         import_image,
         isosurface_look,
@@ -111,6 +115,7 @@ else:
         pick_isovalue,
         smooth_volume,
         panels,
+        clip_outline,
         header,
         handlers,
     )

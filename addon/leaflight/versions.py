@@ -182,9 +182,9 @@ def new_geometry_tree(name):
     return tree
 
 
-def flat_shader():
-    """The name of the builtin shader that draws in one color; 2D had one of its own until 3.6."""
-    return "2D_UNIFORM_COLOR" if bpy.app.version < (4, 0, 0) else "UNIFORM_COLOR"
+def flat_shader(dimensions=2):
+    """The name of the builtin shader that draws in one color; there were two until 3.6."""
+    return f"{dimensions}D_UNIFORM_COLOR" if bpy.app.version < (4, 0, 0) else "UNIFORM_COLOR"
 
 
 def text_size(font, size):

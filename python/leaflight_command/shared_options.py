@@ -98,7 +98,7 @@ def layout_options() -> Parser:
         "--channel", type=integer, metavar="K", help="several values a voxel: which to read, from 0"
     )
     parser.add_argument(
-        "--level", type=integer, metavar="K", help="OME-Zarr: resolution, 0 the finest"
+        "--level", type=integer, metavar="K", help="OME-Zarr, HDF5: resolution, 0 the finest"
     )
     parser.add_argument(
         "--dataset", metavar="NAME", help="several volumes in one file or folder: which to read"

@@ -105,6 +105,74 @@ def _detached_nrrd(folder):
     return [NRRD.rstrip() + b"\ndata file: values.raw\n# note\nkey:=value\n"]
 
 
+def _legacy_vtk(_folder):
+    from test_damaged_files import VALUES
+    from test_reader_vtk_legacy import HEADER, by_hand
+
+    field = HEADER.format("ASCII", "3 2 2") + "FIELD f 2\na 1 1 int\n7\ns 1 1 string\nb\n"
+    field += "METADATA\nINFORMATION 0\n\nCELL_DATA 2\nVECTORS v float\n1 2 3 4 5 6\n"
+    field += "POINT_DATA 12\nFIELD g 1\nu 1 12 double\n" + "nan 1e3 -2 0.5 " * 3
+    kinds = (("ASCII", "int"), ("BINARY", "unsigned_char"))
+    return [*(by_hand(VALUES, *kind) for kind in kinds), field.encode()]
+
+
+def _opendx(_folder):
+    from test_damaged_files import VALUES
+    from test_reader_chemistry import opendx
+
+    binary = opendx(VALUES, "lsb ieee data follows", "byte").partition("follows")[0] + "follows\n"
+    return [opendx(VALUES).encode(), binary.encode() + VALUES.tobytes()]
+
+
+def _vasp(_folder):
+    from test_reader_chemistry import vasp
+
+    small = np.arange(60.0).reshape(3, 4, 5)
+    return [vasp(small).encode(), vasp(small, selective=True, scale="-50").encode()]
+
+
+def _xsf(_folder):
+    from test_reader_chemistry import xsf
+
+    return [xsf(("rho", np.arange(60.0).reshape(3, 4, 5))).encode()]
+
+
+def _maps_of_bytes(_folder):
+    from test_damaged_files import VALUES
+    from test_reader_crystals import brix, dsn6
+
+    return [dsn6(VALUES), dsn6(VALUES, "<"), brix(VALUES)]
+
+
+def _mtz(folder):
+    from test_reader_crystals import mtz
+
+    mtz(folder / "seed.mtz", [("FWT", "F", [30, 20, 10]), ("PHWT", "P", [10, 100, 50])])
+    return [(folder / "seed.mtz").read_bytes()]
+
+
+def _cubes(folder):
+    glued = "a\nb\n-1 0 0 0\n2 1 0 0\n4 0 1 0\n2 0 0 1\n1 1 0 0 0\n1 7\n"
+    glued += "\n".join(["-1.20000E-100-1.30000E-101 1.0D+00 0.5-100"] * 4)
+    return [*_of_tests("x.cube")(folder), glued.encode()]
+
+
+def _pieces(folder):
+    from test_damaged_files import VALUES
+    from test_reader_vti import vti
+
+    (folder / "piece.vti").write_bytes(vti(VALUES, "UInt8", "ascii", compressed=False))
+    piece = '<Piece Extent="0 7 0 6 0 5" Source="piece.vti"/>'
+    image = f'<PImageData WholeExtent="0 7 0 6 0 5" Spacing="1 2 3">{piece}</PImageData>'
+    return [f'<VTKFile type="PImageData">{image}</VTKFile>'.encode()]
+
+
+def _unnamed(folder):
+    """Files that are known by what they hold."""
+    names = ("x.nrrd", "x.vti", "x.cube", "x.vtk", "x.dx", "LOCPOT", "x.xsf", "x.brix", "x.npy")
+    return [_of_tests(name)(folder)[0] for name in names]
+
+
 def _csv(_folder):
     points = np.random.default_rng(1).random((40, 4)).round(3)
     lines = [",".join(map(str, row)) for row in points]
@@ -128,6 +196,39 @@ def _zarr(folder):
     values = np.random.default_rng(7).permutation(96).reshape(4, 4, 6).astype(np.float32)
     path = ome_zarr(folder / "input.zarr", values)
     return [(path / ".zattrs").read_bytes()]
+
+
+def _zarr_array(folder):
+    from test_reader_zarr import ome_zarr
+
+    values = np.random.default_rng(7).permutation(96).reshape(4, 4, 6).astype(np.float32)
+    path = ome_zarr(folder / "input.zarr", values)
+    return [(path / "0" / ".zarray").read_bytes()]
+
+
+def _by_hdf5(*names):
+    """Files of programs that write HDF5, by functions of its tests."""
+
+    def seeds(folder):
+        import test_reader_hdf5
+
+        values = np.random.default_rng(7).permutation(96).reshape(4, 4, 6).astype(np.uint16)
+        data = []
+        for name in names:
+            getattr(test_reader_hdf5, name)(folder / "seed.h5", values)
+            data.append((folder / "seed.h5").read_bytes())
+        return data
+
+    return seeds
+
+
+def _netcdf(folder):
+    from test_reader_netcdf import classic, even
+
+    values = np.random.default_rng(7).permutation(96).reshape(4, 4, 6).astype(np.float32)
+    dimensions = {name: (even(2, n), {"units": "nm"}) for name, n in zip("zyx", values.shape)}
+    path = classic(folder / "seed.nc", values, dimensions, _FillValue=np.float32(7))
+    return [path.read_bytes()]
 
 
 def _bake(folder):
@@ -181,6 +282,8 @@ def _pictures(kind):
 
 
 _INFO = ("info", "FILE", "--json")
+_BDV = (*_INFO, "--dataset", "s00", "--frame", "0")
+_IMARIS = (*_INFO, "--frame", "0", "--channel", "0")
 _POINTS = (*_INFO, "--dims", "8")
 _FLAT = ("--error", "50", "--resolution", "4", "--out", "TEXTURE")
 _TINY = ("bump_box", "--dims", "4", "--error", "50", "--resolution", "4")
@@ -198,10 +301,30 @@ TARGETS = (
     Target("imagej", ".tif", _of_tests("imagej.tif"), _INFO),
     Target("ome-tiff", ".ome.tif", _of_tests("x.ome.tif"), _INFO),
     Target("ome-zarr", ".zarr", _zarr, (*_INFO, "--channel", "0"), within=".zattrs", slow=True),
+    Target(
+        "zarr-array",
+        ".zarr",
+        _zarr_array,
+        (*_INFO, "--channel", "0"),
+        within="0/.zarray",
+        slow=True,
+    ),
     Target("hdf5", ".h5", _of_tests("x.h5"), _INFO, slow=True),
+    Target("scales", ".h5", _by_hdf5("scaled", "nexus"), _INFO, slow=True),
+    Target("bdv", ".h5", _by_hdf5("big_data_viewer"), _BDV, slow=True),
+    Target("imaris", ".ims", _by_hdf5("imaris"), _IMARIS, slow=True),
+    Target("netcdf", ".nc", _netcdf, _INFO),
     Target("npy", ".npy", _of_tests("x.npy"), _INFO),
     Target("npz", ".npz", _of_tests("x.npz"), _INFO),
-    Target("cube", ".cube", _of_tests("x.cube"), _INFO),
+    Target("cube", ".cube", _cubes, _INFO),
+    Target("pvti", ".pvti", _pieces, _INFO),
+    Target("legacy-vtk", ".vtk", _legacy_vtk, _INFO),
+    Target("opendx", ".dx", _opendx, _INFO),
+    Target("vasp", ".vasp", _vasp, _INFO),
+    Target("xsf", ".xsf", _xsf, _INFO),
+    Target("dsn6", ".dsn6", _maps_of_bytes, _INFO),
+    Target("mtz", ".mtz", _mtz, _INFO, slow=True),
+    Target("unnamed", ".unnamed", _unnamed, _INFO),
     Target("csv", ".csv", _csv, _POINTS),
     Target("ply", ".ply", _ply, _POINTS),
     Target("vdb", ".vdb", _bake, _INFO, slow=True),

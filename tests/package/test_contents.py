@@ -107,7 +107,7 @@ def test_blender_gets_the_package_without_numpy(made, extension):
 def test_compiled_readers_are_beside_the_package(made, extension):
     """Where the process that reads a file finds them, but Blender and other add-ons do not."""
     folders = {
-        "leaflight_readers": ("h5py", "numcodecs", "crc32c", "openjpeg", "libjpeg"),
+        "leaflight_readers": ("h5py", "numcodecs", "crc32c", "gemmi", "openjpeg", "libjpeg"),
         "leaflight_codecs": ("imagecodecs", "pylibjpeg"),
     }
     legacy = names(made["legacy"])

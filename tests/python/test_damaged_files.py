@@ -74,9 +74,39 @@ def vtk_image(path):
 
 
 def cube_text(path):
-    from test_reader_mrc import cube
+    from test_reader_cube import cube
 
     return cube(VALUES.astype(np.float32)).encode()
+
+
+def legacy_vtk(path):
+    from test_reader_vtk_legacy import by_hand
+
+    return by_hand(VALUES, "BINARY", "unsigned_char")
+
+
+def opendx(path):
+    from test_reader_chemistry import opendx
+
+    return opendx(VALUES).encode()
+
+
+def vasp(path):
+    from test_reader_chemistry import vasp
+
+    return vasp(VALUES, augmented=False).encode()
+
+
+def xsf(path):
+    from test_reader_chemistry import xsf
+
+    return xsf(("rho", VALUES)).encode()
+
+
+def brix(path):
+    from test_reader_crystals import brix
+
+    return brix(VALUES, plus="0", factor=1)
 
 
 def npy(path):
@@ -103,6 +133,11 @@ FORMATS = {
     "x.mrc": mrc,
     "x.vti": vtk_image,
     "x.cube": cube_text,
+    "x.vtk": legacy_vtk,
+    "x.dx": opendx,
+    "LOCPOT": vasp,
+    "x.xsf": xsf,
+    "x.brix": brix,
     "x.npy": npy,
     "x.npz": npz,
     "x.h5": hdf5,

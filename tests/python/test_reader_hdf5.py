@@ -249,15 +249,15 @@ def test_imaris(tmp_path, values):
     np.testing.assert_allclose(coarse.index_to_world[:3, 3], [10.25, 0.5, -5])
 
 
-@pytest.mark.parametrize("style", ["default", "old", "single"])
-@quick
-def test_nexus(tmp_path, values, style):
-    path = tmp_path / "x.nxs"
+def nexus(path, values, style="default"):
+    """Counts [x, y, z] with places, beside a raw array."""
     with h5py.File(path, "w") as file:
         data = file.create_group("entry/plot")
         data.attrs["NX_class"] = "NXdata"
-        data["x"], data["y"] = 3 + 1.5 * np.arange(6), np.arange(5) * 0.5
-        data["z"] = 2000.0 * np.arange(5)
+        nz, ny, nx = values.shape
+        data["x"], data["y"] = 3 + 1.5 * np.arange(nx), np.arange(ny) * 0.5
+        # The edges between the slices.
+        data["z"] = 2000.0 * np.arange(nz + 1)
         for name, unit in zip("xyz", ("um", b"micron", "nm")):
             data[name].attrs["units"] = unit
         file["entry/instrument/raw"] = values[:3]
@@ -269,6 +269,13 @@ def test_nexus(tmp_path, values, style):
             data["counts"].attrs["signal"], data["counts"].attrs["axes"] = 1, "x:y:z"
         else:
             data.attrs["signal"], data.attrs["axes"] = "counts", ["x", "y", "z"]
+
+
+@pytest.mark.parametrize("style", ["default", "old", "single"])
+@quick
+def test_nexus(tmp_path, values, style):
+    path = tmp_path / "x.nxs"
+    nexus(path, values, style)
     volume = read_volume(path)
     np.testing.assert_array_equal(volume.values, values)
     assert volume.unit == "µm"

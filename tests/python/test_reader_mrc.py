@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Maps of electrons: MRC and CCP4, and Gaussian's cubes."""
+"""Maps of electrons: MRC and CCP4."""
 
 import gzip
 import tracemalloc
@@ -106,53 +106,3 @@ def test_damaged_maps(tmp_path, values):
         path.write_bytes(broken)
         with pytest.raises(LeaflightError, match=f"x.ccp4: .*({sentence})"):
             read_volume(path)
-
-
-def cube(values, orbitals=1, sign=1):
-    nz, ny, nx = values.shape
-    atoms = -1 if orbitals > 1 else 1
-    lines = ["a", "b", f"{atoms} -1 2 3", f"{sign * nx} 0.5 0 0", f"{sign * ny} 0 1 0"]
-    lines += [f"{sign * nz} 0 0 2", "7 7 0 0 0"]
-    if orbitals > 1:
-        # Over two lines.
-        lines += ["2 11", "12"]
-    grids = np.stack([values, -values][:orbitals], axis=-1).transpose(2, 1, 0, 3)
-    lines += [" ".join(map(str, line)) for line in grids.reshape(-1, nz * orbitals)]
-    return "\n".join(lines)
-
-
-@pytest.mark.parametrize("name", ["x.cube", "x.cube.gz"])
-@pytest.mark.parametrize("orbitals", [1, 2])
-def test_orbitals(tmp_path, values, name, orbitals):
-    path = tmp_path / name
-    text = cube(values, orbitals).encode()
-    path.write_bytes(gzip.compress(text) if name.endswith("gz") else text)
-    stored = probe(path)
-    assert (stored.dims, stored.channels, stored.unit) == ((6, 5, 4), orbitals, "bohr")
-    volume = read_volume(path, channel=orbitals - 1)
-    np.testing.assert_array_equal(volume.values, -values if orbitals > 1 else values)
-    assert np.diag(volume.index_to_world).tolist() == [0.5, 1, 2, 1] and volume.name == "x"
-    np.testing.assert_array_equal(volume.index_to_world[:3, 3], [-1, 2, 3])
-
-
-def test_a_cube_in_angstrom_with_exponents_of_fortran(tmp_path, values):
-    path = tmp_path / "x.cube"
-    path.write_text(cube(values, sign=-1).replace(" 7.0", " 0.7D+01"))
-    assert probe(path).unit == "Å"
-    np.testing.assert_array_equal(read_volume(path).values, values)
-
-
-def test_damaged_cubes(tmp_path, values):
-    path = tmp_path / "x.cube"
-    for broken, sentence in (
-        (cube(values)[:-30], "ends before"),
-        (cube(values).replace("6 0.5", "60000 0.5"), "ends before"),
-        ("a\nb\nc\n", "readable"),
-        (cube(values).replace("0.5 0 0", "0 0 0"), "nowhere"),
-    ):
-        path.write_text(broken)
-        with pytest.raises(LeaflightError, match=f"x.cube: .*{sentence}"):
-            read_volume(path)
-    with pytest.raises(LeaflightError, match="2 channels; choose one of 0..1"):
-        path.write_text(cube(values, 2))
-        read_volume(path)

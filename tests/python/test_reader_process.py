@@ -156,4 +156,4 @@ def test_compiled_readers_are_imported_nowhere_else():
     ).stdout
     loaded = set(json.loads(shown))
     assert "leaflight.io.readers.hdf5" in loaded
-    assert not loaded & {"h5py", "zarr", "numcodecs", "crc32c", "openjpeg", "libjpeg"}
+    assert not loaded & {"h5py", "zarr", "numcodecs", "crc32c", "gemmi", "openjpeg", "libjpeg"}

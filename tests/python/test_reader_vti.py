@@ -3,12 +3,14 @@
 
 import base64
 import lzma
+import re
+import sys
 import zlib
 
 import numpy as np
 import pytest
 from leaflight import LeaflightError, read_volume
-from leaflight.io.readers import probe
+from leaflight.io.readers import MissingPackage, probe
 
 
 def header(size, data, *blocks):
@@ -151,7 +153,168 @@ def test_damaged(tmp_path, values):
             read_back(tmp_path / "x.vti", broken)
     with pytest.raises(LeaflightError, match="no volume of real numbers"):
         read_back(tmp_path / "x.vti", vti(values, "String", "appended"))
-    with pytest.raises(LeaflightError, match="LZ4DataCompressor is not supported"):
+    with pytest.raises(LeaflightError, match="ZStdDataCompressor is not supported"):
+        read_back(tmp_path / "x.vti", whole.replace(b"ZLib", b"ZStd"))
+    with pytest.raises(LeaflightError, match="ends before"):
         read_back(tmp_path / "x.vti", whole.replace(b"ZLib", b"LZ4"))
     with pytest.raises(LeaflightError, match="claims"):
         read_back(tmp_path / "x.vti", whole.replace(b"0 5 0 4", b"0 99999999 0 99999999"))
+
+
+def image_of_vtk(values, cells=None, spacing=(1, 2, 3)):
+    """A vtkImageData of these values of points, and of cells; its first point has the index -2."""
+    pytest.importorskip("vtkmodules")
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+    from vtkmodules.vtkCommonDataModel import vtkImageData
+
+    image = vtkImageData()
+    nz, ny, nx = values.shape
+    image.SetExtent(-2, nx - 3, 1, ny, 0, nz - 1)
+    image.SetOrigin(10, 20, 30)
+    image.SetSpacing(*spacing)
+    image.SetDirectionMatrix(0, -1, 0, 1, 0, 0, 0, 0, 1)
+    arrays = [(image.GetPointData(), values)] + [(image.GetCellData(), cells)] * (cells is not None)
+    for data, numbers in arrays:
+        array = numpy_to_vtk(numbers.ravel(), deep=True)
+        array.SetName("h")
+        data.SetScalars(array)
+    return image
+
+
+def written_by_vtk(path, image, **settings):
+    from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
+
+    writer = vtkXMLImageDataWriter()
+    writer.SetInputData(image)
+    writer.SetFileName(str(path))
+    for name, value in settings.items():
+        getattr(writer, name)(*value)
+    assert writer.Write()
+
+
+@pytest.mark.parametrize("big_endian", [False, True])
+@pytest.mark.parametrize("compressor", ["None", "ZLib", "LZ4", "LZMA"])
+@pytest.mark.parametrize("mode", ["Ascii", "Binary", "Appended", "Raw"])
+def test_all_that_vtk_writes(tmp_path, values, mode, compressor, big_endian):
+    if compressor == "LZ4":
+        pytest.importorskip("lz4")
+    image = image_of_vtk(values, cells=-values[:3, :4, :5])
+    written_by_vtk(
+        tmp_path / "x.vti",
+        image,
+        SetDataMode=[{"Ascii": 0, "Binary": 1}.get(mode, 2)],
+        SetEncodeAppendedData=[int(mode != "Raw")],
+        **{f"SetCompressorTypeTo{compressor}": []},
+        SetBlockSize=[96],
+        SetByteOrder=[int(not big_endian)],
+    )
+    points = read_volume(tmp_path / "x.vti")
+    np.testing.assert_array_equal(points.values, values)
+    assert "can also be h (cells)" in points.notes[0]
+    cells = read_volume(tmp_path / "x.vti", dataset="h (cells)")
+    np.testing.assert_array_equal(cells.values, -values[:3, :4, :5])
+    for volume, shift in ((points, 0), (cells, 0.5)):
+        for index in ((0, 0, 0), (3, 2, 1)):
+            theirs = np.zeros(3)
+            place = np.array([index[0] - 2, index[1] + 1, index[2]]) + shift
+            image.TransformContinuousIndexToPhysicalPoint(place, theirs)
+            np.testing.assert_allclose((volume.index_to_world @ [*index, 1])[:3], theirs)
+
+
+def in_pieces(folder, image, **settings):
+    """Files of five pieces along x, which share the points between them, in the order of x."""
+    from vtkmodules.vtkImagingCore import vtkExtractVOI
+
+    paths = []
+    for number in range(5):
+        part = vtkExtractVOI()
+        part.SetInputData(image)
+        part.SetVOI(number - 2, number - 1, 1, 5, 0, 3)
+        part.Update()
+        paths.append(folder / f"x_{number}.vti")
+        written_by_vtk(paths[-1], part.GetOutput(), **settings)
+    return paths
+
+
+HEAD = """WholeExtent="-2 3 1 5 0 3" Origin="10 20 30" Spacing="1 2 3" {}>"""
+DIRECTION = 'Direction="0 -1 0 1 0 0 0 0 1"'
+
+
+@pytest.mark.parametrize("direction", ["", DIRECTION])
+def test_pieces_in_files_of_their_own(tmp_path, values, direction):
+    """VTK 9.1 leaves out the direction, which then is that of the pieces."""
+    path = tmp_path / "x.pvti"
+    cells = -values[:3, :4, :5]
+    paths = in_pieces(tmp_path, image_of_vtk(values, cells))
+    pieces = [
+        f'<Piece Extent="{number - 2} {number - 1} 1 5 0 3" Source="{one.name}"/>'
+        for number, one in enumerate(paths)
+    ]
+    text = f'<VTKFile type="PImageData"><PImageData {HEAD.format(direction)}{"".join(pieces)}'
+    path.write_text(text + "</PImageData></VTKFile>")
+    volume = read_volume(path)
+    np.testing.assert_array_equal(volume.values, values)
+    np.testing.assert_allclose(volume.index_to_world[:3, 3], [8, 18, 30])
+    np.testing.assert_array_equal(read_volume(path, dataset="h (cells)").values, cells)
+    paths[2].unlink()
+    with pytest.raises(LeaflightError, match="x.pvti: there is no data file 'x_2.vti' beside it"):
+        read_volume(path)
+    path.write_text(path.read_text().replace("x_1.vti", "../x_1.vti"))
+    with pytest.raises(LeaflightError, match="outside its own folder"):
+        read_volume(path)
+    path.write_text(path.read_text().replace("../x_1.vti", "x.pvti"))
+    with pytest.raises(LeaflightError, match="has pieces, too"):
+        read_volume(path)
+
+
+def test_missing_pieces(tmp_path, values):
+    """At an end the image is smaller, and within it a piece that is not there has no data."""
+    path = tmp_path / "x.vti"
+    paths = in_pieces(tmp_path, image_of_vtk(values), SetDataModeToAscii=[], SetCompressor=[None])
+    pieces = [re.search(r"<Piece .*?</Piece>", one.read_text(), re.DOTALL)[0] for one in paths]
+
+    def of_pieces(*numbers):
+        image = f"<ImageData {HEAD.format(DIRECTION)}{''.join(pieces[n] for n in numbers)}"
+        path.write_text(f'<VTKFile type="ImageData">{image}</ImageData></VTKFile>')
+        return read_volume(path)
+
+    volume = of_pieces(0, 1, 2, 3, 4)
+    np.testing.assert_array_equal(volume.values, values)
+    assert not volume.notes
+    volume = of_pieces(4, 2, 1, 3)
+    np.testing.assert_array_equal(volume.values, values[..., 1:])
+    np.testing.assert_allclose(volume.index_to_world[:3, 3], [8, 19, 30])
+    assert volume.notes == ("Its pieces hold 5 x 5 x 4 of the 6 x 5 x 4 points that it claims.",)
+    # The points on a border belong to both pieces.
+    volume = of_pieces(0, 2, 4)
+    np.testing.assert_array_equal(volume.values, values)
+    volume = of_pieces(0, 3, 4)
+    assert np.isnan(volume.values[..., 2]).all() and "holds 20 of its 120" in volume.notes[0]
+    kept = [0, 1, 3, 4, 5]
+    np.testing.assert_array_equal(volume.values[..., kept], values[..., kept])
+
+
+def test_pieces_that_claim_too_much(tmp_path, values):
+    data = vti(values, "Float32", "appended").replace(b"<Piece>", b'<Piece Extent="0 5 0 4 0 3">')
+    far = b'<Piece Extent="99999 99999 99999 99999 9999 9999"/><Piece '
+    with pytest.raises(LeaflightError, match="nearly all of its"):
+        read_back(tmp_path / "x.vti", data.replace(b"<Piece ", far))
+    with pytest.raises(LeaflightError, match="claims"):
+        read_back(tmp_path / "x.vti", data.replace(b'"0 5 0 4 0 3"', b'"0 9999 0 9999 0 9999"'))
+    with pytest.raises(LeaflightError, match="has 0 pieces"):
+        read_back(tmp_path / "x.vti", data.replace(b'"0 5 0 4 0 3"', b'"0 -1 0 -1 0 -1"'))
+
+
+def test_other_data_of_vtk(tmp_path, values):
+    data = vti(values, "Float32", "appended").replace(b"ImageData", b"RectilinearGrid")
+    sentence = "holds RectilinearGrid data.*Resample To Image"
+    for name in ("x.vti", "x.vtr"):
+        with pytest.raises(LeaflightError, match=sentence):
+            read_back(tmp_path / name, data)
+
+
+def test_lz4_is_not_installed(tmp_path, values, monkeypatch):
+    monkeypatch.setitem(sys.modules, "lz4", None)
+    data = vti(values, "Float32", "appended").replace(b"ZLib", b"LZ4")
+    with pytest.raises(MissingPackage, match="x.vti: .*needs the Python package lz4"):
+        read_back(tmp_path / "x.vti", data)

@@ -124,6 +124,15 @@ def test_axes_in_any_order(tmp_path, values):
         read_volume(path)
 
 
+def test_a_codec_that_is_not_at_hand(tmp_path, values):
+    path = image(tmp_path / "x.zarr", values, space(z="", y="", x=""), [1, 1, 1])
+    metadata = json.loads((path / "0" / ".zarray").read_text())
+    metadata["compressor"] = {"id": "packed_by_nobody"}
+    (path / "0" / ".zarray").write_text(json.dumps(metadata))
+    with pytest.raises(LeaflightError, match="packed by the codec packed_by_nobody, which"):
+        read_volume(path)
+
+
 @pytest.mark.parametrize("fill", [None, 0, 7])
 def test_absent_chunks_are_the_fill_value(tmp_path, fill):
     """Also without one: then they are 0, and not memory that nobody filled."""

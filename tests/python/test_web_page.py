@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from leaflight import LeaflightError
-from leaflight.export import page, page_volume
+from leaflight.export import page, page_size, page_template, page_volume
 from leaflight.export.light_bricks import light_bricks
 from leaflight.export.shared_exponent import LEAST, packed
 from leaflight.export.visibility_levels import DARK, HIDDEN, LIT, levels
@@ -25,7 +25,7 @@ def template(tmp_path, monkeypatch):
     """What Node makes of web/, as far as the page is filled."""
     path = tmp_path / "template.html"
     path.write_text("<title></title>leaflight-connect-src<!--leaflight:data-->")
-    monkeypatch.setattr(page, "TEMPLATE", path)
+    monkeypatch.setattr(page_template, "TEMPLATE", path)
     return path
 
 
@@ -243,6 +243,15 @@ def test_a_coarser_page(box_bake, tmp_path):
     assert ["Shown here", "every 2nd voxel along each axis"] in header["about"]
 
 
+@pytest.mark.parametrize("walls", [False, True])
+def test_the_size_of_a_page_is_known_before(walls, tmp_path):
+    values = np.random.default_rng(0).normal(leaflight.bump_box(24).values, 3.0)
+    bake = leaflight.bake(values, leaflight.cornell_box(), error=20.0, walls=walls, progress=False)
+    path = tmp_path / "page.html"
+    leaflight.export(bake, path)
+    assert page_size.estimated_bytes(bake) == pytest.approx(path.stat().st_size, rel=0.2)
+
+
 def test_a_folder_to_embed(cli, box_file, tmp_path):
     out = tmp_path / "box.html"
     for _ in range(2):  # it may be written again
@@ -272,12 +281,12 @@ def test_sentences(box_bake, tmp_path, template, monkeypatch):
     refused(
         "mirror or glass", replace(box_bake, scene=replace(box_bake.scene, isosurfaces=[mirror]))
     )
-    monkeypatch.setattr(page, "LARGEST_BYTES", 20_000)
+    monkeypatch.setattr(page, "LARGEST_BYTES", 1.1 * page_size.estimated_bytes(box_bake, 1))
     refused("with coarser=1, every 2nd voxel")
     monkeypatch.setattr(page, "LARGEST_BYTES", 10)
     refused("crop the volume or downsample it")
     monkeypatch.undo()
-    monkeypatch.setattr(page, "TEMPLATE", tmp_path / "absent.html")
+    monkeypatch.setattr(page_template, "TEMPLATE", tmp_path / "absent.html")
     refused("built without Node")
     with pytest.raises(LeaflightError, match="only a web page"):
         leaflight.export(box_bake, tmp_path / "x.ply", coarser=1)

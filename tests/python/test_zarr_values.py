@@ -149,7 +149,9 @@ def test_packings_of_zarr_2(tmp_path):
     values = read_volume(path).values
     assert (values == 7).sum() >= 24 and (values != VALUES).sum() <= 24
     _change(tmp_path / "y.zarr" / ".zarray", compressor={"id": "pressed"})
-    with pytest.raises(LeaflightError, match="packed by 'pressed', which is not supported; save"):
+    with pytest.raises(
+        LeaflightError, match="packed by the codec pressed, which is not at hand; save"
+    ):
         read_volume(path)
 
 

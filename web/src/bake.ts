@@ -112,7 +112,8 @@ export interface Header {
   headlight: boolean;
   histogram: { counts: number[]; width: number }; // of a bin, as a share of the isovalue range
   step: number; // between isovalues that are chosen
-  unit: string; // of lengths in the world, '' where it is not known
+  unit: string; // of lengths, '' where it is not known
+  unitLength: number; // how many of them a unit of the world measures
   isPatient: boolean; // the world's axes are towards a patient's right, front and up
   colorMaps: Record<string, string[]>; // the name, then sRGB colors as six hexadecimal digits
   looks: Record<string, NamedLook>;

@@ -17,13 +17,14 @@ export class ScaleBar {
   constructor(
     private readonly view: View,
     private readonly unit: string,
+    private readonly unitLength: number,
   ) {}
 
   // Is true at the depth about which the camera turns.
   show(): void {
     const { camera, canvas, orbit } = this.view;
     const across = 2 * Math.tan(three.MathUtils.degToRad(0.5 * camera.fov)) * orbit.distance;
-    const pixel = across / Math.max(canvas.clientHeight, 1);
+    const pixel = (this.unitLength * across) / Math.max(canvas.clientHeight, 1);
     const length = roundLength(BAR_PIXELS * pixel);
     element('scale-bar').style.width = `${length / pixel}px`;
     element('scale-text').textContent = lengthText(length, this.unit);
@@ -37,6 +38,7 @@ export class Ruler {
   constructor(
     private readonly view: View,
     private readonly unit: string,
+    private readonly unitLength: number,
   ) {
     let down: [number, number] = [0, 0];
     view.canvas.addEventListener('pointerdown', ({ offsetX, offsetY }) => {
@@ -48,9 +50,10 @@ export class Ruler {
     });
   }
 
-  // The distance, in the world, between both places; null before they are chosen.
+  // The distance between both places; null before they are chosen.
   get distance(): number | null {
-    return this.places.length === 2 ? this.places[0].distanceTo(this.places[1]) : null;
+    if (this.places.length < 2) return null;
+    return this.unitLength * this.places[0].distanceTo(this.places[1]);
   }
 
   get isOn(): boolean {

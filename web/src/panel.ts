@@ -108,7 +108,7 @@ export class Panel {
     this.isosurfaces = new IsosurfaceRows(header, () => view.look, () => {
       this.refresh();
     }); // prettier-ignore
-    this.ruler = new Ruler(view, header.unit);
+    this.ruler = new Ruler(view, header.unit, header.unitLength);
     this.first = { look: { ...view.look }, viewpoint: view.orbit.viewpoint };
     this.bind();
     bindKeys(this, view, header);
@@ -259,7 +259,7 @@ export class Panel {
 
   private bindOverlays(): void {
     const parts = [
-      new ScaleBar(this.view, this.header.unit),
+      new ScaleBar(this.view, this.header.unit, this.header.unitLength),
       new Cube(this.view, this.header.isPatient),
       this.ruler,
     ];

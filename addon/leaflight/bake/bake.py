@@ -10,10 +10,10 @@ from leaflight.bake.checkpoint import Checkpoint
 from leaflight.bake.outcome import outcome
 from leaflight.io.output import check_writable
 
-from ..operators import background, checks
+from ..operators import background, checks, jobs
 from ..operators.active_volume import active_volume
 from ..show import first_light, preview, surface_object, walls
-from ..stage import scene_export
+from ..stage import first_scene, scene_export, viewport
 from ..store import atlases, bake_files, cache, frame_bakes, preferences, source_files
 from . import lighting, stopped
 
@@ -22,6 +22,11 @@ LeaflightError = leaflight.LeaflightError
 
 # Of the time that a bake takes, at most one part in so many goes into showing its passes.
 _SHOWN_SHARE = 5
+
+_DARK_WALLS = (
+    "The bake was stopped before it had lit the walls, so they show the lamps of Blender; Continue "
+    "lights them"
+)
 
 # How far the bar is once there is light, and once it is in files, too: then it is shown.
 _LIT, _WRITTEN = 0.9, 0.97
@@ -54,11 +59,13 @@ def checkpoint_path(obj):
     return bake_files.folder_for(obj) / f"{bake_files.stem(obj.name)}.checkpoint"
 
 
-class BakeJob(background.Job):
+class BakeJob(jobs.Job):
     """One bake: all it needs, read from the scene; the work; and lighting the volumes by it."""
 
     # Whether the light of `latest` is there for a moment only: coarse isosurfaces will do.
     is_rough = False
+    # True once one of the volumes has gone, and once it ended before its time.
+    is_deleted = is_stopped = False
 
     def __init__(self, context, obj, resume=False):
         """Of all volumes that render, with the settings of `obj`.
@@ -76,15 +83,19 @@ class BakeJob(background.Job):
         self.scene_name = context.scene.name
         self.leader = volumes.index(obj)
         self.names = [volume.name for volume in volumes]
+        self._pointers = [volume.as_pointer() for volume in volumes]
         self.matrices = [[x for row in obj.matrix_world for x in row] for obj in volumes]
         self.frames = [volume.leaflight.frame for volume in volumes]
         self.file_states = [source_files.file_state(volume.leaflight) for volume in volumes]
         self.fingerprint = scene_export.fingerprint(volumes, scene)
         self.bake = None
         self.latest = None
+        # The light of walls in the last pass that had it.
+        self._lit_walls = None
         self._shown, self._quiet_until, self._reached = None, 0.0, 0.0
         self._seconds_before = 0.0
         self._arguments = arguments_of(obj, volumes, scene)
+        self._materials = obj.leaflight.both_sides, obj.leaflight.light_walls
         self.checkpoint = Checkpoint(checkpoint_path(obj), self._recipe(obj), resume)
 
     def _recipe(self, _obj):
@@ -97,6 +108,7 @@ class BakeJob(background.Job):
 
         def keep(bake):
             self.latest = bake
+            self._lit_walls = bake.walls if bake.walls is not None else self._lit_walls
             self.seconds = self._seconds_before + time.perf_counter() - start
 
         keep(self._light(on_pass=keep, progress=progress))
@@ -125,14 +137,12 @@ class BakeJob(background.Job):
     def show(self):
         """Lights the volumes by the last pass, unless that would take too much of the time."""
         start, bake = time.perf_counter(), self.latest
+        volumes = self._volumes()
         if bake is None:
-            self._prepare()
+            first_light.prepare(volumes, *self._materials)
         if bake is None or bake is self._shown or start < self._quiet_until:
             return
-        for index, (name, matrix) in enumerate(zip(self.names, self.matrices)):
-            obj = _volume(name)
-            if obj is None:
-                continue
+        for index, (obj, matrix) in enumerate(zip(volumes, self.matrices)):
             if obj.mode == "OBJECT" and obj.leaflight.frame == self.frames[index]:
                 preview.put(obj, bake, index, matrix)
                 surface_object.update_all(obj, self.is_rough, as_coarse=True)
@@ -142,19 +152,33 @@ class BakeJob(background.Job):
         end = time.perf_counter()
         self._quiet_until = end + (_SHOWN_SHARE - 1) * (end - start)
 
-    def _prepare(self):
-        volumes = [obj for obj in map(_volume, self.names) if obj is not None]
-        first_light.prepare(volumes, self._arguments["both_sides"], self._arguments["walls"])
+    def _volumes(self):
+        """The objects that are baked, by their present names. Raises LeaflightError."""
+        found = []
+        for index, (name, pointer) in enumerate(zip(self.names, self._pointers)):
+            obj = _volume(name) or _renamed(pointer)
+            if obj is None:
+                self.is_deleted = True
+                raise LeaflightError(
+                    f'"{name}" was deleted, so its bake was stopped; undo brings the volume back.'
+                )
+            self.names[index], self._pointers[index] = obj.name, obj.as_pointer()
+            found.append(obj)
+        return found
 
     def ended(self):
         first_light.forget()
-        if self.latest is None:
+        if self.latest is None or self.is_deleted:
             return super().ended()
         statistics = replace(self.latest.statistics, stopped=True)
-        self.latest = replace(self.latest, statistics=statistics)
+        self.latest = replace(self.latest, statistics=statistics, walls=self._lit_walls)
+        if self._materials[1] and self.latest.scene.meshes and self._lit_walls is None:
+            self.warnings = (*self.warnings, _DARK_WALLS)
+        self.is_stopped = True
+        # It is offered also where it cannot be shown.
+        stopped.offer(self)
         self._quiet_until = 0.0
         self.show()
-        stopped.offer(self)
         return "The bake was stopped: keep what there is of it, or throw it away, in the sidebar"
 
     def apply(self):
@@ -162,16 +186,11 @@ class BakeJob(background.Job):
 
         Raises LeaflightError when one has gone meanwhile.
         """
+        volumes = self._volumes()
         preview.forget()
         first_light.forget()
-        volumes = [_volume(name) for name in self.names]
-        for name, obj in zip(self.names, volumes):
-            if obj is None:
-                raise LeaflightError(
-                    f'"{name}" is gone or has another name, so the bake lights nothing: select '
-                    f"the volume and load the bake from {self.path}."
-                )
         cache.keep_bake(self.bake)
+        end = self.outcome()
         for index, obj in enumerate(volumes):
             # It may show another by now; who follows the frames of the scene brings that back.
             frame_bakes.switch(obj, self.frames[index])
@@ -179,19 +198,21 @@ class BakeJob(background.Job):
                 self.matrices[index], self.fingerprint, self.seconds, self.file_states[index]
             )
             lighting.light(obj, self.bake, index, self.path, self.columns[index], state)
+            obj.leaflight.bake_outcome = end
         volumes[self.leader].leaflight.bake_warnings = "\n".join(self.warnings)
         scene = bpy.data.scenes.get(self.scene_name)
         lighting.show(volumes, volumes[self.leader], scene)
         texels = sum(grid.texels for grid in self.bake.grids)
-        end = self.outcome()
         return f"Baked {texels} texels in {self.seconds:.1f} s{end and f'; {end}'}"
+
+    def failed(self):
+        """The file of the bake is there: Load Bake can light the volumes by it."""
+        first_light.forget()
+        surface_object.forget_passes()
 
     def outcome(self):
         """How far the last pass came."""
-        limit = self._arguments.get("time")
-        seconds = self.latest.statistics.seconds - self._seconds_before
-        is_over = limit is not None and seconds >= limit
-        return outcome(self.latest, "the time is over" if is_over else "it was stopped")
+        return outcome(self.latest, "it was stopped" if self.is_stopped else "the time is over")
 
 
 class LEAFLIGHT_OT_bake(background.BackgroundOperator, bpy.types.Operator):
@@ -207,6 +228,15 @@ class LEAFLIGHT_OT_bake(background.BackgroundOperator, bpy.types.Operator):
     def poll(cls, context):
         return cls.is_free() and stopped.is_decided(cls) and checks.has_volume(cls, context)
 
+    def invoke(self, context, event):
+        if not bpy.app.background:
+            if first_scene.is_untouched(context.scene):
+                if self.call(bpy.ops.leaflight.stage) == {"CANCELLED"}:
+                    return {"CANCELLED"}
+                self.report({"INFO"}, "Staged first: the scene had only Blender's cube and lamp")
+            viewport.show_light(context)
+        return super().invoke(context, event)
+
     def start(self, context):
         return BakeJob(context, active_volume(context))
 
@@ -214,7 +244,13 @@ class LEAFLIGHT_OT_bake(background.BackgroundOperator, bpy.types.Operator):
 def _volume(name):
     """The volume object of this name in the file itself, or None."""
     obj = bpy.data.objects.get((name, None))
-    return obj if obj is not None and obj.leaflight.is_volume else None
+    is_there = obj is not None and obj.leaflight.is_volume and obj.users_scene
+    return obj if is_there else None
+
+
+def _renamed(pointer):
+    """The volume object at an address, or None. Undo moves objects, a new name does not."""
+    return next((o for o in bpy.data.objects if o.as_pointer() == pointer and not o.library), None)
 
 
 def _check_own(obj):

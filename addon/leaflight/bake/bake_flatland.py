@@ -9,13 +9,13 @@ import leaflight
 from leaflight import flatland
 from leaflight.flatland.flat_scene import load_flat_scene
 
-from ..operators import background, checks
+from ..operators import background, checks, jobs
 from ..show import graph_object
 
 LeaflightError = leaflight.LeaflightError
 
 
-class FlatBakeJob(background.Job):
+class FlatBakeJob(jobs.Job):
     """One bake of all isolines: what it needs, the work, and lighting the object by it."""
 
     def __init__(self, obj):

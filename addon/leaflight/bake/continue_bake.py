@@ -39,8 +39,8 @@ class LEAFLIGHT_OT_continue_bake(background.BackgroundOperator, bpy.types.Operat
     bl_idname = "leaflight.continue_bake"
     bl_label = "Continue"
     bl_description = (
-        "Go on with the bake that lights the volume, until its error is the present one or the "
-        "time is over. Esc stops it, and the light that is finished can be kept"
+        "Refine this bake until it reaches the target error or the time limit. Esc stops it, and "
+        "the finished light can be kept"
     )
     bl_options = {"REGISTER", "UNDO"}
 
@@ -49,7 +49,7 @@ class LEAFLIGHT_OT_continue_bake(background.BackgroundOperator, bpy.types.Operat
         if not (cls.is_free() and stopped.is_decided(cls) and checks.has_bake(cls, context)):
             return False
         obj = active_volume(context)
-        if not can_continue(obj):
+        if not obj.leaflight.bake_outcome:
             cls.poll_message_set("Only a bake that goes by its error can be continued")
             return False
         change = staleness.known_change(obj) or _relit(obj)
@@ -71,14 +71,33 @@ def _relit(obj):
     return "Lamps have changed since the bake: set them back to continue it, or bake again"
 
 
-def can_continue(obj):
-    """Whether the bake that lights an object went by its error."""
-    return bool(obj.leaflight.bake_outcome)
+class LEAFLIGHT_OT_finer_texels(background.BackgroundOperator, bpy.types.Operator):
+    bl_idname = "leaflight.finer_texels"
+    bl_label = "Finer Texels"
+    bl_description = (
+        "Bake again with twice as many texels along each axis, which takes up to eight times the "
+        "memory and the time"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return cls.is_free() and stopped.is_decided(cls) and checks.has_bake(cls, context)
+
+    def start(self, context):
+        obj = active_volume(context)
+        grid = cache.grid_of(obj)
+        obj.leaflight.resolution = 2 * max(grid.resolution) - 1
+        return bake.BakeJob(context, obj)
 
 
-def register():
-    bpy.utils.register_class(LEAFLIGHT_OT_continue_bake)
+def suited(obj):
+    """The operator that brings the error of an object's bake to the present target, or None."""
+    settings = obj.leaflight
+    if not settings.bake_outcome or settings.bake_error <= settings.error:
+        return None
+    return LEAFLIGHT_OT_finer_texels if settings.bake_needs_texels else LEAFLIGHT_OT_continue_bake
 
 
-def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_OT_continue_bake)
+_CLASSES = (LEAFLIGHT_OT_continue_bake, LEAFLIGHT_OT_finer_texels)
+register, unregister = bpy.utils.register_classes_factory(_CLASSES)

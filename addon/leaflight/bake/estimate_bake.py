@@ -6,7 +6,7 @@ import leaflight
 from leaflight.bake.estimate import pilot
 
 from .. import session
-from ..operators import background, checks
+from ..operators import background, checks, jobs
 from ..operators.active_volume import active_volume
 from ..show import bake_options
 from ..stage import scene_export
@@ -61,7 +61,7 @@ def _key(settings):
     return tuple(getattr(settings, name) for name in _SETTINGS)
 
 
-class EstimateJob(background.Job):
+class EstimateJob(jobs.Job):
     """The first passes of the bake of an object, and what follows from them."""
 
     def __init__(self, context, obj):

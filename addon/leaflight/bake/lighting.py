@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import bpy
-from leaflight.bake.outcome import outcome
+from leaflight.bake.outcome import is_limited_by_texels, outcome
 
 from ..show import added, isovalues, lamps, surface_object, walls
 from ..store import bake_files, cache
@@ -42,6 +42,7 @@ def light(obj, bake, index, path, columns, state):
     settings.bake_outcome = outcome(bake)
     settings.bake_error = bake.statistics.estimated_error_percent if settings.bake_outcome else 0
     settings.bake_target = bake.provenance.error or 0
+    settings.bake_needs_texels = is_limited_by_texels(bake)
     settings.bake_values = cache.values_sha256(bake, index)
     settings.bake_file_state = state.file_state
     settings.atlas_columns = columns

@@ -17,7 +17,7 @@ import leaflight
 from bpy.props import BoolProperty
 from leaflight.bake.moved import QUICK, WHOLE, lit_walls, moved
 
-from ..operators import background
+from ..operators import failures, jobs
 from ..show import isovalues, preview, surface_object, walls, whole_detail
 from ..stage import staleness
 from ..store import cache
@@ -178,6 +178,22 @@ def forget():
 
 
 def _tick():
+    """Follows the scene. Blender drops a timer that raises, so nothing may."""
+    try:
+        return _follow()
+    except Exception as error:
+        forget()
+        _give_up(error)
+        return None
+
+
+def _give_up(error):
+    global _why
+    _why = failures.sentence_of(error)
+    jobs.redraw_panels()
+
+
+def _follow():
     global _looked_at, _picture
     if bpy.app.is_job_running("RENDER"):
         _looked_at = 0.0
@@ -199,7 +215,7 @@ def _look():
     global _has_changed, _left, _why
     if _job is not None and _job.is_outdated:
         return
-    if background.running() is not None or stopped.offered() is not None:
+    if jobs.running() is not None or stopped.offered() is not None:
         if _job is not None:
             _job.outdate(_work)
         return
@@ -207,8 +223,8 @@ def _look():
     try:
         wanted = _wanted(bpy.context)
     except LeaflightError as error:
-        wanted, _why = None, str(error)
-        background.redraw_panels()
+        wanted = None
+        _give_up(error)
     if _job is not None:
         if wanted is None or wanted.fingerprint != _job.fingerprint:
             _job.outdate(_work)
@@ -244,38 +260,38 @@ def _leader(scene):
 
 def _begin(job):
     global _job, _work, _picture
-    _job, _work = job, background.BackgroundWork(job.run, job)
+    _job, _work = job, jobs.BackgroundWork(job)
     # Before Blender draws: pictures of all detail would keep the light back, and light that comes
     # while a picture is drawn would be shown by the next.
     if _picture > _SLOW_PICTURE and job.wait_for_direct(_LONGEST_WAIT):
-        job.show()
+        _work.show()
     elif job.is_rough:
         job.coarsen()
     _picture = 0.0
-    background.redraw_panels()
+    jobs.redraw_panels()
 
 
 def _go_on():
     """Shows what the work has reached, or what came of it."""
     global _job, _work, _has_changed, _left, _why
     job, work = _job, _work
-    background.redraw_panels()
+    jobs.redraw_panels()
     if work.is_alive():
-        job.show()
+        work.show()
         return
     _job = _work = None
     try:
         work.result()
         job.apply()
     except leaflight.Cancelled:
-        job.show()
+        work.show()
         if not job.is_outdated:
             _left, _why = (
                 job.fingerprint,
                 iface_("Stopped: direct light is new, indirect light is of an earlier position"),
             )
-    except LeaflightError as error:
-        _left, _why = job.fingerprint, str(error)
+    except Exception as error:
+        _left, _why = job.fingerprint, failures.sentence_of(error)
     if job.is_outdated:
         _has_changed = True
         _look()

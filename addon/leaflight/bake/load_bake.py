@@ -11,8 +11,9 @@ import numpy as np
 from bpy.props import BoolProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 from leaflight.bake.provenance import values_sha256
+from mathutils import Matrix
 
-from ..operators import background, checks
+from ..operators import checks, jobs
 from ..operators.active_volume import active_volume
 from ..show import isovalues, lamps, isosurfaces, surface_object
 from ..stage import same_scene, scene_export, scene_objects, staleness
@@ -20,8 +21,6 @@ from ..store import atlases, bake_files, cache, source_files
 from . import lighting
 
 LeaflightError = leaflight.LeaflightError
-
-_IDENTITY = np.eye(4).ravel().tolist()
 
 
 class LEAFLIGHT_OT_load_bake(bpy.types.Operator, ImportHelper):
@@ -42,7 +41,7 @@ class LEAFLIGHT_OT_load_bake(bpy.types.Operator, ImportHelper):
 
     @classmethod
     def poll(cls, context):
-        return background.is_free(cls) and checks.in_object_mode(cls, context)
+        return jobs.is_free(cls) and checks.in_object_mode(cls, context)
 
     def execute(self, context):
         path = Path(os.path.normpath(bpy.path.abspath(self.filepath)))
@@ -57,9 +56,10 @@ class LEAFLIGHT_OT_load_bake(bpy.types.Operator, ImportHelper):
         seconds = bake.statistics.seconds
         created = None in volumes
         for index, obj in enumerate(volumes):
-            matrix, file_state = _IDENTITY, ""
+            file_state = ""
             if obj is None:
                 volumes[index] = obj = _create(context, bake, index)
+                matrix = [x for row in obj.matrix_world for x in row]
             else:
                 matrix = _transform(obj, bake, index)
                 file_state = source_files.file_state(obj.leaflight)
@@ -173,9 +173,14 @@ def _shifted(step):
 
 
 def _create(context, bake, index):
-    """An object for a volume of a bake, where it was baked and as it looked."""
+    """Makes an object for a volume of a bake, where it was baked and as it looked.
+
+    Its origin is the middle of the volume.
+    """
     baked = bake.volumes[index]
     obj = surface_object.new(context, baked.name)
+    middle = np.asarray(baked.field().bounds, np.float64).mean(axis=0)
+    obj.matrix_world = Matrix.Translation(middle.tolist())
     settings = obj.leaflight
     isosurfaces.import_isosurfaces(settings, bake.scene.isosurfaces[index])
     low, high = lighting.isovalue_range(bake, index)

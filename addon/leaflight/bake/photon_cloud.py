@@ -10,7 +10,7 @@ from bpy.props import EnumProperty, FloatProperty, IntProperty
 from leaflight.scene.scene import core_scene
 
 from .. import versions
-from ..operators import background, checks
+from ..operators import background, checks, jobs
 from ..operators.active_volume import active_volume
 from ..show import display, fill, isovalues, shader
 from ..stage import scene_export
@@ -83,7 +83,7 @@ class LEAFLIGHT_OT_photon_cloud(background.BackgroundOperator, bpy.types.Operato
         return PhotonJob(context, active_volume(context), self)
 
 
-class PhotonJob(background.Job):
+class PhotonJob(jobs.Job):
     """Photons of the present scene: what they need, their paths, and the cloud of points."""
 
     def __init__(self, context, obj, options):

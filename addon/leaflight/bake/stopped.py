@@ -4,7 +4,7 @@
 import bpy
 import leaflight
 
-from ..operators import background
+from ..operators import background, jobs
 from ..show import surface_object, walls
 
 LeaflightError = leaflight.LeaflightError
@@ -52,16 +52,16 @@ class LEAFLIGHT_OT_stop_bake(bpy.types.Operator):
 
     @classmethod
     def poll(cls, _context):
-        if background.running() is None:
+        if jobs.running() is None:
             cls.poll_message_set("Nothing is in progress")
-        return background.running() is not None
+        return jobs.running() is not None
 
     def execute(self, _context):
-        background.cancel_running()
+        jobs.cancel_running()
         return {"FINISHED"}
 
 
-class KeepJob(background.Job):
+class KeepJob(jobs.Job):
     """Writes the files of a bake that was stopped, and lights the volumes by it."""
 
     def __init__(self, job):
@@ -105,7 +105,7 @@ class LEAFLIGHT_OT_throw_bake_away(bpy.types.Operator):
 
     @classmethod
     def poll(cls, _context):
-        return background.is_free(cls) and _waits(cls)
+        return jobs.is_free(cls) and _waits(cls)
 
     def execute(self, context):
         _offered.checkpoint.remove()

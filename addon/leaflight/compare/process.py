@@ -13,7 +13,7 @@ from pathlib import Path
 import bpy
 import leaflight
 
-from ..operators import background
+from ..operators import jobs
 
 # How the child begins the lines that are for the window.
 MARK = "LEAFLIGHT COMPARISON "
@@ -45,7 +45,7 @@ def _save_copy(blend):
         preferences.is_dirty = changed
 
 
-class ComparisonJob(background.Job):
+class ComparisonJob(jobs.Job):
     """Renders the saved copy of the file that is open, and reads the figures from the child."""
 
     def __init__(self, isosurface, folder, samples, baked_samples, share):

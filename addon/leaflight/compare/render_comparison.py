@@ -79,10 +79,9 @@ class LEAFLIGHT_OT_render_comparison(background.BackgroundOperator, bpy.types.Op
 
     def execute(self, context):
         if getattr(self, "_by_hand", False) and process.can_start():
-            # What a dialog executes cannot itself go on in the background.
             names = ("samples", "baked_samples", "share", "folder")
             chosen = {name: getattr(self, name) for name in names}
-            return bpy.ops.leaflight.render_comparison("INVOKE_DEFAULT", asked=True, **chosen)
+            return self.invoke_again(bpy.ops.leaflight.render_comparison, **chosen)
         isosurface = active_volume(context)
         try:
             found = rendered(

@@ -10,9 +10,9 @@ import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 from leaflight.export.export import OF_SEQUENCE, OF_VOLUME, PAGE, SUFFIXES
-from leaflight.export.page_volume import estimated_bytes
+from leaflight.export.page_size import estimated_bytes
 
-from ..operators import background, checks
+from ..operators import background, checks, jobs
 from ..operators.active_volume import active_volume
 from ..show import isovalues, lamps
 from ..store import cache
@@ -27,18 +27,18 @@ _FORMATS = (
     (".vtp", "ParaView Surface (.vtp)", "One lit isosurface with its radiance"),
     (".vti", "ParaView Volume (.vti)", "The values with the radiance of all isosurfaces"),
     (".am", "Amira Colors (.am)", "The colors of all isosurfaces, four bytes a texel"),
-    (PAGE, "Web Page (.html)", "All isosurfaces with their light, in any browser, by itself"),
 )
 
 
-class ExportJob(background.Job):
+class ExportJob(jobs.Job):
     """The file is written in the background; large volumes take their time."""
 
-    def __init__(self, obj, path, values, coarser=0):
+    def __init__(self, obj, path, values, **page):
+        """page: the options of a web page."""
         self._bake, self._index = lamps.bake_of(obj), obj.leaflight.bake_index
         if self._bake is None:
             raise LeaflightError(f'"{obj.name}" has no bake yet: bake it first.')
-        self._path, self._coarser = path, coarser
+        self._path, self._page = path, page
         self._isovalues = values
         self._surfaces = {}
 
@@ -49,7 +49,7 @@ class ExportJob(background.Job):
             self._isovalues,
             volume=self._index,
             progress=progress,
-            coarser=self._coarser,
+            **self._page,
         )
 
     def ended(self):
@@ -62,18 +62,75 @@ class ExportJob(background.Job):
         return f"{self._path.name}: {what}{size:.1f} MB"
 
 
-class LEAFLIGHT_OT_export(background.BackgroundOperator, bpy.types.Operator, ExportHelper):
+class _ExportOperator(background.BackgroundOperator, ExportHelper):
+    """Asks for a file by Blender's file browser, then writes it in the background."""
+
+    check_extension = None
+    # The suffix that a new name gets.
+    file_type = ""
+    # The properties that the file browser shows.
+    shown: tuple[str, ...] = ()
+
+    @classmethod
+    def poll(cls, context):
+        return cls.is_free() and checks.has_bake(cls, context)
+
+    def invoke(self, context, event):
+        if self.asked:
+            return self.run_modal(context)
+        self._by_hand = True
+        if not self.filepath:  # type: ignore[has-type]
+            self.filepath = f"{active_volume(context).name}{self.file_type}"
+        self.check(context)
+        return ExportHelper.invoke(self, context, event)
+
+    def check(self, _context):
+        """The name follows the format that is chosen."""
+        path = Path(self.filepath)
+        if path.suffix.lower() == self.file_type:
+            return False
+        known = path.suffix.lower() in SUFFIXES
+        self.filepath = str(path.with_suffix("") if known else path) + self.file_type
+        return True
+
+    def execute(self, context):
+        if getattr(self, "_by_hand", False):
+            return self.invoke_again(self.operator(), **self.chosen())
+        return super().execute(context)
+
+    def chosen(self):
+        return {name: getattr(self, name) for name in ("filepath", *self.shown)}
+
+    def start(self, context):
+        path = Path(bpy.path.abspath(self.filepath))
+        obj, suffix = active_volume(context), path.suffix.lower()
+        if suffix in OF_VOLUME:
+            return ExportJob(obj, path, None)
+        values = self.chosen_isovalues(obj)
+        if len(cache.bake_of(obj).volumes) > 1:
+            values = [isovalues.common_isovalue(obj.leaflight, value) for value in values]
+        return ExportJob(obj, path, values, **self.page_options(obj))
+
+    def chosen_isovalues(self, obj):
+        """The isovalues to write, in data units. Raises LeaflightError."""
+        return [obj.leaflight.isovalue]
+
+    def page_options(self, _obj):
+        return {}
+
+
+class LEAFLIGHT_OT_export(_ExportOperator, bpy.types.Operator):
     bl_idname = "leaflight.export"
     bl_label = "Export Lit Isosurfaces"
     bl_description = (
         "Write the lit isosurface of the selected volume, several, or the light of all of them, "
-        "for ParaView, amira, browsers and other programs"
+        "for ParaView, amira and other programs"
     )
 
     filename_ext = ".glb"
-    check_extension = None
     filter_glob: StringProperty(
-        default=";".join(f"*{suffix}" for suffix in SUFFIXES), options={"HIDDEN"}
+        default=";".join(f"*{suffix}" for suffix in SUFFIXES if suffix != PAGE),
+        options={"HIDDEN"},
     )
     file_type: EnumProperty(
         name="Format", description="Kind of file to write", items=_FORMATS, default=".glb"
@@ -95,92 +152,41 @@ class LEAFLIGHT_OT_export(background.BackgroundOperator, bpy.types.Operator, Exp
     listed: StringProperty(
         name="List", description="Isovalues to write in their order, separated by spaces"
     )
-    coarser: IntProperty(
-        name="Coarser",
-        description="Halve voxels and texels so many times along each axis, for a smaller file",
-        min=0,
-        max=3,
-    )
     asked: BoolProperty(options={"HIDDEN", "SKIP_SAVE"})
 
-    @classmethod
-    def poll(cls, context):
-        return cls.is_free() and checks.has_bake(cls, context)
+    shown = ("file_type", "isovalues", "first", "last", "count", "listed")
+
+    @staticmethod
+    def operator():
+        return bpy.ops.leaflight.export
 
     def invoke(self, context, event):
-        if self.asked:
-            return self.run_modal(context)
-        self._by_hand = True
-        settings = active_volume(context).leaflight
-        self.first, self.last = isovalues.isovalue_range(settings)
-        if not self.filepath:  # type: ignore[has-type]
-            self.filepath = f"{active_volume(context).name}{self.file_type}"
-        self.check(context)
-        return ExportHelper.invoke(self, context, event)
+        if not self.asked:
+            settings = active_volume(context).leaflight
+            self.first, self.last = isovalues.isovalue_range(settings)
+        return super().invoke(context, event)
 
-    def check(self, _context):
-        """The name follows the format that is chosen."""
-        path = Path(self.filepath)
-        if path.suffix.lower() == self.file_type:
-            return False
-        known = path.suffix.lower() in SUFFIXES
-        self.filepath = str(path.with_suffix("") if known else path) + self.file_type
-        return True
-
-    def draw(self, context):
+    def draw(self, _context):
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
         layout.prop(self, "file_type")
-        if self.file_type == PAGE:
-            layout.prop(self, "coarser")
-            layout.label(text=self._size_of_page(active_volume(context)))
+        if self.file_type not in OF_SEQUENCE:
             return
-        if self.file_type in OF_VOLUME:
-            return
-        if self.file_type in OF_SEQUENCE:
-            layout.row().prop(self, "isovalues", expand=True)
-            if self.isovalues == "RANGE":
-                column = layout.column(align=True)
-                for name in ("first", "last", "count"):
-                    column.prop(self, name)
-            elif self.isovalues == "LIST":
-                layout.prop(self, "listed")
+        layout.row().prop(self, "isovalues", expand=True)
+        if self.isovalues == "RANGE":
+            column = layout.column(align=True)
+            for name in ("first", "last", "count"):
+                column.prop(self, name)
+        elif self.isovalues == "LIST":
+            layout.prop(self, "listed")
 
-    def execute(self, context):
-        if getattr(self, "_by_hand", False):
-            # What the file browser executes cannot itself go on in the background.
-            names = ("filepath", "file_type", "isovalues", "first", "last", "count", "listed")
-            chosen = {name: getattr(self, name) for name in (*names, "coarser")}
-            if self.file_type not in OF_SEQUENCE:
-                # What was chosen for another format is not shown for this one.
-                chosen["isovalues"] = "CURRENT"
-            return bpy.ops.leaflight.export("INVOKE_DEFAULT", asked=True, **chosen)
-        return super().execute(context)
+    def chosen(self):
+        # A choice for another format is not shown for this one.
+        alone = {} if self.file_type in OF_SEQUENCE else {"isovalues": "CURRENT"}
+        return {**super().chosen(), **alone}
 
-    def start(self, context):
-        path = Path(bpy.path.abspath(self.filepath))
-        obj, suffix = active_volume(context), path.suffix.lower()
-        if suffix in OF_VOLUME:
-            return ExportJob(obj, path, None)
-        values = [obj.leaflight.isovalue] if suffix == PAGE else self._values(obj)
-        if len(cache.bake_of(obj).volumes) > 1:
-            values = [isovalues.common_isovalue(obj.leaflight, value) for value in values]
-        if suffix == PAGE:
-            return ExportJob(obj, path, values, self.coarser)
-        return ExportJob(obj, path, values)
-
-    def _size_of_page(self, obj):
-        try:
-            bake = cache.bake_of(obj)
-        except LeaflightError:
-            bake = None
-        if bake is None:
-            return ""
-        return f"About {estimated_bytes(bake, self.coarser) / 1e6:.0f} MB"
-
-    def _values(self, obj):
-        """The isovalues, in data units. Raises LeaflightError."""
+    def chosen_isovalues(self, obj):
         if self.isovalues == "CURRENT":
             return [obj.leaflight.isovalue]
         if self.isovalues == "RANGE":
@@ -196,17 +202,71 @@ class LEAFLIGHT_OT_export(background.BackgroundOperator, bpy.types.Operator, Exp
         return values
 
 
+class LEAFLIGHT_OT_export_page(_ExportOperator, bpy.types.Operator):
+    bl_idname = "leaflight.export_page"
+    bl_label = "Export Web Page"
+    bl_description = "Write a page that shows all isosurfaces with their light, in any browser"
+
+    filename_ext = file_type = PAGE
+    filter_glob: StringProperty(default=f"*{PAGE}", options={"HIDDEN"})
+    coarser: IntProperty(
+        name="Coarser",
+        description="Halve voxels and texels so many times along each axis, for a smaller file",
+        min=0,
+        max=3,
+    )
+    asked: BoolProperty(options={"HIDDEN", "SKIP_SAVE"})
+
+    shown = ("coarser",)
+
+    @staticmethod
+    def operator():
+        return bpy.ops.leaflight.export_page
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.prop(self, "coarser")
+        layout.label(text=self._size(active_volume(context)))
+
+    def page_options(self, obj):
+        return {"coarser": self.coarser, "lengths": _lengths(obj)}
+
+    def _size(self, obj):
+        try:
+            bake = cache.bake_of(obj)
+        except LeaflightError:
+            bake = None
+        if bake is None:
+            return ""
+        return f"About {estimated_bytes(bake, self.coarser) / 1e6:.0f} MB"
+
+
+def _lengths(obj):
+    """(length, unit): how much of the file a unit of Blender measures."""
+    scales = obj.matrix_world.to_scale()
+    if max(scales) - min(scales) > 1e-4 * max(scales):
+        return 1.0, "units of Blender"
+    return 1.0 / max(scales), obj.leaflight.unit
+
+
 def _draw_menu(menu, _context):
-    name = LEAFLIGHT_OT_export.bl_idname
-    menu.layout.operator(name, text="Leaflight (.glb, .usd, .vti, ...)")
-    menu.layout.operator(name, text="Leaflight Web Page (.html)").file_type = PAGE
+    menu.layout.operator(
+        LEAFLIGHT_OT_export.bl_idname, text="Leaflight Isosurfaces (.glb, .usd, .vti, ...)"
+    )
+    menu.layout.operator(LEAFLIGHT_OT_export_page.bl_idname, text="Leaflight Web Page (.html)")
+
+
+_CLASSES = (LEAFLIGHT_OT_export, LEAFLIGHT_OT_export_page)
 
 
 def register():
-    bpy.utils.register_class(LEAFLIGHT_OT_export)
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
     bpy.types.TOPBAR_MT_file_export.append(_draw_menu)
 
 
 def unregister():
     bpy.types.TOPBAR_MT_file_export.remove(_draw_menu)
-    bpy.utils.unregister_class(LEAFLIGHT_OT_export)
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)

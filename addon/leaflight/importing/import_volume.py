@@ -19,16 +19,16 @@ from bpy_extras.io_utils import ImportHelper
 from leaflight import blender
 from leaflight.io import readers
 
-from ..operators import background
-from ..show import isovalues, source_properties, surface_object
+from ..operators import background, failures, jobs
+from ..show import isovalues, source_properties, surface_object, units
 from ..store import cache, source_files
 from ..stage import orientation
 from ..translations import iface_
 from . import placing, stored_facts
 
 
-# Which files the browser lists; Blender takes 255 characters.
-_BY_SUFFIX = ";".join(f"*{suffix}" for suffix in readers.SUFFIXES)
+# Which files the browser lists.
+_BY_NAME = readers.name_patterns()
 
 _OF_THE_FILE = ("FILE", "As in the File", "The file's own, or +Z up and -Y to the front")
 
@@ -36,7 +36,7 @@ _OF_THE_FILE = ("FILE", "As in the File", "The file's own, or +Z up and -Y to th
 def _list_files(operator, context):
     browser = getattr(context.space_data, "params", None)
     if browser is not None:
-        browser.filter_glob = "*" if operator.all_files else _BY_SUFFIX
+        browser.filter_glob = "*" if operator.all_files else _BY_NAME
 
 
 class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operator, ImportHelper):
@@ -45,7 +45,7 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
     bl_description = "Read a scalar volume and show one of its isosurfaces"
     bl_options = {"REGISTER", "UNDO"}
 
-    filter_glob: StringProperty(default=_BY_SUFFIX, options={"HIDDEN"})
+    filter_glob: StringProperty(default=_BY_NAME, options={"HIDDEN"})
     all_files: BoolProperty(
         name="All Files",
         description="List files of any name, as the slices of a DICOM series often have no suffix. "
@@ -123,6 +123,12 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
         default=(1.0, 1.0, 1.0),
         min=1e-9,
     )
+    unit: EnumProperty(
+        name="Unit",
+        description="What the voxel size is measured in, where the file does not say",
+        items=units.ITEMS,
+        options={"SKIP_SAVE"},
+    )
     frame: IntProperty(
         name="Frame",
         description="Which volume of a series to read, counted from 0; -1 for a single volume",
@@ -142,7 +148,7 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
         min=-1,
     )
     level: IntProperty(
-        name="Level", description="Which resolution of an OME-Zarr to read; 0 is the finest", min=0
+        name="Level", description="Which of several resolutions to read; 0 is the finest", min=0
     )
     dataset: StringProperty(
         name="Dataset",
@@ -195,6 +201,9 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
             layout.label(text="The file has no orientation", icon="QUESTION")
         layout.prop(self, "up")
         layout.prop(self, "front")
+        if stored is not None and not stored.unit:
+            layout.label(text="The file gives no unit of length", icon="QUESTION")
+            layout.prop(self, "unit")
         self._draw_choices(layout, stored, takes)
 
     def _draw_choices(self, layout, stored, takes):
@@ -237,11 +246,10 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
 
     def execute(self, context):
         # Adjust Last Operation reads the file again at once.
-        if getattr(self, "_by_hand", False) and background.running() is None:
+        if getattr(self, "_by_hand", False) and jobs.running() is None:
             self._by_hand = False
-            # What the file browser executes cannot itself go on in the background.
             chosen = self.as_keywords(ignore=("filter_glob", "all_files", "asked"))
-            return bpy.ops.leaflight.import_volume("INVOKE_DEFAULT", asked=True, **chosen)
+            return self.invoke_again(bpy.ops.leaflight.import_volume, **chosen)
         return super().execute(context)
 
     def start(self, context):
@@ -249,11 +257,11 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
 
     def _fail(self, error):
         """The panels, which show why work failed, are those of another volume."""
-        self.report({"ERROR"}, str(error))
+        self.report({"ERROR"}, failures.sentence_of(error))
         return {"CANCELLED"}
 
 
-class ImportJob(background.Job):
+class ImportJob(jobs.Job):
     """The reading of a file, and the object that shows its volume."""
 
     name = "Import"
@@ -266,7 +274,7 @@ class ImportJob(background.Job):
         self._resolution, self._size = operator.resolution, operator.size
         self._size_from = operator.size_from
         self._axes = [x if x in orientation.AXES else "" for x in (operator.up, operator.front)]
-        self._animate = operator.animate
+        self._animate, self._unit = operator.animate, units.unit_of(operator.unit)
         self._partner = operator.partner or next(iter(placing.volume_names(context)), "")
         placing.check(context, self._size_from, self._partner)
 
@@ -287,7 +295,7 @@ class ImportJob(background.Job):
         self.warnings = volume.notes
         obj = surface_object.create(context, volume, self._size)
         try:
-            obj.leaflight.unit = self._stored.unit
+            obj.leaflight.unit = self._stored.unit or self._unit
             placing.place(context, obj, volume, self._size_from, self._partner)
         except leaflight.LeaflightError:
             bpy.data.meshes.remove(obj.data)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How large an imported volume is, and where it stands: its object's transform alone.
 
-Vertices keep the coordinates of the file, for patients right, front and up, so that volumes of one
-file's space stay registered to each other wherever their objects have the same transform.
+Vertices keep the axes and the unit of the file, for patients right, front and up. The origin of the
+object is the middle of the volume, whose place in the file it keeps.
 """
 
 import leaflight
@@ -74,11 +74,13 @@ def place(context, obj, volume, mode, partner):
                 f"{volume.source}: in life size it would be {side:.2g} m long, too small for "
                 "Blender: choose Fit."
             )
-        obj.matrix_world = Matrix.Scale(scale, 4)
+        obj.matrix_world = Matrix.Scale(scale, 4) @ Matrix.Translation(obj.leaflight.origin)
     elif mode == "SAME":
         other = context.scene.objects[partner]
         ratio = unit / meters(other.leaflight.unit)
-        obj.matrix_world = other.matrix_world @ Matrix.Scale(ratio, 4)
+        matrix = source_files.place_of_file(other) @ np.diag([ratio, ratio, ratio, 1.0])
+        matrix[:3, 3] += matrix[:3, :3] @ np.array(obj.leaflight.origin, np.float64)
+        obj.matrix_world = Matrix(matrix.tolist())
 
 
 def registered(context, obj, is_patient):
@@ -96,8 +98,8 @@ def _overlap(obj, other):
     """Whether the boxes of two volumes have a place in common, in their patients' coordinates."""
     boxes = []
     for one in (obj, other):
-        low, high = np.asarray(cache.volume_of(one).field().bounds, np.float64)
-        boxes.append(np.array([low, high]) * meters(one.leaflight.unit))
+        box = np.asarray(cache.volume_of(one).field().bounds, np.float64) + one.leaflight.origin
+        boxes.append(box * meters(one.leaflight.unit))
     (low, high), (other_low, other_high) = boxes
     return bool(np.all(low <= other_high) and np.all(other_low <= high))
 
@@ -126,6 +128,9 @@ def _boxes_around(context, low, high):
     """Lowest and highest corner (2, 3) of each visible mesh about as large as a box, within which
     it stands in part; rooms are larger."""
     boxes = []
+    # Those that it merely touches do not hide it.
+    margin = 1e-4 * (high - low)
+    low, high = low + margin, high - margin
     for other in context.visible_objects:
         if other.type != "MESH" or _is_volume(other):
             continue

@@ -69,7 +69,9 @@ MESSAGES = {
     "Custom: %s %%": "Eigener Fehler: %s %%",
     "Estimate": "Schätzen",
     "About %s and %s to %s %%": "Etwa %s und %s bis %s %%",
-    "Stopped at %s %%, target %s %%": "Angehalten bei %s %%, Ziel %s %%",
+    "Stopped: estimated error %s %% (target %s %%)": (
+        "Angehalten: geschätzter Fehler %s %% (Ziel %s %%)"
+    ),
     "Live": "Mitgehend",
     (
         "Once there is a bake, follow lamps, walls and volumes that move: direct light at once, "
@@ -84,7 +86,7 @@ MESSAGES = {
     ),
     "Baked in %s s": "In %s s beleuchtet",
     "Quality reached: %s": "Qualität erreicht: %s",
-    "Quality not reached: %s": "Qualität nicht erreicht: %s",
+    "Estimated error %s %% (target: %s)": "Geschätzter Fehler %s %% (Ziel: %s)",
     "Lamps have changed since the bake: all light is scaled, exactly": (
         "Lampen sind seit dem Beleuchten geändert: alles Licht ist genau angepasst"
     ),

@@ -19,7 +19,7 @@ QUALITY_ITEMS = [
 # The property Error.
 ERROR = {
     "name": "Error",
-    "description": "The bake goes on until its error is this, in percent of the displayable range",
+    "description": "Target error, in percent of the displayable range",
     "subtype": "PERCENTAGE",
     "default": QUALITIES["GOOD"],
     "min": 0.01,
@@ -63,9 +63,9 @@ class BakeOptions:
         description="Highest isovalue that the bake shall light",
     )
     use_resolution: BoolProperty(
-        name="Own Resolution",
-        description="Choose the number of texels yourself, where a volume is too large for the "
-        "memory or the time at hand. Otherwise it follows from the voxels",
+        name="Texels",
+        description="Choose the number of texels, where a volume is too large for the memory or "
+        "the time at hand. Otherwise it follows from the voxels",
     )
     resolution: IntProperty(
         name="Texels",
@@ -88,8 +88,7 @@ class BakeOptions:
     )
     use_time_limit: BoolProperty(
         name="Time Limit",
-        description="End the bake in some time, whatever its error is then. Where the time is "
-        "short, its light is coarser. Continue improves it later",
+        description="Stop after this many seconds. Where the time is short, the light is coarser",
     )
     time_limit: FloatProperty(
         name="Seconds",

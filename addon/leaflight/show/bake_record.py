@@ -32,6 +32,7 @@ class BakeRecord:
     bake_outcome: StringProperty(name="Error That the Bake Reached")
     bake_error: FloatProperty(name="Estimated Error of the Bake")
     bake_target: FloatProperty(name="Target of the Bake")
+    bake_needs_texels: BoolProperty(name="Most of the Error Is Detail Finer than the Texels")
     bake_warnings: StringProperty(name="Warnings of the Bake")
     comparison: StringProperty(name="Last Comparison")
     atlas_columns: IntProperty(name="Columns of the Atlas, 0 if There Is None")

@@ -108,7 +108,7 @@ class Isosurfaces:
         name="Shading",
         description="How the surface gets its colors from the baked radiance",
         items=[
-            ("ATTRIBUTE", "Vertex Attribute", "Interpolate the radiance at the mesh's vertices"),
+            ("ATTRIBUTE", "Vertices", "Interpolate the radiance at the mesh's vertices"),
             ("ATLAS", "Volume Texture", "Look up the baked texels, whose shadows are blurred"),
         ],
         update=_shading_changed,

@@ -7,7 +7,9 @@ from .. import versions
 from . import added, isosurface, isosurfaces, shader_graph
 
 # For panels, where a color is not the baked one.
-NEW_COLOR = "Light that was reflected before has still the baked color: bake again"
+NEW_COLOR = "Indirect light still uses the baked color: bake again"
+# A bake gives all isosurfaces of a volume its color.
+OWN_COLOR = "Indirect light uses the color of the volume"
 
 # Keyframes and drivers use this path, seen from the object.
 OPACITY_PATH = "leaflight_look.opacity"
@@ -67,11 +69,15 @@ def _cut_of(obj):
     box = box_of(obj)
     if box is None:
         return None
+    keeps = added.volume_object(obj).leaflight_look.keep == "INSIDE"
+    low, high = bounds_of(box)
+    return shader_graph.Cut(box, box.name_full, low, high, keeps)
+
+
+def bounds_of(box):
+    """The lowest and the highest corner (x, y, z) of a clip box in its own coordinates."""
     if box.type == "EMPTY":
         size = box.empty_display_size
-        low, high = (-size,) * 3, (size,) * 3
-    else:
-        corners = np.array(box.bound_box)
-        low, high = tuple(corners.min(axis=0).tolist()), tuple(corners.max(axis=0).tolist())
-    keeps = added.volume_object(obj).leaflight_look.keep == "INSIDE"
-    return shader_graph.Cut(box, box.name_full, low, high, keeps)
+        return (-size,) * 3, (size,) * 3
+    corners = np.array(box.bound_box)
+    return tuple(corners.min(axis=0).tolist()), tuple(corners.max(axis=0).tolist())

@@ -39,8 +39,9 @@ def update(volume, depsgraph=None):
 
 
 def position(volume, axis):
-    """Of a slice, in the unit of length of the volume. Raises LeaflightError."""
+    """The place of a slice in the coordinates of the file. Raises LeaflightError."""
     low, high = np.asarray(cache.volume_of(volume).field().bounds, np.float64)[:, axis]
+    low, high = (end + volume.leaflight.origin[axis] for end in (low, high))
     return low + volume.leaflight_look.slice_places[axis] * (high - low)
 
 

@@ -3,7 +3,7 @@
 """The part of Object.leaflight about the file of a volume."""
 
 from .. import versions
-from . import isovalues, surface_object
+from . import isovalues, surface_object, units
 from .overridable import (
     BoolProperty,
     EnumProperty,
@@ -88,4 +88,16 @@ class VolumeSource:
         options=set(),
         update=shape_changed,
     )
+    origin: FloatVectorProperty(
+        name="Origin",
+        description="Place of the object's origin in the coordinates of the file, its middle",
+        size=3,
+    )
     unit: StringProperty(name="Unit", description="What the file measures lengths in")
+    unit_choice: EnumProperty(
+        name="Unit",
+        description="What the coordinates of the file are measured in",
+        items=units.ITEMS,
+        get=lambda settings: units.number_of(settings.unit),
+        set=lambda settings, number: setattr(settings, "unit", units.unit_at(number)),
+    )

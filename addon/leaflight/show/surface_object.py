@@ -69,14 +69,14 @@ class _Shown:
 def create(context, volume, size):
     """A mesh object in the active collection for the volume, its longest side `size` units long.
 
-    The object's transform alone scales and places it: centred on the grid floor.
+    The object's origin is the middle of the volume, above the middle of the grid floor.
     """
     obj = new(context, volume.name)
     low, high = np.asarray(volume.field().bounds, np.float64)
     scale = size / float((high - low).max())
-    centre = 0.5 * (low + high)
+    obj.leaflight.origin = 0.5 * (low + high)
     obj.scale = (scale, scale, scale)
-    obj.location = (-scale * centre[0], -scale * centre[1], -scale * low[2])
+    obj.location = (0.0, 0.0, 0.5 * scale * (high - low)[2])
     return obj
 
 
@@ -181,6 +181,11 @@ def finish(obj, surface, made):
 def is_coarse(mesh):
     """Whether it holds less than the whole detail of its isosurface."""
     return bool(mesh.get(_COARSE))
+
+
+def expect_as_many_triangles(obj, other):
+    """Has an isosurface that is yet to be shown be coarse at first where another one is large."""
+    obj.data[_TRIANGLES] = other.data.get(_TRIANGLES, 0)
 
 
 def _halvings_in_motion(mesh):

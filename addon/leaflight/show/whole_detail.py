@@ -10,10 +10,9 @@ without a window nothing ever is coarse.
 import time
 
 import bpy
-import leaflight
 
 from .. import session
-from ..operators.background import BackgroundWork
+from ..operators import failures, jobs
 from . import isosurface, surface_object
 
 # Seconds from the last move to the work, and between two looks at it.
@@ -73,6 +72,16 @@ def _is_to_be_made(obj):
     return surface_object.is_coarse(obj.data)
 
 
+class _Making(jobs.Job):
+    """Makes the whole detail of an Isosurface; made: it and its arrays, once that is done."""
+
+    def __init__(self, surface):
+        self._surface, self.made = surface, None
+
+    def run(self, _progress):
+        self.made = self._surface, self._surface.made()
+
+
 class _Job:
     """The work on the surface of an object."""
 
@@ -80,9 +89,7 @@ class _Job:
         self._label = surface_object.label_of(obj.data)
         # From the first look at it on, when the last move has been drawn, however long that took.
         self._since = None
-        self._work = None
-        # Written by the thread: what was made of an Isosurface.
-        self._made = None
+        self._work = self._making = None
 
     def serves(self, obj):
         return obj is not None and surface_object.label_of(obj.data) == self._label
@@ -94,16 +101,14 @@ class _Job:
         if self._work is None:
             if time.monotonic() >= self._since + PAUSE:
                 surface = isosurface.isosurface_of(obj, surface_object.shown_isovalue(obj))
-                self._work = BackgroundWork(lambda _: self._make(surface))
+                self._making = _Making(surface)
+                self._work = jobs.BackgroundWork(self._making)
             return True
         if self._work.is_alive():
             return True
         self._work.result()
-        surface_object.finish(obj, *self._made)
+        surface_object.finish(obj, *self._making.made)
         return False
-
-    def _make(self, surface):
-        self._made = surface, surface.made()
 
 
 def _tick():
@@ -116,8 +121,8 @@ def _tick():
             continue
         try:
             goes_on = job.step(obj)
-        except leaflight.LeaflightError as error:
-            surface_object.problems[obj.name_full] = str(error)
+        except Exception as error:
+            surface_object.problems[obj.name_full] = failures.sentence_of(error)
             goes_on = False
         if not goes_on:
             _jobs.pop(name, None)

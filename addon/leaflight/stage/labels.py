@@ -25,8 +25,8 @@ def add_scale_bar(context, volume):
     unit = volume.leaflight.unit
     if not unit:
         raise LeaflightError(
-            f"{volume.leaflight.source or volume.name}: the file gives no unit of length, so that "
-            "there is no scale to show."
+            f"{volume.leaflight.source or volume.name}: the file gives no unit of length; choose "
+            "one under Scale and Labels."
         )
     _remove(volume, _BAR)
     low, high, side = _box(volume)

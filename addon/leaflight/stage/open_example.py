@@ -6,7 +6,7 @@ from pathlib import Path
 import bpy
 import leaflight
 
-from ..operators import background, checks
+from ..operators import checks, jobs
 from ..store import bake_files
 
 # Colin27's brain, and his head, of the Debian package mricron-data.
@@ -27,7 +27,7 @@ class LEAFLIGHT_OT_open_example(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return background.is_free(cls) and checks.in_object_mode(cls, context)
+        return jobs.is_free(cls) and checks.in_object_mode(cls, context)
 
     def execute(self, _context):
         try:

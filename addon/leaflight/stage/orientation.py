@@ -11,9 +11,10 @@ import numpy as np
 from bpy.props import EnumProperty
 from mathutils import Matrix
 
-from ..operators import background, checks
+from ..operators import checks, jobs
 from ..operators.active_volume import active_volume
 from ..show import isovalues, isosurfaces
+from ..store import source_files
 from ..show.overridable import BoolProperty, IntProperty, PointerProperty
 
 AXES = {
@@ -106,29 +107,29 @@ class LeaflightOrientation(bpy.types.PropertyGroup):
     is_unknown: BoolProperty(name="No Orientation in the File, and None Chosen")
 
 
+_WAYS = [
+    ("TIP", "Tip", "The top comes towards the viewer"),
+    ("ROLL", "Roll", "The top goes to the viewer's right"),
+    ("TURN", "Turn", "The front goes to the viewer's right"),
+]
+
+
 class LEAFLIGHT_OT_turn_volume(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.turn_volume"
     bl_label = "Turn 90 Degrees"
     bl_description = "Turn the volume by 90 degrees as the viewer of a stage sees it"
     bl_options = {"REGISTER", "UNDO"}
 
-    way: EnumProperty(
-        name="Way",
-        items=[
-            ("TIP", "Tip", "The top comes towards the viewer"),
-            ("ROLL", "Roll", "The top goes to the viewer's right"),
-            ("TURN", "Turn", "The front goes to the viewer's right"),
-        ],
-    )
+    way: EnumProperty(name="Way", items=_WAYS)
 
     @classmethod
     def description(cls, _context, properties):
-        items = cls.bl_rna.properties["way"].enum_items
-        return items[properties.way].description
+        texts = {key: text for key, _, text in _WAYS}
+        return texts[properties.way]
 
     @classmethod
     def poll(cls, context):
-        return background.is_free(cls) and super().poll(context)
+        return jobs.is_free(cls) and super().poll(context)
 
     def execute(self, context):
         obj = active_volume(context)
@@ -207,7 +208,13 @@ def orient(obj, up, front):
 def _turning_with(obj):
     """The other volumes that share the transform of one."""
     volumes = {other for scene in obj.users_scene for other in isovalues.volumes(scene)}
-    return [o for o in volumes - {obj} if o.matrix_world == obj.matrix_world and o.parent is None]
+    return [o for o in volumes - {obj} if o.parent is None and _is_same_space(o, obj)]
+
+
+def _is_same_space(*objects):
+    """True if the coordinates of the files of two volumes have the same place in the world."""
+    one, other = map(source_files.place_of_file, objects)
+    return np.allclose(one, other, rtol=1e-6, atol=1e-6 * np.abs(one).max())
 
 
 def _vector(number):

@@ -11,7 +11,7 @@ import numpy as np
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from .. import versions
-from ..operators import background, checks
+from ..operators import checks, failures
 from ..operators.active_volume import active_volume
 from ..show import added, isovalues, surface_object, walls
 from ..store import frame_bakes
@@ -160,9 +160,11 @@ def build(context, isosurface, volumes, preset, own=None, hide_others=None):
     seen = points @ np.array(turn.to_3x3())
     description = None if own else presets.fitted(preset, seen)
     was_lit = _put_out(scene, volumes)
-    background.forget_failure()
+    failures.forget()
     _remember(scene, preset, own)
-    _remove_stage(scene)
+    # A viewport that looks through the camera of the stage before goes on to do so.
+    kept = scene.camera if is_staged(scene.camera) and own is None else None
+    _remove_stage(scene, kept)
     if hide_others is not None:
         hidden.show(scene, hidden.all_hidden(scene))
     if hide_others:
@@ -170,7 +172,7 @@ def build(context, isosurface, volumes, preset, own=None, hide_others=None):
     if description is None:
         _use(scene, own)
     else:
-        _build(scene, description, turn, volumes)
+        _build(scene, description, turn, volumes, kept)
     if scene.camera is None or is_staged(scene.camera):
         _use_camera(scene, isosurface, points)
     for obj in volumes:
@@ -209,9 +211,12 @@ def _remember(scene, preset, collection):
         remembered.own_camera = scene.camera
 
 
-def _remove_stage(scene):
-    """Removes the stage before; what the user has put into its collection stays in the scene."""
-    for obj in [obj for obj in scene.objects if is_staged(obj)]:
+def _remove_stage(scene, kept):
+    """Removes the stage before, but for one object, or None.
+
+    What the user has put into its collection stays in the scene.
+    """
+    for obj in [obj for obj in scene.objects if is_staged(obj) and obj != kept]:
         data = obj.data
         materials = [] if data is None or obj.type != "MESH" else list(data.materials)
         bpy.data.objects.remove(obj)
@@ -244,8 +249,11 @@ def _put_out(scene, volumes):
     return was_lit
 
 
-def _build(scene, description, turn, volumes):
-    """The objects of a description, turned about the origin, with its world and exposure."""
+def _build(scene, description, turn, volumes, kept):
+    """Builds the objects of a description, turned about the origin, with its world and exposure.
+
+    kept: the camera of the stage before, or None.
+    """
     collection = bpy.data.collections.new(description.name)
     collection[_STAGED] = collection.name
     scene.collection.children.link(collection)
@@ -255,7 +263,10 @@ def _build(scene, description, turn, volumes):
         obj.matrix_world = turn @ obj.matrix_basis
         collection.objects.link(obj)
         obj[_STAGED] = obj.name
-    scene.camera = None
+    if kept is not None and kept.name in scene.collection.objects:
+        scene.collection.objects.unlink(kept)
+        collection.objects.link(kept)
+    scene.camera = kept
     scene_objects.surround(scene, description.environment)
     if scene.world != scene.leaflight_stage.own_world:
         scene.world[_STAGED] = scene.world.name

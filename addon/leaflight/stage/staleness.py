@@ -12,7 +12,7 @@ import bpy
 import leaflight
 
 from .. import session
-from ..operators import background
+from ..operators import jobs
 from ..show import lamps
 from ..store import bake_files, source_files
 from . import scene_export
@@ -94,7 +94,7 @@ def _look():
     for obj in wanted:
         change_since_bake(bpy.context, obj)
     if _shown != before:
-        background.redraw_panels()
+        jobs.redraw_panels()
     return None
 
 

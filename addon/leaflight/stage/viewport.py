@@ -12,16 +12,27 @@ def show_stage(context):
     Material Preview with the scene's lights and world shows baked colors as renders do, with the
     scene's exposure, whichever engine the scene renders with.
     """
-    window, area = _viewport(context)
+    _, area = _viewport(context)
     if area is None:
         return
     space = area.spaces.active
-    space.shading.type = "MATERIAL"
-    space.shading.use_scene_lights = True
-    space.shading.use_scene_world = True
+    _show_materials(space.shading)
     space.overlay.show_overlays = False
     versions.choose_sidebar_tab(area, "Leaflight")
     look_through_camera(context)
+
+
+def show_light(context):
+    """Has the viewport in use show baked colors, where it shows none."""
+    _, area = _viewport(context)
+    if area is not None and area.spaces.active.shading.type in {"SOLID", "WIREFRAME"}:
+        _show_materials(area.spaces.active.shading)
+
+
+def _show_materials(shading):
+    shading.type = "MATERIAL"
+    shading.use_scene_lights = True
+    shading.use_scene_world = True
 
 
 def look_through_camera(context):

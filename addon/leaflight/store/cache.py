@@ -66,7 +66,8 @@ def placed(volume, index_to_world):
 
 def keep_volume(obj, volume):
     """Keeps the volume that was read for an object, which is not yet baked."""
-    _volumes[source_files.key_of(obj.leaflight)] = volume
+    settings = obj.leaflight
+    _volumes[source_files.key_of(settings)] = _in_object(settings, volume)
 
 
 def bake_of(obj):
@@ -135,8 +136,13 @@ def _source_volume(obj):
     if key not in _volumes:
         _make_room()
         volume = source_files.read(settings)
-        _volumes[key] = volume.capped() if settings.capped else volume
+        _volumes[key] = _in_object(settings, volume.capped() if settings.capped else volume)
     return _volumes[key]
+
+
+def _in_object(settings, volume):
+    """A volume of a file in the coordinates of its object."""
+    return replace(volume, index_to_world=source_files.from_file(settings) @ volume.index_to_world)
 
 
 def _baked_key(obj):

@@ -44,7 +44,7 @@ class LeaflightPreferences(bpy.types.AddonPreferences):
         update=lambda self, _context: _limit_memory(self),
     )
     memory: FloatProperty(
-        name="Memory",
+        name="Memory (GB)",
         description="Gigabytes that volumes and bakes may take from now on",
         default=8.0,
         min=0.5,
@@ -65,6 +65,7 @@ class LeaflightPreferences(bpy.types.AddonPreferences):
             row = layout.row()
             row.active = getattr(self, switch)
             row.prop(self, value)
+        layout.operator("leaflight.copy_report", icon="COPYDOWN")
 
 
 def cache_folder():

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import bpy
 import leaflight
+import numpy as np
 from leaflight.bake.provenance import values_sha256
 from leaflight.io import readers
 from leaflight.volume import smoothing
@@ -133,10 +134,22 @@ def _install(missing):
     return f'\'"{sys.executable}" -m pip install --no-deps --target "{target}" {missing.package}\''
 
 
+def from_file(settings):
+    """The matrix (4, 4) from the coordinates of a volume's file to those of its object."""
+    matrix = np.eye(4)
+    matrix[:3, 3] -= settings.origin
+    return matrix
+
+
+def place_of_file(obj):
+    """The matrix (4, 4) from the coordinates of a volume's file to the world."""
+    return np.array(obj.matrix_world, np.float64) @ from_file(obj.leaflight)
+
+
 def key_of(settings):
     """A key, different for the volumes of different files, and after each change of a file."""
-    choices = choices_of(settings)
-    return (path_of(settings), *choices.values(), settings.capped, file_state(settings))
+    choices = (*choices_of(settings).values(), settings.capped, *settings.origin)
+    return (path_of(settings), *choices, file_state(settings))
 
 
 def file_state(settings):

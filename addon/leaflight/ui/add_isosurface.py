@@ -10,7 +10,7 @@ from bpy.props import EnumProperty, FloatProperty, StringProperty
 
 from ..operators import checks
 from ..operators.active_volume import active_volume
-from ..show import added, isovalues, surface_object
+from ..show import added, isovalues, surface_object, whole_detail
 from ..store import cache
 from ..translations import iface_
 from . import proposals
@@ -76,7 +76,13 @@ class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
             return {"CANCELLED"}
         for one in outer:
             one.leaflight_look.opacity = min(one.leaflight_look.opacity, self.opacity)
-        obj.leaflight.isovalue = isovalue
+        if not whole_detail.may_follow():
+            obj.leaflight.isovalue = isovalue
+            return {"FINISHED"}
+        # The window does not wait for the whole detail, which follows in the background.
+        surface_object.expect_as_many_triangles(obj, volume)
+        surface_object.update(obj, isovalue, moving=True)
+        whole_detail.watch([obj])
         return {"FINISHED"}
 
 

@@ -5,7 +5,7 @@ import bpy
 
 from .. import versions
 from ..bake import bake, continue_bake, estimate_bake, live, resume_bake, stopped
-from ..operators import background
+from ..operators import failures, jobs
 from ..operators.active_volume import active_volume
 from ..show import bake_options, lamps, surface_material
 from ..stage import staleness
@@ -31,7 +31,7 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
         button.scale_y = 1.5
         button.operator(bake.LEAFLIGHT_OT_bake.bl_idname, text="Bake", icon="LIGHT_AREA")
         button.prop(context.scene, "leaflight_live", toggle=True, icon="FILE_REFRESH")
-        work = background.running()
+        work = jobs.running()
         if (
             work is None
             and stopped.offered() is None
@@ -43,8 +43,10 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
             layout.operator(stopped.LEAFLIGHT_OT_stop_bake.bl_idname, icon="CANCEL")
         elif stopped.offered() is not None:
             self._draw_offer(context, stopped.offered())
-        elif background.failure():
-            sentence(context, layout, background.failure(), icon="ERROR")
+        elif failures.sentence():
+            sentence(context, layout, failures.sentence(), icon="ERROR")
+            if failures.is_bug():
+                layout.operator(failures.LEAFLIGHT_OT_copy_report.bl_idname, icon="COPYDOWN")
         if _shows_result(settings):
             self._draw_result(context, settings)
 
@@ -70,7 +72,7 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
 
     def _draw_offer(self, context, job):
         reached = job.latest.statistics.estimated_error_percent
-        text = iface_("Stopped at %s %%, target %s %%")
+        text = iface_("Stopped: estimated error %s %% (target %s %%)")
         numbers = f"{reached:.2g}", f"{job.latest.provenance.error or 0:.2g}"
         sentence(context, self.layout, text % numbers, icon="QUESTION")
         row = self.layout.row(align=True)
@@ -96,10 +98,12 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
             name = _name_of_quality(settings)
             layout.label(text=iface_("Quality reached: %s") % name, icon="CHECKMARK")
         else:
-            name = _name_of_quality(settings)
-            layout.label(text=iface_("Quality not reached: %s") % name, icon="ERROR")
-        if continue_bake.can_continue(obj):
-            layout.operator(continue_bake.LEAFLIGHT_OT_continue_bake.bl_idname, icon="PLAY")
+            figures = f"{settings.bake_error:.2g}", _name_of_quality(settings)
+            text = iface_("Estimated error %s %% (target: %s)") % figures
+            sentence(context, layout, text, icon="INFO")
+        suited = continue_bake.suited(obj)
+        if suited is not None:
+            layout.operator(suited.bl_idname, icon="PLAY")
 
 
 class LEAFLIGHT_PT_bake_details(VolumePanel, bpy.types.Panel):
@@ -131,7 +135,7 @@ class LEAFLIGHT_PT_bake_details(VolumePanel, bpy.types.Panel):
 
 
 def _shows_result(settings):
-    at_work = background.running() is not None or stopped.offered() is not None
+    at_work = jobs.running() is not None or stopped.offered() is not None
     return bool(settings.bake_id) and not at_work
 
 

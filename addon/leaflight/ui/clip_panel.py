@@ -5,9 +5,8 @@ import bpy
 
 from ..operators.active_volume import active_volume
 from ..show import added
-from ..show.isosurface import RADIANCE_BACK
 from ..translations import iface_
-from . import add_isosurface
+from . import add_isosurface, clip_outline
 from .sidebar import VolumePanel, sentence
 
 
@@ -24,6 +23,7 @@ class LEAFLIGHT_PT_clip(VolumePanel, bpy.types.Panel):
         row.operator(add_isosurface.LEAFLIGHT_OT_add_clip_box.bl_idname, text="", icon="ADD")
         if look.box is None or not look.box.users_scene:
             return
+        clip_outline.panel_is_open(context)
         row = layout.row(align=True)
         row.prop(look, "keep", expand=True)
         layout.prop(look, "cut_colors")
@@ -34,9 +34,6 @@ class LEAFLIGHT_PT_clip(VolumePanel, bpy.types.Panel):
         if look.box.type != "EMPTY" and not look.box.hide_render:
             text = iface_('"%s" renders and is baked: hide it in renders') % look.box.name
             sentence(context, layout, text, icon="ERROR")
-        if volume.leaflight.bake_id and RADIANCE_BACK not in volume.data.attributes:
-            text = "backs are not baked: bake with Both Sides to light them"
-            sentence(context, layout, text, icon="INFO")
 
 
 def register():

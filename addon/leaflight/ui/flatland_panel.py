@@ -5,7 +5,7 @@ import bpy
 
 from .. import versions
 from ..bake import bake_flatland
-from ..operators import background
+from ..operators import jobs
 from ..show import surface_object
 from .sidebar import SidebarPanel, sentence, split
 
@@ -32,7 +32,7 @@ class LEAFLIGHT_PT_flatland(SidebarPanel, bpy.types.Panel):
             for name in names:
                 column.prop(settings, name, text={"low": "Lowest", "high": "Highest"}.get(name))
         layout.operator(bake_flatland.LEAFLIGHT_OT_bake_flatland.bl_idname, icon="LIGHT_AREA")
-        job = background.running()
+        job = jobs.running()
         if job is not None:
             versions.draw_progress(layout, job.fraction(), job.status())
         problem = surface_object.problems.get(context.object.name_full)

@@ -9,7 +9,7 @@ from bpy.app.handlers import persistent
 
 from .. import session
 from ..bake import live, stopped
-from ..operators import active_volume, background
+from ..operators import active_volume, failures, jobs
 from ..show import (
     added,
     cut_faces,
@@ -79,7 +79,7 @@ def _after_change(scene, depsgraph):
             cut_faces.update(volume, depsgraph)
     if shown_anew or relit or moved:
         # Blender draws anew where the isovalue was moved; it stands in two places.
-        background.redraw_panels()
+        jobs.redraw_panels()
     for obj in filter(added.is_isosurface, isovalues.known()):
         if obj.library is None and not surface_material.shows_its_view(obj):
             surface_object.shade(obj)
@@ -129,6 +129,7 @@ def _is_ours(obj):
 @persistent
 def _after_undo(scene, _depsgraph):
     """Undo may bring back an isovalue without its surface, made after the step was stored."""
+    failures.forget()
     staleness.forget()
     surface_object.forget()
     first_light.forget()
@@ -147,8 +148,8 @@ def _before_render(scene, *_):
 @persistent
 def _before_load(*_):
     live.forget()
-    background.cancel_running()
-    background.forget_failure()
+    jobs.abandon()
+    failures.forget()
     stopped.save_offered()
     session.forget()
     staleness.forget()
@@ -206,6 +207,6 @@ def register():
 def unregister():
     for event, handler in _HANDLERS:
         getattr(bpy.app.handlers, event).remove(handler)
-    background.cancel_running()
+    jobs.abandon()
     stopped.save_offered()
     session.forget()

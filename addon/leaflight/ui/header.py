@@ -4,7 +4,7 @@
 import bpy
 
 from ..bake import bake, stopped
-from ..operators import background
+from ..operators import jobs
 from ..operators.active_volume import active_volume
 from ..stage import presets, stage
 
@@ -40,7 +40,7 @@ def _draw(header, context):
 
 
 def _draw_bake(row):
-    work = background.running()
+    work = jobs.running()
     button = row.row(align=True)
     if work is not None:
         button.ui_units_x = 12

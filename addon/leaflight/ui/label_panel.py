@@ -7,7 +7,8 @@ import leaflight
 from ..operators import checks
 from ..operators.active_volume import active_volume
 from ..stage import labels, orientation_cube
-from .sidebar import VolumePanel
+from ..translations import iface_
+from .sidebar import VolumePanel, sentence
 
 
 class _LabelOperator(checks.VolumeOperator):
@@ -26,6 +27,15 @@ class LEAFLIGHT_OT_add_scale_bar(_LabelOperator, bpy.types.Operator):
     bl_idname = "leaflight.add_scale_bar"
     bl_label = "Scale Bar"
     bl_description = "Put a bar of a round length before the volume, in the unit of its file"
+
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        if not active_volume(context).leaflight.unit:
+            cls.poll_message_set("Choose the unit of length first")
+            return False
+        return True
 
     def add(self, context, volume):
         labels.add_scale_bar(context, volume)
@@ -56,10 +66,15 @@ class LEAFLIGHT_OT_add_orientation_cube(_LabelOperator, bpy.types.Operator):
 
 
 class LEAFLIGHT_PT_labels(VolumePanel, bpy.types.Panel):
-    bl_label = "Labels"
+    bl_label = "Scale and Labels"
     bl_options = {"DEFAULT_CLOSED"}
 
-    def draw(self, _context):
+    def draw(self, context):
+        settings = active_volume(context).leaflight
+        if not settings.unit:
+            text = iface_("The file gives no unit of length")
+            sentence(context, self.layout, text, icon="QUESTION")
+        self.layout.prop(settings, "unit_choice")
         row = self.layout.row(align=True)
         row.operator(LEAFLIGHT_OT_add_scale_bar.bl_idname)
         row.operator(LEAFLIGHT_OT_add_letters.bl_idname)

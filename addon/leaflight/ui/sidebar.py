@@ -42,8 +42,10 @@ def sentence(context, layout, text, icon="NONE"):
 
 
 def optional(layout, settings, switch, value):
-    """A value that counts only where its switch is on."""
-    layout.prop(settings, switch)
-    row = layout.row()
-    row.active = getattr(settings, switch)
-    row.prop(settings, value)
+    """A value that counts only where its switch is on, on one line with it."""
+    name = settings.bl_rna.properties[switch].name
+    row = layout.row(align=True, heading=name)
+    row.prop(settings, switch, text="")
+    column = row.row()
+    column.active = getattr(settings, switch)
+    column.prop(settings, value, text="")

@@ -5,13 +5,13 @@
 import bpy
 from bpy.props import EnumProperty
 
-from ..operators import background, checks
+from ..operators import background, checks, jobs
 from ..operators.active_volume import active_volume
 from ..show import added, isovalues
 from ..store import cache, source_files
 
 
-class SmoothJob(background.Job):
+class SmoothJob(jobs.Job):
     """Reads the file of a volume object again, with another one of source_files.SMOOTHING."""
 
     name = "Smooth"

@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..operators import background
+from ..operators import jobs
 from ..operators.active_volume import active_volume
 from ..stage import hidden, presets, stage
 from ..stage import orientation as orientation_of
@@ -42,7 +42,7 @@ class LEAFLIGHT_PT_stage(VolumePanel, bpy.types.Panel):
             text = iface_("The file has no orientation: choose Up and Front")
             sentence(context, self.layout, text, icon="QUESTION")
         column = self.layout.column(align=True)
-        column.enabled = background.running() is None
+        column.enabled = jobs.running() is None
         split(column)
         column.prop(orientation, "up")
         column.prop(orientation, "front")

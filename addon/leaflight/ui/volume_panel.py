@@ -6,10 +6,10 @@ import bpy
 from ..bake import load_bake
 from ..importing import import_image, import_volume
 from ..operators.active_volume import active_volume
-from ..show import added, isovalues, look, surface_material, surface_object
+from ..show import added, backs, isovalues, look, surface_material, surface_object
 from ..stage import open_example
 from ..translations import iface_
-from . import add_isosurface, proposals
+from . import add_isosurface, clip_outline, proposals
 from .sidebar import SidebarPanel, sentence
 
 
@@ -18,6 +18,7 @@ class LEAFLIGHT_PT_volume(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context):
         layout = self.layout
+        clip_outline.begin_sidebar(context)
         graph, obj = context.object, active_volume(context)
         if graph is not None and graph.leaflight_flat.is_flatland:
             layout.label(text=graph.name, icon="IMAGE_DATA", translate=False)
@@ -32,6 +33,9 @@ class LEAFLIGHT_PT_volume(SidebarPanel, bpy.types.Panel):
         problem = surface_object.problems.get(obj.name_full)
         if problem:
             sentence(context, layout, problem, icon="ERROR")
+        note = backs.note(obj)
+        if note:
+            sentence(context, layout, note, icon="INFO")
         for other in added.added_to(obj):
             self._draw_added(context, other)
         row = layout.row(align=True)
@@ -65,7 +69,7 @@ class LEAFLIGHT_PT_volume(SidebarPanel, bpy.types.Panel):
         if problem:
             sentence(context, box, problem, icon="ERROR")
         elif surface_material.is_recolored(obj):
-            sentence(context, box, look.NEW_COLOR, icon="INFO")
+            sentence(context, box, look.OWN_COLOR, icon="INFO")
 
     def _draw_partners(self, context, obj):
         """What the volumes that are baked together show."""

@@ -135,7 +135,7 @@ Baked<D> light(const Scene<D>& scene, const FixedSettings<D>& settings, const Pl
         make_grid<D>(std::move(direct[v]), light_indirectly(bake, v, estimator.get())));
   }
   if (plan.walls) {
-    progress.begin("Radiance of the walls");
+    progress.begin("Lighting walls");
     const auto direct_of_walls =
         std::make_shared<const MeshDirectLight<D>>(tracer, walls, progress);
     baked.walls = light_walls(tracer, bake.sampler(), estimator.get(), walls, direct_of_walls,

@@ -345,6 +345,7 @@ class Bake:
             *,
             coarser: int = 0,
             embed: bool = False,
+            lengths: tuple[float, str] | None = None,
             progress: _Watched = None,
         ) -> Path: ...
 

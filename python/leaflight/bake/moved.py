@@ -105,7 +105,7 @@ def lit_walls(bake: Bake, detail: Detail, progress: _core.Progress) -> Bake:
     assert original is not None
     if original.walls is None:
         return bake
-    progress.begin("Direct light of the walls")
+    progress.begin("Shadows on walls")
     same_as = _same_meshes(original.scene.meshes, bake.scene.meshes)
     before, now = original.core_scene(), bake.core_scene()
     walls = original.walls.moved(

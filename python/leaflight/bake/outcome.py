@@ -31,9 +31,8 @@ def outcome(bake: _Baked, why: str = "it was stopped or its time was over") -> s
 
 def _reached(bake: _Baked, why: str) -> str:
     statistics = bake.statistics
-    target = bake.provenance.error
-    reached, noise = statistics.estimated_error_percent, statistics.estimated_noise_percent
-    assert target is not None and reached is not None and noise is not None
+    target, reached = bake.provenance.error, statistics.estimated_error_percent
+    assert target is not None and reached is not None
     passes = f"{statistics.passes} pass{'es' if statistics.passes > 1 else ''}"
     text = (
         f"estimated error {reached:.2f} %{_worst(statistics)} after {passes} (target {target:g} %)"
@@ -44,10 +43,17 @@ def _reached(bake: _Baked, why: str) -> str:
         return f"{text}; the target was not reached: {why}"
     if not bake.provenance.blocks:
         return f"{text}; the target was not reached with so few samples"
-    # As variances: the rest is what the texels' width leaves out, which no more passes bring.
-    if 2 * noise**2 < reached**2:
+    if is_limited_by_texels(bake):
         return f"{text}; most of it is detail finer than the texels, which more passes do not add"
     return f"{text}; the target was not reached in the most passes that a bake has: continue it"
+
+
+def is_limited_by_texels(bake: _Baked) -> bool:
+    """True if most of the error is detail finer than the texels, which more passes do not add."""
+    reached = bake.statistics.estimated_error_percent
+    noise = bake.statistics.estimated_noise_percent
+    # As variances.
+    return reached is not None and noise is not None and 2 * noise**2 < reached**2
 
 
 def _worst(statistics: Statistics) -> str:

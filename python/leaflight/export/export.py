@@ -5,6 +5,7 @@ import os
 from collections.abc import Callable, Iterable, Sequence
 from importlib import import_module
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import leaflight._core as _core
 
@@ -14,7 +15,10 @@ from ..io.output import check_writable
 from ..progress_bar import with_progress
 from ..stills.first_view import default_isovalue_of
 from ..volume.setting_error import SettingError
-from .page import write_page
+from .page import PageOptions, write_page
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 # Suffix -> (module of this room or of io, its function): a page of all, of the whole volume, of one
 # isosurface, or of one or a sequence.
@@ -45,8 +49,7 @@ def export(
     volume: int = 0,
     back: bool = False,
     progress: _core.Progress | None = None,
-    coarser: int = 0,
-    embed: bool = False,
+    **page: "Unpack[PageOptions]",
 ) -> dict[float, Surface]:
     """Writes a Bake for another program, as a whole or not at all; docs/export.md has the formats.
 
@@ -56,21 +59,21 @@ def export(
     isovalues: of the isosurfaces (of the common isovalue, see Bake), in their order; None is the
         default one.
     volume: the number of one of several; back: the back.
-    coarser, embed: of an .html, see write_page() in page.py.
+    page: coarser, embed and lengths of an .html, see write_page() in page.py.
     Returns {isovalue: Surface} of what was written, empty for a volume. Raises LeaflightError,
     Cancelled.
     """
     path, suffix = Path(path), Path(path).suffix.lower()
     isovalues = None if isovalues is None else [float(isovalue) for isovalue in isovalues]
     _check(path, suffix, isovalues, back)
-    if suffix != PAGE and (coarser or embed):
+    if suffix != PAGE and any(page.values()):
         raise SettingError(
             f"{path}: only a web page (.html) is written coarser or to embed.", "coarser", "embed"
         )
     check_writable(path, suffix)
     if suffix == PAGE:
         first = isovalues[0] if isovalues else None
-        export_page(bake, path, first, coarser=coarser, embed=embed, progress=progress)
+        export_page(bake, path, first, progress=progress, **page)
         return {}
     write = _writer(path, suffix)
     if suffix in OF_VOLUME:
@@ -103,11 +106,12 @@ def export_page(
     *,
     coarser: int = 0,
     embed: bool = False,
+    lengths: tuple[float, str] | None = None,
     progress: _core.Progress | None = None,
 ) -> Path:
     """Writes a Bake as a web page, see write_page(); isovalue: None is the default one."""
     isovalue = default_isovalue_of(bake) if isovalue is None else isovalue
-    return write_page(path, bake, isovalue, coarser, embed, progress)
+    return write_page(path, bake, isovalue, coarser, embed, progress, lengths)
 
 
 def _check(path: Path, suffix: str, isovalues: Sequence[float] | None, back: bool) -> None:

@@ -17,7 +17,7 @@ from ..stills.photograph import metered_stops, photographed
 from ..stills.still import still
 from .export import export_page
 from .page import MOST_COARSER
-from .page_volume import estimated_bytes
+from .page_size import estimated_bytes
 
 if TYPE_CHECKING:
     from PIL.Image import Image

@@ -6,6 +6,7 @@ import html
 import json
 import os
 from pathlib import Path
+from typing import TypedDict
 
 import leaflight._core as _core
 
@@ -17,10 +18,10 @@ from ..stills.photograph import photographed
 from ..stills.still import check_diffuse, still
 from .light_bricks import LARGEST_SIDE
 from .page_data import EVERY, page_data
-from .page_volume import dims_of, estimated_bytes, texels_of
+from .page_size import estimated_bytes
+from .page_template import read_template
+from .page_volume import dims_of, texels_of
 
-# Of package data: the page without a bake, made by web/bundle.mjs.
-TEMPLATE = Path(__file__).parent.parent / "page" / "page.html"
 # Where the page's data, its first picture and its permissions go.
 _DATA, _POSTER = "<!--leaflight:data-->", "leaflight-poster"
 _POLICY = "leaflight-connect-src"
@@ -34,6 +35,14 @@ LARGEST_BYTES = 200e6
 MOST_COARSER = 3
 
 
+class PageOptions(TypedDict, total=False):
+    """The arguments of write_page() that are given by name."""
+
+    coarser: int
+    embed: bool
+    lengths: tuple[float, str] | None
+
+
 def write_page(
     path: str | os.PathLike[str],
     bake: Bake,
@@ -41,12 +50,14 @@ def write_page(
     coarser: int = 0,
     embed: bool = False,
     progress: _core.Progress | None = None,
+    lengths: tuple[float, str] | None = None,
 ) -> Path:
     """Writes a Bake as a web page, an .html that needs no server and loads nothing else.
 
     isovalue: the common isovalue that is shown at first. coarser: how many times voxels and texels
     are halved along each axis, 0 to 3. embed: a folder named as path without its suffix instead,
-    for an iframe: index.html, which fetches bake.bin beside it and so needs a server. Returns the
+    for an iframe: index.html, which fetches bake.bin beside it and so needs a server. lengths: how
+    long a unit of the world is, and in which unit, where that is not the bake's own. Returns the
     path of the file, or of index.html. Raises LeaflightError, and names the coarser level that
     would do where the page would be too large; Cancelled.
     """
@@ -58,6 +69,8 @@ def write_page(
     _check_size(path, bake, coarser)
     progress = progress or _core.Progress()
     data = page_data(bake, isovalue, coarser, progress)
+    if lengths is not None:
+        data.header["unitLength"], data.header["unit"] = lengths
     header = _script("application/json", json.dumps(data.header), "leaflight-header")
     title = html.escape(f"{data.header['title']} - Leaflight")
     template = template.replace("<title></title>", f"<title>{title}</title>", 1)
@@ -75,17 +88,6 @@ def write_page(
     with replaced(path) as temporary:
         temporary.write_text(page, encoding="utf-8")
     return path
-
-
-def read_template(path: str | os.PathLike[str]) -> str:
-    """The page without a bake. Raises LeaflightError, which names path, where it was left out."""
-    try:
-        return TEMPLATE.read_text(encoding="utf-8")
-    except OSError:
-        raise LeaflightError(
-            f"{path}: this installation was built without Node and has no web page to write; "
-            "install a wheel of Leaflight, or build it after scripts/setup."
-        ) from None
 
 
 def _check_size(path: Path, bake: Bake, coarser: int) -> None:

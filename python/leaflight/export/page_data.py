@@ -49,9 +49,8 @@ class PageData:
 
     def add(self, numbers: Array) -> int:
         """Appends an array, deflated; returns the number of its block. Raises Cancelled."""
-        # Bytes of like significance side by side deflate better.
         raw = np.ascontiguousarray(numbers)
-        parted = np.ascontiguousarray(raw.reshape(-1).view(np.uint8).reshape(-1, raw.itemsize).T)
+        parted = by_significance(raw)
         first, deflate = len(self.body), zlib.compressobj(6)
         for begin in range(0, parted.nbytes, STEP_BYTES):
             self.progress.check()
@@ -66,6 +65,11 @@ class PageData:
     def add_colors(self, words: Array) -> int:
         """The same of packed() colors."""
         return self.add(planes(words))
+
+
+def by_significance(raw: Array) -> Array:
+    """Bytes uint8 (itemsize, n): those of like significance deflate better side by side."""
+    return np.ascontiguousarray(raw.reshape(-1).view(np.uint8).reshape(-1, raw.itemsize).T)
 
 
 def page_data(bake: Bake, isovalue: float, coarser: int, progress: Progress) -> PageData:
@@ -100,6 +104,7 @@ def page_data(bake: Bake, isovalue: float, coarser: int, progress: Progress) -> 
         histogram=histogram(bake),
         step=step_of(bake),
         unit=bake.volumes[0].unit,
+        unitLength=1.0,
         isPatient=any(volume.patient for volume in bake.volumes),
         colorMaps={key: [name, *colors] for key, (name, _, colors) in MAPS.items()},
         looks={key: asdict(look) for key, look in LOOKS.items()},

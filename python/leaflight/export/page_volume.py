@@ -52,9 +52,13 @@ class ShownVolume:
     @property
     def raw_bytes(self) -> float:
         """About how many there are to deflate."""
-        dims = self.volume.field().dims
-        light, maps, values = _raw_parts(self.bake, self.number, self.texels, dims)
-        return light + maps + values
+        light, maps, values = bytes_each(self.bake, self.number)
+        map_texels = self.direct.resolution if self.direct is not None else (0,)
+        return (
+            light * math.prod(self.texels)
+            + maps * math.prod(map_texels)
+            + values * math.prod(self.volume.field().dims)
+        )
 
 
 def shown_volume(bake: Bake, number: int, coarser: int, progress: _core.Progress) -> ShownVolume:
@@ -192,19 +196,24 @@ def _light(shown: ShownVolume, back: bool, progress: _core.Progress) -> Array:
     if not shown.is_coarser:
         name = "radiance_back" if back else "radiance"
         return grid.dense(f"{name}_indirect" if is_indirect else name)
-    step = (np.array(shown.volume.field().dims) - 1.0) / (np.array(shown.texels) - 1.0)
-    texel_to_world = np.asarray(shown.volume.index_to_world) @ np.diag([*step, 1.0])
-    nx, ny, nz = shown.texels
-    y, x = np.mgrid[:ny, :nx]
     planes = []
-    for z in range(nz):
+    for z in range(shown.texels[2]):
         progress.check()
-        texels = np.stack([x, y, np.full_like(x, z), np.ones_like(x)], axis=-1).reshape(-1, 4)
-        points = (texels @ texel_to_world.T)[:, :3]
+        points = texel_places(shown.volume, shown.texels, z)
         planes.append(grid.lookup(field, points, back, is_indirect))
-    light = np.stack(planes).reshape(nz, ny, nx, 3)
+    light = np.stack(planes).reshape(*shown.texels[::-1], 3)
     # A coarser isosurface is not quite where the one that was lit is.
     return spread(light)
+
+
+def texel_places(volume: Volume, texels: Sequence[int], z: int) -> Array:
+    """World coordinates (ny nx, 3) of a plane of texels (x, y, z) that span a volume."""
+    step = (np.array(volume.field().dims) - 1.0) / (np.array(texels) - 1.0)
+    texel_to_world = np.asarray(volume.index_to_world) @ np.diag([*step, 1.0])
+    y, x = np.mgrid[: texels[1], : texels[0]]
+    places = np.stack([x, y, np.full_like(x, z), np.ones_like(x)], axis=-1).reshape(-1, 4)
+    found: Array = (places @ texel_to_world.T)[:, :3]
+    return found
 
 
 def spread(light: Array) -> Array:
@@ -234,29 +243,10 @@ def _stops(ramp: Ramp) -> list[list[Any]]:
     return [[float(isovalue), list(map(float, color))] for isovalue, color in ramp]
 
 
-def estimated_bytes(bake: Bake, coarser: int = 0) -> float:
-    """About how large the file of a page will be: of texels with light half stays when deflated, of
-    maps a seventh, and of values half; text holds six bits a byte."""
-    total = 0.0
-    for number, grid in enumerate(bake.grids):
-        share = grid.texels / math.prod(grid.resolution)
-        texels, dims = texels_of(bake, number, coarser), dims_of(bake, number, coarser)
-        light, maps, values = _raw_parts(bake, number, texels, dims)
-        total += min(1.0, share) * (light / 2.0 + maps / 7.0) + values / 2.0
-    return 4.0 / 3.0 * total
-
-
-def _raw_parts(
-    bake: Bake, number: int, texels: Sequence[int], dims: Sequence[int]
-) -> tuple[float, float, float]:
-    """Bytes of the light of a volume, of its maps, and of its values, before they deflate."""
+def bytes_each(bake: Bake, number: int) -> tuple[float, float, float]:
+    """Bytes of the light of a texel, of its maps, and of a voxel's value, before they deflate."""
     direct = bake.grids[number].direct
     sides = 2 if back_side(bake, number) == "baked" else 1
-    map_texels = min(math.prod(dims), math.prod(direct.resolution)) if direct else 0
-    bytes_a_texel = -(-len(direct.light_points) // 2) if direct else 0
     bytes_a_voxel = 1 if np.asarray(bake.volumes[number].values).dtype == np.uint8 else 2
-    return (
-        4.0 * sides * math.prod(texels),
-        float(sides * map_texels * bytes_a_texel),
-        float(bytes_a_voxel * math.prod(dims)),
-    )
+    maps = -(-len(direct.light_points) // 2) if direct else 0
+    return 4.0 * sides, float(sides * maps), float(bytes_a_voxel)

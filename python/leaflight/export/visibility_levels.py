@@ -48,6 +48,24 @@ def ranges(
     return _byte(np.floor(code(least))), _byte(np.ceil(code(greatest)))
 
 
+def ranges_in_plane(
+    values: Array,
+    missing: int | None,
+    texels: Sequence[int],
+    code: Callable[[Array], Array],
+    z: int,
+) -> tuple[Array, Array]:
+    """ranges() of the texels of one z, uint8 [y, x]."""
+    first, end = _voxels_about(z, texels[2], len(values))
+    slab = values[first:end]
+    masked = slab if missing is None else np.where(slab == missing, slab.dtype.type(0), slab)
+    low, high = slab.min(axis=0), masked.max(axis=0)
+    for axis, count in enumerate(texels[1::-1]):
+        low = _by_texel(np.minimum, low, axis, count)
+        high = _by_texel(np.maximum, high, axis, count)
+    return _byte(np.floor(code(low))), _byte(np.ceil(code(high)))
+
+
 def levels(codes: Array, least: Array, greatest: Array, point: int) -> Array:
     """The levels uint8 of codes between others, uint8 arrays of one shape, for a light point."""
     part = np.clip(codes, least, greatest) - least
@@ -67,15 +85,28 @@ def pairs(direct: DirectLight, back: bool, least: Array, greatest: Array) -> Ite
         yield both
 
 
+def pairs_in(direct: DirectLight, least: Array, greatest: Array, part: slice) -> Array:
+    """The first of pairs() of the front for a part of the active texels."""
+    first = levels(direct.codes(0)[part], least, greatest, 0)
+    if len(direct.light_points) > 1:
+        first |= levels(direct.codes(1)[part], least, greatest, 1) << 4
+    return first
+
+
 def _by_texel(function: np.ufunc, values: Array, axis: int, count: int) -> Array:
     voxels = values.shape[axis]
-    width = (voxels - 1) / (count - 1)
     planes = []
     for texel in range(count):
-        first = max(0, math.floor((texel - 1) * width))
-        end = min(voxels, math.ceil((texel + 1) * width) + 1)
-        planes.append(function.reduce(values.take(range(first, end), axis), axis))
+        about = range(*_voxels_about(texel, count, voxels))
+        planes.append(function.reduce(values.take(about, axis), axis))
     return np.stack(planes, axis)
+
+
+def _voxels_about(texel: int, count: int, voxels: int) -> tuple[int, int]:
+    """The first voxel about a texel along an axis, and the one behind the last."""
+    width = (voxels - 1) / (count - 1)
+    first = max(0, math.floor((texel - 1) * width))
+    return first, min(voxels, math.ceil((texel + 1) * width) + 1)
 
 
 def _byte(codes: Array) -> Array:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A scalar volume in memory and the isovalues to begin with."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -31,6 +32,12 @@ CAP_DEPTH = 2.0
 class AxisAligned(TypedDict, total=False):
     spacing: ArrayLike | None
     origin: ArrayLike | None
+
+
+class Given(AxisAligned, total=False):
+    """The arguments of Volume that are given by name alone."""
+
+    notes: Sequence[str]
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -70,12 +77,12 @@ class Volume:
         unit: str = "",
         patient: bool = False,
         smooth_normals: float = 0.0,
-        notes: Sequence[str] = (),
-        **grid: "Unpack[AxisAligned]",
+        **grid: "Unpack[Given]",
     ) -> None:
         if not isinstance(values, np.ndarray):
             values = np.asarray(values)
-        axis_aligned = _axis_aligned(values.ndim, **grid)
+        notes = tuple(grid.pop("notes", ()))
+        axis_aligned = _axis_aligned(values.ndim, grid.get("spacing"), grid.get("origin"))
         if index_to_world is None:
             index_to_world = axis_aligned
         elif any(value is not None for value in grid.values()):
@@ -89,7 +96,7 @@ class Volume:
         fields = {"values": values, "index_to_world": index_to_world, "name": name}
         self.__dict__.update(fields, source=source, unit=unit_of(unit), patient=patient)
         self.__dict__.update(smooth_normals=checked(smooth_normals, "smooth_normals", name))
-        self.__dict__.update(notes=tuple(notes))
+        self.__dict__.update(notes=notes)
 
     @cached_property
     def _field(self) -> _core.Field:
@@ -193,6 +200,21 @@ class Volume:
         index_to_world = np.array(self.index_to_world, dtype=np.float64)
         index_to_world[:-1, -1] -= index_to_world[:-1, :-1].sum(axis=1)
         return replace(self, values=values, index_to_world=index_to_world)
+
+    def is_seen_from_back(self, isovalue: float) -> bool:
+        """True if an isosurface turns its back to who looks from outside, as that of a cavity.
+
+        Then at least half of the data's border is not below the isovalue.
+        """
+        return self._border_median >= isovalue
+
+    @cached_property
+    def _border_median(self) -> float:
+        data = self.data()
+        axes = range(data.ndim)
+        border = np.concatenate([data.take((0, -1), axis=axis).ravel() for axis in axes])
+        known = border[np.isfinite(border)]
+        return float(np.median(known)) if len(known) else -math.inf
 
     @cached_property
     def _closed(self) -> bool:

@@ -4,7 +4,7 @@
 import bpy
 import pytest
 from blends import save
-from leaflight_addon.operators import background
+from leaflight_addon.operators import background, jobs
 from leaflight_addon.operators.active_volume import active_volume
 from leaflight_addon.ui import bake_panel
 
@@ -51,4 +51,4 @@ def check_of_two_volumes_the_last_active_one_counts(boxed, tmp_path):
 def check_a_dialog_ends_with_its_file():
     """Blender calls cancel() of a dialog that stands open when another file is opened."""
     background.BackgroundOperator().cancel(bpy.context)
-    assert background.running() is None
+    assert jobs.running() is None

@@ -69,12 +69,29 @@ def check_only_what_can_be_is_continued(passes, tmp_path):
         bpy.ops.leaflight.continue_bake()
     passes.leaflight.error = 20.0
     bpy.ops.leaflight.bake()
-    assert "leaflight.continue_bake" in drawn(bake_panel.LEAFLIGHT_PT_bake)
-    passes.leaflight.error = 10.0
+    # What lowers the error is offered, where a lower one is asked for.
+    settings, offers = passes.leaflight, {"leaflight.continue_bake", "leaflight.finer_texels"}
+    assert not offers & set(drawn(bake_panel.LEAFLIGHT_PT_bake))
+    settings.error = 0.5 * settings.bake_error
+    for needs_texels, offered in ((False, "continue_bake"), (True, "finer_texels")):
+        settings.bake_needs_texels = needs_texels
+        assert offers & set(drawn(bake_panel.LEAFLIGHT_PT_bake)) == {f"leaflight.{offered}"}
     passes.leaflight.high = 55.0
     staleness.forget()
     with pytest.raises(RuntimeError, match="The scene has changed since the bake"):
         bpy.ops.leaflight.continue_bake()
+
+
+def check_finer_texels_lower_the_error(passes):
+    passes.leaflight.error = 20.0
+    passes.leaflight.resolution = 9
+    bpy.ops.leaflight.bake()
+    coarse = cache.bake_of(passes)
+    assert bpy.ops.leaflight.finer_texels() == {"FINISHED"}
+    fine = cache.bake_of(passes)
+    assert max(fine.grid.resolution) == 2 * max(coarse.grid.resolution) - 1
+    errors = [bake.statistics.estimated_error_percent for bake in (coarse, fine)]
+    assert errors[1] < errors[0]
 
 
 class _Interrupted(bake.BakeJob):

@@ -27,7 +27,9 @@ SIDE = 256
 
 
 def export(path, **options):
-    return bpy.ops.leaflight.export(filepath=str(path), **options)
+    is_page = Path(path).suffix == ".html"
+    operator = bpy.ops.leaflight.export_page if is_page else bpy.ops.leaflight.export
+    return operator(filepath=str(path), **options)
 
 
 def check_gltf_comes_back_by_blenders_own_importer(baked, uncut, tmp_path, monkeypatch):

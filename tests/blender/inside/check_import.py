@@ -19,11 +19,12 @@ def check_the_isosurface_is_the_cores(bumps):
 def check_the_longest_side_is_two_units_and_stands_on_the_floor(bumps):
     vertices, _, _ = mesh_arrays(bumps)
     bumps.leaflight.isovalue = 1.0
-    bounds = np.array([[0, 0, 0], [N - 1, N - 1, 0.8 * (N - 1)]])
+    # The origin of the object is the middle of the volume.
+    bounds = 0.5 * (N - 1) * np.array([[-1, -1, -0.8], [1, 1, 0.8]])
     matrix = np.array(bumps.matrix_world)
     world = bounds @ matrix[:3, :3].T + matrix[:3, 3]
     close(world, [[-1, -1, 0], [1, 1, 1.6]], 1e-5)
-    assert np.all(vertices >= -1e-4) and np.all(vertices <= bounds[1] + 1e-4)
+    assert np.all(vertices >= bounds[0] - 1e-4) and np.all(vertices <= bounds[1] + 1e-4)
 
 
 def check_the_slider_has_the_range_of_the_data(bumps):

@@ -61,7 +61,7 @@ def check_two_scans_of_one_patient_lie_over_each_other(tmp_path):
     close(to_world(second, (0, 2, 4)), to_world(first, (2, 1, 3)), 1e-5)
     # Without a name it is the active volume.
     third = imported(tmp_path / "b.nii", size_from="SAME")
-    close(third.matrix_world, second.matrix_world, 0)
+    close(third.matrix_world, second.matrix_world, 1e-6)
 
 
 def check_a_volume_of_another_space_stands_beside_the_first(tmp_path):

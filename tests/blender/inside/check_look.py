@@ -36,7 +36,7 @@ def dusty(tmp_path):
 
 
 def _farthest(obj):
-    return vertices_of(obj).max()
+    return (vertices_of(obj) + obj.leaflight.origin).max()
 
 
 def check_dust_is_hidden_without_a_bake(dusty, tmp_path):

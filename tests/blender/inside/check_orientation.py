@@ -8,6 +8,7 @@ import pytest
 from blends import open_saved
 from leaflight_addon.show import isosurfaces
 from leaflight_addon.stage import orientation, stage
+from leaflight_addon.store import source_files
 from tools import close, to_world, vertices_of
 
 
@@ -121,11 +122,11 @@ def check_what_is_registered_turns_together(tmp_path):
         nibabel.save(nibabel.Nifti1Image(values, affine), tmp_path / f"{name}.nii")
         bpy.ops.leaflight.import_volume(filepath=str(tmp_path / f"{name}.nii"))
     first, second = bpy.data.objects["a"], bpy.data.objects["b"]
-    close(first.matrix_world, second.matrix_world, 0)
+    close(source_files.place_of_file(first), source_files.place_of_file(second), 1e-6)
     assert first.leaflight_orientation.front == "POS_Y" == second.leaflight_orientation.front
     second.leaflight_orientation.up = "NEG_Z"
     bpy.context.view_layer.update()
-    close(first.matrix_world, second.matrix_world, 1e-6)
+    close(source_files.place_of_file(first), source_files.place_of_file(second), 1e-6)
     assert _axes(first)[2] == "NEG_Z" == _axes(second)[2]
 
 

@@ -8,7 +8,7 @@ from blends import open_blend, save
 from leaflight_addon import versions
 from leaflight_addon.show import slices
 from leaflight_addon.stage import scene_export, staleness
-from leaflight_addon.store import cache
+from leaflight_addon.store import cache, source_files
 from tools import camera_rays_down, close, displayed_gray, look_down, render_exr, vertices_of
 
 SIZE = 48
@@ -21,10 +21,10 @@ def _seen_alone(obj, path):
 
 
 def _values_from_above(volume, height):
-    """Of the data at a height in the volume's coordinates, pixel by pixel of the camera."""
+    """The data at a height in the coordinates of the file, for each pixel of the camera."""
     x, y = camera_rays_down(1.6, SIZE)
     matrix = np.array(volume.matrix_world)
-    z = (matrix @ [0.0, 0.0, height, 1.0])[2]
+    z = (source_files.place_of_file(volume) @ [0.0, 0.0, height, 1.0])[2]
     points = np.stack([x, y, np.full_like(x, z)], axis=-1).reshape(-1, 3)
     to_local = np.linalg.inv(matrix)
     values = cache.volume_of(volume).field().sample(points @ to_local[:3, :3].T + to_local[:3, 3])

@@ -17,7 +17,7 @@ from leaflight_addon.stage import (
     stage,
     world,
 )
-from leaflight_addon.store import cache
+from leaflight_addon.store import cache, source_files
 from mathutils import Matrix
 from tools import (
     add_light,
@@ -94,7 +94,7 @@ def check_what_has_margins_stands_on_the_floor(ball):
 def check_dust_does_not_count(ball):
     points = framing.shown_points([ball])
     assert len(points) < len(vertices_of(ball))
-    middle = ball.matrix_world @ Matrix.Translation((20, 20, 22)).translation
+    middle = (source_files.place_of_file(ball) @ (20, 20, 22, 1))[:3]
     close(0.5 * (points.min(axis=0) + points.max(axis=0)), middle, 0.02)
 
 

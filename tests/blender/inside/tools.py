@@ -13,7 +13,7 @@ import pytest
 from bpy_extras.object_utils import world_to_camera_view
 from leaflight.scene.scene import Isosurfaces, core_scene
 from leaflight_addon import versions
-from leaflight_addon.operators import background
+from leaflight_addon.operators import jobs
 from leaflight_addon.show import whole_detail
 from leaflight_addon.stage import framing
 from leaflight_addon.store import cache
@@ -151,7 +151,7 @@ _started = []
 
 def start(job):
     """A Job at work in a thread, which ends with the check, also where that fails."""
-    work = background.BackgroundWork(job.run, job)
+    work = jobs.BackgroundWork(job)
     _started.append(work)
     return work
 

@@ -18,7 +18,7 @@ import numpy as np
 from leaflight import blender
 from leaflight.io.readers import watched
 from leaflight_addon.compare import process
-from leaflight_addon.operators import background
+from leaflight_addon.operators import jobs
 
 sys.path.insert(0, os.path.dirname(__file__))
 import stepwise  # noqa: E402
@@ -74,9 +74,9 @@ def compare(window, obj):
     yield from viewport_rests()
     press(window, "RET")
     asked = time.perf_counter()
-    yield from stepwise.until(lambda: background.running() is not None)
+    yield from stepwise.until(lambda: jobs.running() is not None)
     start, last, gaps = time.perf_counter(), None, []
-    while background.running() is not None:
+    while jobs.running() is not None:
         now = time.perf_counter()
         gaps += [] if last is None else [now - last]
         last = now
@@ -101,10 +101,10 @@ def cancel(window, obj):
         bpy.ops.leaflight.render_comparison(
             "INVOKE_DEFAULT", asked=True, samples=4096, baked_samples=4096, folder=str(images)
         )
-    yield from stepwise.until(lambda: "Baked" in background.running().status())
+    yield from stepwise.until(lambda: "Baked" in jobs.running().status())
     start = time.perf_counter()
     press(window, "ESC")
-    yield from stepwise.until(lambda: background.running() is None)
+    yield from stepwise.until(lambda: jobs.running() is None)
     found["cancel"] = {
         "seconds": time.perf_counter() - start,
         "sentence": obj.leaflight.comparison,
@@ -145,12 +145,12 @@ def cancel_import(window):
     with viewport(window):
         bpy.ops.leaflight.import_volume("INVOKE_DEFAULT", filepath=str(path))
     yield from choose_file()
-    yield from stepwise.until(lambda: background.running() is not None)
-    work = background.running()
+    yield from stepwise.until(lambda: jobs.running() is not None)
+    work = jobs.running()
     yield from stepwise.until(lambda: work.progress.fraction > 0.05)
     start, status = time.perf_counter(), work.status()
     press(window, "ESC")
-    yield from stepwise.until(lambda: background.running() is None)
+    yield from stepwise.until(lambda: jobs.running() is None)
     found["import"] = {
         "seconds": time.perf_counter() - start,
         "statuses": status,

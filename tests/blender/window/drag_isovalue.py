@@ -13,7 +13,7 @@ import time
 import bpy
 import leaflight
 import numpy as np
-from leaflight_addon.operators import background
+from leaflight_addon.operators import jobs
 from leaflight_addon.show import surface_object
 
 sys.path.insert(0, os.path.dirname(__file__))
@@ -106,13 +106,13 @@ def drive():
     bpy.context.window.cursor_warp(*place)
     yield from begin_bake(window)
     yield from bake_alone()
-    background.running().cancel()
-    yield from stepwise.until(lambda: background.running() is None)
+    jobs.running().cancel()
+    yield from stepwise.until(lambda: jobs.running() is None)
     bpy.ops.leaflight.throw_bake_away()
     # Another: on a fast machine little would be left of the first.
     yield from begin_bake(window)
     yield from drag(window, place, "baking")
-    found["baking"]["bakes"] = background.running() is not None
+    found["baking"]["bakes"] = jobs.running() is not None
     yield from rest("baking")
 
 
@@ -194,7 +194,7 @@ def begin_bake(window):
         bpy.ops.leaflight.bake("INVOKE_DEFAULT")
     yield from rest()
     while not bpy.context.object.data.get("leaflight_shown", "").count('"pass '):
-        if background.running() is None:
+        if jobs.running() is None:
             raise RuntimeError("The bake has shown no pass.")
         yield 0.05
 
@@ -207,7 +207,7 @@ def bake_alone():
     while time.perf_counter() < start + 5.0:
         label = surface_object.label_of(bpy.context.object.data)
         passes, before = passes + (label != before), label
-        statuses.add(background.running().status())
+        statuses.add(jobs.running().status())
         yield 0.02
     found["bake alone"] = {"pictures": len(pictures), "passes": passes, "statuses": len(statuses)}
 

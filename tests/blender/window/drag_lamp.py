@@ -17,7 +17,7 @@ import numpy as np
 from leaflight import blender
 from leaflight.io.images import write_png
 from leaflight_addon.bake import live
-from leaflight_addon.operators import background
+from leaflight_addon.operators import jobs
 from leaflight_addon.show import display, surface_object
 
 sys.path.insert(0, os.path.dirname(__file__))
@@ -98,7 +98,7 @@ def drive():
     start = time.perf_counter()
     with bpy.context.temp_override(window=window(), area=area(), region=region()):
         bpy.ops.leaflight.bake("INVOKE_DEFAULT")
-    yield from stepwise.until(lambda: background.running() is None)
+    yield from stepwise.until(lambda: jobs.running() is None)
     found["bake"] = time.perf_counter() - start
     found["triangles"] = len(volume().data.polygons)
     found["points"] = len(volume_bake().grid.direct.light_points)

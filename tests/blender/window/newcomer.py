@@ -15,7 +15,7 @@ import bpy
 import numpy as np
 from leaflight import blender
 from leaflight_addon.bake import bake, stopped
-from leaflight_addon.operators import background
+from leaflight_addon.operators import failures, jobs
 from leaflight_addon.show import surface_object, whole_detail
 
 sys.path.insert(0, os.path.dirname(__file__))
@@ -116,14 +116,14 @@ def stage_and_bake():
     }
     passes = note_passes()
     yield from click(header_button(386))
-    yield from stepwise.until(lambda: background.running() is not None)
-    yield from stepwise.until(lambda: background.running() is None)
+    yield from stepwise.until(lambda: jobs.running() is not None)
+    yield from stepwise.until(lambda: jobs.running() is None)
     print("baked", flush=True)
     found["bake"] = {
         "passes": len(passes),
         "lit": "radiance" in volume().data.attributes,
         "clicks": found["clicks"],
-        "failure": background.failure(),
+        "failure": failures.sentence(),
     }
     yield from stepwise.until(lambda: not surface_object.is_coarse(volume().data))
     yield from stepwise.wait(1.0)
@@ -184,11 +184,11 @@ def stop_and_keep():
     volume().leaflight.error = 0.01
     volume().leaflight.use_resolution = False
     yield from click(header_button(386))
-    yield from stepwise.until(lambda: background.running() is not None)
+    yield from stepwise.until(lambda: jobs.running() is not None)
     yield from stepwise.until(lambda: '"pass ' in (surface_object.label_of(volume().data) or ""))
     yield from key("ESC")
     start = time.perf_counter()
-    yield from stepwise.until(lambda: background.running() is None)
+    yield from stepwise.until(lambda: jobs.running() is None)
     found["stopped"] = {
         "seconds": time.perf_counter() - start,
         "offered": stopped.offered() is not None,
@@ -197,7 +197,7 @@ def stop_and_keep():
     # Keep Bake stands where Bake stood.
     yield from click(header_button(386))
     yield from stepwise.until(lambda: volume().leaflight.bake_id != first)
-    yield from stepwise.until(lambda: background.running() is None)
+    yield from stepwise.until(lambda: jobs.running() is None)
     found["first"], found["second"] = first, volume().leaflight.bake_id
 
 

@@ -9,7 +9,7 @@ import traceback
 import bpy
 import gpu
 import numpy as np
-from leaflight_addon.operators import background
+from leaflight_addon.operators import jobs
 
 
 def run(script, found):
@@ -33,7 +33,7 @@ def run(script, found):
 
 def _leave(found, status):
     print("WINDOW", json.dumps(found), flush=True)
-    background.cancel_running()
+    jobs.cancel_running()
     os._exit(status)
 
 

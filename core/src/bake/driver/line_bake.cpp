@@ -179,7 +179,7 @@ std::vector<RadianceGrid<D>> LineBake<D>::grids() {
 
 template <int D>
 RadianceGrid<D> LineBake<D>::grid() {
-  progress_.begin("Radiance of the texels");
+  progress_.begin("Lighting texels");
   SideAverages direct, indirect;
   UnfilteredLight<D> unfiltered;
   const std::size_t sides = plan_.back ? 2 : 1;
@@ -231,7 +231,7 @@ std::array<NoisyLight, 2> LineBake<D>::filtered_light(UnfilteredLight<D>& unfilt
 
 template <int D>
 WallRadiance<D> LineBake<D>::walls() {
-  progress_.begin("Radiance of the walls");
+  progress_.begin("Lighting walls");
   std::vector<IsosurfaceRadiance<D>> isosurfaces(1);
   std::unique_ptr<IndirectEstimator<D>> estimator;
   if (indirect_) {

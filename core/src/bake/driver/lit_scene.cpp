@@ -48,7 +48,7 @@ void LitScene<D>::learn_direct(const std::vector<Index<D>>& texels, double spaci
 template <int D>
 void LitScene<D>::learn_direct_of_walls() {
   if (learned_share_ == wall_detail.share) return;
-  progress.begin("Direct light of the walls");
+  progress.begin("Shadows on walls");
   direct_of_walls =
       std::make_shared<const MeshDirectLight<D>>(tracer, subdivided(), progress, wall_detail.share);
   learned_share_ = wall_detail.share;

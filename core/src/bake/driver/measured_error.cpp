@@ -94,7 +94,7 @@ void MeasuredError<D>::place(std::size_t volume, const TexelLattice<D>& texels) 
 
 template <int D>
 void MeasuredError<D>::trace(const std::vector<BakeTexels<D>>& texels, int estimates) {
-  scene_.progress.begin("Paths that measure the error");
+  scene_.progress.begin("Measuring the error");
   const int paths = paths_to_measure(scene_.settings.error);
   std::vector<TexelLattice<D>> lattices;  // of photons
   lattices.reserve(texels.size());

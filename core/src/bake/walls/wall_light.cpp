@@ -133,7 +133,7 @@ std::vector<Vec<3, float>> WallLight<D>::means(std::size_t mesh, bool back, std:
 template <int D>
 void WallLight<D>::add(const PointSampler<D>& from, const IndirectEstimator<D>* estimator,
                        const WallSamples& samples, Progress& progress) {
-  progress.begin("Radiance of the walls");
+  progress.begin("Lighting walls");
   for (std::size_t m = 0; m < meshes_.size(); ++m) {
     for (const bool back : {false, true}) {
       Halves& sums = sums_[m][back];

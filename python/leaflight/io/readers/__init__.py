@@ -2,7 +2,7 @@
 """Volumes from files: read_volume picks the reader by the suffix, probe looks at the header."""
 
 from ...volume.units import METERS
-from .formats import FORMATS, SUFFIXES, format_of
+from .formats import FORMATS, SUFFIXES, format_of, name_patterns
 from .reading import MissingPackage, probe, read_volume
 from .stored import StoredVolume
 
@@ -13,6 +13,7 @@ __all__ = [
     "MissingPackage",
     "StoredVolume",
     "format_of",
+    "name_patterns",
     "probe",
     "read_volume",
 ]

@@ -3,10 +3,13 @@
 
 import os
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from pathlib import Path
 
 from ..._core import LeaflightError
+from .checks import listed
 from .dicom_signature import holds_dicom, is_dicom
+from .sniffing import module_of
 
 
 @dataclass(frozen=True)
@@ -15,17 +18,23 @@ class Format:
 
     name: for people; module: of this package, whose open_volume(path, **options) reads it;
     suffixes: in lower case; options: those of read_volume() that open_volume() takes.
+    names: patterns of names that have no suffix.
     """
 
     name: str
     module: str
     suffixes: tuple[str, ...]
     options: frozenset[str] = frozenset()
+    names: tuple[str, ...] = ()
 
 
-def _format(name: str, module: str, suffixes: str, *options: str) -> Format:
-    return Format(name, module, tuple(suffixes.split()), frozenset(options))
+def _format(name: str, module: str, suffixes: str, *options: str, names: str = "") -> Format:
+    parts = tuple(suffixes.split()), frozenset(options), tuple(names.split())
+    return Format(name, module, *parts)
 
+
+# Parts of names, as programs for them append to these and prepend.
+_OF_VASP = "*CHGCAR* CHG CHG.gz *AECCAR* *PARCHG* *LOCPOT* *ELFCAR*"
 
 FORMATS = (
     _format("NIfTI file", "nifti", ".nii .nii.gz"),
@@ -33,14 +42,20 @@ FORMATS = (
     _format("MetaImage", "metaimage", ".mhd .mha"),
     _format("DICOM series", "dicom", ".dcm .dicom .ima", "dataset"),
     _format("MRC or CCP4 map", "mrc", ".mrc .ccp4 .map .mrc.gz .ccp4.gz .map.gz"),
-    _format("VTK image", "vti", ".vti", "dataset"),
+    _format("VTK image", "vti", ".vti .pvti", "dataset"),
+    _format("legacy VTK file", "vtk_legacy", ".vtk", "dataset"),
+    _format("OpenDX map", "opendx", ".dx .dx.gz"),
+    _format("VASP file", "vasp", ".vasp .vasp.gz", names=_OF_VASP),
+    _format("XSF file", "xsf", ".xsf .xsf.gz", "dataset"),
+    _format("DSN6 or BRIX map", "dsn6", ".dsn6 .brix .omap .dsn6.gz .brix.gz .omap.gz"),
+    _format("MTZ file", "mtz", ".mtz .mtz.gz", "dataset"),
     _format("TIFF file", "tiff", ".tif .tiff .ome .lsm .stk .btf .tf8", "dataset", "spacing"),
     _format("picture", "pictures", ".png .jpg .jpeg .bmp", "dataset", "spacing"),
     _format("OME-Zarr folder", "ome_zarr", ".zarr", "dataset", "level"),
     _format("HDF5 file", "hdf5", ".h5 .hdf5 .hdf .ims .nxs", "dataset", "level", "spacing"),
     _format("netCDF file", "netcdf", ".nc .nc4", "dataset", "spacing"),
     _format("NumPy file", "numpy_file", ".npy .npz", "dataset", "spacing"),
-    _format("Gaussian cube", "cube", ".cube .cube.gz .cub"),
+    _format("Gaussian cube", "cube", ".cube .cube.gz .cub .cub.gz"),
     _format("OpenVDB file", "vdb", ".vdb", "grid"),
     _format("file without a header", "raw", ".raw", "dims", "type", "endian", "spacing"),
     _format("table of points", "csv_points", ".csv", "dims"),
@@ -52,7 +67,28 @@ _LOOKED_AT = 100
 # As many more files than of another kind are slices, and the others are pictures beside them.
 _MANY_TIMES = 3
 _OF_SLICES = {"dicom": "DICOM", "tiff": "TIFF", "pictures": "PNG, JPEG or BMP"}
+# Suffixes that an error names, at most, and letters of one pattern of name_patterns().
+_NAMED, _IN_BRACKETS = 24, 9
 _BY_MODULE = {kind.module: kind for kind in FORMATS}
+
+
+def name_patterns() -> str:
+    """Returns patterns of the names of FORMATS for Blender's file browser, parted by ";".
+
+    It takes 255 characters and 15 for a pattern, so suffixes of one first letter share a pattern
+    such as *.n[hir]*; it lists a few files of other suffixes, too.
+    """
+    letters: dict[str, list[str]] = {}
+    for suffix in sorted(SUFFIXES):
+        if suffix[2] not in letters.setdefault(suffix[1], []):
+            letters[suffix[1]].append(suffix[2])
+    patterns = [
+        f"*.{first}[{''.join(second[at : at + _IN_BRACKETS])}]*"
+        for first, second in letters.items()
+        for at in range(0, len(second), _IN_BRACKETS)
+    ]
+    names = [pattern.strip("*") for kind in FORMATS for pattern in kind.names]
+    return ";".join([*patterns, *(f"*{name}*" for name in names if "." not in name)])
 
 
 def format_of(path: str | os.PathLike[str]) -> Format:
@@ -67,12 +103,16 @@ def format_of(path: str | os.PathLike[str]) -> Format:
     if found:
         # The longest: a .nii.gz is no other .gz.
         return max(found, key=lambda pair: len(pair[0]))[1]
-    if is_dicom(path):
-        return _BY_MODULE["dicom"]
-    known = ", ".join(kind.suffixes[0] for kind in FORMATS)
+    for kind in FORMATS:
+        if any(fnmatchcase(path.name, pattern) for pattern in kind.names):
+            return kind
+    module = "dicom" if is_dicom(path) else module_of(path)
+    if module in _BY_MODULE:
+        return _BY_MODULE[module]
+    known = listed([suffix for suffix in SUFFIXES if not suffix.endswith(".gz")], _NAMED)
     raise LeaflightError(
-        f"{path}: the suffix {path.suffix or '(none)'} is not known; known are {known}, more "
-        "of these formats, and folders of slices."
+        f"{path}: neither its suffix {path.suffix or '(none)'} nor its contents are known; known "
+        f"are {known} (docs/formats.md), and folders of slices."
     )
 
 

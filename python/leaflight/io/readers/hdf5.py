@@ -112,7 +112,7 @@ def _reader(path: Path, function: str, *options: object) -> ReaderProcess:
 
 def _without_filter(path: Path, code: int, name: str) -> LeaflightError:
     """The error for values that a filter packs which is not at hand."""
-    name = name or {**_OF_HDF5PLUGIN, **_OTHER_FILTERS}.get(code, "without a name")
+    name = {**_OF_HDF5PLUGIN, **_OTHER_FILTERS}.get(code) or name or "without a name"
     if code in _OF_HDF5PLUGIN and not has_package("hdf5plugin"):
         kind = f"HDF5 file, which the filter {name} ({code}) packs,"
         return MissingPackage(path, kind, "hdf5plugin")

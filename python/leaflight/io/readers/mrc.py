@@ -18,7 +18,8 @@ from ...arrays import Array
 from ...volume.volume import Volume
 from .checks import DEFLATE_MOST, check_matrix, check_scalar, check_size
 from .stored import StoredVolume, lengths
-from .watched import open_watched, read_values
+from .unit_cell import cell_axes
+from .watched import is_packed, open_watched, read_values
 
 # Bytes of the header, and where the length of the text behind it stands.
 _HEADER, _LENGTH = 1024, 92
@@ -30,7 +31,7 @@ def open_volume(path: Path) -> StoredVolume:
     dtype = mrcfile.utils.data_dtype_from_header(header)
     check_scalar(path, dtype)
     counts = [int(header[name]) for name in ("nx", "ny", "nz")]
-    packed = path.suffix.lower() == ".gz"
+    packed = is_packed(path)
     stored = path.stat().st_size - (0 if packed else _HEADER + int(header["nsymbt"]))
     check_size(path, counts, dtype.itemsize, max(0, stored), DEFLATE_MOST if packed else 1)
     if min(counts) < 1:
@@ -65,7 +66,7 @@ def _header(path: Path) -> Array:
 
     It never sees the length of the text behind them, which it would believe.
     """
-    packed = path.suffix.lower() == ".gz"
+    packed = is_packed(path)
     with (gzip.open if packed else open)(path, "rb") as file:
         head = file.read(_HEADER)
     without = head[:_LENGTH] + bytes(4) + head[_LENGTH + 4 :]
@@ -83,7 +84,7 @@ def _values(
     path: Path, header: Array, dtype: np.dtype[Any], shape: tuple[int, ...], progress: Progress
 ) -> Array:
     offset = _HEADER + int(header["nsymbt"])
-    if path.suffix.lower() != ".gz":
+    if not is_packed(path):
         return np.memmap(path, dtype, "r", offset, shape)
     with open_watched(path, progress) as file:
         file.seek(offset)
@@ -91,17 +92,10 @@ def _values(
 
 
 def _matrix(path: Path, header: Array, axes: list[int]) -> Array:
-    """From the cell, whose angles need not be right ones: a along x, b in the plane of x and y."""
+    """From the cell, whose angles need not be right ones."""
     sizes = [float(header["cella"][name]) for name in "xyz"]
     angles = [float(header["cellb"][name]) for name in ("alpha", "beta", "gamma")]
-    cosines = [np.cos(np.radians(angle or 90.0)) for angle in angles]
-    cosines = [0.0 if abs(cosine) < 1e-9 else cosine for cosine in cosines]
-    alpha, beta, gamma = cosines
-    sine = np.sqrt(1 - gamma**2)
-    lean = (alpha - beta * gamma) / sine
-    cell = np.array(
-        [[1, gamma, beta], [0, sine, lean], [0, 0, np.sqrt(1 - beta**2 - lean**2)]], np.float64
-    )
+    cell = cell_axes(np.ones(3), angles)
     samples = [max(1, int(header[name])) for name in ("mx", "my", "mz")]
     # Without a cell a voxel has the size 1.
     steps = np.array([size / n if size > 0 else 1.0 for size, n in zip(sizes, samples)])

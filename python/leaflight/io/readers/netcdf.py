@@ -4,6 +4,7 @@
 https://docs.unidata.ucar.edu/netcdf-c/current/file_format_specifications.html
 """
 
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -40,7 +41,7 @@ def open_volume(
         )
     if mark not in _CLASSIC:
         return hdf5.open_volume(path, dataset, 0, spacing)
-    with netcdf_file(str(path), "r", mmap=True) as file:
+    with _Classic(str(path), "r", mmap=True) as file:
         found = {name: _variable(file, name) for name in file.variables}
     volumes = {name: variable for name, variable in found.items() if variable is not None}
     names = tuple(sorted(volumes))
@@ -53,11 +54,9 @@ def open_volume(
     check_matrix(path, matrix)
 
     def load(frame: int, channel: int, progress: Progress) -> Volume:
-        with netcdf_file(str(path), "r", mmap=True) as file:
+        with _Classic(str(path), "r", mmap=True) as file:
             data = file.variables[name].data
             values = _values(data, grid.letters, packing, frame, channel, progress)
-            # Else the file stays open.
-            del data
         return Volume(values, matrix, path.stem, notes=packing.note(values))
 
     return StoredVolume(
@@ -73,8 +72,19 @@ def open_volume(
     )
 
 
+class _Classic(netcdf_file):  # type: ignore[misc]
+    """One that does not warn where arrays of it are still alive: none of them is used."""
+
+    def close(self) -> None:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            super().close()
+
+    __del__ = close
+
+
 def _variable(
-    file: netcdf_file, name: str
+    file: _Classic, name: str
 ) -> tuple[Grid, tuple[int, ...], np.dtype[Any], Packing] | None:
     """(Grid, shape, type, Packing) of a variable; None for one that holds no volume."""
     variable = file.variables[name]
@@ -86,7 +96,7 @@ def _variable(
     return None if grid is None else (grid, data.shape, data.dtype, packing_of(attributes))
 
 
-def _axis(file: netcdf_file, name: str, size: int) -> Axis:
+def _axis(file: _Classic, name: str, size: int) -> Axis:
     """By the variable of the same name, which has the places."""
     places = file.variables.get(name)
     if places is None or places.data.shape != (size,):

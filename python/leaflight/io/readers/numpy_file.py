@@ -38,7 +38,7 @@ def open_volume(
 ) -> StoredVolume:
     """Pickled objects are never read."""
     matrix = index_to_world(path, spacing)
-    if path.suffix.lower() == ".npy":
+    if not zipfile.is_zipfile(path):
         with open(path, "rb") as file:
             shape, _, dtype = _header(file)
             stored = path.stat().st_size - file.tell()

@@ -95,7 +95,7 @@ def read_volume(
     spacing: size of a voxel, one number or (x, y, z), for files that often lack it.
     grid: name of the grid in a .vdb; None is the first scalar one.
     frame, channel: which of several volumes, from 0; data that have some demand a choice.
-    level: which resolution of an OME-Zarr, from 0, the finest, which is the default.
+    level: which resolution of those that a file holds, from 0, the finest, which is the default.
     dataset: name of the array or series, where a file or folder holds several.
     downsample: 2, 4 or 8 keep the mean of so many voxels along each axis; 1 is the default.
     smooth: standard deviation of a Gaussian that the values are smoothed by, in the voxels that

@@ -1,215 +1,148 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""VTK's image data in XML: raw, base64 or text, plain or compressed by zlib or LZMA.
+"""VTK's image data in XML, in one piece or several; .pvti files have them in other files."""
 
-https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html
-"""
-
-import base64
-import lzma
-import zlib
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import prod
 from pathlib import Path
-from typing import Any, Protocol
-from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
 
 import numpy as np
 
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
-from ...volume.volume import Volume
-from .checks import (
-    DEFLATE_MOST,
-    check_matrix,
-    check_size,
-    choose_named,
-    listed,
-    truncated,
-    undecided,
-)
-from .stored import StoredVolume, lengths
-from .watched import watched
+from ...volume.voxels import new_voxels
+from .checks import data_file, text
+from .stored import StoredVolume
+from .vtk_image import Image, ImageArray, matrix_of, open_image
+from .vtk_xml import TYPES, Document, check_claim, dtype_of, open_document, values_of
+from .watched import STAGE, begin
 
-_TYPES = {
-    "Int8": "i1",
-    "UInt8": "u1",
-    "Int16": "i2",
-    "UInt16": "u2",
-    "Int32": "i4",
-    "UInt32": "u4",
-    "Int64": "i8",
-    "UInt64": "u8",
-    "Float32": "f4",
-    "Float64": "f8",
-}
-
-
-class _Decompressor(Protocol):
-    def decompress(self, data: bytes, max_length: int, /) -> bytes: ...
-
-
-_COMPRESSORS: dict[str | None, Callable[[], _Decompressor] | None] = {
-    None: None,
-    "vtkZLibDataCompressor": lambda: zlib.decompressobj(),
-    "vtkLZMADataCompressor": lambda: lzma.LZMADecompressor(),
-}
+_MOST_PIECES = 1 << 14
+# How many times as large as its pieces together an image may be.
+_MOST_EMPTY = 100
+_PLACE = {"Origin": "0 0 0", "Spacing": "1 1 1", "Direction": "1 0 0 0 1 0 0 0 1"}
 
 
 @dataclass(frozen=True)
-class _Encoding:
-    """How the numbers of a file are written; data: of the appended part, if there is one."""
+class _Piece:
+    """A part of an image; extent: the first and last of its points along x, y and z."""
 
-    order: str
-    header: np.dtype[Any]
-    decompressor: Callable[[], _Decompressor] | None
-    data: bytes
-    base64: bool
+    document: Document
+    element: Element
+    extent: Array
+
+    def arrays(self, of_cells: bool) -> dict[str, Element]:
+        """Returns those of numbers, by name."""
+        found = self.element.findall(("CellData" if of_cells else "PointData") + "/DataArray")
+        return {one.get("Name") or "unnamed": one for one in found if one.get("type") in TYPES}
+
+    def shape(self, of_cells: bool) -> tuple[int, ...]:
+        """Returns [z, y, x] of an array."""
+        counts = self.extent[:, 1] - self.extent[:, 0] + 1
+        return tuple(int(n) for n in (np.maximum(1, counts - 1) if of_cells else counts)[::-1])
 
 
 def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
-    """Point data, else cell data; components of vectors and colours are channels."""
-    root, encoding = _document(path)
-    image, pieces = root.find("ImageData"), root.findall("ImageData/Piece")
-    assert image is not None
-    if len(pieces) != 1:
-        raise LeaflightError(
-            f"{path}: its image is in {len(pieces)} pieces; save it from VTK or ParaView as one."
-        )
-    cells = pieces[0].find("PointData/DataArray") is None
-    found = pieces[0].findall(("CellData" if cells else "PointData") + "/DataArray")
-    arrays = {one.get("Name") or "unnamed": one for one in found if one.get("type") in _TYPES}
-    name = choose_named(path, tuple(arrays), dataset)
-    if name is None:
-        ask = undecided(path, tuple(arrays))
-        return StoredVolume(None, np.dtype(np.float32), ask, datasets=tuple(arrays))
-    array = arrays[name]
-    dtype = np.dtype(encoding.order + _TYPES[array.attrib["type"]])
-    ends = np.array(image.attrib["WholeExtent"].split(), int).reshape(3, 2)
-    dims = tuple(int(n) for n in ends[:, 1] - ends[:, 0] + (0 if cells else 1))
-    if min(dims) < 1:
-        raise LeaflightError(f"{path}: the header claims no voxels; the file is damaged.")
-    channels = int(array.get("NumberOfComponents") or 1)
-    shape = (*dims[::-1], channels)
-    most = DEFLATE_MOST**2 if encoding.decompressor else 1
-    check_size(path, shape, dtype.itemsize, path.stat().st_size, most)
-    matrix = _matrix(image, ends[:, 0] + (0.5 if cells else 0.0))
-    check_matrix(path, matrix)
+    """Opens an image: its arrays are datasets, components of vectors and colors are channels."""
+    document = open_document(path)
+    image = _image(document)
+    pieces = _pieces(document, image)
+    # Some programs claim a larger image than they save.
+    low = np.min([piece.extent[:, 0] for piece in pieces], axis=0)
+    high = np.max([piece.extent[:, 1] for piece in pieces], axis=0)
+    points = tuple(int(n) for n in high - low + 1)
+    claimed = tuple(int(n) for n in _extent(image, "WholeExtent") @ [-1, 1] + 1)
+    if prod(points) > _MOST_EMPTY * sum(prod(piece.shape(False)) for piece in pieces):
+        raise LeaflightError(f"{path}: nearly all of its {text(points)} points lie in no piece.")
+    notes: tuple[str, ...] = ()
+    if claimed != points:
+        notes = (f"Its pieces hold {text(points)} of the {text(claimed)} points that it claims.",)
+    # Parallel files leave out the direction.
+    first = _image(pieces[0].document)
+    places = [image.get(key) or first.get(key) or default for key, default in _PLACE.items()]
+    origin, spacing, axes = (np.array(numbers.split(), np.float64) for numbers in places)
+    matrix = matrix_of(origin, spacing, axes, low)
+    arrays = [
+        _array(name, of_cells, pieces, low)
+        for of_cells in (False, True)
+        for name in {name: None for piece in pieces for name in piece.arrays(of_cells)}
+    ]
+    return open_image(Image(path, points, matrix, arrays, notes), dataset)
 
-    def load(_frame: int, channel: int, progress: Progress) -> Volume:
-        values = _values(path, array, encoding, dtype, shape, progress)
-        return Volume(values[..., channel], matrix, path.stem)
 
-    return StoredVolume(
-        dims, dtype, load, lengths(matrix), channels=channels, datasets=tuple(arrays)
+def _image(document: Document) -> Element:
+    for kind in ("ImageData", "PImageData"):
+        image = document.root.find(kind)
+        if image is not None:
+            return image
+    kind = (document.root.get("type") or "no")[:40]
+    raise LeaflightError(
+        f"{document.path}: it holds {kind} data, but a volume needs ImageData; in ParaView apply "
+        "Resample To Image to it, and save that as .vti."
     )
 
 
-def _document(path: Path) -> tuple[ElementTree.Element, _Encoding]:
-    """(the root of the XML, its _Encoding)."""
-    content = path.read_bytes()
-    xml, _, appended = content.partition(b"<AppendedData")
-    try:
-        root = ElementTree.fromstring(xml + b"</VTKFile>" if appended else xml)
-    except ElementTree.ParseError:
+def _pieces(document: Document, image: Element) -> list[_Piece]:
+    """Returns the pieces of an image, also those in other files. Raises LeaflightError."""
+    found: list[_Piece] = []
+    for piece in image.findall("Piece"):
+        source = piece.get("Source")
+        if source is None:
+            whole = piece.get("Extent") is None
+            extent = _extent(image, "WholeExtent") if whole else _extent(piece, "Extent")
+            found.append(_Piece(document, piece, extent))
+        elif image.tag == "PImageData":
+            other = open_document(data_file(document.path, source))
+            if other.root.find("PImageData") is not None:
+                raise LeaflightError(f"{document.path}: its piece {source[:100]} has pieces, too.")
+            found += _pieces(other, _image(other))
+    found = [piece for piece in found if (piece.extent[:, 0] <= piece.extent[:, 1]).all()]
+    if not 0 < len(found) <= _MOST_PIECES:
         raise LeaflightError(
-            f"{path}: this is not a readable VTK image, or it is truncated or damaged; fetch it "
-            "again."
-        ) from None
-    if root.find("ImageData") is None:
-        raise LeaflightError(
-            f"{path}: it holds {root.get('type') or 'no'} data, but a volume needs ImageData."
+            f"{document.path}: its image has {len(found)} pieces that are not empty; save it from "
+            "ParaView as one."
         )
-    if root.get("compressor") not in _COMPRESSORS:
-        known = listed([name for name in _COMPRESSORS if name])
-        raise LeaflightError(
-            f"{path}: its compression {str(root.get('compressor'))[:40]} is not supported; save it "
-            f"without, or with one of {known}."
-        )
-    order = "<" if root.get("byte_order", "LittleEndian") == "LittleEndian" else ">"
-    opening, _, data = appended.partition(b"_")
-    return root, _Encoding(
-        order,
-        np.dtype(order + {"UInt32": "u4", "UInt64": "u8"}[root.get("header_type", "UInt32")]),
-        _COMPRESSORS[root.get("compressor")],
-        data,
-        b"base64" in opening,
-    )
+    return found
+
+
+def _extent(element: Element, key: str) -> Array:
+    extent = np.array(element.attrib[key].split(), np.int64).reshape(3, 2)
+    if np.abs(extent).max() > 1 << 31:
+        raise ValueError("an extent")
+    return extent
+
+
+def _array(name: str, of_cells: bool, pieces: Sequence[_Piece], low: Array) -> ImageArray:
+    """Joins the arrays of this name of all pieces; low: the first of the image's points."""
+    parts = [(one, one.arrays(of_cells)[name]) for one in pieces if name in one.arrays(of_cells)]
+    document, element = parts[0][0].document, parts[0][1]
+    dtype, channels = dtype_of(document, element), int(element.get("NumberOfComponents") or 1)
+    for piece, _ in parts:
+        check_claim(piece.document, piece.shape(of_cells), channels * dtype.itemsize)
+
+    def read(
+        channel: int, dims: tuple[int, ...], progress: Progress
+    ) -> tuple[Array, Sequence[str]]:
+        begin(progress, STAGE, prod(dims) * channels * dtype.itemsize)
+        if len(parts) == 1 and parts[0][0].shape(of_cells) == dims[::-1]:
+            return _values(*parts[0], of_cells, channels, progress)[..., channel], ()
+        values, found = new_voxels(dims[::-1], dtype), np.zeros(dims[::-1], bool)
+        for piece, element in parts:
+            begins = (piece.extent[:, 0] - low)[::-1]
+            place = tuple(slice(a, a + n) for a, n in zip(begins, piece.shape(of_cells)))
+            values[place] = _values(piece, element, of_cells, channels, progress)[..., channel]
+            found[place] = True
+        missing = found.size - int(found.sum())
+        if not missing:
+            return values, ()
+        note = f"No piece of it holds {missing} of its {found.size} voxels: these have no data."
+        return np.where(found, values, np.float32(np.nan)).astype(np.float32), (note,)
+
+    return ImageArray(name, of_cells, dtype, channels, read)
 
 
 def _values(
-    path: Path,
-    array: ElementTree.Element,
-    encoding: _Encoding,
-    dtype: np.dtype[Any],
-    shape: tuple[int, ...],
-    progress: Progress,
+    piece: _Piece, element: Element, of_cells: bool, channels: int, progress: Progress
 ) -> Array:
-    size, form = prod(shape) * dtype.itemsize, array.get("format")
-    if form == "ascii":
-        values = np.array((array.text or "").split(), dtype)
-        if values.size != prod(shape):
-            raise truncated(path, shape)
-        return values.reshape(shape)
-    if form == "appended":
-        source, is_base64 = encoding.data[int(array.attrib["offset"]) :], encoding.base64
-    else:
-        source, is_base64 = (array.text or "").strip().encode(), True
-    try:
-        if encoding.decompressor is None:
-            data = _plain(source, encoding.header, size, is_base64)
-        else:
-            data = _decompressed(source, encoding, size, is_base64, progress)
-    except (ValueError, IndexError, zlib.error, lzma.LZMAError, EOFError):
-        raise truncated(path, shape) from None
-    if len(data) != size:
-        raise truncated(path, shape)
-    return np.frombuffer(data, dtype).reshape(shape)
-
-
-def _plain(source: bytes, header: np.dtype[Any], size: int, is_base64: bool) -> bytes:
-    """A number of bytes, and these."""
-    end = header.itemsize + size
-    if is_base64:
-        source = base64.b64decode(source[: -(-end // 3) * 4])
-    return source[header.itemsize : end]
-
-
-def _decompressed(
-    source: bytes, encoding: _Encoding, size: int, is_base64: bool, progress: Progress
-) -> bytes:
-    """Blocks: their number, two sizes, the compressed size of each, and then themselves.
-
-    In base64 the header and the blocks are encoded one after the other.
-    """
-    assert encoding.decompressor is not None
-    number = encoding.header.itemsize
-    first = base64.b64decode(source[: -(-number // 3) * 4]) if is_base64 else source
-    count = int(np.frombuffer(first, encoding.header, 1)[0])
-    if count * number > len(source):
-        raise ValueError("the number of blocks")
-    end = (3 + count) * number
-    if is_base64:
-        length = -(-end // 3) * 4
-        head, body = base64.b64decode(source[:length]), source[length:]
-    else:
-        head, body = source[:end], source[end:]
-    ends = np.cumsum(np.frombuffer(head, encoding.header, count, 3 * number).astype(np.int64))
-    if is_base64:
-        body = base64.b64decode(body[: -(-int(ends[-1]) // 3) * 4] if count else b"")
-    data = bytearray()
-    for begin, end in watched(progress, zip([0, *ends[:-1]], ends)):
-        data += encoding.decompressor().decompress(body[begin:end], size - len(data) or 1)
-    return bytes(data)
-
-
-def _matrix(image: ElementTree.Element, first: Array) -> Array:
-    """From origin, spacing and direction; first: the index (x, y, z) that the values begin at."""
-    numbers = {"Origin": "0 0 0", "Spacing": "1 1 1", "Direction": "1 0 0 0 1 0 0 0 1"}
-    origin, spacing, axes = (
-        np.array((image.get(key) or text).split(), np.float64) for key, text in numbers.items()
-    )
-    matrix = np.eye(4)
-    matrix[:3, :3] = axes.reshape(3, 3) * spacing
-    matrix[:3, 3] = origin + matrix[:3, :3] @ first
-    return matrix
+    return values_of(piece.document, element, (*piece.shape(of_cells), channels), progress)

@@ -38,11 +38,17 @@ def watched(progress: Progress, things: Iterable[T], stage: str = STAGE) -> Iter
 def open_watched(
     path: Path, progress: Progress, unpacked: bool = True
 ) -> Iterator[io.BufferedIOBase]:
-    """A binary file; what it holds where its name ends with .gz, unless `unpacked` is False."""
+    """A binary file; what it holds where it is packed by gzip, unless `unpacked` is False."""
     begin(progress, STAGE, path.stat().st_size)
+    packed = unpacked and is_packed(path)
     with io.BufferedReader(_Watched(path, progress), _MOST) as file:
-        packed = unpacked and path.suffix.lower() == ".gz"
         yield gzip.GzipFile(fileobj=file) if packed else file
+
+
+def is_packed(path: Path) -> bool:
+    """Whether a file is packed by gzip, whatever its name is."""
+    with open(path, "rb") as file:
+        return file.read(2) == b"\x1f\x8b"
 
 
 def read_values(file: io.BufferedIOBase, shape: Iterable[int], dtype: DTypeLike) -> Array:

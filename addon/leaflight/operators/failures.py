@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Why work failed: a sentence for the user and, where Leaflight is to blame, a report to copy."""
+
+import platform
+import sys
+import traceback
+from typing import Any
+
+import bpy
+import leaflight
+
+# Why the last work failed, for the panels: reports are gone in seconds.
+_sentence = ""
+# The traceback of the last error that is a bug of Leaflight.
+_traceback = ""
+
+
+def record(error: BaseException) -> str:
+    """Keeps why work failed for the panels; returns it as one sentence."""
+    global _sentence
+    _sentence = sentence_of(error)
+    return _sentence
+
+
+def sentence_of(error: BaseException) -> str:
+    """Returns an error as one sentence. The traceback of a bug goes to the console and report()."""
+    global _traceback
+    if isinstance(error, leaflight.LeaflightError):
+        return str(error)
+    _traceback = "".join(traceback.format_exception(type(error), error, error.__traceback__))
+    print(_traceback, file=sys.stderr, flush=True)
+    return (
+        f"A bug of Leaflight ended this ({type(error).__name__}: {error}); you can work on. "
+        "Please report it: Copy Report in the panel Bake or in the add-on's preferences has the "
+        "details."
+    )
+
+
+def sentence() -> str:
+    """Returns why the last work failed, or an empty text."""
+    return _sentence
+
+
+def forget() -> None:
+    """Drops the sentence, once another file is opened or the scene has changed."""
+    global _sentence
+    _sentence = ""
+
+
+def is_bug() -> bool:
+    """True if a bug of Leaflight ended some work in this session."""
+    return bool(_traceback)
+
+
+def report() -> str:
+    """Returns all that a developer needs to know, as text."""
+    lines = [
+        f"Leaflight {leaflight.__version__} in Blender {bpy.app.version_string}",
+        f"Python {platform.python_version()}, {platform.platform()}",
+        _traceback or "No error of Leaflight in this session.",
+    ]
+    return "\n".join(lines)
+
+
+class LEAFLIGHT_OT_copy_report(bpy.types.Operator):
+    bl_idname = "leaflight.copy_report"
+    bl_label = "Copy Report"
+    bl_description = "Copy the versions of all programs and the last error to the clipboard"
+
+    def execute(self, context: bpy.types.Context) -> set[Any]:
+        context.window_manager.clipboard = report()
+        self.report({"INFO"}, "The report is in the clipboard")
+        return {"FINISHED"}
+
+
+def register() -> None:
+    bpy.utils.register_class(LEAFLIGHT_OT_copy_report)
+
+
+def unregister() -> None:
+    bpy.utils.unregister_class(LEAFLIGHT_OT_copy_report)

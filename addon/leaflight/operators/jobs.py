@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Jobs: work in a thread of its own, with what becomes of it in Blender."""
+
+import sys
+import threading
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import bpy
+import leaflight
+
+T = TypeVar("T")
+
+# The one work in progress, for the panels and for Cancel.
+_running: "BackgroundWork | None" = None
+
+
+class Job:
+    """What a BackgroundOperator does; its warnings are sentences for the user.
+
+    name: for a terminal; cancelled: the sentence after it was cancelled without leaving anything.
+
+    run(progress) works in any thread and touches no Blender data. All else is called in Blender's
+    own: apply() puts the result into the scene and returns a sentence for the user.
+    Any of them may raise: BackgroundWork ends the job then.
+    """
+
+    warnings: tuple[str, ...] = ()
+    name = "Bake"
+    cancelled = "The bake was cancelled; nothing has changed"
+
+    def fraction(self, progress: leaflight.Progress) -> float:
+        """How much of it is done, 0..1; in any thread."""
+        return progress.fraction
+
+    def status(self, progress: leaflight.Progress) -> str:
+        """How far it is, for the panel; in any thread."""
+        return f"{100.0 * self.fraction(progress):3.0f} % {progress.stage}"
+
+    def run(self, progress: leaflight.Progress) -> None:
+        raise NotImplementedError
+
+    def apply(self) -> str:
+        raise NotImplementedError
+
+    def show(self) -> None:
+        """Called time and again while run() works, to show what it has reached."""
+
+    def ended(self) -> str:
+        """Called when run() was cancelled or failed; returns a sentence about the former."""
+        return self.cancelled
+
+    def failed(self) -> None:
+        """Called when apply() raised: puts the scene in order."""
+
+
+class BackgroundWork:
+    """A Job whose run() is at work in a thread of its own.
+
+    Whatever one of its callbacks raises ends the work. result() raises the first such error.
+    """
+
+    def __init__(self, job: Job) -> None:
+        self.progress = leaflight.Progress()
+        self._job = job
+        self._error: BaseException | None = None
+        # True once the window has shown that it ended.
+        self.is_shown_over = False
+        self._thread = threading.Thread(target=self._run, name="Leaflight")
+        self._thread.start()
+
+    def _run(self) -> None:
+        try:
+            self._job.run(self.progress)
+        except BaseException as error:  # result() raises it again, in the main thread
+            self._keep(error)
+
+    def _keep(self, error: BaseException) -> None:
+        # The cancellation that follows an error is no news.
+        self._error = self._error or error
+
+    def _guarded(self, call: Callable[[], T], otherwise: T) -> T:
+        """Returns what a callback of the job returns; an error in it ends the work."""
+        try:
+            return call()
+        except Exception as error:
+            self._keep(error)
+            self.progress.cancel()
+            return otherwise
+
+    def is_alive(self) -> bool:
+        return self._thread.is_alive()
+
+    def wait(self, seconds: float) -> None:
+        self._thread.join(seconds)
+
+    def cancel(self) -> None:
+        self.progress.cancel()
+
+    def fraction(self) -> float:
+        return self._guarded(lambda: self._job.fraction(self.progress), 0.0)
+
+    def status(self) -> str:
+        return self._guarded(lambda: self._job.status(self.progress), "")
+
+    def show(self) -> None:
+        self._guarded(self._job.show, None)
+
+    def result(self) -> None:
+        """Waits for the end and raises the first error of the work."""
+        self._thread.join()
+        if self._error is not None:
+            raise self._error
+
+
+def is_free(operator: Any) -> bool:
+    """True if no work is in progress; otherwise a greyed button of the operator shows why."""
+    if _running is not None:
+        operator.poll_message_set("Leaflight is at work; Esc ends it")
+    return _running is None
+
+
+def running() -> BackgroundWork | None:
+    """Returns the BackgroundWork in progress, or None."""
+    return _running
+
+
+def set_running(work: BackgroundWork | None) -> None:
+    """Makes a work the one in progress, or none."""
+    global _running
+    _running = work
+
+
+def cancel_running() -> None:
+    if _running is not None:
+        _running.cancel()
+
+
+def abandon() -> None:
+    """Cancels the work in progress and lets go of it, before another file is opened."""
+    cancel_running()
+    set_running(None)
+
+
+def print_progress(name: str, work: BackgroundWork) -> None:
+    """Waits for the work. A terminal gets a bar, anything else a line for each tenth."""
+    tenths = 0
+    while work.is_alive():
+        work.wait(0.2)
+        if sys.stdout.isatty():
+            filled = int(30 * work.fraction())
+            bar = "#" * filled + "." * (30 - filled)
+            print(f"\r{name} [{bar}] {work.status():<40}", end="", flush=True)
+        elif int(10 * work.fraction()) > tenths:
+            tenths = int(10 * work.fraction())
+            print(f"{name} {work.status()}", flush=True)
+    if sys.stdout.isatty():
+        print()
+
+
+def redraw_panels() -> None:
+    """Draws the sides and heads of viewports anew, not the viewports: these take long."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                for region in area.regions:
+                    if region.type in {"UI", "TOOL_HEADER"}:
+                        region.tag_redraw()

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Isosurfaces that are seen from their back, and are not lit there."""
+
+import leaflight
+
+from ..store import cache
+from ..translations import iface_
+from . import added, look
+from .isosurface import RADIANCE_BACK
+
+
+def note(volume):
+    """A sentence for the panel where a bake lacks the side that is seen, or an empty text."""
+    if not volume.leaflight.bake_id or RADIANCE_BACK in volume.data.attributes:
+        return ""
+    surfaces = (volume, *added.added_to(volume))
+    try:
+        data = cache.volume_of(volume)
+    except leaflight.LeaflightError:
+        return ""
+    if any(data.is_seen_from_back(obj.leaflight.isovalue) for obj in surfaces):
+        return iface_(
+            "This isosurface is seen from its back, which is not baked: turn on Both Sides and "
+            "bake again"
+        )
+    if any(look.box_of(obj) is not None for obj in surfaces):
+        return iface_("The cut shows backs, which are not baked: turn on Both Sides and bake again")
+    return ""

@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The web page without a bake, which web/bundle.mjs makes as a part of the package."""
+
+import os
+from pathlib import Path
+
+from .._core import LeaflightError
+
+TEMPLATE = Path(__file__).parent.parent / "page" / "page.html"
+
+
+def read_template(path: str | os.PathLike[str]) -> str:
+    """The page without a bake. Raises LeaflightError, which names path, where it was left out."""
+    try:
+        return TEMPLATE.read_text(encoding="utf-8")
+    except OSError:
+        raise LeaflightError(
+            f"{path}: this installation was built without Node and has no web page to write; "
+            "install a wheel of Leaflight, or build it after scripts/setup."
+        ) from None
+
+
+def template_bytes() -> int:
+    """The size of the page without a bake, 0 where it was left out."""
+    return TEMPLATE.stat().st_size if TEMPLATE.exists() else 0

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Electron densities in DSN6 and BRIX files, of a byte each, as the program O has them.
+
+http://www.uoxray.uoregon.edu/tnt/manual/node104.html
+"""
+
+import re
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..._core import LeaflightError, Progress
+from ...volume.volume import Volume
+from .checks import DEFLATE_MOST, check_matrix, check_size, text, truncated
+from .stored import StoredVolume, lengths
+from .unit_cell import cell_axes
+from .watched import is_packed, open_watched, read_values
+
+_HEADER = 512
+# Values of a brick along each axis.
+_SIDE = 8
+_BRIX = b":-)"
+_NUMBERS = r"\s+([-+.\deE]+)"
+_FIELDS = {"origin": 3, "extent": 3, "grid": 3, "cell": 6, "prod": 1, "plus": 1}
+
+
+@dataclass(frozen=True)
+class _Header:
+    """start, dims: first point and number of points; grid: steps along the edges of the cell.
+
+    A density is (byte - plus) / prod; swapped: whether each two bytes changed places.
+    """
+
+    start: tuple[int, ...]
+    dims: tuple[int, ...]
+    grid: tuple[int, ...]
+    cell: tuple[float, ...]
+    prod: float
+    plus: float
+    swapped: bool
+
+
+def open_volume(path: Path) -> StoredVolume:
+    """Opens the part of the cell that the file covers, in angstrom."""
+    try:
+        with open_watched(path, Progress()) as file:
+            head = file.read(_HEADER)
+        header = _of_brix(head) if head.startswith(_BRIX) else _of_dsn6(head)
+    except (AttributeError, IndexError, ValueError, EOFError, OverflowError, zlib.error):
+        raise LeaflightError(
+            f"{path}: this is not a readable DSN6 or BRIX map, or it is damaged; fetch it again."
+        ) from None
+    dims = header.dims
+    if min(*dims, *header.grid) < 1 or not header.prod:
+        raise LeaflightError(f"{path}: the header claims {text(dims)} voxels; it is damaged.")
+    matrix = np.eye(4)
+    matrix[:3, :3] = cell_axes(header.cell[:3], header.cell[3:]) / header.grid
+    matrix[:3, 3] = matrix[:3, :3] @ header.start
+    check_matrix(path, matrix)
+    bricks = tuple(-(-n // _SIDE) for n in dims)[::-1]
+    packed = is_packed(path)
+    stored = path.stat().st_size - (0 if packed else _HEADER)
+    check_size(path, (*bricks, _SIDE**3), 1, max(0, stored), DEFLATE_MOST if packed else 1)
+
+    def load(_frame: int, _channel: int, progress: Progress) -> Volume:
+        try:
+            with open_watched(path, progress) as file:
+                file.seek(_HEADER)
+                values = read_values(file, (*bricks, _SIDE, _SIDE, _SIDE), np.uint8)
+        except (EOFError, zlib.error):
+            raise truncated(path, dims) from None
+        if header.swapped:
+            values = values.reshape(-1, 2)[:, ::-1].reshape(values.shape)
+        whole = values.transpose(0, 3, 1, 4, 2, 5).reshape([n * _SIDE for n in bricks])
+        kept = whole[tuple(slice(n) for n in dims[::-1])].astype(np.float32)
+        kept = (kept - np.float32(header.plus)) / np.float32(header.prod)
+        return Volume(kept, matrix, path.name.partition(".")[0])
+
+    return StoredVolume(dims, np.dtype(np.float32), load, lengths(matrix), "Å")
+
+
+def _of_brix(head: bytes) -> _Header:
+    """Reads words that are followed by their numbers."""
+    line, found = head.decode("latin-1"), {}
+    for word, count in _FIELDS.items():
+        match = re.search(word + _NUMBERS * count, line, re.IGNORECASE)
+        found[word] = [float(number) for number in match.groups()] if match else []
+    start, dims, grid = (tuple(map(int, found[word])) for word in ("origin", "extent", "grid"))
+    (product,), (plus,) = found["prod"], found["plus"]
+    return _Header(start, dims, grid, tuple(found["cell"]), product, plus, False)
+
+
+def _of_dsn6(head: bytes) -> _Header:
+    """Reads whole numbers of two bytes, in either order, which the number 100 shows."""
+    for order in "<>":
+        words = [int(word) for word in np.frombuffer(head, order + "i2", 19)]
+        if words[18] == 100:
+            break
+    else:
+        raise ValueError("the byte order")
+    start, dims, grid = (tuple(words[at : at + 3]) for at in (0, 3, 6))
+    cell = tuple(word / words[17] for word in words[9:15])
+    return _Header(start, dims, grid, cell, words[15] / 100, float(words[16]), order == ">")

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Electron densities from the structure factors of .mtz files, through gemmi.
+
+https://gemmi.readthedocs.io/en/latest/hkl.html
+In a process of its own, which alone imports gemmi: damaged files may ask it for any amount of
+memory.
+"""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..._core import LeaflightError, Progress
+from ...arrays import Array
+from ...volume.volume import Volume
+from ...volume.voxels import new_voxels
+from ..reader_process import ReaderProcess
+from .checks import check_matrix, choose_named, listed, undecided
+from .stored import StoredVolume, lengths
+from .unit_cell import cell_axes
+from .watched import STAGE, begin
+
+# Voxels for the shortest wave, gemmi's own choice for maps.
+_SAMPLES = 3.0
+# Waves along an edge of the cell, at most.
+_MOST_WAVES = 1 << 14
+# Amplitudes of the map that programs of refinement make for looking at, the best known first.
+_BEST = ("FWT", "2FOFCWT", "2FOFCWT_fill", "2FOFCWT_no_fill")
+
+
+def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
+    """Opens one cell of the crystal; pairs of amplitudes and phases are datasets.
+
+    The grid is periodic: behind its last voxel the first one of the next cell follows.
+    """
+    with _reader(path, "list_maps") as process:
+        found = process.answer()
+    names = tuple(found["maps"])
+    if not names:
+        raise LeaflightError(
+            f"{path}: it holds no phases, without which there is no map; open the .mtz of a "
+            "program of refinement, which has columns such as FWT and PHWT."
+        )
+    amplitudes = {name.partition("/")[0]: name for name in reversed(names)}
+    name = choose_named(path, names, amplitudes.get(dataset or "", dataset))
+    notes: tuple[str, ...] = ()
+    if name is None:
+        name = next((amplitudes[best] for best in _BEST if best in amplitudes), None)
+    if name is None:
+        return StoredVolume(None, np.dtype(np.float32), undecided(path, names), datasets=names)
+    if dataset is None and len(names) > 1:
+        others = listed([other for other in names if other != name])
+        notes = (f"The map of {name} is computed; the dataset can also be {others}.",)
+    dims = tuple(int(n) for n in found["dims"])
+    matrix = np.eye(4)
+    matrix[:3, :3] = cell_axes(found["cell"][:3], found["cell"][3:]) / dims
+    check_matrix(path, matrix)
+
+    def load(_frame: int, _channel: int, progress: Progress) -> Volume:
+        values = new_voxels(dims[::-1], np.float32)
+        begin(progress, STAGE, values.nbytes)
+        with _reader(path, "compute_map", *name.split("/")) as process:
+            if process.answer() != list(dims):
+                raise process.died()
+            process.fill(values, progress)
+        return Volume(values, matrix, path.name.partition(".")[0])
+
+    size = lengths(matrix)
+    return StoredVolume(dims, np.dtype(np.float32), load, size, "Å", datasets=names, notes=notes)
+
+
+def _reader(path: Path, function: str, *options: object) -> ReaderProcess:
+    return ReaderProcess(path, "MTZ file", __name__, function, *options)
+
+
+def list_maps(path: Path) -> tuple[dict[str, Any], tuple[()]]:
+    """Lists, within the process, the maps that can be computed, their dims and the cell."""
+    import gemmi
+
+    mtz = gemmi.read_mtz_file(str(path))
+    maps = _pairs([(column.label, column.type) for column in mtz.columns])
+    if not maps:
+        return {"maps": ()}, ()
+    # On others gemmi never ends.
+    waves = np.asarray(mtz)[:, :3]
+    if not (len(waves) and np.isfinite(waves).all() and np.abs(waves).max() < _MOST_WAVES):
+        raise ValueError("the indices of the waves")
+    cell, dims = mtz.cell, list(mtz.get_size_for_hkl(sample_rate=_SAMPLES))
+    sides = [cell.a, cell.b, cell.c, cell.alpha, cell.beta, cell.gamma]
+    return {"maps": maps, "dims": dims, "cell": sides}, ()
+
+
+def _pairs(columns: Sequence[tuple[str, str]]) -> list[str]:
+    """Pairs each column of phases with the last one of amplitudes before it."""
+    pairs, amplitudes = [], None
+    for label, kind in columns:
+        if kind == "F":
+            amplitudes = label
+        elif kind == "P" and amplitudes is not None:
+            pairs.append(f"{amplitudes}/{label}")
+            amplitudes = None
+    return pairs
+
+
+def compute_map(path: Path, amplitudes: str, phases: str) -> tuple[list[int], Iterable[Array]]:
+    """Computes, within the process, the density [z, y, x] of a whole cell."""
+    import gemmi
+
+    mtz = gemmi.read_mtz_file(str(path))
+    grid = mtz.transform_f_phi_to_map(amplitudes, phases, sample_rate=_SAMPLES)
+    values = np.ascontiguousarray(np.array(grid, np.float32).transpose(2, 1, 0))
+    return [grid.nu, grid.nv, grid.nw], [values]

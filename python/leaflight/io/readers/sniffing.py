@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which reader a file is for by what it holds, where its name does not say."""
+
+import re
+import zipfile
+import zlib
+from pathlib import Path
+
+from ..._core import LeaflightError
+
+# Bytes that a file is looked at, and that packed ones are unpacked to.
+_LOOKED_AT = 1 << 16
+
+# (module of the reader, where the bytes stand, the bytes), of formats that are binary.
+_SIGNATURES = (
+    ("dicom", 128, b"DICM"),
+    ("nifti", 344, b"n+1\0"),
+    ("nifti", 4, b"n+2\0\r\n\x1a\n"),
+    ("hdf5", 0, b"\x89HDF\r\n\x1a\n"),
+    ("hdf5", 512, b"\x89HDF\r\n\x1a\n"),
+    ("mrc", 208, b"MAP "),
+    ("tiff", 0, b"II*\0"),
+    ("tiff", 0, b"MM\0*"),
+    ("tiff", 0, b"II+\0"),
+    ("tiff", 0, b"MM\0+"),
+    ("vdb", 0, b" BDV\0\0\0\0"),
+    ("numpy_file", 0, b"\x93NUMPY"),
+    ("mtz", 0, b"MTZ "),
+    ("dsn6", 0, b":-)"),
+)
+_DIGITS = rb"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?"
+_THREE = 3 * (rb"[ \t]+" + _DIGITS)
+_LINE = rb"[^\n]{0,999}\n"
+# A whole number and three others, as in the header of a cube, and in tables.
+_FOUR = rb"[ \t]*[-+]?\d+" + _THREE + rb"(?:[ \t]+\d+)?\s*\n"
+_VECTOR = rb"[ \t]*" + _DIGITS + 2 * (rb"[ \t]+" + _DIGITS) + rb"\s*\n"
+# (module, what the text begins with or holds).
+_TEXTS = (
+    ("nrrd", rb"\ANRRD000\d"),
+    ("vtk_legacy", rb"\A# vtk DataFile"),
+    ("vti", rb"\A\s*(?:<\?xml[^>]{0,999}>\s*)?(?:<!--[^>]{0,9999}>\s*)?<VTKFile\b"),
+    ("ply_points", rb"\Aply\r?\n"),
+    ("metaimage", rb"\A\s*(?:ObjectType|NDims)[ \t]*="),
+    ("opendx", rb"\A(?:\s*#" + _LINE + rb")*\s*object[ \t]+\S+[ \t]+class[ \t]+gridpositions"),
+    ("xsf", rb"^[ \t]*BEGIN_BLOCK_DATAGRID_?3D"),
+    # Two lines of text, the number of atoms and the origin, and three axes.
+    ("cube", rb"\A(?!" + _FOUR + rb")" + 2 * _LINE + rb"(?:" + _FOUR + rb"){4}"),
+    # A line of text, a scale, and three vectors.
+    ("vasp", rb"\A" + _LINE + rb"\s*" + _DIGITS + rb"\s*\n" + 3 * _VECTOR),
+)
+
+
+# Readers of files that are packed by gzip, too.
+_UNPACKING = {"nifti", "mrc", "opendx", "xsf", "cube", "vasp", "dsn6"}
+
+
+def module_of(path: Path) -> str | None:
+    """Returns the module of the reader for what a file holds, None where that is not known.
+
+    Raises LeaflightError for a packed file whose reader does not unpack it.
+    """
+    try:
+        with open(path, "rb") as file:
+            head = file.read(_LOOKED_AT)
+        if head.startswith(b"PK\x03\x04"):
+            return "numpy_file" if _is_npz(path) else None
+        packed = head.startswith(b"\x1f\x8b")
+        if packed:
+            head = zlib.decompressobj(31).decompress(head, _LOOKED_AT)
+    except (OSError, zlib.error):
+        return None
+    module = _module_of(head)
+    if packed and module and module not in _UNPACKING:
+        raise LeaflightError(f"{path}: it is packed by gzip; unpack it first, as gunzip does.")
+    return module
+
+
+def _module_of(head: bytes) -> str | None:
+    """Returns the module for what begins so."""
+    for module, place, signature in _SIGNATURES:
+        if head[place : place + len(signature)] == signature:
+            return module
+    found = (module for module, text in _TEXTS if re.search(text, head, re.MULTILINE))
+    return next(found, None)
+
+
+def _is_npz(path: Path) -> bool:
+    """Returns whether all that an archive holds are arrays of NumPy."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            names = archive.namelist()
+    except zipfile.BadZipFile:
+        return False
+    return bool(names) and all(name.endswith(".npy") for name in names)

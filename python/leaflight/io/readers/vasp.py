@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""VASP's densities and potentials: CHGCAR, AECCAR, PARCHG, LOCPOT, ELFCAR; plain or gzipped.
+
+https://www.vasp.at/wiki/index.php/CHGCAR
+"""
+
+import io
+import zlib
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import islice
+from math import prod
+from pathlib import Path
+
+import numpy as np
+
+from ..._core import LeaflightError, Progress
+from ...arrays import Array
+from ...volume.volume import Volume
+from .checks import check_matrix, truncated
+from .stored import StoredVolume, lengths
+from .text_numbers import check_count, numbers_of, read_numbers
+from .watched import open_watched
+
+# Characters of a line, and lines between two grids, such as those of the PAW spheres, at most.
+_MOST_LINE, _MOST_LINES = 1 << 16, 1 << 22
+# Parts of names. Densities are stored times the volume of the cell.
+_DENSITIES, _OTHERS = ("CHG", "AECCAR"), ("LOCPOT", "ELF", "POT")
+_SETS = {
+    (True, 2): "channel 0 is the density of all electrons, 1 that of spin up less spin down",
+    (True, 4): "channel 0 is the density of all electrons, 1 to 3 are their magnetization",
+    (False, 2): "channel 0 is that of spin up, 1 that of spin down",
+    (False, 4): "channel 0 is that of all electrons, 1 to 3 are those of their magnetization",
+}
+
+
+@dataclass
+class _Grids:
+    """The grids of a file; starts: where the numbers of each begin; lattices: of each step of a
+    run, vectors in rows; augmented: whether there are also values of the PAW spheres."""
+
+    dims: tuple[int, ...] = ()
+    starts: list[int] = field(default_factory=list)
+    lattices: list[Array] = field(default_factory=list)
+    augmented: bool = False
+
+
+def open_volume(path: Path) -> StoredVolume:
+    """Opens a grid: spins are channels, steps of a run frames; densities are per cubic angstrom.
+
+    The grid is periodic: behind its last voxel the first one of the next cell follows.
+    """
+    try:
+        with open_watched(path, Progress()) as file:
+            grids = _grids(path, file)
+    except (IndexError, ValueError, OverflowError, EOFError, zlib.error):
+        raise LeaflightError(
+            f"{path}: this is not a readable file of VASP with values on a grid, or it is damaged; "
+            "fetch it again."
+        ) from None
+    dims, frames = grids.dims, len(grids.lattices)
+    channels = len(grids.starts) // frames
+    matrices = [_matrix(lattice, dims) for lattice in grids.lattices]
+    for matrix in matrices:
+        check_matrix(path, matrix)
+    is_density, notes = _quantity(path, grids)
+    if (is_density, channels) in _SETS:
+        notes += (f"It holds {channels} grids: {_SETS[is_density, channels]}.",)
+
+    def load(frame: int, channel: int, progress: Progress) -> Volume:
+        try:
+            with open_watched(path, progress) as file:
+                file.seek(grids.starts[frame * channels + channel])
+                values = read_numbers(file, prod(dims), np.float32, progress)
+        except (EOFError, ValueError, zlib.error):
+            raise truncated(path, dims) from None
+        if is_density:
+            values /= np.float32(abs(np.linalg.det(grids.lattices[frame])))
+        name = path.name.partition(".")[0]
+        return Volume(values.reshape(dims[::-1]), matrices[frame], name)
+
+    sizes = lengths(matrices[0])
+    return StoredVolume(dims, np.dtype(np.float32), load, sizes, "Å", frames, channels, notes=notes)
+
+
+def _matrix(lattice: Array, dims: tuple[int, ...]) -> Array:
+    matrix = np.eye(4)
+    matrix[:3, :3] = lattice.T / dims
+    return matrix
+
+
+def _quantity(path: Path, grids: _Grids) -> tuple[bool, tuple[str, ...]]:
+    """Returns (whether the values are a density, what was guessed)."""
+    name = path.name.upper()
+    if grids.augmented or any(word in name for word in _DENSITIES):
+        return True, ()
+    if any(word in name for word in _OTHERS):
+        return False, ()
+    return True, (
+        "Its values are divided by the volume of the cell, as those of CHGCAR; LOCPOT or ELFCAR in "
+        "its name says that they are no density.",
+    )
+
+
+def _grids(path: Path, file: io.BufferedIOBase) -> _Grids:
+    """Reads all but the numbers. Raises ValueError, or LeaflightError where there is no grid."""
+    grids, lines = _Grids(), iter(lambda: file.readline(_MOST_LINE), b"")
+    title = next(lines, b"")
+    grids.lattices.append(_structure(lines))
+    counts, others = [b""], 0
+    for line in lines:
+        words, others = line.split(), others + 1
+        if not grids.dims and len(words) == 3 and all(map(bytes.isdigit, words)):
+            counts, grids.dims = words, tuple(map(int, words))
+            check_count(path, grids.dims)
+        if words == counts:
+            grids.starts.append(file.tell())
+            _skip(lines, prod(grids.dims))
+            others = 0
+        elif grids.dims and title.strip() and line == title:
+            grids.lattices.append(_structure(lines))
+        elif words[:1] == [b"augmentation"]:
+            grids.augmented = True
+        if others > _MOST_LINES:
+            raise ValueError("no grid")
+    if not grids.starts:
+        raise LeaflightError(
+            f"{path}: it holds the structure of a crystal, but no values on a grid; open CHGCAR, "
+            "LOCPOT or another file of its kind."
+        )
+    if min(grids.dims) < 1 or len(grids.starts) % len(grids.lattices):
+        raise ValueError("grids")
+    return grids
+
+
+def _structure(lines: Iterator[bytes]) -> Array:
+    """Reads the lattice in angstrom, vectors in rows, and goes on behind the atoms."""
+    scales = numbers_of(next(lines, b""))
+    lattice = np.array([numbers_of(next(lines, b""))[:3] for _ in range(3)]).reshape(3, 3)
+    words = next(lines, b"").split()
+    if not words or not words[0].isdigit():
+        # The names of the elements.
+        words = next(lines, b"").split()
+    atoms = sum(int(word) for word in words if word.isdigit())
+    # Selective dynamics adds a line before the kind of coordinates.
+    if next(lines, b"").strip()[:1].lower() == b"s":
+        next(lines, b"")
+    deque(islice(lines, atoms), maxlen=0)
+    if len(scales) == 3:
+        return lattice * scales
+    # A negative scale is the volume of the cell.
+    size = (-scales[0] / abs(np.linalg.det(lattice))) ** (1 / 3) if scales[0] < 0 else scales[0]
+    return lattice * size
+
+
+def _skip(lines: Iterator[bytes], count: int) -> None:
+    """Goes on behind so many numbers, of which each line but the last has as many as the first."""
+    first = len(next(lines, b"").split())
+    if not first:
+        raise ValueError("no numbers")
+    deque(islice(lines, -(-count // first) - 1), maxlen=0)

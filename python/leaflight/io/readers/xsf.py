@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Grids of XCrySDen's .xsf files, which Quantum ESPRESSO, SIESTA and others write.
+
+http://www.xcrysden.org/doc/XSF.html
+"""
+
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import prod
+from pathlib import Path
+
+import numpy as np
+
+from ..._core import LeaflightError, Progress
+from ...arrays import Array
+from ...volume.volume import Volume
+from .checks import check_matrix, choose_named, text, truncated, undecided
+from .stored import StoredVolume, lengths
+from .text_numbers import check_count, numbers_of, read_numbers
+from .watched import open_watched
+
+# Characters of a line, at most.
+_MOST_LINE = 1 << 16
+_WORDS = ("BEGIN_DATAGRID_3D", "DATAGRID_3D")
+
+
+@dataclass(frozen=True)
+class _Grid:
+    """start: where its numbers begin, x fastest."""
+
+    dims: tuple[int, ...]
+    matrix: Array
+    start: int
+
+
+def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
+    """Opens a grid, of which several are datasets; the last points may be the first ones again."""
+    try:
+        found = _grids(path)
+    except (IndexError, ValueError, OverflowError, EOFError, zlib.error):
+        raise LeaflightError(
+            f"{path}: this is not a readable XSF file, or it is damaged; fetch it again."
+        ) from None
+    names = tuple(found)
+    if not names:
+        raise LeaflightError(f"{path}: it holds no grid of three dimensions (DATAGRID_3D).")
+    name = choose_named(path, names, dataset)
+    if name is None:
+        return StoredVolume(None, np.dtype(np.float32), undecided(path, names), datasets=names)
+    grid = found[name]
+    if min(grid.dims) < 2:
+        raise LeaflightError(f"{path}: its grid has {text(grid.dims)} points, too few to show.")
+    check_matrix(path, grid.matrix)
+
+    def load(_frame: int, _channel: int, progress: Progress) -> Volume:
+        try:
+            with open_watched(path, progress) as file:
+                file.seek(grid.start)
+                values = read_numbers(file, prod(grid.dims), np.float32, progress)
+        except (EOFError, ValueError, zlib.error):
+            raise truncated(path, grid.dims) from None
+        return Volume(values.reshape(grid.dims[::-1]), grid.matrix, path.name.partition(".")[0])
+
+    size = lengths(grid.matrix)
+    return StoredVolume(grid.dims, np.dtype(np.float32), load, size, "Å", datasets=names)
+
+
+def _grids(path: Path) -> dict[str, _Grid]:
+    """Finds the grids of a file, by name. Raises ValueError."""
+    found: dict[str, _Grid] = {}
+    with open_watched(path, Progress()) as file:
+        lines = iter(lambda: file.readline(_MOST_LINE), b"")
+        for line in lines:
+            # Not every line of numbers is looked at closely.
+            if b"DATAGRID_3D" not in line:
+                continue
+            word = line.decode("latin-1").split()[0]
+            key = next((key for key in _WORDS if word.upper().startswith(key)), None)
+            if key is None:
+                continue
+            dims, matrix = _placed(path, lines)
+            name = word[len(key) :].lstrip("_") or "grid"
+            while name in found:
+                name += "'"
+            found[name] = _Grid(dims, matrix, file.tell())
+    return found
+
+
+def _placed(path: Path, lines: Iterator[bytes]) -> tuple[tuple[int, ...], Array]:
+    """Returns (dims, matrix) from the number of points, the origin and three spanning vectors."""
+    numbers: list[float] = []
+    while len(numbers) < 15:
+        numbers += numbers_of(next(lines, b"end"))
+    if len(numbers) != 15:
+        raise ValueError("the header of a grid")
+    dims = tuple(int(n) for n in numbers[:3])
+    if min(dims) < 1:
+        raise ValueError("the number of points")
+    check_count(path, dims)
+    matrix = np.eye(4)
+    steps = np.maximum(1, np.array(dims) - 1)
+    matrix[:3, :3], matrix[:3, 3] = np.reshape(numbers[6:], (3, 3)).T / steps, numbers[3:6]
+    return dims, matrix

@@ -1,0 +1,256 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whatever a job raises in any of its callbacks ends the job, and leaves the add-on free."""
+
+import json
+import time
+from contextlib import suppress
+from pathlib import Path
+from types import SimpleNamespace
+
+import bpy
+import leaflight
+import numpy as np
+import pytest
+from leaflight_addon.bake import bake, bake_flatland, continue_bake, estimate_bake, live
+from leaflight_addon.bake import photon_cloud, stopped
+from leaflight_addon.compare import process
+from leaflight_addon.export import export_bake
+from leaflight_addon.importing import import_volume
+from leaflight_addon.operators import background, failures, jobs
+from leaflight_addon.show import first_light, preview, surface_object, whole_detail
+from leaflight_addon.ui import smooth_volume
+from PIL import Image
+
+CALLBACKS = ("run", "fraction", "status", "show", "ended", "apply", "failed")
+# Jobs with drivers of their own.
+SPECIAL = {live.LiveJob, whole_detail._Making}
+UNREACHED = 0.01
+
+
+def _bake(obj):
+    return bake.BakeJob(bpy.context, obj)
+
+
+def _continue(obj):
+    obj.leaflight.error = 0.5
+    return continue_bake.ContinueJob(bpy.context, obj)
+
+
+def _keep(obj):
+    obj.leaflight.error = UNREACHED
+    job = _bake(obj)
+    work = jobs.BackgroundWork(job)
+    while job.latest is None:
+        time.sleep(0.01)
+    work.cancel()
+    with suppress(leaflight.Cancelled):
+        work.result()
+    job.ended()
+    return stopped.KeepJob(job)
+
+
+def _flat(_obj):
+    path = bpy.path.abspath("//picture.png")
+    Image.fromarray(np.linspace(0, 255, 400).reshape(20, 20).astype(np.uint8)).save(path)
+    bpy.ops.leaflight.import_image(filepath=path)
+    bpy.context.object.leaflight_flat.error = 20.0
+    return bake_flatland.FlatBakeJob(bpy.context.object)
+
+
+def _smooth(obj):
+    return smooth_volume.SmoothJob(obj, "smooth", 1.0)
+
+
+def _import(obj):
+    operator = SimpleNamespace(
+        filepath=obj.leaflight.source,
+        **{name: getattr(obj.leaflight, name) for name in import_volume.source_files.CHOICES},
+        **{"resolution": "FULL", "size": 2.0, "size_from": "AUTO", "up": "FILE", "front": "FILE"},
+        **{"animate": False, "partner": "", "unit": "UNKNOWN"},
+    )
+    return import_volume.ImportJob(bpy.context, operator)
+
+
+def _photons(obj):
+    options = SimpleNamespace(count=1000, seed=0, kind="ALL", radius=0.01, band=1.0)
+    return photon_cloud.PhotonJob(bpy.context, obj, options)
+
+
+def _export(obj):
+    path = Path(bpy.path.abspath("//out.ply"))
+    return export_bake.ExportJob(obj, path, [obj.leaflight.isovalue])
+
+
+def _compare(obj):
+    """The program that renders is another one here, which has the figures at once."""
+    job = process.ComparisonJob(obj, bpy.path.abspath("//pictures"), 2, 2, 0.1)
+    figures = {"sentence": "Alike", "doubt": "", "report": "Alike"}
+    job._command = ["echo", process.MARK + json.dumps(figures)]
+    return job
+
+
+MAKERS = {
+    bake.BakeJob: _bake,
+    continue_bake.ContinueJob: _continue,
+    stopped.KeepJob: _keep,
+    estimate_bake.EstimateJob: lambda obj: estimate_bake.EstimateJob(bpy.context, obj),
+    bake_flatland.FlatBakeJob: _flat,
+    smooth_volume.SmoothJob: _smooth,
+    import_volume.ImportJob: _import,
+    photon_cloud.PhotonJob: _photons,
+    export_bake.ExportJob: _export,
+    process.ComparisonJob: _compare,
+}
+
+
+def _all_jobs(kind=jobs.Job):
+    for each in kind.__subclasses__():
+        yield each
+        yield from _all_jobs(each)
+
+
+def check_each_job_has_its_check():
+    assert set(_all_jobs()) == {*MAKERS, *SPECIAL}
+
+
+@pytest.fixture
+def small(boxed, tmp_path):
+    """A baked volume in a saved file, with a bake of a moment."""
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "jobs.blend"))
+    boxed.leaflight.error, boxed.leaflight.resolution = 20.0, 9
+    bpy.ops.leaflight.bake()
+    yield boxed
+    stopped.offer(None)
+    failures.forget()
+    surface_object.forget_passes()
+
+
+class Window:
+    """Drives a job as Blender's events do in a window."""
+
+    def __init__(self, job):
+        said = self.said = []
+
+        class Operator(background.BackgroundOperator):
+            def start(self, _context):
+                return job
+
+            def report(self, kind, text):
+                said.append((*kind, text))
+
+        manager = SimpleNamespace(
+            windows=[],
+            event_timer_add=lambda *_, **__: None,
+            event_timer_remove=lambda _: None,
+            modal_handler_add=lambda _: None,
+        )
+        workspace = SimpleNamespace(status_text_set=lambda _: None)
+        self.context = SimpleNamespace(window=None, window_manager=manager, workspace=workspace)
+        self.operator = Operator()
+
+    def run(self, cancels=False):
+        result = self.operator.run_modal(self.context)
+        while result & {"RUNNING_MODAL", "PASS_THROUGH"}:
+            kind = "ESC" if cancels else "TIMER"
+            result = self.operator.modal(self.context, SimpleNamespace(type=kind, value="PRESS"))
+            result = self.operator.modal(self.context, SimpleNamespace(type="TIMER", value=""))
+            time.sleep(0.01)
+        return result
+
+
+@pytest.mark.parametrize("kind", MAKERS, ids=lambda kind: kind.__name__)
+def check_an_error_in_any_callback_ends_the_job(small, monkeypatch, kind):
+    for callback in CALLBACKS:
+        with monkeypatch.context() as patch:
+            _break(MAKERS[kind](small), callback, patch)
+        stopped.offer(None)
+    # The next work begins as if nothing had been.
+    assert Window(MAKERS[kind](small)).run() == {"FINISHED"} and not failures.sentence()
+    assert not [obj for obj in bpy.data.objects if first_light._is_ours(obj)]
+
+
+def _break(job, callback, patch):
+    """Drives a job with a callback that raises."""
+    called = []
+
+    def broken(*_):
+        called.append(callback)
+        raise KeyError("broken on purpose")
+
+    patch.setattr(job, callback, broken)
+    if callback == "failed":
+        patch.setattr(job, "apply", broken)
+    window = Window(job)
+    assert window.run(cancels=callback == "ended") <= {"CANCELLED", "FINISHED"}
+    assert jobs.running() is None
+    if called:
+        errors = [text for kind, text in window.said if kind == "ERROR"]
+        assert any("broken on purpose" in text for text in errors), (callback, window.said)
+        assert "KeyError" in failures.report() and "broken on purpose" in failures.sentence()
+
+
+def check_a_job_whose_passes_cannot_be_shown_offers_the_last(small, monkeypatch):
+    small.leaflight.error = UNREACHED
+    job = bake.BakeJob(bpy.context, small)
+    shown = job.show
+
+    def broken():
+        if job.latest is None:
+            return shown()
+        raise KeyError("broken on purpose")
+
+    monkeypatch.setattr(job, "show", broken)
+    assert Window(job).run() == {"CANCELLED"}
+    assert stopped.offered() is job and job.latest is not None
+    monkeypatch.undo()
+    first = small.leaflight.bake_id
+    assert bpy.ops.leaflight.keep_bake() == {"FINISHED"}
+    assert small.leaflight.bake_id != first and preview.of(small) is None
+
+
+def check_start_and_the_next_job_may_raise(small):
+    window = Window(None)
+    window.operator.start = lambda _context: 1 // 0
+    assert window.run() == {"CANCELLED"} and "ZeroDivisionError" in window.said[-1][1]
+    window = Window(estimate_bake.EstimateJob(bpy.context, small))
+    window.operator.next_job = lambda _context: 1 // 0
+    assert window.run() == {"CANCELLED"} and "ZeroDivisionError" in window.said[-1][1]
+    assert jobs.running() is None
+
+
+def check_live_goes_on_after_an_error(small, monkeypatch):
+    monkeypatch.setattr(live, "_is_in_window", lambda: True)
+    bpy.context.scene.leaflight_live = True
+    bpy.data.objects.remove(next(o for o in bpy.data.objects if o.type == "LIGHT"))
+    with monkeypatch.context() as patch:
+        patch.setattr(live, "_wanted", lambda _context: 1 // 0)
+        live._has_changed = True
+        assert live._tick() is None
+    assert "ZeroDivisionError" in live.sentence() and live.at_work() is None
+    live.forget()
+    bpy.context.scene.leaflight_live = False
+
+
+def check_a_deleted_volume_stops_its_bake(small):
+    small.leaflight.error = UNREACHED
+    job = bake.BakeJob(bpy.context, small)
+    window = Window(job)
+    shown = job.show
+
+    def delete():
+        shown()
+        if job.latest is not None and small.name in bpy.data.objects:
+            bpy.data.objects.remove(small)
+
+    job.show = delete
+    assert window.run() == {"CANCELLED"}
+    assert "was deleted" in failures.sentence() and stopped.offered() is None
+
+
+def check_a_renamed_volume_keeps_its_bake(small):
+    job = bake.BakeJob(bpy.context, small)
+    before, small.name = small.leaflight.bake_id, "another name"
+    job.latest = None
+    small.leaflight.seed = 1
+    assert Window(job).run() == {"FINISHED"} and job.names == ["another name"]
+    assert small.leaflight.bake_id and before

@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""VTK's old files, as VTK itself and other programs write them."""
+
+import numpy as np
+import pytest
+from leaflight import LeaflightError, read_volume
+from leaflight.io.readers import probe
+
+HEADER = """# vtk DataFile Version 3.0
+a title
+{}
+DATASET STRUCTURED_POINTS
+DIMENSIONS {}
+ORIGIN 1 2 3
+SPACING 0.5 1 2
+"""
+
+
+def by_hand(values, form="ASCII", kind="float", more="LOOKUP_TABLE default\n"):
+    """As a small program writes it: one array of points."""
+    dims = " ".join(map(str, values.shape[::-1]))
+    head = HEADER.format(form, dims) + f"POINT_DATA {values.size}\nSCALARS h {kind}\n{more}"
+    if form == "ASCII":
+        rows = (" ".join(map(str, row)) for row in values.reshape(-1, values.shape[2]))
+        return (head + "\n".join(rows)).encode()
+    return head.encode() + values.astype(values.dtype.newbyteorder(">")).tobytes()
+
+
+def read_back(path, content, **options):
+    path.write_bytes(content)
+    return read_volume(path, **options)
+
+
+TYPES = ["int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "f4", "f8"]
+
+
+@pytest.mark.parametrize("version", [42, 51])
+@pytest.mark.parametrize("ascii", [False, True])
+@pytest.mark.parametrize("dtype", TYPES)
+def test_all_that_vtk_writes(tmp_path, values, dtype, ascii, version):
+    pytest.importorskip("vtkmodules")
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+    from vtkmodules.vtkCommonCore import vtkStringArray
+    from vtkmodules.vtkCommonDataModel import vtkImageData
+    from vtkmodules.vtkIOLegacy import vtkStructuredPointsWriter
+
+    def array(name, numbers, channels=1):
+        made = numpy_to_vtk(numbers.reshape(-1, channels).astype(dtype), deep=True)
+        made.SetName(name)
+        return made
+
+    image = vtkImageData()
+    image.SetDimensions(6, 5, 4)
+    image.SetOrigin(1, 2, 3)
+    image.SetSpacing(0.5, 1, 2)
+    vectors = np.stack([values, 119 - values, values // 2], axis=-1)
+    cells = values[:3, :4, :5]
+    image.GetPointData().SetScalars(array("density", values))
+    image.GetPointData().SetVectors(array("velocity", vectors, 3))
+    image.GetPointData().AddArray(array("2 theta", 119 - values))
+    image.GetCellData().AddArray(array("label", cells))
+    words = vtkStringArray()
+    words.SetName("words")
+    words.InsertNextValue("of no length that is known")
+    image.GetFieldData().AddArray(words)
+    writer = vtkStructuredPointsWriter()
+    writer.SetInputData(image)
+    writer.SetFileName(str(tmp_path / "x.vtk"))
+    writer.SetFileType(1 if ascii else 2)
+    writer.SetFileVersion(version)
+    assert writer.Write()
+
+    path = tmp_path / "x.vtk"
+    assert probe(path).datasets == ("label", "density", "velocity", "2 theta")
+    np.testing.assert_array_equal(read_volume(path, dataset="density").values, values)
+    np.testing.assert_array_equal(read_volume(path, dataset="2 theta").values, 119 - values)
+    volume = read_volume(path, dataset="velocity", channel=1)
+    np.testing.assert_array_equal(volume.values, 119 - values)
+    matrix = [[0.5, 0, 0, 1], [0, 1, 0, 2], [0, 0, 2, 3], [0, 0, 0, 1]]
+    np.testing.assert_array_equal(volume.index_to_world, matrix)
+    volume = read_volume(path, dataset="label")
+    np.testing.assert_array_equal(volume.values, cells)
+    np.testing.assert_array_equal(volume.index_to_world[:3, 3], [1.25, 2.5, 4])
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        ("", ""),
+        ("\n", "\r\n"),
+        ("a title", ""),
+        ("SPACING", "ASPECT_RATIO"),
+        ("\nPOINT_DATA", "\n\n\nPOINT_DATA"),
+        ("LOOKUP_TABLE default\n", ""),
+        ("SCALARS h float", "scalars h float 1"),
+    ],
+)
+@pytest.mark.parametrize("form", ["ASCII", "BINARY"])
+def test_files_by_hand(tmp_path, values, form, change):
+    head, mark, numbers = by_hand(values, form).partition(b"default\n")
+    if form == "BINARY":
+        content = (head + mark).decode().replace(*change).encode() + numbers
+    else:
+        content = (head + mark + numbers).decode().replace(*change).encode()
+    volume = read_back(tmp_path / "x.vtk", content)
+    np.testing.assert_array_equal(volume.values, values)
+    assert np.diag(volume.index_to_world).tolist() == [0.5, 1, 2, 1]
+
+
+def test_colors_and_their_table(tmp_path, values):
+    bytes_of = values.astype(np.uint8)
+    content = HEADER.format("BINARY", "6 5 4").encode() + b"POINT_DATA 120\nCOLOR_SCALARS c 2\n"
+    content += np.stack([bytes_of, 119 - bytes_of], axis=-1).tobytes()
+    content += b"\nLOOKUP_TABLE t 2\n" + b"\nSCALARS" + b"\nMETADATA\nINFORMATION 0\n\n"
+    content += b"SCALARS h unsigned_char\nLOOKUP_TABLE t\n" + bytes_of.tobytes()
+    path = tmp_path / "x.vtk"
+    volume = read_back(path, content, dataset="c", channel=1)
+    np.testing.assert_array_equal(volume.values, 119 - bytes_of)
+    np.testing.assert_array_equal(read_volume(path, dataset="h").values, bytes_of)
+
+
+def test_missing_numbers_are_numbers(tmp_path, values):
+    content = by_hand(values).replace(b"\n58.0 ", b"\n nan ").replace(b"\n61.0 ", b"\n-Inf ")
+    content += b"\nSCALARS g float\nLOOKUP_TABLE default\n" + b"1 2 3 4 5 6\n" * 20
+    path = tmp_path / "x.vtk"
+    path.write_bytes(content)
+    assert probe(path).datasets == ("h", "g")
+    assert read_volume(path, dataset="g").values.max() == 6
+
+
+def test_damaged(tmp_path, values):
+    path = tmp_path / "x.vtk"
+    whole, binary = by_hand(values), by_hand(values, "BINARY")
+    for broken, sentence in (
+        (whole[:-20], "ends before"),
+        (binary[:-20], "claims"),
+        (whole.replace(b"120", b"-120"), "not a readable legacy VTK"),
+        (whole.replace(b"120", b"99999999999999"), "ends before|claims"),
+        (whole.replace(b"6 5 4", b"9 9 9"), "no volume of real numbers"),
+        (whole.replace(b"6 5 4", b"-6 -5 4"), "claims no voxels"),
+        (whole.replace(b"0.5 1 2", b"0 0 0"), "nowhere"),
+        (whole.replace(b"float", b"bit"), "no volume of real numbers"),
+        (whole.replace(b"ASCII", b"PLAIN"), "not a readable legacy VTK"),
+        (whole.replace(b"STRUCTURED_POINTS", b"RECTILINEAR_GRID"), "rectilinear grid.*Resample"),
+        (whole[:44], "holds no data"),
+        (b"", "empty"),
+    ):
+        with pytest.raises(LeaflightError, match=f"x.vtk: .*({sentence})"):
+            read_back(path, broken)

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Files whose names do not say what they hold are tried by their contents."""
+
+import gzip
+from fnmatch import fnmatchcase
+
+import numpy as np
+import pytest
+from leaflight import LeaflightError, read_volume
+from leaflight.io.readers import SUFFIXES, format_of, name_patterns
+from leaflight.io.readers import sniffing
+from leaflight.io.readers.formats import FORMATS
+from leaflight.io.readers.sniffing import module_of
+from test_damaged_files import FORMATS as FILES
+from test_reader_crystals import mtz
+
+# Of the files of test_damaged_files.py -> the reader that their contents name.
+MODULES = {
+    "x.mha": "metaimage",
+    "x.dcm": "dicom",
+    "x.mrc": "mrc",
+    "x.vti": "vti",
+    "x.cube": "cube",
+    "x.npy": "numpy_file",
+    "x.npz": "numpy_file",
+    "x.h5": "hdf5",
+    "x.nii": "nifti",
+    "x.nii.gz": "nifti",
+    "x.nrrd": "nrrd",
+    "plain.tif": "tiff",
+    "x.vtk": "vtk_legacy",
+    "x.dx": "opendx",
+    "LOCPOT": "vasp",
+    "x.xsf": "xsf",
+    "x.brix": "dsn6",
+    "x.mtz": "mtz",
+}
+
+
+def good(path):
+    """The bytes of a small file of this name."""
+    if path.name != "x.mtz":
+        return FILES[path.name](path)
+    pytest.importorskip("gemmi")
+    mtz(path, [("FWT", "F", [30.0, 20, 10]), ("PHWT", "P", [10.0, 100, -50])])
+    return path.read_bytes()
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_the_reader_of_contents(tmp_path, name):
+    path = tmp_path / "no_suffix_that_is_known.foo"
+    path.write_bytes(good(tmp_path / name))
+    assert module_of(path) == format_of(path).module == MODULES[name]
+
+
+@pytest.mark.parametrize("name", ["x.cube", "x.dx", "x.xsf", "x.brix", "x.mrc"])
+def test_packed_contents(tmp_path, name):
+    known, packed = tmp_path / name, tmp_path / "packed"
+    known.write_bytes(good(known))
+    packed.write_bytes(gzip.compress(known.read_bytes()))
+    np.testing.assert_array_equal(read_volume(packed).values, read_volume(known).values)
+
+
+@pytest.mark.parametrize("name", ["x.vti", "x.nrrd", "x.h5", "x.vtk", "plain.tif", "x.npy"])
+def test_packed_contents_that_must_be_unpacked(tmp_path, name):
+    path = tmp_path / f"{name}.gz"
+    path.write_bytes(gzip.compress(good(tmp_path / name)))
+    with pytest.raises(LeaflightError, match="unpack it first"):
+        read_volume(path)
+
+
+@pytest.mark.parametrize("name", sorted(MODULES.keys() - {"LOCPOT", "x.nii", "x.nii.gz"}))
+def test_it_is_read(tmp_path, name):
+    known, unknown = tmp_path / name, tmp_path / "unknown"
+    known.write_bytes(good(known))
+    unknown.write_bytes(known.read_bytes())
+    np.testing.assert_array_equal(read_volume(unknown).values, read_volume(known).values)
+
+
+def test_names_without_a_suffix(tmp_path):
+    for name, module in (
+        ("CHGCAR", "vasp"),
+        ("AECCAR0.gz", "vasp"),
+        ("PARCHG.0001.ALLK", "vasp"),
+        ("my_LOCPOT", "vasp"),
+        ("CHGCAR.cube", "cube"),
+        ("CHGCAR.h5", "hdf5"),
+    ):
+        (tmp_path / name).write_bytes(b"")
+        assert format_of(tmp_path / name).module == module
+    for name in ("chgcar notes.txt", "x", "x.gz"):
+        (tmp_path / name).write_bytes(b"")
+        with pytest.raises(LeaflightError, match="neither its suffix .* nor its contents"):
+            format_of(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"0.5 1 2\n" * 1000,
+        b"some words\n" * 100,
+        b"\x1f\x8b damaged",
+        gzip.compress(b"some words"),
+        b"PK\x03\x04 damaged",
+        b"1 2 3 4\n" * 1000,
+        bytes(70000),
+        b"\n" * 70000,
+        b"#\n" * 40000,
+        b" " * 70000,
+        b"<!--" * 20000,
+        b"1" * 70000,
+    ],
+    ids=lambda content: repr(content[:8]),
+)
+def test_contents_that_are_not_known(tmp_path, content):
+    path = tmp_path / "x.foo"
+    path.write_bytes(content)
+    assert module_of(path) is None
+    with pytest.raises(LeaflightError, match="x.foo: neither its suffix .foo nor its contents"):
+        read_volume(path)
+
+
+def test_every_reader_that_contents_name_is_there():
+    named = {module for module, *_ in (*sniffing._SIGNATURES, *sniffing._TEXTS)}
+    assert named <= {kind.module for kind in FORMATS}
+
+
+def test_the_patterns_of_the_file_browser():
+    """Of which Blender compares 15 characters each, in 255 all in all."""
+    patterns = name_patterns().split(";")
+    assert len(name_patterns()) <= 255 and max(map(len, patterns)) <= 15
+    for name in (*(f"x{suffix}" for suffix in SUFFIXES), "CHGCAR", "LOCPOT_1", "my_PARCHG.0001"):
+        assert any(fnmatchcase(name, pattern) for pattern in patterns), name
+    for name in ("x.txt", "x.zip"):
+        assert not any(fnmatchcase(name, pattern) for pattern in patterns), name
