@@ -81,8 +81,16 @@ def layout_options() -> Parser:
         metavar="N",
         help=".raw: nx ny nz; generated volumes: nodes a side; points: nodes of the longest side",
     )
-    parser.add_argument("--type", choices=TYPES, help=".raw: type of the values")
+    parser.add_argument(
+        "--type", choices=TYPES, help=".raw, or any file with --dims: type of the values"
+    )
     parser.add_argument("--endian", choices=ENDIANS, help=".raw: byte order (little)")
+    parser.add_argument(
+        "--skip",
+        type=integer,
+        metavar="N",
+        help=".raw: bytes before the values; -1: these are the end of the file (0)",
+    )
     parser.add_argument(
         "--spacing",
         type=number,

@@ -94,15 +94,50 @@ def _nrrd(folder):
         b"hex": data.hex().encode(),
         b"ascii": " ".join(map(str, data)).encode(),
     }
-    spaced = NRRD.split(b"space:")[0] + b"spacings: 1 2 nan\nline skip: 0\nbyte skip: -1\n\n" + data
-    return [NRRD.replace(b"raw", name) + text for name, text in packed.items()] + [spaced]
+    seeds = [NRRD.replace(b"raw", name) + text for name, text in packed.items()]
+    plain = NRRD.split(b"space:")[0]
+    seeds.append(plain + b"spacings: 1 2 nan\nline skip: 0\nbyte skip: -1\n\n" + data)
+    ends = (
+        b'axis mins: 0 1 2\naxis maxs: 4 8 nan\ncenterings: cell node cell\nunits: "mm" "um" "m"\n'
+    )
+    seeds.append(plain.replace(b"raw", b"gzip") + ends + b"\n" + packed[b"gzip"])
+    four = plain.replace(b"dimension: 3", b"dimension: 4").replace(b"8 7 6", b"1 8 7 6")
+    return [*seeds, four + b"kinds: vector domain domain domain\n\n" + data]
 
 
 def _detached_nrrd(folder):
     from test_damaged_files import NRRD, VALUES
 
     (folder / "values.raw").write_bytes(VALUES.tobytes())
-    return [NRRD.rstrip() + b"\ndata file: values.raw\n# note\nkey:=value\n"]
+    header = NRRD.rstrip() + b"\ndata file: "
+    return [
+        header + b"values.raw\n# note\nkey:=value\n",
+        header + b"LIST 2\n" + _spread(folder),
+        header.replace(b"raw", b"gzip") + b"plane%d.gz 1 6 1\nbyte skip: -1\n",
+    ]
+
+
+def _metaimage(folder):
+    from test_damaged_files import VALUES, metaimage
+
+    packed = metaimage(folder)
+    text = packed[: packed.index(b"LOCAL\n") + 6].replace(b"CompressedData", b"BinaryData = 0\nX")
+    local = text + " ".join(map(str, VALUES.ravel())).encode()
+    header = text.split(b"BinaryData")[0] + b"HeaderSize = -1\nElementType = MET_UCHAR\n"
+    header += b"ElementDataFile = "
+    return [packed, local, header + b"LIST\n" + _spread(folder), header + b"plane%d.raw 1 6 1\n"]
+
+
+def _spread(folder):
+    """Writes each plane to a file of its own; returns the lines that name them."""
+    import gzip
+
+    from test_damaged_files import VALUES
+
+    for k, plane in enumerate(VALUES.reshape(6, -1), 1):
+        (folder / f"plane{k}.raw").write_bytes(plane.tobytes())
+        (folder / f"plane{k}.gz").write_bytes(gzip.compress(plane.tobytes()))
+    return b"".join(b"plane%d.raw\n" % k for k in range(1, 7))
 
 
 def _legacy_vtk(_folder):
@@ -171,6 +206,76 @@ def _unnamed(folder):
     """Files that are known by what they hold."""
     names = ("x.nrrd", "x.vti", "x.cube", "x.vtk", "x.dx", "LOCPOT", "x.xsf", "x.brix", "x.npy")
     return [_of_tests(name)(folder)[0] for name in names]
+
+
+def _mgh(folder):
+    import gzip
+
+    import nibabel
+    from test_damaged_files import VALUES
+
+    data = nibabel.MGHImage(VALUES.T.astype(np.int16), np.eye(4)).to_bytes()
+    return [data, gzip.compress(data, mtime=0)]
+
+
+def _analyze(folder):
+    import nibabel
+    from test_damaged_files import VALUES
+
+    seeds = []
+    for kind in (nibabel.AnalyzeImage, nibabel.Nifti1Pair, nibabel.Nifti2Pair):
+        nibabel.save(kind(VALUES.T, None), folder / "input.img")
+        seeds.append((folder / "input.hdr").read_bytes())
+    return seeds
+
+
+def _afni(folder):
+    from test_damaged_files import VALUES
+    from test_reader_scans import HEAD
+
+    (folder / "input.BRIK").write_bytes(VALUES.tobytes())
+    texts = [HEAD.format(count=1, types="0", factors=k, order="LSB_FIRST") for k in ("0", "0.5")]
+    return [text.replace("6 5 4", "8 7 6").encode() for text in texts]
+
+
+def _minc(_folder):
+    import nibabel
+    import pytest
+
+    files = [Path(nibabel.__file__).parent / "tests" / "data" / "tiny.mnc"]
+    files.append(files[0].with_name("minc2_1_scale.mnc"))
+    if not all(file.exists() for file in files):
+        pytest.skip("nibabel's data are not here")
+    return [file.read_bytes() for file in files]
+
+
+def _mrtrix(_folder):
+    import gzip
+
+    from test_damaged_files import VALUES
+    from test_reader_mrtrix import header
+
+    data = VALUES.tobytes()
+    plain = header((8, 7, 6), "-0,+2,-1", "UInt8").ljust(500) + data
+    bits = header((8, 7, 6), "+0,+1,+2", "Bit", ". 500", "scaling: 1,2").ljust(500) + data
+    return [plain, bits, gzip.compress(plain, mtime=0)]
+
+
+def _amira(_folder):
+    import zlib
+
+    from test_damaged_files import VALUES
+    from test_reader_amira import header, runs
+
+    packed = {"": VALUES.tobytes(), "HxZip": zlib.compress(VALUES.tobytes())}
+    packed["HxByteRLE"] = runs(VALUES.tobytes())
+    seeds = []
+    for name, data in packed.items():
+        packing = f"({name},{len(data)})" if name else ""
+        start = header(f"Lattice {{ byte Data }} @1{packing}").replace(b"6 5 4", b"8 7 6")
+        seeds.append(start + b"@1\n" + data)
+    text = header("Lattice { byte Data } @1", "AmiraMesh 3D ASCII 2.0").replace(b"6 5 4", b"8 7 6")
+    return [*seeds, text + b"@1\n" + " ".join(map(str, VALUES.ravel())).encode()]
 
 
 def _csv(_folder):
@@ -291,9 +396,15 @@ _TINY = ("bump_box", "--dims", "4", "--error", "50", "--resolution", "4")
 TARGETS = (
     Target("nifti", ".nii", _of_tests("x.nii"), _INFO),
     Target("nifti-gz", ".nii.gz", _of_tests("x.nii.gz"), _INFO),
+    Target("analyze", ".hdr", _analyze, _INFO),
+    Target("freesurfer", ".mgz", _mgh, _INFO),
+    Target("afni", ".HEAD", _afni, _INFO),
+    Target("minc", ".mnc", _minc, _INFO, slow=True),
+    Target("mrtrix", ".mif", _mrtrix, _INFO),
+    Target("amira", ".am", _amira, _INFO),
     Target("nrrd", ".nrrd", _nrrd, _INFO),
     Target("nhdr", ".nhdr", _detached_nrrd, _INFO),
-    Target("metaimage", ".mha", _of_tests("x.mha"), _INFO),
+    Target("metaimage", ".mha", _metaimage, _INFO),
     Target("dicom", ".dcm", _of_tests("x.dcm"), _INFO),
     Target("mrc", ".mrc", _of_tests("x.mrc"), _INFO),
     Target("vti", ".vti", _of_tests("x.vti"), _INFO),

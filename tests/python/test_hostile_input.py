@@ -92,6 +92,33 @@ def test_nrrd_encodings(tmp_path):
     np.testing.assert_array_equal(read_volume(path).values, values)
 
 
+LONG = 1 << 20
+ARRAY = "\nLattice { byte Data } @1\n# Data section follows\n@1\n"
+
+
+@pytest.mark.parametrize(
+    "name, text",
+    [
+        ("x.nrrd", NRRD + "space directions: " + "(" * LONG + "\n\n"),
+        ("x.mhd", "DimSize = 2 2 2\nElementType = MET_CHAR\nElementDataFile = %d" + " 1" * LONG),
+        (
+            "x.mif",
+            "mrtrix image\ndim: 2,2,2\nvox: 1,1,1\ndatatype: Int8\nfile: x" + " " * LONG + "y\nEND",
+        ),
+        ("x.am", "# AmiraMesh ASCII 2.0\n" + "\n" * LONG + ARRAY),
+        ("x.am", "# AmiraMesh ASCII 2.0\ndefine Lattice 2 2 2\n" + "Units {" * (LONG // 8) + ARRAY),
+        ("x.am", "# AmiraMesh ASCII 2.0\ndefine Lattice 2 2 2\nBoundingBox " + "1" * LONG + ARRAY),
+    ],
+    ids=range(6),
+)
+def test_long_headers_take_no_long_time(tmp_path, name, text):
+    """An expression that goes back and forth over them would not come to its end."""
+    (tmp_path / name).write_text(text)
+    with pytest.raises(LeaflightError) as refusal:
+        read_volume(tmp_path / name)
+    assert len(str(refusal.value)) < 500
+
+
 FAR = {
     "nan": np.nan,
     "infinite": np.inf,

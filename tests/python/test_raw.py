@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Raw files of every type, order and size."""
 
+import re
 import tempfile
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 from leaflight import LeaflightError, read_volume
+from leaflight.io.readers import format_of
 from leaflight.io.readers.raw import ENDIANS, TYPES
 
 
@@ -52,3 +54,52 @@ def test_no_claim_allocates_or_crashes(dims, type, size):
         path.write_bytes(bytes(size))
         with pytest.raises(LeaflightError, match="field.raw"):
             read_volume(path, dims=dims, type=type)
+
+
+@pytest.mark.parametrize(
+    "name", ["x.vol", "x.bin", "x.dat", "x.raw", "x", "x.xyz", "x.nii", "x.img"]
+)
+@pytest.mark.parametrize("skip", [0, 13, -1])
+def test_headers_of_any_file(tmp_path, cli, values, name, skip):
+    """With the dimensions and the type the suffix does not count."""
+    values = values.astype(">i2")
+    path = tmp_path / name
+    path.write_bytes(bytes(range(13 if skip else 0)) + values.tobytes())
+    options = {"dims": (6, 5, 4), "type": "int16", "endian": "big", "skip": skip}
+    volume = read_volume(path, **options)
+    np.testing.assert_array_equal(volume.values, values)
+    assert volume.name == "x"
+    flags = ("--dims", 6, 5, 4, "--type", "int16", "--endian", "big", "--skip", skip)
+    outcome = cli("info", path, *flags)
+    assert outcome.status == 0 and "6 x 5 x 4 voxels" in outcome.out
+
+
+@pytest.mark.parametrize(
+    "skip, size, sentence",
+    [
+        (0, 133, r"holds 133: 13 more, which may be a header to skip.*\(--dims, --type, --skip\)"),
+        (13, 140, r"holds 127 behind the 13 that are skipped: 7 more"),
+        (
+            13,
+            132,
+            r"are 120 bytes, but the file holds 119 behind the 13 .*type \(--dims, --type, --sk",
+        ),
+        (500, 133, r"holds 0 behind the 500"),
+        (-1, 119, r"are 120 bytes, but the file holds 119; .*type \(--dims, --type\)"),
+        (-2, 120, r"or -1 for all before the values, not -2 \(--skip\)"),
+    ],
+)
+def test_headers_that_do_not_fit(tmp_path, cli, skip, size, sentence):
+    path = tmp_path / "x.dat"
+    path.write_bytes(bytes(size))
+    outcome = cli("info", path, "--dims", 6, 5, 4, "--type", "uint8", "--skip", skip)
+    assert outcome.status == 2 and re.search(sentence, outcome.err), outcome.err
+
+
+def test_dicom_of_any_suffix_is_no_raw_file(tmp_path):
+    for name in ("x.dat", "x.xyz"):
+        (tmp_path / name).write_bytes(bytes(128) + b"DICM" + bytes(99))
+        assert format_of(tmp_path / name).module == "dicom"
+    with pytest.raises(LeaflightError, match="a .vol file has no header; give its dimensions"):
+        (tmp_path / "x.vol").write_bytes(bytes(9))
+        read_volume(tmp_path / "x.vol")

@@ -67,6 +67,102 @@ def test_a_stack_of_volumes_has_frames(tmp_path, values):
     np.testing.assert_array_equal(read_volume(tmp_path / "x.mrc", frame=1).values, values + 1)
 
 
+def of_bytes(values, order="<", stats=(0, -1), **words):
+    """A map of bytes, of which the header's numbers are set by their place; stats: low, high."""
+    numbers = np.frombuffer(ccp4(values)[:1024], "<i4").copy()
+    numbers[3], numbers[23] = 0, 0
+    numbers[19:21] = np.array(stats, "<f4").view("<i4")
+    for place, value in words.get("at", {}).items():
+        numbers[place] = value
+    header = bytearray(numbers.astype(f"{order}i4").tobytes())
+    header[208:212], header[212:216] = b"MAP ", b"\x44\x44\0\0" if order == "<" else b"\x11\x11\0\0"
+    return bytes(header) + values.transpose(0, 2, 1).tobytes()
+
+
+IMOD, FLAGS, VERSION = 38, 39, 27
+STAMP = 1146047817
+# Around 0 and around the middle, cut off at the ends.
+SIGNED = np.clip(np.random.default_rng(1).normal(0, 60, (4, 5, 6)), -128, 127).astype(np.int8)
+UNSIGNED = (SIGNED.astype(int) + 128).astype(np.uint8)
+
+
+@pytest.mark.parametrize("order", "<>")
+@pytest.mark.parametrize("signed", [False, True])
+@pytest.mark.parametrize("gz", [False, True])
+def test_bytes_by_the_stamp_of_imod(tmp_path, order, signed, gz):
+    """Whatever else is in the header and in the values."""
+    values = (UNSIGNED if signed else SIGNED).view(np.int8 if signed else np.uint8)
+    words = {IMOD: STAMP, FLAGS: 4 + signed, VERSION: 20140}
+    data = of_bytes(values, order, (0, 200) if signed else (-100, 100), at=words)
+    path = tmp_path / ("x.rec.gz" if gz else "x.rec")
+    path.write_bytes(gzip.compress(data) if gz else data)
+    volume = read_volume(path)
+    np.testing.assert_array_equal(volume.values, values)
+    assert volume.notes == () and probe(path).dtype == values.dtype
+
+
+@pytest.mark.parametrize(
+    "values, stats, version, note",
+    [
+        (SIGNED, (-128, 127), 0, ""),
+        (UNSIGNED, (0, 255), 0, ""),
+        (UNSIGNED, (0, 255), 20141, ""),
+        (SIGNED, (0, -1), 20141, ""),
+        (SIGNED, (0, 0), 0, "read as -128 to 127"),
+        (UNSIGNED, (0, 0), 0, "read as 0 to 255"),
+        (np.where(UNSIGNED > 99, 255, 0).astype(np.uint8), (np.nan, np.inf), 0, "0 to 255"),
+    ],
+)
+def test_bytes_without_the_stamp(tmp_path, values, stats, version, note):
+    """By the limits of the values, the version of the standard, or the histogram."""
+    path = tmp_path / "x.mrc"
+    path.write_bytes(of_bytes(values, "<", stats, at={VERSION: version}))
+    volume = read_volume(path)
+    np.testing.assert_array_equal(volume.values, values)
+    assert note in " ".join(volume.notes) and bool(note) == bool(volume.notes)
+
+
+def test_bytes_of_mrcfile(tmp_path):
+    import mrcfile
+
+    with mrcfile.new(tmp_path / "x.mrc") as file:
+        file.set_data(SIGNED)
+    np.testing.assert_array_equal(read_volume(tmp_path / "x.mrc").values, SIGNED)
+
+
+def test_bytes_of_simpleitk(tmp_path):
+    itk = pytest.importorskip("SimpleITK")
+    itk.WriteImage(itk.GetImageFromArray(UNSIGNED), str(tmp_path / "x.mrc"))
+    np.testing.assert_array_equal(read_volume(tmp_path / "x.mrc").values, UNSIGNED)
+
+
+def test_halves_of_bytes_are_refused(tmp_path):
+    path = tmp_path / "x.mrc"
+    path.write_bytes(of_bytes(UNSIGNED, at={3: 101}))
+    with pytest.raises(LeaflightError, match="four bits"):
+        read_volume(path)
+
+
+@pytest.mark.parametrize("name", ["x.mrcs", "x.st"])
+def test_stacks_of_images(tmp_path, name):
+    import mrcfile
+
+    with mrcfile.new(tmp_path / "x.mrc") as file:
+        file.set_data(SIGNED)
+        file.set_image_stack()
+    (tmp_path / "x.mrc").rename(tmp_path / name)
+    volume = read_volume(tmp_path / name)
+    np.testing.assert_array_equal(volume.values, SIGNED)
+    assert "z counts these" in volume.notes[0]
+
+
+def test_a_packed_map_of_a_plain_name(tmp_path, values):
+    (tmp_path / "x.map").write_bytes(gzip.compress(ccp4(values)))
+    np.testing.assert_array_equal(read_volume(tmp_path / "x.map").values, values)
+    (tmp_path / "x.map.gz").write_bytes(ccp4(values))
+    np.testing.assert_array_equal(read_volume(tmp_path / "x.map.gz").values, values)
+
+
 def test_the_stamp_of_the_other_byte_order(tmp_path, values):
     """Such files exist: mrcfile believes the mode of the values instead."""
     data = ccp4(values)
@@ -100,6 +196,7 @@ def test_damaged_maps(tmp_path, values):
         (ccp4(values)[:-1], "claims"),
         (ccp4(values, at={0: 2**30, 1: 2**30}), "claims"),
         (ccp4(values, at={3: 4}), "complex"),
+        (b"no map" * 400, "not a readable MRC or CCP4 map; if its values are plain"),
         (b"no map", "damaged|readable"),
         (b"", "damaged|readable"),
     ):

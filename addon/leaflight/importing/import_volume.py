@@ -112,6 +112,12 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
         description="Byte order of the values in a .raw file",
         items=source_properties.ENDIAN_ITEMS,
     )
+    skip: IntProperty(
+        name="Skip",
+        description="Bytes before the values in a .raw file; -1 if the values are its end",
+        default=0,
+        min=-1,
+    )
     use_spacing: BoolProperty(
         name="Own Voxel Size",
         description="Give the distance of the voxels, for files that lack it or have a wrong one",
@@ -178,14 +184,14 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
         layout.use_property_split = True
         layout.prop(self, "all_files")
         path, stored, problem = self._look()
-        takes = readers.format_of(path).options if stored is not None or problem else ()
+        takes = source_files.format_of(path).options if stored is not None or problem else ()
         if stored is not None:
             column = layout.column(align=True)
             step = stored_facts.step_of(self.resolution, stored)
             for fact in stored_facts.lines(path, stored, step):
                 for line in textwrap.wrap(fact, 38):
                     column.label(text=line, translate=False)
-        elif problem and not ("type" in takes and not any(self.dims)):
+        elif problem:
             column = layout.column(align=True)
             for line in textwrap.wrap(problem, 38):
                 column.label(text=line, translate=False)
@@ -209,7 +215,7 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
     def _draw_choices(self, layout, stored, takes):
         """The options of this kind of file."""
         if "type" in takes:
-            for name in ("dims", "value_type", "endian"):
+            for name in ("dims", "value_type", "endian", "skip"):
                 layout.prop(self, name)
         elif "spacing" in takes:
             layout.prop(self, "use_spacing")

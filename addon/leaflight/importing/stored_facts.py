@@ -82,7 +82,7 @@ def step_of(resolution, stored):
 
 def lines(path, stored, step):
     """The facts of a file, a line for each."""
-    facts = [readers.format_of(path).name]
+    facts = [source_files.format_of(path).name]
     if stored.dims is not None:
         facts.append(iface_("%s voxels, %s") % (_by(stored.dims), stored.dtype.name))
         if stored.voxel_size is not None:

@@ -45,6 +45,7 @@ class VolumeSource:
     dims: IntVectorProperty(name="Dimensions", size=3, min=0)
     value_type: EnumProperty(name="Type", items=VALUE_TYPE_ITEMS)
     endian: EnumProperty(name="Byte Order", items=ENDIAN_ITEMS)
+    skip: IntProperty(name="Skip", default=0, min=-1)
     spacing: FloatVectorProperty(name="Voxel Size", size=3, default=(1.0, 1.0, 1.0))
     use_spacing: BoolProperty(
         name="Own Voxel Size",

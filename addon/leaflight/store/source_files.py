@@ -24,6 +24,7 @@ CHOICES = (
     "dims",
     "value_type",
     "endian",
+    "skip",
     "use_spacing",
     "spacing",
     "frame",
@@ -96,14 +97,25 @@ def is_patient(settings):
     return _patients[key]
 
 
+def format_of(path):
+    """The Format of a file or folder; a file of an unknown kind may be one without a header."""
+    try:
+        return readers.format_of(path)
+    except LeaflightError:
+        if Path(path).is_file():
+            return readers.RAW
+        raise
+
+
 def _options(path, choices):
     """Those that say where in a file its volume is."""
-    takes = readers.format_of(path).options if Path(path).exists() else ()
+    takes = format_of(path).options if Path(path).exists() else ()
     options = {}
-    if "type" in takes:
-        names = {"dims": "dims", "type": "value_type", "endian": "endian"}
+    # Until they are given, the reader or the suffix says what is missing.
+    if "type" in takes and any(choices["dims"]):
+        names = {"dims": "dims", "type": "value_type", "endian": "endian", "skip": "skip"}
         options = {name: choices[choice] for name, choice in names.items()}
-    if "spacing" in takes and ("type" in takes or choices["use_spacing"]):
+    if "spacing" in takes and (options or choices["use_spacing"]):
         options["spacing"] = choices["spacing"]
     if "level" in takes:
         options["level"] = choices["level"]

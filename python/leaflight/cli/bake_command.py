@@ -33,7 +33,7 @@ _OF_CONTINUED = {"previous", "out", "error", "time", "walls"}
 # The options that a bake depends on, by which it is baked again.
 _RECIPE = {
     *("volumes", "scene", "previous", "capped", "isovalues", "both_sides", "walls", "seed"),
-    *("error", "time", "resolution", "dims", "type", "endian", "spacing", "grid", "frame"),
+    *("error", "time", "resolution", "dims", "type", "endian", "skip", "spacing", "grid", "frame"),
     *("channel", "level", "dataset", "downsample", "smooth", "smooth_normals", "memory"),
 }
 

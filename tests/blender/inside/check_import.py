@@ -6,7 +6,9 @@ import leaflight
 import nibabel
 import numpy as np
 import pytest
+from leaflight_addon.importing import stored_facts
 from leaflight_addon.show import surface_object
+from leaflight_addon.store import source_files
 from tools import assert_shows, close, error_of, mesh_arrays
 
 N = 24
@@ -80,6 +82,24 @@ def check_a_frame_of_a_series(tmp_path):
     bpy.ops.leaflight.import_volume(filepath=str(path), frame=1)
     limits = bpy.context.object.leaflight.id_properties_ui("isovalue").as_dict()
     close([limits["min"], limits["max"]], [values[..., 1].min(), values[..., 1].max()], 1e-6)
+
+
+@pytest.mark.parametrize("name", ["scan.vol", "scan.unknown"])
+def check_a_header_is_skipped_in_a_file_of_any_suffix(tmp_path, name):
+    """The dialog offers the options, and the volume is read by them again."""
+    values = np.random.default_rng(0).integers(0, 99, (5, 6, 7)).astype(np.int16)
+    path = tmp_path / name
+    path.write_bytes(b"a header" + values.tobytes())
+    assert "skip" in source_files.format_of(path).options
+    choices = {"dims": (7, 6, 5), "value_type": "int16", "skip": 8}
+    sentence = error_of(bpy.ops.leaflight.import_volume, filepath=str(path))
+    assert name in sentence and "\n" not in sentence
+    bpy.ops.leaflight.import_volume(filepath=str(path), **choices)
+    obj = bpy.context.object
+    np.testing.assert_array_equal(source_files.read(obj.leaflight).values, values)
+    stored, problem = stored_facts.look(str(path), source_files.choices_of(obj.leaflight))
+    assert stored.dims == (7, 6, 5) and not problem
+    assert stored_facts.lines(str(path), stored, 1)[0] == "file without a header"
 
 
 @pytest.mark.parametrize(

@@ -2,13 +2,14 @@
 """Volumes from files: read_volume picks the reader by the suffix, probe looks at the header."""
 
 from ...volume.units import METERS
-from .formats import FORMATS, SUFFIXES, format_of, name_patterns
+from .formats import FORMATS, RAW, SUFFIXES, format_of, name_patterns
 from .reading import MissingPackage, probe, read_volume
 from .stored import StoredVolume
 
 __all__ = [
     "FORMATS",
     "METERS",
+    "RAW",
     "SUFFIXES",
     "MissingPackage",
     "StoredVolume",

@@ -144,10 +144,6 @@ def text(shape: Iterable[int]) -> str:
 
 def data_file(path: Path, name: str) -> Path:
     """The file with the values that the header in `path` names. Raises LeaflightError."""
-    if name.upper().startswith("LIST") or "%" in name:
-        raise LeaflightError(
-            f"{path}: its values lie in several files, which is not supported; join them into one."
-        )
     # A header from elsewhere must not make us open files outside its own folder, neither by its
     # name nor by a link.
     folder = path.parent.resolve()

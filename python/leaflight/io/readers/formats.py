@@ -7,6 +7,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from ..._core import LeaflightError
+from ...volume.setting_error import SettingError
 from .checks import listed
 from .dicom_signature import holds_dicom, is_dicom
 from .sniffing import module_of
@@ -35,13 +36,20 @@ def _format(name: str, module: str, suffixes: str, *options: str, names: str = "
 
 # Parts of names, as programs for them append to these and prepend.
 _OF_VASP = "*CHGCAR* CHG CHG.gz *AECCAR* *PARCHG* *LOCPOT* *ELFCAR*"
-
+_OF_MRC = ".mrc .ccp4 .map .mrcs .rec .st .ali .mrc.gz .ccp4.gz .map.gz .mrcs.gz .rec.gz"
+_OF_RAW = ("dims", "type", "endian", "spacing", "skip")
 FORMATS = (
     _format("NIfTI file", "nifti", ".nii .nii.gz"),
+    _format("NIfTI or Analyze pair", "nifti", ".hdr .img .hdr.gz .img.gz"),
+    _format("FreeSurfer volume", "freesurfer", ".mgz .mgh .mgh.gz"),
+    _format("MINC file", "minc", ".mnc .mnc.gz"),
+    _format("AFNI dataset", "afni", ".head .brik .brik.gz"),
+    _format("MRtrix image", "mrtrix", ".mif .mif.gz .mih"),
+    _format("AmiraMesh lattice", "amira", ".am", "dataset"),
     _format("NRRD file", "nrrd", ".nrrd .nhdr"),
     _format("MetaImage", "metaimage", ".mhd .mha"),
     _format("DICOM series", "dicom", ".dcm .dicom .ima", "dataset"),
-    _format("MRC or CCP4 map", "mrc", ".mrc .ccp4 .map .mrc.gz .ccp4.gz .map.gz"),
+    _format("MRC or CCP4 map", "mrc", _OF_MRC),
     _format("VTK image", "vti", ".vti .pvti", "dataset"),
     _format("legacy VTK file", "vtk_legacy", ".vtk", "dataset"),
     _format("OpenDX map", "opendx", ".dx .dx.gz"),
@@ -57,7 +65,7 @@ FORMATS = (
     _format("NumPy file", "numpy_file", ".npy .npz", "dataset", "spacing"),
     _format("Gaussian cube", "cube", ".cube .cube.gz .cub .cub.gz"),
     _format("OpenVDB file", "vdb", ".vdb", "grid"),
-    _format("file without a header", "raw", ".raw", "dims", "type", "endian", "spacing"),
+    _format("file without a header", "raw", ".raw .vol .bin .dat", *_OF_RAW),
     _format("table of points", "csv_points", ".csv", "dims"),
     _format("point cloud", "ply_points", ".ply", "dims", "dataset"),
 )
@@ -68,8 +76,10 @@ _LOOKED_AT = 100
 _MANY_TIMES = 3
 _OF_SLICES = {"dicom": "DICOM", "tiff": "TIFF", "pictures": "PNG, JPEG or BMP"}
 # Suffixes that an error names, at most, and letters of one pattern of name_patterns().
-_NAMED, _IN_BRACKETS = 24, 9
+_NAMED, _IN_BRACKETS = 16, 9
 _BY_MODULE = {kind.module: kind for kind in FORMATS}
+# Any file can be read as one, where its dimensions and the type of its values are given.
+RAW = _BY_MODULE["raw"]
 
 
 def name_patterns() -> str:
@@ -100,19 +110,26 @@ def format_of(path: str | os.PathLike[str]) -> Format:
     ]
     if path.is_dir():
         return _of_folder(path)
-    if found:
-        # The longest: a .nii.gz is no other .gz.
-        return max(found, key=lambda pair: len(pair[0]))[1]
-    for kind in FORMATS:
-        if any(fnmatchcase(path.name, pattern) for pattern in kind.names):
-            return kind
+    # The longest: a .nii.gz is no other .gz.
+    kind = max(found, key=lambda pair: len(pair[0]))[1] if found else RAW
+    if kind is not RAW:
+        return kind
+    for other in FORMATS:
+        if any(fnmatchcase(path.name, pattern) for pattern in other.names):
+            return other
+    # Files without a header have any suffix, and others sometimes one of theirs.
     module = "dicom" if is_dicom(path) else module_of(path)
     if module in _BY_MODULE:
         return _BY_MODULE[module]
+    if found:
+        return kind
     known = listed([suffix for suffix in SUFFIXES if not suffix.endswith(".gz")], _NAMED)
-    raise LeaflightError(
+    raise SettingError(
         f"{path}: neither its suffix {path.suffix or '(none)'} nor its contents are known; known "
-        f"are {known} (docs/formats.md), and folders of slices."
+        f"are {known} (docs/formats.md), and folders of slices; of plain values give the "
+        "dimensions and the type.",
+        "dims",
+        "type",
     )
 
 

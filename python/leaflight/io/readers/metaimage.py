@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""MetaImage: a header of text, and values behind it (.mha) or in a file of their own (.mhd).
+"""MetaImage: a header of text, and values behind it (.mha) or in files of their own (.mhd).
 
-https://itk.org/Wiki/ITK/MetaIO/Documentation
+https://docs.itk.org/en/latest/learn/metaio.html
 """
 
-import zlib
+from collections.abc import Sequence
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -12,145 +13,151 @@ import numpy as np
 
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
+from ...volume.units import unit_of
 from ...volume.volume import Volume
-from ...volume.voxels import bytes_of, new_voxels
-from .checks import (
-    DEFLATE_MOST,
-    check_matrix,
-    check_scalar,
-    check_shape,
-    check_size,
-    data_file,
-    truncated,
-)
+from .checks import check_matrix, check_shape
+from .data_files import data_files
 from .stored import StoredVolume, lengths
-from .watched import open_watched
+from .value_files import Index, ValueFiles
 
+# MET_LONG has four bytes on every machine, as ITK reads and writes it.
 _TYPES = {
-    "MET_CHAR": "i1",
+    **dict.fromkeys(("MET_CHAR", "MET_ASCII_CHAR"), "i1"),
     "MET_UCHAR": "u1",
     "MET_SHORT": "i2",
     "MET_USHORT": "u2",
-    "MET_INT": "i4",
-    "MET_UINT": "u4",
+    **dict.fromkeys(("MET_INT", "MET_LONG"), "i4"),
+    **dict.fromkeys(("MET_UINT", "MET_ULONG"), "u4"),
     "MET_LONG_LONG": "i8",
     "MET_ULONG_LONG": "u8",
     "MET_FLOAT": "f4",
     "MET_DOUBLE": "f8",
 }
-# Where a header ends, at the latest.
-_MOST = 1 << 16
-# Packed bytes that are read at once.
-_PIECE = 1 << 20
+_WIDE = (
+    "The values of type MET_LONG are read with eight bytes each, because the file has the size "
+    "for these."
+)
+# Where a header ends, at the latest, with the names of its files.
+_MOST = 1 << 20
 # ITK's world is left-posterior-superior, ours right-anterior-superior.
 _FROM_LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
 
 
 def open_volume(path: Path) -> StoredVolume:
-    """Compressed or not, 3D or 4D; the last of four axes is the frame."""
-    header, end = _header(path)
-    shape = tuple(int(n) for n in header["DimSize"].split())
-    check_shape(path, shape)
-    if int(header.get("ElementNumberOfChannels", 1)) != 1:
+    """Compressed, text or neither, 3D or 4D; the last of four axes is the frame."""
+    header, listed, end = _header(path)
+    dims = tuple(int(n) for n in header["DimSize"].split())
+    check_shape(path, dims)
+    channels = int(header.get("ElementNumberOfChannels", 1))
+    if not 0 < channels < 1 << 16:
         raise LeaflightError(
-            f"{path}: it has several values a voxel, as colors have, but a volume needs one real "
-            "number; convert the file first."
+            f"{path}: its header claims {channels} values a voxel; correct the header."
         )
-    if header["ElementType"] not in _TYPES:
-        raise LeaflightError(
-            f"{path}: the type {header['ElementType'][:40]} is not known; convert the file first."
-        )
-    big = _true(header, "BinaryDataByteOrderMSB") or _true(header, "ElementByteOrderMSB")
-    dtype = np.dtype((">" if big else "<") + _TYPES[header["ElementType"]])
-    check_scalar(path, dtype)
+    shape = (*dims[::-1], channels) if channels > 1 else dims[::-1]
     matrix = _matrix(path, header)
-    data, offset = _data_file(path, header, end)
-    compressed = _true(header, "CompressedData")
-    stored = data.stat().st_size - offset
-    check_size(data, shape, dtype.itemsize, stored, DEFLATE_MOST if compressed else 1)
+    stored = _value_files(path, header, listed, end, dims)
+    dtype, notes = _type(path, header, stored, shape)
+    stored.check(shape, dtype)
 
-    def load(frame: int, _channel: int, progress: Progress) -> Volume:
-        if compressed:
-            values = _inflated(data, offset, shape, dtype, progress)
-        else:
-            values = np.memmap(data, dtype, "r", offset, shape[::-1])
-        return Volume(values[frame] if len(shape) == 4 else values, matrix, path.stem)
+    def load(frame: int, channel: int, progress: Progress) -> Volume:
+        index: Index = (slice(None),) * 3
+        index = (frame, *index) if len(dims) == 4 else index
+        index = (*index, channel) if channels > 1 else index
+        return Volume(stored.read(shape, dtype, index, progress), matrix, path.stem)
 
-    frames = shape[3] if len(shape) == 4 else 1
-    orientation = header.get("AnatomicalOrientation", "?")
-    # ITK writes ??? for an unknown orientation.
-    patient = "?" not in orientation
-    return StoredVolume(shape[:3], dtype, load, lengths(matrix), "mm", frames, patient=patient)
+    return StoredVolume(
+        dims=dims[:3],
+        dtype=dtype,
+        load=load,
+        voxel_size=lengths(matrix),
+        unit=unit_of(header.get("DistanceUnits")) or "mm",
+        frames=dims[3] if len(dims) == 4 else 1,
+        channels=channels,
+        # ITK writes ??? for an unknown orientation.
+        patient="?" not in header.get("AnatomicalOrientation", "?"),
+        notes=notes,
+    )
 
 
-def _header(path: Path) -> tuple[dict[str, str], int]:
-    """(the fields, where the data begin if they follow)."""
+def _header(path: Path) -> tuple[dict[str, str], list[str], int]:
+    """(the fields, the lines behind them if these name files, where data begin if they follow)."""
     with open(path, "rb") as file:
         text = file.read(_MOST)
     fields, place = {}, 0
-    while place < len(text):
+    while place < len(text) and "ElementDataFile" not in fields:
         end = text.find(b"\n", place)
         end = len(text) if end < 0 else end
-        key, equals, value = text[place:end].decode("latin-1").partition("=")
+        line = text[place:end].decode("latin-1")
         place = end + 1
-        if equals:
-            fields[key.strip()] = value.strip()
-        # By the format's rule the last one.
-        if key.strip() == "ElementDataFile":
-            break
+        # By the format's rule the name of the data is the last one.
+        cut = min((i for i in map(line.find, "=:") if i >= 0), default=-1)
+        if cut >= 0:
+            fields[line[:cut].strip()] = line[cut + 1 :].strip()
     if not {"DimSize", "ElementType", "ElementDataFile"} <= fields.keys():
         raise LeaflightError(
             f"{path}: this is not a readable MetaImage header, or it is damaged; fetch it again."
         )
-    return fields, place
+    listed = text[place:].decode("latin-1").splitlines()
+    return fields, listed if fields["ElementDataFile"][:4].upper() == "LIST" else [], place
 
 
-def _data_file(path: Path, header: dict[str, str], end: int) -> tuple[Path, int]:
-    """(the file that holds the values, where in it they begin)."""
+def _value_files(
+    path: Path, header: dict[str, str], listed: list[str], end: int, dims: tuple[int, ...]
+) -> ValueFiles:
     name, skip = header["ElementDataFile"], int(header.get("HeaderSize", 0))
-    if name.upper() == "LOCAL":
-        return path, end
-    # -1 says that the values are the end of the file.
-    return data_file(path, name), max(skip, 0)
+    text = not _true(header.get("BinaryData", "True"))
+    packed = _true(header.get("CompressedData", "False")) and not text
+    local = name.upper() == "LOCAL"
+    if local:
+        files: tuple[Path, ...] = (path,)
+    elif not (path.parent / name).exists() and (path.parent / f"{name}.gz").exists():
+        # Packed afterwards by hand, which ITK reads as well.
+        files, packed, text = data_files(path, f"{name}.gz", listed, dims), True, False
+    else:
+        files = data_files(path, name, listed, dims)
+    # Also where the values follow the header it counts from the first byte of the file.
+    start = skip if skip > 0 else end if local else 0
+    encoding = "text" if text else "gzip" if packed else "raw"
+    return ValueFiles(files, encoding, start, skip=-1 if skip < 0 and not packed else 0)
 
 
-def _inflated(
-    path: Path, offset: int, shape: tuple[int, ...], dtype: np.dtype[Any], progress: Progress
-) -> Array:
-    """zlib, or gzip where the first bytes say so; not a byte more than asked for."""
-    inflate = zlib.decompressobj(zlib.MAX_WBITS | 32)
-    values = new_voxels(shape[::-1], dtype)
-    left = bytes_of(values)
-    with open_watched(path, progress, unpacked=False) as file:
-        file.seek(offset)
-        try:
-            while left and (piece := file.read(_PIECE)):
-                part = inflate.decompress(piece, len(left))
-                left[: len(part)] = part
-                left = left[len(part) :]
-        except zlib.error:
-            raise truncated(path, shape) from None
-    if left:
-        raise truncated(path, shape)
-    return values
+def _type(
+    path: Path, header: dict[str, str], stored: ValueFiles, shape: Sequence[int]
+) -> tuple[np.dtype[Any], tuple[str, ...]]:
+    """(the type of the values, notes about it)."""
+    name = header["ElementType"].upper().removesuffix("_ARRAY")
+    if name not in _TYPES:
+        raise LeaflightError(
+            f"{path}: the type {header['ElementType'][:40]} is not known; convert the file first."
+        )
+    orders = [header.get(f"{key}ByteOrderMSB", "False") for key in ("BinaryData", "Element")]
+    dtype = np.dtype((">" if any(map(_true, orders)) else "<") + _TYPES[name])
+    count = prod(shape)
+    if name.removeprefix("MET_") in ("LONG", "ULONG") and stored.holds(8 * count):
+        return np.dtype(f"{dtype.byteorder}{dtype.kind}8"), (_WIDE,)
+    return dtype, ()
 
 
 def _matrix(path: Path, header: dict[str, str]) -> Array:
-    spacing = header.get("ElementSpacing", header.get("ElementSize", "1 1 1")).split()[:3]
     count = len(header["DimSize"].split())
-    axes = np.eye(count)
-    for key in ("TransformMatrix", "Rotation", "Orientation"):
-        if key in header:
-            axes = np.array(header[key].split(), np.float64).reshape(count, count)
-            break
-    origin = next((header[k] for k in ("Offset", "Position", "Origin") if k in header), "0 0 0")
+    spacing = _numbers(header, "1 " * count, "ElementSpacing", "ElementSize")
+    identity = " ".join(map(str, np.eye(count).ravel()))
+    names = ("TransformMatrix", "Rotation", "Orientation", "ElementDirection")
+    axes = _numbers(header, identity, *names).reshape(count, count)
     matrix = np.eye(4)
     # Row i is the direction of axis i.
-    matrix[:3, :3] = axes[:3, :3].T * np.array(spacing, np.float64)
-    matrix[:3, 3] = np.array(origin.split()[:3], np.float64)
+    matrix[:3, :3] = axes[:3, :3].T * spacing[:3]
+    matrix[:3, 3] = _numbers(header, "0 0 0", "Offset", "Position", "Origin", "ElementOrigin")[:3]
     check_matrix(path, matrix)
     return _FROM_LPS @ matrix
 
 
-def _true(header: dict[str, str], key: str) -> bool:
-    return header.get(key, "False").lower() == "true"
+def _numbers(header: dict[str, str], default: str, *keys: str) -> Array:
+    """Those of the first key that the header has: they were called otherwise over time."""
+    words = next((header[key] for key in keys if key in header), default)
+    return np.array(words.split(), np.float64)
+
+
+def _true(word: str) -> bool:
+    """As ITK has it, by the first letter, and 1."""
+    return word[:1].lower() in ("t", "y", "1")

@@ -4,7 +4,6 @@
 https://www.ccpem.ac.uk/mrc_format/mrc2014.php
 """
 
-import gzip
 import io
 from pathlib import Path
 from typing import Any
@@ -15,27 +14,54 @@ from mrcfile.mrcinterpreter import MrcInterpreter
 
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
+from ...volume.setting_error import SettingError
 from ...volume.volume import Volume
 from .checks import DEFLATE_MOST, check_matrix, check_scalar, check_size
 from .stored import StoredVolume, lengths
 from .unit_cell import cell_axes
-from .watched import is_packed, open_watched, read_values
+from .value_files import Index, ValueFiles
+from .watched import is_packed, open_head
 
 # Bytes of the header, and where the length of the text behind it stands.
 _HEADER, _LENGTH = 1024, 92
+# The stamp, which old files lack, and modes; of values that are bytes, and halves of bytes.
+_STAMP, _MODES = b"MAP ", (0, 1, 2, 3, 4, 6, 12, 101)
+_BYTES, _HALVES = 0, 101
+# IMOD's stamp, the byte where it stands with its flags behind, and the flag for bytes with a sign.
+_IMOD, _IMOD_PLACE, _SIGNED = 1146047817, 152, 1
+# The standard's year, by which bytes have a sign; the last digit of a version counts changes.
+_MRC2014 = 2014
+# Bytes that are looked at where nothing else says whether they have a sign.
+_SAMPLED = 1 << 22
+_BY_HISTOGRAM = (
+    "The header does not say whether its bytes have a sign. By their histogram they are read as "
+    "{low} to {high}."
+)
+_IMAGES = "The file is a stack of images by its header; z counts these."
 
 
 def open_volume(path: Path) -> StoredVolume:
     """The axes of the file may run along x, y and z in any order; stacks of volumes are frames."""
     header = _header(path)
+    if int(header["mode"]) == _HALVES:
+        raise LeaflightError(
+            f"{path}: its values have four bits each, which is not supported; save it with eight, "
+            "for instance by IMOD's newstack -mode 0."
+        )
     dtype = mrcfile.utils.data_dtype_from_header(header)
     check_scalar(path, dtype)
     counts = [int(header[name]) for name in ("nx", "ny", "nz")]
     packed = is_packed(path)
-    stored = path.stat().st_size - (0 if packed else _HEADER + int(header["nsymbt"]))
+    offset = _HEADER + int(header["nsymbt"])
+    stored = path.stat().st_size - (0 if packed else offset)
     check_size(path, counts, dtype.itemsize, max(0, stored), DEFLATE_MOST if packed else 1)
     if min(counts) < 1:
         raise LeaflightError(f"{path}: the header claims no voxels; the file is damaged.")
+    notes: tuple[str, ...] = ()
+    if int(header["mode"]) == _BYTES:
+        dtype, notes = _type_of_bytes(path, header, offset)
+    if path.suffix.lower() in (".mrcs", ".st") and int(header["ispg"]) == 0:
+        notes += (_IMAGES,)
     # Columns, rows and sections run along these; x is 0. Old files leave them out.
     axes = [int(header[name]) - 1 for name in ("mapc", "mapr", "maps")]
     axes = axes if sorted(axes) == [0, 1, 2] else [0, 1, 2]
@@ -48,17 +74,14 @@ def open_volume(path: Path) -> StoredVolume:
     matrix = _matrix(path, header, axes)
     # Of the array's axes, which are sections, rows, columns, those that run along z, y and x.
     order = [2 - axes.index(axis) for axis in (2, 1, 0)]
+    values = ValueFiles((path,), "gzip" if packed else "raw", skip=offset)
 
     def load(frame: int, _channel: int, progress: Progress) -> Volume:
-        shape = (frames * counts[2], counts[1], counts[0])
-        values = _values(path, header, dtype, shape, progress)
-        return Volume(
-            values[frame * counts[2] : (frame + 1) * counts[2]].transpose(order),
-            matrix,
-            path.name.partition(".")[0],
-        )
+        index: Index = (frame, *(slice(None),) * 3)
+        read = values.read((frames, *counts[::-1]), dtype, index, progress)
+        return Volume(read.transpose(order), matrix, path.name.partition(".")[0])
 
-    return StoredVolume(tuple(dims), dtype, load, lengths(matrix), "Å", frames)
+    return StoredVolume(tuple(dims), dtype, load, lengths(matrix), "Å", frames, notes=notes)
 
 
 def _header(path: Path) -> Array:
@@ -66,29 +89,62 @@ def _header(path: Path) -> Array:
 
     It never sees the length of the text behind them, which it would believe.
     """
-    packed = is_packed(path)
-    with (gzip.open if packed else open)(path, "rb") as file:
+    with open_head(path) as file:
         head = file.read(_HEADER)
     without = head[:_LENGTH] + bytes(4) + head[_LENGTH + 4 :]
     interpreter = MrcInterpreter(io.BytesIO(without), permissive=True, header_only=True)
     header: Array = interpreter.header.copy()
+    if header["map"].item() != _STAMP and int(header["mode"]) not in _MODES:
+        raise SettingError(
+            f"{path}: this is not a readable MRC or CCP4 map; if its values are plain, give the "
+            "dimensions and the type.",
+            "dims",
+            "type",
+        )
     header["nsymbt"] = np.frombuffer(head, header["nsymbt"].dtype, 1, _LENGTH)[0]
     length = int(header["nsymbt"])
     if length < 0:
         raise LeaflightError(f"{path}: the header claims {length} bytes of text; it is damaged.")
-    check_size(path, (length,), 1, path.stat().st_size, DEFLATE_MOST if packed else 1)
+    check_size(path, (length,), 1, path.stat().st_size, DEFLATE_MOST if is_packed(path) else 1)
     return header
 
 
-def _values(
-    path: Path, header: Array, dtype: np.dtype[Any], shape: tuple[int, ...], progress: Progress
-) -> Array:
-    offset = _HEADER + int(header["nsymbt"])
-    if not is_packed(path):
-        return np.memmap(path, dtype, "r", offset, shape)
-    with open_watched(path, progress) as file:
-        file.seek(offset)
-        return read_values(file, shape, dtype)
+def _type_of_bytes(path: Path, header: Array, offset: int) -> tuple[np.dtype[Any], tuple[str, ...]]:
+    """(int8 or uint8, a note where nothing says which): programs differ in what they write."""
+    signed, unsigned = np.dtype(np.int8), np.dtype(np.uint8)
+    words = np.frombuffer(header.tobytes(), header["nsymbt"].dtype, 2, _IMOD_PLACE)
+    if words[0] == _IMOD:
+        return (signed if words[1] & _SIGNED else unsigned), ()
+    # The lowest and the highest value, where they are given.
+    low, high = float(header["dmin"]), float(header["dmax"])
+    if -128 <= low < 0 and low <= high <= 127:
+        return signed, ()
+    if 0 <= low <= high and 127 < high <= 255:
+        return unsigned, ()
+    if int(header["nversion"]) // 10 == _MRC2014:
+        return signed, ()
+    dtype = signed if _cross_zero(path, offset) else unsigned
+    limits = np.iinfo(dtype)
+    return dtype, (_BY_HISTOGRAM.format(low=limits.min, high=limits.max),)
+
+
+def _cross_zero(path: Path, offset: int) -> bool:
+    """Whether more bytes lie on both sides of 0 and 255 than on both sides of 127 and 128.
+
+    The former are neighbors if they have a sign, the latter if they have none. The ends themselves
+    do not count: values are often cut off there.
+    """
+    if is_packed(path):
+        with open_head(path) as file:
+            file.seek(offset)
+            sample = np.frombuffer(file.read(_SAMPLED), np.uint8)
+    else:
+        values = np.memmap(path, np.uint8, "r", offset)
+        sample = values[:: max(1, values.size // _SAMPLED)]
+    counts = np.bincount(sample, minlength=256)
+    with_sign = min(counts[240:255].sum(), counts[1:16].sum())
+    without = min(counts[113:128].sum(), counts[128:143].sum())
+    return bool(with_sign > without)
 
 
 def _matrix(path: Path, header: Array, axes: list[int]) -> Array:

@@ -1,90 +1,118 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""NIfTI-1 and -2 through nibabel, in the scanner's or template's own world coordinates."""
+"""NIfTI-1 and -2, and Analyze, through nibabel, in the scanner's or template's own coordinates."""
 
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
-from math import prod
 from pathlib import Path
 from typing import Any
 
 import nibabel
 import numpy as np
 from nibabel.arrayproxy import ArrayProxy
+from nibabel.fileholders import FileHolder
 
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
+from ...volume.setting_error import SettingError
 from ...volume.units import unit_of
-from ...volume.volume import Volume
-from .checks import DEFLATE_MOST, check_scalar, check_shape, check_size, truncated
-from .stored import StoredVolume, lengths
-from .watched import open_watched, read_values
+from .scans import Scan, stored_scan
+from .stored import StoredVolume
+from .watched import open_head, open_watched
+
+# Bytes that have the words by which the kinds differ.
+_SNIFFED = 348
+# By the lowest three bits of the header's field; where it does not say, it is millimeter.
+_UNITS = {0: "mm", 1: "m", 2: "mm", 3: "µm"}
+_ODD_UNIT = "The header's code {code} for the unit of length is unknown; it is read as millimeter."
+_SIDES = (
+    "Analyze files do not say which side is left: their x axis is taken to run from right to left, "
+    "as SPM does."
+)
+# By the bytes that say so: a pair of files, or one.
+_PAIRS = {
+    **dict.fromkeys((b"n+1\0", b"ni1\0"), (nibabel.Nifti1Pair, nibabel.Nifti1Image)),
+    **dict.fromkeys((b"n+2\0", b"ni2\0"), (nibabel.Nifti2Pair, nibabel.Nifti2Image)),
+}
 
 
 def open_volume(path: Path) -> StoredVolume:
     """The values and the affine (sform, else qform), whichever way it may mirror.
 
-    Values that the header scales become float32.
+    Values that the header scales become float32. The fifth axis, of vectors, counts channels.
     """
-    image, affine, unit = _image(path)
+    header, file = _files(path)
+    image = _image(path, header, file)
     proxy, shape, dtype = image.dataobj, image.shape, image.get_data_dtype()
-    while len(shape) > 3 and shape[-1] == 1:
-        shape = shape[:-1]
-    check_shape(path, shape)
-    check_scalar(path, dtype)
-    if not np.isfinite(affine).all():
-        raise LeaflightError(f"{path}: the affine in the header is not finite; repair the header.")
-    stored, most = path.stat().st_size, DEFLATE_MOST
-    if path.suffix.lower() != ".gz":
-        stored, most = max(0, stored - int(proxy.offset)), 1
-    check_size(path, shape, dtype.itemsize, stored, most)
-    name = path.name[: path.name.lower().rindex(".nii")]
-    layout = (image.shape, dtype, proxy.offset, proxy.slope, proxy.inter)
-    scaled = (proxy.slope, proxy.inter) != (1, 0)
+    layout = (shape, dtype, proxy.offset, proxy.slope, proxy.inter)
 
-    def load(frame: int, _channel: int, progress: Progress) -> Volume:
-        index: tuple[slice | int, ...] = (slice(None),) * 3
-        if len(shape) == 4:
-            index += (frame,)
-        index += (0,) * (len(image.shape) - len(index))
-        try:
-            with open_watched(path, progress) as file:
-                if not scaled:
-                    size = prod(shape[:3]) * dtype.itemsize
-                    file.seek(int(proxy.offset) + frame * size)
-                    return Volume(read_values(file, shape[2::-1], dtype), affine, name)
-                stored = ArrayProxy(file, layout, mmap=False)
-                # Without a frame to cut out, nibabel scales in float32 rather than float64.
-                if len(image.shape) == 3:
-                    values = np.asarray(stored, dtype=np.float32)
-                else:
-                    values = stored[index]
-        except (EOFError, OSError, ValueError, zlib.error):
-            raise truncated(path, shape) from None
-        return Volume(values.T, affine, name)
+    def scaled(place: tuple[int, ...], progress: Progress) -> Array:
+        index: tuple[slice | int, ...] = (*(slice(None),) * 3, *place)
+        index += (0,) * (len(shape) - len(index))
+        with open_watched(file, progress) as opened:
+            stored = ArrayProxy(opened, layout, mmap=False)
+            # Without a frame to cut out, nibabel scales in float32 rather than float64.
+            return np.asarray(stored, np.float32) if len(shape) == 3 else stored[index]
 
-    return StoredVolume(
-        dims=tuple(shape[:3]),
-        dtype=np.dtype(np.float32) if scaled else dtype,
-        load=load,
-        voxel_size=lengths(affine),
-        # Where the header does not say, it is what the format was made for.
-        unit=unit or "mm",
-        frames=shape[3] if len(shape) == 4 else 1,
-        # By the format's rule.
-        patient=True,
+    unit, notes = _unit(image)
+    if isinstance(image, nibabel.Spm2AnalyzeImage) and not _matrix_file(header).exists():
+        notes += (_SIDES,)
+    return stored_scan(
+        path,
+        Scan(
+            file=file,
+            offset=int(proxy.offset),
+            shape=shape,
+            dtype=dtype,
+            affine=np.array(image.affine, dtype=np.float64),
+            scaled=None if (proxy.slope, proxy.inter) == (1, 0) else scaled,
+            unit=unit,
+            notes=notes,
+        ),
     )
 
 
-def _image(path: Path) -> tuple[Any, Array, str]:
-    """(the image of nibabel, its affine, its unit)."""
+def _files(path: Path) -> tuple[Path, Path]:
+    """(the file with the header, that with the values): one, or .hdr and .img."""
+    stem, packed = (path.with_suffix(""), True) if path.suffix.lower() == ".gz" else (path, False)
+    kind = stem.suffix.lower()
+    if kind not in (".hdr", ".img"):
+        return path, path
+    other = ".img" if kind == ".hdr" else ".hdr"
+    other = other.upper() if stem.suffix.isupper() else other
+    names = [stem.with_suffix(other).name, f"{stem.with_suffix(other).name}.gz"]
+    found = [path.with_name(name) for name in (names[::-1] if packed else names)]
+    beside = next((file for file in found if file.is_file()), None)
+    if beside is None and kind == ".img":
+        raise SettingError(
+            f"{path}: there is no header {names[0]} beside it; put it there, or give the "
+            "dimensions and the type of its values.",
+            "dims",
+            "type",
+        )
+    if beside is None:
+        raise LeaflightError(f"{path}: there are no values {names[0]} beside it; put them there.")
+    return (path, beside) if kind == ".hdr" else (beside, path)
+
+
+def _image(path: Path, header: Path, file: Path) -> Any:
+    """nibabel's image, with the header alone."""
     try:
-        with _quiet_nibabel():
-            # A mapped file might change behind our back.
-            image = nibabel.load(path, mmap=False)
-        unit = unit_of(image.header.get_xyzt_units()[0])
+        with _quiet_nibabel(), open_head(header) as opened:
+            block = opened.read(_SNIFFED)
+            opened.seek(0)
+            pair = _PAIRS.get(block[344:348]) or _PAIRS.get(block[4:8])
+            if header == file and pair is not None:
+                image = pair[1].from_file_map({"image": FileHolder(fileobj=opened)}, mmap=False)
+            else:
+                kind = pair[0] if pair is not None else nibabel.Spm2AnalyzeImage
+                files = {"header": FileHolder(fileobj=opened), "image": FileHolder(str(file))}
+                files["mat"] = FileHolder(str(_matrix_file(header)))
+                image = kind.from_file_map(files, mmap=False)
+        if header == file and image.dataobj.offset < _SNIFFED:
+            raise ValueError("Its values are said to lie within its header.")
         image.get_data_dtype()
-        return image, np.array(image.affine, dtype=np.float64), unit
+        return image
     except (
         nibabel.filebasedimages.ImageFileError,
         nibabel.spatialimages.HeaderDataError,
@@ -95,9 +123,25 @@ def _image(path: Path) -> tuple[Any, Array, str]:
         ValueError,
         zlib.error,
     ):
+        kind = "NIfTI file" if header == file else "NIfTI or Analyze header"
         raise LeaflightError(
-            f"{path}: this is not a readable NIfTI file; it is damaged or of another kind."
+            f"{path}: this is not a readable {kind}; it is damaged or of another kind."
         ) from None
+
+
+def _matrix_file(header: Path) -> Path:
+    """Where SPM writes the axes that a header of Analyze has no place for."""
+    place = header.name.lower().rindex(".hdr")
+    return header.with_name(f"{header.name[:place]}.mat{header.name[place + len('.hdr') :]}")
+
+
+def _unit(image: Any) -> tuple[str, tuple[str, ...]]:
+    """(the unit of length, notes about it)."""
+    if isinstance(image, nibabel.Spm2AnalyzeImage):
+        word = bytes(image.header["vox_units"].item()).decode("latin-1")
+        return unit_of(word) or "mm", ()
+    code = int(image.header["xyzt_units"]) & 7
+    return _UNITS.get(code, "mm"), () if code in _UNITS else (_ODD_UNIT.format(code=code),)
 
 
 @contextmanager

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Headerless volumes: the caller gives the layout."""
+"""Values without a header, or behind one to skip: the caller gives the layout."""
 
 from collections.abc import Sequence
+from math import prod
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -12,8 +13,10 @@ from ...volume.setting_error import SettingError
 from ...volume.volume import Volume
 from .checks import index_to_world, text
 from .stored import StoredVolume, lengths
+from .value_files import ValueFiles
 
 TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")
+_WHOLE = (slice(None),) * 3
 ENDIANS: dict[str, Literal["<", ">"]] = {"little": "<", "big": ">"}
 
 
@@ -23,11 +26,16 @@ def open_volume(
     type: str | None = None,
     endian: str = "little",
     spacing: float | Sequence[float] = 1.0,
+    skip: int = 0,
 ) -> StoredVolume:
-    """x-fastest values; the file must hold exactly dims (nx, ny, nz) of them."""
+    """x-fastest values; behind `skip` bytes the file must hold just dims (nx, ny, nz) of them.
+
+    skip: -1 where the values are the end of the file, whatever is before them.
+    """
     if dims is None or type is None:
         raise SettingError(
-            f"{path}: a .raw file has no header; give its dimensions and the type of its values.",
+            f"{path}: a {path.suffix} file has no header; give its dimensions and the type of its "
+            "values.",
             "dims",
             "type",
         )
@@ -43,20 +51,36 @@ def open_volume(
         )
     if endian not in ENDIANS:
         raise SettingError(f"{path}: the byte order must be little or big, not {endian}.", "endian")
+    if skip != int(skip) or skip < -1:
+        raise SettingError(
+            f"{path}: the bytes to skip must be a whole number, or -1 for all before the values, "
+            f"not {skip}.",
+            "skip",
+        )
     nx, ny, nz = (int(n) for n in dims)
     dtype = np.dtype(type).newbyteorder(ENDIANS[endian])
-    needed, found = nx * ny * nz * dtype.itemsize, path.stat().st_size
-    if needed != found:
-        raise SettingError(
-            f"{path}: {text(dims)} values of {type} are {needed} bytes, but the file holds "
-            f"{found}; check dimensions and type.",
-            "dims",
-            "type",
-        )
+    shape, stored = (nz, ny, nx), ValueFiles((path,), skip=int(skip))
+    _check_length(path, shape, dtype, int(skip))
     matrix = index_to_world(path, spacing)
 
-    def load(_frame: int, _channel: int, _progress: Progress) -> Volume:
-        values = np.memmap(path, dtype, "r", shape=(nz, ny, nx))
-        return Volume(values, matrix, path.stem)
+    def load(_frame: int, _channel: int, progress: Progress) -> Volume:
+        return Volume(stored.read(shape, dtype, _WHOLE, progress), matrix, path.stem)
 
     return StoredVolume((nx, ny, nz), dtype, load, lengths(matrix))
+
+
+def _check_length(path: Path, shape: Sequence[int], dtype: np.dtype[Any], skip: int) -> None:
+    """Raises SettingError unless the values reach exactly to the end of the file."""
+    needed, found = prod(shape) * dtype.itemsize, path.stat().st_size
+    left = found - max(skip, 0)
+    if needed == left or (skip == -1 and needed <= left):
+        return
+    behind = f" behind the {skip} that are skipped" if skip > 0 else ""
+    header = f": {left - needed} more, which may be a header to skip" if needed < left else ""
+    raise SettingError(
+        f"{path}: {text(shape[::-1])} values of {dtype.name} are {needed} bytes, but the file "
+        f"holds {max(0, left)}{behind}{header}; check dimensions and type.",
+        "dims",
+        "type",
+        *(["skip"] if header or skip > 0 else []),
+    )

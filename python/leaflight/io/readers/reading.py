@@ -22,7 +22,7 @@ from ...volume.volume import Volume
 from ...volume.voxels import as_voxels, held_type, new_voxels
 from .checks import choose, text
 from .downsampling import downsampled
-from .formats import Format, format_of
+from .formats import RAW, Format, format_of
 from .page_process import kept_processes
 from .stored import StoredVolume
 from .watched import watched
@@ -43,6 +43,7 @@ class StoredOptions(TypedDict, total=False):
     grid: str | None
     level: int | None
     dataset: str | None
+    skip: int | None
 
 
 # What read_volume() can be told beside the path.
@@ -91,7 +92,9 @@ def read_volume(
     stored: StoredOptions by their names, what a kind of file leaves open, as follow.
     dims: of a .raw (nx, ny, nz); of scattered points the nodes along x, y and z, or one number,
         those along the longest side.
-    type ("uint8", "float32", ...), endian ("little", "big"): of the values in a .raw.
+    type ("uint8", "float32", ...), endian ("little", "big"): of the values in a .raw; with dims and
+        type any file is read as one.
+    skip: bytes of a .raw before its values; -1 where these are the end of the file.
     spacing: size of a voxel, one number or (x, y, z), for files that often lack it.
     grid: name of the grid in a .vdb; None is the first scalar one.
     frame, channel: which of several volumes, from 0; data that have some demand a choice.
@@ -115,7 +118,7 @@ def read_volume(
         )
     smooth = checked(smooth or 0.0, "smooth", path)
     smooth_normals = checked(smooth_normals or 0.0, "smooth_normals", path)
-    with _sentences(path) as kind:
+    with _sentences(path, stored) as kind:
         opened = _opened(path, kind(), stored)
         # Files of channels alone were read by `frame` before there was `channel`.
         if channel is None and opened.frames == 1 and opened.channels > 1:
@@ -154,7 +157,7 @@ def probe(path: str | os.PathLike[str], **stored: "Unpack[StoredOptions]") -> St
     """
     _check_names(stored)
     path = Path(path)
-    with _sentences(path) as kind:
+    with _sentences(path, stored) as kind:
         return _opened(path, kind(), stored)
 
 
@@ -180,14 +183,15 @@ def _opened(path: Path, kind: Format, stored: StoredOptions) -> StoredVolume:
 
 
 @contextmanager
-def _sentences(path: Path) -> Iterator[Callable[[], Format]]:
+def _sentences(path: Path, stored: StoredOptions) -> Iterator[Callable[[], Format]]:
     """Turns whatever reading a file raises into one sentence; gives a function to its Format."""
     kinds: list[Format] = []
 
     def kind() -> Format:
         if not path.exists():
             raise LeaflightError(f"{path}: there is no such file or folder; check the path.")
-        kinds.append(format_of(path))
+        without_header = stored.get("dims") is not None and stored.get("type") is not None
+        kinds.append(RAW if without_header and path.is_file() else format_of(path))
         return kinds[0]
 
     try:

@@ -27,6 +27,9 @@ _SIGNATURES = (
     ("numpy_file", 0, b"\x93NUMPY"),
     ("mtz", 0, b"MTZ "),
     ("dsn6", 0, b":-)"),
+    ("amira", 0, b"# AmiraMesh"),
+    ("amira", 0, b"# Avizo"),
+    ("mrtrix", 0, b"mrtrix image"),
 )
 _DIGITS = rb"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?"
 _THREE = 3 * (rb"[ \t]+" + _DIGITS)
@@ -51,7 +54,7 @@ _TEXTS = (
 
 
 # Readers of files that are packed by gzip, too.
-_UNPACKING = {"nifti", "mrc", "opendx", "xsf", "cube", "vasp", "dsn6"}
+_UNPACKING = {"nifti", "mrc", "mrtrix", "opendx", "xsf", "cube", "vasp", "dsn6"}
 
 
 def module_of(path: Path) -> str | None:

@@ -22,6 +22,7 @@ T = TypeVar("T")
 _MOST = 1 << 16
 _MOST_VALUES = 1 << 22
 STAGE = "Reading"
+_GZIP = b"\x1f\x8b\x08"
 
 
 def watched(progress: Progress, things: Iterable[T], stage: str = STAGE) -> Iterator[T]:
@@ -38,29 +39,39 @@ def watched(progress: Progress, things: Iterable[T], stage: str = STAGE) -> Iter
 def open_watched(
     path: Path, progress: Progress, unpacked: bool = True
 ) -> Iterator[io.BufferedIOBase]:
-    """A binary file; what it holds where it is packed by gzip, unless `unpacked` is False."""
+    """A binary file; what it holds where it is one of gzip, unless `unpacked` is False."""
     begin(progress, STAGE, path.stat().st_size)
-    packed = unpacked and is_packed(path)
     with io.BufferedReader(_Watched(path, progress), _MOST) as file:
-        yield gzip.GzipFile(fileobj=file) if packed else file
+        yield gzip.GzipFile(fileobj=file) if unpacked and is_packed(path) else file
 
 
 def is_packed(path: Path) -> bool:
-    """Whether a file is packed by gzip, whatever its name is."""
+    """Whether gzip wrote a file, by its first bytes: names are often wrong."""
     with open(path, "rb") as file:
-        return file.read(2) == b"\x1f\x8b"
+        return file.read(len(_GZIP)) == _GZIP
 
 
-def read_values(file: io.BufferedIOBase, shape: Iterable[int], dtype: DTypeLike) -> Array:
+def open_head(path: Path) -> io.BufferedIOBase:
+    """A binary file, unpacked, of which only the beginning is read."""
+    return gzip.open(path) if is_packed(path) else open(path, "rb")
+
+
+def read_values(
+    file: io.RawIOBase | io.BufferedIOBase, shape: Iterable[int], dtype: DTypeLike
+) -> Array:
     """The array of this shape that stands next in a binary file. Raises EOFError where it ends."""
     values = new_voxels(shape, dtype)
-    left = bytes_of(values)
+    read_into(file, bytes_of(values))
+    return values
+
+
+def read_into(file: io.RawIOBase | io.BufferedIOBase, left: memoryview) -> None:
+    """Fills bytes with those that stand next in a binary file. Raises EOFError where it ends."""
     while left:
         count = file.readinto(left[:_MOST_VALUES])
         if not count:
             raise EOFError
         left = left[count:]
-    return values
 
 
 def begin(progress: Progress, stage: str, total: float) -> None:

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""AFNI's datasets, a text .HEAD and the values in .BRIK or .BRIK.gz, through nibabel."""
+
+import io
+from pathlib import Path
+
+import numpy as np
+from nibabel.brikhead import AFNIArrayProxy, AFNIHeader, AFNIHeaderError, AFNIImageError
+
+from ..._core import LeaflightError, Progress
+from ...arrays import Array
+from .scans import Scan, stored_scan
+from .stored import StoredVolume
+from .watched import open_watched
+
+# Bytes of a header, which may have long notes of how it was made.
+_MOST = 1 << 24
+
+
+def open_volume(path: Path) -> StoredVolume:
+    """Sub-bricks are frames. Where the header scales them, they become float32."""
+    head, brick = _files(path)
+    with open(head, "rb") as file:
+        text = file.read(_MOST).decode("latin-1").replace("\r\n", "\n")
+    try:
+        header = AFNIHeader.from_fileobj(io.StringIO(text.strip()))
+        shape = tuple(int(size) for size in header.get_data_shape())
+        dtype, affine = header.get_data_dtype(), header.get_affine()
+        factors = header.get_data_scaling()
+    except AFNIImageError as error:
+        # Of values of several types, or of one that nibabel does not know.
+        raise LeaflightError(
+            f"{path}: nibabel cannot read it ({str(error)[:80]}); convert it to NIfTI first."
+        ) from None
+    except (AFNIHeaderError, IndexError, KeyError, TypeError, ValueError):
+        raise LeaflightError(
+            f"{path}: this is not a readable AFNI header, or it is damaged; fetch it again."
+        ) from None
+
+    def scaled(place: tuple[int, ...], progress: Progress) -> Array:
+        with open_watched(brick, progress) as opened:
+            stored = AFNIArrayProxy(opened, header, mmap=False)
+            values: Array = stored[..., place[0] if place else 0]
+        return values
+
+    return stored_scan(
+        path,
+        Scan(
+            file=brick,
+            offset=0,
+            shape=shape,
+            dtype=dtype,
+            affine=np.asarray(affine, np.float64),
+            scaled=None if factors is None else scaled,
+        ),
+    )
+
+
+def _files(path: Path) -> tuple[Path, Path]:
+    """(the header, the values), of which either may be given."""
+    stem = path.with_suffix("") if path.suffix.lower() == ".gz" else path
+    heads = [stem.with_suffix(suffix) for suffix in (".HEAD", ".head")]
+    bricks = [stem.with_suffix(suffix) for suffix in (".BRIK", ".BRIK.gz", ".brik", ".brik.gz")]
+    found = []
+    for files in (heads, bricks):
+        files = [path] if path in files else files
+        there = [file for file in files if file.is_file()]
+        if not there:
+            raise LeaflightError(f"{path}: there is no {files[0].name} beside it; put it there.")
+        found.append(there[0])
+    return found[0], found[1]

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How values are written into files: as they are, packed, or as text."""
+
+import bz2
+import zlib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from .checks import DEFLATE_MOST
+
+# Bytes that are read, and that are unpacked, at once.
+_PIECE = 1 << 20
+# Characters of a number, at most.
+_MOST_DIGITS = 400
+
+
+class _File(Protocol):
+    def read(self, size: int, /) -> bytes: ...
+
+
+@dataclass(frozen=True)
+class Encoding:
+    """How values become bytes of a file.
+
+    pieces: pieces(file, dtype, size) yields the bytes of the values from there on, at least `size`
+        of them if there are; it raises EOFError or ValueError where they are damaged.
+    least: least(dtype) is the bytes of a file that a value takes at least.
+    most: how many bytes of values one byte can become; packed: whether it is a compression.
+    """
+
+    pieces: Callable[[_File, np.dtype[Any], int], Iterator[bytes]]
+    least: Callable[[np.dtype[Any]], int] = lambda dtype: dtype.itemsize
+    most: int = 1
+    packed: bool = False
+
+
+class _Decompressor(Protocol):
+    @property
+    def eof(self) -> bool: ...
+    @property
+    def unused_data(self) -> bytes: ...
+    def decompress(self, data: bytes, max_length: int, /) -> bytes: ...
+
+
+def _raw(file: _File, _dtype: np.dtype[Any], _size: int) -> Iterator[bytes]:
+    while piece := file.read(_PIECE):
+        yield piece
+
+
+def _text(file: _File, dtype: np.dtype[Any], size: int) -> Iterator[bytes]:
+    """Numbers with spaces, line ends or commas between them."""
+    left, rest, more = size // dtype.itemsize, b"", True
+    while more and left > 0:
+        piece = file.read(_PIECE)
+        more = bool(piece)
+        words = (rest + piece).replace(b",", b" ").split()
+        # The last one may go on.
+        goes_on = more and not piece[-1:].isspace() and bool(words)
+        rest = words.pop() if goes_on else b""
+        if len(rest) > _MOST_DIGITS:
+            raise ValueError("It is no number.")
+        words = words[:left]
+        left -= len(words)
+        yield _parsed(words, dtype).tobytes()
+
+
+def _parsed(words: list[bytes], dtype: np.dtype[Any]) -> "np.ndarray[Any, np.dtype[Any]]":
+    if dtype.kind == "f":
+        return np.array([float(word) for word in words], np.float64).astype(dtype)
+    try:
+        numbers = [int(word) for word in words]
+    except ValueError:
+        # Some write every number as a float, such as 1e3.
+        numbers = [int(float(word)) for word in words]
+    limits = np.iinfo(dtype)
+    if numbers and not limits.min <= min(numbers) <= max(numbers) <= limits.max:
+        raise ValueError("A number does not fit into the type.")
+    return np.array(numbers, dtype)
+
+
+def _hex(file: _File, _dtype: np.dtype[Any], size: int) -> Iterator[bytes]:
+    left, rest = 2 * size, b""
+    while left > 0 and (piece := file.read(_PIECE)):
+        digits = (rest + b"".join(piece.split()))[:left]
+        even = len(digits) // 2 * 2
+        rest = digits[even:]
+        left -= even
+        yield bytes.fromhex(digits[:even].decode("ascii"))
+
+
+def _unpacked(
+    make: Callable[[], _Decompressor],
+) -> Callable[[_File, np.dtype[Any], int], Iterator[bytes]]:
+    """Files may be several compressed ones behind each other, and more that is none."""
+
+    def pieces(file: _File, _dtype: np.dtype[Any], size: int) -> Iterator[bytes]:
+        inflate, begun, found = make(), False, 0
+        packed = file.read(_PIECE)
+        while found < size:
+            most = min(_PIECE, size - found)
+            try:
+                piece = inflate.decompress(packed, most)
+            except (zlib.error, OSError):
+                if begun or not found:
+                    raise EOFError from None
+                return
+            begun, found = begun or bool(piece), found + len(piece)
+            yield piece
+            if inflate.eof:
+                inflate, begun, packed = make(), False, inflate.unused_data
+                more = not packed
+            else:
+                packed = getattr(inflate, "unconsumed_tail", b"")
+                # As much as it may give: there may be more without any input.
+                more = not packed and len(piece) < most
+            if more and not (packed := file.read(_PIECE)):
+                return
+
+    return pieces
+
+
+def _byte_rle(file: _File, _dtype: np.dtype[Any], _size: int) -> Iterator[bytes]:
+    """Amira's: a byte, and as many of the next as it says; above 128 so many other ones follow."""
+    packed = b""
+    while piece := file.read(_PIECE):
+        packed, place, unpacked = packed + piece, 0, bytearray()
+        # As long as the longest run is whole.
+        while place + 1 < len(packed):
+            count = packed[place]
+            run = count - 128 if count > 128 else 1
+            if place + 1 + run > len(packed):
+                break
+            part = packed[place + 1 : place + 1 + run]
+            unpacked += part if count > 128 else part * count
+            place += 1 + run
+        packed = packed[place:]
+        yield bytes(unpacked)
+
+
+# zlib is what it says, or gzip where the first bytes say so.
+_deflated = _unpacked(lambda: zlib.decompressobj(zlib.MAX_WBITS | 32))
+ENCODINGS = {
+    "raw": Encoding(_raw),
+    # A digit and what ends it; the last number may end with the file.
+    "text": Encoding(_text, least=lambda dtype: 2),
+    "hex": Encoding(_hex, least=lambda dtype: 2 * dtype.itemsize),
+    "gzip": Encoding(_deflated, most=DEFLATE_MOST, packed=True),
+    "byte-rle": Encoding(_byte_rle, most=64, packed=True),
+    "bzip2": Encoding(_unpacked(bz2.BZ2Decompressor), most=100_000, packed=True),
+}

@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""FreeSurfer's volumes, .mgh and packed .mgz, through nibabel."""
+
+from pathlib import Path
+
+import numpy as np
+from nibabel.freesurfer.mghformat import MGHHeader
+
+from ..._core import LeaflightError
+from .scans import Scan, stored_scan
+from .stored import StoredVolume
+from .watched import open_head
+
+# Of the header; nibabel fills what follows the values with defaults, of which none is used.
+_HEADER, _VERSION = 284, b"\0\0\0\1"
+
+
+def open_volume(path: Path) -> StoredVolume:
+    """Three axes, or four with the frame; in the scanner's coordinates."""
+    with open_head(path) as file:
+        block = file.read(_HEADER)
+    try:
+        if len(block) < _HEADER or block[:4] != _VERSION:
+            raise ValueError("It does not begin as such files do.")
+        header = MGHHeader(block)
+        dtype = np.dtype(header.get_data_dtype()).newbyteorder(">")
+        shape = tuple(int(size) for size in header.get_data_shape())
+    except (KeyError, ValueError):
+        raise LeaflightError(
+            f"{path}: this is not a readable FreeSurfer volume; it is damaged or of another kind."
+        ) from None
+    affine = np.asarray(header.get_affine(), np.float64)
+    return stored_scan(path, Scan(path, header.get_data_offset(), shape, dtype, affine))

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scans whose headers nibabel reads, and whose values stand in one file, x fastest."""
+
+import zlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..._core import LeaflightError, Progress
+from ...arrays import Array
+from ...volume.volume import Volume
+from .checks import check_scalar, check_shape, truncated
+from .stored import StoredVolume, lengths
+from .value_files import Index, ValueFiles
+from .watched import is_packed
+
+# scaled(place, progress) reads and scales the values of one frame and channel, as [x, y, z].
+Scaled = Callable[[tuple[int, ...], Progress], Array]
+
+
+@dataclass(frozen=True)
+class Scan:
+    """What a header says.
+
+    file: that has the values from byte `offset` on, packed or not. shape: (x, y, z) and then
+    frames and channels, if any. affine: to right, anterior, superior. scaled: where a header gives
+    other values than are in the file.
+    """
+
+    file: Path
+    offset: int
+    shape: tuple[int, ...]
+    dtype: np.dtype[Any]
+    affine: Array
+    scaled: Scaled | None = None
+    unit: str = "mm"
+    notes: tuple[str, ...] = ()
+
+
+def stored_scan(path: Path, scan: Scan) -> StoredVolume:
+    """Raises LeaflightError where the file cannot hold what the header claims."""
+    shape = scan.shape
+    while len(shape) > 3 and shape[-1] == 1:
+        shape = shape[:-1]
+    check_shape(path, shape[:4] if len(shape) == 5 else shape)
+    check_scalar(path, scan.dtype)
+    if not np.isfinite(scan.affine).all():
+        raise LeaflightError(f"{path}: the affine in the header is not finite; repair the header.")
+    if scan.offset < 0 or min(shape) < 1:
+        raise LeaflightError(f"{path}: the header claims no values; the file is damaged.")
+    values = ValueFiles((scan.file,), "gzip" if is_packed(scan.file) else "raw", skip=scan.offset)
+    values.check(shape[::-1], scan.dtype)
+    name = Path(path.name[:-3] if path.name.lower().endswith(".gz") else path.name).stem
+
+    def load(frame: int, channel: int, progress: Progress) -> Volume:
+        place = (frame, channel)[: len(shape) - 3]
+        if scan.scaled is None:
+            index: Index = (*place[::-1], slice(None), slice(None), slice(None))
+            read = values.read(shape[::-1], scan.dtype, index, progress)
+            return Volume(read, scan.affine, name)
+        try:
+            return Volume(scan.scaled(place, progress).T, scan.affine, name)
+        except (EOFError, OSError, ValueError, zlib.error):
+            raise truncated(path, shape) from None
+
+    return StoredVolume(
+        dims=tuple(shape[:3]),
+        dtype=np.dtype(np.float32) if scan.scaled else scan.dtype,
+        load=load,
+        voxel_size=lengths(scan.affine),
+        unit=scan.unit,
+        frames=shape[3] if len(shape) > 3 else 1,
+        channels=shape[4] if len(shape) > 4 else 1,
+        # By the rule of each of these formats.
+        patient=True,
+        notes=scan.notes,
+    )

@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Values of which a header says where they are: behind it, beside it, or in several files."""
+
+import io
+from collections.abc import Generator, Iterator, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from math import prod
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..._core import LeaflightError, Progress
+from ...arrays import Array
+from ...volume.voxels import bytes_of, new_voxels
+from .checks import check_size, truncated
+from .encodings import ENCODINGS
+from .watched import open_watched, read_into, read_values, watched
+
+if TYPE_CHECKING:
+    from _typeshed import WriteableBuffer
+
+# For each axis, slowest first, the place on it that is read, or a slice where all are.
+Index = tuple[int | slice, ...]
+# Bytes that are skipped at once, and that may stand before values which are the end of a file.
+_PIECE, _MOST_BEFORE = 1 << 20, 1 << 30
+
+
+@dataclass(frozen=True)
+class ValueFiles:
+    """Where the values of an array are, x fastest.
+
+    files: in the order of the values, each with as many as the others. encoding: of ENCODINGS.
+    start: the byte of each file from which on the rest counts; lines: of text to skip there.
+    skip: bytes to skip then, once they are unpacked; -1: the values are the end of the file, -2:
+        one byte is behind them, and so on.
+    """
+
+    files: tuple[Path, ...]
+    encoding: str = "raw"
+    start: int = 0
+    lines: int = 0
+    skip: int = 0
+
+    def check(self, shape: Sequence[int], dtype: np.dtype[Any]) -> None:
+        """Raises LeaflightError where an array of this shape, slowest first, cannot be in them."""
+        encoding = ENCODINGS[self.encoding]
+        if self.skip < 0 and self.encoding in ("text", "hex"):
+            raise LeaflightError(
+                f"{self.files[0]}: values as {self.encoding} cannot be found from the end of their "
+                "file; give the number of bytes before them."
+            )
+        shape = shape[::-1] if len(self.files) == 1 else (prod(shape) // len(self.files),)
+        size = prod(shape) * dtype.itemsize
+        for file in self.files:
+            behind = 0 if encoding.packed else max(0, -self.skip - 1)
+            stored = file.stat().st_size - self._begin(file, size) - behind
+            # The last number of a text needs nothing behind it.
+            stored = max(0, stored) + (self.encoding == "text")
+            check_size(file, shape, encoding.least(dtype), stored, encoding.most)
+
+    def holds(self, size: int) -> bool:
+        """Whether what is left of one raw file is exactly so many bytes."""
+        if self.encoding != "raw" or len(self.files) != 1 or self.skip < 0:
+            return False
+        return self.files[0].stat().st_size - self._begin(self.files[0], size) == size
+
+    def read(
+        self, shape: Sequence[int], dtype: np.dtype[Any], index: Index, progress: Progress
+    ) -> Array:
+        """What `index` picks from the array of this shape, [z, y, x]; both are slowest first.
+
+        Raises LeaflightError where the files end before.
+        """
+        size = prod(shape) * dtype.itemsize
+        if self.encoding == "raw" and len(self.files) == 1:
+            begin = self._begin(self.files[0], size)
+            return np.memmap(self.files[0], dtype, "r", begin, tuple(shape))[index]
+        try:
+            with closing(self._pieces(size // len(self.files), dtype, progress)) as pieces:
+                return picked(_Stream(pieces), shape, dtype, index)
+        except (EOFError, OverflowError, ValueError):
+            raise truncated(self.files[0], reversed(shape)) from None
+
+    def _begin(self, file: Path, size: int) -> int:
+        """The byte of a file where its values begin, or the packed bytes that become them."""
+        length = file.stat().st_size
+        with open(file, "rb") as opened:
+            begin = opened.seek(self.start)
+            for _ in range(self.lines):
+                # Lines of any length, without having them in memory.
+                while (part := opened.readline(_PIECE)) and not part.endswith(b"\n"):
+                    pass
+                if not part:
+                    break
+                begin = opened.tell()
+        if ENCODINGS[self.encoding].packed:
+            return begin
+        return begin + self.skip if self.skip >= 0 else max(begin, length - size + self.skip + 1)
+
+    def _pieces(
+        self, size: int, dtype: np.dtype[Any], progress: Progress
+    ) -> Generator[memoryview, None, None]:
+        """The bytes of all files, `size` of each. Raises EOFError where one ends before."""
+        if len(self.files) == 1:
+            with open_watched(self.files[0], progress, unpacked=False) as opened:
+                yield from self._part(opened, self.files[0], size, dtype, progress)
+            return
+        for file in watched(progress, self.files):
+            with open(file, "rb") as opened:
+                yield from self._part(opened, file, size, dtype, progress)
+
+    def _part(
+        self,
+        opened: io.BufferedIOBase,
+        file: Path,
+        size: int,
+        dtype: np.dtype[Any],
+        progress: Progress,
+    ) -> Iterator[memoryview]:
+        encoding, begin = ENCODINGS[self.encoding], self._begin(file, size)
+        opened.seek(begin)
+        skip = max(0, self.skip) if encoding.packed else 0
+        if encoding.packed and self.skip < 0:
+            length, most = 0, size + _MOST_BEFORE
+            for piece in encoding.pieces(opened, dtype, most):
+                length += len(piece)
+                progress.check()
+            if length >= most:
+                raise LeaflightError(
+                    f"{file}: more than {_MOST_BEFORE} bytes are before its values; unpack it."
+                )
+            skip = length - size + self.skip + 1
+            opened.seek(begin)
+        if skip < 0:
+            raise EOFError
+        left = skip + size
+        for piece in encoding.pieces(opened, dtype, left):
+            progress.check()
+            wanted = memoryview(piece)[:left]
+            left -= len(wanted)
+            # The last `size` bytes of them.
+            if left < size:
+                yield wanted[max(0, len(wanted) - (size - left)) :]
+            if not left:
+                return
+        raise EOFError
+
+
+def picked(
+    file: io.RawIOBase | io.BufferedIOBase, shape: Sequence[int], dtype: np.dtype[Any], index: Index
+) -> Array:
+    """What `index` picks from the array of this shape that stands next in a file.
+
+    At most one plane of it is in memory beside the result. Raises EOFError where the file ends.
+    """
+    first = next(axis for axis, place in enumerate(index) if isinstance(place, slice))
+    before = 0
+    for size, place in zip(shape[:first], index):
+        assert isinstance(place, int)
+        before = before * size + place
+    _skip(file, before * prod(shape[first:]) * dtype.itemsize)
+    rest = index[first + 1 :]
+    if all(isinstance(place, slice) for place in rest):
+        return read_values(file, shape[first:], dtype)
+    kept = [size for size, place in zip(shape, index) if isinstance(place, slice)]
+    values, plane = new_voxels(kept, dtype), np.empty(shape[first + 1 :], dtype)
+    for k in range(kept[0]):
+        read_into(file, bytes_of(plane))
+        values[k] = plane[rest]
+    return values
+
+
+def _skip(file: io.RawIOBase | io.BufferedIOBase, count: int) -> None:
+    dropped = bytearray(min(count, _PIECE))
+    while count:
+        part = memoryview(dropped)[:count]
+        read_into(file, part)
+        count -= len(part)
+
+
+class _Stream(io.RawIOBase):
+    """A file made of pieces."""
+
+    def __init__(self, pieces: Iterator[memoryview]) -> None:
+        super().__init__()
+        self._pieces, self._left = pieces, memoryview(b"")
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: "WriteableBuffer") -> int:
+        if not self._left:
+            self._left = next(self._pieces, memoryview(b""))
+        target = memoryview(buffer).cast("B")
+        count = min(len(target), len(self._left))
+        target[:count] = self._left[:count]
+        self._left = self._left[count:]
+        return count

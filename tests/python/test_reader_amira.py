@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lattices of amira: plain, zipped, run-length encoded or text, scalars and vectors."""
+
+import zlib
+
+import leaflight
+import numpy as np
+import pytest
+from leaflight import LeaflightError, read_volume
+from leaflight.export.amira import write_amira
+from leaflight.io.readers import probe
+
+HEADER = """# {first}
+
+define Lattice 6 5 4
+
+Parameters {{
+    Materials {{
+        Exterior {{ }}
+        Inside {{ Color 0.8 0.1 0.1 }}
+    }}
+    Units {{
+        Coordinates "µm"
+    }}
+    BoundingBox 1 11 2 14 3 18{more},
+    CoordType "{kind}"
+}}
+
+{arrays}
+
+# Data section follows
+"""
+LITTLE = "AmiraMesh BINARY-LITTLE-ENDIAN 2.1"
+
+
+def header(arrays, first=LITTLE, kind="uniform", more=""):
+    return HEADER.format(first=first, arrays=arrays, kind=kind, more=more).encode()
+
+
+def runs(data):
+    """As amira writes labels: runs of one byte, and above 128 the number of different ones."""
+    packed, place = b"", 0
+    while place < len(data):
+        same = 1
+        while same < 127 and data[place : place + same + 1] == data[place : place + 1] * (same + 1):
+            same += 1
+        if same > 1:
+            packed, place = packed + bytes([same, data[place]]), place + same
+        else:
+            packed, place = packed + bytes([129, data[place]]), place + 1
+    return packed
+
+
+KINDS = [
+    (LITTLE, "short", "<i2", ""),
+    ("AmiraMesh 3D BINARY 2.0", "float", ">f4", ""),
+    ("Avizo BINARY-LITTLE-ENDIAN 3.0", "double", "<f8", "HxZip"),
+    (LITTLE, "ushort", "<u2", "HxZip"),
+    (LITTLE, "byte", "u1", "HxByteRLE"),
+    ("AmiraMesh 3D ASCII 2.0", "float", "<f4", ""),
+]
+
+
+@pytest.mark.parametrize("first, name, dtype, packing", KINDS)
+def test_values_and_place(tmp_path, values, first, name, dtype, packing):
+    """The box goes from the first point to the last."""
+    values = np.sort(values // 30, axis=0) if packing == "HxByteRLE" else values
+    data = values.astype(dtype).tobytes()
+    data = {"HxZip": zlib.compress, "HxByteRLE": runs}.get(packing, bytes)(data)
+    if "ASCII" in first:
+        data = "\n".join(map(str, values.ravel())).encode() + b"\n"
+    packed = f"({packing},{len(data)})" if packing else ""
+    path = tmp_path / "x.am"
+    path.write_bytes(
+        header(f"Lattice {{ {name} Data }} @1{packed}", first) + b"@1\n" + data + b"\n"
+    )
+    volume = read_volume(path)
+    np.testing.assert_array_equal(volume.values, values)
+    np.testing.assert_allclose(np.diag(volume.index_to_world), [2, 3, 5, 1])
+    np.testing.assert_allclose(volume.index_to_world[:3, 3], [1, 2, 3])
+    assert volume.unit == "µm" and volume.name == "x"
+    path.write_bytes(path.read_bytes()[: -len(data) // 2])
+    with pytest.raises(LeaflightError, match="x.am: .*(claims|ends before)"):
+        read_volume(path)
+
+
+@pytest.mark.parametrize("first", [LITTLE, "AmiraMesh 3D ASCII 2.0"])
+def test_several_arrays_and_vectors(tmp_path, values, first):
+    """By their names, and by channels."""
+    arrays = "Lattice { float Data } @1\nLattice { float[3] Flow } = @2\nNodes { float X } @3"
+    vectors = np.stack([values, -values, 2 * values], -1).astype("<f4")
+    content = header(arrays, first)
+    for number, array in ((1, values), (2, vectors)):
+        text = " ".join(map(str, array.ravel())).encode()
+        content += b"@%d\n" % number + (text if "ASCII" in first else array.tobytes()) + b"\n\n"
+    path = tmp_path / "x.am"
+    path.write_bytes(content)
+    assert probe(path).datasets == ("Data", "Flow") and probe(path).dims is None
+    with pytest.raises(LeaflightError, match="holds 2 volumes; choose one of Data, Flow"):
+        read_volume(path)
+    np.testing.assert_array_equal(read_volume(path, dataset="Data").values, values)
+    assert probe(path, dataset="Flow").channels == 3
+    volume = read_volume(path, dataset="Flow", channel=1)
+    np.testing.assert_array_equal(volume.values, -values)
+
+
+def test_a_turned_lattice(tmp_path, values):
+    """By a matrix that is written column by column."""
+    turn = "TransformationMatrix 0 1 0 0 -1 0 0 0 0 0 1 0 7 8 9 1"
+    start = header("Lattice { float Data } @1", more=f",\n{turn}")
+    (tmp_path / "x.am").write_bytes(start + b"@1\n" + values.tobytes())
+    matrix = read_volume(tmp_path / "x.am").index_to_world
+    np.testing.assert_allclose(matrix[:3, 0], [0, 2, 0])
+    np.testing.assert_allclose(matrix[:3, 1], [-3, 0, 0])
+    np.testing.assert_allclose(matrix[:3, 3], [7 - 2, 8 + 1, 9 + 3])
+
+
+def test_what_export_writes(tmp_path, box_bake):
+    write_amira(tmp_path / "x.am", box_bake)
+    stored = probe(tmp_path / "x.am")
+    assert stored.channels == 4 and isinstance(box_bake, leaflight.Bake)
+    volume = read_volume(tmp_path / "x.am", channel=0)
+    np.testing.assert_allclose(volume.index_to_world, box_bake.volume.index_to_world, atol=1e-6)
+
+
+def test_damaged(tmp_path, values):
+    one = "Lattice { float Data } @1"
+    path = tmp_path / "x.am"
+    for start, sentence in (
+        (header(one, kind="rectilinear"), "not evenly spaced"),
+        (header(one).replace(b"define Lattice 6 5 4", b"define Nodes 9"), "no lattice"),
+        (header(one).replace(b"6 5 4", b"60 50 40"), "claims 60 x 50 x 40 values"),
+        (header("Lattice { float Data } @1(HxWavelet,9)"), "compression HxWavelet is not known"),
+        (header("Lattice { float[2] Data } @9"), "no volume of real numbers"),
+        (b"# HyperSurface 0.1 ASCII\n", "not a readable AmiraMesh file"),
+        (b"", "not a readable AmiraMesh file"),
+    ):
+        path.write_bytes(start + (b"@1\n" + values.tobytes() if start else b""))
+        with pytest.raises(LeaflightError, match=f"x.am: .*{sentence}"):
+            read_volume(path)

@@ -1,0 +1,257 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scans that nibabel writes or brings along: NIfTI, Analyze, FreeSurfer, AFNI and MINC."""
+
+import gzip
+import re
+from pathlib import Path
+
+import nibabel
+import numpy as np
+import pytest
+from leaflight import LeaflightError, read_volume
+from leaflight.io.readers import probe
+
+AFFINE = np.array([[-2.0, 0, 0, 90], [0, 2.5, 0, -126], [0, 0.5, 3.0, -72], [0, 0, 0, 1]])
+DATA = Path(nibabel.__file__).parent / "tests" / "data"
+
+
+@pytest.fixture
+def shorts(values):
+    return values.astype(np.int16)
+
+
+@pytest.fixture
+def image(shorts):
+    return nibabel.Nifti1Image(shorts.T, AFFINE)
+
+
+@pytest.mark.parametrize("name, pack", [("x.nii.gz", bytes), ("x.nii", gzip.compress)])
+@pytest.mark.parametrize("slope", [1, 0.5])
+def test_names_that_are_wrong_about_the_packing(tmp_path, shorts, image, name, pack, slope):
+    image.header.set_slope_inter(slope, 0)
+    (tmp_path / name).write_bytes(pack(image.to_bytes()))
+    volume = read_volume(tmp_path / name)
+    np.testing.assert_array_equal(volume.values, slope * shorts)
+    assert volume.name == "x"
+
+
+# A code of the header, the unit, and what the note says.
+UNITS = [(0, "mm", ""), (1, "m", ""), (2, "mm", ""), (3, "µm", ""), (2 + 8, "mm", "")]
+UNITS += [(5, "mm", "code 5"), (7 + 0xF8, "mm", "code 7")]
+
+
+@pytest.mark.parametrize("code, unit, note", UNITS)
+def test_units(tmp_path, shorts, image, code, unit, note):
+    data = bytearray(image.to_bytes())
+    data[123] = code
+    (tmp_path / "x.nii").write_bytes(data)
+    volume = read_volume(tmp_path / "x.nii")
+    np.testing.assert_array_equal(volume.values, shorts)
+    assert volume.unit == unit and note in " ".join(volume.notes)
+    assert bool(note) == bool(volume.notes)
+
+
+@pytest.mark.parametrize("suffix", [".nii", ".nii.gz"])
+@pytest.mark.parametrize("slope", [1, 2])
+def test_vectors_of_nifti_have_channels(tmp_path, shorts, suffix, slope):
+    """Its fifth axis is theirs; the fourth is of time."""
+    data = np.empty((6, 5, 4, 2, 3), np.int16)
+    for frame in range(2):
+        for channel in range(3):
+            data[..., frame, channel] = shorts.T + 10 * frame + channel
+    for count in (1, 2):
+        image = nibabel.Nifti1Image(data[:, :, :, :count], AFFINE)
+        image.header.set_slope_inter(slope, 1)
+        nibabel.save(image, tmp_path / f"x{suffix}")
+        stored = probe(tmp_path / f"x{suffix}")
+        assert (stored.frames, stored.channels) == (count, 3)
+        chosen = {"frame": 1} if count == 2 else {}
+        volume = read_volume(tmp_path / f"x{suffix}", channel=2, **chosen)
+        np.testing.assert_array_equal(volume.values, slope * (shorts + 10 * (count - 1) + 2) + 1)
+
+
+PAIRS = (
+    nibabel.Nifti1Pair,
+    nibabel.Nifti2Pair,
+    nibabel.AnalyzeImage,
+    nibabel.Spm99AnalyzeImage,
+    nibabel.Spm2AnalyzeImage,
+)
+
+
+@pytest.mark.parametrize("kind", PAIRS)
+@pytest.mark.parametrize("end", ["", ".gz"])
+def test_pairs(tmp_path, shorts, kind, end):
+    """Either of their files is opened; a header of Analyze does not say which side is left."""
+    if "Spm" in kind.__name__:
+        pytest.importorskip("scipy")
+    plain = kind is nibabel.AnalyzeImage
+    nibabel.save(kind(shorts.T, None if plain else AFFINE), tmp_path / f"x.img{end}")
+    theirs = nibabel.load(tmp_path / f"x.img{end}")
+    for name in (f"x.hdr{end}", f"x.img{end}"):
+        volume = read_volume(tmp_path / name)
+        np.testing.assert_array_equal(volume.values, shorts)
+        np.testing.assert_allclose(volume.index_to_world, theirs.affine)
+        assert volume.unit == "mm" and volume.patient and volume.name == "x"
+        assert plain == bool(volume.notes)
+    (tmp_path / f"x.hdr{end}").unlink()
+    with pytest.raises(LeaflightError, match="there is no header x.hdr beside it"):
+        read_volume(tmp_path / f"x.img{end}")
+
+
+def test_damaged_pairs(tmp_path, shorts):
+    nibabel.save(nibabel.Nifti1Pair(shorts.T, AFFINE), tmp_path / "x.img")
+    header, values = (tmp_path / "x.hdr").read_bytes(), (tmp_path / "x.img").read_bytes()
+    (tmp_path / "x.img").write_bytes(values[:-1])
+    with pytest.raises(LeaflightError, match="x.hdr: .*claims 6 x 5 x 4 values"):
+        read_volume(tmp_path / "x.hdr")
+    (tmp_path / "x.hdr").write_bytes(b"ENVI\nsamples = 3\n" + bytes(400))
+    with pytest.raises(LeaflightError, match="not a readable NIfTI"):
+        read_volume(tmp_path / "x.hdr")
+    # The header of a pair in a file that should hold both.
+    (tmp_path / "y.nii").write_bytes(header + values)
+    with pytest.raises(LeaflightError, match="not a readable NIfTI"):
+        read_volume(tmp_path / "y.nii")
+    (tmp_path / "x.img").unlink()
+    with pytest.raises(LeaflightError, match="no values x.img beside it"):
+        read_volume(tmp_path / "x.hdr")
+
+
+@pytest.mark.parametrize("name, pack", [("x.mgh", None), ("x.mgz", None), ("x.mgz", "not")])
+@pytest.mark.parametrize("dtype", [np.uint8, np.int16, np.int32, np.float32])
+def test_freesurfer(tmp_path, values, name, pack, dtype):
+    path = tmp_path / name
+    nibabel.save(nibabel.MGHImage(values.T.astype(dtype), AFFINE), path)
+    if pack:
+        path.write_bytes(gzip.decompress(path.read_bytes()))
+    volume = read_volume(path)
+    np.testing.assert_array_equal(volume.values, values)
+    np.testing.assert_allclose(volume.index_to_world, AFFINE, atol=1e-4)
+    assert volume.unit == "mm" and volume.patient
+    frames = np.stack([values.T, values.T + 1], -1).astype(dtype)
+    nibabel.save(nibabel.MGHImage(frames, AFFINE), path)
+    assert probe(path).frames == 2
+    np.testing.assert_array_equal(read_volume(path, frame=1).values, values + 1)
+    path.write_bytes(b"\0\0\0\2" + bytes(400))
+    with pytest.raises(LeaflightError, match="not a readable FreeSurfer volume"):
+        read_volume(path)
+
+
+HEAD = """type = integer-attribute
+name = DATASET_RANK
+count = 2
+ 3 {count}
+
+type = integer-attribute
+name = DATASET_DIMENSIONS
+count = 3
+ 6 5 4
+
+type = float-attribute
+name = DELTA
+count = 3
+ 1 1 1
+
+type = float-attribute
+name = IJK_TO_DICOM_REAL
+count = 12
+ 2 0 0 -90
+ 0 -2.5 0 126
+ 0 0.5 3 -72
+
+type = integer-attribute
+name = BRICK_TYPES
+count = {count}
+ {types}
+
+type = float-attribute
+name = BRICK_FLOAT_FACS
+count = {count}
+ {factors}
+
+type = string-attribute
+name = BYTEORDER_STRING
+count = 10
+'{order}~
+"""
+
+
+@pytest.mark.parametrize("order", ["LSB_FIRST", "MSB_FIRST"])
+@pytest.mark.parametrize("packed", [False, True])
+@pytest.mark.parametrize("factors", [(0, 0), (0, 0.5)])
+def test_afni(tmp_path, shorts, order, packed, factors):
+    """Its world is left-posterior-superior; a factor of 0 is none."""
+    both = np.stack([shorts, shorts + 1]).astype("<i2" if order == "LSB_FIRST" else ">i2")
+    brick = tmp_path / ("x+orig.BRIK.gz" if packed else "x+orig.BRIK")
+    brick.write_bytes(gzip.compress(both.tobytes()) if packed else both.tobytes())
+    head = tmp_path / "x+orig.HEAD"
+    words = " ".join(map(str, factors))
+    head.write_text(HEAD.format(count=2, types="1 1", factors=words, order=order))
+    for path in (head, brick):
+        volume = read_volume(path, frame=1)
+        np.testing.assert_array_equal(volume.values, (shorts + 1) * (factors[1] or 1))
+        np.testing.assert_allclose(volume.index_to_world, AFFINE)
+        np.testing.assert_array_equal(read_volume(path, frame=0).values, shorts)
+        assert volume.unit == "mm" and volume.name == "x+orig"
+
+
+def test_damaged_afni(tmp_path):
+    head = tmp_path / "x.HEAD"
+    for types, cut, sentence in (
+        ("1 3", 10**4, "nibabel cannot read it .*multiple data types"),
+        ("1 1", 300, "not a readable AFNI header"),
+        ("1 1", 10**4, "x.BRIK: .*claims 6 x 5 x 4 x 2 values"),
+    ):
+        text = HEAD.format(count=2, types=types, factors="0 0", order="LSB_FIRST")
+        head.write_text(text[:cut])
+        (tmp_path / "x.BRIK").write_bytes(bytes(100))
+        with pytest.raises(LeaflightError, match=sentence):
+            read_volume(head)
+    (tmp_path / "x.BRIK").unlink()
+    with pytest.raises(LeaflightError, match="there is no x.BRIK beside it"):
+        read_volume(head)
+
+
+# What nibabel brings along: by name its frames.
+FILES = {
+    "test.mgz": 2,
+    "example4d+orig.HEAD": 3,
+    "example4d+orig.BRIK.gz": 3,
+    "scaled+tlrc.HEAD": 1,
+    "example_nifti2.nii.gz": 2,
+    "anatomical.nii": 1,
+    "functional.nii": 20,
+    "tiny.mnc": 1,
+    "small.mnc": 1,
+    "minc2_4d.mnc": 2,
+}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_real_files(name):
+    """The values are those of nibabel, in the single precision that volumes have."""
+    if not (DATA / name).exists():
+        pytest.skip(f"nibabel's {name} is not here")
+    if re.match("small|minc2", name):
+        pytest.importorskip("h5py")
+    frames = FILES[name]
+    assert probe(DATA / name).frames == frames
+    volume = read_volume(DATA / name, frame=frames - 1 if frames > 1 else None)
+    image = nibabel.load(DATA / name)
+    values, affine = image.get_fdata(), image.affine
+    if name.endswith(".mnc"):
+        # The last axis is the fastest one.
+        values = values[-1] if frames > 1 else values
+        affine = affine[:, [2, 1, 0, 3]]
+    else:
+        values = (values[..., -1] if values.ndim == 4 else values).T
+    np.testing.assert_allclose(volume.values, values, rtol=1e-6)
+    np.testing.assert_allclose(volume.index_to_world, affine)
+
+
+def test_damaged_minc(tmp_path):
+    data = (DATA / "tiny.mnc").read_bytes() if (DATA / "tiny.mnc").exists() else b""
+    for content in (data[: len(data) // 2], b"no MINC"):
+        (tmp_path / "x.mnc").write_bytes(content)
+        with pytest.raises(LeaflightError, match="x.mnc: this .*MINC file"):
+            read_volume(tmp_path / "x.mnc")
