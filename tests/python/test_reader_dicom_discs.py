@@ -6,14 +6,8 @@ import pytest
 from leaflight import LeaflightError, read_volume
 from leaflight.io.readers import probe
 
-pydicom = pytest.importorskip("pydicom")
-from dicom_files import edit, write_series, write_slice  # noqa: E402
-from pydicom.fileset import FileSet  # noqa: E402
-from pydicom.uid import generate_uid  # noqa: E402
-
-
-def uid(name):
-    return generate_uid(entropy_srcs=[name])
+pytest.importorskip("pydicom")
+from dicom_files import uid, write_disc, write_series, write_slice  # noqa: E402
 
 
 @pytest.fixture
@@ -68,15 +62,7 @@ def test_series_of_one_name(tmp_path, values):
 
 @pytest.fixture
 def disc(tmp_path, values):
-    """As pydicom writes it."""
-    scan = write_series(tmp_path / "scan", values)
-    files = FileSet()
-    for path in sorted(scan.iterdir()):
-        person = {"PatientID": "1", "PatientName": "A", "StudyID": "1", "StudyDate": "20240131"}
-        edit(path, StudyInstanceUID=uid("s"), StudyTime="1200", **person)
-        files.add(path)
-    files.write(tmp_path / "disc")
-    return tmp_path / "disc"
+    return write_disc(tmp_path, values)
 
 
 def test_a_disc(disc, values):

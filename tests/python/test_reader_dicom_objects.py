@@ -7,23 +7,19 @@ from leaflight import LeaflightError, read_volume
 from leaflight.io.readers import probe
 
 pydicom = pytest.importorskip("pydicom")
-from dicom_files import edit, item, items, write_slice  # noqa: E402
+from dicom_files import (  # noqa: E402
+    at,
+    camera,
+    dose,
+    edit,
+    item,
+    items,
+    segments,
+    write_pages,
+    write_slice,
+)
 
-SEGMENTATION = "1.2.840.10008.5.1.4.1.1.66.4"
 PARAMETRIC_MAP = "1.2.840.10008.5.1.4.1.1.30"
-
-
-def write_pages(path, values, pages=None, **tags):
-    """A file of several pages; pages: items, what belongs to each."""
-    tags = {"RescaleSlope": 1, "RescaleIntercept": 0, "NumberOfFrames": len(values), **tags}
-    if pages is not None:
-        tags["PerFrameFunctionalGroupsSequence"] = pydicom.Sequence(pages)
-    write_slice(path, values, tags.pop("place", 0), **tags)
-    return path
-
-
-def at(z, **sequences):
-    return items(PlanePositionSequence=item(ImagePositionPatient=[10, 20, z]), **sequences)
 
 
 def test_an_enhanced_file_holds_all_slices(tmp_path, values):
@@ -66,11 +62,6 @@ def test_stacks_of_an_enhanced_file(tmp_path, values):
     assert volume.index_to_world[2, 3] == 100
 
 
-def dose(path, values, offsets, place=50, **tags):
-    tags = {"Modality": "RTDOSE", "DoseGridScaling": 0.05, "SliceThickness": None, **tags}
-    return write_pages(path, values, place=place, GridFrameOffsetVector=offsets, **tags)
-
-
 @pytest.mark.parametrize(
     "offsets, axes, first, apart",
     [
@@ -109,15 +100,6 @@ def test_doses_of_two_beams(tmp_path, values):
         dose(path, values + beam, [0, 3, 6, 9])
     assert probe(tmp_path).datasets == ("3 Head RTDOSE", "3 Head RTDOSE (2)")
     np.testing.assert_allclose(read_volume(path).values, (values + 1) * 0.05, rtol=1e-6)
-
-
-def camera(path, values, **tags):
-    """A reconstruction of nuclear medicine."""
-    detector = item(ImagePositionPatient=[-8, 5, -3], ImageOrientationPatient=[1, 0, 0, 0, 1, 0])
-    tags = {"Modality": "NM", "DetectorInformationSequence": detector, **tags}
-    write_pages(path, values, **tags)
-    edit(path, without=["ImagePositionPatient", "ImageOrientationPatient"])
-    return path
 
 
 @pytest.mark.parametrize("apart", [2.5, -2.5])
@@ -173,26 +155,6 @@ def test_a_map_of_integers(tmp_path, values):
     tags = {"SOPClassUID": PARAMETRIC_MAP, "SharedFunctionalGroupsSequence": shared}
     path = write_pages(tmp_path / "x.dcm", values, [at(2 * k) for k in range(4)], **tags)
     np.testing.assert_array_equal(read_volume(path).values, values * 0.25 + 3)
-
-
-def segments(path, planes, labels, apart=2, **tags):
-    """A segmentation; planes: (segment from 1, k, its pixels) of each page."""
-    described = [items(SegmentNumber=n + 1, SegmentLabel=label) for n, label in enumerate(labels)]
-    pages = [
-        at(2 * k, SegmentIdentificationSequence=item(ReferencedSegmentNumber=number))
-        for number, k, _ in planes
-    ]
-    measures = item(SpacingBetweenSlices=apart, PixelSpacing=[0.5, 0.25])
-    pixels = np.array([plane for *_, plane in planes])
-    tags = {
-        "SOPClassUID": SEGMENTATION,
-        "Modality": "SEG",
-        "SegmentSequence": pydicom.Sequence(described),
-        "SharedFunctionalGroupsSequence": pydicom.Sequence([items(PixelMeasuresSequence=measures)]),
-        **tags,
-    }
-    write_pages(path, pixels, pages, **tags)
-    return path
 
 
 @pytest.fixture

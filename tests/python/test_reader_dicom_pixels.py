@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How DICOM files store the numbers of their pixels, and how these are compressed."""
 
-import io
 import zlib
 
 import numpy as np
@@ -10,7 +9,7 @@ from leaflight import LeaflightError, read_volume
 from leaflight.io.readers import probe
 
 pydicom = pytest.importorskip("pydicom")
-from dicom_files import edit, write_series, write_slice  # noqa: E402
+from dicom_files import bare, edit, jpeg_2000, write_series, write_slice  # noqa: E402
 from pydicom import uid  # noqa: E402
 from pydicom.encaps import encapsulate  # noqa: E402
 
@@ -81,10 +80,7 @@ def test_files_without_a_preamble(tmp_path, values, syntax):
     folder = series_of(tmp_path / "scan", values)
     for path in folder.iterdir():
         edit(path, syntax=syntax)
-        data = path.read_bytes()
-        # Behind the preamble and the mark, the meta information says its own length.
-        length = int.from_bytes(data[140:144], "little")
-        path.write_bytes(data[144 + length :])
+        path.write_bytes(bare(path.read_bytes()))
     np.testing.assert_array_equal(read_volume(folder).values, values)
     np.testing.assert_array_equal(read_volume(folder / "IM0002").values, values)
 
@@ -123,14 +119,6 @@ def test_deflated_data_that_never_end(tmp_path, values, monkeypatch):
     path.write_bytes(data[:start] + bomb)
     with pytest.raises(LeaflightError, match="deflated data would take more than 1048576 bytes"):
         read_volume(path)
-
-
-def jpeg_2000(plane):
-    """The codestream that Pillow writes."""
-    image = pytest.importorskip("PIL.Image")
-    file = io.BytesIO()
-    image.fromarray(plane.astype(np.uint16)).save(file, "JPEG2000", no_jp2=True, irreversible=False)
-    return file.getvalue()
 
 
 def test_jpeg_2000_with_blank_slices(tmp_path):
