@@ -138,6 +138,22 @@ def test_pages_that_are_times(tmp_path, values):
         read_volume(path)
 
 
+def test_views_of_a_camera(tmp_path, values):
+    kind = ["ORIGINAL", "PRIMARY", "TOMO", "EMISSION"]
+    volume = read_volume(camera(tmp_path / "nm.dcm", values, ImageType=kind))
+    np.testing.assert_array_equal(volume.values, values)
+    assert volume.notes == ("The pages are views or times of a camera, not slices.",)
+
+
+def test_pages_that_are_tiles(tmp_path, values):
+    path = write_pages(tmp_path / "x.dcm", values, TotalPixelMatrixColumns=12)
+    with pytest.raises(LeaflightError, match="tiles of a microscope's slide"):
+        read_volume(path)
+    write_slice(tmp_path / "mosaic", values[0], 0, ImageType=["ORIGINAL", "PRIMARY", "M", "MOSAIC"])
+    with pytest.raises(LeaflightError, match="mosaic of slices.*convert the series by dcm2niix"):
+        read_volume(tmp_path / "mosaic")
+
+
 def test_pages_without_places(tmp_path, values):
     path = write_pages(tmp_path / "x.dcm", values)
     edit(path, without=["ImagePositionPatient", "ImageOrientationPatient", "SliceThickness"])
