@@ -48,7 +48,7 @@ FORMATS = (
     _format("AmiraMesh lattice", "amira", ".am", "dataset"),
     _format("NRRD file", "nrrd", ".nrrd .nhdr"),
     _format("MetaImage", "metaimage", ".mhd .mha"),
-    _format("DICOM series", "dicom", ".dcm .dicom .ima", "dataset"),
+    _format("DICOM series", "dicom", ".dcm .dicom .ima", "dataset", names="DICOMDIR"),
     _format("MRC or CCP4 map", "mrc", _OF_MRC),
     _format("VTK image", "vti", ".vti .pvti", "dataset"),
     _format("legacy VTK file", "vtk_legacy", ".vtk", "dataset"),
