@@ -7,46 +7,14 @@ import shutil
 import zipfile
 
 from . import wheels
-from .tools import OUT, ROOT, VENV, PackageError, digest, run, version
+from .readers import PLATFORM, reader_wheels
+from .tools import OUT, ROOT, VENV, PackageError, run, version
 
 ADDON = ROOT / "addon" / "leaflight"
-READERS = ROOT / "scripts" / "reader-wheels.txt"
 # The Blender whose own program builds the extension: the oldest that has extensions.
 BPY = "4.2.23"
 # Most of it is one library of 120 MB, and scripts/demo waits for it.
 LEGACY_LEVEL = 1
-PLATFORM = "manylinux_2_28_x86_64"
-# Blender's names of platforms, and the tags of the wheels that run there.
-PLATFORMS = {
-    "linux-x64": (PLATFORM, PLATFORM.replace("_2_28", "_2_27"), "manylinux2014_x86_64"),
-    "windows-x64": ("win_amd64",),
-    "macos-arm64": ("macosx_11_0_arm64",),
-    "macos-x64": ("macosx_11_0_x86_64",),
-}
-# What PyPI does not have for a platform. The program then says that FLIP is missing.
-WITHOUT = {"macos-x64": ("flip-evaluator",)}
-
-
-def reader_wheels(tags, platform="linux-x64"):
-    """The wheels of the readers for some Pythons ("cp311"), unmodified from PyPI, fetched once."""
-    folder = wheels.WORK / "readers" / platform
-    stamp = folder / "stamp"
-    wanted = f"{digest(READERS)} {' '.join(sorted(tags))}"
-    if not stamp.exists() or stamp.read_text() != wanted:
-        shutil.rmtree(folder, ignore_errors=True)
-        lines = [line for line in READERS.read_text().splitlines() if not line.startswith("#")]
-        without = WITHOUT.get(platform, ())
-        packages = [line for line in lines if line.partition("==")[0] not in without]
-        for tag in tags:
-            python = f"{tag[2]}.{tag[3:]}"
-            run(
-                *(VENV / "bin" / "python", "-m", "pip", "download", "--no-deps", "--quiet"),
-                *("--only-binary=:all:", "--implementation", "cp", "--python-version", python),
-                *(f"--platform={tag}" for tag in PLATFORMS[platform]),
-                *("--dest", folder, *packages),
-            )
-        stamp.write_text(wanted)
-    return sorted(folder.glob("*.whl"))
 
 
 def extension(own, *platforms):

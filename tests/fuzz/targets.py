@@ -278,6 +278,43 @@ def _amira(_folder):
     return [*seeds, text + b"@1\n" + " ".join(map(str, VALUES.ravel())).encode()]
 
 
+def _dicom(folder):
+    """A scan, a dose, a camera and segments; a scan without a preamble, deflated and packed."""
+    import dicom_files as files
+    from pydicom import uid
+    from pydicom.encaps import encapsulate
+    from test_damaged_files import VALUES, dicom
+
+    path = folder / "seed.dcm"
+    whole = dicom(path)
+    seeds = [whole, files.bare(whole)]
+    organs = [(n + 1, k, VALUES[k] > 99) for k in (0, 2, 3) for n in range(2)]
+    vector = {"SpacingBetweenSlices": -2, "SliceVector": [1, 2, 3, 4, 5, 6]}
+    pages = encapsulate([files.jpeg_2000(plane) for plane in VALUES])
+    for write in (
+        lambda: files.dose(path, VALUES, [0, 2, 4, 6, 8, 10]),
+        lambda: files.camera(path, VALUES, **vector),
+        lambda: files.segments(path, organs[::2], ["Liver"], SegmentationType="FRACTIONAL"),
+        lambda: path.write_bytes(whole),
+        lambda: files.edit(path, syntax=uid.DeflatedExplicitVRLittleEndian),
+        lambda: path.write_bytes(whole),
+        lambda: files.edit(path, PixelData=pages, syntax=uid.JPEG2000Lossless),
+    ):
+        write()
+        seeds.append(path.read_bytes())
+    path.unlink()
+    return seeds
+
+
+def _dicomdir(folder):
+    from dicom_files import write_disc
+    from test_damaged_files import VALUES
+
+    disc = write_disc(folder, VALUES)
+    (disc / "PT000000").rename(folder / "PT000000")
+    return [(disc / "DICOMDIR").read_bytes()]
+
+
 def _csv(_folder):
     points = np.random.default_rng(1).random((40, 4)).round(3)
     lines = [",".join(map(str, row)) for row in points]
@@ -405,14 +442,22 @@ TARGETS = (
     Target("nrrd", ".nrrd", _nrrd, _INFO),
     Target("nhdr", ".nhdr", _detached_nrrd, _INFO),
     Target("metaimage", ".mha", _metaimage, _INFO),
-    Target("dicom", ".dcm", _of_tests("x.dcm"), _INFO),
+    Target("dicom", ".dcm", _dicom, _INFO),
+    Target("dicomdir", ".dcm", _dicomdir, _INFO),
     Target("mrc", ".mrc", _of_tests("x.mrc"), _INFO),
     Target("vti", ".vti", _of_tests("x.vti"), _INFO),
     Target("tiff", ".tif", _of_tests("deflated.tif"), _INFO),
     Target("imagej", ".tif", _of_tests("imagej.tif"), _INFO),
     Target("ome-tiff", ".ome.tif", _of_tests("x.ome.tif"), _INFO),
-    Target("ome-zarr", ".zarr", _zarr, (*_INFO, "--channel", "0"), within=".zattrs"),
-    Target("zarr-array", ".zarr", _zarr_array, (*_INFO, "--channel", "0"), within="0/.zarray"),
+    Target("ome-zarr", ".zarr", _zarr, (*_INFO, "--channel", "0"), within=".zattrs", slow=True),
+    Target(
+        "zarr-array",
+        ".zarr",
+        _zarr_array,
+        (*_INFO, "--channel", "0"),
+        within="0/.zarray",
+        slow=True,
+    ),
     Target("hdf5", ".h5", _of_tests("x.h5"), _INFO, slow=True),
     Target("scales", ".h5", _by_hdf5("scaled", "nexus"), _INFO, slow=True),
     Target("bdv", ".h5", _by_hdf5("big_data_viewer"), _BDV, slow=True),

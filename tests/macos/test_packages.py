@@ -86,3 +86,4 @@ def test_the_extension_has_the_readers_for_both_pythons(extension):
         tags = (f"-cp{python.replace('.', '')}-", "-py3-", "-py2.py3-")
         usable = {n.split("-")[0] for n in shipped if any(tag in n for tag in tags)}
         assert {"leaflight", "nibabel", "tifffile", "pydicom", "mrcfile", "pillow"} <= usable
+        assert {"leaflight_readers", "leaflight_codecs"} <= usable

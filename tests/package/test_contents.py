@@ -24,6 +24,15 @@ def names(path):
         return archive.namelist()
 
 
+def parts(data):
+    """(name of its metadata, open archive) of a wheel and of each that its folders hold."""
+    archive = zipfile.ZipFile(io.BytesIO(data))
+    infos = {
+        name.rpartition("/")[0] for name in archive.namelist() if name.endswith("-info/RECORD")
+    }
+    return [(info, archive) for info in sorted(infos)]
+
+
 def top(name):
     return PurePosixPath(name).parts[0]
 
@@ -91,7 +100,30 @@ def test_blender_gets_the_package_without_numpy(made, extension):
     assert "numpy" not in extension[1]
     legacy = names(made["legacy"])
     assert "modules/leaflight/bake/bake.py" in legacy
-    assert not [name for name in legacy if name.startswith("modules/numpy")]
+    every = [*legacy, *(name for data in extension[1].values() for name in names(io.BytesIO(data)))]
+    assert not [name for name in every if "numpy" in PurePosixPath(name).parts]
+
+
+def test_compiled_readers_are_beside_the_package(made, extension):
+    """Where the process that reads a file finds them, but Blender and other add-ons do not."""
+    folders = {
+        "leaflight_readers": ("h5py", "numcodecs", "crc32c", "gemmi", "openjpeg", "libjpeg"),
+        "leaflight_codecs": ("imagecodecs", "pylibjpeg"),
+    }
+    legacy = names(made["legacy"])
+    for folder, packages in folders.items():
+        wheel = extension[1][folder]
+        own = names(io.BytesIO(wheel))
+        assert all(name.startswith((f"{folder}/", f"{folder}-")) for name in own)
+        for package in packages:
+            assert any(name.startswith(f"{folder}/{package}/") for name in own)
+            assert any(name.startswith(f"modules/{folder}/{package}/") for name in legacy)
+            assert not any(name.startswith(f"modules/{package}/") for name in legacy)
+        infos = [info for info, _ in parts(wheel) if "/" in info]
+        assert len(infos) >= len(packages)
+        for info in infos:
+            terms = rf"{re.escape(info)}/(licenses/)?LICEN[CS]E"
+            assert any(re.match(terms, name) for name in own), info
 
 
 def test_the_legacy_zip_installs_two_things(made):
@@ -103,30 +135,32 @@ def test_the_legacy_zip_installs_two_things(made):
 
 
 def test_every_record_is_right(made, extension):
-    wheels = [made["wheel"].read_bytes(), *extension[1].values()]
-    for data in wheels:
-        with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            (record,) = (n for n in archive.namelist() if n.endswith(".dist-info/RECORD"))
-            rows = list(csv.reader(io.StringIO(archive.read(record).decode())))
-            files = [name for name in archive.namelist() if not name.endswith("/")]
-            assert sorted(row[0] for row in rows) == sorted(files)
-            for name, digest, size in rows:
-                if name == record:
+    """So the files of PyPI's packages are what their authors put there."""
+    for data in [made["wheel"].read_bytes(), *extension[1].values()]:
+        listed = {}
+        for info, archive in parts(data):
+            folder = info.rpartition("/")[0]
+            rows = csv.reader(io.StringIO(archive.read(f"{info}/RECORD").decode()))
+            own = {f"{folder}/{row[0]}".lstrip("/"): row[1:] for row in rows}
+            for name, (digest, size) in own.items():
+                if name == f"{info}/RECORD":
                     continue
                 content = archive.read(name)
                 algorithm, _, value = digest.partition("=")
                 found = base64.urlsafe_b64encode(hashlib.new(algorithm, content).digest())
                 assert found.rstrip(b"=").decode() == value and int(size) == len(content), name
+            listed.update(own)
+        files = [name for name in archive.namelist() if not name.endswith("/")]
+        assert sorted(listed) == sorted(files)
 
 
 def test_the_extension_holds_all_that_its_wheels_need(extension):
     """For both Pythons of Blender; NumPy is Blender's own."""
     have = {}
     for data in extension[1].values():
-        with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            (name,) = (n for n in archive.namelist() if n.endswith(".dist-info/METADATA"))
-            metadata = message_from_bytes(archive.read(name))
-        have[metadata["Name"].lower().replace("_", "-")] = metadata
+        for info, archive in parts(data):
+            metadata = message_from_bytes(archive.read(f"{info}/METADATA"))
+            have[metadata["Name"].lower().replace("_", "-")] = metadata
     for python in BLENDER_PYTHONS:
         for metadata in have.values():
             for text in metadata.get_all("Requires-Dist", []):

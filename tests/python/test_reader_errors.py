@@ -5,12 +5,12 @@ import gzip
 import json
 import re
 import struct
-import sys
 
 import nibabel
 import numpy as np
 import pytest
 import tifffile
+from leaflight.io import reader_process
 from leaflight.io.readers import reading
 
 RNG = np.random.default_rng(1)
@@ -207,9 +207,9 @@ def sizes_as_bytes(path):
     path.write_bytes(b"II*\0\x08\0\0\0" + struct.pack("<H", 3) + tags + bytes(4))
 
 
-@case(".tif", "colour")
+@case(".tif", r"one of 0..2 \(--channel\)\.")
 def colour_tiff(path):
-    tifffile.imwrite(path, np.stack([NOISE] * 3, axis=-1), photometric="rgb")
+    tifffile.imwrite(path, np.stack([NOISE, NOISE, NOISE + 1], axis=-1), photometric="rgb")
 
 
 @case(".tif", "three dimensions")
@@ -222,7 +222,7 @@ def tiff_of_4_dimensions(path):
     tifffile.imwrite(path, np.stack([NOISE, NOISE]))
 
 
-@case("", "holds no .tif")
+@case("", "holds no slices as DICOM, TIFF")
 def empty_folder(path):
     path.mkdir()
 
@@ -292,9 +292,10 @@ def test_bad_input(name, tmp_path, cli):
 
 
 def test_an_absent_package_is_named(tmp_path, cli, monkeypatch):
-    # What Python itself does where a package cannot be found.
-    monkeypatch.setitem(sys.modules, "h5py", None)
-    monkeypatch.delitem(sys.modules, "leaflight.io.readers.hdf5", raising=False)
+    # In the process that reads.
+    monkeypatch.setattr(reader_process, "PACKAGES", [])
+    (tmp_path / "h5py.py").write_text("raise ModuleNotFoundError(name='h5py')\n")
+    monkeypatch.syspath_prepend(tmp_path)
     path = tmp_path / "x.h5"
     path.write_bytes(b"")
     outcome = cli("info", path)

@@ -2,14 +2,16 @@
 """Every format gives back the values, the shape and the place that were written."""
 
 import gzip
-from importlib.util import find_spec
 
 import nibabel
 import numpy as np
 import pytest
 import tifffile
 from leaflight import LeaflightError, read_volume
-from PIL import Image
+from leaflight.io import reader_process
+from leaflight.io.images import read_pixels
+from leaflight.io.readers import probe
+from PIL import Image, ImageSequence
 
 AFFINE = np.array([[-2.0, 0, 0, 90], [0, 2.5, 0, -126], [0, 0.5, 3.0, -72], [0, 0, 0, 1]])
 
@@ -75,16 +77,35 @@ def test_tiff_stack(tmp_path, values, options):
     np.testing.assert_array_equal(diagonal(read_volume(path, spacing=(1, 2, 3))), [1, 2, 3])
 
 
-def test_tiff_as_microscopes_compress_it(tmp_path, values):
-    """By LZW, which tifffile leaves to imagecodecs."""
+@pytest.mark.parametrize("compression", ["tiff_lzw", "zstd", "jpeg", "packbits"])
+def test_tiff_as_microscopes_compress_it(tmp_path, values, compression):
+    """By Pillow's libtiff. tifffile leaves most of it to imagecodecs."""
+    if not reader_process.has_package("imagecodecs"):
+        pytest.skip("imagecodecs is not installed")
+    path = tmp_path / "stack.tif"
+    pages = [Image.fromarray(page) for page in values.astype(np.uint8)]
+    pages[0].save(path, save_all=True, append_images=pages[1:], compression=compression)
+    if compression == "jpeg":
+        # What it keeps, by its own decoder.
+        with Image.open(path) as file:
+            values = np.stack([np.asarray(page) for page in ImageSequence.Iterator(file)])
+    found = read_volume(path).values.astype(float)
+    np.testing.assert_allclose(found, values, rtol=0, atol=1 if compression == "jpeg" else 0)
+    assert read_pixels(path).shape == (5, 6)
+
+
+def test_a_compression_that_cannot_be_decoded(tmp_path, values, monkeypatch):
+    monkeypatch.setattr(reader_process, "PACKAGES", [])
+    (tmp_path / "imagecodecs.py").write_text("raise ModuleNotFoundError(name='imagecodecs')")
+    monkeypatch.syspath_prepend(tmp_path)
     path = tmp_path / "stack.tif"
     pages = [Image.fromarray(page) for page in values.astype(np.uint8)]
     pages[0].save(path, save_all=True, append_images=pages[1:], compression="tiff_lzw")
-    if find_spec("imagecodecs"):
-        np.testing.assert_array_equal(read_volume(path).values, values)
-    else:
-        with pytest.raises(LeaflightError, match="'pip install imagecodecs'.$"):
-            read_volume(path)
+    assert probe(path).dims == (6, 5, 4)
+    with pytest.raises(LeaflightError, match="stack.tif: .*'pip install imagecodecs'.$"):
+        read_volume(path)
+    with pytest.raises(LeaflightError, match="stack.tif: .* package imagecodecs, .*; save the"):
+        read_pixels(path)
 
 
 def test_tiff_voxel_size_of_imagej(tmp_path, values):

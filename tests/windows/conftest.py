@@ -19,7 +19,7 @@ PACKAGES = (
     *("hypothesis", "scipy==1.11.4", "matplotlib==3.8.4", "meshio==5.3.5", "trimesh==4.6.0"),
     *("nibabel==5.3.2", "tifffile==2025.5.10", "pydicom==3.0.1", "mrcfile==1.5.4"),
     *("pillow==12.0.0", "flip-evaluator==1.7", "h5py==3.11.0"),
-    *("zarr==2.18.3", "numcodecs==0.13.1"),
+    *("zarr==2.18.3", "numcodecs==0.13.1", "crc32c==2.9.post0"),
 )
 
 

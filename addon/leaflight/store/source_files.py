@@ -37,7 +37,6 @@ CHOICES = (
 )
 # Those of them that say how values, and normals alone, are smoothed.
 SMOOTHING = CHOICES[-2:]
-_WITH_ITS_NEEDS = {"zarr": "zarr==2.18.3 numcodecs==0.13.1 asciitree==0.3.3 fasteners==0.19"}
 
 # A key_of() -> the hash of its values, so that a file is read once for it.
 _hashes = session.remembered()
@@ -143,9 +142,8 @@ def _install(missing):
     if sys.prefix == "/usr" and missing.of_debian:
         return f"'sudo apt install {missing.of_debian}'"
     # Without what they depend on: another NumPy would take the place of Blender's own.
-    wanted = _WITH_ITS_NEEDS.get(missing.package, missing.package)
     target = bpy.utils.user_resource("SCRIPTS", path="modules")
-    return f'\'"{sys.executable}" -m pip install --no-deps --target "{target}" {wanted}\''
+    return f'\'"{sys.executable}" -m pip install --no-deps --target "{target}" {missing.package}\''
 
 
 def from_file(settings):

@@ -92,10 +92,16 @@ def write_png(path: str | os.PathLike[str], pixels: Array) -> None:
 
 
 def _read_tiff(path: Path) -> Array:
-    from .readers.tiff import opened
+    from .readers.tiff_pages import opened, read_page
 
-    with opened(path) as file:
-        pixels: Array = file.pages[0].asarray()
+    try:
+        with opened(path) as file:
+            pixels = read_page(path, file.pages[0])
+    except ImportError as error:
+        raise LeaflightError(
+            f"{path}: this needs the Python package {error.name}, which is not installed; save the "
+            "image without compression."
+        ) from None
     if pixels.ndim not in (2, 3) or pixels.dtype.kind not in "uf":
         raise LeaflightError(
             f"{path}: the image must be grey or RGB, of unsigned integers or floating point; "

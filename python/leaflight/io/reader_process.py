@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files that a library which trusts them reads: by a process of their own.
+"""Files that a compiled library reads: in a process of their own.
 
 A damaged file can end the process that opens it with OpenVDB or HDF5, or keep it busy for hours.
-This one has limits of time and memory, and what it does, Blender survives.
+This one has limits of time and memory, and what it does, Blender survives. It is also the only one
+that imports h5py, numcodecs, imagecodecs and the plug-ins of pydicom: their copies of libraries
+would clash with those that Blender's own process has loaded.
 """
 
 import io
@@ -12,45 +14,70 @@ import os
 import subprocess
 import sys
 import threading
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from importlib import import_module
+from importlib.machinery import PathFinder
+from math import prod
 from pathlib import Path
 from typing import Any, NoReturn
 
+import numpy as np
+
 from .._core import LeaflightError, Progress
 from ..arrays import Array
+from ..volume.setting_error import SettingError
+from ..volume.voxels import bytes_of
 from .process_limits import limit_process
 
 # Seconds of a processor for any file, and bytes that are read in one more.
 LEAST_SECONDS = 60
 BYTES_PER_SECOND = 1e6
+ENDLESS = 10**12
 # A processor is not always there for us alone.
 WAIT = 5
 # Bytes of an answer, and of what is filled between looks at the progress.
 _MOST_ANSWER, _PIECE = 1 << 24, 1 << 22
 _CHILD = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
 _CHILD += "from leaflight.io.reader_process import child; child()"
+# Folders beside this package, whose packages these processes import before all others: whatever
+# else is installed, and without Blender's own process finding them.
+PACKAGES = [
+    str(Path(__file__).parents[2] / name) for name in ("leaflight_readers", "leaflight_codecs")
+]
+
+
+def has_package(name: str) -> bool:
+    """Whether the processes find a package."""
+    return PathFinder.find_spec(name, [*PACKAGES, *sys.path]) is not None
 
 
 class ReaderProcess:
     """A process that calls function(path, *options) of a module of this package; a context manager.
 
     kind: of file, for people. The function returns (answer, pieces): what JSON can hold, and the
-    arrays, C-contiguous, whose bytes fill() gets. options: what JSON can hold.
+    arrays, C-contiguous, which fill() and array() get. options: what JSON can hold. size: bytes
+    that are read, None for those of the file; ENDLESS for a function that answers requests(), each
+    of which has a time of its own.
     """
 
     def __init__(
-        self, path: str | os.PathLike[str], kind: str, module: str, function: str, *options: object
+        self,
+        path: str | os.PathLike[str],
+        kind: str,
+        module: str,
+        function: str,
+        *options: object,
+        size: int | None = None,
     ) -> None:
         self.path, self.kind = path, kind
-        size = Path(path).stat().st_size
-        self.seconds = math.ceil(LEAST_SECONDS + size / BYTES_PER_SECOND)
+        self.seconds = _seconds(Path(path).stat().st_size if size is None else size)
         job = json.dumps([str(path), self.seconds, module, function, *options])
         hidden = getattr(subprocess, "CREATE_NO_WINDOW", 0)
         try:
             self._process = subprocess.Popen(
-                [_python(), "-c", _CHILD, json.dumps(sys.path), job],
-                stdin=subprocess.DEVNULL,
+                [_python(), "-c", _CHILD, json.dumps([*PACKAGES, *sys.path]), job],
+                stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
                 creationflags=hidden,
@@ -61,41 +88,92 @@ class ReaderProcess:
                 "other programs and try again."
             ) from None
         output = self._process.stdout
-        assert isinstance(output, io.BufferedReader)
-        self._output = output
-        self._timer = threading.Timer(WAIT * self.seconds, self._process.kill)
+        assert isinstance(output, io.BufferedReader) and self._process.stdin is not None
+        self._output, self._input = output, self._process.stdin
+        self._timer = self._started_timer()
+
+    def _started_timer(self) -> threading.Timer:
+        timer = threading.Timer(WAIT * self.seconds, self._process.kill)
+        timer.daemon = True
+        timer.start()
+        return timer
 
     def __enter__(self) -> "ReaderProcess":
-        self._timer.start()
         return self
 
     def __exit__(self, *_: object) -> None:
         self._timer.cancel()
         self._process.kill()
         self._output.close()
+        with suppress(OSError):
+            self._input.close()
         self._process.wait()
+
+    def ask(self, path: str | os.PathLike[str], most: int, *request: object) -> Array:
+        """What answers a request about a file, an array of at most so many bytes."""
+        self.path, self.seconds = path, _seconds(most)
+        self._timer.cancel()
+        self._timer = self._started_timer()
+        try:
+            self._input.write(json.dumps([str(path), *request]).encode() + b"\n")
+            self._input.flush()
+        except OSError:
+            raise self.died() from None
+        try:
+            return self.array(most)
+        finally:
+            self._timer.cancel()
 
     def answer(self) -> Any:
         """What the function answers.
 
         Raises LeaflightError and ModuleNotFoundError as it does, and ValueError where it raises
-        anything else.
+        anything else; so do fill() and array().
         """
-        try:
-            answer = json.loads(self._output.readline(_MOST_ANSWER))
-        except ValueError:
-            raise self.died() from None
-        if "refusal" in answer:
-            raise LeaflightError(answer["refusal"])
-        if "absent" in answer:
-            raise ModuleNotFoundError(name=answer["absent"])
-        if "failure" in answer:
-            raise ValueError(answer["failure"])
-        return answer["answer"]
+        return self._message()["answer"]
 
     def fill(self, values: Array, progress: Progress | None = None) -> None:
-        """Fills an array with the pieces, in their order, and reports the bytes to a Progress."""
-        left = values.data.cast("B")
+        """Fills an array with the next pieces, and reports the bytes to a Progress."""
+        left = bytes_of(values)
+        while left:
+            shape, dtype = self._piece()
+            size = prod(shape) * dtype.itemsize
+            if size > len(left):
+                raise self.died()
+            self._read(left[:size], progress)
+            left = left[size:]
+
+    def array(self, most: int) -> Array:
+        """The next piece, of at most so many bytes."""
+        shape, dtype = self._piece()
+        if prod(shape) * dtype.itemsize > most:
+            raise self.died()
+        values = np.empty(shape, dtype)
+        self._read(bytes_of(values), None)
+        return values
+
+    def _piece(self) -> tuple[tuple[int, ...], np.dtype[Any]]:
+        message = self._message()
+        shape, dtype = tuple(map(int, message["shape"])), np.dtype(message["dtype"])
+        if min(shape, default=1) < 0 or dtype.kind not in "biuf":
+            raise self.died()
+        return shape, dtype
+
+    def _message(self) -> dict[str, Any]:
+        try:
+            message: dict[str, Any] = json.loads(self._output.readline(_MOST_ANSWER))
+        except ValueError:
+            raise self.died() from None
+        if "refusal" in message:
+            sentence, settings = message["refusal"], message["settings"]
+            raise SettingError(sentence, *settings) if settings else LeaflightError(sentence)
+        if "missing" in message:
+            raise ModuleNotFoundError(name=message["missing"])
+        if "failure" in message:
+            raise ValueError(message["failure"])
+        return message
+
+    def _read(self, left: memoryview, progress: Progress | None) -> None:
         while left:
             if progress is not None:
                 progress.check()
@@ -114,6 +192,11 @@ class ReaderProcess:
         )
 
 
+def _seconds(size: int) -> int:
+    """Of a processor that may be taken for so many bytes."""
+    return math.ceil(LEAST_SECONDS + size / BYTES_PER_SECOND)
+
+
 def _python() -> str:
     """The interpreter: where Python is part of a program, sys.executable may be another one."""
     names = ("bin/python{}.{}", "bin/python3", "python.exe", "bin/python.exe")
@@ -124,26 +207,38 @@ def _python() -> str:
     return sys.executable
 
 
+def requests() -> Iterator[list[Any]]:
+    """Within the process: [path, ...] of each request, which one piece is to answer."""
+    for line in sys.stdin.buffer:
+        yield json.loads(line)
+
+
 def child() -> NoReturn:
-    """Calls the function and answers with a line of JSON, behind it the pieces."""
+    """Calls the function and answers with a line of JSON; one more precedes each piece."""
     path, seconds, module, function, *options = json.loads(sys.argv[2])
     limit_process(seconds)
     out = sys.stdout.buffer
-    pieces: Iterable[Array] = ()
+
+    def tell(message: dict[str, Any]) -> None:
+        out.write(json.dumps(message).encode() + b"\n")
+
+    pieces: Iterable[Array]
     try:
         called = getattr(import_module(module), function)
         answer, pieces = called(Path(path), *options)
-        answer = {"answer": answer}
+        tell({"answer": answer})
+        out.flush()
+        for piece in pieces:
+            tell({"shape": piece.shape, "dtype": piece.dtype.str})
+            out.write(piece.data)
+            out.flush()
     except LeaflightError as error:
-        answer = {"refusal": str(error)}
+        tell({"refusal": str(error), "settings": getattr(error, "settings", ())})
     except ImportError as error:
-        answer = {"absent": error.name or str(error)}
+        tell({"missing": error.name or str(error)})
     except Exception as error:
         # On damaged files libraries fail with whatever comes first.
-        answer = {"failure": type(error).__name__}
-    out.write(json.dumps(answer).encode() + b"\n")
-    for piece in pieces:
-        out.write(piece.data)
+        tell({"failure": type(error).__name__})
     out.flush()
     # What libraries do at the end of a process does not matter any more.
     os._exit(0)

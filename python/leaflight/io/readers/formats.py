@@ -9,6 +9,7 @@ from pathlib import Path
 from ..._core import LeaflightError
 from ...volume.setting_error import SettingError
 from .checks import listed
+from .dicom_signature import holds_dicom, is_dicom
 from .sniffing import module_of
 
 
@@ -47,7 +48,7 @@ FORMATS = (
     _format("AmiraMesh lattice", "amira", ".am", "dataset"),
     _format("NRRD file", "nrrd", ".nrrd .nhdr"),
     _format("MetaImage", "metaimage", ".mhd .mha"),
-    _format("DICOM series", "dicom", ".dcm .dicom .ima", "dataset"),
+    _format("DICOM series", "dicom", ".dcm .dicom .ima", "dataset", names="DICOMDIR"),
     _format("MRC or CCP4 map", "mrc", _OF_MRC),
     _format("VTK image", "vti", ".vti .pvti", "dataset"),
     _format("legacy VTK file", "vtk_legacy", ".vtk", "dataset"),
@@ -56,7 +57,8 @@ FORMATS = (
     _format("XSF file", "xsf", ".xsf .xsf.gz", "dataset"),
     _format("DSN6 or BRIX map", "dsn6", ".dsn6 .brix .omap .dsn6.gz .brix.gz .omap.gz"),
     _format("MTZ file", "mtz", ".mtz .mtz.gz", "dataset"),
-    _format("TIFF file", "tiff", ".tif .tiff", "spacing"),
+    _format("TIFF file", "tiff", ".tif .tiff .ome .lsm .stk .btf .tf8", "dataset", "spacing"),
+    _format("picture", "pictures", ".png .jpg .jpeg .bmp", "dataset", "spacing"),
     _format("OME-Zarr folder", "ome_zarr", ".zarr", "dataset", "level"),
     _format("HDF5 file", "hdf5", ".h5 .hdf5 .hdf .ims .nxs", "dataset", "level", "spacing"),
     _format("netCDF file", "netcdf", ".nc .nc4", "dataset", "spacing"),
@@ -70,6 +72,9 @@ FORMATS = (
 SUFFIXES = tuple(suffix for kind in FORMATS for suffix in kind.suffixes)
 # Files of a folder that are opened to find out whether it is a series.
 _LOOKED_AT = 100
+# As many more files than of another kind are slices, and the others are pictures beside them.
+_MANY_TIMES = 3
+_OF_SLICES = {"dicom": "DICOM", "tiff": "TIFF", "pictures": "PNG, JPEG or BMP"}
 # Suffixes that an error names, at most, and letters of one pattern of name_patterns().
 _NAMED, _IN_BRACKETS = 16, 9
 _BY_MODULE = {kind.module: kind for kind in FORMATS}
@@ -104,16 +109,7 @@ def format_of(path: str | os.PathLike[str]) -> Format:
         (suffix, kind) for kind in FORMATS for suffix in kind.suffixes if name.endswith(suffix)
     ]
     if path.is_dir():
-        if any((path / entry).exists() for entry in (".zgroup", ".zarray", "zarr.json")):
-            return _BY_MODULE["ome_zarr"]
-        entries = [entry for entry in path.iterdir() if entry.is_file()]
-        if any(entry.suffix.lower() in _BY_MODULE["tiff"].suffixes for entry in entries):
-            return _BY_MODULE["tiff"]
-        if any(is_dicom(entry) for entry in entries[:_LOOKED_AT]):
-            return _BY_MODULE["dicom"]
-        raise LeaflightError(
-            f"{path}: this folder holds no .tif or .tiff files, no DICOM slices and no OME-Zarr."
-        )
+        return _of_folder(path)
     # The longest: a .nii.gz is no other .gz.
     kind = max(found, key=lambda pair: len(pair[0]))[1] if found else RAW
     if kind is not RAW:
@@ -137,10 +133,33 @@ def format_of(path: str | os.PathLike[str]) -> Format:
     )
 
 
-def is_dicom(path: str | os.PathLike[str]) -> bool:
-    """Whether a file begins as DICOM files do; scanners often give them no suffix."""
-    try:
-        with open(path, "rb") as file:
-            return file.read(132)[128:] == b"DICM"
-    except OSError:
-        return False
+def _of_folder(path: Path) -> Format:
+    """By the kind of most of its files; hidden ones and a few of other kinds do not count."""
+    if any((path / entry).exists() for entry in (".zgroup", ".zarray", "zarr.json")):
+        return _BY_MODULE["ome_zarr"]
+    # macOS writes hidden files, ._NAME, beside those that it copies to other disks.
+    entries = [entry for entry in path.iterdir() if entry.name[0] != "." and entry.is_file()]
+    counts = {
+        module: sum(entry.suffix.lower() in _BY_MODULE[module].suffixes for entry in entries)
+        for module in _OF_SLICES
+    }
+    without = [entry for entry in entries if not entry.name.lower().endswith(SUFFIXES)]
+    looked_at = without[:_LOOKED_AT]
+    if looked_at:
+        share = sum(map(is_dicom, looked_at)) / len(looked_at)
+        counts["dicom"] += round(share * len(without))
+    (most, first), (second, others) = sorted(counts.items(), key=lambda kind: -kind[1])[:2]
+    if first == 0 and holds_dicom(path):
+        return _BY_MODULE["dicom"]
+    if first == 0:
+        raise LeaflightError(
+            f"{path}: this folder holds no slices as DICOM, TIFF, PNG, JPEG or BMP files, and no "
+            "OME-Zarr."
+        )
+    # Pictures beside DICOM files are previews of these.
+    if first < (1 if most == "dicom" else _MANY_TIMES) * others:
+        raise LeaflightError(
+            f"{path}: this folder holds {first} {_OF_SLICES[most]} files and {others} "
+            f"{_OF_SLICES[second]} files; keep the slices of one volume in it."
+        )
+    return _BY_MODULE[most]

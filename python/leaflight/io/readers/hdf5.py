@@ -6,7 +6,6 @@ of its own. hdf5_layouts.py says which volumes a file holds.
 """
 
 from collections.abc import Sequence
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +13,7 @@ import numpy as np
 from ..._core import LeaflightError, Progress
 from ...volume.volume import Volume
 from ...volume.voxels import new_voxels
-from ..reader_process import ReaderProcess
+from ..reader_process import ReaderProcess, has_package
 from .checks import check_matrix, choose_level, choose_named, index_to_world, undecided
 from .hdf5_image import image_of_json
 from .reading import MissingPackage
@@ -97,7 +96,7 @@ def open_volume(
 
 
 def _check_readable(path: Path) -> None:
-    if find_spec("h5py") is None:
+    if not has_package("h5py"):
         raise ModuleNotFoundError(name="h5py")
     with open(path, "rb") as file:
         if file.read(len(_HDF4)) == _HDF4:
@@ -114,7 +113,7 @@ def _reader(path: Path, function: str, *options: object) -> ReaderProcess:
 def _without_filter(path: Path, code: int, name: str) -> LeaflightError:
     """The error for values that a filter packs which is not at hand."""
     name = {**_OF_HDF5PLUGIN, **_OTHER_FILTERS}.get(code) or name or "without a name"
-    if code in _OF_HDF5PLUGIN and find_spec("hdf5plugin") is None:
+    if code in _OF_HDF5PLUGIN and not has_package("hdf5plugin"):
         kind = f"HDF5 file, which the filter {name} ({code}) packs,"
         return MissingPackage(path, kind, "hdf5plugin")
     return LeaflightError(

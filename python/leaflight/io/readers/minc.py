@@ -5,7 +5,6 @@ In a process of its own: MINC 2 is HDF5, which on damaged files ends the process
 """
 
 from collections.abc import Iterator
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,7 @@ from ..._core import LeaflightError, Progress
 from ...arrays import Array
 from ...volume.volume import Volume
 from ...volume.voxels import new_voxels
-from ..reader_process import ReaderProcess
+from ..reader_process import ReaderProcess, has_package
 from .checks import check_matrix, check_shape
 from .stored import StoredVolume, lengths
 from .watched import STAGE, begin, open_head
@@ -25,9 +24,8 @@ from .watched import STAGE, begin, open_head
 
 def open_volume(path: Path) -> StoredVolume:
     """Three axes of space, of which the last in the file is fastest, or time before them."""
-    if not _is_minc1(path):
-        # Where it is missing, the sentence is about that.
-        import_module("h5py")
+    if not _is_minc1(path) and not has_package("h5py"):
+        raise ModuleNotFoundError(name="h5py")
     with _reader(path, "describe") as process:
         shape, matrix = process.answer()
     check_shape(path, shape)

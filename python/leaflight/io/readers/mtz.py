@@ -2,14 +2,14 @@
 """Electron densities from the structure factors of .mtz files, through gemmi.
 
 https://gemmi.readthedocs.io/en/latest/hkl.html
-In a process of its own: damaged files may ask gemmi for any amount of memory.
+In a process of its own, which alone imports gemmi: damaged files may ask it for any amount of
+memory.
 """
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-import gemmi
 import numpy as np
 
 from ..._core import LeaflightError, Progress
@@ -77,6 +77,8 @@ def _reader(path: Path, function: str, *options: object) -> ReaderProcess:
 
 def list_maps(path: Path) -> tuple[dict[str, Any], tuple[()]]:
     """Lists, within the process, the maps that can be computed, their dims and the cell."""
+    import gemmi
+
     mtz = gemmi.read_mtz_file(str(path))
     maps = _pairs([(column.label, column.type) for column in mtz.columns])
     if not maps:
@@ -104,6 +106,8 @@ def _pairs(columns: Sequence[tuple[str, str]]) -> list[str]:
 
 def compute_map(path: Path, amplitudes: str, phases: str) -> tuple[list[int], Iterable[Array]]:
     """Computes, within the process, the density [z, y, x] of a whole cell."""
+    import gemmi
+
     mtz = gemmi.read_mtz_file(str(path))
     grid = mtz.transform_f_phi_to_map(amplitudes, phases, sample_rate=_SAMPLES)
     values = np.ascontiguousarray(np.array(grid, np.float32).transpose(2, 1, 0))

@@ -23,6 +23,7 @@ from ...volume.voxels import as_voxels, held_type, new_voxels
 from .checks import choose, text
 from .downsampling import downsampled
 from .formats import RAW, Format, format_of
+from .page_process import kept_processes
 from .stored import StoredVolume
 from .watched import watched
 
@@ -55,7 +56,7 @@ OPTIONS = (
     "smooth_normals",
 )
 
-_NOT_IN_DEBIAN = {"imagecodecs"}
+_NOT_IN_DEBIAN = {"hdf5plugin", "imagecodecs"}
 
 
 class MissingPackage(LeaflightError):
@@ -195,7 +196,7 @@ def _sentences(path: Path, stored: StoredOptions) -> Iterator[Callable[[], Forma
 
     try:
         # What a library warns of is harmless, or an error comes.
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), kept_processes():
             warnings.simplefilter("ignore")
             yield kind
     except (Cancelled, SettingError):

@@ -1,251 +1,271 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""TIFF stacks, and folders with one TIFF per slice, through tifffile."""
+"""TIFF stacks, of ImageJ, OME and others, and folders with one TIFF per slice."""
 
-import io
-import logging
-import re
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from functools import partial
 from math import prod
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-import tifffile
 
-from ..._core import Cancelled, LeaflightError, Progress
+from ..._core import LeaflightError
 from ...arrays import Array
-from ...volume.units import unit_of
-from ...volume.volume import Volume
-from ...volume.voxels import new_voxels
-from .checks import check_scalar, check_size, index_to_world, text, truncated
-from .stored import StoredVolume, lengths
-from .watched import open_watched, watched
+from . import imagej, ome
+from .blocks import Blocks, has_depth, picture, stack_of
+from .checks import check_scalar, listed, text, truncated
+from .file_names import visible_files
+from .slices import open_slices
+from .stack import Stack, stored
+from .stored import StoredVolume
+from .tiff_pages import axes_of, check_pages, opened, read_page
+from .voxel_size import VoxelSize, voxel_size
 
-# No compression of TIFF that is decoded here expands more: 12-bit LZW makes 4 KB of 12 bits.
-LZW_MOST = 4096
-MICROMETRES = {
-    "nm": 1e-3,
-    "µm": 1.0,
-    "μm": 1.0,
-    "um": 1.0,
-    "mm": 1e3,
-    "cm": 1e4,
-    "m": 1e6,
-    "Å": 1e-4,
-}
-if int(tifffile.__version__.partition(".")[0]) < 2025:
-    # Older ones multiply sizes that a damaged file gives as bytes: these become gigabytes.
-    tifffile.tifffile.product = lambda sizes: prod(int(size) for size in sizes)
+SUFFIXES = (".tif", ".tiff")
+# Pages beside a stack that are no part of it: previews, labels, pictures of the whole slide.
+_MOST_EXTRA_PAGES = 2
 
 
-def open_volume(path: Path, spacing: float | Sequence[float] | None = None) -> StoredVolume:
-    """A stack or a folder of slices.
+def open_volume(
+    path: Path, dataset: str | None = None, spacing: float | Sequence[float] | None = None
+) -> StoredVolume:
+    """A stack, a set of OME-TIFF files by any of them, or a folder of slices.
 
-    The size of a voxel comes from spacing, else from ImageJ metadata (in their own unit) or OME
-    metadata (in micrometres), else it is 1. A time or channel axis without a depth is the depth.
+    The size of a voxel comes from spacing, else from the metadata of the file, else it is 1.
     """
     if path.is_dir():
-        return _open_folder(path, spacing)
-    return _open_stack(path, spacing)
+        files = visible_files(path, SUFFIXES)
+        if len(files) > 1 and not _is_set(files[0]):
+            return open_slices(path, files, _slice, dataset, spacing)
+        path = files[0]
+    xml = ome_xml(path)
+    volumes = _of_series(path) if xml is None else _of_ome(path, xml)
+    return stored(path, volumes, dataset, spacing)
 
 
-def _open_stack(path: Path, spacing: float | Sequence[float] | None) -> StoredVolume:
+def _is_set(path: Path) -> bool:
+    """Whether a file is one of several that hold an image of OME-TIFF."""
+    xml = ome_xml(path)
+    return xml is not None and any(
+        len({part.file for part in image.parts}) > 1 for image in ome.images(path, xml, ome_xml)[1]
+    )
+
+
+def ome_xml(path: Path) -> str | bytes | None:
+    """The OME-XML of a file, None where it has none."""
+    if path.suffix.lower() in (".ome", ".xml"):
+        return path.read_bytes()
     with opened(path) as file:
-        series = file.series[0]
-        _check_pages(path, file, series)
-        axes = [(axis, n) for axis, n in zip(series.axes, series.shape) if n > 1]
-        dtype, (found, unit) = series.dtype, _voxel_size(file)
-    chosen = _choices(path, axes)
-    frames, channels = (chosen[kind][1] if kind in chosen else 1 for kind in ("T", "C"))
-    matrix = index_to_world(path, spacing if spacing is not None else found or 1.0)
-    places = {place for place, _ in chosen.values()}
-    dims = tuple(n for place, (_, n) in enumerate(axes) if place not in places)[::-1]
-
-    def load(frame: int, channel: int, progress: Progress) -> Volume:
-        index: list[slice | int] = [slice(None)] * len(axes)
-        for kind, (place, _) in chosen.items():
-            index[place] = frame if kind == "T" else channel
-        with open_watched(path, progress) as source, opened(path, source) as file:
-            return Volume(_part(file, tuple(index)), matrix, path.stem)
-
-    return StoredVolume(dims, dtype, load, lengths(matrix), unit, frames, channels)
+        page = file.pages[0]
+        xml: str | None = page.description if page.is_ome else None
+        return xml
 
 
-def _choices(path: Path, axes: list[tuple[str, int]]) -> dict[str, tuple[int, int]]:
-    """{"T" or "C": (place among the axes, how many)} of those axes that are not of space."""
-    names = [axis for axis, _ in axes]
-    shape = [n for _, n in axes]
-    chosen = {}
-    if len(axes) > 3:
-        for kind in "TC":
-            if kind in names:
-                chosen[kind] = names.index(kind), shape[names.index(kind)]
-        # Without such a name, frames are the first axis.
-        if not chosen:
-            chosen["T"] = 0, shape[0]
-        # A time without a depth is one.
-        if len(axes) - len(chosen) == 2:
-            chosen.pop("T")
-    if len(axes) - len(chosen) != 3:
+def _of_ome(path: Path, xml: str | bytes) -> list[tuple[str, Callable[[], Stack]]]:
+    path, images = ome.images(path, xml, ome_xml)
+    axes = [tuple(image.sizes.items()) for image in images]
+    flat = [image for image, one in zip(images, axes) if not has_depth(one)]
+    if len(flat) == len(images):
+        raise _flat(path, [(image.sizes["X"], image.sizes["Y"]) for image in flat])
+    notes = _left_out([f"{i.sizes['X']} x {i.sizes['Y']} pixels" for i in flat])
+    return [
+        (image.name, partial(_ome_stack, path, image, notes))
+        for image in images
+        if image not in flat
+    ]
+
+
+def _ome_stack(path: Path, image: ome.Image, notes: tuple[str, ...]) -> Stack:
+    def pages_of(file: Path) -> int:
+        with opened(file) as tiff:
+            return len(tiff.pages)
+
+    places, more = ome.table(path, image, pages_of)
+    file, number = places[0]
+    with opened(file) as tiff:
+        page = tiff.pages[number]
+        check_pages(file, [page])
+        inner, samples, colors = axes_of(page)
+        dtype = page.dtype
+    sizes = dict(inner)
+    if (sizes["X"], sizes["Y"]) != (image.sizes["X"], image.sizes["Y"]):
         raise LeaflightError(
-            f"{path}: the data are {text(shape)}, but a volume needs three dimensions, "
-            "or four, of which one is the frame."
+            f"{path}: its OME metadata describe {image.sizes['X']} x {image.sizes['Y']} pixels, "
+            f"but its pages have {sizes['X']} x {sizes['Y']}; fetch it again."
         )
-    return chosen
-
-
-def _part(file: tifffile.TiffFile, index: tuple[slice | int, ...]) -> Array:
-    """What stands at an index of the axes that are longer than 1; other pages stay unread."""
-    series = file.series[0]
-    shape = tuple(n for n in series.shape if n > 1)
-    planes = np.arange(prod(shape[:-2])).reshape(shape[:-2])[index[:-2]]
-    one_by_one = series.dataoffset is None and len(series.pages) == prod(shape[:-2])
-    if not one_by_one or planes.size == prod(shape[:-2]) or index[-2:] != (slice(None),) * 2:
-        whole = new_voxels(series.shape, series.dtype)
-        part: Array = file.asarray(series=0, out=whole).reshape(shape)[index]
-        return part
-    values: Array = file.asarray(key=planes.ravel().tolist(), series=0)
-    return values.reshape(*planes.shape, *shape[-2:])
-
-
-def _open_folder(path: Path, spacing: float | Sequence[float] | None) -> StoredVolume:
-    slices = [p for p in path.iterdir() if p.suffix.lower() in (".tif", ".tiff") and p.is_file()]
-    slices.sort(key=lambda p: [int(s) if s.isdigit() else s for s in re.split(r"(\d+)", p.name)])
-    first = _slice(slices[0])
-    matrix = index_to_world(path, spacing if spacing is not None else 1.0)
-
-    def load(_frame: int, _channel: int, progress: Progress) -> Volume:
-        values = new_voxels((len(slices), *first.shape), first.dtype)
-        for k, slice_path in enumerate(watched(progress, slices)):
-            image = _slice(slice_path)
-            if image.shape != first.shape:
-                raise LeaflightError(
-                    f"{slice_path}: the slice is {text(image.shape)}, but every slice of the "
-                    f"folder must be one plane of the same size, {text(first.shape)}."
-                )
-            if not np.can_cast(image.dtype, values.dtype):
-                values = values.astype(np.promote_types(image.dtype, values.dtype))
-            values[k] = image
-        return Volume(values, matrix, path.stem)
-
-    dims = (*first.shape[::-1], len(slices))
-    return StoredVolume(dims, first.dtype, load, lengths(matrix))
-
-
-def _slice(path: Path) -> Array:
-    with opened(path) as file:
-        series = file.series[0]
-        _check_pages(path, file, series)
-        image: Array = series.asarray().squeeze()
-    if image.ndim != 2:
-        raise LeaflightError(
-            f"{path}: the slice is {text(image.shape)}, but every slice of the folder must be one "
-            "plane of the same size."
-        )
-    return image
+    outer = tuple((axis, image.sizes[axis]) for axis in reversed(image.order))
+    blocks = Blocks(outer, inner, dtype, partial(_open_places, places), samples, colors)
+    return stack_of(path, blocks, image.voxel, (*notes, *more))
 
 
 @contextmanager
-def opened(path: Path, source: io.BufferedIOBase | None = None) -> Iterator[tifffile.TiffFile]:
-    """The open TiffFile of a path, read through `source` where that is open already.
+def _open_places(places: dict[int, tuple[Path, int]]) -> Iterator[Callable[[int], Array]]:
+    """For Blocks: a function that reads the page of a place. One file of a set is open at once."""
+    with ExitStack() as last:
+        path, tiff = None, None
 
-    Damage that tifffile raises or logs is a LeaflightError.
-    """
-    damage = LeaflightError(
-        f"{path}: this is not a readable TIFF file, or it is truncated or damaged; fetch it again."
-    )
-    complaints = _Complaints()
-    log = logging.getLogger("tifffile")
-    log.addHandler(complaints)
-    propagate, log.propagate = log.propagate, False
-    try:
-        with tifffile.TiffFile(source or path) as file:
-            # Counting the pages finds a chain of them that leads back to itself; whoever takes
-            # one after the other never comes to its end.
-            if len(file.pages) == 0 or not file.series:
-                raise damage
-            yield file
-            if complaints.damage:
-                raise damage
-    except LeaflightError:
-        if complaints.damage:
-            raise damage from None
-        raise
-    except (Cancelled, MemoryError, OSError):
-        raise
-    except Exception as error:
-        # On damaged files tifffile fails with whatever comes first, from KeyError to a failed
-        # assertion and the XML parser's own error.
-        if "requires the 'imagecodecs'" in str(error):
-            # LZW, JPEG and others that microscopes write.
-            raise ModuleNotFoundError(name="imagecodecs") from None
-        raise damage from None
-    finally:
-        log.propagate = propagate
-        log.removeHandler(complaints)
+        def read(place: int) -> Array:
+            nonlocal path, tiff
+            file, number = places[place]
+            if file != path:
+                last.close()
+                path, tiff = file, last.enter_context(opened(file))
+            assert tiff is not None
+            return read_page(file, tiff.pages[number])
+
+        yield read
 
 
-class _Complaints(logging.Handler):
-    """tifffile logs a broken chain of pages and goes on with the pages before the break."""
+def _of_series(path: Path) -> list[tuple[str, Callable[[], Stack]]]:
+    """The volumes of a file in which tifffile finds its order of pages."""
+    with opened(path) as file:
+        found = {k: _blocks(path, file, k) for k in range(len(file.series))}
+        reduced = {k for k in found if file.series[k].keyframe.is_reduced}
+        volumes = {k: one for k, one in found.items() if has_depth(one.axes)}
+        if not volumes:
+            sizes = [dict(one.axes) for one in found.values()]
+            raise _flat(path, [(size["X"], size["Y"]) for size in sizes])
+        # Previews and labels are no part of the volume.
+        most = max(_planes(one) for one in volumes.values())
+        for extra in (
+            reduced,
+            {k for k, one in volumes.items() if _planes(one) <= _MOST_EXTRA_PAGES < most},
+        ):
+            kept = {k: one for k, one in volumes.items() if k not in extra}
+            volumes = kept or volumes
+        notes = _left_out([_dims(one) for k, one in found.items() if k not in volumes])
+        for k in volumes:
+            _check_series(path, file, file.series[k])
+        voxel, calibration = _voxel_size(file), None
+        if file.is_imagej:
+            calibration = imagej.calibration(file.imagej_metadata, file.series[0].dtype)
+        names = {k: file.series[k].name or _dims(one) for k, one in volumes.items()}
 
-    def __init__(self) -> None:
-        super().__init__(logging.WARNING)
-        self.damage = False
-
-    def emit(self, record: logging.LogRecord) -> None:
-        message = record.getMessage()
-        self.damage |= record.levelno >= logging.ERROR or "invalid page offset" in message
-
-
-def _check_pages(path: Path, file: tifffile.TiffFile, series: tifffile.TiffPageSeries) -> None:
-    if "S" in series.axes and series.shape[series.axes.index("S")] > 1:
-        raise LeaflightError(
-            f"{path}: the pages are color images, but a volume needs one number a voxel; "
-            "convert them to grey values first."
+    def stack(blocks: Blocks) -> Stack:
+        made = stack_of(path, blocks, voxel, notes)
+        if calibration is None:
+            return made
+        dtype, function, note = calibration
+        return replace(
+            made,
+            dtype=dtype,
+            planes=lambda frame, channel: map(function, made.planes(frame, channel)),
+            notes=(*notes, note),
         )
-    check_scalar(path, series.dtype)
-    plane = file.pages[0].shape
-    images = (file.imagej_metadata or {}).get("images", 1)
-    if images * prod(plane) > max(len(file.pages) * prod(plane), series.size):
-        raise truncated(path, (images, *plane))
-    size = file.filehandle.size
+
+    return [(names[k], partial(stack, one)) for k, one in volumes.items()]
+
+
+def _planes(blocks: Blocks) -> int:
+    return prod(n for axis, n in blocks.axes if axis not in "YXS")
+
+
+def _dims(blocks: Blocks) -> str:
+    sizes = [n for axis, n in blocks.axes if axis != "S" and (n > 1 or axis in "YX")]
+    return f"{text(sizes[::-1])} {'voxels' if len(sizes) > 2 else 'pixels'}"
+
+
+def _blocks(path: Path, file: Any, index: int) -> Blocks:
+    series = file.series[index]
+    page_axes, samples, colors = axes_of(series.keyframe)
+    sample = "S" if "S" in dict(page_axes) else "C"
+    names = [sample if axis == "S" else axis for axis in series.axes]
+    axes = tuple(zip(names, (int(n) for n in series.shape)))
     if series.dataoffset is not None:
         # One contiguous block, which ImageJ writes under a single page.
-        if series.dataoffset + series.nbytes > size:
-            raise truncated(path, series.shape)
-        return
-    pages = [page.aspage() for page in series.pages if page is not None]
-    parts = [part for page in pages for part in zip(page.dataoffsets, page.databytecounts)]
-    if any(offset + count > size for offset, count in parts):
-        raise truncated(path, series.shape)
-    stored = sum(count for _, count in parts)
-    check_size(path, series.shape, series.dtype.itemsize, stored, LZW_MOST)
-
-
-def _voxel_size(file: tifffile.TiffFile) -> tuple[list[float] | None, str]:
-    """((x, y, z) from ImageJ's or OME's metadata or None, the key of its unit in METERS)."""
-    unit = ""
-    if file.is_ome:
-        try:
-            images = tifffile.xml2dict(file.ome_metadata)["OME"]["Image"]
-            pixels = (images[0] if isinstance(images, list) else images)["Pixels"]
-            sizes = [
-                pixels[f"PhysicalSize{axis}"]
-                * MICROMETRES[pixels.get(f"PhysicalSize{axis}Unit", "µm")]
-                for axis in "XYZ"
-            ]
-        except (KeyError, TypeError):
-            return None, ""
-        unit = "µm"
-    elif file.is_imagej:
-        tags = file.pages[0].tags
-        try:
-            resolutions = [tags[name].value for name in ("XResolution", "YResolution")]
-            sizes = [below / above for above, below in resolutions]
-            sizes.append(float(file.imagej_metadata["spacing"]))
-        except (KeyError, TypeError, ValueError, ZeroDivisionError):
-            return None, ""
-        unit = unit_of(file.imagej_metadata.get("unit"))
+        split = names.index("Y")
     else:
-        return None, ""
-    return (sizes, unit) if all(0 < size < float("inf") for size in sizes) else (None, "")
+        fits = (k for k in range(len(axes)) if prod(n for _, n in axes[:k]) == len(series))
+        split = next(fits, len(axes))
+    outer, inner = axes[:split], axes[split:]
+    of_page = prod(series.keyframe.shape)
+    if series.dataoffset is None and prod(n for _, n in inner) != of_page or len(inner) < 2:
+        raise LeaflightError(
+            f"{path}: its {len(series)} pages are no array of {text(series.shape[::-1])}; save it "
+            "anew as a plain stack."
+        )
+    open_blocks = partial(_open_series, path, index, tuple(n for _, n in inner))
+    return Blocks(outer, inner, series.dtype, open_blocks, samples, colors)
+
+
+@contextmanager
+def _open_series(
+    path: Path, index: int, shape: tuple[int, ...]
+) -> Iterator[Callable[[int], Array]]:
+    """For Blocks: a function that reads a page of a series, or one plane of a contiguous block."""
+    with opened(path) as file:
+        series = file.series[index]
+        dtype = series.dtype.newbyteorder(file.byteorder)
+        size = prod(shape) * dtype.itemsize
+
+        def read(k: int) -> Array:
+            if series.dataoffset is None:
+                return read_page(path, series[k]).reshape(shape)
+            file.filehandle.seek(series.dataoffset + k * size)
+            data = file.filehandle.read(size)
+            if len(data) < size:
+                raise truncated(path, series.shape)
+            return np.frombuffer(data, dtype).reshape(shape)
+
+        yield read
+
+
+def _check_series(path: Path, file: Any, series: Any) -> None:
+    """Raises LeaflightError unless the file holds all bytes of a series."""
+    images = (file.imagej_metadata or {}).get("images", 1)
+    plane = file.pages[0].shape
+    if images * prod(plane) > max(len(file.pages) * prod(plane), series.size):
+        raise truncated(path, (images, *plane))
+    if series.dataoffset is None:
+        check_pages(path, list(series))
+        return
+    check_scalar(path, series.dtype)
+    if series.dataoffset + series.nbytes > file.filehandle.size:
+        raise truncated(path, series.shape)
+
+
+def _voxel_size(file: Any) -> VoxelSize | None:
+    """By the metadata of ImageJ, of Zeiss' LSM or of MetaMorph's STK."""
+    if file.is_imagej:
+        return imagej.size_of_voxel(file.imagej_metadata, file.pages[0].tags)
+    if file.is_lsm:
+        sizes = [file.lsm_metadata.get(f"VoxelSize{axis}") for axis in "XYZ"]
+        return voxel_size(sizes, ("m", "m", "m"), "µm")
+    if file.is_stk:
+        found = file.stk_metadata
+        across = [found.get(f"{axis}Calibration") for axis in "XY"]
+        steps = np.unique(np.abs(np.asarray(found.get("ZDistance", ()), dtype=np.float64)))
+        unit = found.get("CalibrationUnits")
+        return voxel_size((*across, steps[0] if len(steps) == 1 else None), (unit, unit, unit))
+    return None
+
+
+def _left_out(pictures: Sequence[str]) -> tuple[str, ...]:
+    """A note about those pictures in a file that are no part of its volume."""
+    if not pictures:
+        return ()
+    kinds = listed(sorted(set(pictures)))
+    return (f"Other pictures in the file are left out: {len(pictures)}, of {kinds}.",)
+
+
+def _flat(path: Path, sizes: Sequence[tuple[int, int]]) -> LeaflightError:
+    pictures = "one picture" if len(sizes) == 1 else f"{len(sizes)} single pictures"
+    return LeaflightError(
+        f"{path}: it holds {pictures} of {listed([text(size) for size in sizes])} pixels, but a "
+        "volume needs three dimensions; if this is one slice of many, open their folder."
+    )
+
+
+def _slice(path: Path) -> Array:
+    """The pixels [y, x] or RGB [y, x, s] of a file that is one slice of a folder."""
+    with opened(path) as file:
+        blocks = _blocks(path, file, 0)
+        if has_depth(blocks.axes):
+            raise LeaflightError(
+                f"{path}: the slice is {_dims(blocks)}, but every slice of the folder must be one "
+                "plane of the same size."
+            )
+        _check_series(path, file, file.series[0])
+    return picture(blocks)

@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pictures of any axes as series of volumes: which axis is the depth, which the frame."""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from math import prod
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..._core import LeaflightError
+from ...arrays import Array
+from .stack import Stack
+from .voxel_size import VoxelSize
+
+Axes = tuple[tuple[str, int], ...]
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """An array in a file, which is read block by block.
+
+    outer, inner: names and lengths of the axes, slowest first, of the blocks and within one. Names
+        are X, Y, Z, T (time), C (channel), S (color), or any other letter.
+    open: a context manager; it gives a function of the number of a block, which reads it whole.
+    samples: how many of S are values, the others being alpha; colors: whether these are RGB.
+    """
+
+    outer: Axes
+    inner: Axes
+    dtype: np.dtype[Any]
+    open: Callable[[], AbstractContextManager[Callable[[int], Array]]]
+    samples: int = 1
+    colors: bool = False
+
+    @property
+    def axes(self) -> Axes:
+        return (*self.outer, *self.inner)
+
+
+@dataclass(frozen=True)
+class _Roles:
+    """Places among the axes of a picture: of its depth, of its frames (None for one), of others."""
+
+    depth: int
+    frames: int | None
+    channels: tuple[int, ...]
+
+
+def has_depth(axes: Axes) -> bool:
+    """Whether a picture of these axes is a volume."""
+    return _roles(axes) is not None
+
+
+def stack_of(
+    path: Path,
+    blocks: Blocks,
+    voxel: VoxelSize | None = None,
+    notes: tuple[str, ...] = (),
+) -> Stack:
+    """The Stack of a picture that has a depth. Raises LeaflightError."""
+    axes = tuple((a, blocks.samples if a == "S" else n) for a, n in blocks.axes)
+    sizes = dict(axes)
+    roles = _roles(axes)
+    assert roles is not None
+    depth, frames = axes[roles.depth][1], 1 if roles.frames is None else axes[roles.frames][1]
+    gray = blocks.colors and _is_gray(blocks, roles)
+    if gray:
+        channels = tuple(k for k in roles.channels if axes[k][0] != "S")
+        roles = _Roles(roles.depth, roles.frames, channels)
+
+    def planes(frame: int, channel: int) -> Iterator[Array]:
+        places = [_index(axes, roles, frame, channel, z) for z in range(depth)]
+        for k, plane in enumerate(_planes(blocks, places, gray)):
+            if gray and not _equal_samples(plane):
+                raise LeaflightError(
+                    f"{path}: plane {k} is in color, but the first one is gray; convert all of "
+                    "them to gray values first."
+                )
+            yield plane[..., 0] if gray else plane
+
+    return Stack(
+        (depth, sizes["Y"], sizes["X"]),
+        blocks.dtype,
+        planes,
+        frames,
+        prod(axes[k][1] for k in roles.channels),
+        voxel,
+        notes,
+    )
+
+
+def picture(blocks: Blocks) -> Array:
+    """The pixels [y, x] or RGB [y, x, s] of a picture without a depth."""
+    first = [[0] * len(blocks.axes)]
+    (plane,) = _planes(blocks, first, blocks.colors)
+    return plane
+
+
+def _roles(axes: Axes) -> _Roles | None:
+    """A depth is Z, or else an axis without a known meaning, or else time, or else the channel.
+
+    Frames are time, or else the first other axis without a known meaning.
+    """
+    left = [k for k, (name, n) in enumerate(axes) if n > 1 and name not in "YX"]
+
+    def named(names: str) -> list[int]:
+        return [k for k in left if axes[k][0] in names]
+
+    unknown = [k for k in left if axes[k][0] not in "ZTCS"]
+    depths = named("Z") or unknown[-1:] or named("T") or named("C")
+    if not depths:
+        return None
+    left.remove(depths[0])
+    frames = next(iter(named("T") or [k for k in unknown if k in left]), None)
+    return _Roles(depths[0], frames, tuple(k for k in left if k != frames))
+
+
+def _index(axes: Axes, roles: _Roles, frame: int, channel: int, z: int) -> list[int]:
+    """Where one plane is, along each axis."""
+    index = [0] * len(axes)
+    index[roles.depth] = z
+    if roles.frames is not None:
+        index[roles.frames] = frame
+    for k in reversed(roles.channels):
+        channel, index[k] = divmod(channel, axes[k][1])
+    return index
+
+
+def _planes(blocks: Blocks, indices: Sequence[Sequence[int]], samples: bool) -> Iterator[Array]:
+    """The planes [y, x] at these indices along the axes, or with all their samples [y, x, s]."""
+    names = [name for name, _ in blocks.inner]
+    whole = "YXS" if samples else "YX"
+    order = [name for name in names if name in whole]
+    with blocks.open() as read:
+        number, block = -1, None
+        for index in indices:
+            outer, inner = index[: len(blocks.outer)], index[len(blocks.outer) :]
+            wanted = _place(blocks.outer, outer)
+            if block is None or wanted != number:
+                number, block = wanted, read(wanted)
+            part = tuple(slice(None) if a in whole else k for a, k in zip(names, inner))
+            yield block[part].transpose([order.index(name) for name in whole if name in order])
+
+
+def _place(axes: Axes, index: Sequence[int]) -> int:
+    place = 0
+    for (_, n), k in zip(axes, index):
+        place = place * n + k
+    return place
+
+
+def _is_gray(blocks: Blocks, roles: _Roles) -> bool:
+    """Whether the first, the middle and the last plane have but gray colors."""
+    depth = blocks.axes[roles.depth][1]
+    looked_at = sorted({0, depth // 2, depth - 1})
+    indices = [_index(blocks.axes, roles, 0, 0, z) for z in looked_at]
+    return all(_equal_samples(plane) for plane in _planes(blocks, indices, True))
+
+
+def _equal_samples(plane: Array) -> bool:
+    """Whether red, green and blue are the same in all pixels [y, x, s]."""
+    red = plane[..., :1]
+    return bool((plane[..., 1:3] == red).all())

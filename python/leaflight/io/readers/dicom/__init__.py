@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""DICOM series through pydicom: the slices of a folder, sorted by where they lie in the patient."""
+
+from pathlib import Path
+
+import numpy as np
+
+from ...._core import LeaflightError, Progress
+from ....volume.volume import Volume
+from ..checks import choose_named, undecided
+from ..dicom_signature import DIRECTORY
+from ..stored import StoredVolume, lengths
+from .choices import choices_of, meant
+from .parts import Part
+from .series import find_series
+from .stacks import Stack, sparse_stack_of, stack_of
+from .values import value_type, values_of_frame
+
+
+def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
+    """The series of a folder or a disc, or the one that a file belongs to.
+
+    dataset: number, description and kind of a series, where there are several, and the label of
+    a segment, a stack or a direction; one of these words alone where it means one volume.
+    Values are those that the header makes of the stored ones: Hounsfield units of a CT, gray of a
+    dose.
+    """
+    found, notes = find_series(path)
+    choices, left_out = choices_of(path, found)
+    names = tuple(choices)
+    name = choose_named(path, names, meant(choices, dataset))
+    notes = (*notes, *left_out)
+    if name is not None:
+        return _opened(path, choices[name].part(path), names, notes)
+    load = undecided(path, names)
+    return StoredVolume(
+        None, np.dtype(np.int16), load, unit="mm", datasets=names, patient=True, notes=notes
+    )
+
+
+def _opened(path: Path, part: Part, names: tuple[str, ...], notes: tuple[str, ...]) -> StoredVolume:
+    stack = _stack(path, part)
+    _check_depth(path, stack)
+    first = part.planes[0]
+    dtype = value_type(part.planes)
+    remarks = dict.fromkeys(remark for one in part.planes for remark in one.remarks)
+
+    def load(frame: int, _channel: int, progress: Progress) -> Volume:
+        values = values_of_frame(stack.frames[frame], first.pixels.shape, dtype, progress)
+        return Volume(values, stack.index_to_world, _title(path))
+
+    return StoredVolume(
+        dims=(*first.pixels.shape[::-1], len(stack.frames[0])),
+        dtype=dtype,
+        load=load,
+        voxel_size=lengths(stack.index_to_world),
+        unit="mm",
+        frames=len(stack.frames),
+        datasets=names,
+        patient=first.placed,
+        notes=(*notes, *part.notes, *stack.notes, *remarks),
+    )
+
+
+def _stack(path: Path, part: Part) -> Stack:
+    """The planes of a part in their order. Raises LeaflightError."""
+    try:
+        if part.planes[0].sparse:
+            return sparse_stack_of(path, part.within, part.label)
+        return stack_of(path, part.planes)
+    except LeaflightError as problem:
+        if not part.notes:
+            raise
+        # The one that is missing may be among those that are left out.
+        sentence = str(problem).removesuffix(".")
+        raise LeaflightError(f"{sentence} ({part.notes[0].removesuffix('.')}).") from None
+
+
+def _check_depth(path: Path, stack: Stack) -> None:
+    """Raises LeaflightError unless there are several places, as a volume needs."""
+    if len(stack.frames[0]) > 1:
+        return
+    if len(stack.frames) > 1:
+        raise LeaflightError(
+            f"{path}: all {len(stack.frames)} slices of this series lie at one place, but a volume "
+            "needs several places; choose another series."
+        )
+    raise LeaflightError(
+        f"{path}: this series has a single slice here, but a volume needs several; open the folder "
+        "with all of them, or choose another series."
+    )
+
+
+def _title(path: Path) -> str:
+    if path.name.lower() == DIRECTORY:
+        return path.absolute().parent.name
+    return path.name if path.is_dir() else path.stem

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The volumes that a user may choose from, by names that people know."""
+
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+from ...._core import LeaflightError
+from ..checks import listed
+from .parts import Part, parts_of
+from .series import Series
+
+# Names of series that a note lists.
+_MOST_NAMES = 4
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A volume, of a series of this name; words that mean it.
+
+    found: the volume, or why there is none: only who chooses it needs to know.
+    """
+
+    series: str
+    found: Part | LeaflightError
+    words: frozenset[str]
+
+    def part(self, path: Path) -> Part:
+        """Raises LeaflightError."""
+        if isinstance(self.found, LeaflightError):
+            raise self.found
+        return self.found
+
+    @property
+    def is_slice(self) -> bool:
+        return isinstance(self.found, Part) and len(self.found.within) == 1
+
+
+def choices_of(path: Path, found: list[Series]) -> tuple[dict[str, Choice], tuple[str, ...]]:
+    """{name: volume} of the series that were found, and notes about what is not among them.
+
+    Raises LeaflightError where there is none.
+    """
+    choices: dict[str, Choice] = {}
+    for series, name in zip(found, _names(found)):
+        words = {series.number, series.description, f"{series.number} {series.description}"}
+        for label, part in _parts(path, series):
+            both = label or name if len(found) == 1 or not label else f"{name}: {label}"
+            choices[both] = Choice(name, part, frozenset(filter(None, {*words, label, name})))
+    slices = dict.fromkeys(one.series for one in choices.values() if one.is_slice)
+    kept = {name: choice for name, choice in choices.items() if not choice.is_slice}
+    if not slices or len(choices) == 1:
+        return choices, ()
+    if not kept:
+        raise LeaflightError(
+            f"{path}: all {len(choices)} pictures in it are single slices, but a volume needs "
+            "several of one series; choose another folder."
+        )
+    names = listed(list(slices), _MOST_NAMES)
+    return kept, (f"Left out, since each is a single slice: {names}.",)
+
+
+def meant(choices: dict[str, Choice], word: str | None) -> str | None:
+    """The name of the only choice that a word means, else the word."""
+    if word is None or word in choices:
+        return word
+    names = [name for name, choice in choices.items() if word in choice.words]
+    return names[0] if len(names) == 1 else word
+
+
+def _parts(path: Path, series: Series) -> list[tuple[str, Part | LeaflightError]]:
+    """(label, volume) of each part of a series."""
+    if series.problem is not None:
+        return [("", series.problem)]
+    try:
+        return [(part.label, part) for part in parts_of(path, series)]
+    except LeaflightError as problem:
+        return [("", problem)]
+
+
+def _names(found: list[Series]) -> list[str]:
+    """A name for each series; those of several studies may else be the same."""
+    counts = Counter(series.name for series in found)
+    dated = [
+        f"{one.name} ({one.date})" if counts[one.name] > 1 and one.date else one.name
+        for one in found
+    ]
+    seen: Counter[str] = Counter()
+    names = []
+    for name in dated:
+        seen[name] += 1
+        names.append(name if seen[name] == 1 else f"{name} ({seen[name]})")
+    return names

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The volumes of a series: its segments, its stacks, and planes of each size and direction."""
+
+from collections import Counter, defaultdict
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ...._core import LeaflightError
+from ..checks import text
+from .planes import Plane
+from .series import Series
+
+# Planes are of one volume whose directions differ less than this, and their spacings in parts.
+_SAME_AXES, _SAME_SPACING = 1e-3, 1e-4
+# Fewer planes than this beside a volume are a localizer.
+_FEWEST = 3
+# More directions or sizes than this make no volumes.
+_MOST_KINDS = 64
+_DIRECTIONS = ("sagittal", "coronal", "axial")
+
+
+@dataclass(frozen=True)
+class Part:
+    """Planes that make one volume. label: "" where the series has but one.
+
+    within: all planes of the grid that the part has in common with others, of a segmentation.
+    """
+
+    label: str
+    planes: list[Plane]
+    within: list[Plane]
+    notes: tuple[str, ...] = ()
+
+
+def parts_of(path: Path, series: Series) -> list[Part]:
+    """The volumes of a series. Raises LeaflightError where its planes make none."""
+    groups = _groups(path, series.planes)
+    if series.planes[0].sparse:
+        return [Part(planes[0].label, planes, series.planes) for planes in groups]
+    most = max(len(planes) for planes in groups)
+    kept = [planes for planes in groups if len(planes) >= min(most, _FEWEST)]
+    left = sum(len(planes) for planes in groups) - sum(len(planes) for planes in kept)
+    notes = (_left_out(left),) if left else ()
+    labels = _labels(kept) if len(kept) > 1 else [""]
+    return [Part(label, planes, planes, notes) for label, planes in zip(labels, kept)]
+
+
+def _groups(path: Path, planes: list[Plane]) -> list[list[Plane]]:
+    """Planes of one label, size and direction each, in the order of the first of each."""
+    groups: list[list[Plane]] = []
+    by_label: dict[str, list[list[Plane]]] = defaultdict(list)
+    for one in planes:
+        alike = by_label[one.label]
+        group = next((group for group in reversed(alike) if _is_alike(group[0], one)), None)
+        if group is None:
+            if len(alike) == _MOST_KINDS:
+                raise LeaflightError(
+                    f"{path}: the slices of this series lie at more than {_MOST_KINDS} angles to "
+                    "each other or differ in size, and so make no volume; choose another series."
+                )
+            group = []
+            alike.append(group)
+            groups.append(group)
+        group.append(one)
+    return groups
+
+
+def _is_alike(one: Plane, other: Plane) -> bool:
+    return (
+        one.pixels.shape == other.pixels.shape
+        and (one.position is None) == (other.position is None)
+        and np.allclose(one.axes, other.axes, rtol=0, atol=_SAME_AXES)
+        and np.allclose(one.spacing, other.spacing, rtol=_SAME_SPACING, atol=0)
+    )
+
+
+def _labels(groups: list[list[Plane]]) -> list[str]:
+    """Names of volumes within a series, no two of which are the same."""
+    words = [[planes[0].label, _direction(planes[0])] for planes in groups]
+    sizes = [text(planes[0].pixels.shape[::-1]) for planes in groups]
+    labels = [" ".join(filter(None, pair)) for pair in words]
+    if len(set(labels)) < len(labels):
+        labels = [f"{label} {size}" for label, size in zip(labels, sizes)]
+    counts: Counter[str] = Counter()
+    names = []
+    for label in labels:
+        counts[label] += 1
+        names.append(label if counts[label] == 1 else f"{label} ({counts[label]})")
+    return names
+
+
+def _direction(plane: Plane) -> str:
+    return _DIRECTIONS[int(np.argmax(np.abs(plane.normal)))]
+
+
+def _left_out(count: int) -> str:
+    slices = "1 slice of another size or direction is" if count == 1 else ""
+    slices = slices or f"{count} slices of other sizes or directions are"
+    return f"{slices} left out, such as a localizer."

@@ -1,0 +1,325 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The planes of a DICOM file: where each lies, and what its numbers mean."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pydicom
+
+from ...._core import LeaflightError
+from ....arrays import Array
+from .header import Header, Pixels, damaged_header, pixels_of
+
+# By the standard's numbers: the kinds of objects, and the tags that say that pages are times.
+_SEGMENTATIONS = {"1.2.840.10008.5.1.4.1.1.66.4", "1.2.840.10008.5.1.4.1.1.66.7"}
+_PARAMETRIC_MAP = "1.2.840.10008.5.1.4.1.1.30"
+_TIMES = {0x00181063, 0x00181065}
+# How much of its length a vertical direction has along z, at least; how far, in distances of its
+# pages, the first of them may be from the position of a dose that names its places themselves.
+_VERTICAL, _NEAR = 0.999, 0.1
+
+Floats = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Plane:
+    """One plane of a volume.
+
+    page: of the file. uid: of the object that the file is.
+    order: among planes at one place: time, number, page, acquisition and its time.
+    label: of the segment or the stack that it belongs to.
+    slope, intercept: they make the values of the stored numbers.
+    position, axes: of the first pixel, and the directions of a row and of a column, in LPS; there
+        is no position where the header has none. location: the distance along the patient alone.
+    normal: the direction in which planes count up. spacing: between rows, between columns.
+    step: the distance to the next plane, where positions do not give it; 0 where nothing does.
+    sparse: whether planes that are not there are 0. placed: whether the position is a patient's.
+    remarks: sentences for the user.
+    """
+
+    pixels: Pixels
+    page: int
+    uid: str
+    order: Floats
+    label: str
+    slope: float
+    intercept: float
+    position: Floats | None
+    location: float | None
+    axes: Floats
+    normal: Floats
+    spacing: Floats
+    step: float
+    sparse: bool
+    placed: bool
+    remarks: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class _File:
+    """What all pages of a file have in common.
+
+    labels: of segments, by their numbers. offsets, slices: of each page, how far it is from the
+    position of the file, and its number in space; None where the header does not say.
+    """
+
+    tags: pydicom.Dataset
+    pixels: Pixels
+    labels: dict[int, str]
+    remarks: tuple[str, ...]
+    offsets: Floats | None
+    slices: Floats | None
+
+
+class _Tags:
+    """The tags of a page: its own, those that all pages share, or those of the file."""
+
+    def __init__(
+        self, file: pydicom.Dataset, own: pydicom.Dataset | None, shared: pydicom.Dataset | None
+    ) -> None:
+        self.file, self.own = file, own
+        self._groups = [group for group in (own, shared) if group is not None]
+
+    def get(self, name: str, sequence: str, otherwise: Any = None) -> Any:
+        for group in self._groups:
+            items = group.get(sequence, None)
+            if items and items[0].get(name, None) is not None:
+                return items[0].get(name)
+        value = self.file.get(name, None)
+        return otherwise if value is None else value
+
+
+def planes_of(header: Header) -> list[Plane]:
+    """All planes of a picture, of which an enhanced one has many. Raises LeaflightError."""
+    tags = header.tags
+    try:
+        _check_kind(header)
+        pixels = pixels_of(header)
+        file = _File(
+            tags=tags,
+            pixels=pixels,
+            labels=_labels(tags),
+            remarks=_remarks(tags),
+            offsets=_vector(tags, "GridFrameOffsetVector", pixels),
+            slices=_vector(tags, "SliceVector", pixels),
+        )
+        # Sequences are looked at once: pydicom goes through all of one each time.
+        own = list(tags.get("PerFrameFunctionalGroupsSequence", None) or [])
+        shared = (tags.get("SharedFunctionalGroupsSequence", None) or [None])[0]
+        return [
+            _plane(file, _Tags(tags, own[page] if own else None, shared), page)
+            for page in range(pixels.pages)
+        ]
+    except LeaflightError:
+        raise
+    except Exception as error:
+        # On damaged headers pydicom fails with whatever comes first, when a tag is looked at.
+        raise damaged_header(header.file) from error
+
+
+def _check_kind(header: Header) -> None:
+    """Raises LeaflightError for a picture of many tiles, which are no planes of a volume."""
+    tags = header.tags
+    if "MOSAIC" in (tags.get("ImageType", None) or ()):
+        raise LeaflightError(
+            f"{header.file}: it is a mosaic of slices, as scanners of Siemens write it; convert "
+            "the series by dcm2niix, and open the NIfTI file."
+        )
+    if "TotalPixelMatrixColumns" in tags:
+        raise LeaflightError(
+            f"{header.file}: its pages are tiles of a microscope's slide, not slices of a volume; "
+            "choose another series."
+        )
+
+
+def _vector(tags: pydicom.Dataset, name: str, pixels: Pixels) -> Floats | None:
+    """A number for each page of a file, or None. Raises LeaflightError where some are missing."""
+    vector = _floats(tags.get(name, None)) if pixels.pages > 1 else None
+    if vector is not None and len(vector) != pixels.pages:
+        raise LeaflightError(
+            f"{pixels.file}: its header has places for {len(vector)} planes, but the file has "
+            f"{pixels.pages}: it is damaged, fetch it again."
+        )
+    return vector
+
+
+def _plane(file: _File, tags: _Tags, page: int) -> Plane:
+    header, pixels, remarks = file.tags, file.pixels, file.remarks
+    axes, position = _place(tags)
+    spacing = _floats(
+        tags.get("PixelSpacing", "PixelMeasuresSequence")
+        or header.get("ImagerPixelSpacing", None)
+        or header.get("NominalScannedPixelSpacing", None),
+        2,
+    )
+    gap = _number(tags.get("SpacingBetweenSlices", "PixelMeasuresSequence"))
+    gap = gap or _number(tags.get("SliceThickness", "PixelMeasuresSequence"))
+    normal = np.cross(axes[:3], axes[3:])
+    placed = position is not None
+    stepped = pixels.pages > 1 and tags.own is None
+    if stepped:
+        along = _place_of_page(file, position, normal, gap or 1.0, page)
+        position = _tuple(np.add(position or (0.0, 0.0, 0.0), along))
+        # A camera may count against its normal.
+        normal = -normal if gap < 0 else normal
+    if spacing is None:
+        remarks += ("The header has no size of a pixel; 1 mm is taken.",)
+    if not gap and (position is None or (stepped and file.offsets is None)):
+        remarks += ("The header has no distance of the slices; 1 mm is taken.",)
+    slope, intercept = _scale(tags)
+    location = header.get("SliceLocation", None)
+    return Plane(
+        pixels=pixels,
+        page=page,
+        uid=str(header.get("SOPInstanceUID", "")),
+        order=_order(tags, page),
+        label=_label(tags, file.labels),
+        slope=slope,
+        intercept=intercept,
+        position=position,
+        location=None if location is None else _number(location),
+        axes=axes,
+        normal=_tuple(normal),
+        spacing=spacing or (1.0, 1.0),
+        step=abs(gap),
+        sparse=str(header.get("SOPClassUID", "")) in _SEGMENTATIONS,
+        placed=placed,
+        remarks=remarks,
+    )
+
+
+def _place(tags: _Tags) -> tuple[Floats, Floats | None]:
+    """The axes, along the patient's where there are none, and the position if there is one."""
+    header = tags.file
+    detector = (header.get("DetectorInformationSequence", None) or [pydicom.Dataset()])[0]
+    axes = _floats(
+        tags.get("ImageOrientationPatient", "PlaneOrientationSequence")
+        or detector.get("ImageOrientationPatient", None)
+        or header.get("ImageOrientation", None),
+        6,
+    )
+    position = _floats(
+        tags.get("ImagePositionPatient", "PlanePositionSequence")
+        or detector.get("ImagePositionPatient", None)
+        or header.get("ImagePosition", None),
+        3,
+    )
+    return axes or (1.0, 0.0, 0.0, 0.0, 1.0, 0.0), position
+
+
+def _place_of_page(
+    file: _File, position: Floats | None, normal: Array, gap: float, page: int
+) -> Array:
+    """How far a page is from the position of its file, where pages have none of their own."""
+    if file.offsets is not None:
+        first, here = file.offsets[0], file.offsets[page]
+        height = position[2] if position is not None else 0.0
+        # A dose either has distances from its position or heights in the patient.
+        if first != 0 and abs(normal[2]) > _VERTICAL:
+            if _near(first, height, abs(file.offsets[1] - first)):
+                return np.array([0.0, 0.0, here - first])
+        return normal * here
+    if file.slices is not None:
+        return normal * gap * (file.slices[page] - 1)
+    pointers = file.tags.get("FrameIncrementPointer", None)
+    if _TIMES & set(pointers if isinstance(pointers, Sequence) else [pointers]):
+        return normal * 0
+    return normal * gap * page
+
+
+def _near(one: float, other: float, apart: float) -> bool:
+    return abs(one - other) <= _NEAR * apart
+
+
+def _scale(tags: _Tags) -> tuple[float, float]:
+    """The slope and the intercept that make values of what is stored."""
+    header = tags.file
+    dose = _number(header.get("DoseGridScaling", None))
+    if dose:
+        return dose, 0.0
+    if str(header.get("SegmentationType", "")).upper() == "FRACTIONAL":
+        return 1.0 / (_number(header.get("MaximumFractionalValue", None)) or 1.0), 0.0
+    if str(header.get("SOPClassUID", "")) == _PARAMETRIC_MAP:
+        slope = tags.get("RealWorldValueSlope", "RealWorldValueMappingSequence")
+        intercept = tags.get("RealWorldValueIntercept", "RealWorldValueMappingSequence")
+    else:
+        slope = tags.get("RescaleSlope", "PixelValueTransformationSequence")
+        intercept = tags.get("RescaleIntercept", "PixelValueTransformationSequence")
+    return _number(slope) or 1.0, _number(intercept)
+
+
+def _order(tags: _Tags, page: int) -> Floats:
+    header = tags.file
+    time = tags.get("TemporalPositionIndex", "FrameContentSequence")
+    if time is None:
+        time = header.get("TemporalPositionIdentifier", None)
+    number = header.get("InstanceNumber", None)
+    acquisition = header.get("AcquisitionNumber", None)
+    moment = header.get("AcquisitionTime", None) or header.get("ContentTime", None)
+    order = [_number(value) for value in (time, number, page, acquisition, moment)]
+    return tuple(order)
+
+
+def _labels(header: pydicom.Dataset) -> dict[int, str]:
+    """{number of a segment: its label, which no other has}."""
+    labels: dict[int, str] = {}
+    for item in header.get("SegmentSequence", None) or []:
+        number = int(item.SegmentNumber)
+        label = str(item.get("SegmentLabel", None) or "").strip() or f"segment {number}"
+        labels[number] = f"{label} ({number})" if label in labels.values() else label
+    return labels
+
+
+def _label(tags: _Tags, labels: dict[int, str]) -> str:
+    number = tags.get("ReferencedSegmentNumber", "SegmentIdentificationSequence")
+    if number is not None:
+        return labels.get(int(number), f"segment {number}")
+    stack = tags.get("StackID", "FrameContentSequence")
+    return f"stack {stack}" if stack else ""
+
+
+def _remarks(header: pydicom.Dataset) -> tuple[str, ...]:
+    """Sentences about a file of which the values may not be what other programs show."""
+    remarks = []
+    interpretation = str(header.get("PhotometricInterpretation", ""))
+    if interpretation == "MONOCHROME1":
+        remarks.append(
+            "The series is MONOCHROME1: other programs show its low values bright. The values are "
+            "as stored."
+        )
+    if interpretation == "PALETTE COLOR":
+        remarks.append("The values are numbers of a color table, as stored.")
+    kind = header.get("ImageType", None) or ()
+    if header.get("Modality", "") == "NM" and len(kind) > 2 and "RECON" not in str(kind[2]):
+        remarks.append("The pages are views or times of a camera, not slices.")
+    if header.get("ModalityLUTSequence", None):
+        remarks.append(
+            "The header has a table of values (Modality LUT), which is not applied; the values are "
+            "as stored."
+        )
+    return tuple(remarks)
+
+
+def _floats(numbers: Iterable[Any] | None, count: int = 0) -> Floats | None:
+    """As many finite numbers as there must be, or None; any number of them where count is 0."""
+    if numbers is None or isinstance(numbers, str) or not isinstance(numbers, Sequence):
+        return None
+    floats = tuple(_number(number, np.nan) for number in numbers)
+    if not floats or (count and len(floats) != count) or not np.isfinite(floats).all():
+        return None
+    return floats
+
+
+def _number(value: Any, otherwise: float = 0.0) -> float:
+    """A finite number that a header has, or what to take where it has none."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        return otherwise
+    return number if np.isfinite(number) else otherwise
+
+
+def _tuple(vector: Array) -> Floats:
+    return tuple(float(number) for number in vector)

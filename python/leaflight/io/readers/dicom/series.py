@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which pictures of DICOM belong to one series."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ...._core import LeaflightError
+from ..checks import listed
+from ..dicom_signature import is_dicom
+from .disc import files_of, is_directory, listed_by
+from .header import Header, damaged_header, read_header
+from .planes import Plane, planes_of
+
+# Kinds of series of which each file with several pages is a volume: of a beam, of an organ.
+_VOLUMES = {"RTDOSE", "SEG", "NM"}
+# Names of files that a note lists.
+_MOST_NAMES = 4
+
+Key = tuple[str, ...]
+
+
+@dataclass
+class Series:
+    """The planes of a series, and words by which people know it.
+
+    problem: of one of its files, for whoever chooses the series.
+    """
+
+    number: str
+    description: str
+    modality: str
+    date: str
+    planes: list[Plane] = field(default_factory=list)
+    problem: LeaflightError | None = None
+
+    @property
+    def name(self) -> str:
+        words = (self.number, self.description, self.modality)
+        return " ".join(filter(None, words)) or "series"
+
+
+@dataclass(frozen=True)
+class _Picture:
+    """A file with pixels. key: the same for all of a series; alone: whether it is a volume.
+
+    cut: whether it ends before its pixels.
+    """
+
+    header: Header
+    key: Key
+    color: bool
+    alone: bool
+    cut: bool
+
+
+def find_series(path: Path) -> tuple[list[Series], tuple[str, ...]]:
+    """The series of a folder or of a disc, or the one that a file belongs to; and notes.
+
+    Raises LeaflightError where there is none.
+    """
+    if path.is_dir():
+        files, missing = files_of(path)
+        return _series_of(path, files, missing)
+    header = read_header(path)
+    if is_directory(header):
+        files, missing = listed_by(header)
+        if not files:
+            raise LeaflightError(
+                f"{path}: this DICOMDIR lists {missing} files, none of which is beside it; copy "
+                "the whole disc, or open the folder with the slices."
+            )
+        return _series_of(path, files, missing)
+    own = _picture(header)
+    if own is None or own.cut:
+        raise LeaflightError(f"{path}: this DICOM file holds no pixels; choose another.")
+    if own.color:
+        raise LeaflightError(
+            f"{path}: its pixels are colors, but a volume needs one real number a voxel; choose "
+            "another series."
+        )
+    if own.alone:
+        return _series_of(path, [path], 0)
+    beside = [file for file in sorted(path.parent.iterdir()) if file.is_file() and is_dicom(file)]
+    return _series_of(path, beside if path in beside else [path, *beside], 0, own.key)
+
+
+def _series_of(
+    path: Path, files: list[Path], missing: int, own: Key | None = None
+) -> tuple[list[Series], tuple[str, ...]]:
+    """The series of these files, and notes. Raises LeaflightError.
+
+    missing: how many files are not there; own: the key of the only series that counts.
+    """
+    series: dict[Key, Series] = {}
+    colors, cut, damaged = 0, list[str](), list[str]()
+    for file in files:
+        try:
+            picture = _picture(read_header(file))
+        except LeaflightError:
+            damaged.append(file.name)
+            continue
+        if picture is None or own not in (None, picture.key):
+            continue
+        if picture.cut:
+            cut.append(file.name)
+            continue
+        if picture.color:
+            colors += 1
+            continue
+        one = series.setdefault(picture.key, _empty(picture.header))
+        try:
+            one.planes += planes_of(picture.header)
+        except LeaflightError as problem:
+            one.problem = one.problem or problem
+    if not series and colors:
+        raise LeaflightError(
+            f"{path}: all of its {colors} DICOM pictures are colors, but a volume needs one real "
+            "number a voxel; choose another folder."
+        )
+    if not series:
+        raise LeaflightError(f"{path}: none of its DICOM files holds pixels; choose others.")
+    return list(series.values()), _notes(colors, cut + damaged * (own is None), missing)
+
+
+def _notes(colors: int, damaged: list[str], missing: int) -> tuple[str, ...]:
+    notes = []
+    if colors:
+        notes.append(f"{colors} color picture{'s are' if colors > 1 else ' is'} left out.")
+    if damaged:
+        names = listed(damaged, _MOST_NAMES)
+        notes.append(f"Left out, since they are damaged or hold no pixels: {names}.")
+    if missing:
+        files = "1 more file, which is" if missing == 1 else f"{missing} more files, which are"
+        notes.append(f"The DICOMDIR lists {files} not there.")
+    return tuple(notes)
+
+
+def _picture(header: Header) -> _Picture | None:
+    """None of a file that is no picture. Raises LeaflightError."""
+    tags = header.tags
+    if "Rows" not in tags or "Columns" not in tags:
+        return None
+    try:
+        many = tags.get("NumberOfFrames", None) not in (None, 0, 1)
+        uid = str(tags.get("SeriesInstanceUID", None) or "")
+        if uid:
+            volume = many and tags.get("Modality", "") in _VOLUMES
+            object_uid = str(tags.get("SOPInstanceUID", "")) if volume else ""
+            key: Key = (str(tags.get("StudyInstanceUID", "")), uid, object_uid)
+        else:
+            # Whoever made it anonymous took the identifiers out.
+            names = ("SeriesNumber", "SeriesDescription", "Modality")
+            key = (str(header.file.parent), *(str(tags.get(name, "")) for name in names))
+        return _Picture(
+            header=header,
+            key=key,
+            color=tags.get("SamplesPerPixel", None) not in (None, 1),
+            alone=many and "ConcatenationUID" not in tags,
+            cut=header.found is None,
+        )
+    except Exception as error:
+        # pydicom fails with whatever comes first, when a damaged tag is looked at.
+        raise damaged_header(header.file) from error
+
+
+def _empty(header: Header) -> Series:
+    tags = header.tags
+    names = ("SeriesNumber", "SeriesDescription", "Modality", "StudyDate")
+    number, description, modality, date = (
+        "" if tags.get(name, None) is None else str(tags.get(name)).strip() for name in names
+    )
+    if len(date) == 8:
+        date = f"{date[:4]}-{date[4:6]}-{date[6:]}"
+    return Series(number, description, modality, date)

@@ -1,0 +1,237 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Planes in the order in which they lie in the patient, as frames of one grid."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from ...._core import LeaflightError
+from ....arrays import Array
+from .pixels import digest
+from .planes import Plane
+
+# How far apart planes may be from evenly spaced, in parts of their distance.
+UNEVEN = 0.1
+# Planes are at one place that are nearer than this, in parts of their distance, or of the size of a
+# pixel: headers repeat a place with other last digits.
+_SAME, _SAME_PIXEL = 0.01, 1e-4
+# How far a plane may be aside of the line through the first and the last, in pixels.
+_ASIDE = 1.0
+# Most planes that a sparse object leaves out, beside each that it has.
+_MOST_EMPTY = 1000
+# DICOM's world is left-posterior-superior, ours right-anterior-superior.
+_FROM_LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
+
+
+@dataclass(frozen=True)
+class Stack:
+    """The planes of each frame, None for one that is all 0, and where the grid lies."""
+
+    frames: list[list[Plane | None]]
+    index_to_world: Array
+    notes: tuple[str, ...] = ()
+
+
+def stack_of(path: Path, planes: list[Plane]) -> Stack:
+    """The planes of each frame, from the first to the last along the patient.
+
+    Raises LeaflightError where one is missing, or where they are of no one grid.
+    """
+    planes = sorted(planes, key=lambda one: one.order)
+    if any(one.position is None for one in planes):
+        return _unplaced(path, planes)
+    places = _places(planes)
+    places, copies = _without_copies(places)
+    counts = {len(place) for place in places}
+    if len(counts) > 1:
+        raise LeaflightError(
+            f"{path}: this series has {min(counts)} to {max(counts)} different slices at each "
+            "place in the patient; take out those that do not belong to it."
+        )
+    _check_even(path, places)
+    notes = [_copies_note(copies)] if copies else []
+    if not planes[0].placed:
+        notes.append("The header does not place the slices in the patient.")
+    frames: list[list[Plane | None]] = [
+        [place[frame] for place in places] for frame in range(counts.pop())
+    ]
+    return Stack(frames, _matrix(path, places[0][0], places[-1][0], len(places)), tuple(notes))
+
+
+def sparse_stack_of(path: Path, planes: list[Plane], label: str) -> Stack:
+    """The planes of one segment in the grid of all segments. Raises LeaflightError."""
+    if any(one.position is None for one in planes):
+        raise LeaflightError(f"{path}: its header does not place the segments; repair it.")
+    places = _places(planes)
+    indices = _indices(path, np.array([_along(place[0], planes[0]) for place in places]), planes[0])
+    frame: list[Plane | None] = [None] * int(indices[-1] + 1)
+    for index, place in zip(indices, places):
+        own = [one for one in place if one.label == label]
+        if len(own) > 1 and len({digest(one) for one in own}) > 1:
+            raise LeaflightError(
+                f"{path}: the segment {label!r} has {len(own)} different slices at one place; "
+                "choose a file with one of them."
+            )
+        frame[index] = own[0] if own else None
+    return Stack([frame], _matrix(path, places[0][0], places[-1][0], len(frame)))
+
+
+def _indices(path: Path, along: Array, first: Plane) -> Array:
+    """The numbers of places among those that a sparse object may have. Raises LeaflightError.
+
+    The distance that the header gives counts, or else the smallest between neighbors.
+    """
+    gaps = np.diff(along)
+    for step in (first.step, gaps.min(initial=np.inf)):
+        counts = np.rint(gaps / step) if step else np.zeros(0)
+        if len(counts) == len(gaps) and (counts > 0).all():
+            apart = np.abs(gaps - counts * step).max(initial=0.0)
+            if apart <= UNEVEN * step and counts.sum() <= _MOST_EMPTY * len(along):
+                return np.append(0, np.cumsum(counts)).astype(np.int64)
+    raise LeaflightError(
+        f"{path}: its slices are {gaps.min():g} to {gaps.max():g} mm apart, which is no multiple "
+        "of one distance; take out those that do not belong to it."
+    )
+
+
+def _unplaced(path: Path, planes: list[Plane]) -> Stack:
+    """Planes without positions, by their locations if these differ, else by their numbers."""
+    locations = [one.location for one in planes if one.location is not None]
+    if len(set(locations)) == len(planes):
+        planes = sorted(planes, key=lambda one: one.location or 0.0)
+        _check_distances(path, np.array(sorted(locations)))
+        step = (max(locations) - min(locations)) / max(len(planes) - 1, 1)
+        note = "The headers have distances of the slices, but no position in the patient."
+    else:
+        step = planes[0].step or 1.0
+        note = (
+            f"The headers do not place the slices; they are taken by their numbers, {step:g} mm "
+            "apart."
+        )
+    first = planes[0]
+    matrix = _axes(first)
+    matrix[:3, 2] = np.multiply(first.normal, step)
+    return Stack([list(planes)], _checked(path, _FROM_LPS @ matrix), (note,))
+
+
+def _along(one: Plane, first: Plane) -> float:
+    return float(np.dot(one.position or (0.0, 0.0, 0.0), first.normal))
+
+
+def _places(planes: Sequence[Plane]) -> list[list[Plane]]:
+    """The planes at each place, from the first place to the last; in their own order at one."""
+    if not planes:
+        return []
+    first = planes[0]
+    ordered = sorted(planes, key=lambda one: _along(one, first))
+    gaps = np.diff([_along(one, first) for one in ordered])
+    distance = min(float(gaps.max(initial=0.0)), first.step or np.inf)
+    same = max(_SAME * distance, _SAME_PIXEL * min(first.spacing))
+    places = [[ordered[0]]]
+    for one, gap in zip(ordered[1:], gaps):
+        if gap > same:
+            places.append([])
+        places[-1].append(one)
+    return [sorted(place, key=lambda one: one.order) for place in places]
+
+
+def _without_copies(places: list[list[Plane]]) -> tuple[list[list[Plane]], int]:
+    """The places without slices that were stored twice, and how many were.
+
+    A copy has the pixels of another at its place; and its number or its identifier, or there are
+    more slices at this place than at others.
+    """
+    fewest = min(len(place) for place in places)
+    kept, copies = [], 0
+    for place in places:
+        identities = [_identities(one) for one in place]
+        suspects = any(one & other for one, other in pairwise(identities))
+        if len(place) == 1 or (len(place) == fewest and not suspects):
+            kept.append(place)
+            continue
+        unique: list[Plane] = []
+        known: dict[bytes, list[set[tuple[object, ...]]]] = {}
+        left = len(place)
+        for one, identity in zip(place, identities):
+            alike = known.setdefault(digest(one), [])
+            if any(identity & other for other in alike) or (alike and left > fewest):
+                left -= 1
+                continue
+            alike.append(identity)
+            unique.append(one)
+        copies += len(place) - len(unique)
+        kept.append(unique)
+    return kept, copies
+
+
+def _identities(one: Plane) -> set[tuple[object, ...]]:
+    return {one.order, (one.uid, one.page)} if one.uid else {one.order}
+
+
+def _copies_note(copies: int) -> str:
+    if copies == 1:
+        return "1 slice is there twice, with the same values; the copy is left out."
+    return f"{copies} slices are there twice, with the same values; the copies are left out."
+
+
+def _check_even(path: Path, places: list[list[Plane]]) -> None:
+    """Raises LeaflightError unless the planes of each frame lie on one line, evenly spaced."""
+    first = places[0][0]
+    positions = np.array([[one.position for one in place] for place in places])
+    _check_distances(path, positions[:, 0] @ first.normal)
+    line = np.linspace(positions[0, 0], positions[-1, 0], len(places))
+    across = np.array(first.axes).reshape(2, 3).T
+    aside = np.abs((positions - line[:, np.newaxis]) @ across).max()
+    step = np.linalg.norm(line[-1] - line[0]) / max(len(line) - 1, 1)
+    if aside > _ASIDE * max(first.spacing) + UNEVEN * step:
+        raise LeaflightError(
+            f"{path}: its slices do not lie above each other, but up to {aside:g} mm aside; take "
+            "out those that do not belong to the series."
+        )
+
+
+def _check_distances(path: Path, along: Array) -> None:
+    """Raises LeaflightError unless places are evenly spaced, from neighbor to neighbor or overall.
+
+    Rounded places are so overall: 0.0625 mm in hundredths of a millimeter.
+    """
+    gaps = np.diff(along)
+    if len(gaps) < 2:
+        return
+    even = np.linspace(along[0], along[-1], len(along))
+    if (
+        gaps.max() - gaps.min() > UNEVEN * np.median(gaps)
+        and np.abs(along - even).max() > UNEVEN * gaps.mean()
+    ):
+        raise LeaflightError(
+            f"{path}: its slices are {gaps.min():g} to {gaps.max():g} mm apart, so that one may be "
+            "missing; complete the series, or take out those that do not belong to it."
+        )
+
+
+def _axes(first: Plane) -> Array:
+    """The matrix of a plane in LPS, without the direction from plane to plane."""
+    matrix = np.eye(4)
+    matrix[:3, 0] = np.multiply(first.axes[:3], first.spacing[1])
+    matrix[:3, 1] = np.multiply(first.axes[3:], first.spacing[0])
+    if first.position is not None:
+        matrix[:3, 3] = first.position
+    return matrix
+
+
+def _matrix(path: Path, first: Plane, last: Plane, count: int) -> Array:
+    matrix = _axes(first)
+    matrix[:3, 2] = np.multiply(first.normal, first.step or 1.0)
+    if count > 1:
+        # Along a gantry that was tilted, too.
+        matrix[:3, 2] = np.subtract(last.position or (), first.position or ()) / (count - 1)
+    return _checked(path, _FROM_LPS @ matrix)
+
+
+def _checked(path: Path, matrix: Array) -> Array:
+    if not np.isfinite(matrix).all() or abs(np.linalg.det(matrix)) == 0:
+        raise LeaflightError(f"{path}: the headers place the slices nowhere in space; repair them.")
+    return matrix

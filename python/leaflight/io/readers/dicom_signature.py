@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which files are DICOM by their first bytes; without pydicom, for scanners give them any name."""
+
+import os
+from collections.abc import Iterator
+from itertools import islice
+from pathlib import Path
+from struct import unpack
+
+# Files of a folder that are opened to find out whether it is a series, and of the folders in it.
+_LOOKED_AT, _LOOKED_AT_WITHIN = 100, 300
+# How deep folders of a disc lie in each other, at most.
+_DEEPEST = 8
+# The name that the standard gives to the list of a disc's files.
+DIRECTORY = "dicomdir"
+# Types of values that the first elements of a file have.
+_FIRST_TYPES = {b"UL", b"UI", b"CS", b"SH", b"DA", b"TM", b"DT", b"OB", b"LO", b"US"}
+_LAST_OF_FIRST, _LONGEST = 0x18, 512
+
+
+def is_dicom(path: str | os.PathLike[str]) -> bool:
+    """Whether a file begins as DICOM files do, with or without the standard's preamble."""
+    try:
+        with open(path, "rb") as file:
+            start = file.read(132)
+    except OSError:
+        return False
+    return start[128:] == b"DICM" or _is_first_element(start)
+
+
+def holds_dicom(folder: Path) -> bool:
+    """Whether a folder holds DICOM files itself, or is a disc or a tree of folders that does."""
+    entries = [entry for entry in folder.iterdir() if entry.is_file()]
+    if any(entry.name.lower() == DIRECTORY for entry in entries):
+        return True
+    if any(is_dicom(entry) for entry in entries[:_LOOKED_AT]):
+        return True
+    return any(is_dicom(file) for file in islice(files_within(folder), _LOOKED_AT_WITHIN))
+
+
+def files_within(folder: Path) -> Iterator[Path]:
+    """The files of a folder and of the folders in it, in order of their names, without hidden ones.
+
+    Links to folders are not followed: they may lead back.
+    """
+    for place, folders, files in os.walk(folder):
+        depth = len(Path(place).relative_to(folder).parts)
+        folders[:] = sorted(name for name in folders if name[0] != "." and depth < _DEEPEST)
+        found = (Path(place, name) for name in sorted(files) if name[0] != ".")
+        # A pipe would never answer.
+        yield from (file for file in found if file.is_file())
+
+
+def _is_first_element(start: bytes) -> bool:
+    """Whether a data set begins here: with the element that identifies the file or its object."""
+    if len(start) < 16:
+        return False
+    for order in "<>":
+        group, element = unpack(f"{order}HH", start[:4])
+        if group in (2, 8) and element <= _LAST_OF_FIRST:
+            return start[4:6] in _FIRST_TYPES or (order == "<" and _is_value(element, start[4:]))
+    return False
+
+
+def _is_value(element: int, start: bytes) -> bool:
+    """Whether these are the length and the first bytes of a value without its type."""
+    (length,) = unpack("<I", start[:4])
+    if element == 0:
+        return bool(length == 4)
+    begin = start[4 : 4 + min(length, 16)].rstrip(b"\0")
+    return length % 2 == 0 and 0 < length <= _LONGEST and begin.isascii() and bool(begin.strip())

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Folders of slices as PNG, JPEG or BMP, through Pillow."""
+
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PIL import Image
+
+from ..._core import LeaflightError
+from ...arrays import Array
+from .checks import text
+from .file_names import visible_files
+from .slices import open_slices
+from .stored import StoredVolume
+
+SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp")
+_KINDS = ("PNG", "JPEG", "BMP")
+
+
+def open_volume(
+    path: Path, dataset: str | None = None, spacing: float | Sequence[float] | None = None
+) -> StoredVolume:
+    """A folder of slices, whose voxels have the size 1 unless spacing tells another."""
+    if not path.is_dir():
+        height, width = _pixels(path).shape[:2]
+        raise LeaflightError(
+            f"{path}: it holds one picture of {text((width, height))} pixels, but a volume needs "
+            "three dimensions; if this is one slice of many, open their folder."
+        )
+    files = visible_files(path, SUFFIXES)
+    with _opened(files[0]) as image:
+        palette, notes = _palette(image), _notes(image)
+    return open_slices(path, files, partial(_pixels, palette=palette), dataset, spacing, notes)
+
+
+def _pixels(path: Path, palette: bytes | None = None) -> Array:
+    """The pixels [y, x] or RGB [y, x, s] of a picture. Raises LeaflightError.
+
+    palette: of the first slice; the numbers of colors are values only where all have the same.
+    """
+    with _opened(path) as image:
+        if image.mode == "P" and not _is_gray(image):
+            if palette is not None and _palette(image) != palette:
+                raise LeaflightError(
+                    f"{path}: its color palette is not that of the first slice; convert all "
+                    "slices to gray values first."
+                )
+            return np.array(image)
+        if image.mode.startswith("I"):
+            # Pillow has 16 bits in 32.
+            return np.array(image).astype(np.uint16)
+        if image.mode not in ("L", "RGB"):
+            image = image.convert("L" if image.mode in ("1", "LA", "P") else "RGB")
+        return np.array(image)
+
+
+def _palette(image: Any) -> bytes | None:
+    """Red, green and blue of each color, None for a picture without a palette."""
+    return bytes(image.getpalette("RGB")) if image.mode == "P" else None
+
+
+def _is_gray(image: Any) -> bool:
+    palette = np.frombuffer(_palette(image) or b"", np.uint8).reshape(-1, 3)
+    return bool((palette[:, :1] == palette).all())
+
+
+def _notes(image: Any) -> tuple[str, ...]:
+    """What the volume leaves out of such a picture."""
+    if image.mode == "P" and not _is_gray(image):
+        return ("The values are the numbers of colors in the palette of the pictures.",)
+    if image.mode in ("RGB", "RGBA", "LA") and ";16" in image.info["stored"]:
+        return ("Of the 16 bits of each color the upper 8 are read.",)
+    return ()
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    """The picture in a file, wholly read. Raises LeaflightError."""
+    try:
+        # A warning of a large picture is harmless; of a far too large one Pillow raises an error.
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with Image.open(path, formats=_KINDS) as image:
+                # How the pixels are stored, which loading forgets.
+                image.info["stored"] = str(image.tile)
+                image.load()
+                yield image
+    except (LeaflightError, MemoryError):
+        raise
+    except Image.DecompressionBombError:
+        raise LeaflightError(f"{path}: the picture is too large; use smaller ones.") from None
+    except Exception:
+        # On damaged files Pillow fails with whatever comes first, from OSError to struct.error.
+        raise LeaflightError(
+            f"{path}: this is not a readable picture, or it is truncated or damaged; fetch it "
+            "again."
+        ) from None

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Folders with one picture per slice."""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+
+from ..._core import LeaflightError
+from ...arrays import Array
+from .blocks import Blocks, stack_of
+from .checks import check_scalar, listed, text
+from .file_names import Slices, sequences, visible_files
+from .formats import SUFFIXES
+from .stack import Stack, stored
+from .stored import StoredVolume
+
+
+def open_slices(
+    folder: Path,
+    files: Sequence[Path],
+    read: Callable[[Path], Array],
+    dataset: str | None = None,
+    spacing: float | Sequence[float] | None = None,
+    notes: Sequence[str] = (),
+) -> StoredVolume:
+    """The volume of the slices in a folder, or one of several by the common part of their names.
+
+    files: of the slices and of other pictures; read: gives the pixels of one, [y, x] or RGB
+    [y, x, s]. Raises LeaflightError.
+    """
+    others = [file.name for file in visible_files(folder, SUFFIXES) if file not in files]
+    if others:
+        notes = (*notes, f"Files of other kinds in the folder are left out: {listed(others)}.")
+    found = sequences(folder, files)
+    volumes = [(one.name, partial(_stack, one, read, tuple(notes))) for one in found]
+    return stored(folder, volumes, dataset, spacing)
+
+
+def _stack(slices: Slices, read: Callable[[Path], Array], notes: tuple[str, ...]) -> Stack:
+    first = read(slices.files[0])
+    check_scalar(slices.files[0], first.dtype)
+
+    @contextmanager
+    def reading() -> Iterator[Callable[[int], Array]]:
+        def read_slice(k: int) -> Array:
+            pixels = read(slices.files[k])
+            if pixels.shape != first.shape:
+                raise LeaflightError(
+                    f"{slices.files[k]}: the slice is {_dims(pixels)}, but every slice of the "
+                    f"folder must be one plane of the same size, {_dims(first)}."
+                )
+            return pixels
+
+        yield read_slice
+
+    inner = tuple(zip("YXS", first.shape))
+    blocks = Blocks(slices.axes, inner, first.dtype, reading, 3, first.ndim == 3)
+    return stack_of(slices.files[0].parent, blocks, None, (*notes, *slices.notes))
+
+
+def _dims(pixels: Array) -> str:
+    size = text(pixels.shape[1::-1])
+    return f"{size} in color" if pixels.ndim == 3 else size

@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The pages of a TIFF file through tifffile, each checked before it is read."""
+
+import logging
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from math import prod
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tifffile
+
+from ..._core import Cancelled, LeaflightError
+from ...arrays import Array
+from ..reader_process import requests
+from .checks import check_scalar, check_size, truncated
+from .page_process import decoded
+
+# No compression of TIFF that is decoded here expands more: 12-bit LZW makes 4 KB of 12 bits.
+LZW_MOST = 4096
+_RGB, _YCBCR = 2, 6
+_NOT_COMPRESSED = 1
+_ALPHAS = (1, 2)
+if int(tifffile.__version__.partition(".")[0]) < 2025:
+    # Older ones multiply sizes that a damaged file gives as bytes: these become gigabytes.
+    tifffile.tifffile.product = lambda sizes: prod(int(size) for size in sizes)
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[tifffile.TiffFile]:
+    """The open TiffFile of a path.
+
+    Damage that tifffile raises or logs is a LeaflightError.
+    """
+    damage = LeaflightError(
+        f"{path}: this is not a readable TIFF file, or it is truncated or damaged; fetch it again."
+    )
+    complaints = _Complaints()
+    log = logging.getLogger("tifffile")
+    log.addHandler(complaints)
+    propagate, log.propagate = log.propagate, False
+    try:
+        # ome.py reads the metadata of OME-TIFF.
+        with tifffile.TiffFile(path, is_ome=False) as file:
+            # Counting the pages finds a chain of them that leads back to itself; whoever takes
+            # one after the other never comes to its end.
+            if len(file.pages) == 0:
+                raise damage
+            yield file
+            if complaints.damage:
+                raise damage
+    except LeaflightError:
+        if complaints.damage:
+            raise damage from None
+        raise
+    except (Cancelled, ImportError, MemoryError, OSError):
+        raise
+    except Exception as error:
+        # On damaged files tifffile fails with whatever comes first, from KeyError to a failed
+        # assertion and the XML parser's own error.
+        if "requires the 'imagecodecs'" in str(error):
+            # LZW, JPEG and others that microscopes write.
+            raise ModuleNotFoundError(name="imagecodecs") from None
+        raise damage from None
+    finally:
+        log.propagate = propagate
+        log.removeHandler(complaints)
+
+
+class _Complaints(logging.Handler):
+    """tifffile logs a broken chain of pages and goes on with the pages before the break."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self.damage = False
+
+    def emit(self, record: logging.LogRecord) -> None:
+        message = record.getMessage()
+        self.damage |= record.levelno >= logging.ERROR or "invalid page offset" in message
+
+
+def check_pages(path: Path, pages: list[Any]) -> None:
+    """Raises LeaflightError unless the file holds all the bytes of these pages."""
+    stored = 0
+    for page in pages:
+        check_scalar(path, page.dtype)
+        size = page.parent.filehandle.size
+        parts = list(zip(page.dataoffsets, page.databytecounts))
+        # With too few of them tifffile would return memory that nobody wrote.
+        if len(parts) < prod(page.chunked) or any(sum(part) > size for part in parts):
+            raise truncated(path, page.shape)
+        stored += sum(count for _, count in parts)
+    values = sum(prod(page.shape) for page in pages)
+    check_size(path, (values,), pages[0].dtype.itemsize, stored, LZW_MOST)
+
+
+def read_page(path: Path, page: Any) -> Array:
+    """The values of a page, checked by itself: frames of tifffile have the header of another."""
+    page = page.aspage()
+    check_pages(path, [page])
+    if page.compression == _NOT_COMPRESSED:
+        values: Array = page.asarray()
+        return values
+    where = page.index, page.offset
+    return decoded(path, "TIFF file", (__name__, "decoded_pages"), page.nbytes, *where)
+
+
+def decoded_pages(_path: Path) -> tuple[None, Iterator[Array]]:
+    """Within a process of its own, which imports imagecodecs: the pages of requests()."""
+
+    def pages() -> Iterator[Array]:
+        last: Path | None = None
+        with ExitStack() as files:
+            for name, number, offset in requests():
+                if Path(name) != last:
+                    files.close()
+                    last = Path(name)
+                    tiff = files.enter_context(opened(last))
+                page = tiff.pages[number].aspage()
+                if page.offset != offset:
+                    # It is within another page.
+                    tiff.filehandle.seek(offset)
+                    page = tifffile.TiffPage(tiff, number)
+                yield np.ascontiguousarray(page.asarray())
+
+    return None, pages()
+
+
+def axes_of(page: Any) -> tuple[tuple[tuple[str, int], ...], int, bool]:
+    """The axes of a page for Blocks, how many samples of a pixel are values, whether colors."""
+    count = dict(zip(page.axes, page.shape)).get("S", 1)
+    alpha = sum(int(kind) in _ALPHAS for kind in page.extrasamples or ())
+    colors = page.photometric in (_RGB, _YCBCR) and count >= 3
+    samples = 3 if colors else max(1, count - alpha)
+    name = "S" if colors or samples == 1 else "C"
+    axes = tuple((name if a == "S" else a, int(n)) for a, n in zip(page.axes, page.shape))
+    return axes, samples if name == "S" else 1, colors

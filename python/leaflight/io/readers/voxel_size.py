@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sizes of voxels as the metadata of pictures give them: an own unit for each axis."""
+
+import re
+import unicodedata
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import SupportsFloat
+
+from ...volume.units import METERS, unit_of
+
+# Units that no volume has, in one that it can have; in lower case.
+_OTHERS = {
+    "in": (25.4, "mm"),
+    "inch": (25.4, "mm"),
+    "inches": (25.4, "mm"),
+    '"': (25.4, "mm"),
+    "ft": (304.8, "mm"),
+    "mil": (25.4, "µm"),
+    "thou": (25.4, "µm"),
+    "pm": (1e-3, "nm"),
+    "picometer": (1e-3, "nm"),
+    "dm": (10.0, "cm"),
+    "km": (1e3, "m"),
+}
+# What UTF-8 is often read as by mistake.
+_MISREAD_AS = ("latin-1", "cp1252", "mac_roman")
+
+
+@dataclass(frozen=True)
+class VoxelSize:
+    """Sizes (x, y, z), and the key of their unit in METERS, "" where that is not known.
+
+    note: a sentence about a size that was assumed, else empty.
+    """
+
+    sizes: tuple[float, float, float]
+    unit: str = ""
+    note: str = ""
+
+
+def voxel_size(
+    sizes: Sequence[object], words: Sequence[object], unit: str | None = None
+) -> VoxelSize | None:
+    """The size of a voxel by the numbers (x, y, z) of a file and its words for their units.
+
+    None where neither x nor y has one. unit: a key of METERS to convert to, None is that of x.
+    """
+    x, y, z = (_positive(size) for size in sizes)
+    if x is None and y is None:
+        return None
+    known = [_length(word) for word in words]
+    first = known[0]
+    if first is None:
+        # Pixels, or a word that says nothing: the numbers still give the proportions.
+        scales, unit = [1.0, 1.0, 1.0], ""
+    else:
+        unit = unit or first[1]
+        scales = [
+            scale * METERS[own] / METERS[unit] for scale, own in (one or first for one in known)
+        ]
+    x, y = x or y, y or x
+    assert x is not None and y is not None
+    note = ""
+    if z is None:
+        z = 1.0 / scales[2]
+        note = (
+            f"The file does not say how far apart its planes are; {1:g} {unit or 'pixel'} is "
+            "assumed."
+        )
+    x, y, z = (size * scale for size, scale in zip((x, y, z), scales))
+    return VoxelSize((x, y, z), unit, note)
+
+
+def _positive(size: object) -> float | None:
+    try:
+        if isinstance(size, str):
+            # Programs of some countries write a comma.
+            size = size.replace(",", ".")
+        number = abs(float(size)) if isinstance(size, (str, SupportsFloat)) else 0.0
+    except (ValueError, OverflowError):
+        return None
+    return number if 0 < number < float("inf") else None
+
+
+def _length(word: object) -> tuple[float, str] | None:
+    """(factor, key of METERS) of a file's word for a unit, None for one that is no length."""
+    text = str(word or "").strip("\x00 ")
+    # ImageJ escapes letters as Java does. A letter that was lost can only be that of micrometers.
+    text = re.sub(r"\\u([0-9a-fA-F]{4})", lambda found: chr(int(found[1], 16)), text)
+    text = text.replace("\ufffdm", "µm")
+    for encoding in _MISREAD_AS:
+        with suppress(UnicodeError):
+            text = text.encode(encoding).decode("utf-8")
+    text = unicodedata.normalize("NFKC", text)
+    unit = unit_of(text)
+    return (1.0, unit) if unit else _OTHERS.get(text.lower())

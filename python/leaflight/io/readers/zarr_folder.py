@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The headers of Zarr folders: groups and arrays of the versions 2 and 3.
+
+https://zarr-specs.readthedocs.io; the values are read by zarr_values.py, in a process of its own.
+"""
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..._core import LeaflightError, Progress
+from ...arrays import Array
+from ..reader_process import ReaderProcess
+from .checks import check_scalar, text
+from .watched import STAGE, begin
+
+
+@dataclass(frozen=True)
+class ZarrArray:
+    """names: of its axes, empty where the header has none."""
+
+    path: Path
+    shape: tuple[int, ...]
+    dtype: np.dtype[Any]
+    attributes: dict[str, Any]
+    names: tuple[str | None, ...] = ()
+
+    def read(
+        self, values: Array, places: Sequence[int | None], axes: Sequence[int], progress: Progress
+    ) -> None:
+        """Fills an array [z, y, x] of the type of this one.
+
+        places: along each axis of this array, None along z, y and x; axes: numbers of these three.
+        """
+        begin(progress, STAGE, values.nbytes)
+        with ReaderProcess(
+            self.path,
+            "Zarr array",
+            f"{__package__}.zarr_values",
+            "read_slabs",
+            *(places, axes),
+            size=values.nbytes,
+        ) as process:
+            if process.answer() != [list(values.shape), values.dtype.str]:
+                raise process.died()
+            process.fill(values, progress)
+
+
+@dataclass(frozen=True)
+class ZarrGroup:
+    """A folder of arrays and other groups."""
+
+    path: Path
+    attributes: dict[str, Any]
+
+    def groups(self) -> Iterator["ZarrGroup"]:
+        """The groups directly in it, 2 before 10."""
+        for path in sorted(self.path.iterdir(), key=lambda path: (len(path.name), path.name)):
+            found = open_zarr(path) if is_zarr(path) else None
+            if isinstance(found, ZarrGroup):
+                yield found
+
+    def array(self, name: str) -> ZarrArray:
+        """One of its arrays, at any depth. Raises LeaflightError."""
+        path = self.path / name
+        # A header from elsewhere must not make us open files outside its own folder.
+        if self.path.resolve() not in path.resolve().parents:
+            raise LeaflightError(
+                f"{self.path}: it refers to the array {name[:100]!r} outside of itself; repair its "
+                "metadata."
+            )
+        found = open_zarr(path)
+        if isinstance(found, ZarrGroup):
+            raise LeaflightError(f"{path}: this is no array of Zarr; repair the metadata.")
+        return found
+
+
+def is_zarr(path: Path) -> bool:
+    """Whether a folder is a group or an array."""
+    return any((path / name).is_file() for name in ("zarr.json", ".zgroup", ".zarray"))
+
+
+def open_zarr(path: Path) -> ZarrArray | ZarrGroup:
+    """What a folder is. Raises LeaflightError."""
+    header = header_of(path)
+    attributes = header.get("attributes") or {}
+    if not {"shape", "data_type"} <= header.keys():
+        return ZarrGroup(path, attributes)
+    kind = header["data_type"]
+    if not isinstance(kind, str):
+        raise LeaflightError(
+            f"{path}: its values are structures, but a volume needs one real number a voxel; "
+            "convert it first."
+        )
+    try:
+        dtype = np.dtype(kind).newbyteorder("=")
+    except TypeError:
+        raise LeaflightError(
+            f"{path}: its values are of the type {kind[:40]!r}, but a volume needs one real number "
+            "a voxel; convert it first."
+        ) from None
+    check_scalar(path, dtype)
+    shape = tuple(int(n) for n in header["shape"])
+    if min(shape, default=0) < 1:
+        raise LeaflightError(
+            f"{path}: its shape is {text(shape) or 'missing'}, so it has no values; fetch it again."
+        )
+    return ZarrArray(path, shape, dtype, attributes, tuple(header.get("dimension_names") or ()))
+
+
+def header_of(path: Path) -> dict[str, Any]:
+    """What a folder says of itself, with the keys of version 3 where both have them."""
+    if (path / "zarr.json").is_file():
+        return _json(path / "zarr.json")
+    attributes = _json(path / ".zattrs") if (path / ".zattrs").is_file() else {}
+    if (path / ".zarray").is_file():
+        header = _json(path / ".zarray")
+        return {**header, "data_type": header["dtype"], "attributes": attributes}
+    if (path / ".zgroup").is_file():
+        return {"zarr_format": 2, "attributes": attributes}
+    raise LeaflightError(f"{path}: there is no array and no group of Zarr here; fetch it again.")
+
+
+def _json(path: Path) -> dict[str, Any]:
+    header: dict[str, Any] = json.loads(path.read_bytes())
+    if not isinstance(header, dict):
+        raise ValueError
+    return header

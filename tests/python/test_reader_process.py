@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The process that reads: what it imports, and how errors and values come back from it."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from leaflight import LeaflightError
+from leaflight.io import reader_process
+from leaflight.io.reader_process import ReaderProcess
+from leaflight.io.readers import page_process
+from leaflight.volume.setting_error import SettingError
+
+MODULE = """
+import os
+import numpy as np
+from leaflight import LeaflightError
+from leaflight.io.reader_process import requests
+from leaflight.volume.setting_error import SettingError
+
+VALUES = np.arange(24, dtype="<u2").reshape(2, 3, 4)
+
+def two_pieces(path):
+    return {"name": path.name}, iter(VALUES)
+
+def refuses(path):
+    raise LeaflightError(f"{path}: no.")
+
+def refuses_a_setting(path):
+    raise SettingError(f"{path}: no.", "dataset")
+
+def needs_a_package(path):
+    import is_not_installed.at_all
+
+def fails(path):
+    raise KeyError("x")
+
+def refuses_later(path):
+    def pieces():
+        yield VALUES[0]
+        raise LeaflightError(f"{path}: not the second.")
+    return None, pieces()
+
+def pages(path):
+    def answers():
+        for path, number in requests():
+            if number == 9:
+                raise LeaflightError(f"{path}: no page 9.")
+            yield VALUES[0] + (os.getpid() if number < 0 else number)
+    return None, answers()
+
+def names_its_version(path):
+    import shadowed
+    return shadowed.VERSION, ()
+"""
+
+
+@pytest.fixture
+def call(tmp_path, monkeypatch):
+    (tmp_path / "its_functions.py").write_text(MODULE)
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "file.dat").write_bytes(b"")
+    return lambda function: ReaderProcess(tmp_path / "file.dat", "file", "its_functions", function)
+
+
+def test_values_come_piece_by_piece(call):
+    values = np.zeros((2, 3, 4), "<u2")
+    with call("two_pieces") as process:
+        assert process.answer() == {"name": "file.dat"}
+        process.fill(values)
+    np.testing.assert_array_equal(values.ravel(), np.arange(24))
+    with call("two_pieces") as process:
+        process.answer()
+        one = process.array(most=24)
+        np.testing.assert_array_equal(one, values[0])
+        with pytest.raises(LeaflightError, match="did not live"):
+            process.array(most=23)
+    # No array is returned that is not filled, and none is filled beyond its end.
+    for shape in ((3, 3, 4), (1, 3, 3)):
+        with call("two_pieces") as process:
+            process.answer()
+            with pytest.raises(LeaflightError, match="did not live"):
+                process.fill(np.zeros(shape, "<u2"))
+
+
+def test_errors_come_as_they_were_raised(call):
+    def error(function):
+        with call(function) as process, pytest.raises(Exception) as caught:
+            process.answer()
+        return caught.value
+
+    assert type(error("refuses")) is LeaflightError
+    assert error("refuses_a_setting").settings == ("dataset",)
+    assert type(error("refuses_a_setting")) is SettingError
+    assert error("needs_a_package").name == "is_not_installed"
+    assert type(error("fails")) is ValueError
+    with call("refuses_later") as process:
+        process.answer()
+        with pytest.raises(LeaflightError, match="not the second"):
+            process.fill(np.zeros((2, 3, 4), "<u2"))
+
+
+def test_one_process_decodes_all_pages(call, tmp_path):
+    def page(name, number, most=24):
+        path = tmp_path / name
+        return page_process.decoded(path, "file", ("its_functions", "pages"), most, number)
+
+    (tmp_path / "other.dat").write_bytes(b"")
+    first = np.arange(12, dtype="<u2").reshape(3, 4)
+    with page_process.kept_processes():
+        np.testing.assert_array_equal(page("file.dat", 3), first + 3)
+        np.testing.assert_array_equal(page("other.dat", 4), first + 4)
+        number = page("file.dat", -1, most=1000)
+        np.testing.assert_array_equal(number, page("other.dat", -1, most=1000))
+        with pytest.raises(LeaflightError, match="other.dat: no page 9"):
+            page("other.dat", 9)
+        # Another one takes its place.
+        assert not np.array_equal(number, page("other.dat", -1, most=1000))
+    # Without it, a process decodes one page.
+    np.testing.assert_array_equal(page("file.dat", 3), first + 3)
+    with pytest.raises(LeaflightError, match="file.dat: this file .* did not live"):
+        page("file.dat", 3, most=23)
+
+
+def test_packages_of_its_own_win(call, tmp_path, monkeypatch):
+    """Whatever version of them another add-on has put into Blender's Python."""
+    assert reader_process.PACKAGES[0].endswith("leaflight_readers")
+    monkeypatch.setattr(reader_process, "PACKAGES", [str(tmp_path / "own")])
+    (tmp_path / "shadowed.py").write_text("VERSION = 'of another add-on'")
+    with call("names_its_version") as process:
+        assert process.answer() == "of another add-on"
+    (tmp_path / "own").mkdir()
+    (tmp_path / "own" / "shadowed.py").write_text("VERSION = 'own'")
+    with call("names_its_version") as process:
+        assert process.answer() == "own"
+
+
+# In a process of its own, for sys.modules.
+ALL_READERS = """
+import importlib, json, sys
+from leaflight.io import readers
+for kind in readers.FORMATS:
+    importlib.import_module("leaflight.io.readers." + kind.module)
+print(json.dumps(sorted(sys.modules)))
+"""
+
+
+def test_compiled_readers_are_imported_nowhere_else():
+    shown = subprocess.run(
+        [sys.executable, "-c", f"import sys; sys.path[:] = {sys.path}\n{ALL_READERS}"],
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    loaded = set(json.loads(shown))
+    assert "leaflight.io.readers.hdf5" in loaded
+    assert not loaded & {"h5py", "zarr", "numcodecs", "crc32c", "gemmi", "openjpeg", "libjpeg"}

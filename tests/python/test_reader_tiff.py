@@ -1,0 +1,372 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""TIFF as microscopes and ImageJ write it: sets of files, previews, units, colors."""
+
+import numpy as np
+import pytest
+import tifffile
+from leaflight import LeaflightError, read_volume
+from leaflight.io.readers import probe
+from PIL import Image
+
+PIXELS = np.random.default_rng(1).integers(0, 60000, (2, 4, 5, 6)).astype(np.uint16)
+
+
+def diagonal(volume):
+    return np.diag(volume.index_to_world)[:3].tolist()
+
+
+def ome(data, uuid="urn:uuid:0", more=""):
+    """OME-XML of an image of two channels and four planes; data: its elements TiffData."""
+    return (
+        f'<?xml version="1.0" encoding="UTF-8"?><OME UUID="{uuid}" '
+        'xmlns="http://www.openmicroscopy.org/Schemas/OME/2016-06">'
+        '<Image ID="Image:0" Name="cells"><Pixels ID="Pixels:0" DimensionOrder="XYZCT" '
+        'Type="uint16" SizeX="6" SizeY="5" SizeZ="4" SizeC="2" SizeT="1" PhysicalSizeX="500" '
+        'PhysicalSizeXUnit="nm" PhysicalSizeY="0.25" PhysicalSizeZ="2">'
+        '<Channel ID="Channel:0:0" SamplesPerPixel="1"/>'
+        f"{data}</Pixels></Image>{more}</OME>"
+    )
+
+
+def tiff_data(name, first="", ifd='IFD="0" PlaneCount="1"', uuid=0):
+    return f'<TiffData {first} {ifd}><UUID FileName="{name}">urn:uuid:{uuid}</UUID></TiffData>'
+
+
+def write(path, pages, xml):
+    tifffile.imwrite(path, pages, photometric="minisblack", metadata=None, description=xml)
+
+
+def of_channels(folder):
+    """One file a channel, each with the metadata of all."""
+    names = ["set_C0.ome.tif", "set_C1.ome.tif"]
+    ifd = 'IFD="0" PlaneCount="4"'
+    data = "".join(tiff_data(n, f'FirstC="{c}"', ifd, c) for c, n in enumerate(names))
+    for c, name in enumerate(names):
+        write(folder / name, PIXELS[c], ome(data, f"urn:uuid:{c}"))
+    return names
+
+
+def of_planes(folder):
+    """One file a plane."""
+    places = [(c, z) for c in range(2) for z in range(4)]
+    names = [f"s_C{c}_Z{z}.ome.tif" for c, z in places]
+    data = "".join(
+        tiff_data(name, f'FirstC="{c}" FirstZ="{z}"', uuid=k)
+        for k, (name, (c, z)) in enumerate(zip(names, places))
+    )
+    for k, (name, (c, z)) in enumerate(zip(names, places)):
+        write(folder / name, PIXELS[c, z], ome(data, f"urn:uuid:{k}"))
+    return names
+
+
+def of_companion(folder):
+    """The metadata in a file of their own, to which the others refer; whole files of planes."""
+    names = ["a.tif", "b.tif"]
+    data = "".join(tiff_data(n, f'FirstC="{c}"', "", c) for c, n in enumerate(names))
+    (folder / "set.companion.ome").write_text(ome(data, "urn:uuid:9"))
+    xml = '<OME UUID="urn:uuid:1"><BinaryOnly MetadataFile="set.companion.ome"/></OME>'
+    for c, name in enumerate(names):
+        write(folder / name, PIXELS[c], xml)
+    return [*names, "set.companion.ome"]
+
+
+@pytest.mark.parametrize("make", [of_channels, of_planes, of_companion])
+def test_a_set_of_ome_tiff_is_read_whole_by_any_of_its_files(tmp_path, make):
+    names = make(tmp_path)
+    for name in names:
+        stored = probe(tmp_path / name)
+        assert (stored.dims, stored.channels, stored.unit) == ((6, 5, 4), 2, "µm")
+        for channel in range(2):
+            volume = read_volume(tmp_path / name, channel=channel)
+            np.testing.assert_array_equal(volume.values, PIXELS[channel])
+            np.testing.assert_allclose(diagonal(volume), [0.5, 0.25, 2])
+
+
+@pytest.mark.parametrize("make", [of_channels, of_planes])
+def test_a_folder_that_holds_a_set_of_ome_tiff(tmp_path, make):
+    make(tmp_path)
+    np.testing.assert_array_equal(read_volume(tmp_path, channel=1).values, PIXELS[1])
+
+
+@pytest.mark.parametrize("make", [of_channels, of_planes, of_companion])
+def test_a_missing_file_of_a_set_is_refused_by_its_name(tmp_path, make):
+    names = make(tmp_path)
+    (tmp_path / names[1]).unlink()
+    with pytest.raises(LeaflightError, match=f"'{names[1]}' is missing; put all files"):
+        read_volume(tmp_path / names[0], channel=0)
+
+
+@pytest.mark.parametrize("name", ["../other.ome.tif", "/etc/passwd", "C:\\x.tif"])
+def test_a_set_stays_in_its_folder(tmp_path, name):
+    folder = tmp_path / "set"
+    folder.mkdir()
+    write(tmp_path / "other.ome.tif", PIXELS[1], "")
+    ifd = 'IFD="0" PlaneCount="4"'
+    data = tiff_data("x.ome.tif", "", ifd) + tiff_data(name, 'FirstC="1"', ifd, 1)
+    write(folder / "x.ome.tif", PIXELS[0], ome(data))
+    with pytest.raises(LeaflightError, match="is outside its own folder"):
+        read_volume(folder / "x.ome.tif", channel=0)
+    (folder / "x.ome.tif").unlink()
+    write(folder / "x.ome.tif", PIXELS[0], f'<OME><BinaryOnly MetadataFile="{name}"/></OME>')
+    with pytest.raises(LeaflightError, match="is outside its own folder"):
+        read_volume(folder / "x.ome.tif")
+
+
+@pytest.mark.parametrize("uuid", ["urn:uuid:0", "urn:uuid:7"])
+def test_a_renamed_ome_tiff_is_read(tmp_path, uuid):
+    """Its metadata name the file as it was called once."""
+    data = tiff_data("old name.ome.tif", "", 'IFD="0" PlaneCount="8"')
+    write(tmp_path / "new.ome.tif", PIXELS.reshape(8, 5, 6), ome(data, uuid))
+    volume = read_volume(tmp_path / "new.ome.tif", channel=1)
+    np.testing.assert_array_equal(volume.values, PIXELS[1])
+
+
+def test_a_plane_that_is_in_no_file_is_refused(tmp_path):
+    path = tmp_path / "x.ome.tif"
+    pages = PIXELS.reshape(8, 5, 6)
+    write(path, pages[:7], ome(tiff_data("x.ome.tif", "", 'IFD="0" PlaneCount="8"')))
+    with pytest.raises(LeaflightError, match="describe 8 planes, but the one at Z 3, C 1, T 0 is"):
+        read_volume(path, channel=0)
+    write(path, np.concatenate([pages, pages[:1]]), ome(""))
+    assert probe(path).notes == ("The file holds 1 more pages than its OME metadata describe.",)
+    np.testing.assert_array_equal(read_volume(path, channel=1).values, PIXELS[1])
+
+
+@pytest.mark.parametrize(
+    "xml", ["<OME><Image></OME>", "<OME></OME>", "<OME><Image><Pixels/></Image></OME>"]
+)
+def test_damaged_ome_metadata_are_refused(tmp_path, xml):
+    write(tmp_path / "x.ome.tif", PIXELS[0], xml)
+    with pytest.raises(LeaflightError, match="OME metadata|holds 0"):
+        read_volume(tmp_path / "x.ome.tif")
+
+
+def test_several_images_of_ome_tiff_are_chosen_by_name(tmp_path):
+    path = tmp_path / "x.ome.tif"
+    with tifffile.TiffWriter(path, ome=True) as file:
+        file.write(PIXELS[0], photometric="minisblack", metadata={"axes": "ZYX", "Name": "left"})
+        file.write(PIXELS[1, :3], photometric="minisblack", metadata={"axes": "ZYX", "Name": "up"})
+        file.write(PIXELS[1, 0, :2], photometric="minisblack", metadata={"axes": "YX"})
+    stored = probe(path)
+    assert stored.datasets == ("left", "up")
+    with pytest.raises(LeaflightError, match="2 volumes; choose one of left, up"):
+        read_volume(path)
+    volume = read_volume(path, dataset="up")
+    np.testing.assert_array_equal(volume.values, PIXELS[1, :3])
+    assert volume.notes[0] == "Other pictures in the file are left out: 1, of 6 x 2 pixels."
+
+
+def test_colors_in_ome_tiff_are_channels(tmp_path):
+    path = tmp_path / "x.ome.tif"
+    colors = np.moveaxis(np.stack([PIXELS[0], PIXELS[1], PIXELS[0] // 2]), 0, -1)
+    tifffile.imwrite(path, colors, photometric="rgb", ome=True, metadata={"axes": "ZYXS"})
+    assert probe(path).channels == 3
+    np.testing.assert_array_equal(read_volume(path, channel=2).values, PIXELS[0] // 2)
+
+
+@pytest.mark.parametrize(
+    "unit, right",
+    [
+        ("\\u00B5m", "µm"),
+        ("micron", "µm"),
+        ("um", "µm"),
+        ("microns", "µm"),
+        ("Âµm", "µm"),
+        ("nm", "nm"),
+        ("\\u00C5", "Å"),
+        ("mm", "mm"),
+        ("cm", "cm"),
+        ("pixel", ""),
+        ("", ""),
+    ],
+)
+def test_units_of_imagej(tmp_path, unit, right):
+    path = tmp_path / "x.tif"
+    text = f"ImageJ=1.53t\nimages=4\nslices=4\nunit={unit}\nspacing=3.0\nloop=false\n"
+    write_imagej(path, PIXELS[0], text)
+    volume = read_volume(path)
+    np.testing.assert_array_equal(volume.values, PIXELS[0])
+    np.testing.assert_allclose(diagonal(volume), [0.5, 0.25, 3])
+    assert volume.unit == right
+
+
+def write_imagej(path, pages, text, resolution=(2, 4), unit=1):
+    """As ImageJ does: with a unit of resolution that is none, and the real one in a text."""
+    options = {"resolution": resolution, "resolutionunit": unit, "photometric": "minisblack"}
+    tifffile.imwrite(path, pages, metadata=None, description=text.encode(), **options)
+
+
+@pytest.mark.parametrize(
+    "more, sizes, unit",
+    [
+        ("unit=um\n", [0.5, 0.25, 1], "µm"),
+        ("spacing=2\n", [0.5, 0.25, 2], ""),
+        ("unit=um\nspacing=-2\n", [0.5, 0.25, 2], "µm"),
+        ("unit=um\nspacing=2,5\n", [0.5, 0.25, 2.5], "µm"),
+        ("unit=micron\nspacing=0.002\nzunit=mm\n", [0.5, 0.25, 2], "µm"),
+        ("unit=mm\nyunit=cm\nzunit=um\nspacing=1500\n", [0.5, 2.5, 1.5], "mm"),
+        ("unit=inch\nspacing=0.5\n", [12.7, 6.35, 12.7], "mm"),
+        ("", [0.5, 0.25, 1], ""),
+    ],
+)
+def test_voxel_size_of_imagej(tmp_path, more, sizes, unit):
+    """ImageJ leaves out what is 1, and the unit of an axis that is that of x."""
+    path = tmp_path / "x.tif"
+    write_imagej(path, PIXELS[0], f"ImageJ=1.53t\nimages=4\nslices=4\n{more}")
+    volume = read_volume(path)
+    np.testing.assert_allclose(diagonal(volume), sizes)
+    assert volume.unit == unit
+
+
+def test_resolution_of_a_screen_says_nothing(tmp_path):
+    path = tmp_path / "x.tif"
+    text = "ImageJ=1.53t\nimages=4\nslices=4\n"
+    write_imagej(path, PIXELS[0], text, (72, 72), 2)
+    assert diagonal(read_volume(path)) == [1, 1, 1] and not read_volume(path).unit
+    write_imagej(path, PIXELS[0], text, (100, 100), 3)
+    volume = read_volume(path)
+    np.testing.assert_allclose(diagonal(volume), [0.01, 0.01, 1])
+    assert volume.unit == "cm"
+
+
+@pytest.mark.parametrize(
+    "c0, c1, dtype, note",
+    [(-32768, 1, np.int16, "-32768 + 1 x"), (-10, 0.5, np.float32, "-10 [+] 0.5 x")],
+)
+def test_values_are_those_that_imagej_shows(tmp_path, c0, c1, dtype, note):
+    path = tmp_path / "x.tif"
+    text = f"ImageJ=1.53t\nimages=4\nslices=4\ncf=0\nc0={c0}\nc1={c1}\nvunit=Gray Value\n"
+    write_imagej(path, PIXELS[0], text)
+    volume = read_volume(path)
+    np.testing.assert_allclose(volume.values, c0 + c1 * PIXELS[0].astype(float))
+    assert volume.values.dtype == dtype
+    assert volume.notes[0].startswith("The values are calibrated as in ImageJ: ")
+
+
+def test_an_unknown_depth_of_a_voxel_is_reported(tmp_path):
+    path = tmp_path / "x.ome.tif"
+    metadata = {"axes": "ZYX", "PhysicalSizeX": 0.5, "PhysicalSizeY": 0.5}
+    tifffile.imwrite(path, PIXELS[0], ome=True, metadata=metadata)
+    volume = read_volume(path)
+    assert diagonal(volume) == [0.5, 0.5, 1] and volume.unit == "µm"
+    assert "how far apart its planes are; 1 µm is assumed." in volume.notes[0]
+
+
+def pages(path, *pictures):
+    """A file of several pictures of any size."""
+    with tifffile.TiffWriter(path) as file:
+        for one in pictures:
+            colors = one.ndim == 3 and one.shape[-1] == 3
+            photometric = "rgb" if colors else "minisblack"
+            for page in one if one.ndim > 2 and not colors else [one]:
+                file.write(page, photometric=photometric, metadata=None, contiguous=False)
+
+
+PREVIEW = np.arange(12, dtype=np.uint16).reshape(3, 4)
+COLORED = np.arange(36, dtype=np.uint8).reshape(3, 4, 3)
+
+
+@pytest.mark.parametrize(
+    "before, after, said",
+    [
+        ([PREVIEW], [], "1, of 4 x 3 pixels"),
+        ([COLORED], [], "1, of 4 x 3 pixels"),
+        ([], [PREVIEW], "1, of 4 x 3 pixels"),
+        ([], [COLORED, PREVIEW[:2]], "2, of 4 x 2 pixels, 4 x 3 pixels"),
+        ([PREVIEW, PREVIEW], [], "1, of 4 x 3 x 2 voxels"),
+    ],
+)
+def test_pictures_beside_a_stack_are_left_out(tmp_path, before, after, said):
+    path = tmp_path / "x.tif"
+    pages(path, *before, PIXELS[0], *after)
+    volume = read_volume(path)
+    np.testing.assert_array_equal(volume.values, PIXELS[0])
+    assert volume.notes == (f"Other pictures in the file are left out: {said}.",)
+
+
+def test_an_odd_page_within_a_stack_is_refused(tmp_path):
+    path = tmp_path / "x.tif"
+    whole = np.concatenate([PIXELS[0], PIXELS[1]])
+    pages(path, whole[:3], PREVIEW, whole[3:])
+    with pytest.raises(LeaflightError, match="plane 3 is 4 x 3|readable TIFF|ends before"):
+        read_volume(path)
+
+
+def test_two_stacks_in_a_file_are_chosen_by_their_dims(tmp_path):
+    path = tmp_path / "x.tif"
+    pages(path, PIXELS[0], PIXELS[1, :3, :4])
+    assert probe(path).datasets == ("6 x 5 x 4 voxels", "6 x 4 x 3 voxels")
+    volume = read_volume(path, dataset="6 x 4 x 3 voxels")
+    np.testing.assert_array_equal(volume.values, PIXELS[1, :3, :4])
+
+
+def test_gray_colors_are_gray_values(tmp_path):
+    """Such as viewers save gray pictures; with true colors there are three channels."""
+    path = tmp_path / "x.tif"
+    gray = (PIXELS[0] % 256).astype(np.uint8)
+    pages = [Image.fromarray(np.stack([page] * 3, axis=-1)) for page in gray]
+    pages[0].save(path, save_all=True, append_images=pages[1:])
+    np.testing.assert_array_equal(read_volume(path).values, gray)
+    pages[3] = Image.fromarray(np.stack([gray[3], gray[2], gray[3]], axis=-1))
+    pages[0].save(path, save_all=True, append_images=pages[1:])
+    assert probe(path).channels == 3
+    np.testing.assert_array_equal(read_volume(path, channel=1).values[3], gray[2])
+    pages[0].save(path, save_all=True, append_images=[pages[3], *pages[1:3]])
+    with pytest.raises(LeaflightError, match="plane 1 is in color, but the first one is gray"):
+        read_volume(path)
+
+
+def test_alpha_is_no_value(tmp_path):
+    path = tmp_path / "x.tif"
+    both = np.stack([PIXELS[0], PIXELS[1]], axis=-1)
+    options = {"extrasamples": ["unassalpha"], "planarconfig": "contig", "metadata": None}
+    tifffile.imwrite(path, both, photometric="minisblack", **options)
+    np.testing.assert_array_equal(read_volume(path).values, PIXELS[0])
+    options["extrasamples"] = ["unspecified"]
+    tifffile.imwrite(path, both, photometric="minisblack", **options)
+    np.testing.assert_array_equal(read_volume(path, channel=1).values, PIXELS[1])
+
+
+@pytest.mark.parametrize("byteorder", "<>")
+@pytest.mark.parametrize("options", [{}, {"tile": (16, 16)}, {"rowsperstrip": 2}])
+def test_planes_are_read_one_by_one(tmp_path, byteorder, options):
+    """Frames and channels of tifffile's own files and of ImageJ's, contiguous or not."""
+    path = tmp_path / "x.tif"
+    whole = np.stack([PIXELS, PIXELS + 1, PIXELS + 2])
+    for kind, axes in (({}, "TCZYX"), ({"imagej": True}, "TZCYX")):
+        if kind and "tile" in options:
+            continue
+        stored = whole if axes == "TCZYX" else whole.swapaxes(1, 2)
+        packed = {} if kind else {"compression": "zlib"}
+        for more in ({}, packed):
+            tifffile.imwrite(
+                path,
+                stored,
+                byteorder=byteorder,
+                metadata={"axes": axes},
+                photometric="minisblack",
+                **options,
+                **kind,
+                **more,
+            )
+            volume = read_volume(path, frame=2, channel=1)
+            np.testing.assert_array_equal(volume.values, PIXELS[1] + 2)
+
+
+def test_pages_with_too_few_strips_are_refused(tmp_path):
+    """tifffile would return memory that nobody wrote."""
+    path = tmp_path / "x.tif"
+    tifffile.imwrite(
+        path, PIXELS[0], rowsperstrip=2, compression="zlib", metadata=None, photometric="minisblack"
+    )
+    data = bytearray(path.read_bytes())
+    with tifffile.TiffFile(path) as file:
+        tags = [file.pages[2].tags[name] for name in ("StripOffsets", "StripByteCounts")]
+        assert tags[0].count == 3
+        for tag in tags:
+            # The count stands after the number and the type; a value of one stands in its place.
+            data[tag.offset + 4 : tag.offset + 8] = (1).to_bytes(4, "little")
+            data[tag.offset + 8 : tag.offset + 12] = tag.value[0].to_bytes(4, "little")
+    path.write_bytes(data)
+    with pytest.raises(LeaflightError, match="ends before"):
+        read_volume(path)

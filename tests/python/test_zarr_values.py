@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Zarr 2 as zarr writes it, Zarr 3 as tensorstore does, and a shard that is made by hand."""
+
+import gzip
+import json
+import struct
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from leaflight import LeaflightError, read_volume
+from leaflight.io.readers import probe
+
+VALUES = np.random.default_rng(3).integers(0, 60000, (5, 6, 7)).astype(np.uint16)
+LITTLE = {"name": "bytes", "configuration": {"endian": "little"}}
+SCALE = {"type": "scale", "scale": [4.0, 2.0, 1.0]}
+
+
+ROOT = Path(__file__).resolve().parents[2]
+# It has tensorstore (scripts/test-tools.txt), which reads and writes Zarr by code of its own.
+WRITER = ROOT / "build" / "tools-venv" / "bin" / "python"
+WRITE = """
+import json, sys
+import numpy as np
+import tensorstore
+array, path, metadata = sys.argv[1:]
+store = {"driver": "file", "path": path}
+spec = {"driver": "zarr3", "kvstore": store, "metadata": json.loads(metadata)}
+tensorstore.open(spec, create=True).result().write(np.load(array)).result()
+"""
+
+
+def write_3(path, values, *codecs, chunks=(2, 3, 4)):
+    metadata = {
+        "shape": values.shape,
+        "data_type": values.dtype.name,
+        "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": chunks}},
+        "codecs": list(codecs),
+    }
+    array = path.parent / "values.npy"
+    np.save(array, values)
+    if not WRITER.exists():
+        pytest.skip("scripts/setup --tests has not made build/tools-venv")
+    subprocess.run([WRITER, "-c", WRITE, array, path, json.dumps(metadata)], check=True)
+    return path
+
+
+def sharded(chunks=(2, 3, 4)):
+    configuration = {"chunk_shape": chunks, "codecs": [LITTLE, {"name": "zstd"}]}
+    return {"name": "sharding_indexed", "configuration": configuration}
+
+
+def write_group_3(path, axes="zyx"):
+    """OME-Zarr 0.5 around the array "0"."""
+    axes = [{"name": axis, "type": "space", "unit": "micrometer"} for axis in axes]
+    datasets = [{"path": "0", "coordinateTransformations": [SCALE]}]
+    ome = {"version": "0.5", "multiscales": [{"axes": axes, "datasets": datasets}]}
+    path.mkdir(exist_ok=True)
+    header = {"zarr_format": 3, "node_type": "group", "attributes": {"ome": ome}}
+    (path / "zarr.json").write_text(json.dumps(header))
+    return path
+
+
+@pytest.mark.parametrize(
+    "codecs",
+    [
+        (LITTLE,),
+        ({"name": "bytes", "configuration": {"endian": "big"}}, {"name": "gzip"}),
+        (LITTLE, {"name": "blosc", "configuration": {"cname": "lz4"}}, {"name": "crc32c"}),
+        ({"name": "transpose", "configuration": {"order": [2, 0, 1]}}, LITTLE, {"name": "zstd"}),
+    ],
+)
+def test_codecs_of_zarr_3(tmp_path, codecs):
+    path = write_3(tmp_path / "x.zarr", VALUES, *codecs)
+    np.testing.assert_array_equal(read_volume(path).values, VALUES)
+
+
+def test_ome_zarr_of_shards(tmp_path):
+    """OME-Zarr from 0.5 on, of which one slab touches a part of each shard."""
+    path = write_group_3(tmp_path / "x.ome.zarr")
+    write_3(path / "0", VALUES, sharded(), chunks=(4, 6, 8))
+    stored = probe(path)
+    assert (stored.dims, stored.voxel_size, stored.unit) == ((7, 6, 5), (1, 2, 4), "µm")
+    np.testing.assert_array_equal(read_volume(path).values, VALUES)
+    # Its axes may stand in any order.
+    other = write_group_3(tmp_path / "y.ome.zarr", axes="xzy")
+    write_3(other / "0", VALUES, sharded(), chunks=(4, 6, 8))
+    np.testing.assert_array_equal(read_volume(other).values, VALUES.transpose(1, 2, 0))
+
+
+def test_a_shard_that_is_made_by_hand(tmp_path):
+    """By the specification: packed chunks, behind them the places and the sizes of all."""
+    path = tmp_path / "x.zarr"
+    (path / "c" / "0" / "0").mkdir(parents=True)
+    shard = {
+        "chunk_shape": [2, 6, 7],
+        "codecs": [LITTLE, {"name": "gzip", "configuration": {"level": 1}}],
+        "index_codecs": [LITTLE],
+    }
+    header = {
+        "zarr_format": 3,
+        "node_type": "array",
+        "shape": [4, 6, 7],
+        "data_type": "uint16",
+        "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": [6, 6, 7]}},
+        "chunk_key_encoding": {"name": "default"},
+        "fill_value": 9,
+        "codecs": [{"name": "sharding_indexed", "configuration": shard}],
+    }
+    (path / "zarr.json").write_text(json.dumps(header))
+    first = gzip.compress(VALUES[:2].astype("<u2").tobytes())
+    absent = (2**64 - 1, 2**64 - 1)
+    index = struct.pack("<6Q", 0, len(first), *absent, *absent)
+    (path / "c" / "0" / "0" / "0").write_bytes(first + index)
+    values = read_volume(path).values
+    np.testing.assert_array_equal(values[:2], VALUES[:2])
+    assert values.shape == (4, 6, 7) and (values[2:] == 9).all()
+    # A damaged shard is refused.
+    (path / "c" / "0" / "0" / "0").write_bytes(first[:-9] + index)
+    with pytest.raises(LeaflightError, match="x.zarr: .*damaged"):
+        read_volume(path)
+
+
+def _zarr_2(path, **options):
+    zarr = pytest.importorskip("zarr")
+    if int(zarr.__version__.partition(".")[0]) > 2:
+        pytest.skip("zarr 3 writes other options")
+    array = zarr.open(
+        str(path), mode="w", shape=VALUES.shape, dtype=VALUES.dtype, chunks=(2, 3, 4), **options
+    )
+    array[:] = VALUES
+    return path
+
+
+def test_packings_of_zarr_2(tmp_path):
+    codecs = pytest.importorskip("numcodecs")
+    for name in ("Blosc", "Zstd", "Zlib", "GZip", "BZ2", "LZ4", "LZMA"):
+        path = _zarr_2(tmp_path / "x.zarr", compressor=getattr(codecs, name)())
+        np.testing.assert_array_equal(read_volume(path).values, VALUES, name)
+    filters = [codecs.Delta("u2"), codecs.FixedScaleOffset(0, 1, "u2", "u4")]
+    path = _zarr_2(tmp_path / "x.zarr", compressor=None, filters=filters)
+    np.testing.assert_array_equal(read_volume(path).values, VALUES)
+    path = _zarr_2(tmp_path / "y.zarr", order="F", dimension_separator="/")
+    np.testing.assert_array_equal(read_volume(path).values, VALUES)
+    # What is written nowhere has the fill value.
+    (tmp_path / "y.zarr" / "1" / "0" / "0").unlink()
+    _change(tmp_path / "y.zarr" / ".zarray", fill_value=7)
+    values = read_volume(path).values
+    assert (values == 7).sum() >= 24 and (values != VALUES).sum() <= 24
+    _change(tmp_path / "y.zarr" / ".zarray", compressor={"id": "pressed"})
+    with pytest.raises(
+        LeaflightError, match="packed by the codec pressed, which is not at hand; save"
+    ):
+        read_volume(path)
+
+
+def _change(path, **changes):
+    header = json.loads(path.read_text())
+    path.write_text(json.dumps({**header, **changes}))
+
+
+def test_bad_headers(tmp_path):
+    path = write_group_3(tmp_path / "x.zarr")
+    with pytest.raises(LeaflightError, match="0: there is no array and no group of Zarr here"):
+        probe(path)
+    write_group_3(path / "0")
+    with pytest.raises(LeaflightError, match="0: this is no array of Zarr"):
+        probe(path)
+    ome = json.loads((path / "zarr.json").read_text())["attributes"]["ome"]
+    ome["multiscales"][0]["datasets"][0]["path"] = "../y.zarr"
+    _change(path / "zarr.json", attributes={"ome": ome})
+    with pytest.raises(LeaflightError, match="'../y.zarr' outside of itself"):
+        probe(path)
+    write_3(tmp_path / "y.zarr", VALUES, sharded(), chunks=(4, 6, 8))
+    for kind in ("string", "complex64", "r24", {"name": "struct"}):
+        _change(tmp_path / "y.zarr" / "zarr.json", data_type=kind)
+        with pytest.raises(LeaflightError, match="y.zarr: (the|its) values are .* convert"):
+            probe(tmp_path / "y.zarr")
+    _change(tmp_path / "y.zarr" / "zarr.json", data_type="uint16", shape=[0, 6, 7])
+    with pytest.raises(LeaflightError, match="its shape is 0 x 6 x 7, so it has no values"):
+        probe(tmp_path / "y.zarr")
+    (tmp_path / "y.zarr" / "zarr.json").write_text("[")
+    with pytest.raises(LeaflightError, match="y.zarr: this is not a readable OME-Zarr"):
+        probe(tmp_path / "y.zarr")
