@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A real window: every operator of the add-on is pressed as a user does it (window/rows.py).
 
-Once on its happy path, once cancelled at half way, once with its object deleted meanwhile, once with
-a new file opened meanwhile. The part `window` of scripts/test writes how long the window stood still
-to build/test/window.md. Runs where there is a Blender with a window and xvfb-run.
+Once on its happy path, once cancelled at half way, once with its object deleted meanwhile, once
+with a new file opened meanwhile. The part `window` of scripts/test writes how long the window stood
+still to build/test/window.md. Runs where there is a Blender with a window and xvfb-run.
 """
 
 import json
@@ -14,7 +14,7 @@ import nibabel
 import numpy as np
 import pytest
 from PIL import Image
-from rows import HAPPY, ROWS, WAYS
+from rows import HAPPY, ROWS, UNPRESSED, WAYS
 
 SCRIPT = Path(__file__).resolve().parent / "window" / "press_operators.py"
 BLOCKED = Path(__file__).resolve().parents[2] / "build" / "test" / "window.md"
@@ -97,8 +97,8 @@ def test_the_main_way(short, which):
 
 @pytest.mark.slow
 def test_each_operator_has_a_row(pressed):
-    names = {f"leaflight.{row.operator}" for row in ROWS}
-    assert names == set(pressed[1])
+    names = {row.operator for row in ROWS} | set(UNPRESSED)
+    assert {f"leaflight.{name}" for name in names} == set(pressed[1])
 
 
 def test_each_way_is_pressed_or_has_a_reason():
@@ -119,8 +119,9 @@ def table(results, version):
     lines = [
         f"# How long Blender {version}'s window stood still",
         "",
-        "Of each operator and way, the longest time between two steps of Blender, and what Leaflight",
-        f"did then. Above {UNNOTICED:g} s it is noticed. Without a graphics card, of volumes of 24^3.",
+        "The longest time between two steps of Blender, and what Leaflight was at work on then.",
+        f"Above {UNNOTICED:g} s it is bold. In the shading Solid, without a graphics card, of",
+        "small volumes.",
         "",
         "| operator | way | seconds | in |",
         "|---|---|---|---|",

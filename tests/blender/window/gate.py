@@ -5,7 +5,7 @@ import time
 
 import leaflight
 from leaflight import flatland
-from leaflight_addon.operators import background
+from leaflight_addon.operators import jobs
 
 # Where work waits: before it begins, or after its first pass; empty where it does not wait.
 closed = ""
@@ -31,13 +31,13 @@ def _wait(where, progress):
 
 def install():
     """Lets all work of the add-on come by here."""
-    run = background.BackgroundWork._run
+    run = jobs.BackgroundWork._run
 
-    def held(work, *arguments):
+    def held(work):
         _wait("work", work.progress)
-        run(work, *arguments)
+        run(work)
 
-    background.BackgroundWork._run = held
+    jobs.BackgroundWork._run = held
     leaflight.bake, leaflight.resume = _in_passes(leaflight.bake), _in_passes(leaflight.resume)
     flatland.bake_flatland = _in_passes(flatland.bake_flatland)
 

@@ -13,7 +13,8 @@ import sys
 from pathlib import Path
 
 import bpy
-from leaflight_addon.operators import background
+from leaflight_addon.operators import jobs
+from leaflight_addon.stage import viewport
 
 sys.path.insert(0, os.path.dirname(__file__))
 import gate  # noqa: E402
@@ -45,6 +46,8 @@ def main():
     )
     sidebar.show_all_panels()
     gate.install()
+    # Without a graphics card each first picture of materials takes many seconds.
+    viewport._show_materials = lambda _shading: None
     stepwise.run(drive(), {})
 
 
@@ -67,7 +70,7 @@ def drive():
         }
         print("PRESSED", json.dumps(result), flush=True)
         if press.failures:
-            background.cancel_running()
+            jobs.cancel_running()
             os._exit(3)
 
 

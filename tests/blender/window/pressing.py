@@ -10,7 +10,7 @@ import rows
 import seen
 import sidebar
 from leaflight_addon.bake import live, stopped
-from leaflight_addon.operators import background
+from leaflight_addon.operators import jobs
 from leaflight_addon.show import preview
 
 # The text in the status bar of the window.
@@ -173,7 +173,7 @@ class Pressing:
         yield from self._press()
         if row.held in ("work", "pass"):
             yield from self._answer()
-            yield from self._until(lambda: gate.reached and background.running() is not None)
+            yield from self._until(lambda: gate.reached and jobs.running() is not None)
             yield from hand.steps(_FEW)
         elif row.held == "modal":
             yield from hand.drag(0.5, 0.6, 0.1)
@@ -189,17 +189,15 @@ class Pressing:
 
     def _while_alive(self):
         """Until gate.py holds the work, or its thread has ended."""
-        while (work := background.running()) is not None and work.is_alive() and not gate.reached:
+        while (work := jobs.running()) is not None and work.is_alive() and not gate.reached:
             yield from hand.steps(1)
 
     def _settle(self):
         """Until all work has ended; raises Failed where it hangs although its thread has ended."""
         yield from hand.steps(_FEW)
         waited = 0
-        while background.running() is not None or live.at_work() is not None:
-            alive = any(
-                w is not None and w.is_alive() for w in (background.running(), live.at_work())
-            )
+        while jobs.running() is not None or live.at_work() is not None:
+            alive = any(w is not None and w.is_alive() for w in (jobs.running(), live.at_work()))
             waited = 0 if alive else waited + 1
             if waited > _MANY:
                 raise Failed("the work has ended, and the add-on is not free")

@@ -129,6 +129,7 @@ ROWS = (
     _instant("throw_bake_away", "stopped", "waits", undone=False),
     _instant("stop_live", "living", "live"),
     Row("continue_bake", "unreached", "lit", held="pass", short=True),
+    Row("finer_texels", "baked", "lit", held="pass"),
     Row("resume_bake", "interrupted", "lit", held="pass"),
     Row("estimate_bake", "staged", "estimate", held="work"),
     Row("bake_flatland", "graph", "lit graphs", held="pass"),
@@ -150,6 +151,7 @@ ROWS = (
         held="work",
     ),
     Row("export", "baked", "exported", asks="browser", held="work", short=True),
+    Row("export_page", "baked", "exported", asks="browser", held="work"),
     Row("pick_isovalue", "imported", "isovalue", held="modal"),
     Row("smooth", "imported", "smoothing", {"what": "smooth", "amount": "1"}, held="work"),
     _instant("isosurface_preset", "baked", "look", options={"preset": "COPPER"}, short=True),
@@ -161,7 +163,13 @@ ROWS = (
     _instant("animate", "baked", "keyframes", options={"kind": "SWEEP"}, short=True),
     _instant("animate", "baked", "keyframes", options={"kind": "TURNTABLE"}, also="turntable"),
     _instant("animate", "baked", "keyframes", options={"kind": "WIPE"}, also="wipe"),
+    _instant("copy_report", "home", "clipboard"),
     _instant("add_scale_bar", "baked", "labels"),
     _instant("add_letters", "baked", "labels"),
     _instant("add_orientation_cube", "baked", "labels"),
 )
+
+# Operators that nobody can press, each with its reason.
+UNPRESSED = {
+    "go_on": "It takes over the work of a window that was closed, by itself.",
+}

@@ -76,10 +76,6 @@ def _import(scenes, name="head.nii.gz", **options):
 def _stage(_scenes):
     blender.stage(seen.volume())
     seen.volume().leaflight.light_walls = False
-    # Without a graphics card all else takes seconds for each picture.
-    for area in bpy.context.window_manager.windows[0].screen.areas:
-        if area.type == "VIEW_3D":
-            area.spaces.active.shading.type = "SOLID"
 
 
 def _light_walls(_scenes):

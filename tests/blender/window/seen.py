@@ -6,7 +6,7 @@ SEEN holds a function for each; the folder is that of the .blend that is open.
 
 import bpy
 from leaflight_addon.bake import estimate_bake, live, stopped
-from leaflight_addon.operators import background
+from leaflight_addon.operators import jobs
 from leaflight_addon.show import added, display
 from leaflight_addon.stage import hidden
 from leaflight_addon.store import frame_bakes
@@ -81,14 +81,15 @@ SEEN = {
     "camera": lambda: _numbers(bpy.context.scene.camera.matrix_world),
     "hidden": lambda: [obj.name for obj in hidden.all_hidden(bpy.context.scene)],
     "stands": lambda: _numbers(volume().matrix_world),
-    "at work": lambda: background.running() is not None,
+    "at work": lambda: jobs.running() is not None,
     "waits": lambda: stopped.offered() is not None,
     "live": lambda: live.at_work() is not None,
     "estimate": lambda: estimate_bake.estimate_of(volume()) is not None,
     "files of bakes": lambda: sorted(path.name for path in folder().glob("leaflight/*.vdb")),
     "photons": lambda: displays("photons"),
     "comparison": lambda: volume().leaflight.comparison,
-    "exported": lambda: sorted(path.name for path in folder().glob("*.glb")),
+    "exported": lambda: sorted(path.name for path in folder().glob("*.[gh]*")),
+    "clipboard": lambda: bpy.context.window_manager.clipboard,
     "isovalue": lambda: round(volume().leaflight.isovalue, 3),
     "smoothing": lambda: volume().leaflight.smooth,
     "look": _look,

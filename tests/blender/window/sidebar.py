@@ -4,7 +4,7 @@
 import bpy
 import hand
 from leaflight_addon import versions
-from leaflight_addon.operators import background
+from leaflight_addon.operators import jobs
 from leaflight_addon.ui import panels
 
 # Each time that the panels were drawn.
@@ -32,7 +32,7 @@ def is_drawn():
     hand.view().spaces.active.show_region_ui = True
     versions.choose_sidebar_tab(hand.view(), "Leaflight")
     _drawn.clear()
-    background.redraw_panels()
+    jobs.redraw_panels()
     yield from hand.steps(3)
     region = next(region for region in hand.view().regions if region.type == "UI")
     x, top = region.x + region.width - 14, region.y + region.height
