@@ -181,6 +181,7 @@ def _output(baked: Bake, options: Namespace) -> Output:
         "out": options.out,
         "scene": baked.scene.name,
         "isovalues": list(baked.isovalues),
+        "both_sides": baked.provenance.both_sides,
         "volumes": [
             {"name": isosurfaces.name, "isovalues": list(isosurfaces.isovalues or baked.isovalues)}
             for isosurfaces in baked.scene.isosurfaces

@@ -20,7 +20,7 @@ from ..bake.baked import Bake, Surface
 from ..bake.load_bake import load_bake
 from ..bake.outcome import outcome
 from ..bake.photons import Photons, trace_photons
-from ..bake.settings import UnusedSetting
+from ..bake.settings import ChosenSetting, UnusedSetting
 from ..flatland.flat_scene import load_flat_scene
 from ..flatland.flatland import (
     FlatBake,
@@ -33,7 +33,7 @@ from ..io.images import write_png
 from ..io.output import check_writable, replaced_together
 from ..io.ply import write_photons, write_ply
 from ..measure.compare import compare
-from ..volume.volume import default_isovalue, default_isovalue_range
+from ..volume.first_isovalue import default_isovalue, default_isovalue_range
 from ..words import by
 from .bake_command import run_bake
 from .batch_command import run_batch
@@ -53,7 +53,8 @@ def run(options: Namespace, command: Command | None = None) -> int:
     command = command or COMMANDS[options.command]
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("always", UnusedSetting)
+            for kind in (ChosenSetting, UnusedSetting):
+                warnings.simplefilter("always", kind)
             warnings.showwarning = _print_warning
             result, sentences = command(options)
     except Cancelled as end:
