@@ -17,6 +17,7 @@ from bpy.props import (
 )
 from bpy_extras.io_utils import ImportHelper
 from leaflight import blender
+from leaflight.bake.both_sides import why_both_sides
 from leaflight.io import readers
 
 from ..operators import background, failures, jobs
@@ -288,6 +289,7 @@ class ImportJob(jobs.Job):
         self._range = self._volume.field().range
         self._isovalue_range = leaflight.default_isovalue_range(self._volume)
         self._isovalue = leaflight.default_isovalue(self._volume)
+        self._why_both_sides = why_both_sides(self._volume, self._isovalue_range)
         progress.check()
 
     def apply(self):
@@ -308,6 +310,9 @@ class ImportJob(jobs.Job):
         settings.frames = self._stored.frames
         settings.shown_frame = max(settings.frame, 0)
         settings.low, settings.high = self._isovalue_range
+        if self._why_both_sides:
+            settings.both_sides = True
+            self.warnings += (f"{self._why_both_sides}, so Both Sides is on for the bake.",)
         settings.is_volume = True
         cache.forget_unused()
         cache.keep_volume(obj, volume)

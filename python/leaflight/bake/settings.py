@@ -13,6 +13,7 @@ from ..scene.scene import Isosurfaces
 from ..volume.setting_error import SettingError
 from ..volume.first_isovalue import default_isovalue_range
 from ..volume.volume import Volume
+from ..words import figures
 
 _InPasses = TypeVar("_InPasses", _core.BakeSettings, _core.BakeSettings2)
 _Settings = TypeVar(
@@ -128,9 +129,10 @@ def _checked(isovalues: Sequence[float], data_range: tuple[float, float]) -> tup
             "then the higher."
         )
     if hi <= low or lo >= high:
+        first, last, least, most = figures(lo, hi, low, high)
         raise LeaflightError(
-            f"The isovalue range {lo:g}..{hi:g} lies outside the data, whose values are "
-            f"{low:g}..{high:g}: give a range that overlaps them."
+            f"The isovalue range {first}..{last} lies outside the data, whose values are "
+            f"{least}..{most}: give a range that overlaps them."
         )
     return lo, hi
 

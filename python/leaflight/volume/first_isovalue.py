@@ -14,6 +14,8 @@ from .volume import Volume
 BACKGROUND_SHARE = 0.1
 # A level set is at least so deep, for each step that values reach above 0. Less is noise about 0.
 LEVEL_SET = 0.1
+# Between the lobes of both signs, at less than this part of the range above 0, is nothing to see.
+AT_ZERO = 0.02
 
 
 def default_isovalue_range(volume: Volume) -> tuple[float, float]:
@@ -50,6 +52,9 @@ def default_isovalue(volume: Volume) -> float:
     lo, hi = default_isovalue_range(volume)
     if not lo < isovalue < hi:
         return 0.5 * (lo + hi)
+    if lo < 0 < hi and abs(isovalue) < AT_ZERO * hi and _is_mostly_zero(volume):
+        lobe = inner_isovalue(volume, 0.0)
+        return lobe if lobe is not None and lobe < hi else float(isovalue)
     return _seen_from_front(volume, float(isovalue), lo, hi)
 
 
@@ -72,6 +77,14 @@ def inner_isovalue(volume: Volume, isovalue: float) -> float | None:
     # In the middle of an empty part, away from the noise on both sides.
     inner = np.mean(_best_edges(counts[begin:end], edges[begin : end + 1]))
     return float(np.floor(inner) + 0.5 if _is_integer(volume) else inner)
+
+
+def _is_mostly_zero(volume: Volume) -> bool:
+    """Whether most values lie about 0, between lobes of both signs."""
+    counts, edges = volume.distribution.histogram(256)
+    middles = 0.5 * (edges[1:] + edges[:-1])
+    is_near = np.abs(middles) < 0.1 * np.abs(middles).max()
+    return bool(counts[is_near].sum() > 0.5 * counts.sum())
 
 
 def _seen_from_front(volume: Volume, isovalue: float, lo: float, hi: float) -> float:

@@ -3,6 +3,7 @@
 
 import math
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypedDict
@@ -139,6 +140,12 @@ class Volume:
             ("of", f"{by(self.spacing)} {self.unit or '(no unit)'}"),
             ("type", str(self.values.dtype)),
         ]
+
+    def noted(self, *notes: str) -> "Volume":
+        """The same volume with more notes."""
+        noted = copy(self)
+        noted.__dict__.update(notes=(*self.notes, *notes))
+        return noted
 
     @property
     def spacing(self) -> tuple[float, ...]:
