@@ -6,6 +6,8 @@ import sys
 from pathlib import Path
 
 import pytest
+from leaflight.io.readers.reading import OPTIONS
+from leaflight_command.parser import make_parser
 from poisoned import PATTERNS, UNWRITTEN, answers
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "fuzz"))
@@ -40,6 +42,5 @@ def test_what_is_read_is_the_same_whatever_the_memory_held(tmp_path):
 
 def _options(target):
     """Those of read_volume() among the arguments of a target."""
-    given = target.arguments[target.arguments.index("--json") + 1 :]
-    options = {name[2:]: int(value) for name, value in zip(given[::2], given[1::2])}
-    return {**options, "dims": [options["dims"]]} if "dims" in options else options
+    given = vars(make_parser().parse_args(target.arguments))
+    return {name: given[name] for name in OPTIONS if given[name] is not None}
