@@ -19,6 +19,7 @@ from bpy_extras.io_utils import ImportHelper
 from leaflight import blender
 from leaflight.bake.both_sides import why_both_sides
 from leaflight.io import readers
+from leaflight.words import figures
 
 from ..operators import background, failures, jobs
 from ..show import isovalues, source_properties, surface_object, units
@@ -329,10 +330,10 @@ class ImportJob(jobs.Job):
         context.view_layer.objects.active = obj
         isovalues.lock_interface(context.scene)
         nz, ny, nx = volume.values.shape
-        low, high = self._range
+        low, high = figures(*self._range)
         step = self._choices["downsample"]
         return (
-            f"{volume.name}: {nx} x {ny} x {nz} voxels, values {low:g} to {high:g}"
+            f"{volume.name}: {nx} x {ny} x {nz} voxels, values {low} to {high}"
             + (f", read at 1/{step} of its resolution" if step > 1 else "")
             + (
                 "; the file has no orientation: choose Up and Front under Stage"
