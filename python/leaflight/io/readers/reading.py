@@ -23,6 +23,7 @@ from ...volume.voxels import as_voxels, held_type, new_voxels
 from .checks import choose, text
 from .downsampling import downsampled
 from .formats import RAW, Format, format_of
+from .missing_package import MissingPackage
 from .page_process import kept_processes
 from .stored import StoredVolume
 from .watched import watched
@@ -55,24 +56,6 @@ OPTIONS = (
     "smooth",
     "smooth_normals",
 )
-
-_NOT_IN_DEBIAN = {"hdf5plugin", "imagecodecs"}
-
-
-class MissingPackage(LeaflightError):
-    """A Python package that a format needs is not installed.
-
-    package: its name; of_debian: that of Debian's package, or None.
-    """
-
-    def __init__(self, path: Path, kind: str, package: str) -> None:
-        of_debian = None if package in _NOT_IN_DEBIAN else f"python3-{package}"
-        debian = f", or on Debian 'apt install {of_debian}'" if of_debian else ""
-        super().__init__(
-            f"{path}: reading this {kind} needs the Python package {package}, which is not "
-            f"installed; run 'pip install {package}'{debian}."
-        )
-        self.path, self.kind, self.package, self.of_debian = path, kind, package, of_debian
 
 
 @with_progress("read")

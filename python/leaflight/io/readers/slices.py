@@ -42,7 +42,7 @@ def _stack(slices: Slices, read: Callable[[Path], Array], notes: tuple[str, ...]
     check_scalar(slices.files[0], first.dtype)
 
     @contextmanager
-    def reading() -> Iterator[Callable[[int], Array]]:
+    def reading(_numbers: Sequence[int]) -> Iterator[Callable[[int], Array]]:
         def read_slice(k: int) -> Array:
             pixels = read(slices.files[k])
             if pixels.shape != first.shape:
