@@ -128,7 +128,7 @@ def test_a_plane_that_is_in_no_file_is_refused(tmp_path):
     with pytest.raises(LeaflightError, match="describe 8 planes, but the one at Z 3, C 1, T 0 is"):
         read_volume(path, channel=0)
     write(path, np.concatenate([pages, pages[:1]]), ome(""))
-    assert probe(path).notes == ("The file holds 1 more pages than its OME metadata describe.",)
+    assert probe(path).notes == ("Pages that the OME metadata do not describe are left out: 1.",)
     np.testing.assert_array_equal(read_volume(path, channel=1).values, PIXELS[1])
 
 
@@ -153,7 +153,7 @@ def test_several_images_of_ome_tiff_are_chosen_by_name(tmp_path):
         read_volume(path)
     volume = read_volume(path, dataset="up")
     np.testing.assert_array_equal(volume.values, PIXELS[1, :3])
-    assert volume.notes[0] == "Other pictures in the file are left out: 1, of 6 x 2 pixels."
+    assert volume.notes == ("Other pictures in the file are left out: 1, of 6 x 2 pixels.",)
 
 
 def test_colors_in_ome_tiff_are_channels(tmp_path):

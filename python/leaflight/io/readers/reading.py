@@ -22,7 +22,7 @@ from ...volume.volume import Volume
 from ...volume.voxels import as_voxels, held_type, new_voxels
 from .checks import choose, text
 from .downsampling import downsampled
-from .formats import RAW, Format, format_of
+from .formats import RAW, Format, format_of, left_out
 from .missing_package import MissingPackage
 from .page_process import kept_processes
 from .stored import StoredVolume
@@ -162,7 +162,8 @@ def _opened(path: Path, kind: Format, stored: StoredOptions) -> StoredVolume:
             )
     reader = import_module(f".{kind.module}", __package__)
     opened: StoredVolume = reader.open_volume(path, **options)
-    return opened
+    notes = left_out(path, kind) if path.is_dir() else ()
+    return replace(opened, notes=(*opened.notes, *notes)) if notes else opened
 
 
 @contextmanager

@@ -71,18 +71,24 @@ def _of_ome(path: Path, xml: str | bytes) -> list[tuple[str, Callable[[], Stack]
         raise _flat(path, [(image.sizes["X"], image.sizes["Y"]) for image in flat])
     notes = _left_out([f"{i.sizes['X']} x {i.sizes['Y']} pixels" for i in flat])
     return [
-        (image.name, partial(_ome_stack, path, image, notes))
+        (image.name, partial(_ome_stack, path, image, notes, len(images) == 1))
         for image in images
         if image not in flat
     ]
 
 
-def _ome_stack(path: Path, image: ome.Image, notes: tuple[str, ...]) -> Stack:
+def _ome_stack(path: Path, image: ome.Image, notes: tuple[str, ...], alone: bool) -> Stack:
+    """alone: whether the metadata describe no other image."""
+
     def pages_of(file: Path) -> int:
         with opened(file) as tiff:
             return len(tiff.pages)
 
-    places, more = ome.table(path, image, pages_of)
+    places = ome.table(path, image, pages_of)
+    if alone and {file for file, _ in places.values()} == {path}:
+        left = pages_of(path) - len(set(places.values()))
+        more = f"Pages that the OME metadata do not describe are left out: {left}."
+        notes = (*notes, more) if left > 0 else notes
     file, number = places[0]
     with opened(file) as tiff:
         page = tiff.pages[number]
@@ -97,7 +103,7 @@ def _ome_stack(path: Path, image: ome.Image, notes: tuple[str, ...]) -> Stack:
         )
     outer = tuple((axis, image.sizes[axis]) for axis in reversed(image.order))
     blocks = Blocks(outer, inner, dtype, partial(_open_places, places), samples, colors)
-    return stack_of(path, blocks, image.voxel, (*notes, *more))
+    return stack_of(path, blocks, image.voxel, notes)
 
 
 @contextmanager
