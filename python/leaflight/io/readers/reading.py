@@ -22,7 +22,8 @@ from ...volume.volume import Volume
 from ...volume.voxels import as_voxels, held_type, new_voxels
 from .checks import choose, text
 from .downsampling import downsampled
-from .formats import RAW, Format, format_of
+from .formats import RAW, Format, format_of, left_out
+from .missing_package import MissingPackage
 from .page_process import kept_processes
 from .stored import StoredVolume
 from .usable import Usable, about_labels, usable
@@ -56,24 +57,6 @@ OPTIONS = (
     "smooth",
     "smooth_normals",
 )
-
-_NOT_IN_DEBIAN = {"hdf5plugin", "imagecodecs"}
-
-
-class MissingPackage(LeaflightError):
-    """A Python package that a format needs is not installed.
-
-    package: its name; of_debian: that of Debian's package, or None.
-    """
-
-    def __init__(self, path: Path, kind: str, package: str) -> None:
-        of_debian = None if package in _NOT_IN_DEBIAN else f"python3-{package}"
-        debian = f", or on Debian 'apt install {of_debian}'" if of_debian else ""
-        super().__init__(
-            f"{path}: reading this {kind} needs the Python package {package}, which is not "
-            f"installed; run 'pip install {package}'{debian}."
-        )
-        self.path, self.kind, self.package, self.of_debian = path, kind, package, of_debian
 
 
 @with_progress("read")
@@ -182,7 +165,8 @@ def _opened(path: Path, kind: Format, stored: StoredOptions) -> StoredVolume:
             )
     reader = import_module(f".{kind.module}", __package__)
     opened: StoredVolume = reader.open_volume(path, **options)
-    return opened
+    notes = left_out(path, kind) if path.is_dir() else ()
+    return replace(opened, notes=(*opened.notes, *notes)) if notes else opened
 
 
 @contextmanager
