@@ -291,8 +291,8 @@ def _remarks(header: pydicom.Dataset) -> tuple[str, ...]:
         )
     if interpretation == "PALETTE COLOR":
         remarks.append("The values are numbers of a color table, as stored.")
-    kind = header.get("ImageType", None) or ()
-    if header.get("Modality", "") == "NM" and len(kind) > 2 and "RECON" not in str(kind[2]):
+    kind = [str(word) for word in header.get("ImageType", None) or ()]
+    if header.get("Modality", "") == "NM" and len(kind) > 2 and "RECON" not in kind[2]:
         remarks.append("The pages are views or times of a camera, not slices.")
     if header.get("ModalityLUTSequence", None):
         remarks.append(
