@@ -53,6 +53,16 @@ def test_bits_that_end_at_the_highest(tmp_path, signed, representation):
     )
 
 
+def test_pixels_without_data(tmp_path, values):
+    words = values.copy()
+    words[:, 0] = 63536
+    tags = {"PixelRepresentation": 1, "PixelPaddingValue": -2000, "RescaleIntercept": -1024}
+    volume = read_volume(series_of(tmp_path / "scan", words, **tags))
+    expected = np.where(words < 63536, values - 1024, np.nan)
+    np.testing.assert_array_equal(volume.values, expected)
+    assert "of the voxels hold -3024" in volume.notes[0]
+
+
 def test_numbers_of_32_bits(tmp_path, values):
     numbers = values.astype(np.int64) * 30_000_001
     folder = series_of(tmp_path / "scan", values, BitsAllocated=32, BitsStored=32, HighBit=31)

@@ -155,8 +155,8 @@ def _of_folder(path: Path) -> Format:
         share = sum(map(is_dicom, looked_at)) / len(looked_at)
         counts["dicom"] += round(share * len(without))
     (most, first), (second, others) = sorted(counts.items(), key=lambda kind: -kind[1])[:2]
-    # Pictures above the folders of a disc.
-    if first <= _FEW and most != "dicom" and holds_dicom(path):
+    # Folders of slices alone, or pictures above the folders of a disc.
+    if first <= _FEW and (first == 0 or most != "dicom") and holds_dicom(path):
         return _BY_MODULE["dicom"]
     if first == 0:
         raise LeaflightError(

@@ -16,6 +16,9 @@ from .series import find_series
 from .stacks import Stack, sparse_stack_of, stack_of
 from .values import value_type, values_of_frame
 
+# Values of pixels without data, by the header. Slopes that differ from slice to slice make many.
+_MOST_PADDINGS = 4
+
 
 def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
     """The series of a folder or a disc, or the one that a file belongs to.
@@ -43,6 +46,7 @@ def _opened(path: Path, part: Part, names: tuple[str, ...], notes: tuple[str, ..
     _check_depth(path, stack)
     first = part.planes[0]
     dtype = value_type(part.planes)
+    paddings = {one.padding for one in part.planes if one.padding is not None}
     remarks = dict.fromkeys(remark for one in part.planes for remark in one.remarks)
 
     def load(frame: int, _channel: int, progress: Progress) -> Volume:
@@ -58,6 +62,7 @@ def _opened(path: Path, part: Part, names: tuple[str, ...], notes: tuple[str, ..
         frames=len(stack.frames),
         datasets=names,
         patient=first.placed,
+        missing=tuple(sorted(paddings)) if len(paddings) <= _MOST_PADDINGS else (),
         notes=(*notes, *part.notes, *stack.notes, *remarks),
     )
 

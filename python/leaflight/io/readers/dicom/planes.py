@@ -36,6 +36,7 @@ class Plane:
     normal: the direction in which planes count up. spacing: between rows, between columns.
     step: the distance to the next plane, where positions do not give it; 0 where nothing does.
     sparse: whether planes that are not there are 0. placed: whether the position is a patient's.
+    padding: the value of pixels without data, None where the header names none.
     remarks: sentences for the user.
     """
 
@@ -54,6 +55,7 @@ class Plane:
     step: float
     sparse: bool
     placed: bool
+    padding: float | None
     remarks: tuple[str, ...]
 
 
@@ -170,6 +172,7 @@ def _plane(file: _File, tags: _Tags, page: int) -> Plane:
         remarks += ("The header has no distance of the slices; 1 mm is taken.",)
     slope, intercept = _scale(tags)
     location = header.get("SliceLocation", None)
+    padding = _padding(file)
     return Plane(
         pixels=pixels,
         page=page,
@@ -186,6 +189,7 @@ def _plane(file: _File, tags: _Tags, page: int) -> Plane:
         step=abs(gap),
         sparse=str(header.get("SOPClassUID", "")) in _SEGMENTATIONS,
         placed=placed,
+        padding=None if padding is None else padding * slope + intercept,
         remarks=remarks,
     )
 
@@ -248,6 +252,16 @@ def _scale(tags: _Tags) -> tuple[float, float]:
         slope = tags.get("RescaleSlope", "PixelValueTransformationSequence")
         intercept = tags.get("RescaleIntercept", "PixelValueTransformationSequence")
     return _number(slope) or 1.0, _number(intercept)
+
+
+def _padding(file: _File) -> float | None:
+    """The stored number that stands where a scanner has no data."""
+    value = file.tags.get("PixelPaddingValue", None)
+    if not isinstance(value, int):
+        return None
+    # Without the type of a tag its sign is lost.
+    half = 1 << (file.pixels.stored - 1)
+    return float(value - 2 * half if file.pixels.signed and value >= half else value)
 
 
 def _order(tags: _Tags, page: int) -> Floats:
