@@ -21,6 +21,7 @@ CODE = f"python addon tests scripts validation examples docs {SCRIPTS}"
 PYTEST = "/usr/bin/python3 -m pytest"
 # Most of the Python tests keep one processor busy; the tests of a file share their bakes.
 PARALLEL = "--numprocesses 2 --dist loadfile"
+OPERATORS = "tests/blender/test_window_operators.py"
 BUILD_CORE = "cmake --preset tests && cmake --build --preset tests"
 
 
@@ -80,7 +81,9 @@ LONG_PARTS = (
         SLOW,
     ),
     Part("web-slow", f"{PYTEST} tests/web {{select}}", SLOW),
-    Part("blender-slow", f"{PYTEST} tests/blender {{select}}", SLOW),
+    Part("blender-slow", f"{PYTEST} tests/blender --ignore {OPERATORS} {{select}}", SLOW),
+    # Every operator in a real window; how long that stood still is in build/test/window.md.
+    Part("window", f"{PYTEST} {OPERATORS} {{select}}", SLOW),
     # Nothing else may run beside these.
     Part(
         "machine",

@@ -30,7 +30,8 @@ from .version import __version__
 from .volume.memory import limit_memory
 from .volume.other_arrays import as_volume
 from .volume.particles import lapr, neuron, nucleons
-from .volume.volume import Volume, bump_box, default_isovalue, default_isovalue_range
+from .volume.first_isovalue import default_isovalue, default_isovalue_range
+from .volume.volume import Volume, bump_box
 
 __all__ = [
     "Bake",

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Facts in words, for people."""
 
+import math
 from collections.abc import Iterable
 from html import escape
 
@@ -8,6 +9,13 @@ from html import escape
 def by(numbers: Iterable[float]) -> str:
     """Such as 181 x 217 x 181."""
     return " x ".join(f"{number:g}" for number in numbers)
+
+
+def figures(*values: float) -> list[str]:
+    """Values and isovalues, all with as many digits as those need that lie close to each other."""
+    span, most = max(values) - min(values), max(map(abs, values))
+    digits = 6 if not 0 < span < most else max(6, math.ceil(math.log10(most / span)) + 3)
+    return [f"{value:.{digits}g}" for value in values]
 
 
 def html_table(title: str, facts: Iterable[tuple[str, str]]) -> str:

@@ -99,8 +99,17 @@ def _add_bake(subparsers: "argparse._SubParsersAction[Parser]") -> None:
         metavar="BAKE.vdb",
         help="go on with a finished bake, in place of a VOLUME",
     )
+    # By itself it does where the back is what is seen.
+    parser.add_argument(
+        "--both-sides",
+        action="store_true",
+        default=None,
+        help="light the backs, too (or --no-both-sides)",
+    )
+    parser.add_argument(
+        "--no-both-sides", dest="both_sides", action="store_false", help=argparse.SUPPRESS
+    )
     for option, text in (
-        ("--both-sides", "light the back of isosurfaces, too"),
         ("--walls", "keep the light on the walls, too"),
         ("--verbose", "print the passes that were left out, and why"),
     ):

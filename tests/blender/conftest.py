@@ -84,6 +84,16 @@ class Blender:
     def in_window(self, script, *arguments, size=(1024, 640)):
         """The result of a script that drives Blender in a window: the object of its line WINDOW.
 
+        Arguments are those of show().
+        """
+        status, said = self.show(script, *arguments, size=size)
+        lines = [line for line in said.splitlines() if line.startswith("WINDOW ")]
+        assert lines and status == 0, said
+        return json.loads(lines[0].removeprefix("WINDOW "))
+
+    def show(self, script, *arguments, size=(1024, 640)):
+        """Runs a script that drives Blender in a window; returns its exit status and its output.
+
         Skips the test where there is no window, or no xvfb-run to give it a screen; ends the screen
         with the program when it hangs. size: of the window and of the screen, in pixels.
         """
@@ -111,9 +121,7 @@ class Blender:
             os.killpg(process.pid, signal.SIGKILL)
             said = process.communicate()[0]
             pytest.fail(f"Blender's window hangs:\n{said}", pytrace=False)
-        lines = [line for line in said.splitlines() if line.startswith("WINDOW ")]
-        assert lines and process.returncode == 0, said
-        return json.loads(lines[0].removeprefix("WINDOW "))
+        return process.returncode, said
 
     def check(self, results, *arguments, **variables):
         """Runs inside/run.py, which writes what came of each check to a file of results.

@@ -278,6 +278,43 @@ def _amira(_folder):
     return [*seeds, text + b"@1\n" + " ".join(map(str, VALUES.ravel())).encode()]
 
 
+def _dicom(folder):
+    """A scan, a dose, a camera and segments; a scan without a preamble, deflated and packed."""
+    import dicom_files as files
+    from pydicom import uid
+    from pydicom.encaps import encapsulate
+    from test_damaged_files import VALUES, dicom
+
+    path = folder / "seed.dcm"
+    whole = dicom(path)
+    seeds = [whole, files.bare(whole)]
+    organs = [(n + 1, k, VALUES[k] > 99) for k in (0, 2, 3) for n in range(2)]
+    vector = {"SpacingBetweenSlices": -2, "SliceVector": [1, 2, 3, 4, 5, 6]}
+    pages = encapsulate([files.jpeg_2000(plane) for plane in VALUES])
+    for write in (
+        lambda: files.dose(path, VALUES, [0, 2, 4, 6, 8, 10]),
+        lambda: files.camera(path, VALUES, **vector),
+        lambda: files.segments(path, organs[::2], ["Liver"], SegmentationType="FRACTIONAL"),
+        lambda: path.write_bytes(whole),
+        lambda: files.edit(path, syntax=uid.DeflatedExplicitVRLittleEndian),
+        lambda: path.write_bytes(whole),
+        lambda: files.edit(path, PixelData=pages, syntax=uid.JPEG2000Lossless),
+    ):
+        write()
+        seeds.append(path.read_bytes())
+    path.unlink()
+    return seeds
+
+
+def _dicomdir(folder):
+    from dicom_files import write_disc
+    from test_damaged_files import VALUES
+
+    disc = write_disc(folder, VALUES)
+    (disc / "PT000000").rename(folder / "PT000000")
+    return [(disc / "DICOMDIR").read_bytes()]
+
+
 def _csv(_folder):
     points = np.random.default_rng(1).random((40, 4)).round(3)
     lines = [",".join(map(str, row)) for row in points]
@@ -327,6 +364,18 @@ def _by_hdf5(*names):
     return seeds
 
 
+def _ome_set(make, at):
+    """One file of a set of OME-TIFF: its place among those that the function makes."""
+
+    def seeds(folder):
+        import test_reader_tiff
+
+        path = folder / getattr(test_reader_tiff, make)(folder)[at]
+        return [path.read_bytes()]
+
+    return seeds
+
+
 def _netcdf(folder):
     from test_reader_netcdf import classic, even
 
@@ -334,6 +383,35 @@ def _netcdf(folder):
     dimensions = {name: (even(2, n), {"units": "nm"}) for name, n in zip("zyx", values.shape)}
     path = classic(folder / "seed.nc", values, dimensions, _FillValue=np.float32(7))
     return [path.read_bytes()]
+
+
+def _slices(suffix):
+    def seeds(folder):
+        from test_reader_slices import GRAY, save_all
+
+        path = save_all(folder / f"input.slices{suffix}", f"{{}}{suffix}", GRAY)
+        return [(path / f"8{suffix}").read_bytes()]
+
+    return seeds
+
+
+def _microscope(name):
+    def seeds(folder):
+        import microscope_files
+        from test_reader_microscopes import PIXELS, needs
+
+        needs({"czi": "pylibCZIrw", "lif": "liffile"}.get(name, name))
+        path = folder / "seed"
+        pixels = PIXELS[0, 0, 0]
+        if name == "czi":
+            microscope_files.czi(path, pixels[None, None])
+        elif name == "lif":
+            microscope_files.lif(path, {"a": ("ZYX", pixels)})
+        else:
+            microscope_files.nd2(path, "ZYXC", pixels[..., None])
+        return [path.read_bytes()]
+
+    return seeds
 
 
 def _bake(folder):
@@ -405,12 +483,21 @@ TARGETS = (
     Target("nrrd", ".nrrd", _nrrd, _INFO),
     Target("nhdr", ".nhdr", _detached_nrrd, _INFO),
     Target("metaimage", ".mha", _metaimage, _INFO),
-    Target("dicom", ".dcm", _of_tests("x.dcm"), _INFO),
+    Target("dicom", ".dcm", _dicom, _INFO),
+    Target("dicomdir", ".dcm", _dicomdir, _INFO),
     Target("mrc", ".mrc", _of_tests("x.mrc"), _INFO),
     Target("vti", ".vti", _of_tests("x.vti"), _INFO),
     Target("tiff", ".tif", _of_tests("deflated.tif"), _INFO),
     Target("imagej", ".tif", _of_tests("imagej.tif"), _INFO),
     Target("ome-tiff", ".ome.tif", _of_tests("x.ome.tif"), _INFO),
+    Target("ome-set", ".ome.tif", _ome_set("of_channels", 0), (*_INFO, "--channel", "1")),
+    Target("ome-xml", ".companion.ome", _ome_set("of_companion", -1), (*_INFO, "--channel", "1")),
+    Target("png-slices", ".slices.png", _slices(".png"), _INFO, within="8.png"),
+    Target("jpeg-slices", ".slices.jpg", _slices(".jpg"), _INFO, within="8.jpg"),
+    Target("bmp-slices", ".slices.bmp", _slices(".bmp"), _INFO, within="8.bmp"),
+    Target("czi", ".czi", _microscope("czi"), _INFO, slow=True),
+    Target("lif", ".lif", _microscope("lif"), _INFO, slow=True),
+    Target("nd2", ".nd2", _microscope("nd2"), _INFO, slow=True),
     Target("ome-zarr", ".zarr", _zarr, (*_INFO, "--channel", "0"), within=".zattrs", slow=True),
     Target(
         "zarr-array",

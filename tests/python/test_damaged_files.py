@@ -54,7 +54,7 @@ def metaimage(path):
 
 def dicom(path):
     pytest.importorskip("pydicom")
-    from test_reader_dicom import write_slice
+    from dicom_files import write_slice
 
     write_slice(path, VALUES, 0, NumberOfFrames=6, RescaleSlope=1, RescaleIntercept=0)
     return path.read_bytes()

@@ -7,35 +7,8 @@ from leaflight import LeaflightError, read_volume
 from leaflight.io.readers import probe
 
 pydicom = pytest.importorskip("pydicom")
-from pydicom.dataset import FileDataset, FileMetaDataset  # noqa: E402
-from pydicom.uid import CTImageStorage, ExplicitVRLittleEndian, generate_uid  # noqa: E402
-
-SERIES = generate_uid(entropy_srcs=["leaflight"])
-
-
-def write_slice(path, pixels, place, series=SERIES, **tags):
-    """A CT slice at the place z along the patient; its values are 2 pixels - 1000."""
-    meta = FileMetaDataset()
-    meta.MediaStorageSOPClassUID = CTImageStorage
-    # The same bytes in every run.
-    meta.MediaStorageSOPInstanceUID = generate_uid(entropy_srcs=[path.name])
-    meta.TransferSyntaxUID = ExplicitVRLittleEndian
-    data = FileDataset(str(path), {}, file_meta=meta, preamble=b"\0" * 128)
-    data.is_little_endian, data.is_implicit_VR = True, False
-    data.SOPClassUID, data.SOPInstanceUID = CTImageStorage, meta.MediaStorageSOPInstanceUID
-    data.SeriesInstanceUID, data.SeriesNumber, data.Modality = series, 3, "CT"
-    data.SeriesDescription, data.InstanceNumber = "Head", 1
-    data.ImagePositionPatient, data.ImageOrientationPatient = [10, 20, place], [1, 0, 0, 0, 1, 0]
-    data.PixelSpacing, data.SliceThickness = [0.5, 0.25], 3
-    data.RescaleSlope, data.RescaleIntercept = 2, -1000
-    data.Rows, data.Columns = pixels.shape[-2:]
-    data.BitsAllocated = data.BitsStored = 16
-    data.HighBit, data.PixelRepresentation, data.SamplesPerPixel = 15, 0, 1
-    data.PhotometricInterpretation = "MONOCHROME2"
-    for name, value in tags.items():
-        setattr(data, name, value)
-    data.PixelData = pixels.astype("<u2").tobytes()
-    data.save_as(str(path), write_like_original=False)
+from dicom_files import write_series, write_slice  # noqa: E402
+from pydicom.uid import generate_uid  # noqa: E402
 
 
 @pytest.fixture
@@ -122,27 +95,6 @@ def test_several_series_are_chosen_by_name(folder, values):
         read_volume(folder)
 
 
-def test_an_enhanced_file_holds_all_slices(tmp_path, values):
-    order = [2, 0, 3, 1]
-    groups = []
-    for k in order:
-        place = pydicom.Dataset()
-        place.ImagePositionPatient = [10, 20, 2 * k]
-        group = pydicom.Dataset()
-        group.PlanePositionSequence = pydicom.Sequence([place])
-        groups.append(group)
-    write_slice(
-        tmp_path / "all.dcm",
-        values[order],
-        0,
-        NumberOfFrames=4,
-        PerFrameFunctionalGroupsSequence=pydicom.Sequence(groups),
-    )
-    volume = read_volume(tmp_path / "all.dcm")
-    np.testing.assert_array_equal(volume.values, 2 * values - 1000)
-    np.testing.assert_allclose(np.diag(volume.index_to_world), [-0.25, -0.5, 2, 1])
-
-
 def test_values_beyond_sixteen_bits(tmp_path, values):
     for k in range(4):
         pixels = values[k] + 60000 * (k == 2)
@@ -152,15 +104,6 @@ def test_values_beyond_sixteen_bits(tmp_path, values):
     expected = values - 1024
     expected[2] += 60000
     np.testing.assert_array_equal(volume.values, expected)
-
-
-def test_a_dose_has_the_distances_of_its_pages(tmp_path, values):
-    write_slice(
-        tmp_path / "dose.dcm", values, 50, NumberOfFrames=4, GridFrameOffsetVector=[0, 3, 6, 9]
-    )
-    volume = read_volume(tmp_path / "dose.dcm")
-    np.testing.assert_array_equal(volume.values, 2 * values - 1000)
-    np.testing.assert_allclose(volume.index_to_world @ [0, 0, 1, 1], [-10, -20, 53, 1])
 
 
 def test_damaged(folder, values):
@@ -178,3 +121,138 @@ def test_damaged(folder, values):
     write_slice(folder / "d", values[2], 104, SamplesPerPixel=3)
     with pytest.raises(LeaflightError, match="colors"):
         read_volume(folder / "d")
+
+
+@pytest.mark.parametrize("apart", [1e-6, 0.001, 0.0065, 0.02, 25.0])
+def test_slices_of_any_distance(tmp_path, values, apart):
+    folder = write_series(tmp_path / "scan", values, apart, PixelSpacing=[apart, apart])
+    volume = read_volume(folder)
+    np.testing.assert_array_equal(volume.values, values)
+    np.testing.assert_allclose(np.diag(volume.index_to_world), [-apart, -apart, apart, 1])
+    (folder / "IM0001").unlink()
+    with pytest.raises(LeaflightError, match="mm apart, so that one may be missing"):
+        read_volume(folder)
+
+
+def test_places_that_are_rounded(tmp_path, values):
+    """0.0625 mm, in hundredths of a millimeter; and times that differ in the last digit."""
+    for k, place in enumerate([0, 0.06, 0.13, 0.19]):
+        write_slice(tmp_path / f"{k}", values[k], place, InstanceNumber=k)
+        write_slice(tmp_path / f"{k} later", values[k], place + 1e-5, InstanceNumber=10 + k)
+    stored = probe(tmp_path)
+    assert stored.frames == 2
+    np.testing.assert_allclose(stored.voxel_size, (0.25, 0.5, 0.19 / 3))
+
+
+def test_axes_that_differ_in_their_last_digits(tmp_path, values):
+    for k in range(4):
+        axes = [0.9995 + 2e-7 * k, 0.0316176, 0, -0.0316176, 0.9995 - 2e-7 * k, 0]
+        write_slice(tmp_path / str(k), values[k], k, ImageOrientationPatient=axes)
+    np.testing.assert_array_equal(read_volume(tmp_path).values, 2 * values - 1000)
+
+
+def test_a_tilted_gantry(tmp_path, values):
+    axes = [1, 0, 0, 0, 0.9397, -0.342]
+    for k in range(4):
+        write_slice(tmp_path / str(k), values[k], 2 * k, ImageOrientationPatient=axes)
+    matrix = read_volume(tmp_path).index_to_world
+    np.testing.assert_allclose(matrix[:3, 2], [0, 0, 2], atol=1e-9)
+    np.testing.assert_allclose(matrix[:3, 1], [0, -0.46985, -0.171], atol=1e-9)
+
+
+def test_slices_beside_each_other(tmp_path, values):
+    for k in range(4):
+        write_slice(tmp_path / str(k), values[k], k, ImagePositionPatient=[50 * (k == 2), 0, k])
+    with pytest.raises(LeaflightError, match="do not lie above each other, but up to 50 mm aside"):
+        read_volume(tmp_path)
+    for k in range(4):
+        write_slice(tmp_path / str(k), values[k], k)
+        place = {"ImagePositionPatient": [60, 20, k], "InstanceNumber": 10 + k}
+        write_slice(tmp_path / f"{k} aside", values[k], k, **place)
+    with pytest.raises(LeaflightError, match="up to 50 mm aside"):
+        read_volume(tmp_path)
+
+
+def test_a_slice_that_is_there_twice(folder, values):
+    (folder / "copy of a").write_bytes((folder / "a").read_bytes())
+    # Anonymized anew.
+    write_slice(folder / "e", values[0], 100, InstanceNumber=50)
+    volume = read_volume(folder)
+    np.testing.assert_array_equal(volume.values, 2 * values - 1000)
+    assert volume.notes == (
+        "2 slices are there twice, with the same values; the copies are left out.",
+    )
+    write_slice(folder / "e", values[0] + 1, 100, InstanceNumber=50)
+    with pytest.raises(LeaflightError, match="has 1 to 2 different slices at each place"):
+        read_volume(folder)
+
+
+def test_a_series_that_is_there_twice(folder, values):
+    for k, name in enumerate("cadb"):
+        (folder / f"copy of {name}").write_bytes((folder / name).read_bytes())
+    stored = probe(folder)
+    assert stored.frames == 1 and "4 slices are there twice" in stored.notes[0]
+
+
+def test_times_with_blank_slices_are_no_copies(tmp_path, values):
+    for k in range(4):
+        for time in range(3):
+            pixels = values[k] * 0 if k in (0, 3) else values[k] + time
+            write_slice(tmp_path / f"{k} {time}", pixels, k, InstanceNumber=4 * time + k)
+    assert probe(tmp_path).frames == 3 and probe(tmp_path).notes == ()
+    np.testing.assert_array_equal(read_volume(tmp_path, frame=2).values[1:3], 2 * values[1:3] - 996)
+
+
+def test_each_slice_has_its_own_slope(tmp_path, values):
+    """As of a PET; read by pydicom's own pixel_array."""
+    for k in range(4):
+        slope = 0.5 + k
+        write_slice(tmp_path / str(k), values[k], k, RescaleSlope=slope, RescaleIntercept=0)
+    slopes = 0.5 + np.arange(4)[:, None, None]
+    np.testing.assert_array_equal(read_volume(tmp_path).values, values * slopes)
+    own = pydicom.dcmread(tmp_path / "2")
+    np.testing.assert_array_equal(own.pixel_array * own.RescaleSlope, values[2] * 2.5)
+
+
+def test_a_localizer_in_the_series(folder, values):
+    write_slice(folder / "scout", values[0], 0, ImageOrientationPatient=[0, 1, 0, 0, 0, -1])
+    write_slice(folder / "small", values[0, :-1], 104)
+    volume = read_volume(folder)
+    np.testing.assert_array_equal(volume.values, 2 * values - 1000)
+    assert volume.notes == (
+        "2 slices of other sizes or directions are left out, such as a localizer.",
+    )
+
+
+def test_directions_of_a_series_are_volumes(folder, values):
+    axes = [0, 1, 0, 0, 0, -1]
+    for k in range(3):
+        place = [3 * k, 0, 0]
+        tags = {"ImagePositionPatient": place, "ImageOrientationPatient": axes}
+        write_slice(folder / f"side {k}", values[k] + 1, 0, InstanceNumber=20 + k, **tags)
+    assert probe(folder).datasets == ("axial", "sagittal")
+    np.testing.assert_array_equal(read_volume(folder, dataset="axial").values, 2 * values - 1000)
+    side = read_volume(folder, dataset="sagittal")
+    # Planes count against the normal of the sagittal ones.
+    np.testing.assert_array_equal(side.values, (2 * values - 998)[:3][::-1])
+
+
+def test_slices_without_a_place(tmp_path, values):
+    folder = write_series(tmp_path / "scan", values, ImagePositionPatient=None)
+    volume = read_volume(folder)
+    assert not volume.patient and volume.notes == (
+        "The headers do not place the slices; they are taken by their numbers, 3 mm apart.",
+    )
+    for k, location in enumerate([9, 4.5, 0, -4.5]):
+        tags = {"ImagePositionPatient": None, "SliceLocation": location, "RescaleIntercept": 0}
+        write_slice(folder / f"IM{k:04}", values[k], 0, RescaleSlope=1, **tags)
+    volume = read_volume(folder)
+    np.testing.assert_array_equal(volume.values, values[::-1])
+    assert volume.spacing[2] == 4.5
+
+
+def test_low_values_that_are_bright(tmp_path, values):
+    folder = write_series(tmp_path / "scan", values, PhotometricInterpretation="MONOCHROME1")
+    volume = read_volume(folder)
+    np.testing.assert_array_equal(volume.values, values)
+    assert "MONOCHROME1" in volume.notes[0]

@@ -220,6 +220,12 @@ def test_one_picture_is_no_volume(tmp_path):
         read_volume(tmp_path / "x.png")
 
 
+def test_one_slice_is_no_volume(tmp_path):
+    save(tmp_path / "x.png", GRAY[0])
+    with pytest.raises(LeaflightError, match="x.png: it is the only slice of the folder"):
+        read_volume(tmp_path)
+
+
 def test_a_folder_of_one_stack_is_that_stack(tmp_path):
     save(tmp_path / "x.tif", GRAY)
     np.testing.assert_array_equal(read_volume(tmp_path).values, GRAY)
@@ -248,10 +254,13 @@ def dicom(path):
         ([f"{k}.tif" for k in range(9)] + ["IM1"], "tiff"),
         ([f"{k}.tif" for k in range(9)] + ["a.png", "notes.txt"], "tiff"),
         ([f"{k}.jpg" for k in range(9)] + ["a.tif", "scan.nii"], "pictures"),
-        (["a.tif", ".1.png", "._2.png", ".3.png"], "tiff"),
+        (["a.tif", "b.tif", "c.tif", *(f".{k}.png" for k in range(9))], "tiff"),
+        (["DICOMDIR", *(f"icon{k}.png" for k in range(9))], "dicom"),
+        (["logo.jpg", "disc/1", "disc/2"], "dicom"),
     ],
 )
 def test_the_kind_of_a_folder_is_that_of_most_of_its_files(tmp_path, names, kind):
+    (tmp_path / "disc").mkdir()
     for name in names:
         dicom(tmp_path / name)
     assert format_of(tmp_path).module == kind
@@ -286,4 +295,6 @@ def test_dicom_slices_and_a_preview(tmp_path):
         data.PixelData = plane.tobytes()
         data.save_as(tmp_path / f"IM{k}.dcm", write_like_original=False)
     save(tmp_path / "preview.tif", GRAY[0, :2, :3])
-    assert sorted(read_volume(tmp_path).values.ravel()) == sorted(GRAY.ravel())
+    volume = read_volume(tmp_path)
+    assert sorted(volume.values.ravel()) == sorted(GRAY.ravel())
+    assert volume.notes == ("Files of other kinds in the folder are left out: preview.tif.",)

@@ -5,7 +5,7 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight import LeaflightError, Volume, default_isovalue, default_isovalue_range
-from leaflight.volume.volume import inner_isovalue
+from leaflight.volume.first_isovalue import inner_isovalue
 
 
 def volume(values):

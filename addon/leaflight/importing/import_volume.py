@@ -17,7 +17,9 @@ from bpy.props import (
 )
 from bpy_extras.io_utils import ImportHelper
 from leaflight import blender
+from leaflight.bake.both_sides import why_both_sides
 from leaflight.io import readers
+from leaflight.words import figures
 
 from ..operators import background, failures, jobs
 from ..show import isovalues, source_properties, surface_object, units
@@ -294,6 +296,7 @@ class ImportJob(jobs.Job):
         self._range = self._volume.field().range
         self._isovalue_range = leaflight.default_isovalue_range(self._volume)
         self._isovalue = leaflight.default_isovalue(self._volume)
+        self._why_both_sides = why_both_sides(self._volume, self._isovalue_range)
         progress.check()
 
     def apply(self):
@@ -314,6 +317,9 @@ class ImportJob(jobs.Job):
         settings.frames = self._stored.frames
         settings.shown_frame = max(settings.frame, 0)
         settings.low, settings.high = self._isovalue_range
+        if self._why_both_sides:
+            settings.both_sides = True
+            self.warnings += (f"{self._why_both_sides}, so Both Sides is on for the bake.",)
         settings.is_volume = True
         cache.forget_unused()
         cache.keep_volume(obj, volume)
@@ -330,10 +336,10 @@ class ImportJob(jobs.Job):
         context.view_layer.objects.active = obj
         isovalues.lock_interface(context.scene)
         nz, ny, nx = volume.values.shape
-        low, high = self._range
+        low, high = figures(*self._range)
         step = self._choices["downsample"]
         return (
-            f"{volume.name}: {nx} x {ny} x {nz} voxels, values {low:g} to {high:g}"
+            f"{volume.name}: {nx} x {ny} x {nz} voxels, values {low} to {high}"
             + (f", read at 1/{step} of its resolution" if step > 1 else "")
             + (
                 "; the file has no orientation: choose Up and Front under Stage"

@@ -143,7 +143,7 @@ def _install(missing):
         return f"'sudo apt install {missing.of_debian}'"
     # Without what they depend on: another NumPy would take the place of Blender's own.
     target = bpy.utils.user_resource("SCRIPTS", path="modules")
-    return f'\'"{sys.executable}" -m pip install --no-deps --target "{target}" {missing.package}\''
+    return f'\'"{sys.executable}" -m pip install --no-deps --target "{target}" {missing.wanted}\''
 
 
 def from_file(settings):

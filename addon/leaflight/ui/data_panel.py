@@ -38,8 +38,11 @@ class LEAFLIGHT_PT_data(bpy.types.Panel):
         layout.operator(pick_isovalue.LEAFLIGHT_OT_pick_isovalue.bl_idname, icon="EYEDROPPER")
         _draw_smooth(layout, obj.leaflight)
         found = distribution.of(obj)
-        if found is not None and found.is_terraced and not obj.leaflight.smooth:
-            layout.label(text="8-bit steps show: smooth by 1 voxel", icon="INFO")
+        if found is not None and not obj.leaflight.smooth:
+            if found.are_labels:
+                layout.label(text="A mask or labels: smooth by 1 voxel", icon="INFO")
+            elif found.is_terraced:
+                layout.label(text="8-bit steps show: smooth by 1 voxel", icon="INFO")
 
     def _draw_frames(self, settings):
         """Which frame of a series is shown, and how many are baked."""

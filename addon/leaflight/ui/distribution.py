@@ -28,7 +28,8 @@ class Distribution:
     """counts: (n,) voxels in equal parts of low..high, at most BINS of them.
 
     middle: (rows, columns) a slice, in data units, top row first, its pixels square. is_terraced:
-    whether an isosurface shows the steps of 8-bit values.
+    whether an isosurface shows the steps of 8-bit values. are_labels: whether the values look like
+    those of a mask or a label map.
     """
 
     low: float
@@ -36,6 +37,7 @@ class Distribution:
     counts: np.ndarray
     middle: np.ndarray
     is_terraced: bool = False
+    are_labels: bool = False
 
     def place_of(self, isovalue):
         """Where within 0..1 a value lies."""
@@ -102,7 +104,8 @@ def _distribution(volume, isovalue):
         low, high = low - 0.5, low - 0.5 + bins * width
     counts, _ = np.histogram(some[np.isfinite(some)], bins, (low, high))
     middle = _middle(values, volume.index_to_world)
-    return Distribution(low, high, counts, middle, _is_terraced(values, isovalue))
+    is_terraced, are_labels = _is_terraced(values, isovalue), volume.distribution.are_labels
+    return Distribution(low, high, counts, middle, is_terraced, are_labels)
 
 
 def _is_terraced(values, isovalue):

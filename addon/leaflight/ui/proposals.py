@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which isosurface to show next: one inside those that are shown, or a tissue by its name."""
 
-from leaflight.volume.volume import inner_isovalue
+from leaflight.volume.first_isovalue import inner_isovalue
 
 from ..show import added, isovalues
 from ..store import cache

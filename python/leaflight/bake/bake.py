@@ -19,10 +19,11 @@ from ..scene.scene import SceneDescription, core_scene, fit_scene, match_isosurf
 from ..volume.other_arrays import as_volumes
 from ..volume.volume import Volume
 from .baked import Bake
+from .both_sides import why_both_sides_of
 from .checkpoint import Checkpoint
 from .color_error import estimated_rms_percent
 from .fit_memory import coarser_texels, fit_memory
-from .settings import BakeOptions, BakeSettings, UnusedSetting, range_to_bake
+from .settings import BakeOptions, BakeSettings, ChosenSetting, UnusedSetting, range_to_bake
 from .provenance import Provenance, provenance_of
 from .statistics import statistics_of
 
@@ -73,7 +74,8 @@ def placed(
 class Task:
     """A bake that is asked for: volumes and a scene that fit each other, as placed() leaves them.
 
-    settings: of the core; provenance: that of the bake before its first pass.
+    settings: of the core; provenance: that of the bake before its first pass. chosen: a sentence
+    about a setting that was chosen by what the volumes hold, or "".
     """
 
     volumes: list[Volume]
@@ -81,6 +83,7 @@ class Task:
     isovalues: tuple[float, float]
     settings: _core.BakeSettings
     provenance: Provenance
+    chosen: str = ""
 
     def core_scene(self) -> _core.Scene:
         fields = [volume.field() for volume in self.volumes]
@@ -118,7 +121,8 @@ def bake(
     resolution: texels along the longest axis (the other axes in proportion of their nodes), or
         (nx, ny, nz); None is as fine as the volumes need and their size allows.
     seed: same seed, same result, whatever the threads; threads: 0 takes every core.
-    both_sides: the back of each isosurface, too; walls: the meshes around them, too.
+    both_sides: the back of each isosurface, too; None where the back is what is seen, as of level
+        sets and of negative lobes. walls: the meshes around them, too.
     on_pass: called with a Bake after each pass but the last, in the thread that bakes; the
         statistics of that Bake lack estimated_rms_percent, which takes its time.
     progress: None shows a bar in terminals and notebooks, False nothing; a function is called with
@@ -129,11 +133,14 @@ def bake(
     workers: cluster.workers.Workers, who trace the light of a bake in passes, with the same bits;
         None is this process alone.
     Returns a Bake. Raises LeaflightError for input that cannot be baked, Cancelled. Warns with
-    UnusedSetting, before the first pass, of settings that have no effect in the scene.
+    UnusedSetting, before the first pass, of settings that have no effect in the scene, and with
+    ChosenSetting where it takes both sides by itself.
     """
     task = task_of(as_volumes(volumes, spacing), scene, **settings)
     for sentence in unused_settings(task):
         warnings.warn(sentence, UnusedSetting, stacklevel=2)
+    if task.chosen:
+        warnings.warn(task.chosen, ChosenSetting, stacklevel=2)
     baked = lit(task, None, on_pass, progress, checkpoint, workers)
     skipped = coarser_texels(settings.get("resolution"), task.settings)
     skipped = baked.statistics.skipped_passes + skipped
@@ -144,14 +151,21 @@ def task_of(
     volumes: Any, scene: SceneDescription | None = None, **settings: "Unpack[BakeOptions]"
 ) -> Task:
     """The Task of the bake that bake() would make of these arguments. Raises LeaflightError."""
-    asked = BakeSettings(**settings)
+    asked, chosen = BakeSettings(**settings), ""
     volumes, description, isovalue_range = placed(volumes, scene, asked.isovalues)
+    if asked.both_sides is None:
+        chosen = why_both_sides_of(volumes, description.isosurfaces, isovalue_range)
+        asked = replace(asked, both_sides=bool(chosen))
+        if chosen:
+            chosen += (
+                ", so both sides are baked; both_sides=False (--no-both-sides) bakes fronts alone."
+            )
     of_core = asked.core(_core.BakeSettings, volumes[0].field().dims, description.exposure)
     if len(volumes) == 1:
         fit_memory(volumes[0], description, isovalue_range, of_core)
     text = scene_to_json(description)
     provenance = provenance_of(volumes, description.isosurfaces, text, isovalue_range, of_core)
-    return Task(volumes, description, isovalue_range, of_core, provenance)
+    return Task(volumes, description, isovalue_range, of_core, provenance, chosen)
 
 
 def unused_settings(task: Task) -> list[str]:

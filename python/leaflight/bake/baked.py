@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from .._core import LeaflightError
 from ..arrays import Array
 from ..io.output import check_writable
-from ..words import by, html_table
+from ..words import by, figures, html_table
 from ..scene.on_mesh import interpolated
 from ..scene.scene import Color, SceneDescription, core_scene, isovalue_at
 from ..volume.setting_error import SettingError, check_is_baked
@@ -97,13 +97,13 @@ class Bake:
         return html_table("Bake", self._facts())
 
     def _facts(self) -> list[tuple[str, str]]:
-        lo, hi = self.isovalues
+        lo, hi = figures(*self.isovalues)
         known = self.statistics
         error = known.estimated_error_percent or known.estimated_rms_percent
         return [
             ("of", " and ".join(volume.name for volume in self.volumes)),
             ("in", self.scene.name),
-            ("isovalues", f"{lo:g}..{hi:g}"),
+            ("isovalues", f"{lo}..{hi}"),
             ("texels", by(self.grid.resolution)),
             *([("error", f"{error:.2g} %")] if error else []),
             ("seconds", f"{known.seconds:.3g}"),
@@ -303,9 +303,9 @@ class Bake:
         low, high = self.volumes[volume].field().range
         own = self.isovalue_of(volume, isovalue)
         if not low < own <= high:
-            low, high = self.volumes[volume].data_range()
+            shown, least, most = figures(own, *self.volumes[volume].data_range())
             raise LeaflightError(
-                f"Isovalue {own:g} lies outside the data, whose values are {low:g}..{high:g}: "
+                f"Isovalue {shown} lies outside the data, whose values are {least}..{most}: "
                 "no isosurface exists there, choose one inside."
             )
 

@@ -11,7 +11,9 @@ import numpy as np
 from .._core import LeaflightError
 from ..scene.scene import Isosurfaces
 from ..volume.setting_error import SettingError
-from ..volume.volume import Volume, default_isovalue_range
+from ..volume.first_isovalue import default_isovalue_range
+from ..volume.volume import Volume
+from ..words import figures
 
 _InPasses = TypeVar("_InPasses", _core.BakeSettings, _core.BakeSettings2)
 _Settings = TypeVar(
@@ -30,6 +32,10 @@ class UnusedSetting(UserWarning):
     """A setting has no effect in the scene that is baked."""
 
 
+class ChosenSetting(UserWarning):
+    """A setting that nobody gave is not as usual, because of what the volume holds."""
+
+
 class CommonOptions(TypedDict, total=False):
     """CommonSettings by their names."""
 
@@ -37,7 +43,7 @@ class CommonOptions(TypedDict, total=False):
     resolution: int | Sequence[int] | None
     seed: int
     threads: int
-    both_sides: bool
+    both_sides: bool | None
     walls: bool
 
 
@@ -56,7 +62,7 @@ class CommonSettings:
     resolution: int | Sequence[int] | None = None
     seed: int = 0
     threads: int = 0
-    both_sides: bool = False
+    both_sides: bool | None = None
     walls: bool = False
 
     def set_common(self, settings: _Settings, dims: Sequence[int]) -> _Settings:
@@ -123,9 +129,10 @@ def _checked(isovalues: Sequence[float], data_range: tuple[float, float]) -> tup
             "then the higher."
         )
     if hi <= low or lo >= high:
+        first, last, least, most = figures(lo, hi, low, high)
         raise LeaflightError(
-            f"The isovalue range {lo:g}..{hi:g} lies outside the data, whose values are "
-            f"{low:g}..{high:g}: give a range that overlaps them."
+            f"The isovalue range {first}..{last} lies outside the data, whose values are "
+            f"{least}..{most}: give a range that overlaps them."
         )
     return lo, hi
 

@@ -20,6 +20,7 @@ from ..io.output import check_writable
 from ..io.sources import is_generated
 from ..scene.scene import SceneDescription
 from ..volume.volume import Volume
+from ..words import figures
 from .lighting import bake_options, to_light
 from ..progress_bar import run_with_progress
 from .output import Output
@@ -181,6 +182,7 @@ def _output(baked: Bake, options: Namespace) -> Output:
         "out": options.out,
         "scene": baked.scene.name,
         "isovalues": list(baked.isovalues),
+        "both_sides": baked.provenance.both_sides,
         "volumes": [
             {"name": isosurfaces.name, "isovalues": list(isosurfaces.isovalues or baked.isovalues)}
             for isosurfaces in baked.scene.isosurfaces
@@ -188,10 +190,10 @@ def _output(baked: Bake, options: Namespace) -> Output:
         "resolution": list(baked.grid.resolution),
         **baked.statistics.record(),
     }
-    lo, hi = baked.isovalues
+    lo, hi = figures(*baked.isovalues)
     end = outcome(baked, why=f"the {options.time or 0:g} s are over")
     return result, [
-        f"{options.out}: isovalues {lo:g}..{hi:g} in {baked.scene.name}, "
+        f"{options.out}: isovalues {lo}..{hi} in {baked.scene.name}, "
         f"{result['texels']} texels, {result['seconds']:.1f} s, "
         f"{result['rays_per_second'] / 1e6:.2f} million rays/s, "
         f"{result['peak_memory_bytes'] / 2**20:.0f} MiB, "

@@ -20,7 +20,7 @@ from ..bake.baked import Bake, Surface
 from ..bake.load_bake import load_bake
 from ..bake.outcome import outcome
 from ..bake.photons import Photons, trace_photons
-from ..bake.settings import UnusedSetting
+from ..bake.settings import ChosenSetting, UnusedSetting
 from ..flatland.flat_scene import load_flat_scene
 from ..flatland.flatland import (
     FlatBake,
@@ -33,8 +33,8 @@ from ..io.images import write_png
 from ..io.output import check_writable, replaced_together
 from ..io.ply import write_photons, write_ply
 from ..measure.compare import compare
-from ..volume.volume import default_isovalue, default_isovalue_range
-from ..words import by
+from ..volume.first_isovalue import default_isovalue, default_isovalue_range
+from ..words import by, figures
 from .bake_command import run_bake
 from .batch_command import run_batch
 from .export_command import run_export
@@ -53,7 +53,8 @@ def run(options: Namespace, command: Command | None = None) -> int:
     command = command or COMMANDS[options.command]
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("always", UnusedSetting)
+            for kind in (ChosenSetting, UnusedSetting):
+                warnings.simplefilter("always", kind)
             warnings.showwarning = _print_warning
             result, sentences = command(options)
     except Cancelled as end:
@@ -90,6 +91,8 @@ def _info(options: Namespace) -> Output:
     field = volume.field()
     low, high = field.range
     lo, hi = default_isovalue_range(volume)
+    isovalue = default_isovalue(volume)
+    least, most, first, last, shown = figures(low, high, lo, hi, isovalue)
     result = {
         "source": volume.source,
         "name": volume.name,
@@ -101,14 +104,14 @@ def _info(options: Namespace) -> Output:
         "bounds": np.asarray(field.bounds).tolist(),
         "index_to_world": volume.index_to_world.tolist(),
         "isovalues": [lo, hi],
-        "isovalue": default_isovalue(volume),
+        "isovalue": isovalue,
         "notes": list(volume.notes),
     }
     return result, [
         f"{volume.source}: {by(result['dims'])} voxels of {by(result['spacing'])}"
         f" {volume.unit or '(no unit)'}" + (", some without data" if field.masked else ""),
-        f"values {low:g}..{high:g}; by default isovalues {lo:g}..{hi:g} are baked "
-        f"and {result['isovalue']:g} is shown",
+        f"values {least}..{most}; by default isovalues {first}..{last} are baked "
+        f"and {shown} is shown",
         *volume.notes,
     ]
 
@@ -213,7 +216,7 @@ def _parts(parts: Mapping[str, float | None]) -> str:
 def _isovalue(baked: Bake, options: Namespace) -> str:
     """The common isovalue asked for, and with several volumes what it shows of the one."""
     if len(baked.volumes) == 1:
-        return f"{options.isovalue:g}"
+        return figures(options.isovalue, *baked.isovalues)[0]
     own = baked.isovalue_of(options.volume, options.isovalue)
     return f"{options.isovalue:g} ({own:g} of {baked.scene.isosurfaces[options.volume].name})"
 

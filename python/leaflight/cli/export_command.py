@@ -7,6 +7,7 @@ from pathlib import Path
 from .._core import Progress
 from ..bake.baked import Surface
 from ..bake.load_bake import load_bake
+from ..words import figures
 from ..export.export import export
 from ..progress_bar import run_with_progress
 from .output import Output
@@ -48,6 +49,6 @@ def run_export(options: Namespace) -> Output:
     what = "all isosurfaces"
     if surfaces:
         triangles = sum(len(surface.triangles) for surface in surfaces.values())
-        shown = ", ".join(f"{isovalue:g}" for isovalue in surfaces)
+        shown = ", ".join(figures(*surfaces, *baked.isovalues)[: len(surfaces)])
         what = f"isovalue{'s' if len(surfaces) > 1 else ''} {shown}, {triangles} triangles"
     return result, [f"{out}: {what}, {size / 2**20:.1f} MiB"]

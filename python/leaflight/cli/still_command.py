@@ -18,6 +18,7 @@ from ..stills.first_view import camera_around_bake, default_isovalue_of
 from ..stills.photograph import metered_stops, photographed
 from ..stills.still import still
 from ..volume.setting_error import SettingError
+from ..words import figures
 from ..progress_bar import run_with_progress
 from .output import Output
 
@@ -63,9 +64,8 @@ def run_still(options: Namespace) -> Output:
         "seconds": seconds,
     }
     width, height = options.size
-    return result, [
-        f"{options.out}: isovalue {isovalue:g}, {width} x {height} pixels, {seconds:.1f} s"
-    ]
+    shown, *_ = figures(isovalue, *baked.isovalues)
+    return result, [f"{options.out}: isovalue {shown}, {width} x {height} pixels, {seconds:.1f} s"]
 
 
 def _camera(baked: Bake, options: Namespace, isovalue: float) -> Camera:

@@ -23,6 +23,7 @@ from ..stills.lamps import lamps_of
 from ..stills.photograph import metered_stops
 from ..stills.still import UNBAKED, back_side
 from ..version import __version__
+from ..words import figures
 from .histogram import histogram
 from .page_volume import shown_volume, volume_data
 from .page_walls import walls_data
@@ -145,8 +146,7 @@ def about(bake: Bake, coarser: int) -> list[tuple[str, str]]:
         rows.append(("Texels", f"{' x '.join(map(str, grid.resolution))}, {grid.texels} lit"))
     if coarser:
         rows.append(("Shown here", f"{EVERY[coarser]} voxel along each axis"))
-    lo, hi = bake.isovalues
-    rows.append(("Isovalues lit", f"{lo:g} to {hi:g}"))
+    rows.append(("Isovalues lit", " to ".join(figures(*bake.isovalues))))
     rows.append(("Scene", bake.scene.name))
     if bake.scene.meshes and bake.walls is None:
         rows.append(("Walls", "shaded locally; a bake with --walls lights them"))

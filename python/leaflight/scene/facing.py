@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ..volume.volume import Volume, default_isovalue
+from ..volume.first_isovalue import default_isovalue
+from ..volume.volume import Volume
 from .scene import IDENTITY, Light, PointLight, SceneDescription, Vector
 
 # How much wider a volume is from one side than from the other, for a scene to turn to that.

@@ -20,7 +20,8 @@ import numpy as np
 
 from .._core import LeaflightError
 from ..arrays import Array
-from ..volume.volume import Volume, default_isovalue_range
+from ..volume.first_isovalue import default_isovalue_range
+from ..volume.volume import Volume
 
 if TYPE_CHECKING:
     from typing_extensions import TypeIs

@@ -16,7 +16,7 @@ from .._core import LeaflightError
 from ..arrays import Array
 from ..bake.baked import Bake
 from ..scene.scene import Vector
-from ..volume.volume import default_isovalue
+from ..volume.first_isovalue import default_isovalue
 from .camera import ANGLE, Camera, bounds_of
 
 # How far above the horizon, in degrees; of what lies flat.

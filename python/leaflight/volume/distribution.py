@@ -2,12 +2,19 @@
 """How often the values of a volume occur: counted plane by plane, without a copy of all."""
 
 from collections.abc import Iterator, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from ..arrays import Array
+from .labels import are_labels
 from .voxels import as_voxels
+
+# Different values that are counted one by one; those that are not whole numbers.
+MOST_LEVELS, FEW_LEVELS = 4096, 32
+# A range with fewer steps of single precision is counted from its lowest value on.
+_STEPS = 1 << 16
 
 
 class Distribution:
@@ -19,6 +26,9 @@ class Distribution:
     def __init__(self, values: Array, data_range: tuple[float, float]) -> None:
         # Of this type, edges of bins are the same with any NumPy.
         self._range: Any = tuple(np.float32(end) for end in data_range)
+        low, high = self._range
+        # Steps of which edges of bins would be the same; 0 where they are not.
+        self._least = low if high - low < _STEPS * np.spacing(max(-low, high)) else np.float32(0)
         self._data = values
         whole = as_voxels(values[:1]).dtype != np.float32
         self._counted = self._count_whole() if whole else None
@@ -56,11 +66,40 @@ class Distribution:
         if self._counted is not None:
             values, voxels = self._counted
             return np.histogram(values, bins, self._range, weights=voxels)
-        counts = np.zeros(bins, np.int64)
+        counts, least = np.zeros(bins, np.int64), self._least
+        ends: Any = tuple(end - least for end in self._range)
         for plane in self._planes():
-            found, edges = np.histogram(plane, bins, self._range)
+            found, edges = np.histogram(plane - least if least else plane, bins, ends)
             counts += found
-        return counts, edges
+        return counts, edges.astype(np.float64) + float(least) if least else edges
+
+    @cached_property
+    def levels(self) -> tuple[Array, Array] | None:
+        """(different values float64 in ascending order, numbers of voxels); None of many.
+
+        Many are more than MOST_LEVELS, or more than FEW_LEVELS that are not whole numbers.
+        """
+        if self._counted is not None:
+            values, voxels = self._counted
+            return (values.astype(np.float64), voxels) if len(values) <= MOST_LEVELS else None
+        found: dict[float, int] = {}
+        most = MOST_LEVELS
+        for plane in self._planes():
+            values, voxels, are_whole = _levels_of(plane)
+            most = most if are_whole else FEW_LEVELS
+            if len(values) > most:
+                return None
+            for value, count in zip(values.tolist(), voxels.tolist()):
+                found[value] = found.get(value, 0) + count
+            if len(found) > most:
+                return None
+        ascending = sorted(found)
+        return np.array(ascending), np.array([found[value] for value in ascending])
+
+    @cached_property
+    def are_labels(self) -> bool:
+        """Whether the values look like those of a mask or a label map."""
+        return self.levels is not None and are_labels(self._data, self.levels[0])
 
     def are_whole(self, without: Sequence[float] = ()) -> bool:
         """Whether all values, but those left out, are whole numbers."""
@@ -103,6 +142,21 @@ class Distribution:
                 plane = plane[~np.isin(plane, left)]
             bits = plane.view(np.uint32)
             yield np.where(bits >> 31, ~bits, bits | np.uint32(1 << 31))
+
+
+def _levels_of(plane: Array) -> tuple[Array, Array, bool]:
+    """(different values, numbers of voxels, whether they are whole numbers) of float32 (n,)."""
+    are_whole = bool((plane == np.rint(plane)).all())
+    if are_whole and plane.size and plane.max() - plane.min() < 1 << 16:
+        least = int(plane.min())
+        voxels = np.bincount((plane - np.float32(least)).astype(np.int64))
+        present = np.flatnonzero(voxels)
+        return present + least, voxels[present], True
+    # Labels lie in pieces: of each row of them one value and its length are counted.
+    first = np.flatnonzero(np.append(plane.size > 0, plane[1:] != plane[:-1]))
+    values, of_piece = np.unique(plane[first], return_inverse=True)
+    lengths = np.diff(np.append(first, plane.size))
+    return values, np.bincount(of_piece, lengths, len(values)).astype(np.int64), are_whole
 
 
 def _value(key: int) -> np.float32:

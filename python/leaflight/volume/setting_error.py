@@ -2,6 +2,7 @@
 """Errors of settings, in words that suit a script, a panel and the command line alike."""
 
 from .._core import LeaflightError
+from ..words import figures
 
 
 class SettingError(LeaflightError):
@@ -16,8 +17,9 @@ def check_is_baked(isovalue: float, isovalues: tuple[float, float]) -> None:
     """Raises SettingError for an isovalue outside the isovalue range of a bake."""
     low, high = isovalues
     if not low <= isovalue <= high:
+        shown, least, most = figures(isovalue, low, high)
         raise SettingError(
-            f"Isovalue {isovalue:g} lies outside the baked range {low:g}..{high:g}: choose one "
+            f"Isovalue {shown} lies outside the baked range {least}..{most}: choose one "
             "inside or bake again with a wider range.",
             "isovalues",
         )

@@ -40,11 +40,14 @@ def smoothed(values: Array, sigma: float, progress: Progress) -> Array:
     return kept.reshape(values.shape)
 
 
-def source_of(path: str | os.PathLike[str], smooth: float, smooth_normals: float) -> str:
-    """The source of a volume from this file, for its provenance."""
+def source_of(
+    path: str | os.PathLike[str], smooth: float, smooth_normals: float, offset: float = 0
+) -> str:
+    """The source of a volume from this file, for its provenance; offset: taken off its values."""
+    less = f", less {offset:.15g}" if offset else ""
     values = f", smoothed by {smooth:g} voxels" if smooth > 0 else ""
     normals = f", normals smoothed by {smooth_normals:g} voxels" if smooth_normals > 0 else ""
-    return f"{path}{values}{normals}"
+    return f"{path}{less}{values}{normals}"
 
 
 def checked(sigma: float, name: str, whose: str | os.PathLike[str]) -> float:

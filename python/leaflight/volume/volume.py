@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scalar volume in memory and the isovalues to begin with."""
+"""A scalar volume in memory."""
 
 import math
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypedDict
@@ -23,8 +24,6 @@ from .voxels import VOXEL_TYPES, as_voxels, new_voxels
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-# Above this share of the voxels, a value at an end of the range is padding around the object.
-BACKGROUND_SHARE = 0.1
 # How far below the data the layer around a capped volume is, in ranges of the data.
 CAP_DEPTH = 2.0
 
@@ -141,6 +140,12 @@ class Volume:
             ("of", f"{by(self.spacing)} {self.unit or '(no unit)'}"),
             ("type", str(self.values.dtype)),
         ]
+
+    def noted(self, *notes: str) -> "Volume":
+        """The same volume with more notes."""
+        noted = copy(self)
+        noted.__dict__.update(notes=(*self.notes, *notes))
+        return noted
 
     @property
     def spacing(self) -> tuple[float, ...]:
@@ -287,6 +292,10 @@ class Volume:
         return self._within_layer[1] if self._within_layer else self.field().range
 
 
+def _least(integer_type: DTypeLike) -> int:
+    return int(np.iinfo(integer_type).min)
+
+
 def _axis_aligned(
     axes: int, spacing: ArrayLike | None = None, origin: ArrayLike | None = None
 ) -> Array:
@@ -321,80 +330,3 @@ def on_unit_cube(n: int, values: Callable[[int], Array], name: str, source: str)
     array = values(n)
     index_to_world = np.diag([1.0 / (n - 1)] * array.ndim + [1.0])
     return Volume(array, index_to_world, name, source)
-
-
-def default_isovalue_range(volume: Volume) -> tuple[float, float]:
-    """Isovalues (lo, hi) worth baking: the middle 99 % of the values that are not background."""
-    lo, hi = _quantiles(volume, (0.005, 0.995))
-    low, high = volume.data_range()
-    if not lo < hi:
-        # Nearly all values are equal: only the whole range surely holds a surface.
-        lo, hi = low, high
-    return float(lo), float(hi)
-
-
-def default_isovalue(volume: Volume) -> float:
-    """The isovalue that best parts the object from its background (Otsu 1979), in the range."""
-    isovalue, _ = _best_splits(*volume.distribution.histogram(256))
-    if _is_integer(volume):
-        isovalue = np.floor(isovalue) + 0.5
-    lo, hi = default_isovalue_range(volume)
-    return float(isovalue) if lo < isovalue < hi else 0.5 * (lo + hi)
-
-
-def inner_isovalue(volume: Volume, isovalue: float) -> float | None:
-    """The one that best parts what is inside an isosurface (Otsu 1979), None where that is alike.
-
-    Of a head it is the skull within the skin.
-    """
-    counts, edges = volume.distribution.histogram(256)
-    inside = np.flatnonzero((edges[:-1] >= isovalue) & (counts > 0))
-    if len(inside) < 2:
-        return None
-    first, last = inside[0], inside[-1] + 1
-    # In the middle of an empty part, away from the noise on both sides.
-    inner = np.mean(_best_splits(counts[first:last], edges[first : last + 1]))
-    return float(np.floor(inner) + 0.5 if _is_integer(volume) else inner)
-
-
-def _best_splits(counts: Array, edges: Array) -> tuple[float, float]:
-    """The first and last of the edges of a histogram that best part its two sides.
-
-    Its first and its last bin hold some; between two edges that part it alike none does.
-    """
-    middles = 0.5 * (edges[1:] + edges[:-1])
-    below, below_sum = np.cumsum(counts)[:-1], np.cumsum(counts * middles)
-    above = counts.sum() - below
-    distance = below_sum[:-1] / below - (below_sum[-1] - below_sum[:-1]) / above
-    between = below * above.astype(np.float64) * distance**2
-    best = np.flatnonzero(between == between.max())
-    return edges[best[0] + 1], edges[best[-1] + 1]
-
-
-def _quantiles(volume: Volume, shares: Sequence[float]) -> list[float]:
-    """Quantiles of the values outside the background; half-integers for integer data.
-
-    An integer isovalue of integer data passes through grid nodes and shows the quantisation.
-    """
-    low, high = volume.data_range()
-    count, background = volume.distribution.count, []
-    for end in (low, high):
-        of_end = volume.distribution.voxels_of(end)
-        if (count - of_end) / count < 1.0 - BACKGROUND_SHARE:
-            background.append(end)
-            count -= of_end
-        if count == 0:
-            return [0.5 * (low + high)] * len(shares)
-    quantiles = volume.distribution.at([int(share * (count - 1)) for share in shares], background)
-    if _is_integer(volume, background):
-        quantiles = np.floor(quantiles) + 0.5
-    return list(np.clip(quantiles, low, high))
-
-
-def _least(integer_type: DTypeLike) -> int:
-    return int(np.iinfo(integer_type).min)
-
-
-def _is_integer(volume: Volume, without: Sequence[float] = ()) -> bool:
-    low, high = volume.data_range()
-    return high - low >= 4 and volume.distribution.are_whole(without)

@@ -9,6 +9,7 @@ import pytest
 from leaflight_addon.importing import stored_facts
 from leaflight_addon.show import surface_object
 from leaflight_addon.store import source_files
+from leaflight_addon.ui import distribution
 from tools import assert_shows, close, error_of, mesh_arrays
 
 N = 24
@@ -121,3 +122,39 @@ def check_bad_files_give_one_sentence_and_change_nothing(
     sentence = error_of(bpy.ops.leaflight.import_volume, filepath=str(path), **options)
     assert expected in sentence and "\n" not in sentence
     assert not bpy.data.objects and not bpy.data.meshes and not bpy.data.materials
+
+
+def _read_array(path, values):
+    np.save(path, values)
+    bpy.ops.leaflight.import_volume(filepath=str(path))
+    return bpy.context.object
+
+
+def check_what_is_seen_from_its_back_has_both_sides(tmp_path):
+    z, y, x = np.mgrid[:N, :N, :N] - 0.5 * (N - 1)
+    distance = np.sqrt(x**2 + y**2 + z**2).astype(np.float32)
+    ball = _read_array(tmp_path / "ball.npy", np.exp(-distance / 4))
+    assert not ball.leaflight.both_sides
+    level_set = _read_array(tmp_path / "level.npy", distance - 8)
+    assert level_set.leaflight.both_sides and level_set.leaflight.isovalue == 0
+    assert_shows(level_set, 0.0)
+    orbital = _read_array(tmp_path / "p.npy", x.astype(np.float32) * np.exp(-distance / 3))
+    assert orbital.leaflight.both_sides and orbital.leaflight.isovalue > 0
+
+
+def check_a_mask_is_shown_half_way_and_proposed_to_be_smoothed(tmp_path):
+    z, y, x = np.mgrid[:N, :N, :N] - 0.5 * (N - 1)
+    ball = x**2 + y**2 + z**2 < 64
+    obj = _read_array(tmp_path / "mask.npy", 255 * ball.astype(np.uint8))
+    assert obj.leaflight.isovalue == 127.5 and not obj.leaflight.both_sides
+    close([obj.leaflight.low, obj.leaflight.high], [0, 255], 0)
+    assert distribution.look_now(obj).are_labels
+    bpy.ops.leaflight.smooth(amount="1")
+    assert obj.leaflight.smooth == 1.0 and not distribution.look_now(obj).are_labels
+
+
+def check_fill_values_are_left_out(tmp_path):
+    values = np.random.default_rng(3).random((N, N, N)).astype(np.float32)
+    values[:4] = 1e20
+    obj = _read_array(tmp_path / "filled.npy", values)
+    assert obj.leaflight.id_properties_ui("isovalue").as_dict()["max"] < 1.001

@@ -11,9 +11,13 @@ from pathlib import Path
 
 import bpy
 import leaflight
+import mathutils
 import numpy as np
+from bpy_extras.object_utils import world_to_camera_view
 from leaflight_addon.bake import continue_bake, stopped
 from leaflight_addon.operators import failures, jobs
+from leaflight_addon.stage import framing
+from leaflight_addon.store import cache
 from leaflight_addon.ui import clip_outline
 
 sys.path.insert(0, os.path.dirname(__file__))
@@ -100,11 +104,11 @@ def continue_a_bake():
 
 def keep_the_light_of_walls():
     yield from start_an_endless_bake()
-    yield from stepwise.until(lambda: job().latest is not None and job()._lit_walls is not None)
+    yield from stepwise.until(lambda: job().latest is not None)
     yield from escape()
     press(bpy.ops.leaflight.keep_bake)
     yield from until_free()
-    bake = stopped_bake()
+    bake = cache.bake_of(volume())
     found["kept"] = {
         "walls": bake.walls is not None or "walls" in volume().leaflight.bake_warnings,
         "lit walls": bake.walls is not None,
@@ -118,6 +122,7 @@ def close_the_window_of_a_bake():
     yield from stepwise.wait(1.0)
     second = manager.windows[-1]
     volume().leaflight.error = ENDLESS
+    volume().leaflight.resolution = 97
     press(bpy.ops.leaflight.bake, second)
     yield from stepwise.until(lambda: jobs.running() is not None and job().latest is not None)
     work, first = jobs.running(), job().latest
@@ -204,6 +209,7 @@ def open_volume(stages=False):
 
 def start_an_endless_bake():
     volume().leaflight.error = ENDLESS
+    volume().leaflight.resolution = 97
     press(bpy.ops.leaflight.bake)
     yield from stepwise.until(lambda: jobs.running() is not None)
 
@@ -230,22 +236,14 @@ def job():
     return jobs.running()._job
 
 
-def stopped_bake():
-    from leaflight_addon.store import cache
-
-    return cache.bake_of(volume())
-
-
 def volume():
     return next((obj for obj in bpy.context.scene.objects if obj.leaflight.is_volume), None)
 
 
 def height_in_frame():
-    """The share of the height of the camera's frame that the isosurface fills."""
-    from bpy_extras.object_utils import world_to_camera_view
-
-    scene, obj = bpy.context.scene, volume()
-    places = [obj.matrix_world @ vertex.co for vertex in obj.data.vertices]
+    """The share of the height of the camera's frame that large parts of the isosurface fill."""
+    scene = bpy.context.scene
+    places = map(mathutils.Vector, framing.shown_points([volume()]))
     heights = [world_to_camera_view(scene, scene.camera, place)[1] for place in places]
     return max(heights) - min(heights)
 

@@ -3,7 +3,8 @@
 
 from ...volume.units import METERS
 from .formats import FORMATS, RAW, SUFFIXES, format_of, name_patterns
-from .reading import MissingPackage, probe, read_volume
+from .missing_package import MissingPackage
+from .reading import probe, read_volume
 from .stored import StoredVolume
 
 __all__ = [

@@ -4,6 +4,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from itertools import groupby
 from math import prod
 from pathlib import Path
 from typing import Any
@@ -24,14 +25,15 @@ class Blocks:
 
     outer, inner: names and lengths of the axes, slowest first, of the blocks and within one. Names
         are X, Y, Z, T (time), C (channel), S (color), or any other letter.
-    open: a context manager; it gives a function of the number of a block, which reads it whole.
+    open: open(numbers) is a context manager for blocks of these numbers in this order; it gives a
+        function of the number of a block, which reads it whole.
     samples: how many of S are values, the others being alpha; colors: whether these are RGB.
     """
 
     outer: Axes
     inner: Axes
     dtype: np.dtype[Any]
-    open: Callable[[], AbstractContextManager[Callable[[int], Array]]]
+    open: Callable[[Sequence[int]], AbstractContextManager[Callable[[int], Array]]]
     samples: int = 1
     colors: bool = False
 
@@ -59,8 +61,12 @@ def stack_of(
     blocks: Blocks,
     voxel: VoxelSize | None = None,
     notes: tuple[str, ...] = (),
+    order: str = "XYZ",
 ) -> Stack:
-    """The Stack of a picture that has a depth. Raises LeaflightError."""
+    """The Stack of a picture that has a depth. Raises LeaflightError.
+
+    order: as of Stack.
+    """
     axes = tuple((a, blocks.samples if a == "S" else n) for a, n in blocks.axes)
     sizes = dict(axes)
     roles = _roles(axes)
@@ -89,6 +95,7 @@ def stack_of(
         prod(axes[k][1] for k in roles.channels),
         voxel,
         notes,
+        order,
     )
 
 
@@ -134,14 +141,14 @@ def _planes(blocks: Blocks, indices: Sequence[Sequence[int]], samples: bool) -> 
     names = [name for name, _ in blocks.inner]
     whole = "YXS" if samples else "YX"
     order = [name for name in names if name in whole]
-    with blocks.open() as read:
-        number, block = -1, None
-        for index in indices:
-            outer, inner = index[: len(blocks.outer)], index[len(blocks.outer) :]
-            wanted = _place(blocks.outer, outer)
-            if block is None or wanted != number:
-                number, block = wanted, read(wanted)
-            part = tuple(slice(None) if a in whole else k for a, k in zip(names, inner))
+    split = len(blocks.outer)
+    numbers = [_place(blocks.outer, index[:split]) for index in indices]
+    with blocks.open([number for number, _ in groupby(numbers)]) as read:
+        last, block = -1, None
+        for index, number in zip(indices, numbers):
+            if block is None or number != last:
+                last, block = number, read(number)
+            part = tuple(slice(None) if a in whole else k for a, k in zip(names, index[split:]))
             yield block[part].transpose([order.index(name) for name in whole if name in order])
 
 

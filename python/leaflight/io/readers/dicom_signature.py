@@ -46,7 +46,9 @@ def files_within(folder: Path) -> Iterator[Path]:
     for place, folders, files in os.walk(folder):
         depth = len(Path(place).relative_to(folder).parts)
         folders[:] = sorted(name for name in folders if name[0] != "." and depth < _DEEPEST)
-        yield from (Path(place, name) for name in sorted(files) if name[0] != ".")
+        found = (Path(place, name) for name in sorted(files) if name[0] != ".")
+        # A pipe would never answer.
+        yield from (file for file in found if file.is_file())
 
 
 def _is_first_element(start: bytes) -> bool:

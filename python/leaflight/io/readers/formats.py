@@ -9,7 +9,7 @@ from pathlib import Path
 from ..._core import LeaflightError
 from ...volume.setting_error import SettingError
 from .checks import listed
-from .dicom_signature import holds_dicom, is_dicom
+from .dicom_signature import DIRECTORY, holds_dicom, is_dicom
 from .sniffing import module_of
 
 
@@ -48,7 +48,7 @@ FORMATS = (
     _format("AmiraMesh lattice", "amira", ".am", "dataset"),
     _format("NRRD file", "nrrd", ".nrrd .nhdr"),
     _format("MetaImage", "metaimage", ".mhd .mha"),
-    _format("DICOM series", "dicom", ".dcm .dicom .ima", "dataset"),
+    _format("DICOM series", "dicom", ".dcm .dicom .ima", "dataset", names="DICOMDIR"),
     _format("MRC or CCP4 map", "mrc", _OF_MRC),
     _format("VTK image", "vti", ".vti .pvti", "dataset"),
     _format("legacy VTK file", "vtk_legacy", ".vtk", "dataset"),
@@ -57,8 +57,11 @@ FORMATS = (
     _format("XSF file", "xsf", ".xsf .xsf.gz", "dataset"),
     _format("DSN6 or BRIX map", "dsn6", ".dsn6 .brix .omap .dsn6.gz .brix.gz .omap.gz"),
     _format("MTZ file", "mtz", ".mtz .mtz.gz", "dataset"),
-    _format("TIFF file", "tiff", ".tif .tiff .ome .lsm .stk .btf .tf8", "dataset", "spacing"),
+    _format("TIFF file", "tiff", ".tif .tiff .ome .lsm .btf .tf8", "dataset", "spacing"),
     _format("picture", "pictures", ".png .jpg .jpeg .bmp", "dataset", "spacing"),
+    _format("CZI file", "czi", ".czi", "dataset", "spacing"),
+    _format("LIF file", "lif", ".lif", "dataset", "spacing"),
+    _format("ND2 file", "nd2_file", ".nd2", "dataset", "spacing"),
     _format("OME-Zarr folder", "ome_zarr", ".zarr", "dataset", "level"),
     _format("HDF5 file", "hdf5", ".h5 .hdf5 .hdf .ims .nxs", "dataset", "level", "spacing"),
     _format("netCDF file", "netcdf", ".nc .nc4", "dataset", "spacing"),
@@ -74,6 +77,8 @@ SUFFIXES = tuple(suffix for kind in FORMATS for suffix in kind.suffixes)
 _LOOKED_AT = 100
 # As many more files than of another kind are slices, and the others are pictures beside them.
 _MANY_TIMES = 3
+# No more pictures than this are no volume where there are DICOM files below them.
+_FEW = 2
 _OF_SLICES = {"dicom": "DICOM", "tiff": "TIFF", "pictures": "PNG, JPEG or BMP"}
 # Suffixes that an error names, at most, and letters of one pattern of name_patterns().
 _NAMED, _IN_BRACKETS = 16, 9
@@ -137,8 +142,9 @@ def _of_folder(path: Path) -> Format:
     """By the kind of most of its files; hidden ones and a few of other kinds do not count."""
     if any((path / entry).exists() for entry in (".zgroup", ".zarray", "zarr.json")):
         return _BY_MODULE["ome_zarr"]
-    # macOS writes hidden files, ._NAME, beside those that it copies to other disks.
-    entries = [entry for entry in path.iterdir() if entry.name[0] != "." and entry.is_file()]
+    entries = _visible(path)
+    if any(entry.name.lower() == DIRECTORY for entry in entries):
+        return _BY_MODULE["dicom"]
     counts = {
         module: sum(entry.suffix.lower() in _BY_MODULE[module].suffixes for entry in entries)
         for module in _OF_SLICES
@@ -149,7 +155,8 @@ def _of_folder(path: Path) -> Format:
         share = sum(map(is_dicom, looked_at)) / len(looked_at)
         counts["dicom"] += round(share * len(without))
     (most, first), (second, others) = sorted(counts.items(), key=lambda kind: -kind[1])[:2]
-    if first == 0 and holds_dicom(path):
+    # Pictures above the folders of a disc.
+    if first <= _FEW and most != "dicom" and holds_dicom(path):
         return _BY_MODULE["dicom"]
     if first == 0:
         raise LeaflightError(
@@ -163,3 +170,25 @@ def _of_folder(path: Path) -> Format:
             f"{_OF_SLICES[second]} files; keep the slices of one volume in it."
         )
     return _BY_MODULE[most]
+
+
+def left_out(path: Path, kind: Format) -> tuple[str, ...]:
+    """A note about the files in a folder of slices that are slices of another kind."""
+    suffixes = {
+        suffix
+        for module in _OF_SLICES
+        for suffix in _BY_MODULE[module].suffixes
+        if kind.module in _OF_SLICES and module != kind.module
+    }
+    names = [entry.name for entry in _visible(path) if entry.suffix.lower() in suffixes]
+    if not names:
+        return ()
+    return (f"Files of other kinds in the folder are left out: {listed(sorted(names))}.",)
+
+
+def _visible(folder: Path) -> list[Path]:
+    """The files of a folder but for hidden ones.
+
+    macOS writes such, ._NAME, beside those that it copies to other disks.
+    """
+    return [entry for entry in folder.iterdir() if entry.name[0] != "." and entry.is_file()]

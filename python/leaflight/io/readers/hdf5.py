@@ -16,7 +16,7 @@ from ...volume.voxels import new_voxels
 from ..reader_process import ReaderProcess, has_package
 from .checks import check_matrix, choose_level, choose_named, index_to_world, undecided
 from .hdf5_image import image_of_json
-from .reading import MissingPackage
+from .missing_package import MissingPackage
 from .stored import StoredVolume, lengths
 from .watched import STAGE, begin
 

@@ -96,10 +96,8 @@ def member(path: Path, name: str) -> Path:
     return file
 
 
-def table(
-    path: Path, image: Image, pages_of: Callable[[Path], int]
-) -> tuple[dict[int, tuple[Path, int]], tuple[str, ...]]:
-    """{place of a plane: (file, page)} of all planes of an image, and notes.
+def table(path: Path, image: Image, pages_of: Callable[[Path], int]) -> dict[int, tuple[Path, int]]:
+    """{place of a plane: (file, page)} of all planes of an image.
 
     pages_of: how many pages a file has. Raises LeaflightError where a file or a plane is missing.
     """
@@ -117,10 +115,7 @@ def table(
             found[part.first + k] = file, part.page + k
     if len(found) < total:
         raise _incomplete(path, image, next(k for k in range(total) if k not in found))
-    left = pages_of(path) - len(set(found.values())) if set(files.values()) == {path} else 0
-    if left <= 0:
-        return found, ()
-    return found, (f"The file holds {left} more pages than its OME metadata describe.",)
+    return found
 
 
 def _incomplete(path: Path, image: Image, place: int) -> LeaflightError:

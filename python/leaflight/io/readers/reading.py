@@ -22,9 +22,11 @@ from ...volume.volume import Volume
 from ...volume.voxels import as_voxels, held_type, new_voxels
 from .checks import choose, text
 from .downsampling import downsampled
-from .formats import RAW, Format, format_of
+from .formats import RAW, Format, format_of, left_out
+from .missing_package import MissingPackage
 from .page_process import kept_processes
 from .stored import StoredVolume
+from .usable import Usable, about_labels, usable
 from .watched import watched
 
 if TYPE_CHECKING:
@@ -55,24 +57,6 @@ OPTIONS = (
     "smooth",
     "smooth_normals",
 )
-
-_NOT_IN_DEBIAN = {"hdf5plugin", "imagecodecs"}
-
-
-class MissingPackage(LeaflightError):
-    """A Python package that a format needs is not installed.
-
-    package: its name; of_debian: that of Debian's package, or None.
-    """
-
-    def __init__(self, path: Path, kind: str, package: str) -> None:
-        of_debian = None if package in _NOT_IN_DEBIAN else f"python3-{package}"
-        debian = f", or on Debian 'apt install {of_debian}'" if of_debian else ""
-        super().__init__(
-            f"{path}: reading this {kind} needs the Python package {package}, which is not "
-            f"installed; run 'pip install {package}'{debian}."
-        )
-        self.path, self.kind, self.package, self.of_debian = path, kind, package, of_debian
 
 
 @with_progress("read")
@@ -128,7 +112,8 @@ def read_volume(
         step = downsample or 1
         _check_memory(path, opened, step)
         volume = opened.load(frame, channel, progress)
-        values, matrix = volume.values, volume.index_to_world
+        values, offset, notes = usable(volume.values, opened.missing, step, progress)
+        matrix = volume.index_to_world
         if step > 1:
             values = downsampled(path, values, step, progress)
             matrix = matrix @ _from_downsampled(step)
@@ -137,16 +122,17 @@ def read_volume(
             volume,
             values=values,
             index_to_world=matrix,
-            source=source_of(path, smooth, smooth_normals),
+            name=f"{volume.name} less {offset:.15g}" if offset else volume.name,
+            source=source_of(path, smooth, smooth_normals, offset),
             unit=opened.unit,
             patient=opened.patient,
             smooth_normals=smooth_normals,
-            notes=(*opened.notes, *volume.notes),
+            notes=(*opened.notes, *volume.notes, *notes),
         )
     progress.begin("Looking at the values")
     progress.check()
     volume.field()
-    return volume
+    return volume if smooth > 0 or step > 1 else volume.noted(*about_labels(volume))
 
 
 def probe(path: str | os.PathLike[str], **stored: "Unpack[StoredOptions]") -> StoredVolume:
@@ -179,7 +165,8 @@ def _opened(path: Path, kind: Format, stored: StoredOptions) -> StoredVolume:
             )
     reader = import_module(f".{kind.module}", __package__)
     opened: StoredVolume = reader.open_volume(path, **options)
-    return opened
+    notes = left_out(path, kind) if path.is_dir() else ()
+    return replace(opened, notes=(*opened.notes, *notes)) if notes else opened
 
 
 @contextmanager
@@ -238,15 +225,16 @@ def _check_memory(path: Path, stored: StoredVolume, step: int) -> None:
         )
 
 
-def _held(values: Array, progress: Progress) -> Array:
+def _held(values: Array | Usable, progress: Progress) -> Array:
     """The voxels as a volume has them, its own: a mapped file might change behind our back."""
-    values = values if isinstance(values, np.ndarray) else np.asarray(values)
-    kept, mapped = held_type(values.dtype), isinstance(values, np.memmap)
-    if values.dtype == kept and values.flags.c_contiguous and not mapped:
-        return values
-    held = new_voxels(values.shape, kept)
-    for k in watched(progress, range(len(values))):
-        held[k] = as_voxels(values[k])
+    stored = values.stored if isinstance(values, Usable) else values
+    kept, mapped = held_type(values.dtype), isinstance(stored, np.memmap)
+    own = isinstance(stored, np.ndarray) and not mapped and stored.flags.c_contiguous
+    own = own and stored.dtype == kept and (values is stored or stored.flags.writeable)
+    held = stored if own else new_voxels(values.shape, kept)
+    if held is not values:
+        for k in watched(progress, range(len(values))):
+            held[k] = as_voxels(values[k])
     return held
 
 

@@ -8,10 +8,9 @@ from pathlib import Path
 
 from ..._core import LeaflightError
 from ...arrays import Array
-from .blocks import Blocks, stack_of
-from .checks import check_scalar, listed, text
-from .file_names import Slices, sequences, visible_files
-from .formats import SUFFIXES
+from .blocks import Blocks, has_depth, stack_of
+from .checks import check_scalar, text
+from .file_names import Slices, sequences
 from .stack import Stack, stored
 from .stored import StoredVolume
 
@@ -29,9 +28,6 @@ def open_slices(
     files: of the slices and of other pictures; read: gives the pixels of one, [y, x] or RGB
     [y, x, s]. Raises LeaflightError.
     """
-    others = [file.name for file in visible_files(folder, SUFFIXES) if file not in files]
-    if others:
-        notes = (*notes, f"Files of other kinds in the folder are left out: {listed(others)}.")
     found = sequences(folder, files)
     volumes = [(one.name, partial(_stack, one, read, tuple(notes))) for one in found]
     return stored(folder, volumes, dataset, spacing)
@@ -42,7 +38,7 @@ def _stack(slices: Slices, read: Callable[[Path], Array], notes: tuple[str, ...]
     check_scalar(slices.files[0], first.dtype)
 
     @contextmanager
-    def reading() -> Iterator[Callable[[int], Array]]:
+    def reading(_numbers: Sequence[int]) -> Iterator[Callable[[int], Array]]:
         def read_slice(k: int) -> Array:
             pixels = read(slices.files[k])
             if pixels.shape != first.shape:
@@ -55,6 +51,10 @@ def _stack(slices: Slices, read: Callable[[Path], Array], notes: tuple[str, ...]
         yield read_slice
 
     inner = tuple(zip("YXS", first.shape))
+    if not has_depth((*slices.axes, *inner)):
+        raise LeaflightError(
+            f"{slices.files[0]}: it is the only slice of the folder, but a volume needs several."
+        )
     blocks = Blocks(slices.axes, inner, first.dtype, reading, 3, first.ndim == 3)
     return stack_of(slices.files[0].parent, blocks, None, (*notes, *slices.notes))
 

@@ -25,6 +25,7 @@ class Stack:
     shape: (depth, height, width); dtype: of the values.
     planes: planes(frame, channel) gives the planes [y, x] of one volume from the lowest on, each
         wholly read from the file.
+    order: the axes of space along a row, along a column and along the depth.
     """
 
     shape: tuple[int, int, int]
@@ -34,6 +35,7 @@ class Stack:
     channels: int = 1
     voxel: VoxelSize | None = None
     notes: tuple[str, ...] = ()
+    order: str = "XYZ"
 
 
 def stored(
@@ -56,7 +58,9 @@ def stored(
         voxel = None
     elif voxel is not None and voxel.note:
         notes = (*notes, voxel.note)
-    matrix = index_to_world(path, voxel.sizes if voxel else 1.0 if spacing is None else spacing)
+    sizes = voxel.sizes if voxel else 1.0 if spacing is None else spacing
+    along = ["XYZ".index(axis) for axis in stack.order]
+    matrix = index_to_world(path, sizes)[:, [*along, 3]]
 
     def load(frame: int, channel: int, progress: Progress) -> Volume:
         return Volume(_filled(path, stack, frame, channel, progress), matrix, path.stem)

@@ -28,6 +28,8 @@ class StoredVolume:
     levels: dims of each resolution that the file holds, finest first; datasets: names of the
         volumes in it. Both empty where there is but one.
     patient: whether its world coordinates are a patient's: towards right, front and up.
+    missing: numbers that the header itself names as fill values; they are NaN in the volume where
+        they lie far from all other values.
     notes: sentences for the user about choices that the header left to the reader, such as slices
         that it leaves out. load() may add others, as notes of its Volume.
     """
@@ -42,6 +44,7 @@ class StoredVolume:
     levels: tuple[tuple[int, ...], ...] = ()
     datasets: tuple[str, ...] = ()
     patient: bool = False
+    missing: tuple[float, ...] = ()
     notes: tuple[str, ...] = ()
 
     def bytes(self, downsample: int = 1) -> int | None:

@@ -71,18 +71,24 @@ def _of_ome(path: Path, xml: str | bytes) -> list[tuple[str, Callable[[], Stack]
         raise _flat(path, [(image.sizes["X"], image.sizes["Y"]) for image in flat])
     notes = _left_out([f"{i.sizes['X']} x {i.sizes['Y']} pixels" for i in flat])
     return [
-        (image.name, partial(_ome_stack, path, image, notes))
+        (image.name, partial(_ome_stack, path, image, notes, len(images) == 1))
         for image in images
         if image not in flat
     ]
 
 
-def _ome_stack(path: Path, image: ome.Image, notes: tuple[str, ...]) -> Stack:
+def _ome_stack(path: Path, image: ome.Image, notes: tuple[str, ...], alone: bool) -> Stack:
+    """alone: whether the metadata describe no other image."""
+
     def pages_of(file: Path) -> int:
         with opened(file) as tiff:
             return len(tiff.pages)
 
-    places, more = ome.table(path, image, pages_of)
+    places = ome.table(path, image, pages_of)
+    if alone and {file for file, _ in places.values()} == {path}:
+        left = pages_of(path) - len(set(places.values()))
+        more = f"Pages that the OME metadata do not describe are left out: {left}."
+        notes = (*notes, more) if left > 0 else notes
     file, number = places[0]
     with opened(file) as tiff:
         page = tiff.pages[number]
@@ -97,11 +103,13 @@ def _ome_stack(path: Path, image: ome.Image, notes: tuple[str, ...]) -> Stack:
         )
     outer = tuple((axis, image.sizes[axis]) for axis in reversed(image.order))
     blocks = Blocks(outer, inner, dtype, partial(_open_places, places), samples, colors)
-    return stack_of(path, blocks, image.voxel, (*notes, *more))
+    return stack_of(path, blocks, image.voxel, notes)
 
 
 @contextmanager
-def _open_places(places: dict[int, tuple[Path, int]]) -> Iterator[Callable[[int], Array]]:
+def _open_places(
+    places: dict[int, tuple[Path, int]], _numbers: Sequence[int]
+) -> Iterator[Callable[[int], Array]]:
     """For Blocks: a function that reads the page of a place. One file of a set is open at once."""
     with ExitStack() as last:
         path, tiff = None, None
@@ -173,6 +181,10 @@ def _blocks(path: Path, file: Any, index: int) -> Blocks:
     sample = "S" if "S" in dict(page_axes) else "C"
     names = [sample if axis == "S" else axis for axis in series.axes]
     axes = tuple(zip(names, (int(n) for n in series.shape)))
+    if series.kind == "lsm":
+        # Old versions of tifffile take the channels, which are in a page, for the slowest axis.
+        sizes = {axis: file.lsm_metadata.get(f"Dimension{axis}", 0) for axis in ("P", "Time", "Z")}
+        axes = (*((axis[0], max(1, int(n))) for axis, n in sizes.items()), *page_axes)
     if series.dataoffset is not None:
         # One contiguous block, which ImageJ writes under a single page.
         split = names.index("Y")
@@ -192,7 +204,7 @@ def _blocks(path: Path, file: Any, index: int) -> Blocks:
 
 @contextmanager
 def _open_series(
-    path: Path, index: int, shape: tuple[int, ...]
+    path: Path, index: int, shape: tuple[int, ...], _numbers: Sequence[int]
 ) -> Iterator[Callable[[int], Array]]:
     """For Blocks: a function that reads a page of a series, or one plane of a contiguous block."""
     with opened(path) as file:
@@ -227,18 +239,12 @@ def _check_series(path: Path, file: Any, series: Any) -> None:
 
 
 def _voxel_size(file: Any) -> VoxelSize | None:
-    """By the metadata of ImageJ, of Zeiss' LSM or of MetaMorph's STK."""
+    """By the metadata of ImageJ, or of Zeiss' LSM."""
     if file.is_imagej:
         return imagej.size_of_voxel(file.imagej_metadata, file.pages[0].tags)
     if file.is_lsm:
         sizes = [file.lsm_metadata.get(f"VoxelSize{axis}") for axis in "XYZ"]
         return voxel_size(sizes, ("m", "m", "m"), "µm")
-    if file.is_stk:
-        found = file.stk_metadata
-        across = [found.get(f"{axis}Calibration") for axis in "XY"]
-        steps = np.unique(np.abs(np.asarray(found.get("ZDistance", ()), dtype=np.float64)))
-        unit = found.get("CalibrationUnits")
-        return voxel_size((*across, steps[0] if len(steps) == 1 else None), (unit, unit, unit))
     return None
 
 

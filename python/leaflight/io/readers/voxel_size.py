@@ -8,22 +8,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import SupportsFloat
 
-from ...volume.units import METERS, unit_of
+from ...volume.units import METERS, meters_of, unit_of
 
-# Units that no volume has, in one that it can have; in lower case.
-_OTHERS = {
-    "in": (25.4, "mm"),
-    "inch": (25.4, "mm"),
-    "inches": (25.4, "mm"),
-    '"': (25.4, "mm"),
-    "ft": (304.8, "mm"),
-    "mil": (25.4, "µm"),
-    "thou": (25.4, "µm"),
-    "pm": (1e-3, "nm"),
-    "picometer": (1e-3, "nm"),
-    "dm": (10.0, "cm"),
-    "km": (1e3, "m"),
-}
 # What UTF-8 is often read as by mistake.
 _MISREAD_AS = ("latin-1", "cp1252", "mac_roman")
 
@@ -66,8 +52,7 @@ def voxel_size(
     if z is None:
         z = 1.0 / scales[2]
         note = (
-            f"The file does not say how far apart its planes are; {1:g} {unit or 'pixel'} is "
-            "assumed."
+            f"The file does not say how far apart its planes are; 1 {unit or 'pixel'} is assumed."
         )
     x, y, z = (size * scale for size, scale in zip((x, y, z), scales))
     return VoxelSize((x, y, z), unit, note)
@@ -85,7 +70,10 @@ def _positive(size: object) -> float | None:
 
 
 def _length(word: object) -> tuple[float, str] | None:
-    """(factor, key of METERS) of a file's word for a unit, None for one that is no length."""
+    """(factor, key of METERS) of a file's word for a unit, None for one that is no length.
+
+    Inches become millimeters.
+    """
     text = str(word or "").strip("\x00 ")
     # ImageJ escapes letters as Java does. A letter that was lost can only be that of micrometers.
     text = re.sub(r"\\u([0-9a-fA-F]{4})", lambda found: chr(int(found[1], 16)), text)
@@ -94,5 +82,8 @@ def _length(word: object) -> tuple[float, str] | None:
         with suppress(UnicodeError):
             text = text.encode(encoding).decode("utf-8")
     text = unicodedata.normalize("NFKC", text)
-    unit = unit_of(text)
-    return (1.0, unit) if unit else _OTHERS.get(text.lower())
+    unit, meters = unit_of(text), meters_of(text)
+    if unit or meters is None:
+        return (1.0, unit) if unit else None
+    unit = next((key for key in ("mm", "µm") if METERS[key] <= meters), "nm")
+    return meters / METERS[unit], unit

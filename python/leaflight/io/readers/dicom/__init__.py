@@ -1,28 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """DICOM series through pydicom: the slices of a folder, sorted by where they lie in the patient."""
 
-from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ...._core import LeaflightError, Progress
-from ....arrays import Array
 from ....volume.volume import Volume
-from ....volume.voxels import new_voxels
 from ..checks import choose_named, undecided
+from ..dicom_signature import DIRECTORY
 from ..stored import StoredVolume, lengths
-from ..watched import watched
 from .choices import choices_of, meant
 from .parts import Part
-from .pixels import open_pages, values_of
-from .planes import Plane
 from .series import find_series
 from .stacks import Stack, sparse_stack_of, stack_of
-
-# Files that are open at once: times of a series may each be one, of which all have some planes.
-_OPEN = 4
+from .values import value_type, values_of_frame
 
 
 def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
@@ -39,42 +31,34 @@ def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
     name = choose_named(path, names, meant(choices, dataset))
     notes = (*notes, *left_out)
     if name is not None:
-        return _opened(path, [choices[name].part(path)], names, notes)
-    if len(found) == 1 and all(choice.sparse for choice in choices.values()):
-        # Segments lie in one grid: they are channels as well.
-        return _opened(path, [choice.part(path) for choice in choices.values()], names, notes)
+        return _opened(path, choices[name].part(path), names, notes)
     load = undecided(path, names)
     return StoredVolume(
         None, np.dtype(np.int16), load, unit="mm", datasets=names, patient=True, notes=notes
     )
 
 
-def _opened(
-    path: Path, parts: list[Part], names: tuple[str, ...], notes: tuple[str, ...]
-) -> StoredVolume:
-    """The volume of one part, or of several that share a grid."""
-    stacks = [_stack(path, part) for part in parts]
-    stack = stacks[0]
-    planes = [one for part in parts for one in part.planes]
+def _opened(path: Path, part: Part, names: tuple[str, ...], notes: tuple[str, ...]) -> StoredVolume:
+    stack = _stack(path, part)
     _check_depth(path, stack)
-    dtype = _value_type(planes)
-    remarks = dict.fromkeys(remark for one in planes for remark in one.remarks)
+    first = part.planes[0]
+    dtype = value_type(part.planes)
+    remarks = dict.fromkeys(remark for one in part.planes for remark in one.remarks)
 
-    def load(frame: int, channel: int, progress: Progress) -> Volume:
-        values = _values(stacks[channel].frames[frame], planes[0], dtype, progress)
+    def load(frame: int, _channel: int, progress: Progress) -> Volume:
+        values = values_of_frame(stack.frames[frame], first.pixels.shape, dtype, progress)
         return Volume(values, stack.index_to_world, _title(path))
 
     return StoredVolume(
-        dims=(*planes[0].pixels.shape[::-1], len(stack.frames[0])),
+        dims=(*first.pixels.shape[::-1], len(stack.frames[0])),
         dtype=dtype,
         load=load,
         voxel_size=lengths(stack.index_to_world),
         unit="mm",
         frames=len(stack.frames),
-        channels=len(stacks),
         datasets=names,
-        patient=planes[0].placed,
-        notes=(*notes, *parts[0].notes, *stack.notes, *remarks),
+        patient=first.placed,
+        notes=(*notes, *part.notes, *stack.notes, *remarks),
     )
 
 
@@ -107,53 +91,7 @@ def _check_depth(path: Path, stack: Stack) -> None:
     )
 
 
-def _value_type(planes: list[Plane]) -> np.dtype[Any]:
-    """The type of the values: the narrowest that holds what slices usually hold."""
-    pixels = {one.pixels for one in planes}
-    if any(one.floats and one.allocated == 64 for one in pixels):
-        return np.dtype(np.float64)
-    if any(one.floats for one in pixels):
-        return np.dtype(np.float32)
-    if any(one.slope != 1 or one.intercept != round(one.intercept) for one in planes):
-        return np.dtype(np.float32)
-    low = min(one.intercept - (one.pixels.signed << (one.pixels.stored - 1)) for one in planes)
-    high = max(one.intercept + (1 << one.pixels.stored) - 1 for one in planes)
-    fits = (kind for kind in (np.uint8, np.uint16) if low >= 0 and high <= np.iinfo(kind).max)
-    # Hounsfield units do, though 16 bits may be declared for them before 1024 is taken away.
-    return np.dtype(next(fits, np.int16))
-
-
-def _values(
-    planes: list[Plane | None], first: Plane, dtype: np.dtype[Any], progress: Progress
-) -> Array:
-    """The values of a frame, 0 where a plane is not stored."""
-    values = new_voxels((len(planes), *first.pixels.shape), dtype)
-    opened = lru_cache(maxsize=_OPEN)(open_pages)
-    for k, one in enumerate(watched(progress, planes)):
-        if one is None:
-            values[k] = 0
-            continue
-        page = values_of(one, opened(one.pixels))
-        if values.dtype.kind != "f" and not _fits(page, values.dtype):
-            values = _widened(values, k, page)
-        values[k] = page
-    return values
-
-
-def _fits(page: Array, dtype: np.dtype[Any]) -> bool:
-    limits = np.iinfo(dtype)
-    return bool(limits.min <= page.min() and page.max() <= limits.max)
-
-
-def _widened(values: Array, count: int, page: Array) -> Array:
-    """An array that holds another page as well, with the first `count` planes of values."""
-    # 24 bits are exact in single precision.
-    whole = np.int32 if _fits(page, np.dtype(np.int32)) else np.float64
-    kind = np.float32 if np.abs(page.astype(np.float64)).max() < 1 << 24 else whole
-    wide = new_voxels(values.shape, kind)
-    wide[:count] = values[:count]
-    return wide
-
-
 def _title(path: Path) -> str:
+    if path.name.lower() == DIRECTORY:
+        return path.absolute().parent.name
     return path.name if path.is_dir() else path.stem

@@ -32,10 +32,6 @@ class Choice:
         return self.found
 
     @property
-    def sparse(self) -> bool:
-        return isinstance(self.found, Part) and self.found.planes[0].sparse
-
-    @property
     def is_slice(self) -> bool:
         return isinstance(self.found, Part) and len(self.found.within) == 1
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pages that are compressed, by JPEG and others, through the decoders that pydicom finds.
+"""Pages that are compressed, by JPEG and others: through imagecodecs or what pydicom finds.
 
 Only a process of its own imports these.
 """
@@ -24,16 +24,23 @@ from .header import Pixels
 # Files that are open at once: times of a series may each be one, of which all have some planes.
 _OPEN = 4
 _DEFLATED_PAGES = "1.2.840.10008.1.2.8.1"
-# Functions of imagecodecs, by the transfer syntaxes that they decode.
+# Functions of imagecodecs, by the ends of the transfer syntaxes that they decode.
+_JPEG = "1.2.840.10008.1.2.4."
 _OF_IMAGECODECS = {
-    "1.2.840.10008.1.2.4.50": "jpeg8_decode",
-    "1.2.840.10008.1.2.4.51": "jpeg8_decode",
-    "1.2.840.10008.1.2.4.57": "ljpeg_decode",
-    "1.2.840.10008.1.2.4.70": "ljpeg_decode",
-    "1.2.840.10008.1.2.4.80": "jpegls_decode",
-    "1.2.840.10008.1.2.4.81": "jpegls_decode",
-    "1.2.840.10008.1.2.4.90": "jpeg2k_decode",
-    "1.2.840.10008.1.2.4.91": "jpeg2k_decode",
+    "50": "jpeg8_decode",
+    "51": "jpeg8_decode",
+    "57": "jpeg8_decode",
+    "70": "jpeg8_decode",
+    "80": "jpegls_decode",
+    "81": "jpegls_decode",
+    "90": "jpeg2k_decode",
+    "91": "jpeg2k_decode",
+    "110": "jpegxl_decode",
+    "111": "jpegxl_decode",
+    "112": "jpegxl_decode",
+    "201": "htj2k_decode",
+    "202": "htj2k_decode",
+    "203": "htj2k_decode",
 }
 # How JPEG 2000 begins, and which markers of the other kinds of JPEG hold the size of the picture.
 _JPEG_2000 = b"\xff\x4f\xff\x51"
@@ -58,21 +65,20 @@ def decoded_pages(_path: Path) -> tuple[None, Iterator[Array]]:
 def _decoder(pixels: Pixels) -> Callable[[int], Array]:
     """What decodes a page of a file. Raises LeaflightError, then or when it is called."""
     data = pydicom.dcmread(pixels.file, force=True)
-    decode = _decode_of(pixels)
+    decoders = _decoders(pixels)
     frames = _frames(pixels, data)
 
     def page(number: int) -> Array:
         _check_size(pixels, frames[number])
-        try:
-            numbers = np.asarray(decode(frames[number], data))
-        except LeaflightError:
-            raise
-        except Exception as error:
-            # Each decoder fails in a way of its own.
-            raise _damaged(pixels) from error
-        if numbers.size != pixels.shape[0] * pixels.shape[1] or numbers.dtype.kind not in "iu":
-            raise _damaged(pixels)
-        return numbers.reshape(pixels.shape)
+        for decode in decoders:
+            try:
+                numbers = np.asarray(decode(frames[number], data))
+            except Exception:
+                # Each decoder fails in ways of its own, and on files that another one reads.
+                continue
+            if numbers.size == pixels.shape[0] * pixels.shape[1] and numbers.dtype.kind in "iu":
+                return numbers.reshape(pixels.shape)
+        raise _damaged(pixels)
 
     return page
 
@@ -96,25 +102,28 @@ def _frames(pixels: Pixels, data: pydicom.Dataset) -> list[bytes]:
     return frames
 
 
-def _decode_of(pixels: Pixels) -> _Decode:
-    """The decoder of a file's transfer syntax. Raises LeaflightError where there is none here."""
+def _decoders(pixels: Pixels) -> list[_Decode]:
+    """The decoders of a file's transfer syntax. Raises ImportError where there is none here."""
     if pixels.syntax == _DEFLATED_PAGES:
-        return lambda frame, _data: _inflated(frame, pixels)
-    syntax = UID(pixels.syntax)
-    if _pydicom_decodes(syntax):
-        return _by_pydicom
-    if pixels.syntax in _OF_IMAGECODECS:
+        return [lambda frame, _data: _inflated(frame, pixels)]
+    found: list[_Decode] = []
+    name = _OF_IMAGECODECS.get(pixels.syntax.removeprefix(_JPEG))
+    if name is not None:
         try:
-            codecs = import_module("imagecodecs")
-            decode: Callable[[bytes], Array] = getattr(codecs, _OF_IMAGECODECS[pixels.syntax])
-            return lambda frame, _data: decode(frame)
+            decode: Callable[[bytes], Array] = getattr(import_module("imagecodecs"), name)
+            found.append(lambda frame, _data: decode(frame))
         except ImportError:
             pass
-    raise LeaflightError(
-        f"{pixels.file}: its compression ({syntax.name}) cannot be decoded here; run 'apt install "
-        "python3-gdcm' on Debian or 'pip install python-gdcm' elsewhere, or save the series "
-        "uncompressed."
-    )
+    if _pydicom_decodes(UID(pixels.syntax)):
+        found.append(_by_pydicom)
+    if not found and name is not None:
+        raise ModuleNotFoundError(name="imagecodecs")
+    if not found:
+        raise LeaflightError(
+            f"{pixels.file}: its compression ({UID(pixels.syntax).name}) is not supported; save "
+            "the series uncompressed."
+        )
+    return found
 
 
 def _pydicom_decodes(syntax: UID) -> bool:

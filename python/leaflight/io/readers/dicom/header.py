@@ -72,10 +72,6 @@ class Header:
     tags: pydicom.Dataset
     found: tuple[str, str, int, int] | None
 
-    @property
-    def is_picture(self) -> bool:
-        return self.found is not None and "Rows" in self.tags and "Columns" in self.tags
-
 
 def read_header(file: Path) -> Header:
     """What stands before the pixels of a file. Raises LeaflightError where it is no DICOM."""

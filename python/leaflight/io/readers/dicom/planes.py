@@ -57,32 +57,61 @@ class Plane:
     remarks: tuple[str, ...]
 
 
+@dataclass(frozen=True)
+class _File:
+    """What all pages of a file have in common.
+
+    labels: of segments, by their numbers. offsets, slices: of each page, how far it is from the
+    position of the file, and its number in space; None where the header does not say.
+    """
+
+    tags: pydicom.Dataset
+    pixels: Pixels
+    labels: dict[int, str]
+    remarks: tuple[str, ...]
+    offsets: Floats | None
+    slices: Floats | None
+
+
 class _Tags:
     """The tags of a page: its own, those that all pages share, or those of the file."""
 
-    def __init__(self, header: pydicom.Dataset, page: int) -> None:
-        self._header = header
-        own = header.get("PerFrameFunctionalGroupsSequence", None)
-        shared = header.get("SharedFunctionalGroupsSequence", None)
-        self.own = own[page] if own else None
-        self._groups = [group for group in (self.own, shared[0] if shared else None) if group]
+    def __init__(
+        self, file: pydicom.Dataset, own: pydicom.Dataset | None, shared: pydicom.Dataset | None
+    ) -> None:
+        self.file, self.own = file, own
+        self._groups = [group for group in (own, shared) if group is not None]
 
     def get(self, name: str, sequence: str, otherwise: Any = None) -> Any:
         for group in self._groups:
             items = group.get(sequence, None)
             if items and items[0].get(name, None) is not None:
                 return items[0].get(name)
-        value = self._header.get(name, None)
+        value = self.file.get(name, None)
         return otherwise if value is None else value
 
 
 def planes_of(header: Header) -> list[Plane]:
     """All planes of a picture, of which an enhanced one has many. Raises LeaflightError."""
+    tags = header.tags
     try:
+        _check_kind(header)
         pixels = pixels_of(header)
-        labels = _labels(header.tags)
-        remarks = _remarks(header.tags)
-        return [_plane(header.tags, pixels, page, labels, remarks) for page in range(pixels.pages)]
+        file = _File(
+            tags=tags,
+            pixels=pixels,
+            labels=_labels(tags),
+            remarks=_remarks(tags),
+            offsets=_vector(tags, "GridFrameOffsetVector", pixels),
+            slices=_vector(tags, "SliceVector", pixels),
+        )
+        # Sequences are looked at once: pydicom goes through all of one each time.
+        own = list(tags.get("PerFrameFunctionalGroupsSequence", None) or [])
+        shared = (tags.get("SharedFunctionalGroupsSequence", None) or [None])[0]
+        return [
+            _plane(file, _Tags(tags, own[page] if own else None, shared), page)
+            for page in range(pixels.pages)
+        ]
     except LeaflightError:
         raise
     except Exception as error:
@@ -90,14 +119,80 @@ def planes_of(header: Header) -> list[Plane]:
         raise damaged_header(header.file) from error
 
 
-def _plane(
-    header: pydicom.Dataset,
-    pixels: Pixels,
-    page: int,
-    labels: dict[int, str],
-    remarks: tuple[str, ...],
-) -> Plane:
-    tags = _Tags(header, page)
+def _check_kind(header: Header) -> None:
+    """Raises LeaflightError for a picture of many tiles, which are no planes of a volume."""
+    tags = header.tags
+    if "MOSAIC" in (tags.get("ImageType", None) or ()):
+        raise LeaflightError(
+            f"{header.file}: it is a mosaic of slices, as scanners of Siemens write it; convert "
+            "the series by dcm2niix, and open the NIfTI file."
+        )
+    if "TotalPixelMatrixColumns" in tags:
+        raise LeaflightError(
+            f"{header.file}: its pages are tiles of a microscope's slide, not slices of a volume; "
+            "choose another series."
+        )
+
+
+def _vector(tags: pydicom.Dataset, name: str, pixels: Pixels) -> Floats | None:
+    """A number for each page of a file, or None. Raises LeaflightError where some are missing."""
+    vector = _floats(tags.get(name, None)) if pixels.pages > 1 else None
+    if vector is not None and len(vector) != pixels.pages:
+        raise LeaflightError(
+            f"{pixels.file}: its header has places for {len(vector)} planes, but the file has "
+            f"{pixels.pages}: it is damaged, fetch it again."
+        )
+    return vector
+
+
+def _plane(file: _File, tags: _Tags, page: int) -> Plane:
+    header, pixels, remarks = file.tags, file.pixels, file.remarks
+    axes, position = _place(tags)
+    spacing = _floats(
+        tags.get("PixelSpacing", "PixelMeasuresSequence")
+        or header.get("ImagerPixelSpacing", None)
+        or header.get("NominalScannedPixelSpacing", None),
+        2,
+    )
+    gap = _number(tags.get("SpacingBetweenSlices", "PixelMeasuresSequence"))
+    gap = gap or _number(tags.get("SliceThickness", "PixelMeasuresSequence"))
+    normal = np.cross(axes[:3], axes[3:])
+    placed = position is not None
+    stepped = pixels.pages > 1 and tags.own is None
+    if stepped:
+        along = _place_of_page(file, position, normal, gap or 1.0, page)
+        position = _tuple(np.add(position or (0.0, 0.0, 0.0), along))
+        # A camera may count against its normal.
+        normal = -normal if gap < 0 else normal
+    if spacing is None:
+        remarks += ("The header has no size of a pixel; 1 mm is taken.",)
+    if not gap and (position is None or (stepped and file.offsets is None)):
+        remarks += ("The header has no distance of the slices; 1 mm is taken.",)
+    slope, intercept = _scale(tags)
+    location = header.get("SliceLocation", None)
+    return Plane(
+        pixels=pixels,
+        page=page,
+        uid=str(header.get("SOPInstanceUID", "")),
+        order=_order(tags, page),
+        label=_label(tags, file.labels),
+        slope=slope,
+        intercept=intercept,
+        position=position,
+        location=None if location is None else _number(location),
+        axes=axes,
+        normal=_tuple(normal),
+        spacing=spacing or (1.0, 1.0),
+        step=abs(gap),
+        sparse=str(header.get("SOPClassUID", "")) in _SEGMENTATIONS,
+        placed=placed,
+        remarks=remarks,
+    )
+
+
+def _place(tags: _Tags) -> tuple[Floats, Floats | None]:
+    """The axes, along the patient's where there are none, and the position if there is one."""
+    header = tags.file
     detector = (header.get("DetectorInformationSequence", None) or [pydicom.Dataset()])[0]
     axes = _floats(
         tags.get("ImageOrientationPatient", "PlaneOrientationSequence")
@@ -111,90 +206,36 @@ def _plane(
         or header.get("ImagePosition", None),
         3,
     )
-    spacing = _floats(
-        tags.get("PixelSpacing", "PixelMeasuresSequence")
-        or header.get("ImagerPixelSpacing", None)
-        or header.get("NominalScannedPixelSpacing", None),
-        2,
-    )
-    gap = _number(tags.get("SpacingBetweenSlices", "PixelMeasuresSequence"))
-    gap = gap or _number(tags.get("SliceThickness", "PixelMeasuresSequence"))
-    directions = axes or (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
-    normal = np.cross(directions[:3], directions[3:])
-    placed = position is not None
-    if pixels.pages > 1 and tags.own is None:
-        along = _place_of_page(header, pixels, position, normal, gap or 1.0, page)
-        position = _tuple(np.add(position or (0.0, 0.0, 0.0), along))
-        # A camera may count against its normal.
-        normal = -normal if gap < 0 else normal
-    if spacing is None:
-        remarks += ("The header has no size of a pixel; 1 mm is taken.",)
-    if not gap and (position is None or (pixels.pages > 1 and not _has_offsets(header, tags))):
-        remarks += ("The header has no distance of the slices; 1 mm is taken.",)
-    slope, intercept = _scale(header, tags)
-    location = header.get("SliceLocation", None)
-    return Plane(
-        pixels=pixels,
-        page=page,
-        uid=str(header.get("SOPInstanceUID", "")),
-        order=_order(header, tags, page),
-        label=_label(tags, labels),
-        slope=slope,
-        intercept=intercept,
-        position=position,
-        location=None if location is None else _number(location),
-        axes=directions,
-        normal=_tuple(normal),
-        spacing=spacing or (1.0, 1.0),
-        step=abs(gap),
-        sparse=str(header.get("SOPClassUID", "")) in _SEGMENTATIONS,
-        placed=placed,
-        remarks=remarks,
-    )
+    return axes or (1.0, 0.0, 0.0, 0.0, 1.0, 0.0), position
 
 
 def _place_of_page(
-    header: pydicom.Dataset,
-    pixels: Pixels,
-    position: Floats | None,
-    normal: Array,
-    gap: float,
-    page: int,
+    file: _File, position: Floats | None, normal: Array, gap: float, page: int
 ) -> Array:
     """How far a page is from the position of its file, where pages have none of their own."""
-    offsets = _floats(header.get("GridFrameOffsetVector", None))
-    slices = _floats(header.get("SliceVector", None))
-    for vector in (offsets, slices):
-        if vector is not None and len(vector) != pixels.pages:
-            raise LeaflightError(
-                f"{pixels.file}: its header has places for {len(vector)} planes, but the file has "
-                f"{pixels.pages}: it is damaged, fetch it again."
-            )
-    if offsets is not None:
+    if file.offsets is not None:
+        first, here = file.offsets[0], file.offsets[page]
         height = position[2] if position is not None else 0.0
-        apart = abs(offsets[1] - offsets[0])
         # A dose either has distances from its position or heights in the patient.
-        if abs(normal[2]) > _VERTICAL and 0 != offsets[0] and _near(offsets[0], height, apart):
-            return np.array([0.0, 0.0, offsets[page] - offsets[0]])
-        return normal * offsets[page]
-    if slices is not None:
-        return normal * gap * (slices[page] - 1)
-    if header.get("FrameIncrementPointer", None) in _TIMES:
+        if first != 0 and abs(normal[2]) > _VERTICAL:
+            if _near(first, height, abs(file.offsets[1] - first)):
+                return np.array([0.0, 0.0, here - first])
+        return normal * here
+    if file.slices is not None:
+        return normal * gap * (file.slices[page] - 1)
+    pointers = file.tags.get("FrameIncrementPointer", None)
+    if _TIMES & set(pointers if isinstance(pointers, Sequence) else [pointers]):
         return normal * 0
     return normal * gap * page
-
-
-def _has_offsets(header: pydicom.Dataset, tags: _Tags) -> bool:
-    """Whether the pages of a file have places of their own."""
-    return tags.own is not None or "GridFrameOffsetVector" in header
 
 
 def _near(one: float, other: float, apart: float) -> bool:
     return abs(one - other) <= _NEAR * apart
 
 
-def _scale(header: pydicom.Dataset, tags: _Tags) -> tuple[float, float]:
+def _scale(tags: _Tags) -> tuple[float, float]:
     """The slope and the intercept that make values of what is stored."""
+    header = tags.file
     dose = _number(header.get("DoseGridScaling", None))
     if dose:
         return dose, 0.0
@@ -209,7 +250,8 @@ def _scale(header: pydicom.Dataset, tags: _Tags) -> tuple[float, float]:
     return _number(slope) or 1.0, _number(intercept)
 
 
-def _order(header: pydicom.Dataset, tags: _Tags, page: int) -> Floats:
+def _order(tags: _Tags, page: int) -> Floats:
+    header = tags.file
     time = tags.get("TemporalPositionIndex", "FrameContentSequence")
     if time is None:
         time = header.get("TemporalPositionIdentifier", None)
@@ -249,6 +291,9 @@ def _remarks(header: pydicom.Dataset) -> tuple[str, ...]:
         )
     if interpretation == "PALETTE COLOR":
         remarks.append("The values are numbers of a color table, as stored.")
+    kind = [str(word) for word in header.get("ImageType", None) or ()]
+    if header.get("Modality", "") == "NM" and len(kind) > 2 and "RECON" not in kind[2]:
+        remarks.append("The pages are views or times of a camera, not slices.")
     if header.get("ModalityLUTSequence", None):
         remarks.append(
             "The header has a table of values (Modality LUT), which is not applied; the values are "

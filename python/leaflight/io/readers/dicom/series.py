@@ -41,12 +41,16 @@ class Series:
 
 @dataclass(frozen=True)
 class _Picture:
-    """A file with pixels. key: the same for all of a series; alone: whether it is a volume."""
+    """A file with pixels. key: the same for all of a series; alone: whether it is a volume.
+
+    cut: whether it ends before its pixels.
+    """
 
     header: Header
     key: Key
     color: bool
     alone: bool
+    cut: bool
 
 
 def find_series(path: Path) -> tuple[list[Series], tuple[str, ...]]:
@@ -67,7 +71,7 @@ def find_series(path: Path) -> tuple[list[Series], tuple[str, ...]]:
             )
         return _series_of(path, files, missing)
     own = _picture(header)
-    if own is None:
+    if own is None or own.cut:
         raise LeaflightError(f"{path}: this DICOM file holds no pixels; choose another.")
     if own.color:
         raise LeaflightError(
@@ -88,7 +92,7 @@ def _series_of(
     missing: how many files are not there; own: the key of the only series that counts.
     """
     series: dict[Key, Series] = {}
-    colors, damaged = 0, []
+    colors, cut, damaged = 0, list[str](), list[str]()
     for file in files:
         try:
             picture = _picture(read_header(file))
@@ -96,6 +100,9 @@ def _series_of(
             damaged.append(file.name)
             continue
         if picture is None or own not in (None, picture.key):
+            continue
+        if picture.cut:
+            cut.append(file.name)
             continue
         if picture.color:
             colors += 1
@@ -112,7 +119,7 @@ def _series_of(
         )
     if not series:
         raise LeaflightError(f"{path}: none of its DICOM files holds pixels; choose others.")
-    return list(series.values()), _notes(colors, damaged if own is None else [], missing)
+    return list(series.values()), _notes(colors, cut + damaged * (own is None), missing)
 
 
 def _notes(colors: int, damaged: list[str], missing: int) -> tuple[str, ...]:
@@ -120,17 +127,19 @@ def _notes(colors: int, damaged: list[str], missing: int) -> tuple[str, ...]:
     if colors:
         notes.append(f"{colors} color picture{'s are' if colors > 1 else ' is'} left out.")
     if damaged:
-        notes.append(f"Left out, since their headers are damaged: {listed(damaged, _MOST_NAMES)}.")
+        names = listed(damaged, _MOST_NAMES)
+        notes.append(f"Left out, since they are damaged or hold no pixels: {names}.")
     if missing:
-        notes.append(f"The DICOMDIR lists {missing} more files, which are not there.")
+        files = "1 more file, which is" if missing == 1 else f"{missing} more files, which are"
+        notes.append(f"The DICOMDIR lists {files} not there.")
     return tuple(notes)
 
 
 def _picture(header: Header) -> _Picture | None:
-    """None of a file without pixels. Raises LeaflightError."""
-    if not header.is_picture:
-        return None
+    """None of a file that is no picture. Raises LeaflightError."""
     tags = header.tags
+    if "Rows" not in tags or "Columns" not in tags:
+        return None
     try:
         many = tags.get("NumberOfFrames", None) not in (None, 0, 1)
         uid = str(tags.get("SeriesInstanceUID", None) or "")
@@ -147,6 +156,7 @@ def _picture(header: Header) -> _Picture | None:
             key=key,
             color=tags.get("SamplesPerPixel", None) not in (None, 1),
             alone=many and "ConcatenationUID" not in tags,
+            cut=header.found is None,
         )
     except Exception as error:
         # pydicom fails with whatever comes first, when a damaged tag is looked at.

@@ -51,7 +51,7 @@ def stack_of(path: Path, planes: list[Plane]) -> Stack:
             f"{path}: this series has {min(counts)} to {max(counts)} different slices at each "
             "place in the patient; take out those that do not belong to it."
         )
-    _check_even(path, [place[0] for place in places])
+    _check_even(path, places)
     notes = [_copies_note(copies)] if copies else []
     if not planes[0].placed:
         notes.append("The header does not place the slices in the patient.")
@@ -177,21 +177,19 @@ def _copies_note(copies: int) -> str:
     return f"{copies} slices are there twice, with the same values; the copies are left out."
 
 
-def _check_even(path: Path, planes: list[Plane]) -> None:
-    """Raises LeaflightError unless the planes lie on a line, evenly spaced."""
-    first, last = planes[0], planes[-1]
-    if len(planes) < 3:
-        return
-    _check_distances(path, np.array([_along(one, first) for one in planes]))
-    positions = np.array([one.position for one in planes])
-    line = np.linspace(positions[0], positions[-1], len(planes))
-    aside = np.abs((positions - line) @ np.array(first.axes).reshape(2, 3).T).max()
-    most = _ASIDE * max(first.spacing) + UNEVEN * np.linalg.norm(line[1] - line[0])
-    if aside > most:
+def _check_even(path: Path, places: list[list[Plane]]) -> None:
+    """Raises LeaflightError unless the planes of each frame lie on one line, evenly spaced."""
+    first = places[0][0]
+    positions = np.array([[one.position for one in place] for place in places])
+    _check_distances(path, positions[:, 0] @ first.normal)
+    line = np.linspace(positions[0, 0], positions[-1, 0], len(places))
+    across = np.array(first.axes).reshape(2, 3).T
+    aside = np.abs((positions - line[:, np.newaxis]) @ across).max()
+    step = np.linalg.norm(line[-1] - line[0]) / max(len(line) - 1, 1)
+    if aside > _ASIDE * max(first.spacing) + UNEVEN * step:
         raise LeaflightError(
-            f"{path}: its slices do not lie above each other: one is {aside:g} mm aside of the "
-            f"line from {last.position} to {first.position}; take out those that do not belong "
-            "to the series."
+            f"{path}: its slices do not lie above each other, but up to {aside:g} mm aside; take "
+            "out those that do not belong to the series."
         )
 
 

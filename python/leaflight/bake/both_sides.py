@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whether a bake needs the backs of isosurfaces, where nobody has said so."""
+
+from collections.abc import Sequence
+
+from ..scene.scene import Isosurfaces
+from ..volume.backs import MOSTLY, back_shares
+from ..volume.first_isovalue import default_isovalue
+from ..volume.volume import Volume
+
+# Values of both signs may be lobes where they reach so far below 0, for each step above it, or the
+# other way round. Of densities and images negative values are noise.
+_BALANCED = 0.5
+
+
+def why_both_sides(volume: Volume, isovalues: tuple[float, float]) -> str:
+    """Which isosurfaces are seen from their backs, the begin of a sentence; empty where none are.
+
+    isovalues: the isovalue range of the volume. The one that is shown first is looked at, and where
+    values have both signs one of negative values.
+    """
+    lo, hi = isovalues
+    first = default_isovalue(volume)
+    first = first if lo < first < hi else 0.5 * (lo + hi)
+    looked_at = [first]
+    if _are_balanced(lo, hi) and _are_balanced(*volume.data_range()):
+        looked_at.append(0.5 * lo)
+    shares = back_shares(volume.values, volume.index_to_world, looked_at)
+    if shares[0] > MOSTLY:
+        return f"{volume.name}: its isosurfaces are seen from their backs"
+    if shares[-1] > MOSTLY:
+        return f"{volume.name}: its isosurfaces below 0 are seen from their backs"
+    return ""
+
+
+def _are_balanced(low: float, high: float) -> bool:
+    return low < 0 < high and min(-low, high) >= _BALANCED * max(-low, high)
+
+
+def why_both_sides_of(
+    volumes: Sequence[Volume],
+    isosurfaces: Sequence[Isosurfaces],
+    isovalues: tuple[float, float],
+) -> str:
+    """The same of the volumes of a scene, but for mirrors and glass, which hold no light.
+
+    isovalues: the range of the common isovalue.
+    """
+    for volume, look in zip(volumes, isosurfaces):
+        own = look.isovalues if len(volumes) > 1 and look.isovalues is not None else isovalues
+        why = "" if look.scattering != "diffuse" else why_both_sides(volume, (own[0], own[1]))
+        if why:
+            return why
+    return ""

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Zeiss' CZI through their own library, pylibCZIrw, in a process of its own."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+
+from ..._core import LeaflightError
+from ...arrays import Array
+from .microscope import Format, Picture, open_pictures
+from .stored import StoredVolume
+
+_FORMAT = Format("CZI file", "pylibCZIrw", __name__)
+# Views are positions; phases, rotations and illuminations are channels.
+_NAMES = {"T": "T", "V": "P", "R": "C", "I": "C", "H": "C", "B": "C", "C": "C", "Z": "Z"}
+_TYPES = {
+    "Gray8": "u1",
+    "Gray16": "u2",
+    "Gray32Float": "f4",
+    "Bgr24": "u1",
+    "Bgr48": "u2",
+    "Bgr96Float": "f4",
+}
+
+
+def open_volume(
+    path: Path, dataset: str | None = None, spacing: float | Sequence[float] | None = None
+) -> StoredVolume:
+    """The image of a file; of several scenes or views the one that dataset names."""
+    return open_pictures(path, _FORMAT, dataset, spacing)
+
+
+def pictures(path: Path) -> list[Picture]:
+    """Within the process: the scenes of a file."""
+    from pylibCZIrw import czi
+
+    with czi.open_czi(str(path)) as file:
+        types = set(file.pixel_types.values())
+        dtypes = [_TYPES[one] for one in types if one in _TYPES]
+        colors = {one.startswith("Bgr") for one in types}
+        if len(dtypes) < len(types) or len(colors) > 1:
+            raise LeaflightError(
+                f"{path}: its pixels are {', '.join(sorted(types))}, but all channels must be gray "
+                "values, or all must be colors."
+            )
+        sizes = _voxel_size(file.raw_metadata)
+        made = []
+        for scene, coordinates in sorted(_scenes(file).items()):
+            outer = tuple((_NAMES[d], len(values)) for d, values in _values(coordinates).items())
+            box = _box(file, scene)
+            inner = (("Y", box[3]), ("X", box[2]), *((("S", 3),) if colors == {True} else ()))
+            name = "" if scene < 0 else f"scene {scene}"
+            made.append(Picture(name, outer, inner, np.result_type(*dtypes).str, sizes, "m"))
+        return made
+
+
+def blocks(path: Path, number: int, places: list[list[int]]) -> Iterator[Array]:
+    """Within the process: planes of a scene. Raises LeaflightError where one is missing."""
+    from pylibCZIrw import czi
+
+    file = czi.CziReader(str(path))
+    scene, coordinates = sorted(_scenes(file).items())[number]
+    values = _values(coordinates)
+    planes = [{d: values[d][k] for d, k in zip(values, place)} for place in places]
+    there = {tuple(one.get(d, 0) for d in values) for one in coordinates}
+    for plane in planes:
+        if tuple(plane.values()) not in there:
+            # The library would give black.
+            where = ", ".join(f"{d} {k}" for d, k in plane.items() if len(values[d]) > 1)
+            raise LeaflightError(
+                f"{path}: the plane {where} of the recording is missing: the file is incomplete; "
+                "fetch it again, or choose another frame."
+            )
+    box, of_scene = _box(file, scene), None if scene < 0 else scene
+    return (_plane(file.read(roi=box, plane=plane, scene=of_scene)) for plane in planes)
+
+
+def _plane(pixels: Array) -> Array:
+    """[y, x], or [y, x, s] of red, green and blue, which the file has in the other order."""
+    return pixels[..., 0] if pixels.shape[2] == 1 else pixels[..., ::-1]
+
+
+def _scenes(file: Any) -> dict[int, list[dict[str, int]]]:
+    """{scene, or -1 in files without: coordinates of its tiles, by the names of dimensions}."""
+    found: dict[int, list[dict[str, int]]] = {}
+
+    def add(_number: int, tile: Any) -> bool:
+        coordinate = dict(tile.coordinate.to_dict())
+        found.setdefault(coordinate.pop("S", -1), []).append(coordinate)
+        return True
+
+    file.enumerate_subblocks_subset(add, only_layer0=True)
+    return found
+
+
+def _values(coordinates: list[dict[str, int]]) -> dict[str, list[int]]:
+    """{dimension: its values}, slowest first."""
+    return {
+        dimension: sorted({one.get(dimension, 0) for one in coordinates}) for dimension in _NAMES
+    }
+
+
+def _box(file: Any, scene: int) -> tuple[int, int, int, int]:
+    """(x, y, width, height) of a scene at full resolution."""
+    if scene < 0:
+        box = file.total_bounding_rectangle_no_pyramid
+    else:
+        box = file.scenes_bounding_rectangle_no_pyramid[scene]
+    return int(box.x), int(box.y), int(box.w), int(box.h)
+
+
+def _voxel_size(xml: str) -> list[float | None]:
+    """In meters."""
+    found: list[float | None] = []
+    for axis in "XYZ":
+        path = f"./Metadata/Scaling/Items/Distance[@Id='{axis}']/Value"
+        text = ElementTree.fromstring(xml).findtext(path)
+        found.append(float(text) if text else None)
+    return found

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Leica's LIF through liffile, in a process of its own."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from ...arrays import Array
+from .microscope import Format, Picture, open_pictures
+from .stored import StoredVolume
+
+_FORMAT = Format("LIF file", "liffile", __name__)
+# Wavelengths are channels, the tiles of a mosaic positions.
+_NAMES = {"λ": "C", "Λ": "C", "M": "P"}
+# liffile's codes of the axes of space.
+_SPACE = {"1": "X", "2": "Y", "3": "Z"}
+
+
+def open_volume(
+    path: Path, dataset: str | None = None, spacing: float | Sequence[float] | None = None
+) -> StoredVolume:
+    """The only image of a file that is a volume, or the one that dataset names."""
+    return open_pictures(path, _FORMAT, dataset, spacing)
+
+
+def pictures(path: Path) -> list[Picture]:
+    """Within the process: the images of a file."""
+    import liffile
+
+    with liffile.LifFile(path) as file:
+        return [_picture(image) for image in _images(file)]
+
+
+def _images(file: Any) -> list[Any]:
+    """Without histograms of photons."""
+    import liffile
+
+    return [image for image in file.images if isinstance(image, liffile.LifImage)]
+
+
+def _split(image: Any) -> int:
+    """The number of axes outside of planes."""
+    names = list(image.sizes)
+    return len(names) - (3 if names[-1] == "S" else 2)
+
+
+def _picture(image: Any) -> Picture:
+    axes = tuple((_NAMES.get(name, name), int(n)) for name, n in image.sizes.items())
+    outer, inner = axes[: _split(image)], axes[_split(image) :]
+    sizes, unit = _voxel_size(image)
+    return Picture(image.name, outer, inner, image.dtype.str, sizes, unit)
+
+
+def _voxel_size(image: Any) -> tuple[list[float | None], str]:
+    """The distances of the first and the last voxel, by the number of steps between them."""
+    found: dict[str, float] = {}
+    unit = ""
+    path = "./Data/Image/ImageDescription/Dimensions/DimensionDescription"
+    for dimension in image.xml_element.findall(path):
+        axis = _SPACE.get(dimension.get("DimID"))
+        steps = int(dimension.get("NumberOfElements")) - 1
+        if axis is not None and steps > 0:
+            found[axis] = float(dimension.get("Length")) / steps
+            unit = dimension.get("Unit")
+    return [found.get(axis) for axis in "XYZ"], unit
+
+
+def blocks(path: Path, number: int, places: list[list[int]]) -> Iterator[Array]:
+    """Within the process: planes of an image."""
+    import liffile
+
+    with liffile.LifFile(path) as file:
+        image = _images(file)[number]
+        # Colors are put into order in memory.
+        colors = "S" in image.sizes
+        values = image.asarray() if colors else image.asarray(out="memmap")
+        for place in places:
+            yield values[tuple(place)]

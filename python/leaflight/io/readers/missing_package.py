@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The error for a package that a format needs, with the command that installs it here."""
+
+import os
+import shlex
+import shutil
+import sys
+import sysconfig
+from pathlib import Path
+
+from ..._core import LeaflightError
+
+# Packages of Debian 12. Others have none there.
+_DEBIAN = {
+    "crc32c": "python3-crc32c",
+    "gdcm": "python3-gdcm",
+    "gemmi": "python3-gemmi",
+    "h5py": "python3-h5py",
+    "lz4": "python3-lz4",
+    "mrcfile": "python3-mrcfile",
+    "nibabel": "python3-nibabel",
+    "numcodecs": "python3-numcodecs",
+    "PIL": "python3-pil",
+    "pydicom": "python3-pydicom",
+    "tifffile": "python3-tifffile",
+}
+# What pip calls packages that Python imports by another name.
+_OF_PIP = {"PIL": "pillow"}
+# What they import themselves, and NumPy apart nothing else that reading needs: the metadata of
+# some ask for more, even for CMake.
+_NEEDS = {"pylibCZIrw": "validators xmltodict"}
+_ENVIRONMENT = "~/leaflight-python"
+
+
+class MissingPackage(LeaflightError):
+    """A Python package that a format needs is not installed.
+
+    package: its name; of_debian: that of Debian's package, or None; wanted: what pip is to install
+    where it must leave what is there as it is, such as Blender's own NumPy.
+    """
+
+    def __init__(self, path: Path, kind: str, package: str) -> None:
+        self.path, self.kind = path, kind
+        self.package = _OF_PIP.get(package, package)
+        self.of_debian = _DEBIAN.get(package)
+        self.wanted = " ".join([self.package, *_NEEDS.get(package, "").split()])
+        super().__init__(
+            f"{path}: reading this {kind} needs the Python package {self.package}, which is not "
+            f"installed; {self._remedy()}."
+        )
+
+    def _remedy(self) -> str:
+        """The command for this interpreter and system."""
+        python = shlex.quote(sys.executable)
+        if not _is_managed():
+            return f"run '{python} -m pip install {self.package}'"
+        if self.of_debian and shutil.which("apt"):
+            return f"run 'apt install {self.of_debian}' as root"
+        # There pip installs into virtual environments alone. Newer versions of what the system
+        # has, which it would add, may not fit to what the system has built for the older ones.
+        started = f"{_ENVIRONMENT}/bin/python -m leaflight"
+        root = str(Path(__file__).parents[3])
+        if root in os.environ.get("PYTHONPATH", "").split(os.pathsep):
+            started = f"PYTHONPATH={shlex.quote(root)} {started}"
+        return (
+            f"this system's pip needs a virtual environment: run '{python} -m venv "
+            f"--system-site-packages {_ENVIRONMENT} && {_ENVIRONMENT}/bin/pip install --no-deps "
+            f"{self.wanted}', and start Leaflight by '{started}'"
+        )
+
+
+def _is_managed() -> bool:
+    """Whether pip refuses to install for this interpreter (PEP 668), as on Debian."""
+    if sys.prefix != sys.base_prefix:
+        return False
+    return Path(sysconfig.get_path("stdlib"), "EXTERNALLY-MANAGED").is_file()

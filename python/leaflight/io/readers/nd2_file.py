@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Nikon's ND2 through the package nd2, in a process of its own."""
+
+from collections.abc import Iterator, Sequence
+from math import prod
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..._core import LeaflightError
+from ...arrays import Array
+from .checks import truncated
+from .microscope import Format, Picture, open_pictures
+from .stored import StoredVolume
+
+_FORMAT = Format("ND2 file", "nd2", __name__)
+_WITHIN_FRAMES = "CYXS"
+
+
+def open_volume(
+    path: Path, dataset: str | None = None, spacing: float | Sequence[float] | None = None
+) -> StoredVolume:
+    """The image of a file; of several positions the one that dataset names."""
+    return open_pictures(path, _FORMAT, dataset, spacing)
+
+
+def pictures(path: Path) -> list[Picture]:
+    """Within the process: the image of a file."""
+    import nd2
+
+    with nd2.ND2File(path) as file:
+        outer, inner = _axes(file)
+        return [Picture("", outer, inner, file.dtype.str, _voxel_size(file))]
+
+
+def _voxel_size(file: Any) -> list[float | None]:
+    """By the first channel; an axis that is not calibrated has a size of 1."""
+    try:
+        volume = file.metadata.channels[0].volume
+        known = zip(volume.axesCalibration, volume.axesCalibrated)
+    except Exception:
+        # The package fails with whatever comes first on metadata of microscopes it does not know,
+        # and the pixels are readable all the same.
+        return [None, None, None]
+    return [size if calibrated else None for size, calibrated in known]
+
+
+def _axes(file: Any) -> tuple[tuple[tuple[str, int], ...], tuple[tuple[str, int], ...]]:
+    """The axes of the frames in the file, and those within a frame."""
+    sizes = [(name, int(n)) for name, n in file.sizes.items()]
+    outer = tuple(axis for axis in sizes if axis[0] not in _WITHIN_FRAMES)
+    return outer, tuple(axis for axis in sizes if axis[0] in _WITHIN_FRAMES)
+
+
+def blocks(path: Path, _number: int, places: list[list[int]]) -> Iterator[Array]:
+    """Within the process: frames of the image. Raises LeaflightError where one is missing."""
+    import nd2
+
+    file = nd2.ND2File(path)
+    outer, inner = ([n for _, n in axes] for axes in _axes(file))
+    frames = [int(np.ravel_multi_index(place, outer)) if outer else 0 for place in places]
+    _check_frames(path, file, frames, prod(inner) * file.dtype.itemsize)
+    return (file.read_frame(frame).reshape(inner) for frame in frames)
+
+
+def _check_frames(path: Path, file: Any, frames: list[int], size: int) -> None:
+    """Raises LeaflightError for frames that are not there: the package would give zeros."""
+    offsets = getattr(file._rdr, "_frame_offsets", None)
+    if offsets is None:
+        return
+    for frame in frames:
+        if frame not in offsets:
+            raise LeaflightError(
+                f"{path}: frame {frame} of the recording is missing: the file is incomplete; fetch "
+                "it again, or choose another frame."
+            )
+        stored = file.attributes.compressionType is None
+        if stored and offsets[frame] + size > path.stat().st_size:
+            raise truncated(path, file.shape)

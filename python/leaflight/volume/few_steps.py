@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Values that lie too close to each other, so far from 0, for single precision to tell apart."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from .fill_values import Number
+
+# Steps of single precision between the lowest and the highest value: fewer show as terraces, where
+# the values are known more exactly; so few, the light is wrong.
+_ENOUGH, _AT_LEAST = 4096, 32
+
+
+def common_offset(low: Number, high: Number, dtype: np.dtype[Any]) -> Number:
+    """A round number to take off all values, as they are stored, 0 where they need none.
+
+    low, high: of the values; dtype: that holds them exactly.
+    """
+    most = max(abs(low), abs(high))
+    if not 0 < high - low < most <= float(np.finfo(np.float32).max):
+        return 0
+    steps = float(high - low) / float(np.spacing(np.float32(most)))
+    are_exact = np.can_cast(dtype, np.float32) or (dtype.kind in "iu" and most <= 1 << 24)
+    if steps >= (_AT_LEAST if are_exact else _ENOUGH):
+        return 0
+    digits = math.ceil(math.log10(high - low) - 1e-6)
+    if isinstance(low, int):
+        unit = int(10**digits)
+        return low // unit * unit
+    # What is nearly a multiple of the unit is one.
+    return round(math.floor(low / 10.0**digits + 1e-6) * 10.0**digits, -digits)

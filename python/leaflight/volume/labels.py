@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Masks and label maps: few values in pieces, within which all voxels are alike."""
+
+import numpy as np
+
+from ..arrays import Array
+from .voxels import as_voxels
+
+# The share of the voxels of a label whose next neighbors along all axes have it, too, and the share
+# of the labels of which this is so. Of a mask with soft edges only the inside is.
+ALIKE, LABELS = 0.2, 0.6
+# Slices that are looked at.
+_PLANES = 64
+
+
+def are_labels(values: Array, levels: Array) -> bool:
+    """Whether values [z, y, x], all among the levels, look like labels rather than measurements.
+
+    levels: in ascending order, of which the first is the background. Any two may be a mask; of
+    more each must be a whole number.
+    """
+    if len(levels) <= 2 or not (levels == np.rint(levels)).all():
+        return len(levels) == 2
+    voxels = np.zeros(len(levels), np.int64)
+    alike = np.zeros(len(levels), np.int64)
+    for k in range(0, len(values) - 1, max(1, len(values) // _PLANES)):
+        plane, behind = as_voxels(values[k]), as_voxels(values[k + 1])
+        own = plane[..., :-1]
+        is_alike = (own == plane[..., 1:]) & (own == behind[..., :-1])
+        if plane.ndim > 1:
+            is_alike[:-1] &= own[:-1] == own[1:]
+        voxels += _occurrences(own, levels)
+        alike += _occurrences(own[is_alike], levels)
+    seen = np.flatnonzero(voxels[1:]) + 1
+    return len(seen) > 0 and bool(np.mean(alike[seen] >= ALIKE * voxels[seen]) >= LABELS)
+
+
+def _occurrences(values: Array, levels: Array) -> Array:
+    """How many of the values, which may be NaN, are at each of the levels."""
+    known = values[np.isfinite(values)]
+    return np.bincount(np.searchsorted(levels, known), minlength=len(levels))

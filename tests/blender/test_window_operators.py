@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A real window: every operator of the add-on is pressed as a user does it (window/rows.py).
+
+Once on its happy path, once cancelled at half way, once with its object deleted meanwhile, once
+with a new file opened meanwhile. The part `window` of scripts/test writes how long the window stood
+still to build/test/window.md. Runs where there is a Blender with a window and xvfb-run.
+"""
+
+import json
+import re
+from pathlib import Path
+
+import nibabel
+import numpy as np
+import pytest
+from PIL import Image
+from rows import HAPPY, ROWS, UNPRESSED, WAYS
+
+SCRIPT = Path(__file__).resolve().parent / "window" / "press_operators.py"
+BLOCKED = Path(__file__).resolve().parents[2] / "build" / "test" / "window.md"
+
+EVERY = [(number, way) for number, row in enumerate(ROWS) for way in row.ways]
+SHORT = [(number, way) for number, way in EVERY if way == HAPPY and ROWS[number].short]
+assert len(SHORT) == 12
+
+# What Python and Blender say of errors on the console, wherever they come from.
+WRONG = re.compile(r"Traceback \(most recent|WARN \(bpy|rna_uiItemR|unknown operator|: not found:")
+# Seconds for which nobody notices that the window stands still.
+UNNOTICED = 0.5
+
+
+def _params(presses):
+    return [pytest.param(press, id=f"{ROWS[press[0]].name}, {press[1]}") for press in presses]
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """A folder of small files to import: of a patient, a second one, a series, an image."""
+    folder = tmp_path_factory.mktemp("files")
+    z, y, x = np.mgrid[-1:1:24j, -1:1:24j, -1:1:24j]
+    radius = np.sqrt(x**2 + y**2 + z**2)
+    head, other = (100 * np.clip(1 - slope * radius, 0, 1) for slope in (0.6, 0.7))
+    for name, values in (
+        ("head", head),
+        ("other", other),
+        ("beating", np.stack([head, other], axis=-1)),
+    ):
+        image = nibabel.Nifti1Image(values.astype(np.float32), np.diag([2.0, 2.0, 2.0, 1.0]))
+        image.header.set_xyzt_units("mm")
+        image.set_qform(image.affine, 1)
+        nibabel.save(image, folder / f"{name}.nii.gz")
+    waves = 128 + 127 * np.sin(np.mgrid[0:6:48j, 0:6:48j].sum(axis=0))
+    Image.fromarray(waves.astype(np.uint8)).save(folder / "hills.png")
+    return folder
+
+
+def press(blender, folder, presses):
+    """{press: its result} and the operators that there are, of as many Blenders as it takes.
+
+    A result has the failures and what Blender said. One ends with the row that fails.
+    """
+    results, operators, left = {}, [], list(presses)
+    while left:
+        _, said = blender.show(SCRIPT, folder, json.dumps(left), size=(900, 640))
+        before = len(results)
+        for part in said.split("\nROW ")[1:]:
+            number, way = part.splitlines()[0].split(" ", 1)
+            words, _, after = part.partition("\nPRESSED ")
+            ended = after.splitlines()[0] if after else '{"failures": ["Blender crashed"]}'
+            result = json.loads(ended)
+            result["failures"] += [words] if WRONG.search(words) else []
+            results[int(number), way] = {"seconds": 0.0, "where": "", **result, "said": words}
+        assert len(results) > before, said
+        line = next(line for line in said.splitlines() if line.startswith("OPERATORS "))
+        operators = json.loads(line.removeprefix("OPERATORS "))
+        left = [press for press in presses if press not in results]
+    return results, operators
+
+
+@pytest.fixture(scope="module")
+def short(blender, files):
+    return press(blender, files, SHORT)[0]
+
+
+@pytest.fixture(scope="module")
+def pressed(blender, files):
+    results, operators = press(blender, files, EVERY)
+    BLOCKED.parent.mkdir(parents=True, exist_ok=True)
+    BLOCKED.write_text(table(results, blender.about["blender"]))
+    return results, operators
+
+
+@pytest.mark.parametrize("which", _params(SHORT))
+def test_the_main_way(short, which):
+    assert not short[which]["failures"], short[which]
+
+
+@pytest.mark.slow
+def test_each_operator_has_a_row(pressed):
+    names = {row.operator for row in ROWS} | set(UNPRESSED)
+    assert {f"leaflight.{name}" for name in names} == set(pressed[1])
+
+
+def test_each_way_is_pressed_or_has_a_reason():
+    for row in ROWS:
+        assert set(row.without) <= set(WAYS) and all(row.without.values())
+        assert row.held or len(row.ways) == 1, row
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("which", _params(EVERY))
+def test_pressed(pressed, which):
+    result = pressed[0][which]
+    assert not result["failures"], result
+
+
+def table(results, version):
+    """How long the window stood still, of each press, the longest first."""
+    lines = [
+        f"# How long Blender {version}'s window stood still",
+        "",
+        "The longest time between two steps of Blender, and what Leaflight was at work on then.",
+        f"Above {UNNOTICED:g} s it is bold. In the shading Solid, without a graphics card, of",
+        "small volumes.",
+        "",
+        "| operator | way | seconds | in |",
+        "|---|---|---|---|",
+    ]
+    for (number, way), result in sorted(results.items(), key=lambda r: -r[1]["seconds"]):
+        seconds = f"{result['seconds']:.2f}"
+        mark = "**" if result["seconds"] > UNNOTICED else ""
+        name = ROWS[number].name
+        lines.append(f"| {name} | {way} | {mark}{seconds}{mark} | {result['where']} |")
+    return "\n".join(lines) + "\n"

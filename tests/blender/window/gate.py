@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Holds work in the background at half way until the test lets it go on, or it is cancelled."""
+
+import time
+
+import leaflight
+from leaflight import flatland
+from leaflight_addon.operators import jobs
+
+# Where work waits: before it begins, or after its first pass; empty where it does not wait.
+closed = ""
+# Whether work waits, or has waited.
+reached = False
+
+
+def close(where):
+    global closed, reached
+    closed, reached = where, False
+
+
+def open_():
+    close("")
+
+
+def _wait(where, progress):
+    global reached
+    while closed == where and not progress.cancelled:
+        reached = True
+        time.sleep(0.005)
+
+
+def install():
+    """Lets all work of the add-on come by here."""
+    run = jobs.BackgroundWork._run
+
+    def held(work):
+        _wait("work", work.progress)
+        run(work)
+
+    jobs.BackgroundWork._run = held
+    leaflight.bake, leaflight.resume = _in_passes(leaflight.bake), _in_passes(leaflight.resume)
+    flatland.bake_flatland = _in_passes(flatland.bake_flatland)
+
+
+def _in_passes(bake):
+    def held(*arguments, on_pass=None, progress=None, **options):
+        def hold(baked):
+            if on_pass is not None:
+                on_pass(baked)
+            if progress is not None:
+                _wait("pass", progress)
+
+        baked = bake(*arguments, on_pass=hold, progress=progress, **options)
+        if not reached:
+            # The first pass was good enough.
+            hold(baked)
+        return baked
+
+    return held

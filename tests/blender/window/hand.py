@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The hand of a user: keys and the mouse over the viewport, the file browser, dialogs.
+
+Each is a generator for stepwise.run(). Waits are counted in steps, in each of which Blender takes
+all events that there are and draws: how long these take does not matter.
+"""
+
+import bpy
+
+# Keys that Blender leaves free, for operators that are pressed by buttons.
+PRESS, DELETE, NEW = "F19", "F20", "F21"
+
+_STEP = 0.02
+
+
+def steps(number):
+    for _ in range(number):
+        yield _STEP
+
+
+def window():
+    return bpy.context.window_manager.windows[0]
+
+
+def areas(kind):
+    return [area for area in window().screen.areas if area.type == kind]
+
+
+def view():
+    return areas("VIEW_3D")[0]
+
+
+def in_view():
+    """A context of the viewport, as a button in it has."""
+    area = view()
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    return bpy.context.temp_override(window=window(), area=area, region=region)
+
+
+def bind(key, operator, options):
+    """Lets a key press an operator with these options; another operator no more."""
+    keymap = bpy.context.window_manager.keyconfigs.addon.keymaps.new("Window", space_type="EMPTY")
+    for item in [item for item in keymap.keymap_items if item.type == key]:
+        keymap.keymap_items.remove(item)
+    item = keymap.keymap_items.new(operator, key, "PRESS")
+    for name, value in options.items():
+        setattr(item.properties, name, value)
+
+
+def event(kind, value, x=0.5, y=0.5, **modifiers):
+    """At shares of the width and the height of the viewport, or of what covers it."""
+    area = max(window().screen.areas, key=lambda area: area.width * area.height)
+    area = next(iter(areas("FILE_BROWSER")), next(iter(areas("VIEW_3D")), area))
+    place = int(area.x + x * area.width), int(area.y + y * area.height)
+    window().event_simulate(type=kind, value=value, x=place[0], y=place[1], **modifiers)
+
+
+def key(name, **modifiers):
+    event("MOUSEMOVE", "NOTHING")
+    yield from steps(1)
+    event(name, "PRESS", **modifiers)
+    event(name, "RELEASE", **modifiers)
+    yield from steps(3)
+
+
+def drag(start, end, height):
+    """With the left button, between two shares of the viewport's width."""
+    event("MOUSEMOVE", "NOTHING", start, height)
+    yield from steps(2)
+    event("LEFTMOUSE", "PRESS", start, height)
+    yield from steps(2)
+    event("MOUSEMOVE", "NOTHING", end, height)
+    yield from steps(2)
+    event("LEFTMOUSE", "RELEASE", end, height)
+    yield from steps(2)
+
+
+def choose(path):
+    """Chooses a file, or a folder and the proposed name, in the file browser."""
+    parameters = areas("FILE_BROWSER")[0].spaces.active.params
+    parameters.directory = f"{path if path.is_dir() else path.parent}/".encode()
+    if not path.is_dir():
+        parameters.filename = path.name
+    yield from steps(3)
+    yield from key("RET")
+
+
+def browser_is_open():
+    found = areas("FILE_BROWSER")
+    return bool(found) and found[0].spaces.active.active_operator is not None

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How long Blender's window stands still, and what it does meanwhile."""
+
+import re
+import sys
+import threading
+import time
+import traceback
+
+import bpy
+
+# Seconds between two beats, and after which the window is looked at while it stands still.
+_BEAT, _LONG = 0.01, 0.25
+
+
+class Heartbeat:
+    """The longest time between two calls of a timer of Blender's, since start()."""
+
+    def __init__(self):
+        self._main = threading.main_thread().ident
+        self._thread = threading.Thread(target=self._watch, name="heartbeat", daemon=True)
+        self.start()
+        bpy.app.timers.register(self._beat, persistent=True)
+        self._thread.start()
+
+    def start(self):
+        self.seconds, self.where = 0.0, ""
+        self._seen, self._last = "", time.perf_counter()
+
+    def skip(self):
+        """Leaves out the time since the last beat, which the test itself has taken."""
+        self._seen, self._last = "", time.perf_counter()
+
+    def _beat(self):
+        now = time.perf_counter()
+        if now - self._last > self.seconds:
+            self.seconds, self.where = now - self._last, self._seen or "Blender itself"
+        self._seen, self._last = "", now
+        return _BEAT
+
+    def _watch(self):
+        while True:
+            time.sleep(0.05)
+            if time.perf_counter() - self._last > _LONG:
+                self._seen = _place(sys._current_frames().get(self._main)) or self._seen
+
+
+def _place(frame):
+    """The innermost functions of Leaflight in a stack; none while Blender is about its own work."""
+    ours = [
+        f"{re.sub('.*/leaflight(_addon)?/', '', part.filename)}:{part.name}"
+        for part in traceback.extract_stack(frame)
+        if "leaflight" in part.filename and "/window/" not in part.filename
+    ]
+    return " > ".join(ours[-2:])

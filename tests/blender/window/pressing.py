@@ -1,0 +1,241 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One operator, pressed in one way (rows.py): what must hold on the way and at its end."""
+
+import traceback
+
+import bpy
+import gate
+import hand
+import rows
+import seen
+import sidebar
+from leaflight_addon.bake import live, stopped
+from leaflight_addon.operators import jobs
+from leaflight_addon.show import preview
+
+# The text in the status bar of the window.
+_status = []
+
+# Steps in which Blender comes to its own work, however long each takes.
+_FEW, _MANY = 4, 200
+
+bpy.types.WorkSpace.status_text_set = lambda _workspace, text: _status.append(text)
+
+
+class Failed(Exception):
+    """What does not hold, a sentence."""
+
+
+class Pressing:
+    def __init__(self, row, scenes, beat):
+        self._row, self._scenes, self._beat = row, scenes, beat
+        self.failures = []
+
+    def run(self, way):
+        """Opens the scene of the row and presses its operator; fills the list of failures."""
+        ways = {
+            rows.HAPPY: self._happy,
+            rows.CANCELLED: self._cancelled,
+            rows.DELETED: self._deleted,
+            rows.NEW: self._new,
+        }
+        try:
+            yield from self._prepare(way)
+            yield from ways[way]()
+            yield from self._is_free()
+        except Failed as failed:
+            self.failures.append(str(failed))
+        except Exception:
+            self.failures.append(traceback.format_exc())
+        finally:
+            gate.open_()
+
+    # ---- The ways ----
+
+    def _happy(self):
+        before = self._see()
+        yield from self._press()
+        yield from self._answer()
+        if self._row.held == "modal":
+            yield from hand.drag(0.5, 0.6, 0.1)
+            yield from hand.key("RET")
+        yield from self._settle()
+        after = self._see()
+        _expect(after != before, f"{self._row.sees} is {before} as before")
+        if self._row.undone and self._can_be_undone():
+            for restored, shift in ((before, False), (after, True)):
+                yield from hand.key("Z", ctrl=True, shift=shift)
+                yield from self._settle()
+                what = "redo" if shift else "undo"
+                _expect(self._see() == restored, f"{what} leaves {self._see()} for {restored}")
+
+    def _cancelled(self):
+        """In the dialog or browser, and half way through the work."""
+        before = self._see()
+        if self._row.asks:
+            yield from self._press()
+            yield from hand.key("ESC")
+            yield from self._settle()
+            _expect(self._see() == before, f"Esc in its {self._row.asks} leaves {self._see()}")
+        if self._row.held != "dialog":
+            yield from self._to_half_way()
+            yield from hand.key("ESC")
+            yield from self._settle()
+            yield from self._decide()
+            _expect(self._see() == before, f"Esc leaves {self._see()} for {before}")
+
+    def _deleted(self):
+        yield from self._to_half_way()
+        if hand.areas("VIEW_3D"):
+            yield from hand.key(hand.DELETE)
+        else:
+            # The browser has the whole window: as if in another.
+            bpy.data.objects.remove(bpy.context.view_layer.objects.active)
+            yield from hand.steps(_FEW)
+        _expect(not seen.graphs() and len(seen.volumes()) < 2, "the object is not deleted")
+        gate.open_()
+        if self._row.held == "dialog":
+            yield from self._answer()
+        yield from self._settle()
+
+    def _new(self):
+        yield from self._to_half_way()
+        yield from hand.key(hand.NEW)
+        self._beat.skip()
+        yield from hand.steps(_FEW)
+        _expect(not bpy.data.filepath, "no new file is open")
+        yield from self._settle()
+        _expect(not seen.volumes() and not seen.graphs(), "the new file has a volume")
+
+    # ---- Steps of them ----
+
+    def _prepare(self, way):
+        row = self._row
+        gate.open_()
+        _status.clear()
+        hand.bind(hand.PRESS, f"leaflight.{row.operator}", row.options)
+        hand.bind(hand.DELETE, "object.delete", {"confirm": False})
+        hand.bind(hand.NEW, "wm.read_homefile", {})
+        self._file = self._scenes.file(row.file) if row.file else None
+        self._scenes.open(row.scene, f"{row.name} {way}".replace(" ", "_").replace(",", ""))
+        yield from hand.steps(_FEW)
+        yield from self._settle()
+        if row.scene in _BEGIN:
+            yield from _BEGIN[row.scene](self)
+        yield from hand.steps(_FEW)
+        self._beat.start()
+
+    def _begin_bake(self):
+        """A bake at half way."""
+        hand.bind(hand.PRESS, "leaflight.bake", {})
+        gate.close("pass")
+        yield from hand.key(hand.PRESS)
+        yield from self._until(lambda: gate.reached and preview.of(seen.volume()) is not None)
+        hand.bind(hand.PRESS, f"leaflight.{self._row.operator}", self._row.options)
+
+    def _begin_and_stop(self):
+        yield from self._begin_bake()
+        yield from hand.key("ESC")
+        yield from self._settle()
+        _expect(stopped.offered() is not None, "no stopped bake waits")
+
+    def _move_lamp(self):
+        """Live is at work for the new place of a lamp."""
+        gate.close("work")
+        lamps = [obj for obj in bpy.context.scene.objects if obj.type == "LIGHT"]
+        lamp = next(lamp for lamp in lamps if not lamp.hide_render)
+        lamp.location.x += 0.1
+        yield from self._until(lambda: gate.reached and live.at_work() is not None)
+
+    def _see(self):
+        try:
+            return seen.SEEN[self._row.sees]()
+        except IndexError:
+            # There is no volume.
+            return None
+
+    def _press(self):
+        yield from hand.key(hand.PRESS)
+        if self._row.asks == "browser":
+            yield from self._until(hand.browser_is_open)
+
+    def _answer(self):
+        """Chooses what the row says, or the button OK."""
+        if self._row.asks == "browser":
+            yield from hand.choose(self._file or seen.folder())
+        elif self._row.asks:
+            yield from hand.key("RET")
+
+    def _to_half_way(self):
+        row = self._row
+        if row.held in ("work", "pass"):
+            gate.close(row.held)
+        yield from self._press()
+        if row.held in ("work", "pass"):
+            yield from self._answer()
+            yield from self._until(lambda: gate.reached and jobs.running() is not None)
+            yield from hand.steps(_FEW)
+        elif row.held == "modal":
+            yield from hand.drag(0.5, 0.6, 0.1)
+
+    def _until(self, is_so):
+        """Work goes on in the background meanwhile, or Blender has come to its own many times."""
+        for _ in range(_MANY):
+            if is_so():
+                return
+            yield from self._while_alive()
+            yield from hand.steps(1)
+        raise Failed("what was pressed did not begin")
+
+    def _while_alive(self):
+        """Until gate.py holds the work, or its thread has ended."""
+        while (work := jobs.running()) is not None and work.is_alive() and not gate.reached:
+            yield from hand.steps(1)
+
+    def _settle(self):
+        """Until all work has ended; raises Failed where it hangs although its thread has ended."""
+        yield from hand.steps(_FEW)
+        waited = 0
+        while jobs.running() is not None or live.at_work() is not None:
+            alive = any(w is not None and w.is_alive() for w in (jobs.running(), live.at_work()))
+            waited = 0 if alive else waited + 1
+            if waited > _MANY:
+                raise Failed("the work has ended, and the add-on is not free")
+            yield from hand.steps(1)
+        yield from hand.steps(_FEW)
+
+    def _can_be_undone(self):
+        name = f"LEAFLIGHT_OT_{self._row.operator}"
+        return "UNDO" in getattr(getattr(bpy.types, name), "bl_options", ())
+
+    # ---- At the end ----
+
+    def _is_free(self):
+        """What holds after each way."""
+        if hand.areas("FILE_BROWSER"):
+            raise Failed("the file browser is still open")
+        yield from self._decide()
+        _expect((yield from sidebar.is_drawn()), "the panels are not drawn")
+        _expect(not _status or _status[-1] is None, f'the status bar still says "{_status[-1:]}"')
+        if seen.volumes():
+            with hand.in_view():
+                _expect(bpy.ops.leaflight.bake.poll(), "Bake is gray")
+
+    def _decide(self):
+        """Throws away a bake that was stopped, which waits for that."""
+        if stopped.offered() is not None:
+            hand.bind(hand.PRESS, "leaflight.throw_bake_away", {})
+            yield from hand.key(hand.PRESS)
+            yield from self._settle()
+
+
+def _expect(is_so, sentence):
+    if not is_so:
+        raise Failed(sentence)
+
+
+_BEGIN = {
+    "baking": Pressing._begin_bake,
+    "stopped": Pressing._begin_and_stop,
+    "living": Pressing._move_lamp,
+}

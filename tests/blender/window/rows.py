@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How test_window_operators.py presses each operator of the add-on, and what it sees of it.
+
+Plain data, for pytest and for Blender: the names are those of scenes.py, seen.py and pressing.py.
+"""
+
+from dataclasses import dataclass, field
+
+# The ways in which each operator is pressed.
+HAPPY, CANCELLED, DELETED, NEW = "happy", "cancelled", "object deleted", "new file"
+WAYS = (HAPPY, CANCELLED, DELETED, NEW)
+
+_INSTANT = dict.fromkeys(
+    (CANCELLED, DELETED, NEW), "It is over before Blender takes another event."
+)
+_DIALOG = dict.fromkeys((DELETED, NEW), "Its dialog takes all events until it is closed.")
+
+
+@dataclass(frozen=True)
+class Row:
+    """An operator, and how it is pressed.
+
+    operator: without "leaflight."; scene: of scenes.py, opened before; sees: of seen.py, what it
+    changes; options: of the operator; asks: "dialog" or "browser", which the press opens; file:
+    that the browser chooses; held: where half way is: before the "work" in the background, after
+    its first "pass", while its "dialog" or browser is open, or while it takes events ("modal");
+    without: {way: reason} of the ways that make no sense; also: words that tell it from another
+    row of the same operator; short: whether it is of the short suite; undone: whether undo brings
+    back what was seen before.
+    """
+
+    operator: str
+    scene: str
+    sees: str
+    options: dict = field(default_factory=dict)
+    asks: str = ""
+    file: str = ""
+    held: str = ""
+    without: dict = field(default_factory=dict)
+    also: str = ""
+    short: bool = False
+    undone: bool = True
+
+    @property
+    def name(self):
+        return f"{self.operator}, {self.also}" if self.also else self.operator
+
+    @property
+    def ways(self):
+        return [way for way in WAYS if way not in self.without]
+
+
+def _instant(operator, scene, sees, **how):
+    return Row(operator, scene, sees, without=_INSTANT, **how)
+
+
+# The twelve of the guide's main way are short: import, stage, bake, stop, keep, continue, another
+# isosurface, a look, a cut, a slice of time, a label, a file for others.
+ROWS = (
+    Row(
+        "import_volume",
+        "home",
+        "volumes",
+        asks="browser",
+        file="head.nii.gz",
+        held="work",
+        without={DELETED: "There is no object before the file is read."},
+        short=True,
+    ),
+    Row(
+        "import_volume",
+        "imported",
+        "volumes",
+        {"size_from": "SAME", "partner": "head"},
+        asks="browser",
+        file="head.nii.gz",
+        held="work",
+        also="in the place of another",
+    ),
+    Row(
+        "import_image",
+        "home",
+        "graphs",
+        asks="browser",
+        file="hills.png",
+        held="dialog",
+        without={DELETED: "There is no object before the file is read."},
+    ),
+    _instant("open_example", "home", "volumes", short=True),
+    Row("load_bake", "home", "lit", asks="browser", file="a bake", held="dialog"),
+    Row("load_bake", "imported", "lit", asks="browser", file="a bake", held="dialog", also="of it"),
+    Row("relocate_bake", "moved", "bake path", asks="browser", file="a bake", held="dialog"),
+    _instant("stage", "imported", "stage", short=True),
+    Row(
+        "stage",
+        "imported",
+        "stage",
+        {"preset": "MY_SCENE"},
+        asks="dialog",
+        held="dialog",
+        without={HAPPY: "Its dialog asks for a collection, which no key chooses.", **_DIALOG},
+        also="My Scene",
+    ),
+    _instant("frame_isosurface", "moved on", "camera"),
+    _instant("show_hidden", "staged", "hidden"),
+    _instant("turn_volume", "staged", "stands", options={"way": "TIP"}, also="tip"),
+    _instant("turn_volume", "baked", "stands", options={"way": "TURN"}, also="lit"),
+    Row("bake", "staged", "lit", held="pass", short=True),
+    Row(
+        "bake",
+        "two",
+        "lit",
+        held="pass",
+        without=dict.fromkeys((CANCELLED, NEW), "It is that of one volume."),
+        also="two volumes",
+    ),
+    Row(
+        "bake",
+        "walled",
+        "lit",
+        held="pass",
+        without=dict.fromkeys((CANCELLED, DELETED, NEW), "It is that without walls."),
+        also="with walls",
+    ),
+    Row("bake_frames", "frames", "baked frames", held="pass"),
+    _instant("stop_bake", "baking", "at work", short=True),
+    Row("keep_bake", "stopped", "lit", held="work", short=True),
+    # Undo cannot bring back passes, which are in no file.
+    _instant("throw_bake_away", "stopped", "waits", undone=False),
+    _instant("stop_live", "living", "live"),
+    Row("continue_bake", "unreached", "lit", held="pass", short=True),
+    Row("finer_texels", "baked", "lit", held="pass"),
+    Row("resume_bake", "interrupted", "lit", held="pass"),
+    Row("estimate_bake", "staged", "estimate", held="work"),
+    Row("bake_flatland", "graph", "lit graphs", held="pass"),
+    Row(
+        "remove_unused_bakes",
+        "unused",
+        "files of bakes",
+        asks="dialog",
+        held="dialog",
+        without=_DIALOG,
+    ),
+    Row("photon_cloud", "staged", "photons", {"count": 2000}, asks="dialog", held="work"),
+    Row(
+        "render_comparison",
+        "baked",
+        "comparison",
+        {"samples": 2, "baked_samples": 2, "share": 10.0},
+        asks="dialog",
+        held="work",
+    ),
+    Row("export", "baked", "exported", asks="browser", held="work", short=True),
+    Row("export_page", "baked", "exported", asks="browser", held="work"),
+    Row("pick_isovalue", "imported", "isovalue", held="modal"),
+    Row("smooth", "imported", "smoothing", {"what": "smooth", "amount": "1"}, held="work"),
+    _instant("isosurface_preset", "baked", "look", options={"preset": "COPPER"}, short=True),
+    _instant("add_stop", "baked", "stops"),
+    _instant("remove_stop", "stops", "stops"),
+    _instant("add_isosurface", "baked", "isosurfaces", short=True),
+    _instant("remove_isosurface", "several", "isosurfaces", options={"name": "head Isosurface"}),
+    _instant("add_clip_box", "baked", "clip box", short=True),
+    _instant("animate", "baked", "keyframes", options={"kind": "SWEEP"}, short=True),
+    _instant("animate", "baked", "keyframes", options={"kind": "TURNTABLE"}, also="turntable"),
+    _instant("animate", "baked", "keyframes", options={"kind": "WIPE"}, also="wipe"),
+    _instant("copy_report", "home", "clipboard"),
+    _instant("add_scale_bar", "baked", "labels"),
+    _instant("add_letters", "baked", "labels"),
+    _instant("add_orientation_cube", "baked", "labels"),
+)
+
+# Operators that nobody can press, each with its reason.
+UNPRESSED = {
+    "go_on": "It takes over the work of a window that was closed, by itself.",
+}

@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scenes in which operators are pressed: each is made once, saved, and opened for each row.
+
+A scene, and each row, has a folder of its own with a .blend and its bakes.
+"""
+
+import shutil
+from dataclasses import replace
+
+import bpy
+import hand
+import leaflight
+import seen
+from leaflight import blender
+from leaflight_addon.bake import bake
+from leaflight_addon.show import isovalues
+
+# Percent that a bake of so small a volume reaches with its first passes; that none reaches.
+_EASY, _UNREACHED = 20.0, 0.01
+
+
+class Scenes:
+    """folder: holds the files that are imported, and gets all else."""
+
+    def __init__(self, folder):
+        self._folder = folder
+
+    def file(self, name):
+        """The path of a file that a browser shall choose."""
+        if name != "a bake":
+            return self._folder / name
+        return next(self._made("baked").glob("leaflight/*.vdb"))
+
+    def open(self, name, row):
+        """Opens a scene, as a .blend in a folder of this row's."""
+        folder = self._folder / "rows" / row
+        shutil.rmtree(folder, ignore_errors=True)
+        shutil.copytree(self._made(name), folder)
+        _open(folder)
+        seen.set_folder(folder)
+
+    def _made(self, name):
+        """The folder of a scene."""
+        folder = self._folder / "scenes" / name
+        if folder.exists():
+            return folder
+        parent, change = _SCENES[name]
+        if parent:
+            shutil.copytree(self._made(parent), folder)
+            _open(folder)
+        else:
+            # Blender's first scene, which is open.
+            folder.mkdir(parents=True)
+        with hand.in_view():
+            change(self)
+        bpy.ops.wm.save_as_mainfile(filepath=str(folder / "scene.blend"))
+        if name in _WITH_FILES:
+            _WITH_FILES[name](self, folder)
+        return folder
+
+
+def _open(folder):
+    bpy.ops.wm.open_mainfile(filepath=str(folder / "scene.blend"))
+
+
+def _nothing(_scenes):
+    """The scene is that of its parent."""
+
+
+def _import(scenes, name="head.nii.gz", **options):
+    obj = blender.import_volume(scenes.file(name), **options)
+    settings = obj.leaflight
+    settings.error, settings.use_resolution, settings.resolution = _EASY, True, 16
+
+
+def _stage(_scenes):
+    blender.stage(seen.volume())
+    seen.volume().leaflight.light_walls = False
+
+
+def _light_walls(_scenes):
+    seen.volume().leaflight.light_walls = True
+    _limit_time(seen.volume())
+
+
+def _limit_time(obj):
+    """Has all that takes long be lit coarsely."""
+    obj.leaflight.use_time_limit, obj.leaflight.time_limit = True, 1.0
+
+
+def _two(scenes):
+    _import(scenes, "other.nii.gz")
+    _stage(scenes)
+    for obj in seen.volumes():
+        _limit_time(obj)
+
+
+def _frames(scenes):
+    _import(scenes, "beating.nii.gz", frame=0)
+    _stage(scenes)
+
+
+def _move_isovalue(_scenes):
+    obj = seen.volume()
+    blender.show(obj, isovalues.isovalue_at(obj.leaflight, 0.9))
+
+
+def _bake(_scenes):
+    blender.bake(seen.volume())
+
+
+def _ask_for_more(_scenes):
+    """Than a bake reaches, for a moment."""
+    seen.volume().leaflight.error = _UNREACHED
+    _limit_time(seen.volume())
+
+
+def _graph(_scenes):
+    bpy.ops.leaflight.import_image(source="BUMP_BOX", nodes=32)
+    seen.graphs()[0].leaflight_flat.error = _EASY
+
+
+def _add_stop(_scenes):
+    bpy.ops.leaflight.add_stop()
+
+
+def _add_isosurface(_scenes):
+    obj = seen.volume()
+    blender.add_isosurface(obj, isovalues.isovalue_at(obj.leaflight, 0.8))
+
+
+def _go_live(_scenes):
+    bpy.context.scene.leaflight_live = True
+
+
+def _bring_bake(scenes, folder):
+    shutil.copytree(scenes._made("baked") / "leaflight", folder / "leaflight")
+
+
+def _lose_bake(_scenes, folder):
+    shutil.rmtree(folder / "leaflight")
+
+
+def _interrupt(_scenes, folder):
+    """Leaves the checkpoint of a bake, as if Blender had ended after it."""
+    _open(folder)
+    with hand.in_view():
+        job = bake.BakeJob(bpy.context, seen.volume())
+    checkpoint = replace(job.checkpoint, seconds=0.0)
+    leaflight.bake(**job._arguments, checkpoint=checkpoint, progress=leaflight.Progress())
+    assert job.checkpoint.path.is_file()
+
+
+# (the scene that it is made of, what is done there)
+_SCENES = {
+    "home": ("", _nothing),
+    "imported": ("home", _import),
+    "staged": ("imported", _stage),
+    "walled": ("staged", _light_walls),
+    "moved on": ("staged", _move_isovalue),
+    "baked": ("staged", _bake),
+    "unreached": ("baked", _ask_for_more),
+    "moved": ("baked", _nothing),
+    "living": ("baked", _go_live),
+    "stops": ("baked", _add_stop),
+    "several": ("baked", _add_isosurface),
+    "unused": ("staged", _nothing),
+    "interrupted": ("staged", _ask_for_more),
+    "baking": ("staged", _nothing),
+    "stopped": ("staged", _nothing),
+    "two": ("imported", _two),
+    "frames": ("home", _frames),
+    "graph": ("home", _graph),
+}
+_WITH_FILES = {"moved": _lose_bake, "unused": _bring_bake, "interrupted": _interrupt}

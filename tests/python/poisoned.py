@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reads files in memory that holds one pattern, then another: what differs was never written.
+
+The GNU C library fills what it allocates with MALLOC_PERTURB_, in the process that reads and in
+those that this one starts. NumPy, the arrays of volumes and all libraries allocate there. NumPy
+uses arrays of less than a kilobyte again by itself: numpy.empty() is filled here.
+"""
+
+import hashlib
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import leaflight
+import numpy as np
+from leaflight.volume.voxels import new_voxels
+from waiting import HANG
+
+# Two bytes no bit of which is the same.
+PATTERNS = (0x55, 0xAA)
+# In place of a file: arrays that nobody fills, a small and a large one.
+UNWRITTEN = "unwritten"
+
+
+def answers(files):
+    """What becomes of files [path, options of read_volume]: for each pattern a list of texts.
+
+    A text is a hash of the volume behind "read ", or the sentence that refuses the file.
+    """
+    return [_answers(pattern, files) for pattern in PATTERNS]
+
+
+def _answers(pattern, files):
+    package = Path(leaflight.__file__).parents[1]
+    done = subprocess.run(
+        [sys.executable, __file__],
+        # Of Python's own allocator memory comes without the pattern.
+        env={
+            **os.environ,
+            "PYTHONPATH": str(package),
+            "PYTHONMALLOC": "malloc",
+            "MALLOC_PERTURB_": str(pattern ^ 0xFF),
+        },
+        input=json.dumps([[str(path), options] for path, options in files]),
+        capture_output=True,
+        text=True,
+        timeout=HANG,
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def _answer(path, options):
+    if path == UNWRITTEN:
+        return [
+            sorted({hex(byte) for byte in array.tolist()})
+            for count in (100, 5000, 1 << 20)
+            for array in (np.empty(count, np.uint8), new_voxels([count], np.uint8))
+        ]
+    try:
+        volume = leaflight.read_volume(path, progress=False, **options)
+    except leaflight.LeaflightError as error:
+        return str(error)
+    facts = (volume.values.dtype.str, volume.values.shape, volume.index_to_world.tolist())
+    digest = hashlib.sha256(repr((facts, volume.unit, volume.notes)).encode())
+    digest.update(np.ascontiguousarray(volume.values).data)
+    return f"read {digest.hexdigest()}"
+
+
+def _filled_empty(shape, dtype=float, *rest, **options):
+    array = np.asarray(_EMPTY(shape, dtype, *rest, **options))
+    if not array.dtype.hasobject:
+        array.reshape(-1, order="A").view(np.uint8)[...] = int(os.environ["MALLOC_PERTURB_"]) ^ 0xFF
+    return array
+
+
+_EMPTY = np.empty
+if __name__ == "__main__":
+    np.empty = _filled_empty
+    print(json.dumps([_answer(path, options) for path, options in json.load(sys.stdin)]))

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The error for an absent package has the command that installs it on the system at hand."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from leaflight.io.readers import MissingPackage, missing_package
+
+
+@pytest.fixture
+def system(monkeypatch):
+    """Lets this system be one whose pip refuses or not, with Debian's apt or without."""
+
+    def become(managed, apt=True):
+        monkeypatch.setattr(missing_package, "_is_managed", lambda: managed)
+        monkeypatch.setattr(shutil, "which", lambda name: f"/usr/bin/{name}" if apt else None)
+
+    return become
+
+
+def said(package):
+    return str(MissingPackage(Path("x"), "CZI file", package))
+
+
+def test_where_pip_installs(system):
+    system(managed=False)
+    assert f"not installed; run '{sys.executable} -m pip install h5py'." in said("h5py")
+    assert "-m pip install pillow'." in said("PIL")
+
+
+def test_what_debian_has(system):
+    system(managed=True)
+    assert said("h5py").endswith("run 'apt install python3-h5py' as root.")
+    assert MissingPackage(Path("x"), "HDF5 file", "h5py").of_debian == "python3-h5py"
+
+
+@pytest.mark.parametrize("apt", [True, False])
+def test_what_only_a_virtual_environment_can_have(system, monkeypatch, apt):
+    """Without the needs that would replace what the system has."""
+    system(True, apt)
+    root = Path(missing_package.__file__).parents[3]
+    monkeypatch.setenv("PYTHONPATH", f"/elsewhere:{root}")
+    sentence = said("pylibCZIrw")
+    assert "-m venv --system-site-packages ~/leaflight-python && ~/leaflight-python/" in sentence
+    assert "pip install --no-deps pylibCZIrw validators xmltodict'" in sentence
+    assert sentence.endswith(f"'PYTHONPATH={root} ~/leaflight-python/bin/python -m leaflight'.")
+    assert len(sentence) < 600
+    monkeypatch.delenv("PYTHONPATH")
+    assert said("nd2").endswith("by '~/leaflight-python/bin/python -m leaflight'.")
+
+
+def test_pip_refuses_where_this_says_so():
+    """In a virtual environment it does not; the system's Python may."""
+    managed = missing_package._is_managed()
+    command = [sys.executable, "-m", "pip", "install", "--dry-run", "--no-index", "nothing-at-all"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    if "No module named pip" in done.stderr:
+        pytest.skip("there is no pip")
+    assert ("externally-managed-environment" in done.stderr) == managed

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""DICOM in folders: discs, nested folders, and files that are no slices of the series."""
+
+import os
+
+import numpy as np
+import pytest
+from leaflight import LeaflightError, read_volume
+from leaflight.io.readers import probe
+
+pytest.importorskip("pydicom")
+from dicom_files import uid, write_disc, write_series, write_slice  # noqa: E402
+
+
+@pytest.fixture
+def study(tmp_path, values):
+    """Two series in folders of their own, and a picture of each that is a series by itself."""
+    folder = tmp_path / "study"
+    tags = {"StudyDate": "20240131"}
+    write_series(folder / "a" / "head", values, **tags)
+    neck = {"series": uid("neck"), "SeriesNumber": 4, "SeriesDescription": "Neck", **tags}
+    write_series(folder / "b", values + 1, **neck)
+    scout = {"SeriesNumber": 1, "SeriesDescription": "Scout", **tags}
+    write_slice(folder / "b" / "scout", values[0], 0, uid("scout"), **scout)
+    color = {"SamplesPerPixel": 3, "PhotometricInterpretation": "RGB", "PlanarConfiguration": 0}
+    pixels = np.zeros((5, 18))
+    write_slice(folder / "b" / "report", pixels, 0, uid("color"), Columns=6, **color, **tags)
+    (folder / "b" / "notes.txt").write_text("no slice")
+    return folder
+
+
+def test_nested_folders(study, values):
+    stored = probe(study)
+    assert stored.datasets == ("3 Head CT", "4 Neck CT")
+    assert stored.notes == (
+        "1 color picture is left out.",
+        "Left out, since each is a single slice: 1 Scout CT.",
+    )
+    for name in ("4 Neck CT", "4", "Neck", "4 Neck"):
+        np.testing.assert_array_equal(read_volume(study, dataset=name).values, values + 1)
+    np.testing.assert_array_equal(read_volume(study / "a").values, values)
+    np.testing.assert_array_equal(read_volume(study / "b").values, values + 1)
+    with pytest.raises(LeaflightError, match="2 volumes; choose one of 3 Head CT, 4 Neck CT"):
+        read_volume(study)
+
+
+def test_slices_of_a_folder_count_before_those_within(study, values):
+    write_series(study, values + 2)
+    np.testing.assert_array_equal(read_volume(study).values, values + 2)
+
+
+def test_series_of_one_name(tmp_path, values):
+    for k, date in enumerate(["20240131", "20240201", "20240201"]):
+        tags = {"series": uid(f"{k}"), "StudyInstanceUID": uid(f"of {k}"), "StudyDate": date}
+        write_series(tmp_path / str(k), values + k, **tags)
+    assert probe(tmp_path).datasets == (
+        "3 Head CT (2024-01-31)",
+        "3 Head CT (2024-02-01)",
+        "3 Head CT (2024-02-01) (2)",
+    )
+    volume = read_volume(tmp_path, dataset="3 Head CT (2024-02-01)")
+    np.testing.assert_array_equal(volume.values, values + 1)
+
+
+@pytest.fixture
+def disc(tmp_path, values):
+    return write_disc(tmp_path, values)
+
+
+def test_a_disc(disc, values):
+    for path in (disc, disc / "DICOMDIR"):
+        volume = read_volume(path)
+        np.testing.assert_array_equal(volume.values, values)
+        assert volume.notes == () and volume.name == "disc"
+    # Copied with names as other systems show them; the list itself may have any.
+    for path in sorted(disc.rglob("*"), reverse=True):
+        if path.name != "DICOMDIR":
+            path.rename(path.with_name(path.name.lower() + ";1" * path.is_file()))
+    (disc / "DICOMDIR").rename(disc / "dicomdir")
+    np.testing.assert_array_equal(read_volume(disc / "dicomdir").values, values)
+    np.testing.assert_array_equal(read_volume(disc).values, values)
+    (disc / "dicomdir").rename(disc / "list.dcm")
+    np.testing.assert_array_equal(read_volume(disc / "list.dcm").values, values)
+
+
+def test_a_disc_that_lacks_files(disc, values):
+    slices = sorted(path for path in disc.rglob("*") if path.is_file() and path.name != "DICOMDIR")
+    slices[-1].unlink()
+    volume = read_volume(disc)
+    np.testing.assert_array_equal(volume.values, values[:3])
+    assert volume.notes == ("The DICOMDIR lists 1 more file, which is not there.",)
+    for path in slices[:-1]:
+        path.unlink()
+    with pytest.raises(LeaflightError, match="lists 4 files, none of which is beside it"):
+        read_volume(disc / "DICOMDIR")
+
+
+def test_a_list_leads_nowhere_else(disc, values):
+    """Files outside the folder of the list are not read, whatever it names."""
+    data = (disc / "DICOMDIR").read_bytes()
+    name = rb"PT000000\ST000000\SE000000\IM"
+    (disc / "PT000000").rename(disc / "PT00000000")
+    assert data.count(name) == 4
+    (disc.parent / "inner").mkdir()
+    path = disc.parent / "inner" / "DICOMDIR"
+    path.write_bytes(data.replace(name, rb"..\disc\PT000000".ljust(len(name) - 3, b"0") + rb"\IM"))
+    with pytest.raises(LeaflightError, match="none of which is beside it"):
+        read_volume(path)
+
+
+def test_files_beside_slices(tmp_path, values):
+    folder = write_series(tmp_path / "scan", values)
+    (folder / "._IM0001").write_bytes(b"\0\5\x16\7" + bytes(200))
+    (folder / ".DS_Store").write_bytes(bytes(200))
+    (folder / "broken").write_bytes(bytes(128) + b"DICM" + b"\2\0\0\0UL\4\0\x10")
+    cut = (folder / "IM0003").read_bytes()[:-70]
+    (folder / "cut").write_bytes(cut)
+    volume = read_volume(folder)
+    np.testing.assert_array_equal(volume.values, values)
+    assert volume.notes == ("Left out, since they are damaged or hold no pixels: cut, broken.",)
+    np.testing.assert_array_equal(read_volume(folder / "IM0001").values, values)
+
+
+def test_folders_of_no_volume(tmp_path, values):
+    color = {"SamplesPerPixel": 3, "PhotometricInterpretation": "RGB", "PlanarConfiguration": 0}
+    for k in range(2):
+        write_slice(tmp_path / f"{k}", np.zeros((5, 18)), k, Columns=6, **color)
+    with pytest.raises(LeaflightError, match="all of its 2 DICOM pictures are colors"):
+        read_volume(tmp_path)
+    for k in range(2):
+        write_slice(tmp_path / f"{k}", values[k], k, uid(f"{k}"))
+    with pytest.raises(LeaflightError, match="all 2 pictures in it are single slices"):
+        read_volume(tmp_path)
+    with pytest.raises(LeaflightError, match="a single slice here, but a volume needs several"):
+        read_volume(tmp_path / "0")
+
+
+def test_folders_without_end(study, monkeypatch):
+    from leaflight.io.readers.dicom import disc
+
+    monkeypatch.setattr(disc, "MOST_FILES", 5)
+    (study / "a" / "again").symlink_to(study)
+    if hasattr(os, "mkfifo"):
+        os.mkfifo(study / "a" / "pipe")
+    with pytest.raises(LeaflightError, match="more than 5 files in its folders"):
+        read_volume(study)
+    monkeypatch.setattr(disc, "MOST_FILES", 11)
+    assert len(probe(study).datasets) == 2

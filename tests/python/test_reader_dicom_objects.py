@@ -1,0 +1,272 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Kinds of DICOM that hold many planes in a file: enhanced ones, doses, cameras, segmentations."""
+
+import numpy as np
+import pytest
+from leaflight import LeaflightError, read_volume
+from leaflight.io.readers import probe
+
+pydicom = pytest.importorskip("pydicom")
+from dicom_files import (  # noqa: E402
+    at,
+    camera,
+    dose,
+    edit,
+    item,
+    items,
+    segments,
+    write_pages,
+    write_slice,
+)
+
+PARAMETRIC_MAP = "1.2.840.10008.5.1.4.1.1.30"
+
+
+def test_an_enhanced_file_holds_all_slices(tmp_path, values):
+    order = [2, 0, 3, 1]
+    path = write_pages(tmp_path / "all.dcm", values[order], [at(2 * k) for k in order])
+    volume = read_volume(path)
+    np.testing.assert_array_equal(volume.values, values)
+    np.testing.assert_allclose(np.diag(volume.index_to_world), [-0.25, -0.5, 2, 1])
+
+
+def test_times_of_an_enhanced_file(tmp_path, values):
+    """With a slope of each page; and the times by their numbers, not by the order of the pages."""
+    order = [(time, k) for k in range(4) for time in (1, 0)]
+    pages = [
+        at(
+            2 * k,
+            FrameContentSequence=item(TemporalPositionIndex=time + 1, StackID="1"),
+            PixelValueTransformationSequence=item(RescaleSlope=0.5 + time, RescaleIntercept=-k),
+        )
+        for time, k in order
+    ]
+    path = write_pages(tmp_path / "all.dcm", np.array([values[k] + t for t, k in order]), pages)
+    assert probe(path).frames == 2
+    intercepts = np.arange(4)[:, None, None]
+    for time in range(2):
+        expected = (values + time) * (0.5 + time) - intercepts
+        np.testing.assert_array_equal(read_volume(path, frame=time).values, expected)
+
+
+def test_stacks_of_an_enhanced_file(tmp_path, values):
+    order = [(stack, k) for stack in range(2) for k in range(4)]
+    pages = [
+        at(2 * k + 100 * stack, FrameContentSequence=item(StackID=f"{stack + 1}"))
+        for stack, k in order
+    ]
+    path = write_pages(tmp_path / "x.dcm", np.array([values[k] + s for s, k in order]), pages)
+    assert probe(path).datasets == ("stack 1 axial", "stack 2 axial")
+    volume = read_volume(path, dataset="stack 2 axial")
+    np.testing.assert_array_equal(volume.values, values + 1)
+    assert volume.index_to_world[2, 3] == 100
+
+
+@pytest.mark.parametrize(
+    "offsets, axes, first, apart",
+    [
+        ([0, 3, 6, 9], [1, 0, 0, 0, 1, 0], 50, 3),
+        ([2, 5, 8, 11], [1, 0, 0, 0, 1, 0], 52, 3),
+        # Heights in the patient, as the standard permits for axial planes.
+        ([50, 53, 56, 59], [1, 0, 0, 0, 1, 0], 50, 3),
+        ([50, 53, 56, 59], [-1, 0, 0, 0, -1, 0], 50, 3),
+    ],
+)
+def test_planes_of_a_dose(tmp_path, values, offsets, axes, first, apart):
+    path = dose(tmp_path / "dose.dcm", values, offsets, ImageOrientationPatient=axes)
+    volume = read_volume(path)
+    np.testing.assert_allclose(volume.values, values * 0.05, rtol=1e-6)
+    np.testing.assert_allclose(volume.index_to_world[2], [0, 0, apart, first], atol=1e-9)
+
+
+@pytest.mark.parametrize("offsets", [[0, -3, -6, -9], [50, 47, 44, 41]])
+def test_planes_of_a_dose_that_descend(tmp_path, values, offsets):
+    volume = read_volume(dose(tmp_path / "dose.dcm", values, offsets))
+    np.testing.assert_allclose(volume.values, values[::-1] * 0.05, rtol=1e-6)
+    np.testing.assert_allclose(volume.index_to_world[2], [0, 0, 3, 41])
+
+
+def test_damaged_doses(tmp_path, values):
+    with pytest.raises(LeaflightError, match="places for 3 planes, but the file has 4"):
+        read_volume(dose(tmp_path / "dose.dcm", values, [0, 3, 6]))
+    with pytest.raises(LeaflightError, match="3 to 6 mm apart"):
+        read_volume(dose(tmp_path / "dose.dcm", values, [0, 3, 9, 12]))
+
+
+def test_doses_of_two_beams(tmp_path, values):
+    """One series, but a volume each."""
+    for beam in range(2):
+        path = tmp_path / f"{beam}.dcm"
+        dose(path, values + beam, [0, 3, 6, 9])
+    assert probe(tmp_path).datasets == ("3 Head RTDOSE", "3 Head RTDOSE (2)")
+    np.testing.assert_allclose(read_volume(path).values, (values + 1) * 0.05, rtol=1e-6)
+
+
+@pytest.mark.parametrize("apart", [2.5, -2.5])
+def test_planes_of_a_camera(tmp_path, values, apart):
+    path = camera(
+        tmp_path / "nm.dcm",
+        values,
+        SpacingBetweenSlices=apart,
+        FrameIncrementPointer=0x00540080,
+        SliceVector=[1, 2, 3, 4],
+    )
+    volume = read_volume(path)
+    np.testing.assert_array_equal(volume.values, values)
+    np.testing.assert_allclose(volume.index_to_world[:3, 2], [0, 0, apart])
+    np.testing.assert_allclose(volume.index_to_world[:3, 3], [8, -5, -3])
+    assert volume.patient
+
+
+def test_gates_of_a_camera(tmp_path, values):
+    order = [(time, k) for time in range(2) for k in (3, 1, 2, 0)]
+    path = camera(
+        tmp_path / "nm.dcm",
+        np.array([values[k] + time for time, k in order]),
+        SpacingBetweenSlices=-4,
+        FrameIncrementPointer=[0x00540070, 0x00540080],
+        TimeSlotVector=[time + 1 for time, _ in order],
+        SliceVector=[k + 1 for _, k in order],
+    )
+    assert probe(path).frames == 2
+    np.testing.assert_array_equal(read_volume(path, frame=1).values, values + 1)
+
+
+def test_pages_that_are_times(tmp_path, values):
+    path = write_pages(tmp_path / "x.dcm", values, FrameIncrementPointer=0x00181063, FrameTime=40)
+    with pytest.raises(LeaflightError, match="all 4 slices of this series lie at one place"):
+        read_volume(path)
+
+
+def test_views_of_a_camera(tmp_path, values):
+    kind = ["ORIGINAL", "PRIMARY", "TOMO", "EMISSION"]
+    volume = read_volume(camera(tmp_path / "nm.dcm", values, ImageType=kind))
+    np.testing.assert_array_equal(volume.values, values)
+    assert volume.notes == ("The pages are views or times of a camera, not slices.",)
+
+
+def test_pages_that_are_tiles(tmp_path, values):
+    path = write_pages(tmp_path / "x.dcm", values, TotalPixelMatrixColumns=12)
+    with pytest.raises(LeaflightError, match="tiles of a microscope's slide"):
+        read_volume(path)
+    write_slice(tmp_path / "mosaic", values[0], 0, ImageType=["ORIGINAL", "PRIMARY", "M", "MOSAIC"])
+    with pytest.raises(LeaflightError, match="mosaic of slices.*convert the series by dcm2niix"):
+        read_volume(tmp_path / "mosaic")
+
+
+def test_pages_without_places(tmp_path, values):
+    path = write_pages(tmp_path / "x.dcm", values)
+    edit(path, without=["ImagePositionPatient", "ImageOrientationPatient", "SliceThickness"])
+    volume = read_volume(path)
+    np.testing.assert_array_equal(volume.values, values)
+    assert not volume.patient and volume.notes == (
+        "The header does not place the slices in the patient.",
+        "The header has no distance of the slices; 1 mm is taken.",
+    )
+
+
+def test_a_map_of_integers(tmp_path, values):
+    mapping = item(RealWorldValueSlope=0.25, RealWorldValueIntercept=3)
+    shared = pydicom.Sequence([items(RealWorldValueMappingSequence=mapping)])
+    tags = {"SOPClassUID": PARAMETRIC_MAP, "SharedFunctionalGroupsSequence": shared}
+    path = write_pages(tmp_path / "x.dcm", values, [at(2 * k) for k in range(4)], **tags)
+    np.testing.assert_array_equal(read_volume(path).values, values * 0.25 + 3)
+
+
+@pytest.fixture
+def masks():
+    """Two organs, in planes 0, 1, 4 and 1, 4 of five."""
+    masks = np.random.default_rng(4).random((2, 5, 5, 7)) < 0.5
+    masks[0, 2:4] = masks[1, [0, 2, 3]] = 0
+    return masks
+
+
+def test_segments_are_volumes_by_their_labels(tmp_path, masks):
+    planes = [(n + 1, k, masks[n, k]) for n in (1, 0) for k in (4, 1, 0) if masks[n, k].any()]
+    path = segments(tmp_path / "seg.dcm", planes, ["Liver", "Spleen"], SegmentationType="BINARY")
+    # A page of 35 bits begins within a byte.
+    bits = np.packbits(np.array([plane for *_, plane in planes]).ravel(), bitorder="little")
+    packed = bits.tobytes() + b"\0" * (bits.size % 2)
+    edit(path, PixelData=packed, BitsAllocated=1, BitsStored=1, HighBit=0)
+    assert probe(path).datasets == ("Spleen", "Liver")
+    for n, label in enumerate(["Liver", "Spleen"]):
+        volume = read_volume(path, dataset=label)
+        np.testing.assert_array_equal(volume.values, masks[n])
+        assert volume.values.dtype == np.uint8
+        np.testing.assert_allclose(np.diag(volume.index_to_world), [-0.25, -0.5, 2, 1])
+    with pytest.raises(LeaflightError, match="2 volumes; choose one of Spleen, Liver"):
+        read_volume(path)
+
+
+def test_segments_by_their_share(tmp_path, masks):
+    planes = [(1, k, masks[0, k] * 100) for k in (0, 1, 4)]
+    tags = {"SegmentationType": "FRACTIONAL", "MaximumFractionalValue": 200}
+    # The header's distance is of no use.
+    path = segments(tmp_path / "seg.dcm", planes, ["Liver"], apart=1.7, **tags)
+    np.testing.assert_allclose(read_volume(path).values, masks[0] * 0.5)
+
+
+def test_two_slices_of_a_segment_at_one_place(tmp_path, masks):
+    planes = [(1, k, masks[0, 0]) for k in (0, 1, 1)]
+    path = segments(tmp_path / "seg.dcm", planes, ["Liver"])
+    np.testing.assert_array_equal(read_volume(path).values, masks[0, [0, 0]])
+    planes[2] = (1, 1, masks[0, 1])
+    path = segments(tmp_path / "seg.dcm", planes, ["Liver"])
+    with pytest.raises(LeaflightError, match="'Liver' has 2 different slices at one place"):
+        read_volume(path)
+
+
+def test_segments_of_highdicom(tmp_path, masks):
+    highdicom = pytest.importorskip("highdicom")
+    from pydicom.sr.codedict import codes
+
+    person = {"StudyInstanceUID": "1.2.3", "FrameOfReferenceUID": "1.2.4", "StudyID": "1"}
+    person |= {name: "" for name in ("PatientID", "PatientName", "PatientBirthDate", "PatientSex")}
+    person |= {name: "" for name in ("StudyDate", "StudyTime", "AccessionNumber")}
+    scan = []
+    for k in range(5):
+        write_slice(tmp_path / f"{k}", masks[0, k], 2 * k, ReferringPhysicianName="", **person)
+        scan.append(pydicom.dcmread(tmp_path / f"{k}"))
+    described = [
+        highdicom.seg.SegmentDescription(
+            segment_number=n + 1,
+            segment_label=label,
+            segmented_property_category=codes.SCT.Organ,
+            segmented_property_type=codes.SCT.Liver,
+            algorithm_type="MANUAL",
+        )
+        for n, label in enumerate(["Liver", "Spleen"])
+    ]
+    path = tmp_path / "seg.dcm"
+    highdicom.seg.Segmentation(
+        source_images=scan,
+        pixel_array=np.moveaxis(masks, 0, 3).astype(np.uint8),
+        segmentation_type="BINARY",
+        segment_descriptions=described,
+        series_instance_uid=highdicom.UID(),
+        series_number=300,
+        sop_instance_uid=highdicom.UID(),
+        instance_number=1,
+        manufacturer="",
+        manufacturer_model_name="",
+        software_versions="",
+        device_serial_number="",
+    ).save_as(path)
+    for n, label in enumerate(["Liver", "Spleen"]):
+        np.testing.assert_array_equal(read_volume(path, dataset=label).values, masks[n])
+    # Beside its scan.
+    assert probe(tmp_path).datasets == ("3 Head CT", "300 SEG: Liver", "300 SEG: Spleen")
+    np.testing.assert_array_equal(read_volume(tmp_path, dataset="Spleen").values, masks[1])
+
+
+def test_a_real_dose():
+    """Of pydicom, as its own pixel_array has it."""
+    from pydicom.data import get_testdata_file
+
+    path = get_testdata_file("rtdose.dcm", download=False)
+    if not path:
+        pytest.skip("pydicom's rtdose.dcm is not here")
+    own = pydicom.dcmread(path)
+    volume = read_volume(path)
+    np.testing.assert_allclose(volume.values, own.pixel_array * own.DoseGridScaling, rtol=1e-6)
+    np.testing.assert_allclose(volume.index_to_world[2], [0, 0, 5, -761.87])

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""CZI, LIF and ND2: frames, channels, positions and voxel sizes as the file has them."""
+
+import microscope_files as files
+import numpy as np
+import pytest
+from leaflight import LeaflightError, read_volume
+from leaflight.io.reader_process import has_package
+from leaflight.io.readers import probe
+
+# [t, p, c, z, y, x]
+PIXELS = np.random.default_rng(1).integers(0, 60000, (2, 2, 3, 4, 5, 6)).astype(np.uint16)
+RIGHT = np.diag([0.5, 0.25, 2, 1])
+
+
+def needs(package):
+    if not has_package(package):
+        pytest.skip(f"{package} is not installed")
+
+
+def check(path, values, **options):
+    volume = read_volume(path, **options)
+    np.testing.assert_array_equal(volume.values, values)
+    right = np.diag([0.5, 0.5, 2, 1]) if path.suffix == ".nd2" else RIGHT
+    np.testing.assert_allclose(volume.index_to_world, right)
+    assert volume.unit == "µm"
+    return volume
+
+
+def test_czi(tmp_path):
+    needs("pylibCZIrw")
+    path = tmp_path / "x.czi"
+    files.czi(path, PIXELS[:, 0])
+    stored = probe(path)
+    assert (stored.dims, stored.frames, stored.channels) == ((6, 5, 4), 2, 3)
+    assert stored.dtype == np.uint16 and stored.notes == ()
+    check(path, PIXELS[1, 0, 2], frame=1, channel=2)
+
+
+def test_scenes_of_czi(tmp_path):
+    needs("pylibCZIrw")
+    path = tmp_path / "x.czi"
+    files.czi(path, PIXELS[:1, 0, :1], scenes=2)
+    assert probe(path).datasets == ("scene 0", "scene 1")
+    check(path, PIXELS[0, 0, 0] // 2, dataset="scene 1")
+
+
+def test_a_missing_plane_of_czi_is_refused(tmp_path):
+    """The library would give black."""
+    needs("pylibCZIrw")
+    path = tmp_path / "x.czi"
+    files.czi(path, PIXELS[:, 0, :1], without=[(1, 0, 2)])
+    check(path, PIXELS[0, 0, 0], frame=0)
+    with pytest.raises(LeaflightError, match="the plane T 1, Z 2 of the recording is missing"):
+        read_volume(path, frame=1)
+
+
+def test_colors_of_czi(tmp_path):
+    needs("pylibCZIrw")
+    path = tmp_path / "x.czi"
+    colors = np.moveaxis(PIXELS[0, 0] % 256, 0, -1).astype(np.uint8)
+    files.czi(path, colors[None, None])
+    check(path, colors[..., 1], channel=1)
+
+
+def test_lif(tmp_path):
+    needs("liffile")
+    path = tmp_path / "x.lif"
+    whole = np.ascontiguousarray(PIXELS[:, 0].swapaxes(1, 2))
+    files.lif(path, {"cells": ("TZCYX", whole)})
+    stored = probe(path)
+    assert (stored.dims, stored.frames, stored.channels) == ((6, 5, 4), 2, 3)
+    check(path, PIXELS[1, 0, 2], frame=1, channel=2)
+
+
+def test_images_of_lif(tmp_path):
+    """Also the positions of a mosaic; single planes are no volumes."""
+    needs("liffile")
+    path = tmp_path / "x.lif"
+    first, tiles = PIXELS[0, 0, 0], np.ascontiguousarray(PIXELS[0, :, 0])
+    files.lif(path, {"a": ("ZYX", first), "b": ("MZYX", tiles), "c": ("YX", first[0].copy())})
+    assert probe(path).datasets == ("a", "b position 0", "b position 1")
+    volume = check(path, PIXELS[0, 1, 0], dataset="b position 1")
+    assert volume.notes == ("Single planes in the file are left out: c 6 x 5 pixels.",)
+
+
+def test_planes_of_lif_that_stand_upright(tmp_path):
+    """A scan of xz planes, one behind the other: the volume is where it was, not mirrored."""
+    needs("liffile")
+    path = tmp_path / "x.lif"
+    upright = np.ascontiguousarray(PIXELS[0, 0, 0].swapaxes(0, 1))
+    files.lif(path, {"xzy": ("YZX", upright)})
+    volume = read_volume(path)
+    np.testing.assert_array_equal(volume.values, upright)
+    np.testing.assert_allclose(volume.index_to_world, RIGHT[:, [0, 2, 1, 3]])
+
+
+def test_nd2(tmp_path):
+    needs("nd2")
+    path = tmp_path / "x.nd2"
+    files.nd2(path, "TZYXC", np.moveaxis(PIXELS[:, 0], 1, -1))
+    stored = probe(path)
+    assert (stored.dims, stored.frames, stored.channels) == ((6, 5, 4), 2, 3)
+    check(path, PIXELS[1, 0, 2], frame=1, channel=2)
+
+
+def test_positions_of_nd2(tmp_path):
+    needs("nd2")
+    path = tmp_path / "x.nd2"
+    files.nd2(path, "TPZYXC", np.moveaxis(PIXELS[:, :, :1], 2, -1))
+    assert probe(path).datasets == ("position 0", "position 1")
+    check(path, PIXELS[1, 1, 0], dataset="position 1", frame=1)
+
+
+def test_a_missing_frame_of_nd2_is_refused(tmp_path):
+    """The package would give zeros."""
+    needs("nd2")
+    path = tmp_path / "x.nd2"
+    files.nd2(path, "TZYXC", np.moveaxis(PIXELS[:, 0], 1, -1), without=[6])
+    check(path, PIXELS[0, 0, 2], frame=0, channel=2)
+    with pytest.raises(LeaflightError, match="frame 6 of the recording is missing"):
+        read_volume(path, frame=1, channel=2)
+
+
+@pytest.mark.parametrize(
+    "name, package, write",
+    [
+        ("x.czi", "pylibCZIrw", lambda path: files.czi(path, PIXELS[:1, 0, :1])),
+        ("x.lif", "liffile", lambda path: files.lif(path, {"a": ("ZYX", PIXELS[0, 0, 0])})),
+        ("x.nd2", "nd2", lambda path: files.nd2(path, "ZYXC", PIXELS[0, 0, 0, ..., None])),
+    ],
+)
+def test_truncated_files_of_microscopes_are_refused(tmp_path, name, package, write):
+    needs(package)
+    path = tmp_path / name
+    write(path)
+    data = path.read_bytes()
+    path.write_bytes(data[: int(0.9 * len(data))])
+    with pytest.raises(LeaflightError, match="damaged|ends before"):
+        read_volume(path)
+
+
+def test_single_planes_are_no_volume(tmp_path):
+    needs("nd2")
+    path = tmp_path / "x.nd2"
+    files.nd2(path, "YXC", np.moveaxis(PIXELS[0, 0, :, 0], 0, -1))
+    with pytest.raises(LeaflightError, match="its images are single planes .6 x 5 pixels., but"):
+        read_volume(path)

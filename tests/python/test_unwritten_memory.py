@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""No reader returns memory that it did not fill."""
+
+import platform
+import sys
+from pathlib import Path
+
+import pytest
+from leaflight.io.readers.reading import OPTIONS
+from leaflight_command.parser import make_parser
+from poisoned import PATTERNS, UNWRITTEN, answers
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "fuzz"))
+
+from targets import TARGETS, missing_library, seeds_of  # noqa: E402
+
+# The files that are fuzzed: of every reader one or several.
+READ = [target for target in TARGETS if target.arguments[0] == "info"]
+
+pytestmark = pytest.mark.skipif(
+    platform.libc_ver()[0] != "glibc", reason="the GNU C library fills what it allocates"
+)
+
+
+def test_what_is_read_is_the_same_whatever_the_memory_held(tmp_path):
+    files, names = [(UNWRITTEN, {})], [UNWRITTEN]
+    for target in READ:
+        if missing_library(target):
+            continue
+        folder = tmp_path / target.name
+        for number, data in enumerate(seeds_of(target, folder)):
+            name = f"input{target.suffix}" if target.within else f"{number}{target.suffix}"
+            (folder / name / target.within).write_bytes(data)
+            files.append((folder / name, _options(target)))
+            names.append(f"{target.name} {number}")
+    first, second = answers(files)
+    # The patterns are there: whoever fills nothing is found.
+    assert [first.pop(0), second.pop(0)] == [[[hex(pattern)]] * 6 for pattern in PATTERNS]
+    assert [text for text in first if not text.startswith("read ")] == []
+    assert [name for name, one, two in zip(names[1:], first, second) if one != two] == []
+
+
+def _options(target):
+    """Those of read_volume() among the arguments of a target."""
+    given = vars(make_parser().parse_args(target.arguments))
+    return {name: given[name] for name in OPTIONS if given[name] is not None}
