@@ -108,7 +108,7 @@ def test_compiled_readers_are_beside_the_package(made, extension):
     """Where the process that reads a file finds them, but Blender and other add-ons do not."""
     folders = {
         "leaflight_readers": ("h5py", "numcodecs", "crc32c", "gemmi", "openjpeg", "libjpeg"),
-        "leaflight_codecs": ("imagecodecs", "pylibjpeg"),
+        "leaflight_codecs": ("imagecodecs", "pylibjpeg", "liffile", "nd2"),
     }
     legacy = names(made["legacy"])
     for folder, packages in folders.items():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from leaflight import LeaflightError, read_volume
 from leaflight.io.reader_process import has_package
-from leaflight.io.readers import probe
+from leaflight.io.readers import format_of, probe
 
 # [t, p, c, z, y, x]
 PIXELS = np.random.default_rng(1).integers(0, 60000, (2, 2, 3, 4, 5, 6)).astype(np.uint16)
@@ -102,6 +102,14 @@ def test_nd2(tmp_path):
     stored = probe(path)
     assert (stored.dims, stored.frames, stored.channels) == ((6, 5, 4), 2, 3)
     check(path, PIXELS[1, 0, 2], frame=1, channel=2)
+
+
+def test_microscopes_are_known_by_their_contents(tmp_path):
+    path = tmp_path / "x.unknown"
+    path.write_bytes(b"ZISRAWFILE" + bytes(100))
+    assert format_of(path).module == "czi"
+    files.nd2(path, "ZYXC", PIXELS[0, 0, 0, ..., None])
+    assert format_of(path).module == "nd2_file"
 
 
 def test_positions_of_nd2(tmp_path):

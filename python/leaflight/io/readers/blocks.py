@@ -52,7 +52,7 @@ class _Roles:
 
 
 def has_depth(axes: Axes) -> bool:
-    """Whether a picture of these axes is a volume."""
+    """Returns whether a picture of these axes is a volume."""
     return _roles(axes) is not None
 
 
@@ -63,7 +63,7 @@ def stack_of(
     notes: tuple[str, ...] = (),
     order: str = "XYZ",
 ) -> Stack:
-    """The Stack of a picture that has a depth. Raises LeaflightError.
+    """Returns the Stack of a picture that has a depth. Raises LeaflightError.
 
     order: as of Stack.
     """
@@ -100,14 +100,16 @@ def stack_of(
 
 
 def picture(blocks: Blocks) -> Array:
-    """The pixels [y, x] or RGB [y, x, s] of a picture without a depth."""
+    """Reads the pixels [y, x] or RGB [y, x, s] of a picture without a depth."""
     first = [[0] * len(blocks.axes)]
     (plane,) = _planes(blocks, first, blocks.colors)
     return plane
 
 
 def _roles(axes: Axes) -> _Roles | None:
-    """A depth is Z, or else an axis without a known meaning, or else time, or else the channel.
+    """Returns the roles of axes, None for a picture without a depth.
+
+    A depth is Z, or else an axis without a known meaning, or else time, or else the channel.
 
     Frames are time, or else the first other axis without a known meaning.
     """
@@ -126,7 +128,7 @@ def _roles(axes: Axes) -> _Roles | None:
 
 
 def _index(axes: Axes, roles: _Roles, frame: int, channel: int, z: int) -> list[int]:
-    """Where one plane is, along each axis."""
+    """Returns where one plane is, along each axis."""
     index = [0] * len(axes)
     index[roles.depth] = z
     if roles.frames is not None:
@@ -137,7 +139,7 @@ def _index(axes: Axes, roles: _Roles, frame: int, channel: int, z: int) -> list[
 
 
 def _planes(blocks: Blocks, indices: Sequence[Sequence[int]], samples: bool) -> Iterator[Array]:
-    """The planes [y, x] at these indices along the axes, or with all their samples [y, x, s]."""
+    """Reads the planes [y, x] at these indices along the axes, or with all samples [y, x, s]."""
     names = [name for name, _ in blocks.inner]
     whole = "YXS" if samples else "YX"
     order = [name for name in names if name in whole]
@@ -160,7 +162,7 @@ def _place(axes: Axes, index: Sequence[int]) -> int:
 
 
 def _is_gray(blocks: Blocks, roles: _Roles) -> bool:
-    """Whether the first, the middle and the last plane have but gray colors."""
+    """Returns whether the first, the middle and the last plane have but gray colors."""
     depth = blocks.axes[roles.depth][1]
     looked_at = sorted({0, depth // 2, depth - 1})
     indices = [_index(blocks.axes, roles, 0, 0, z) for z in looked_at]
@@ -168,6 +170,6 @@ def _is_gray(blocks: Blocks, roles: _Roles) -> bool:
 
 
 def _equal_samples(plane: Array) -> bool:
-    """Whether red, green and blue are the same in all pixels [y, x, s]."""
+    """Returns whether red, green and blue are the same in all pixels [y, x, s]."""
     red = plane[..., :1]
     return bool((plane[..., 1:3] == red).all())

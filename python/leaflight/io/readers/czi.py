@@ -29,12 +29,12 @@ _TYPES = {
 def open_volume(
     path: Path, dataset: str | None = None, spacing: float | Sequence[float] | None = None
 ) -> StoredVolume:
-    """The image of a file; of several scenes or views the one that dataset names."""
+    """Opens the image of a file; of several scenes or views the one that dataset names."""
     return open_pictures(path, _FORMAT, dataset, spacing)
 
 
 def pictures(path: Path) -> list[Picture]:
-    """Within the process: the scenes of a file."""
+    """Returns, within the process, the scenes of a file."""
     from pylibCZIrw import czi
 
     with czi.open_czi(str(path)) as file:
@@ -58,7 +58,7 @@ def pictures(path: Path) -> list[Picture]:
 
 
 def blocks(path: Path, number: int, places: list[list[int]]) -> Iterator[Array]:
-    """Within the process: planes of a scene. Raises LeaflightError where one is missing."""
+    """Reads, within the process, planes of a scene. Raises LeaflightError without one of them."""
     from pylibCZIrw import czi
 
     file = czi.CziReader(str(path))
@@ -79,12 +79,12 @@ def blocks(path: Path, number: int, places: list[list[int]]) -> Iterator[Array]:
 
 
 def _plane(pixels: Array) -> Array:
-    """[y, x], or [y, x, s] of red, green and blue, which the file has in the other order."""
+    """Returns [y, x], or [y, x, s] of red, green and blue: the file has the other order."""
     return pixels[..., 0] if pixels.shape[2] == 1 else pixels[..., ::-1]
 
 
 def _scenes(file: Any) -> dict[int, list[dict[str, int]]]:
-    """{scene, or -1 in files without: coordinates of its tiles, by the names of dimensions}."""
+    """Returns {scene, or -1 in files without: coordinates of its tiles}."""
     found: dict[int, list[dict[str, int]]] = {}
 
     def add(_number: int, tile: Any) -> bool:
@@ -97,14 +97,14 @@ def _scenes(file: Any) -> dict[int, list[dict[str, int]]]:
 
 
 def _values(coordinates: list[dict[str, int]]) -> dict[str, list[int]]:
-    """{dimension: its values}, slowest first."""
+    """Returns {dimension: its values}, slowest first."""
     return {
         dimension: sorted({one.get(dimension, 0) for one in coordinates}) for dimension in _NAMES
     }
 
 
 def _box(file: Any, scene: int) -> tuple[int, int, int, int]:
-    """(x, y, width, height) of a scene at full resolution."""
+    """Returns (x, y, width, height) of a scene at full resolution."""
     if scene < 0:
         box = file.total_bounding_rectangle_no_pyramid
     else:
@@ -113,7 +113,7 @@ def _box(file: Any, scene: int) -> tuple[int, int, int, int]:
 
 
 def _voxel_size(xml: str) -> list[float | None]:
-    """In meters."""
+    """Returns sizes in meters."""
     found: list[float | None] = []
     for axis in "XYZ":
         path = f"./Metadata/Scaling/Items/Distance[@Id='{axis}']/Value"

@@ -38,7 +38,7 @@ class Slices:
 
 
 def visible_files(folder: Path, suffixes: Sequence[str]) -> list[Path]:
-    """The files of a folder with one of these suffixes that are not hidden, in natural order.
+    """Returns the files of a folder with one of these suffixes, but for hidden ones, in order.
 
     macOS writes hidden files, ._NAME, beside the ones that it copies to other disks.
     """
@@ -51,7 +51,7 @@ def visible_files(folder: Path, suffixes: Sequence[str]) -> list[Path]:
 
 
 def sequences(folder: Path, files: Sequence[Path]) -> list[Slices]:
-    """The sequences of slices that files of a folder make. Raises LeaflightError."""
+    """Returns the sequences of slices that files of a folder make. Raises LeaflightError."""
     groups: dict[tuple[str, ...], list[Path]] = {}
     for file in files:
         groups.setdefault(_texts(file), []).append(file)
@@ -84,7 +84,7 @@ def _texts(path: Path) -> tuple[str, ...]:
 
 
 def _of_one_pattern(folder: Path, files: list[Path]) -> list[Slices]:
-    """Those of files whose names differ by their numbers alone."""
+    """Returns the sequences of files whose names differ by their numbers alone."""
     numbers = {file: tuple(int(n) for n in re.findall(r"\d+", file.name)) for file in files}
     columns = [set(column) for column in zip(*numbers.values())]
     varying = [k for k, column in enumerate(columns) if len(column) > 1]
@@ -106,7 +106,7 @@ def _of_one_pattern(folder: Path, files: list[Path]) -> list[Slices]:
 
 
 def _meanings(texts: tuple[str, ...], varying: Sequence[int]) -> dict[int, str]:
-    """{which number: axis} by the letters before it; "" where these tell none, or one twice."""
+    """Returns {which number: axis} by the letters before it, "" where these tell none."""
     found = {}
     for k in varying:
         letters = re.findall(r"[a-z]*$", re.sub(r"[^a-z]+$", "", texts[k]))[0]
@@ -120,7 +120,10 @@ def _grid(
     numbers: dict[Path, _Numbers],
     columns: Sequence[tuple[str, int]],
 ) -> Slices:
-    """columns: which number of a name is the place along which axis, the fastest axis last."""
+    """Returns the sequence of files that fill a grid. Raises LeaflightError where one is missing.
+
+    columns: which number of a name is the place along which axis, the fastest axis last.
+    """
     places = {tuple(numbers[file][k] for _, k in columns): file for file in files}
     if len(places) < len(files):
         double = next(file for file in files if file not in places.values())
@@ -155,7 +158,7 @@ def _name(file: Path, columns: Sequence[int]) -> str:
 
 
 def _gaps(name: str, numbers: Sequence[int]) -> tuple[str, ...]:
-    """A note about numbers that are missing in a sequence, whose step is the same throughout."""
+    """Returns a note about numbers that are missing in a sequence of equal steps."""
     step = gcd(*(b - a for a, b in zip(numbers, numbers[1:])))
     if step == 0 or (numbers[-1] - numbers[0]) // step >= 2 * len(numbers):
         # One file, or numbers that do not count.

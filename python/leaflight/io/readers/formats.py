@@ -139,7 +139,7 @@ def format_of(path: str | os.PathLike[str]) -> Format:
 
 
 def _of_folder(path: Path) -> Format:
-    """By the kind of most of its files; hidden ones and a few of other kinds do not count."""
+    """Returns the kind of most of its files; hidden ones and a few others do not count."""
     if any((path / entry).exists() for entry in (".zgroup", ".zarray", "zarr.json")):
         return _BY_MODULE["ome_zarr"]
     entries = _visible(path)
@@ -173,7 +173,7 @@ def _of_folder(path: Path) -> Format:
 
 
 def left_out(path: Path, kind: Format) -> tuple[str, ...]:
-    """A note about the files in a folder of slices that are slices of another kind."""
+    """Returns a note about the files in a folder of slices that are slices of another kind."""
     suffixes = {
         suffix
         for module in _OF_SLICES
@@ -187,7 +187,7 @@ def left_out(path: Path, kind: Format) -> tuple[str, ...]:
 
 
 def _visible(folder: Path) -> list[Path]:
-    """The files of a folder but for hidden ones.
+    """Returns the files of a folder but for hidden ones.
 
     macOS writes such, ._NAME, beside those that it copies to other disks.
     """

@@ -23,8 +23,9 @@ _SIGNED = (-32768.0, 1.0)
 
 
 def size_of_voxel(metadata: dict[str, Any], tags: Any) -> VoxelSize | None:
-    """metadata: of the description; tags: of the first page, as tifffile has them.
+    """Returns the size of a voxel, None where there is none.
 
+    metadata: of the description; tags: of the first page, as tifffile has them.
     ImageJ leaves out what is 1, and a unit that an axis shares with x.
     """
     unit = metadata.get("unit")
@@ -38,7 +39,7 @@ def size_of_voxel(metadata: dict[str, Any], tags: Any) -> VoxelSize | None:
 
 
 def _pixels(tags: Any, name: str) -> float | None:
-    """How many pixels a unit of length has."""
+    """Returns how many pixels a unit of length has."""
     try:
         above, below = tags.valueof(name)
         number = float(above / below)
@@ -50,9 +51,9 @@ def _pixels(tags: Any, name: str) -> float | None:
 def calibration(
     metadata: dict[str, Any], dtype: np.dtype[Any]
 ) -> tuple[np.dtype[Any], Callable[[Array], Array], str] | None:
-    """The calibration of values a + b x for the numbers x of a file, None where it has none.
+    """Returns the calibration of values a + b x for the numbers x of a file, None without one.
 
-    Returns the type of the values, the function that makes them of numbers, and a note.
+    It is the type of the values, the function that makes them of numbers, and a note.
     """
     try:
         if int(metadata.get("cf", _NONE)) == _NONE:

@@ -19,12 +19,12 @@ _SPACE = {"1": "X", "2": "Y", "3": "Z"}
 def open_volume(
     path: Path, dataset: str | None = None, spacing: float | Sequence[float] | None = None
 ) -> StoredVolume:
-    """The only image of a file that is a volume, or the one that dataset names."""
+    """Opens the only image of a file that is a volume, or the one that dataset names."""
     return open_pictures(path, _FORMAT, dataset, spacing)
 
 
 def pictures(path: Path) -> list[Picture]:
-    """Within the process: the images of a file."""
+    """Returns, within the process, the images of a file."""
     import liffile
 
     with liffile.LifFile(path) as file:
@@ -32,14 +32,14 @@ def pictures(path: Path) -> list[Picture]:
 
 
 def _images(file: Any) -> list[Any]:
-    """Without histograms of photons."""
+    """Returns the images, without histograms of photons."""
     import liffile
 
     return [image for image in file.images if isinstance(image, liffile.LifImage)]
 
 
 def _split(image: Any) -> int:
-    """The number of axes outside of planes."""
+    """Returns the number of axes outside of planes."""
     names = list(image.sizes)
     return len(names) - (3 if names[-1] == "S" else 2)
 
@@ -52,7 +52,7 @@ def _picture(image: Any) -> Picture:
 
 
 def _voxel_size(image: Any) -> tuple[list[float | None], str]:
-    """The distances of the first and the last voxel, by the number of steps between them."""
+    """Returns the distance of the first and the last voxel, by the steps between them."""
     found: dict[str, float] = {}
     unit = ""
     path = "./Data/Image/ImageDescription/Dimensions/DimensionDescription"
@@ -66,7 +66,7 @@ def _voxel_size(image: Any) -> tuple[list[float | None], str]:
 
 
 def blocks(path: Path, number: int, places: list[list[int]]) -> Iterator[Array]:
-    """Within the process: planes of an image."""
+    """Reads, within the process, planes of an image."""
     import liffile
 
     with liffile.LifFile(path) as file:

@@ -59,7 +59,7 @@ class Format:
 def open_pictures(
     path: Path, kind: Format, dataset: str | None, spacing: float | Sequence[float] | None
 ) -> StoredVolume:
-    """The volume of a file of a microscope, or the one of its images that dataset names."""
+    """Opens the volume of a file, or the one of its images that dataset names."""
     if not has_package(kind.package):
         raise ModuleNotFoundError(name=kind.package)
     with ReaderProcess(path, kind.name, __name__, "describe", kind.module) as process:
@@ -87,13 +87,13 @@ def open_pictures(
 
 
 def _picture(outer: list[list[Any]], inner: list[list[Any]], **others: Any) -> Picture:
-    """From JSON, which has lists in place of tuples."""
+    """Makes a Picture of JSON, which has lists in place of tuples."""
     axes = [tuple((str(name), int(n)) for name, n in one) for one in (outer, inner)]
     return Picture(outer=axes[0], inner=axes[1], **others)
 
 
 def _positions(picture: Picture) -> Iterator[tuple[str, tuple[int, int] | None, Picture]]:
-    """(name, (place of the axis of positions, position) or None, picture of that position)."""
+    """Yields (name, (place of the axis of positions, position) or None, picture of that)."""
     places = [k for k, (name, n) in enumerate(picture.outer) if name == "P" and n > 1]
     if not places:
         yield picture.name, None, picture
@@ -106,7 +106,7 @@ def _positions(picture: Picture) -> Iterator[tuple[str, tuple[int, int] | None, 
 
 
 def _upright(picture: Picture) -> tuple[Picture, str] | None:
-    """The picture with X and Y along rows and columns and Z across, and its order as of Stack.
+    """Turns a picture so that X and Y run along rows and columns, and returns its order, too.
 
     Microscopes scan planes such as xz, too. None where it is no volume, nor a film of planes.
     """
@@ -154,7 +154,7 @@ def _open_blocks(
     picture: Picture,
     numbers: Sequence[int],
 ) -> Iterator[Callable[[int], Array]]:
-    """For Blocks: a function that gives one block after the other, as a process reads them."""
+    """Yields a function for Blocks that gives one block after the other from a process."""
     shape = [n for _, n in picture.inner]
     places = [_place(picture.outer, k, position) for k in numbers]
     options = (kind.module, number, places, picture.dtype)
@@ -172,7 +172,7 @@ def _open_blocks(
 
 
 def _place(outer: Axes, number: int, position: tuple[int, int] | None) -> list[int]:
-    """Where a block is along the outer axes of its picture, with the axis of positions."""
+    """Returns where a block is along the outer axes of its picture, with that of positions."""
     place: list[int] = []
     for _, n in reversed(outer):
         number, k = divmod(number, n)
@@ -183,13 +183,13 @@ def _place(outer: Axes, number: int, position: tuple[int, int] | None) -> list[i
 
 
 def describe(path: Path, module: str) -> tuple[list[dict[str, Any]], tuple[()]]:
-    """Within the process: the pictures of a file."""
+    """Returns, within the process, the pictures of a file."""
     return [asdict(one) for one in import_module(module).pictures(path)], ()
 
 
 def read(
     path: Path, module: str, number: int, places: list[list[int]], dtype: str
 ) -> tuple[None, Iterator[Array]]:
-    """Within the process: blocks of a picture."""
+    """Reads, within the process, blocks of a picture."""
     blocks = import_module(module).blocks(path, number, places)
     return None, (np.ascontiguousarray(block, dtype=dtype) for block in blocks)

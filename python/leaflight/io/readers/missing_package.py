@@ -50,7 +50,7 @@ class MissingPackage(LeaflightError):
         )
 
     def _remedy(self) -> str:
-        """The command for this interpreter and system."""
+        """Returns the command for this interpreter and system."""
         python = shlex.quote(sys.executable)
         if not _is_managed():
             return f"run '{python} -m pip install {self.package}'"
@@ -70,7 +70,7 @@ class MissingPackage(LeaflightError):
 
 
 def _is_managed() -> bool:
-    """Whether pip refuses to install for this interpreter (PEP 668), as on Debian."""
+    """Returns whether pip refuses to install for this interpreter (PEP 668), as on Debian."""
     if sys.prefix != sys.base_prefix:
         return False
     return Path(sysconfig.get_path("stdlib"), "EXTERNALLY-MANAGED").is_file()

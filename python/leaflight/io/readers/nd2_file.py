@@ -21,12 +21,12 @@ _WITHIN_FRAMES = "CYXS"
 def open_volume(
     path: Path, dataset: str | None = None, spacing: float | Sequence[float] | None = None
 ) -> StoredVolume:
-    """The image of a file; of several positions the one that dataset names."""
+    """Opens the image of a file; of several positions the one that dataset names."""
     return open_pictures(path, _FORMAT, dataset, spacing)
 
 
 def pictures(path: Path) -> list[Picture]:
-    """Within the process: the image of a file."""
+    """Returns, within the process, the image of a file."""
     import nd2
 
     with nd2.ND2File(path) as file:
@@ -35,7 +35,7 @@ def pictures(path: Path) -> list[Picture]:
 
 
 def _voxel_size(file: Any) -> list[float | None]:
-    """By the first channel; an axis that is not calibrated has a size of 1."""
+    """Returns that of the first channel, None for an axis that is not calibrated."""
     try:
         volume = file.metadata.channels[0].volume
         known = zip(volume.axesCalibration, volume.axesCalibrated)
@@ -47,14 +47,14 @@ def _voxel_size(file: Any) -> list[float | None]:
 
 
 def _axes(file: Any) -> tuple[tuple[tuple[str, int], ...], tuple[tuple[str, int], ...]]:
-    """The axes of the frames in the file, and those within a frame."""
+    """Returns the axes of the frames in the file, and those within a frame."""
     sizes = [(name, int(n)) for name, n in file.sizes.items()]
     outer = tuple(axis for axis in sizes if axis[0] not in _WITHIN_FRAMES)
     return outer, tuple(axis for axis in sizes if axis[0] in _WITHIN_FRAMES)
 
 
 def blocks(path: Path, _number: int, places: list[list[int]]) -> Iterator[Array]:
-    """Within the process: frames of the image. Raises LeaflightError where one is missing."""
+    """Reads, within the process, frames of the image. Raises LeaflightError without one."""
     import nd2
 
     file = nd2.ND2File(path)

@@ -49,7 +49,7 @@ class Image:
     parts: tuple[Part, ...]
 
     def place(self, **indices: int) -> int:
-        """The place among the planes of one with these indices, by the names of axes."""
+        """Returns the place among the planes of one with these indices, by the names of axes."""
         place, step = 0, 1
         for axis in self.order:
             place += step * indices[axis]
@@ -60,7 +60,7 @@ class Image:
 def images(
     path: Path, xml: str | bytes, read: Callable[[Path], str | bytes | None]
 ) -> tuple[Path, list[Image]]:
-    """(file with the metadata, the images that these describe). Raises LeaflightError.
+    """Returns (file with the metadata, the images that these describe). Raises LeaflightError.
 
     xml: of the file, of a TIFF file or one of OME-XML alone, which may refer to that of another
     file of the set; read: gives the OME-XML of a file, or None.
@@ -77,7 +77,7 @@ def images(
 
 
 def member(path: Path, name: str) -> Path:
-    """The file of this name of the set that `path` belongs to. Raises LeaflightError.
+    """Returns the file of this name in the set that `path` belongs to. Raises LeaflightError.
 
     Metadata from elsewhere must not make us open files outside the folder of the set.
     """
@@ -97,7 +97,7 @@ def member(path: Path, name: str) -> Path:
 
 
 def table(path: Path, image: Image, pages_of: Callable[[Path], int]) -> dict[int, tuple[Path, int]]:
-    """{place of a plane: (file, page)} of all planes of an image.
+    """Returns {place of a plane: (file, page)} of all planes of an image.
 
     pages_of: how many pages a file has. Raises LeaflightError where a file or a plane is missing.
     """
@@ -147,7 +147,7 @@ def _damaged(path: Path) -> LeaflightError:
 
 
 def _local(element: ElementTree.Element) -> str:
-    """The name of an element, without the namespace that stands for the version."""
+    """Returns the name of an element, without the namespace that stands for the version."""
     return element.tag.rpartition("}")[2]
 
 
@@ -156,7 +156,7 @@ def _children(element: ElementTree.Element, name: str) -> Iterator[ElementTree.E
 
 
 def _image(path: Path, root: ElementTree.Element, element: ElementTree.Element) -> Image:
-    """Raises KeyError, ValueError or StopIteration where it does not follow the model."""
+    """Returns an image. Raises KeyError, ValueError or StopIteration where it breaks the model."""
     pixels = next(_children(element, "Pixels"))
     if next(_children(pixels, "BinData"), None) is not None:
         raise LeaflightError(
@@ -209,7 +209,7 @@ def _parts(
 
 
 def _own_names(path: Path, root: ElementTree.Element) -> set[str]:
-    """The names by which the metadata in a file mean that file, which may have been renamed."""
+    """Returns the names by which the metadata in a file mean that file, which may be renamed."""
     names: dict[str, set[str]] = {}
     for named in root.iter():
         if _local(named) == "UUID" and named.get("FileName"):

@@ -25,7 +25,7 @@ _KINDS = ("PNG", "JPEG", "BMP")
 def open_volume(
     path: Path, dataset: str | None = None, spacing: float | Sequence[float] | None = None
 ) -> StoredVolume:
-    """A folder of slices, whose voxels have the size 1 unless spacing tells another."""
+    """Opens a folder of slices, whose voxels have the size 1 without spacing."""
     if not path.is_dir():
         height, width = _pixels(path).shape[:2]
         raise LeaflightError(
@@ -39,7 +39,7 @@ def open_volume(
 
 
 def _pixels(path: Path, palette: bytes | None = None) -> Array:
-    """The pixels [y, x] or RGB [y, x, s] of a picture. Raises LeaflightError.
+    """Reads the pixels [y, x] or RGB [y, x, s] of a picture. Raises LeaflightError.
 
     palette: of the first slice; the numbers of colors are values only where all have the same.
     """
@@ -60,7 +60,7 @@ def _pixels(path: Path, palette: bytes | None = None) -> Array:
 
 
 def _palette(image: Any) -> bytes | None:
-    """Red, green and blue of each color, None for a picture without a palette."""
+    """Returns red, green and blue of each color, None for a picture without a palette."""
     return bytes(image.getpalette("RGB")) if image.mode == "P" else None
 
 
@@ -70,7 +70,7 @@ def _is_gray(image: Any) -> bool:
 
 
 def _notes(image: Any) -> tuple[str, ...]:
-    """What the volume leaves out of such a picture."""
+    """Returns notes about what the volume leaves out of such a picture."""
     if image.mode == "P" and not _is_gray(image):
         return ("The values are the numbers of colors in the palette of the pictures.",)
     if image.mode in ("RGB", "RGBA", "LA") and ";16" in image.info["stored"]:
@@ -80,7 +80,7 @@ def _notes(image: Any) -> tuple[str, ...]:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[Any]:
-    """The picture in a file, wholly read. Raises LeaflightError."""
+    """Reads the whole picture in a file. Raises LeaflightError."""
     try:
         # A warning of a large picture is harmless; of a far too large one Pillow raises an error.
         with warnings.catch_warnings():

@@ -23,7 +23,7 @@ def open_slices(
     spacing: float | Sequence[float] | None = None,
     notes: Sequence[str] = (),
 ) -> StoredVolume:
-    """The volume of the slices in a folder, or one of several by the common part of their names.
+    """Opens the volume of the slices in a folder, or one of several by the common part of names.
 
     files: of the slices and of other pictures; read: gives the pixels of one, [y, x] or RGB
     [y, x, s]. Raises LeaflightError.

@@ -23,6 +23,8 @@ _SIGNATURES = (
     ("tiff", 0, b"MM\0*"),
     ("tiff", 0, b"II+\0"),
     ("tiff", 0, b"MM\0+"),
+    ("czi", 0, b"ZISRAWFILE"),
+    ("nd2_file", 0, b"\xda\xce\xbe\x0a"),
     ("vdb", 0, b" BDV\0\0\0\0"),
     ("numpy_file", 0, b"\x93NUMPY"),
     ("mtz", 0, b"MTZ "),

@@ -44,7 +44,7 @@ def stored(
     dataset: str | None = None,
     spacing: float | Sequence[float] | None = None,
 ) -> StoredVolume:
-    """The StoredVolume of the only one of the volumes of a file, or of the one that dataset names.
+    """Returns the StoredVolume of the only volume of a file, or of the one that dataset names.
 
     volumes: the name of each, and a function that gives its Stack.
     """
@@ -79,7 +79,7 @@ def stored(
 
 
 def unique(names: Sequence[str]) -> tuple[str, ...]:
-    """The names, those that occur more than once with their number among all, from 0."""
+    """Returns the names, those that occur more than once with their number among all, from 0."""
     return tuple(
         f"{name} #{k}" if not name or names.count(name) > 1 else name
         for k, name in enumerate(names)
@@ -87,7 +87,7 @@ def unique(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def _filled(path: Path, stack: Stack, frame: int, channel: int, progress: Progress) -> Array:
-    """One volume. Each of its planes is assigned as a whole, or this raises LeaflightError."""
+    """Reads one volume. Each plane is assigned as a whole, or this raises LeaflightError."""
     values = new_voxels(stack.shape, stack.dtype)
     planes = iter(stack.planes(frame, channel))
     for k in watched(progress, range(stack.shape[0])):

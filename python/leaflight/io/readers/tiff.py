@@ -31,7 +31,7 @@ _MOST_EXTRA_PAGES = 2
 def open_volume(
     path: Path, dataset: str | None = None, spacing: float | Sequence[float] | None = None
 ) -> StoredVolume:
-    """A stack, a set of OME-TIFF files by any of them, or a folder of slices.
+    """Opens a stack, a set of OME-TIFF files by any of them, or a folder of slices.
 
     The size of a voxel comes from spacing, else from the metadata of the file, else it is 1.
     """
@@ -46,7 +46,7 @@ def open_volume(
 
 
 def _is_set(path: Path) -> bool:
-    """Whether a file is one of several that hold an image of OME-TIFF."""
+    """Returns whether a file is one of several that hold an image of OME-TIFF."""
     xml = ome_xml(path)
     return xml is not None and any(
         len({part.file for part in image.parts}) > 1 for image in ome.images(path, xml, ome_xml)[1]
@@ -54,7 +54,7 @@ def _is_set(path: Path) -> bool:
 
 
 def ome_xml(path: Path) -> str | bytes | None:
-    """The OME-XML of a file, None where it has none."""
+    """Reads the OME-XML of a file, None where it has none."""
     if path.suffix.lower() in (".ome", ".xml"):
         return path.read_bytes()
     with opened(path) as file:
@@ -78,7 +78,7 @@ def _of_ome(path: Path, xml: str | bytes) -> list[tuple[str, Callable[[], Stack]
 
 
 def _ome_stack(path: Path, image: ome.Image, notes: tuple[str, ...], alone: bool) -> Stack:
-    """alone: whether the metadata describe no other image."""
+    """Opens an image of OME-TIFF. alone: whether the metadata describe no other one."""
 
     def pages_of(file: Path) -> int:
         with opened(file) as tiff:
@@ -110,7 +110,7 @@ def _ome_stack(path: Path, image: ome.Image, notes: tuple[str, ...], alone: bool
 def _open_places(
     places: dict[int, tuple[Path, int]], _numbers: Sequence[int]
 ) -> Iterator[Callable[[int], Array]]:
-    """For Blocks: a function that reads the page of a place. One file of a set is open at once."""
+    """Yields a function for Blocks that reads the page of a place; one file is open at once."""
     with ExitStack() as last:
         path, tiff = None, None
 
@@ -127,7 +127,7 @@ def _open_places(
 
 
 def _of_series(path: Path) -> list[tuple[str, Callable[[], Stack]]]:
-    """The volumes of a file in which tifffile finds its order of pages."""
+    """Returns the volumes of a file in which tifffile finds the order of pages."""
     with opened(path) as file:
         found = {k: _blocks(path, file, k) for k in range(len(file.series))}
         reduced = {k for k in found if file.series[k].keyframe.is_reduced}
@@ -206,7 +206,7 @@ def _blocks(path: Path, file: Any, index: int) -> Blocks:
 def _open_series(
     path: Path, index: int, shape: tuple[int, ...], _numbers: Sequence[int]
 ) -> Iterator[Callable[[int], Array]]:
-    """For Blocks: a function that reads a page of a series, or one plane of a contiguous block."""
+    """Yields a function for Blocks that reads a page of a series, or a plane of a block."""
     with opened(path) as file:
         series = file.series[index]
         dtype = series.dtype.newbyteorder(file.byteorder)
@@ -239,7 +239,7 @@ def _check_series(path: Path, file: Any, series: Any) -> None:
 
 
 def _voxel_size(file: Any) -> VoxelSize | None:
-    """By the metadata of ImageJ, or of Zeiss' LSM."""
+    """Returns what the metadata of ImageJ or of Zeiss' LSM tell."""
     if file.is_imagej:
         return imagej.size_of_voxel(file.imagej_metadata, file.pages[0].tags)
     if file.is_lsm:
@@ -249,7 +249,7 @@ def _voxel_size(file: Any) -> VoxelSize | None:
 
 
 def _left_out(pictures: Sequence[str]) -> tuple[str, ...]:
-    """A note about those pictures in a file that are no part of its volume."""
+    """Returns a note about those pictures in a file that are no part of its volume."""
     if not pictures:
         return ()
     kinds = listed(sorted(set(pictures)))
@@ -265,7 +265,7 @@ def _flat(path: Path, sizes: Sequence[tuple[int, int]]) -> LeaflightError:
 
 
 def _slice(path: Path) -> Array:
-    """The pixels [y, x] or RGB [y, x, s] of a file that is one slice of a folder."""
+    """Reads the pixels [y, x] or RGB [y, x, s] of a file that is one slice of a folder."""
     with opened(path) as file:
         blocks = _blocks(path, file, 0)
         if has_depth(blocks.axes):

@@ -29,7 +29,7 @@ if int(tifffile.__version__.partition(".")[0]) < 2025:
 
 @contextmanager
 def opened(path: Path) -> Iterator[tifffile.TiffFile]:
-    """The open TiffFile of a path.
+    """Opens a TiffFile.
 
     Damage that tifffile raises or logs is a LeaflightError.
     """
@@ -96,7 +96,7 @@ def check_pages(path: Path, pages: list[Any]) -> None:
 
 
 def read_page(path: Path, page: Any) -> Array:
-    """The values of a page, checked by itself: frames of tifffile have the header of another."""
+    """Reads a page, checked by itself: frames of tifffile have the header of another."""
     page = page.aspage()
     check_pages(path, [page])
     if page.compression == _NOT_COMPRESSED:
@@ -128,7 +128,7 @@ def decoded_pages(_path: Path) -> tuple[None, Iterator[Array]]:
 
 
 def axes_of(page: Any) -> tuple[tuple[tuple[str, int], ...], int, bool]:
-    """The axes of a page for Blocks, how many samples of a pixel are values, whether colors."""
+    """Returns the axes of a page for Blocks, how many samples are values, and whether colors."""
     count = dict(zip(page.axes, page.shape)).get("S", 1)
     alpha = sum(int(kind) in _ALPHAS for kind in page.extrasamples or ())
     colors = page.photometric in (_RGB, _YCBCR) and count >= 3

@@ -29,7 +29,7 @@ class VoxelSize:
 def voxel_size(
     sizes: Sequence[object], words: Sequence[object], unit: str | None = None
 ) -> VoxelSize | None:
-    """The size of a voxel by the numbers (x, y, z) of a file and its words for their units.
+    """Returns the size of a voxel by numbers (x, y, z) of a file and its words for their units.
 
     None where neither x nor y has one. unit: a key of METERS to convert to, None is that of x.
     """
@@ -70,7 +70,7 @@ def _positive(size: object) -> float | None:
 
 
 def _length(word: object) -> tuple[float, str] | None:
-    """(factor, key of METERS) of a file's word for a unit, None for one that is no length.
+    """Returns (factor, key of METERS) of a file's word for a unit, None where it is no length.
 
     Inches become millimeters.
     """
