@@ -11,6 +11,9 @@ from ..volume.volume import Volume
 # Values of both signs may be lobes where they reach so far below 0, for each step above it, or the
 # other way round. Of densities and images negative values are noise.
 _BALANCED = 0.5
+# Above this share of what is seen, backs without light spoil the picture: such as where labels fill
+# the volume up to its border.
+_MUCH = 1.0 / 3.0
 
 
 def why_both_sides(volume: Volume, isovalues: tuple[float, float]) -> str:
@@ -28,6 +31,8 @@ def why_both_sides(volume: Volume, isovalues: tuple[float, float]) -> str:
     shares = back_shares(volume.values, volume.index_to_world, looked_at)
     if shares[0] > MOSTLY:
         return f"{volume.name}: its isosurfaces are seen from their backs"
+    if shares[0] > _MUCH:
+        return f"{volume.name}: much of its isosurfaces is seen from the back"
     if shares[-1] > MOSTLY:
         return f"{volume.name}: its isosurfaces below 0 are seen from their backs"
     return ""
