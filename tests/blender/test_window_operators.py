@@ -10,6 +10,7 @@ import json
 import re
 from pathlib import Path
 
+import leaflight
 import nibabel
 import numpy as np
 import pytest
@@ -37,9 +38,8 @@ def _params(presses):
 def files(tmp_path_factory):
     """A folder of small files to import: of a patient, a second one, a series, an image."""
     folder = tmp_path_factory.mktemp("files")
-    z, y, x = np.mgrid[-1:1:24j, -1:1:24j, -1:1:24j]
-    radius = np.sqrt(x**2 + y**2 + z**2)
-    head, other = (100 * np.clip(1 - slope * radius, 0, 1) for slope in (0.6, 0.7))
+    head = leaflight.bump_box(24).values.T
+    other = head[::-1]
     for name, values in (
         ("head", head),
         ("other", other),
