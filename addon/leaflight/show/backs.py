@@ -2,11 +2,16 @@
 """Isosurfaces that are seen from their back, and are not lit there."""
 
 import leaflight
+from leaflight.volume.backs import MOSTLY, back_shares
 
+from .. import session
 from ..store import cache
 from ..translations import iface_
 from . import added, look
 from .isosurface import RADIANCE_BACK
+
+# (the address of a volume, isovalue) -> the share of the isosurface that shows its back.
+_shares = session.remembered()
 
 
 def note(volume):
@@ -18,7 +23,7 @@ def note(volume):
         data = cache.volume_of(volume)
     except leaflight.LeaflightError:
         return ""
-    if any(data.is_seen_from_back(obj.leaflight.isovalue) for obj in surfaces):
+    if any(_share(data, obj.leaflight.isovalue) > MOSTLY for obj in surfaces):
         return iface_(
             "This isosurface is seen from its back, which is not baked: turn on Both Sides and "
             "bake again"
@@ -26,3 +31,10 @@ def note(volume):
     if any(look.box_of(obj) is not None for obj in surfaces):
         return iface_("The cut shows backs, which are not baked: turn on Both Sides and bake again")
     return ""
+
+
+def _share(data, isovalue):
+    key = id(data), isovalue
+    if key not in _shares:
+        (_shares[key],) = back_shares(data.data(), data.index_to_world, [isovalue])
+    return _shares[key]

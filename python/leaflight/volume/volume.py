@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A scalar volume in memory."""
 
-import math
 from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
@@ -205,21 +204,6 @@ class Volume:
         index_to_world = np.array(self.index_to_world, dtype=np.float64)
         index_to_world[:-1, -1] -= index_to_world[:-1, :-1].sum(axis=1)
         return replace(self, values=values, index_to_world=index_to_world)
-
-    def is_seen_from_back(self, isovalue: float) -> bool:
-        """True if an isosurface turns its back to who looks from outside, as that of a cavity.
-
-        Then at least half of the data's border is not below the isovalue.
-        """
-        return self._border_median >= isovalue
-
-    @cached_property
-    def _border_median(self) -> float:
-        data = self.data()
-        axes = range(data.ndim)
-        border = np.concatenate([data.take((0, -1), axis=axis).ravel() for axis in axes])
-        known = border[np.isfinite(border)]
-        return float(np.median(known)) if len(known) else -math.inf
 
     @cached_property
     def _closed(self) -> bool:

@@ -121,8 +121,7 @@ def close_the_window_of_a_bake():
         bpy.ops.wm.window_new()
     yield from stepwise.wait(1.0)
     second = manager.windows[-1]
-    volume().leaflight.error = ENDLESS
-    volume().leaflight.resolution = 97
+    make_it_endless()
     press(bpy.ops.leaflight.bake, second)
     yield from stepwise.until(lambda: jobs.running() is not None and job().latest is not None)
     work, first = jobs.running(), job().latest
@@ -208,10 +207,14 @@ def open_volume(stages=False):
 
 
 def start_an_endless_bake():
-    volume().leaflight.error = ENDLESS
-    volume().leaflight.resolution = 97
+    make_it_endless()
     press(bpy.ops.leaflight.bake)
     yield from stepwise.until(lambda: jobs.running() is not None)
+
+
+def make_it_endless():
+    volume().leaflight.error = ENDLESS
+    volume().leaflight.use_resolution = False
 
 
 def until_free():

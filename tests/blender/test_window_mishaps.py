@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A real window: what once wedged or misled a user there, pressed as that user did.
+
+Runs where there is a Blender with a window and xvfb-run, which gives it a screen.
+"""
+
+from pathlib import Path
+
+import pytest
+
+SCRIPT = Path(__file__).resolve().parent / "window" / "mishaps.py"
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def found(blender, tmp_path_factory):
+    return blender.in_window(SCRIPT, tmp_path_factory.mktemp("mishaps"), size=(960, 600))
+
+
+def test_bake_before_stage_shows_a_lit_stage_without_the_first_cube(found):
+    row = found["bake before stage"]
+    assert row["before"] == "SOLID" and row["shading"] == "MATERIAL"
+    assert row["cube"] and row["camera"] == "Stage Camera" and row["lit"]
+
+
+@pytest.mark.parametrize("name", ["up", "front"])
+def test_the_camera_is_followed_when_the_volume_turns(found, name):
+    row = found[f"turned {name}"]
+    assert row["perspective"] == "CAMERA" and row["camera"] == "Stage Camera"
+    # Height or width fills its share of the frame (stage/camera.py).
+    assert 0.3 < row["height"] < 0.63
+
+
+def test_continue_goes_on(found):
+    row = found["continued"]
+    assert row["another"] and row["free"] and not row["failure"]
+
+
+def test_a_kept_bake_has_the_light_of_walls_or_says_so(found):
+    assert found["kept"]["walls"]
+
+
+def test_a_bake_goes_on_when_its_window_is_closed(found):
+    assert found["window closed"] == {"goes on": True, "offered": True}
+
+
+def test_a_bake_ends_with_its_volume_and_its_sentence_with_undo(found):
+    row = found["deleted"]
+    assert "was deleted, so its bake was stopped" in row["sentence"]
+    assert not row["offered"] and row["undone"]
+
+
+def test_an_unreadable_file_is_one_sentence(found):
+    row = found["no volume"]
+    assert row["free"] and "Traceback" not in row["said"]
+    assert "text.nrrd" in row["said"]
+
+
+def test_the_clip_box_is_seen_without_overlays(found):
+    row = found["clip box"]
+    assert not row["overlays"] and row["pixels"] > 100
