@@ -5,17 +5,18 @@ The voxels are 0.5 x 0.25 x 2 micrometers large, those of ND2 0.5 x 0.5 x 2.
 """
 
 import struct
+import sys
+from importlib import import_module
 
 import numpy as np
+from leaflight.io import reader_process
 
 STEPS = {"X": 0.5e-6, "Y": 0.25e-6, "Z": 2e-6}
 
 
 def czi(path, pixels, scenes=1, without=()):
     """pixels: [t, c, z, y, x], or with red, green and blue; without: places (t, c, z) left out."""
-    from pylibCZIrw import czi as zeiss
-
-    with zeiss.create_czi(str(path)) as file:
+    with _of_zeiss().create_czi(str(path)) as file:
         for scene in range(scenes):
             for t, c, z in np.ndindex(pixels.shape[:3]):
                 if (t, c, z) not in without:
@@ -29,6 +30,16 @@ def czi(path, pixels, scenes=1, without=()):
                         **({"scene": scene} if scenes > 1 else {}),
                     )
         file.write_metadata("x", scale_x=STEPS["X"], scale_y=STEPS["Y"], scale_z=STEPS["Z"])
+
+
+def _of_zeiss():
+    """Their library, which only the process that reads a file finds otherwise."""
+    path = sys.path[:]
+    sys.path.extend(reader_process.PACKAGES)
+    try:
+        return import_module("pylibCZIrw.czi")
+    finally:
+        sys.path[:] = path
 
 
 _LIF_AXES = {"X": 1, "Y": 2, "Z": 3, "T": 4, "M": 10}
