@@ -2,6 +2,7 @@
 # flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """File > Export > Leaflight: the light of the active volume for other programs."""
 
+import textwrap
 from pathlib import Path
 
 import bpy
@@ -9,13 +10,13 @@ import leaflight
 import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
-from leaflight.export.export import OF_SEQUENCE, OF_VOLUME, PAGE, SUFFIXES
+from leaflight.export.export import OF_SEQUENCE, OF_VOLUME, PAGE, SUFFIXES, absent_package
 from leaflight.export.page_size import estimated_bytes
 
 from ..operators import background, checks, jobs
 from ..operators.active_volume import active_volume
 from ..show import isovalues, lamps
-from ..store import cache
+from ..store import cache, source_files
 
 LeaflightError = leaflight.LeaflightError
 
@@ -104,6 +105,9 @@ class _ExportOperator(background.BackgroundOperator, ExportHelper):
     def start(self, context):
         path = Path(bpy.path.abspath(self.filepath))
         obj, suffix = active_volume(context), path.suffix.lower()
+        absent = _absent(suffix)
+        if absent:
+            raise LeaflightError(f"{path}: {absent}")
         if suffix in OF_VOLUME:
             return ExportJob(obj, path, None)
         values = self.chosen_isovalues(obj)
@@ -171,6 +175,9 @@ class LEAFLIGHT_OT_export(_ExportOperator, bpy.types.Operator):
         layout.use_property_split = True
         layout.use_property_decorate = False
         layout.prop(self, "file_type")
+        absent = _absent(self.file_type)
+        for number, line in enumerate(textwrap.wrap(absent, 38)):
+            layout.label(text=line, icon="BLANK1" if number else "ERROR", translate=False)
         if self.file_type not in OF_SEQUENCE:
             return
         layout.row().prop(self, "isovalues", expand=True)
@@ -240,6 +247,19 @@ class LEAFLIGHT_OT_export_page(_ExportOperator, bpy.types.Operator):
         if bake is None:
             return ""
         return f"About {estimated_bytes(bake, self.coarser) / 1e6:.0f} MB"
+
+
+def _absent(suffix):
+    """A sentence about the package that a format lacks here, or an empty text."""
+    package = absent_package(suffix)
+    if package is None:
+        return ""
+    of_debian = {"vtk": "python3-vtk9", "meshio": "python3-meshio"}.get(package)
+    return (
+        f"writing {suffix} needs the Python package {package}, which Blender's Python lacks: run "
+        f"{source_files.install_command(package, of_debian)} in a terminal, and start Blender "
+        "again."
+    )
 
 
 def _lengths(obj):

@@ -132,18 +132,20 @@ def _in_words_of_blender():
     except readers.MissingPackage as missing:
         raise LeaflightError(
             f"{missing.path}: reading this {missing.kind} needs the Python package "
-            f"{missing.package}, which Blender's Python lacks: run {_install(missing)} in a "
-            "terminal, and start Blender again."
+            f"{missing.package}, which Blender's Python lacks: run "
+            f"{install_command(missing.wanted, missing.of_debian)} in a terminal, and start "
+            "Blender again."
         ) from None
 
 
-def _install(missing):
+def install_command(wanted, of_debian=None):
+    """The command that gives packages of PyPI, or one of Debian, to Blender's Python."""
     # Debian's Blender uses the system's Python.
-    if sys.prefix == "/usr" and missing.of_debian:
-        return f"'sudo apt install {missing.of_debian}'"
+    if sys.prefix == "/usr" and of_debian:
+        return f"'sudo apt install {of_debian}'"
     # Without what they depend on: another NumPy would take the place of Blender's own.
     target = bpy.utils.user_resource("SCRIPTS", path="modules")
-    return f'\'"{sys.executable}" -m pip install --no-deps --target "{target}" {missing.wanted}\''
+    return f'\'"{sys.executable}" -m pip install --no-deps --target "{target}" {wanted}\''
 
 
 def from_file(settings):

@@ -4,6 +4,7 @@
 import os
 from collections.abc import Callable, Iterable, Sequence
 from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -32,6 +33,13 @@ OF_SEQUENCE = {
 _WRITERS = {**OF_VOLUME, **OF_SURFACE, **OF_SEQUENCE}
 SUFFIXES = (*_WRITERS, PAGE)
 
+# Suffix -> the library that writes it, and what PyPI calls its package.
+_LIBRARIES = {
+    ".vti": ("vtkmodules", "vtk"),
+    ".vtp": ("vtkmodules", "vtk"),
+    ".ply": ("meshio", "meshio"),
+    **{suffix: ("pxr", "usd-core") for suffix in (".usda", ".usdc", ".usd")},
+}
 # Module -> what brings it: a package of Debian or, where that has none, one of PyPI.
 _BROUGHT_BY = {
     "vtkmodules": "python3-vtk9, or pip install vtk",
@@ -112,6 +120,12 @@ def export_page(
     """Writes a Bake as a web page, see write_page(); isovalue: None is the default one."""
     isovalue = default_isovalue_of(bake) if isovalue is None else isovalue
     return write_page(path, bake, isovalue, coarser, embed, progress, lengths)
+
+
+def absent_package(suffix: str) -> str | None:
+    """Returns what PyPI calls the package that a format needs and that is absent, or None."""
+    module, package = _LIBRARIES.get(suffix, ("", ""))
+    return package if module and find_spec(module) is None else None
 
 
 def _check(path: Path, suffix: str, isovalues: Sequence[float] | None, back: bool) -> None:
