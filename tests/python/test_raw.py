@@ -39,7 +39,15 @@ def test_round_trip(layout):
                 read_volume(path, **arguments)
         else:
             volume = read_volume(path, spacing=0.5, **arguments)
-            np.testing.assert_array_equal(volume.values, values.astype(np.float32))
+            exact = values.astype(np.float64)
+            offset = exact.flat[0] - volume.values.flat[0]
+            if offset != 0:
+                # Values that lie close to each other and far from 0 are read less a number.
+                assert volume.notes and abs(offset) > 31 * np.ptp(exact)
+                atol = 1e-6 * np.ptp(exact)
+                np.testing.assert_allclose(volume.values, exact - offset, rtol=0, atol=atol)
+            else:
+                np.testing.assert_array_equal(volume.values, values.astype(np.float32))
             np.testing.assert_array_equal(volume.index_to_world, np.diag([0.5, 0.5, 0.5, 1]))
 
 

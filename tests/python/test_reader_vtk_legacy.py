@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """VTK's old files, as VTK itself and other programs write them."""
 
+import locale
+
 import numpy as np
 import pytest
 from leaflight import LeaflightError, read_volume
@@ -14,6 +16,14 @@ DIMENSIONS {}
 ORIGIN 1 2 3
 SPACING 0.5 1 2
 """
+
+
+@pytest.fixture(autouse=True)
+def own_locale():
+    """VTK's writers of these files set the locale of the whole process."""
+    before = locale.setlocale(locale.LC_ALL)
+    yield
+    locale.setlocale(locale.LC_ALL, before)
 
 
 def by_hand(values, form="ASCII", kind="float", more="LOOKUP_TABLE default\n"):
