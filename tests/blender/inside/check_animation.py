@@ -99,7 +99,8 @@ def check_letters_stand_at_the_sides_of_a_patient(patient, bump_file):
     assert places["S"][2] > places["I"][2]
     bpy.ops.leaflight.import_volume(filepath=str(bump_file), dims=(24,) * 3, value_type="float32")
     assert "does not say" in error_of(bpy.ops.leaflight.add_letters)
-    assert "no unit" in error_of(bpy.ops.leaflight.add_scale_bar)
+    with pytest.raises(RuntimeError, match="Choose the unit of length first"):
+        bpy.ops.leaflight.add_scale_bar()
 
 
 def check_a_cube_in_the_picture_turns_as_the_volume_does(patient):
