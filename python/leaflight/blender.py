@@ -132,7 +132,8 @@ def animate(obj: bpy.types.Object, isovalues: Iterable[float], first_frame: int 
     if not isovalues:
         raise LeaflightError("There is no isovalue to animate: give one for each frame.")
     for frame, isovalue in enumerate(isovalues, start=first_frame):
-        settings.isovalue = isovalue
+        # The isosurfaces between are not shown: that would take long.
+        settings["isovalue"] = isovalue
         obj.keyframe_insert('leaflight["isovalue"]', frame=frame)
     scene = bpy.context.scene
     scene.frame_start, scene.frame_end = first_frame, first_frame + len(isovalues) - 1

@@ -2,8 +2,9 @@
 """A real window: every operator of the add-on is pressed as a user does it (window/rows.py).
 
 Once on its happy path, once cancelled at half way, once with its object deleted meanwhile, once
-with a new file opened meanwhile. The part `window` of scripts/test writes how long the window stood
-still to build/test/window.md. Runs where there is a Blender with a window and xvfb-run.
+with a new file opened meanwhile; work in the background also with the step before it undone
+meanwhile, and with its window closed. The part `window` of scripts/test writes how long the window
+stood still to build/test/window.md. Runs where there is a Blender with a window and xvfb-run.
 """
 
 import json

@@ -31,7 +31,7 @@ class LEAFLIGHT_OT_bake_frames(background.BackgroundOperator, bpy.types.Operator
 
     def start(self, context):
         self._name, self._scene_frame = active_volume(context).name, context.scene.frame_current
-        self._steps = self._each_frame(context.scene)
+        self._steps = _each_frame(self._name)
         next(self._steps)
         return bake.BakeJob(context, active_volume(context))
 
@@ -42,24 +42,33 @@ class LEAFLIGHT_OT_bake_frames(background.BackgroundOperator, bpy.types.Operator
             return None
         return bake.BakeJob(context, obj)
 
-    def _each_frame(self, scene):
-        """Shows each frame of the volume once, and yields its number."""
-        obj = scene.objects[self._name]
-        frames = obj.leaflight.frames
-        if not versions.is_animated(obj, isovalues.FRAME_PATH):
-            for frame in range(frames):
-                scene.objects[self._name].leaflight.shown_frame = frame
-                yield frame
+
+def _each_frame(name):
+    """Shows each frame of a volume of the present scene once, and yields its number.
+
+    Volume and scene are looked up anew for each: undo may replace them meanwhile.
+    """
+    volume = _volume(name)
+    frames = volume.leaflight.frames
+    if not versions.is_animated(volume, isovalues.FRAME_PATH):
+        for frame in range(frames):
+            _volume(name).leaflight.shown_frame = frame
+            yield frame
+        return
+    done = set()
+    scene = bpy.context.scene
+    for scene_frame in range(scene.frame_start, scene.frame_end + 1):
+        bpy.context.scene.frame_set(scene_frame)
+        frame = _volume(name).leaflight.frame
+        if frame not in done:
+            done.add(frame)
+            yield frame
+        if len(done) == frames:
             return
-        done = set()
-        for scene_frame in range(scene.frame_start, scene.frame_end + 1):
-            scene.frame_set(scene_frame)
-            frame = scene.objects[self._name].leaflight.frame
-            if frame not in done:
-                done.add(frame)
-                yield frame
-            if len(done) == frames:
-                return
+
+
+def _volume(name):
+    return bpy.context.scene.objects[name]
 
 
 def register():

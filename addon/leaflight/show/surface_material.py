@@ -49,7 +49,9 @@ def show_opacity(obj, opacity):
 
 def is_recolored(obj):
     """Whether an isosurface is lit by a bake, but shows another color than was baked."""
-    return RADIANCE in obj.data.attributes and any(map(shader.is_recolored, obj.data.materials))
+    # A slot may be empty.
+    materials = filter(None, obj.data.materials)
+    return RADIANCE in obj.data.attributes and any(map(shader.is_recolored, materials))
 
 
 def shows_its_view(obj):

@@ -137,6 +137,11 @@ def _after_undo(scene, _depsgraph):
     depsgraph = bpy.context.evaluated_depsgraph_get()
     lamp_strengths.follow(scene, depsgraph)
     _follow(scene, depsgraph, whole_detail.may_follow(depsgraph))
+    for obj in isovalues.isosurfaces(scene):
+        # A mesh that lies before the step that was undone is kept, and the material that a pass of
+        # a bake in progress has given it since is not.
+        if obj.library is None and obj.data.materials and obj.data.materials[0] is None:
+            surface_object.shade(obj)
     live.changed(scene)
 
 

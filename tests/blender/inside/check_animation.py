@@ -8,7 +8,7 @@ import pytest
 from bpy_extras.object_utils import world_to_camera_view
 from leaflight import blender
 from leaflight_addon.stage import labels, scene_export
-from leaflight_addon.show import surface_object
+from leaflight_addon.show import isosurface, surface_object
 from mathutils import Vector
 from tools import add_camera, close, error_of, vertices_of
 
@@ -28,8 +28,12 @@ def patient(tmp_path):
     return obj
 
 
-def check_a_sweep_shows_the_whole_range(patient):
+def check_a_sweep_shows_the_whole_range(patient, monkeypatch):
+    made, make = [], isosurface.isosurface_of
+    monkeypatch.setattr(isosurface, "isosurface_of", lambda *a: made.append(a) or make(*a))
     bpy.ops.leaflight.animate(kind="SWEEP", frames=11)
+    # Those that nobody sees are not made.
+    assert len(made) < 3
     for frame, part in ((1, 0.0), (6, 0.5), (11, 1.0)):
         bpy.context.scene.frame_set(frame)
         settings = patient.leaflight
@@ -95,7 +99,8 @@ def check_letters_stand_at_the_sides_of_a_patient(patient, bump_file):
     assert places["S"][2] > places["I"][2]
     bpy.ops.leaflight.import_volume(filepath=str(bump_file), dims=(24,) * 3, value_type="float32")
     assert "does not say" in error_of(bpy.ops.leaflight.add_letters)
-    assert "no unit" in error_of(bpy.ops.leaflight.add_scale_bar)
+    with pytest.raises(RuntimeError, match="Choose the unit of length first"):
+        bpy.ops.leaflight.add_scale_bar()
 
 
 def check_a_cube_in_the_picture_turns_as_the_volume_does(patient):

@@ -18,8 +18,17 @@ def steps(number):
         yield _STEP
 
 
+# Which of Blender's windows the hand is over.
+_window = 0
+
+
+def use_window(number):
+    global _window
+    _window = number
+
+
 def window():
-    return bpy.context.window_manager.windows[0]
+    return bpy.context.window_manager.windows[_window]
 
 
 def areas(kind):

@@ -16,6 +16,9 @@ from leaflight_addon.show import preview
 # The text in the status bar of the window.
 _status = []
 
+# The step that is undone.
+_STEP = "Step"
+
 # Steps in which Blender comes to its own work, however long each takes.
 _FEW, _MANY = 4, 200
 
@@ -38,6 +41,8 @@ class Pressing:
             rows.CANCELLED: self._cancelled,
             rows.DELETED: self._deleted,
             rows.NEW: self._new,
+            rows.UNDONE: self._undone,
+            rows.CLOSED: self._closed,
         }
         try:
             yield from self._prepare(way)
@@ -49,6 +54,7 @@ class Pressing:
             self.failures.append(traceback.format_exc())
         finally:
             gate.open_()
+            hand.use_window(0)
 
     # ---- The ways ----
 
@@ -106,6 +112,37 @@ class Pressing:
         _expect(not bpy.data.filepath, "no new file is open")
         yield from self._settle()
         _expect(not seen.volumes() and not seen.graphs(), "the new file has a volume")
+
+    def _undone(self):
+        with hand.in_view():
+            bpy.context.scene[_STEP] = True
+            bpy.ops.ed.undo_push(message=_STEP)
+        yield from self._to_half_way()
+        for _ in range(2):
+            # What the file browser executes is a step of its own.
+            if _STEP in bpy.context.scene:
+                yield from hand.key("Z", ctrl=True)
+                yield from hand.steps(_FEW)
+        _expect(_STEP not in bpy.context.scene, "the step before is not undone")
+        gate.open_()
+        yield from self._settle()
+
+    def _closed(self):
+        """The second of two windows, in which the operator was pressed."""
+        before = self._see()
+        with hand.in_view():
+            bpy.ops.wm.window_new()
+        hand.use_window(1)
+        yield from hand.steps(_FEW)
+        yield from self._to_half_way()
+        with bpy.context.temp_override(window=hand.window()):
+            bpy.ops.wm.window_close()
+        hand.use_window(0)
+        self._beat.skip()
+        yield from hand.steps(_FEW)
+        gate.open_()
+        yield from self._settle()
+        _expect(self._see() != before, f"{self._row.sees} is {before} as before")
 
     # ---- Steps of them ----
 

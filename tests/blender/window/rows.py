@@ -8,7 +8,9 @@ from dataclasses import dataclass, field
 
 # The ways in which each operator is pressed.
 HAPPY, CANCELLED, DELETED, NEW = "happy", "cancelled", "object deleted", "new file"
-WAYS = (HAPPY, CANCELLED, DELETED, NEW)
+# These are for work in the background alone.
+UNDONE, CLOSED = "step before undone", "window closed"
+WAYS = (HAPPY, CANCELLED, DELETED, NEW, UNDONE, CLOSED)
 
 _INSTANT = dict.fromkeys(
     (CANCELLED, DELETED, NEW), "It is over before Blender takes another event."
@@ -47,7 +49,9 @@ class Row:
 
     @property
     def ways(self):
-        return [way for way in WAYS if way not in self.without]
+        works = self.held in ("work", "pass")
+        possible = [way for way in WAYS if works or way not in (UNDONE, CLOSED)]
+        return [way for way in possible if way not in self.without]
 
 
 def _instant(operator, scene, sees, **how):
@@ -111,7 +115,7 @@ ROWS = (
         "two",
         "lit",
         held="pass",
-        without=dict.fromkeys((CANCELLED, NEW), "It is that of one volume."),
+        without=dict.fromkeys((CANCELLED, NEW, CLOSED), "It is that of one volume."),
         also="two volumes",
     ),
     Row(
@@ -119,7 +123,7 @@ ROWS = (
         "walled",
         "lit",
         held="pass",
-        without=dict.fromkeys((CANCELLED, DELETED, NEW), "It is that without walls."),
+        without=dict.fromkeys((CANCELLED, DELETED, NEW, CLOSED), "It is that without walls."),
         also="with walls",
     ),
     Row("bake_frames", "frames", "baked frames", held="pass"),
