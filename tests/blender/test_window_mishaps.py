@@ -14,8 +14,14 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
-def found(blender, tmp_path_factory):
-    return blender.in_window(SCRIPT, tmp_path_factory.mktemp("mishaps"), size=(960, 600))
+def shown(blender, tmp_path_factory):
+    """(what was found, what Blender said)."""
+    return blender.show(SCRIPT, tmp_path_factory.mktemp("mishaps"), size=(960, 600))
+
+
+@pytest.fixture(scope="module")
+def found(shown):
+    return shown[0]
 
 
 def test_bake_before_stage_shows_a_lit_stage_without_the_first_cube(found):
@@ -51,10 +57,10 @@ def test_a_bake_ends_with_its_volume_and_its_sentence_with_undo(found):
     assert not row["offered"] and row["undone"]
 
 
-def test_an_unreadable_file_is_one_sentence(found):
-    row = found["no volume"]
-    assert row["free"] and "Traceback" not in row["said"]
-    assert "text.nrrd" in row["said"]
+def test_an_unreadable_file_is_one_sentence(shown):
+    found, said = shown
+    assert found["no volume"]["free"]
+    assert "text.nrrd: this is not a readable NRRD file" in said and "Traceback" not in said
 
 
 def test_the_clip_box_is_seen_without_overlays(found):
