@@ -4,6 +4,7 @@
 Runs where there is a Blender with a window and xvfb-run, which gives it a screen.
 """
 
+import json
 from pathlib import Path
 
 import pytest
@@ -16,7 +17,10 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def shown(blender, tmp_path_factory):
     """(what was found, what Blender said)."""
-    return blender.show(SCRIPT, tmp_path_factory.mktemp("mishaps"), size=(960, 600))
+    status, said = blender.show(SCRIPT, tmp_path_factory.mktemp("mishaps"), size=(960, 600))
+    line = next((line for line in said.splitlines() if line.startswith("WINDOW ")), "")
+    assert status == 0 and line, said
+    return json.loads(line.removeprefix("WINDOW ")), said
 
 
 @pytest.fixture(scope="module")
