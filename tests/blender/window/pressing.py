@@ -43,6 +43,7 @@ class Pressing:
             rows.NEW: self._new,
             rows.UNDONE: self._undone,
             rows.CLOSED: self._closed,
+            rows.BESIDE: self._beside,
         }
         try:
             yield from self._prepare(way)
@@ -143,6 +144,13 @@ class Pressing:
         gate.open_()
         yield from self._settle()
         _expect(self._see() != before, f"{self._row.sees} is {before} as before")
+
+    def _beside(self):
+        """Where its button is not gray while a bake is at half way, which then comes to its end."""
+        yield from self._begin_bake()
+        yield from self._press()
+        gate.open_()
+        yield from self._settle()
 
     # ---- Steps of them ----
 

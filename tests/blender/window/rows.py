@@ -10,7 +10,9 @@ from dataclasses import dataclass, field
 HAPPY, CANCELLED, DELETED, NEW = "happy", "cancelled", "object deleted", "new file"
 # These are for work in the background alone.
 UNDONE, CLOSED = "step before undone", "window closed"
-WAYS = (HAPPY, CANCELLED, DELETED, NEW, UNDONE, CLOSED)
+# And this for what is over at once.
+BESIDE = "beside a bake"
+WAYS = (HAPPY, CANCELLED, DELETED, NEW, UNDONE, CLOSED, BESIDE)
 
 _INSTANT = dict.fromkeys(
     (CANCELLED, DELETED, NEW), "It is over before Blender takes another event."
@@ -49,9 +51,12 @@ class Row:
 
     @property
     def ways(self):
-        works = self.held in ("work", "pass")
-        possible = [way for way in WAYS if works or way not in (UNDONE, CLOSED)]
-        return [way for way in possible if way not in self.without]
+        ways = [HAPPY, CANCELLED, DELETED, NEW]
+        if self.held in ("work", "pass"):
+            ways += [UNDONE, CLOSED]
+        if not self.held and self.scene not in ("home", "baking", "stopped", "living"):
+            ways += [BESIDE]
+        return [way for way in ways if way not in self.without]
 
 
 def _instant(operator, scene, sees, **how):
