@@ -26,6 +26,7 @@ ELSEWHERE = {
     "scheduler=": "test_cluster.py",
     "leaflight render": "tests/blender/test_render.py",
     "validation/": "the program itself",
+    "--skip": "test_raw.py",
     "head_fine.vdb": "what `leaflight batch` reads",
 }
 # Snippets are of large volumes.
