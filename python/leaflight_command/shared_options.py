@@ -59,8 +59,8 @@ class Parser(argparse.ArgumentParser):
         return super().format_help()
 
     def _titled(self) -> list[argparse._ArgumentGroup]:
-        # The first two are argparse's own: positional arguments and options.
-        return self._action_groups[2:]
+        # The first two are argparse's own: positional arguments and options. Commands stay.
+        return [group for group in self._action_groups[2:] if group is not self._subparsers]
 
 
 class _HelpAll(argparse.Action):

@@ -34,6 +34,7 @@ def test_help_of_bake_fits_a_screen(script):
     for option in ("--dims", "--threads", "--scheduler", "--seed", "--memory"):
         assert f"  {option} " in whole and option not in "\n".join(short)
     assert "--help-all" not in script("surface", "--help").out
+    assert "a picture of a lit isosurface" in script("--help").out
 
 
 def test_passes_that_were_left_out_are_reported_on_demand(cli, tmp_path):
