@@ -139,6 +139,7 @@ def test_headers_of_local_values(tmp_path, values, size):
 SPREAD = {
     "LIST": 3,
     "list 2": 3,
+    "LIST 2D": 3,
     "LIST 1": 2,
     "x%03d.raw": 3,
     "x%03d.raw 1": 3,

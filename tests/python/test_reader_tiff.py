@@ -308,6 +308,16 @@ def test_pictures_beside_a_stack_are_left_out(tmp_path, before, after, said):
     assert volume.notes == (f"Other pictures in the file are left out: {said}.",)
 
 
+def test_pictures_that_were_written_one_by_one_are_a_stack(tmp_path):
+    with tifffile.TiffWriter(tmp_path / "x.tif") as file:
+        file.write(np.zeros((3, 4, 3), np.uint8), photometric="rgb", subfiletype=1)
+        for plane in PIXELS[0]:
+            file.write(plane, photometric="minisblack", contiguous=False)
+    volume = read_volume(tmp_path / "x.tif")
+    np.testing.assert_array_equal(volume.values, PIXELS[0])
+    assert volume.notes == ("Other pictures in the file are left out: 1, of 4 x 3 pixels.",)
+
+
 def test_an_odd_page_within_a_stack_is_refused(tmp_path):
     path = tmp_path / "x.tif"
     whole = np.concatenate([PIXELS[0], PIXELS[1]])

@@ -10,7 +10,7 @@ from .checks import data_file, text
 
 # A name with one number in it, such as slice%03d.raw, and numbers behind it: first, last, step.
 _PATTERN = re.compile(r"([^%]*%0?\d{0,2}[diu][^%]*?)((?:\s+-?\d{1,9}){0,4})")
-_LIST = re.compile(r"LIST(?:\s+(\d{1,2}))?", re.IGNORECASE)
+_LIST = re.compile(r"LIST(?:\s+(\d{1,2})D?)?", re.IGNORECASE)
 # More files than any volume has planes.
 _MOST = 1 << 16
 

@@ -20,7 +20,7 @@ from .file_names import visible_files
 from .slices import open_slices
 from .stack import Stack, stored
 from .stored import StoredVolume
-from .tiff_pages import axes_of, check_pages, opened, read_page
+from .tiff_pages import axes_of, check_pages, opened, read_page, series_of
 from .voxel_size import VoxelSize, voxel_size
 
 SUFFIXES = (".tif", ".tiff")
@@ -129,8 +129,9 @@ def _open_places(
 def _of_series(path: Path) -> list[tuple[str, Callable[[], Stack]]]:
     """Returns the volumes of a file in which tifffile finds the order of pages."""
     with opened(path) as file:
-        found = {k: _blocks(path, file, k) for k in range(len(file.series))}
-        reduced = {k for k in found if file.series[k].keyframe.is_reduced}
+        series = series_of(file)
+        found = {k: _blocks(path, file, k) for k in range(len(series))}
+        reduced = {k for k in found if series[k].keyframe.is_reduced}
         volumes = {k: one for k, one in found.items() if has_depth(one.axes)}
         if not volumes:
             sizes = [dict(one.axes) for one in found.values()]
@@ -145,11 +146,11 @@ def _of_series(path: Path) -> list[tuple[str, Callable[[], Stack]]]:
             volumes = kept or volumes
         notes = _left_out([_dims(one) for k, one in found.items() if k not in volumes])
         for k in volumes:
-            _check_series(path, file, file.series[k])
+            _check_series(path, file, series[k])
         voxel, calibration = _voxel_size(file), None
         if file.is_imagej:
-            calibration = imagej.calibration(file.imagej_metadata, file.series[0].dtype)
-        names = {k: file.series[k].name or _dims(one) for k, one in volumes.items()}
+            calibration = imagej.calibration(file.imagej_metadata, series[0].dtype)
+        names = {k: series[k].name or _dims(one) for k, one in volumes.items()}
 
     def stack(blocks: Blocks) -> Stack:
         made = stack_of(path, blocks, voxel, notes)
@@ -176,7 +177,7 @@ def _dims(blocks: Blocks) -> str:
 
 
 def _blocks(path: Path, file: Any, index: int) -> Blocks:
-    series = file.series[index]
+    series = series_of(file)[index]
     page_axes, samples, colors = axes_of(series.keyframe)
     sample = "S" if "S" in dict(page_axes) else "C"
     names = [sample if axis == "S" else axis for axis in series.axes]
@@ -208,7 +209,7 @@ def _open_series(
 ) -> Iterator[Callable[[int], Array]]:
     """Yields a function for Blocks that reads a page of a series, or a plane of a block."""
     with opened(path) as file:
-        series = file.series[index]
+        series = series_of(file)[index]
         dtype = series.dtype.newbyteorder(file.byteorder)
         size = prod(shape) * dtype.itemsize
 
@@ -273,5 +274,5 @@ def _slice(path: Path) -> Array:
                 f"{path}: the slice is {_dims(blocks)}, but every slice of the folder must be one "
                 "plane of the same size."
             )
-        _check_series(path, file, file.series[0])
+        _check_series(path, file, series_of(file)[0])
     return picture(blocks)

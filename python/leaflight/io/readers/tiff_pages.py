@@ -4,6 +4,7 @@
 import logging
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from itertools import groupby
 from math import prod
 from pathlib import Path
 from typing import Any
@@ -78,6 +79,31 @@ class _Complaints(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         message = record.getMessage()
         self.damage |= record.levelno >= logging.ERROR or "invalid page offset" in message
+
+
+def series_of(file: tifffile.TiffFile) -> list[Any]:
+    """Returns the series of a file.
+
+    tifffile writes a picture that is given to it alone as a series of one page. Such series of one
+    size and type, one after the other, are returned as one.
+    """
+    series = list(file.series)
+    if len(series) == 1 or any(one.kind != "shaped" for one in series):
+        return series
+
+    def kind(one: Any) -> tuple[Any, ...]:
+        # No two stacks are equal.
+        alone = 0 if len(one) == 1 and len(one.shape) == 2 else id(one)
+        return one.shape, one.dtype, one.keyframe.is_reduced, alone
+
+    runs = [list(run) for _, run in groupby(series, kind)]
+    return [run[0] if len(run) == 1 else _joined(run) for run in runs]
+
+
+def _joined(run: list[Any]) -> Any:
+    shape = (len(run), *run[0].shape)
+    pages = [one.keyframe for one in run]
+    return tifffile.TiffPageSeries(pages, shape, run[0].dtype, f"I{run[0].axes}", kind="uniform")
 
 
 def check_pages(path: Path, pages: list[Any]) -> None:
