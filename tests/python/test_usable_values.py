@@ -190,6 +190,32 @@ def test_values_far_from_0_keep_their_differences(tmp_path, low, high, kind, off
         assert np.abs(part.values).max() <= np.abs(volume.values).max() + rounding
 
 
+@pytest.mark.parametrize("name", ["x.nii", "x.nc", "x.mif", "x"])
+def test_scaled_numbers_far_from_0_keep_their_differences(tmp_path, name):
+    counts = np.rint(1000 * BODY).astype("<i2")
+    path = tmp_path / name
+    if name == "x.nii":
+        image = nibabel.Nifti1Image(counts.T, np.eye(4))
+        image.header.set_slope_inter(1e-5, 101325)
+        nibabel.save(image, path)
+    elif name == "x.nc":
+        with pytest.importorskip("scipy.io").netcdf_file(path, "w") as file:
+            for axis in "zyx":
+                file.createDimension(axis, N)
+            data = file.createVariable("p", "i2", ("z", "y", "x"))
+            data[:], data.scale_factor, data.add_offset = counts, 1e-5, 101325.0
+    elif name == "x.mif":
+        text = f"mrtrix image\ndim: {N},{N},{N}\nvox: 1,1,1\nlayout: +0,+1,+2\ndatatype: Int16LE\n"
+        text = f"{text}scaling: 101325,0.00001\nfile: . 200\nEND\n"
+        path.write_bytes(text.encode().ljust(200) + counts.tobytes())
+    else:
+        from dicom_files import write_series
+
+        scale = {"RescaleSlope": 1e-5, "RescaleIntercept": 101325}
+        write_series(path, counts, **scale)
+    np.testing.assert_allclose(read_volume(path).values, 1e-5 * counts, atol=1e-7)
+
+
 def test_an_offset_is_kept_by_a_bake_and_told_by_info(cli, tmp_path):
     np.save(tmp_path / "p.npy", 101325.0 + 0.01 * BODY)
     info = cli("info", tmp_path / "p.npy")

@@ -16,6 +16,7 @@ from ...arrays import Array
 from ...volume.volume import Volume
 from ...volume.voxels import new_voxels
 from .checks import check_matrix, check_shape, data_file
+from .packing import scaled_type
 from .stored import StoredVolume, lengths
 from .value_files import Index, ValueFiles
 from .watched import is_packed, open_head, watched
@@ -39,7 +40,7 @@ def open_volume(path: Path) -> StoredVolume:
     whole = [(prod(shape) + 7) // 8] if bits else shape
     stored.check(whole, dtype)
     offset, scale = _numbers(fields, "scaling", "0 1")
-    scaled = (offset, scale) != (0, 1)
+    scaled = None if (offset, scale) == (0, 1) else scaled_type(dtype, scale, offset)
 
     def load(frame: int, channel: int, progress: Progress) -> Volume:
         places = [frame, channel, *[0] * len(sizes)]
@@ -57,13 +58,13 @@ def open_volume(path: Path) -> StoredVolume:
         values = values[
             tuple(slice(None, None, -1 if backwards[axis] else 1) for axis in (2, 1, 0))
         ]
-        if scaled:
-            values = _scaled(values, offset, scale, progress)
+        if scaled is not None:
+            values = _scaled(values, offset, scale, scaled, progress)
         return Volume(values, matrix, path.name.partition(".mi")[0])
 
     return StoredVolume(
         dims=sizes[:3],
-        dtype=np.dtype(np.float32) if scaled else dtype,
+        dtype=dtype if scaled is None else scaled,
         load=load,
         voxel_size=lengths(matrix),
         unit="mm",
@@ -156,8 +157,10 @@ def _matrix(path: Path, fields: dict[str, str]) -> Array:
     return matrix
 
 
-def _scaled(values: Array, offset: float, scale: float, progress: Progress) -> Array:
-    held = new_voxels(values.shape, np.float32)
+def _scaled(
+    values: Array, offset: float, scale: float, dtype: np.dtype[Any], progress: Progress
+) -> Array:
+    held = new_voxels(values.shape, dtype)
     for k in watched(progress, range(len(values)), "Scaling"):
         held[k] = values[k] * np.float64(scale) + offset
     return held

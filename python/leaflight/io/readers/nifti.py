@@ -16,6 +16,7 @@ from ..._core import LeaflightError, Progress
 from ...arrays import Array
 from ...volume.setting_error import SettingError
 from ...volume.units import unit_of
+from .packing import scaled_type
 from .scans import Scan, stored_scan
 from .stored import StoredVolume
 from .watched import open_head, open_watched
@@ -39,12 +40,14 @@ _PAIRS = {
 def open_volume(path: Path) -> StoredVolume:
     """The values and the affine (sform, else qform), whichever way it may mirror.
 
-    Values that the header scales become float32. The fifth axis, of vectors, counts channels.
+    Values that the header scales become float32, or float64 where that would hide
+    differences. The fifth axis, of vectors, counts channels.
     """
     header, file = _files(path)
     image = _image(path, header, file)
     proxy, shape, dtype = image.dataobj, image.shape, image.get_data_dtype()
     layout = (shape, dtype, proxy.offset, proxy.slope, proxy.inter)
+    kind = scaled_type(dtype, proxy.slope, proxy.inter)
 
     def scaled(place: tuple[int, ...], progress: Progress) -> Array:
         index: tuple[slice | int, ...] = (*(slice(None),) * 3, *place)
@@ -52,7 +55,7 @@ def open_volume(path: Path) -> StoredVolume:
         with open_watched(file, progress) as opened:
             stored = ArrayProxy(opened, layout, mmap=False)
             # Without a frame to cut out, nibabel scales in float32 rather than float64.
-            return np.asarray(stored, np.float32) if len(shape) == 3 else stored[index]
+            return np.asarray(stored, kind) if len(shape) == 3 else stored[index]
 
     unit, notes = _unit(image)
     if isinstance(image, nibabel.Spm2AnalyzeImage) and not _matrix_file(header).exists():
@@ -66,6 +69,7 @@ def open_volume(path: Path) -> StoredVolume:
             dtype=dtype,
             affine=np.array(image.affine, dtype=np.float64),
             scaled=None if (proxy.slope, proxy.inter) == (1, 0) else scaled,
+            scaled_dtype=kind,
             unit=unit,
             notes=notes,
         ),

@@ -17,6 +17,8 @@ from .attributes import numbers_of, text_of
 NAMES = ("scale_factor", "add_offset", "_FillValue", "missing_value", "_Unsigned")
 # Values that stand for missing data; more is damage.
 _MOST_FILLS = 8
+# A scale of so many steps of single precision keeps neighboring values apart.
+_STEPS = 16
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,7 @@ class Packing:
         plain = self._plain(stored)
         if plain.kind == "f" or not (self._is_scaled or self.fills):
             return plain
-        return np.dtype(np.float32 if plain.itemsize <= 2 else np.float64)
+        return scaled_type(plain, self.scale, self.offset)
 
     def unpacked(self, stored: Array) -> Array:
         """The values; `stored` itself where it holds them already."""
@@ -71,6 +73,14 @@ class Packing:
         if self.unsigned and stored.kind == "i":
             return np.dtype(f"{stored.byteorder}u{stored.itemsize}")
         return stored
+
+
+def scaled_type(stored: np.dtype[Any], scale: float, offset: float) -> np.dtype[Any]:
+    """The type of offset + scale * stored: float64 where float32 would hide differences."""
+    wide = stored.itemsize > (2 if stored.kind in "iu" else 4)
+    with np.errstate(over="ignore", invalid="ignore"):
+        fine = abs(scale) > _STEPS * np.spacing(np.float32(abs(offset)))
+    return np.dtype(np.float32 if fine and not wide else np.float64)
 
 
 def packing_of(attributes: Mapping[str, Any]) -> Packing:

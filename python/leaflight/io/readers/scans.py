@@ -27,7 +27,7 @@ class Scan:
 
     file: that has the values from byte `offset` on, packed or not. shape: (x, y, z) and then
     frames and channels, if any. affine: to right, anterior, superior. scaled: where a header gives
-    other values than are in the file.
+    other values than are in the file; they have the type scaled_dtype.
     """
 
     file: Path
@@ -36,6 +36,7 @@ class Scan:
     dtype: np.dtype[Any]
     affine: Array
     scaled: Scaled | None = None
+    scaled_dtype: np.dtype[Any] = np.dtype(np.float32)
     unit: str = "mm"
     notes: tuple[str, ...] = ()
 
@@ -68,7 +69,7 @@ def stored_scan(path: Path, scan: Scan) -> StoredVolume:
 
     return StoredVolume(
         dims=tuple(shape[:3]),
-        dtype=np.dtype(np.float32) if scan.scaled else scan.dtype,
+        dtype=scan.scaled_dtype if scan.scaled else scan.dtype,
         load=load,
         voxel_size=lengths(scan.affine),
         unit=scan.unit,

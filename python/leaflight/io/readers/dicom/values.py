@@ -9,6 +9,7 @@ import numpy as np
 from ...._core import Progress
 from ....arrays import Array
 from ....volume.voxels import new_voxels
+from ..packing import scaled_type
 from ..watched import watched
 from .pixels import open_pages, values_of
 from .planes import Plane
@@ -25,7 +26,9 @@ def value_type(planes: list[Plane]) -> np.dtype[Any]:
     if any(one.floats for one in pixels):
         return np.dtype(np.float32)
     if any(one.slope != 1 or one.intercept != round(one.intercept) for one in planes):
-        return np.dtype(np.float32)
+        sixteen = np.dtype(np.int16)
+        kinds = [scaled_type(sixteen, one.slope, one.intercept) for one in planes]
+        return max(kinds, key=lambda kind: kind.itemsize)
     low = min(one.intercept - (one.pixels.signed << (one.pixels.stored - 1)) for one in planes)
     high = max(one.intercept + (1 << one.pixels.stored) - 1 for one in planes)
     fits = (kind for kind in (np.uint8, np.uint16) if low >= 0 and high <= np.iinfo(kind).max)
