@@ -5,12 +5,15 @@ import json
 import subprocess
 from pathlib import Path
 
+import microscope_files
+import numpy as np
 import pytest
 
 HERE = Path(__file__).resolve().parent
 TOOLS = HERE.parents[1] / "build" / "tools-venv" / "bin" / "python"
 # What is installed beside Blender, or by another add-on.
 HIDDEN = ("h5py", "numcodecs", "crc32c", "imagecodecs", "pylibjpeg", "openjpeg", "libjpeg", "gdcm")
+HIDDEN += ("nd2", "liffile", "dask", "ome_types")
 IMPORT = """
 import json, sys
 from pathlib import Path
@@ -40,7 +43,7 @@ with ReaderProcess(path, "module", "where_they_are", "places") as process:
 PLACES = """
 import importlib
 def places(path):
-    names = ("h5py", "numcodecs", "imagecodecs", "pylibjpeg", "openjpeg", "libjpeg")
+    names = ("h5py", "numcodecs", "imagecodecs", "pylibjpeg", "openjpeg", "libjpeg", "nd2")
     return {name: importlib.import_module(name).__file__ for name in names}, ()
 """
 
@@ -53,7 +56,13 @@ def folder(tmp_path_factory):
     done = subprocess.run(
         [TOOLS, HERE / "write_packed_files.py", folder], stdout=subprocess.PIPE, check=True
     )
-    (folder / "kinds.json").write_bytes(done.stdout)
+    kinds = json.loads(done.stdout)
+    pixels = np.load(folder / f"{kinds[0]}.npy")
+    microscope_files.lif(folder / "x.lif", {"a": ("ZYX", pixels)})
+    microscope_files.nd2(folder / "x.nd2", "ZYXC", pixels[..., None])
+    for name in ("x.lif", "x.nd2"):
+        np.save(folder / f"{name}.npy", pixels)
+    (folder / "kinds.json").write_text(json.dumps([*kinds, "x.lif", "x.nd2"]))
     return folder
 
 
