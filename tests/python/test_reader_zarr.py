@@ -195,3 +195,13 @@ def test_shards(tmp_path, values):
     (path / "zarr.json").write_text(json.dumps(metadata))
     with pytest.raises(LeaflightError, match="name 2 axes, but its arrays have 3"):
         read_volume(path)
+
+
+def test_an_array_of_xarray_is_unpacked(tmp_path):
+    xarray = pytest.importorskip("xarray")
+    values = np.random.default_rng(2).integers(0, 900, (4, 5, 6)) * 0.5 + 100
+    values[0, :2] = np.nan
+    packed = {"dtype": "i2", "scale_factor": 0.5, "add_offset": 100.0, "_FillValue": -9}
+    data = xarray.Dataset({"p": (("z", "y", "x"), values)})
+    data.to_zarr(tmp_path / "x.zarr", encoding={"p": packed})
+    np.testing.assert_array_equal(read_volume(tmp_path / "x.zarr" / "p").values, values)

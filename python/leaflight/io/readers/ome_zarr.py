@@ -17,6 +17,7 @@ from ...volume.volume import Volume
 from ...volume.voxels import new_voxels
 from .axes import Axis, Grid, grid_of
 from .checks import check_matrix, choose_level, choose_named, text, undecided
+from .packing import packing_of
 from .stored import StoredVolume, lengths
 from .zarr_folder import ZarrArray, ZarrGroup, open_zarr
 
@@ -47,15 +48,17 @@ def open_volume(path: Path, dataset: str | None = None, level: int = 0) -> Store
             "least."
         )
     check_matrix(path, grid.matrix)
+    packing = packing_of(array.attributes)
     sizes = {letter: axis.size for letter, axis in zip(grid.letters, axes)}
 
     def load(frame: int, channel: int, progress: Progress) -> Volume:
-        values = _values(array, grid, frame, channel, progress)
-        return Volume(values, grid.matrix, path.name.partition(".")[0])
+        values = packing.unpacked(_values(array, grid, frame, channel, progress))
+        name = path.name.partition(".")[0]
+        return Volume(values, grid.matrix, name, notes=packing.note(values))
 
     return StoredVolume(
         dims=tuple(sizes[letter] for letter in "xyz"),
-        dtype=array.dtype,
+        dtype=packing.dtype(array.dtype),
         load=load,
         voxel_size=lengths(grid.matrix),
         unit=grid.unit,

@@ -109,6 +109,9 @@ def open_zarr(path: Path) -> ZarrArray | ZarrGroup:
         raise LeaflightError(
             f"{path}: its shape is {text(shape) or 'missing'}, so it has no values; fetch it again."
         )
+    if {"scale_factor", "add_offset"} & attributes.keys():
+        # xarray stores the missing value of packed numbers as that of absent chunks.
+        attributes = {"_FillValue": header.get("fill_value"), **attributes}
     return ZarrArray(path, shape, dtype, attributes, tuple(header.get("dimension_names") or ()))
 
 
