@@ -22,6 +22,7 @@ from leaflight_addon.ui import clip_outline
 
 sys.path.insert(0, os.path.dirname(__file__))
 import gate  # noqa: E402
+import hand  # noqa: E402
 import stepwise  # noqa: E402
 
 FOLDER = Path(sys.argv[-1])
@@ -140,14 +141,17 @@ def close_the_window_of_a_bake():
 
 def delete_the_volume_of_a_bake():
     yield from begin_bake()
+    hand.bind(hand.DELETE, "object.delete", {"confirm": False})
     with over_viewport():
         bpy.ops.object.select_all(action="DESELECT")
         volume().select_set(True)
-        bpy.ops.object.delete()
+        bpy.ops.ed.undo_push(message="Selected")
+    yield from hand.key(hand.DELETE)
     yield from until_free()
     found["deleted"] = {"sentence": failures.sentence(), "offered": stopped.offered() is not None}
-    with over_viewport():
-        bpy.ops.ed.undo()
+    # Esc closes the popup of the error, which takes all keys.
+    yield from hand.key("ESC")
+    yield from hand.key("Z", ctrl=True)
     yield from stepwise.wait(1.0)
     found["deleted"]["undone"] = volume() is not None and not failures.sentence()
 
@@ -203,7 +207,9 @@ def open_volume(stages=False):
 
 def begin_bake(where=None):
     """Presses Bake in a window; the bake waits after its first pass, which is shown."""
-    volume().leaflight.error = UNREACHED
+    settings = volume().leaflight
+    # With little time walls are lit coarsely.
+    settings.error, settings.use_time_limit, settings.time_limit = UNREACHED, True, 1.0
     gate.close("pass")
     press(bpy.ops.leaflight.bake, where)
     yield from stepwise.until(lambda: gate.reached and job().latest is not None)
@@ -215,10 +221,7 @@ def until_free():
 
 
 def escape():
-    area = view_area()
-    place = {"x": area.x + area.width // 2, "y": area.y + area.height // 2}
-    for value in ("PRESS", "RELEASE"):
-        window().event_simulate(type="ESC", value=value, **place)
+    yield from hand.key("ESC")
     yield from until_free()
 
 
