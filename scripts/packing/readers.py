@@ -22,8 +22,8 @@ PLATFORMS = {
     "macos-arm64": ("macosx_11_0_arm64",),
     "macos-x64": ("macosx_11_0_x86_64",),
 }
-# What PyPI does not have for a platform. The program then says that FLIP is missing.
-WITHOUT = {"macos-x64": ("flip-evaluator",)}
+# What PyPI does not have for a platform or a Python. The program then says that FLIP is missing.
+WITHOUT = {"macos-x64": ("flip-evaluator",), "cp314": ("flip-evaluator",)}
 # The folders (python/leaflight/io/reader_process.py): for one Python, and for all.
 ONE, ALL = "leaflight_readers", "leaflight_codecs"
 METADATA = """Metadata-Version: 2.1
@@ -53,9 +53,9 @@ def _fetched(listing, tags, platform):
     if not stamp.exists() or stamp.read_text() != wanted:
         shutil.rmtree(folder, ignore_errors=True)
         lines = [line for line in listing.read_text().splitlines() if not line.startswith("#")]
-        without = WITHOUT.get(platform, ())
-        packages = [line for line in lines if line.partition("==")[0] not in without]
         for tag in tags:
+            without = (*WITHOUT.get(platform, ()), *WITHOUT.get(tag, ()))
+            packages = [line for line in lines if line.partition("==")[0] not in without]
             python = f"{tag[2]}.{tag[3:]}"
             run(
                 *(VENV / "bin" / "python", "-m", "pip", "download", "--no-deps", "--quiet"),

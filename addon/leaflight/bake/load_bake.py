@@ -104,6 +104,9 @@ class LEAFLIGHT_OT_relocate_bake(bpy.types.Operator, ImportHelper):
     def execute(self, context):
         path = Path(os.path.normpath(bpy.path.abspath(self.filepath)))
         obj = active_volume(context)
+        if obj is None:
+            self.report({"ERROR"}, "The volume was deleted meanwhile: undo that, or import it.")
+            return {"CANCELLED"}
         identifier = obj.leaflight.bake_id
         try:
             if bake_files.id_in(path) != identifier:

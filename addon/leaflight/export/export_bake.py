@@ -241,7 +241,8 @@ class LEAFLIGHT_OT_export_page(_ExportOperator, bpy.types.Operator):
 
     def _size(self, obj):
         try:
-            bake = cache.bake_of(obj)
+            # The volume may be deleted while the browser is open.
+            bake = None if obj is None else cache.bake_of(obj)
         except LeaflightError:
             bake = None
         if bake is None:

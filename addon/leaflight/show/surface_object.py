@@ -109,7 +109,7 @@ def update(obj, isovalue, moving=False):
     problems.pop(obj.name_full, None)
     surface, made = None, _NOTHING
     try:
-        halvings = _halvings_in_motion(obj.data) if moving else None
+        halvings = _halvings_in_motion(obj, isovalue) if moving else None
         surface = isosurface.isosurface_of(obj, isovalue, halvings)
         # The vertices of all detail take longer to light and to draw than coarse ones to make.
         wants_coarse = bool(moving and halvings and wanted.moved)
@@ -166,9 +166,11 @@ def coarsen_all(volume):
     It comes back as it does then. A failure stays for the next update to tell.
     """
     for obj in (volume, *added.added_to(volume)):
-        halvings = _halvings_in_motion(obj.data)
-        if halvings and not is_coarse(obj.data) and obj.library is None and obj.mode == "OBJECT":
-            with suppress(LeaflightError):
+        if is_coarse(obj.data) or obj.library is not None or obj.mode != "OBJECT":
+            continue
+        with suppress(LeaflightError):
+            halvings = _halvings_in_motion(obj, shown_isovalue(obj))
+            if halvings:
                 surface = isosurface.isosurface_of(obj, shown_isovalue(obj), halvings)
                 finish(obj, surface, surface.made())
 
@@ -183,14 +185,14 @@ def is_coarse(mesh):
     return bool(mesh.get(_COARSE))
 
 
-def expect_as_many_triangles(obj, other):
-    """Has an isosurface that is yet to be shown be coarse at first where another one is large."""
-    obj.data[_TRIANGLES] = other.data.get(_TRIANGLES, 0)
-
-
-def _halvings_in_motion(mesh):
-    """Of the volume's fineness, for an isosurface like the one that the mesh holds."""
-    triangles, halvings = mesh.get(_TRIANGLES, 0), 0
+def _halvings_in_motion(obj, isovalue):
+    """Of the volume's fineness, for an isosurface of an object. Raises LeaflightError."""
+    triangles, halvings = obj.data.get(_TRIANGLES, 0), 0
+    if shown_isovalue(obj) != isovalue or not triangles:
+        estimate = isosurface.estimate_triangles(isosurface.volume_of(obj), isovalue)
+        # The count of an isosurface nearby is better, and noise has many times as many.
+        if not 0.25 * estimate < triangles < 4.0 * estimate:
+            triangles = estimate
     while triangles > MOVING_TRIANGLES:
         triangles, halvings = triangles // 4, halvings + 1
     return halvings

@@ -80,7 +80,6 @@ class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
             obj.leaflight.isovalue = isovalue
             return {"FINISHED"}
         # The window does not wait for the whole detail, which follows in the background.
-        surface_object.expect_as_many_triangles(obj, volume)
         surface_object.update(obj, isovalue, moving=True)
         whole_detail.watch([obj])
         return {"FINISHED"}

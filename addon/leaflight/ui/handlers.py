@@ -66,15 +66,16 @@ def _after_change(scene, depsgraph):
         active_volume.remember(scene, depsgraph.view_layer.objects.active)
     moved = list(_moved)
     _moved.clear()
-    changes = [(update.id.original, update) for update in depsgraph.updates]
-    shown_anew = any(_is_isosurface(changed) for changed, _ in changes)
+    # At once: Blender may free its updates by the changes below.
+    changes = [_Change(update) for update in depsgraph.updates]
+    shown_anew = any(_is_isosurface(change.what) for change in changes)
     if shown_anew:
         duplicates.complete()
-    may_shine = shown_anew or any(lamp_strengths.concern(changed) for changed, _ in changes)
+    may_shine = shown_anew or any(lamp_strengths.concern(change.what) for change in changes)
     relit = may_shine and lamp_strengths.follow(scene, depsgraph)
     if shown_anew or relit or isovalues.any_is_behind(depsgraph):
         moved += _follow(scene, depsgraph, whole_detail.may_follow(depsgraph))
-    elif {changed for changed, _ in changes} & _clip_boxes(scene):
+    elif {change.what for change in changes} & _clip_boxes(scene):
         for volume in isovalues.volumes(scene):
             cut_faces.update(volume, depsgraph)
     if shown_anew or relit or moved:
@@ -83,15 +84,31 @@ def _after_change(scene, depsgraph):
     for obj in filter(added.is_isosurface, isovalues.known()):
         if obj.library is None and not surface_material.shows_its_view(obj):
             surface_object.shade(obj)
-    if any(_concerns_bakes(scene, changed, update, moved) for changed, update in changes):
+    if any(_concerns_bakes(scene, change, moved) for change in changes):
         staleness.forget()
         live.changed(scene, at_once=depsgraph.mode == "VIEWPORT")
     if isovalues.left_alone():
-        if bpy.app.background:
-            isovalues.remove_left_alone()
-        else:
-            # Others may read the same updates, of what would be gone.
-            bpy.app.timers.register(isovalues.remove_left_alone, first_interval=0.0)
+        _remove(isovalues.remove_left_alone)
+
+
+def _remove(remove):
+    """Calls a function that removes objects, in a window once the handler is over.
+
+    Others may read the same updates, and Blender 5.2 crashes where undo has just read objects.
+    """
+    if bpy.app.background:
+        remove()
+    else:
+        bpy.app.timers.register(remove, first_interval=0.0)
+
+
+class _Change:
+    """An update of a data-block, copied from Blender."""
+
+    def __init__(self, update):
+        self.what = update.id.original
+        self.elsewhere = update.is_updated_transform or update.is_updated_shading
+        self.geometry = update.is_updated_geometry
 
 
 def _is_isosurface(changed):
@@ -102,20 +119,20 @@ def _clip_boxes(scene):
     return {obj.leaflight_look.box for obj in scene.objects} - {None}
 
 
-def _concerns_bakes(scene, changed, update, moved):
-    """Whether an update of a data-block may change what would be baked.
+def _concerns_bakes(scene, change, moved):
+    """Whether a change of a data-block may change what would be baked.
 
     moved: volumes whose isovalue did; Blender then calls all else of them changed, too.
     """
+    changed, elsewhere = change.what, change.elsewhere
     if changed in moved:
         return staleness.stands_elsewhere(changed)
-    elsewhere = update.is_updated_transform or update.is_updated_shading
     if isinstance(changed, bpy.types.Object):
         # Of what it moves, each object reports its own update.
         if changed.type == "EMPTY" and changed.instance_type == "NONE":
             return False
-        return elsewhere or (update.is_updated_geometry and not _is_ours(changed))
-    if not (elsewhere or update.is_updated_geometry) or surface_material.is_own(changed):
+        return elsewhere or (change.geometry and not _is_ours(changed))
+    if not (elsewhere or change.geometry) or surface_material.is_own(changed):
         return False
     is_mesh = isinstance(changed, bpy.types.Mesh)
     return not (is_mesh and any(_is_ours(o) for o in scene.objects if o.data == changed))
@@ -132,7 +149,7 @@ def _after_undo(scene, _depsgraph):
     failures.forget()
     staleness.forget()
     surface_object.forget()
-    first_light.forget()
+    _remove(first_light.forget)
     duplicates.complete()
     depsgraph = bpy.context.evaluated_depsgraph_get()
     lamp_strengths.follow(scene, depsgraph)
