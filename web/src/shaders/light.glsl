@@ -34,16 +34,20 @@ bool isLit(vec3 place) {
   return value >= max(isovalueRange.x, 0.0) && value <= isovalueRange.y;
 }
 
-// Indirect light, extrapolated from the texels in front (core/src/bake/output/radiance_grid.cpp). Texels
-// behind may belong to the other face of a thin shell.
+// Indirect light, as core/src/bake/output/radiance_grid.cpp finds it: extrapolated from the texels in
+// front, as far as the isosurfaces there are like the point's own; texels around give the rest.
 vec3 indirectLight(vec3 place, vec3 gradient, bool isBack) {
   float size = length(gradient * texelScale);
   if (size == 0.0) return ofTexels(place, isBack);
   vec3 ahead = gradient * ((isBack ? 0.5 : -0.5) / size);
   vec3 near = place + ahead, far = near + 2.0 * ahead;
   if (!isLit(near) || !isLit(far)) return ofTexels(place, isBack);
+  vec3 distantGradient = gradientAt(far, valueAt(far));
+  float square = max(dot(gradient, gradient), dot(distantGradient, distantGradient));
+  float like = smoothstep(0.0, 1.0, dot(gradient, distantGradient) / square);
   vec3 close = ofTexels(near, isBack), distant = ofTexels(far, isBack);
-  return clamp(close + 0.5 * (close - distant), 0.5 * close, 2.0 * close);
+  vec3 inFront = clamp(close + 0.5 * (close - distant), 0.5 * close, 2.0 * close);
+  return mix(ofTexels(place, isBack), inFront, like);
 }
 #endif
 

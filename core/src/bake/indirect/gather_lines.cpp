@@ -13,6 +13,16 @@ namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
+// Uniform over a texel about its centre, in texels.
+template <int D>
+Vec<D> offset_within_texel(std::uint64_t bits) {
+  Vec<D> offset;
+  for (int a = 0; a < D; ++a) {
+    offset[a] = static_cast<double>(bits >> (21 * a) & 0x1fffff) * 0x1p-21 - 0.5;
+  }
+  return offset;
+}
+
 // Planes of a line whose values fall, or grow, from the bottom to the top: those at which an
 // isosurface may be hit first on the way back.
 struct Stack {
@@ -87,9 +97,10 @@ struct Gathering {
   void find_wall(const LineBundle<D>& lines, double z, Walk<D>& walk) const;
   int beyond_masked(const GatherLines<D>& own, const Walk<D>& walk, float h, bool front) const;
   Rgb wall_radiance(const WallHit& hit, const Vec<D>& direction, float h, std::int32_t slot) const;
-  std::int32_t slot_at(const LineBundle<D>& lines, const Walk<D>& walk, const Hit& hit) const;
+  std::int32_t slot_at(const LineBundle<D>& lines, const Walk<D>& walk, const Hit& hit,
+                       std::int32_t receiver) const;
   Rgb isosurface_radiance(const LineBundle<D>& lines, const Walk<D>& walk, const Hit& hit,
-                          std::size_t source) const;
+                          std::int32_t receiver, std::size_t source) const;
 };
 
 // The lanes whose lines cross active texels within the field. Fetches what the walks will look up
@@ -197,7 +208,7 @@ void Gathering<D>::add_sample(const LineBundle<D>& line, int k, Walk<D>& walk,
   const std::int32_t slot = own.slots[k][walk.lane];
   Rgb radiance = walk.sky;
   if (crossing >= 0 && (!walk.wall || (hit.z - walk.wall_z) * walk.step > 0)) {
-    radiance = isosurface_radiance(line, walk, hit, own.source);
+    radiance = isosurface_radiance(line, walk, hit, slot, own.source);
   } else if (walk.wall) {
     radiance = wall_radiance(*walk.wall, walk.to_origin, h, slot);
   }
@@ -234,18 +245,20 @@ int Gathering<D>::beyond_masked(const GatherLines<D>& own, const Walk<D>& walk, 
   return -1;
 }
 
-// The slot of the texel that stands for a hit, or inactive. The nearest one may be of a thin
-// shell's other face, or near its crest, where isosurfaces have holes: both would light a closed
-// cavity, which keeps light for many bounces. So it must face the line, and the next in front of
-// the isosurface is taken if its value is nearer.
+// The slot of the texel that stands for a hit, or inactive. `receiver`: that of the sample. Two
+// texels are tried, at opposite random places about the hit, so that on average texels count as in
+// linear interpolation. A texel of a thin shell's other face, or near its crest, where isosurfaces
+// have holes, would light a closed cavity, which keeps light for many bounces. So a texel must face
+// the line, and the one whose isosurface is nearer in value counts.
 template <int D>
-std::int32_t Gathering<D>::slot_at(const LineBundle<D>& line, const Walk<D>& walk,
-                                   const Hit& hit) const {
+std::int32_t Gathering<D>::slot_at(const LineBundle<D>& line, const Walk<D>& walk, const Hit& hit,
+                                   std::int32_t receiver) const {
+  const Vec<D> position = line.position(walk.lane, hit.z);
+  const Vec<D> offset = offset_within_texel<D>(Random::mix(key + receiver));
   std::int32_t found = TexelLattice<D>::inactive;
   float nearest = infinity;
-  for (const double z : {hit.z, line.z(hit.plane + walk.step)}) {
-    const Vec<D> position = line.position(walk.lane, z);
-    const std::int32_t slot = texels.slots[nearest_texel(texels.lattice, position)];
+  for (const Vec<D>& place : {position + offset, position - offset}) {
+    const std::int32_t slot = texels.slot_near(place);
     if (slot == TexelLattice<D>::inactive) continue;
     const TexelSurface<D>& surface = from.surfaces[slot];
     const double away = Vec<D>(surface.normal).dot(walk.to_origin);
@@ -260,10 +273,11 @@ std::int32_t Gathering<D>::slot_at(const LineBundle<D>& line, const Walk<D>& wal
 
 template <int D>
 Rgb Gathering<D>::isosurface_radiance(const LineBundle<D>& line, const Walk<D>& walk,
-                                      const Hit& hit, std::size_t source) const {
+                                      const Hit& hit, std::int32_t receiver,
+                                      std::size_t source) const {
   const double c = of.common_isovalue(hit.h);
   Rgb radiance(0), back_direct(0);
-  const std::int32_t slot = slot_at(line, walk, hit);
+  const std::int32_t slot = slot_at(line, walk, hit, receiver);
   if (slot != TexelLattice<D>::inactive) {
     if (!from.indirect[hit.on_back]->empty()) radiance = (*from.indirect[hit.on_back])[slot];
     if (!hit.on_back && from.direct.sources() > 0) {

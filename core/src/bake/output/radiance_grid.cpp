@@ -72,56 +72,81 @@ Vec<3, float> lookup(const TexelLattice<D>& lattice, const std::vector<Vec<3, fl
 
 namespace {
 
-// What lookups of one point read. Where direct light is exact, indirect light is extrapolated from
-// texels in front of the isosurface: half a texel away and three halves. Texels behind it may
-// belong to the other face of a thin shell. Where no baked isosurface passes in front, and where
-// texels hold all light, those around the point itself serve.
+// The share by which isosurfaces ahead of a point are those at the point, moved: 1 where they are
+// parallel and as far apart, 0 where the field turns or ends. Gradients in index coordinates.
+template <int D>
+float likeness(const Vec<D>& here, const Vec<D>& ahead) {
+  const double square = std::max(here.dot(here), ahead.dot(ahead));
+  const double like = square > 0 ? std::max(0.0, here.dot(ahead) / square) : 0;
+  return static_cast<float>(like * like * (3 - 2 * like));
+}
+
+// The texels of one lookup. Texels behind an isosurface may belong to the other face of a thin
+// shell. So where direct light is exact, indirect light is extrapolated from half a texel and three
+// halves in front of the point, as far as the isosurfaces there are like the point's own; texels
+// around the point give the rest (docs/decisions/2026-11-29-light-of-steep-data.md). Where texels
+// hold all light, those around the point give all.
 template <int D>
 class PointLookup {
  public:
   void find(const ShownGrid<D>& shown, const Field<D>& field, const Vec<D>& index_position,
             bool back) {
     const TexelLattice<D>& lattice = shown.grid.lattice;
-    is_extrapolated_ = false;
+    in_front_ = 0;
     direct_ = shown.direct_of(back);
     if (direct_) {
       point_ = isosurface_point(field, index_position);
-      around_ = linear_weights(direct_->lattice(), index_position);
-      const Vec<D>& gradient = point_.gradient;
-      const double length = (gradient / lattice.voxels_per_texel).length();
-      const Vec<D> half = gradient * (length > 0 ? (back ? 0.5 : -0.5) / length : 0);
-      const Vec<D> near = index_position + half, far = near + half * 2;
-      const IsovalueRange& isovalue_range = direct_->isovalue_range();
-      is_extrapolated_ = length > 0 && isovalue_range.contains(value_at(field, near)) &&
-                         isovalue_range.contains(value_at(field, far));
-      if (is_extrapolated_) {
-        near_ = linear_weights(lattice, near);
-        far_ = linear_weights(lattice, far);
-      }
+      maps_ = linear_weights(direct_->lattice(), index_position);
+      look_ahead(lattice, field, back);
     }
-    if (!is_extrapolated_) near_ = linear_weights(lattice, index_position);
+    if (in_front_ < 1) around_ = linear_weights(lattice, index_position);
   }
   void fetch(const Colours& values, bool back) const {
-    prefetch(near_, values);
-    if (is_extrapolated_) prefetch(far_, values);
-    if (direct_) direct_->prefetch(around_, back);
+    if (in_front_ < 1) prefetch(around_, values);
+    if (in_front_ > 0) {
+      prefetch(near_, values);
+      prefetch(far_, values);
+    }
+    if (direct_) direct_->prefetch(maps_, back);
   }
   Vec<3, float> radiance(const ShownGrid<D>& shown, const Field<D>& field, const Colours& values,
                          bool back) const {
     const Vec<3, float> light = of_texels(values);
     if (!direct_) return light;
     return shown.scaled(light, field, point_.position) +
-           Vec<3, float>(direct_->radiance(point_, around_, back));
+           Vec<3, float>(direct_->radiance(point_, maps_, back));
   }
 
  private:
   // The factor by which extrapolated light may differ.
   static constexpr float most = 2;
+  // A smaller share in front is not worth its lookups.
+  static constexpr float least_share = 0.02f;
 
+  void look_ahead(const TexelLattice<D>& lattice, const Field<D>& field, bool back) {
+    const Vec<D>& gradient = point_.gradient;
+    const double length = (gradient / lattice.voxels_per_texel).length();
+    if (!(length > 0)) return;
+    const Vec<D> half = gradient * ((back ? 0.5 : -0.5) / length);
+    const Vec<D> near = point_.position + half, far = near + half * 2;
+    const IsovalueRange& isovalue_range = direct_->isovalue_range();
+    if (!isovalue_range.contains(value_at(field, near)) ||
+        !isovalue_range.contains(value_at(field, far))) {
+      return;
+    }
+    const float like = likeness<D>(gradient, shading_gradient(field, locate(field, far)));
+    if (like < least_share) return;
+    in_front_ = like;
+    near_ = linear_weights(lattice, near);
+    far_ = linear_weights(lattice, far);
+  }
   Vec<3, float> of_texels(const Colours& values) const {
-    const Vec<3, float> near = mean(near_, values);
-    if (!is_extrapolated_) return near;
-    const Vec<3, float> far = mean(far_, values);
+    Vec<3, float> light(0);
+    if (in_front_ < 1) light = mean(around_, values) * (1 - in_front_);
+    return in_front_ > 0 ? light + extrapolated(values) * in_front_ : light;
+  }
+  Vec<3, float> extrapolated(const Colours& values) const {
+    const Vec<3, float> near = mean(near_, values), far = mean(far_, values);
     Vec<3, float> light;
     for (int i = 0; i < 3; ++i) {
       light[i] = std::clamp(near[i] + 0.5f * (near[i] - far[i]), near[i] / most, near[i] * most);
@@ -131,9 +156,9 @@ class PointLookup {
 
   const DirectLight<D>* direct_ = nullptr;
   IsosurfacePoint<D> point_;
-  TexelWeights<D> near_, far_;
-  TexelWeights<D> around_;  // in the lattice of the maps
-  bool is_extrapolated_ = false;
+  TexelWeights<D> around_, near_, far_;
+  TexelWeights<D> maps_;  // in the lattice of the maps
+  float in_front_ = 0;    // the share of light that is extrapolated, 0..1
 };
 
 // The texels that are looked up.
