@@ -79,6 +79,18 @@ TEST(IndirectLightAtPoints, IsThatOfTexelsAroundWhereNothingWasBakedInFront) {
   EXPECT_NEAR(radiance_at(grid, test::field_of(scene), position, false)[0], 1.4, 1e-5);
 }
 
+TEST(IndirectLightAtPoints, IsThatOfTexelsAroundWhereTheFieldTurnsInFront) {
+  // The valley at 7 lies one and a half texels before 8.4.
+  auto field = test::sampled<3>(nodes, [](const Vec3& x) {
+    const double from_valley = x.x - 7.0 / (nodes - 1);
+    return from_valley * from_valley;
+  });
+  const Scene<3> scene = test::scene_of(std::move(field), Rgb(1), {0, 1});
+  const auto grid = grid_of(scene, [](const Vec3& p) { return p.x < 8.5 ? 1.0 : 2.0; });
+  const Vec3 position(8.4, 5.3, 5.3);
+  EXPECT_NEAR(radiance_at(grid, test::field_of(scene), position, false)[0], 1.4, 1e-5);
+}
+
 TEST(IndirectLightAtPoints, NeverChangesByMoreThanAFactorOfTwo) {
   const Scene<3> scene = slope<3>({0, 1});
   const auto rising = grid_of(scene, [](const Vec3& p) { return std::pow(10.0, p.x - 8); });
