@@ -143,9 +143,32 @@ def _is_ours(obj):
     return obj.leaflight.is_volume or display.is_display(obj)
 
 
+# Name of an isosurface -> what was taken off it before undo.
+_taken_off = session.remembered()
+
+
+@persistent
+def _before_undo(*_):
+    """Undo removes materials that passes of a bake have made after the step was stored.
+
+    Blender 5.2 keeps meshes that refer to them nevertheless, and crashes.
+    """
+    own = [obj for obj in bpy.data.objects if obj.library is None and added.is_isosurface(obj)]
+    _taken_off.update({obj.name: surface_material.take_off(obj) for obj in own})
+
+
+def _put_on():
+    for name, names in _taken_off.items():
+        obj = bpy.data.objects.get((name, None))
+        if obj is not None and added.is_isosurface(obj):
+            surface_material.put_on(obj, names)
+    _taken_off.clear()
+
+
 @persistent
 def _after_undo(scene, _depsgraph):
     """Undo may bring back an isovalue without its surface, made after the step was stored."""
+    _put_on()
     failures.forget()
     staleness.forget()
     surface_object.forget()
@@ -213,6 +236,8 @@ _HANDLERS = (
     ("depsgraph_update_pre", _before_change),
     ("depsgraph_update_post", _after_change),
     ("render_pre", _before_render),
+    ("undo_pre", _before_undo),
+    ("redo_pre", _before_undo),
     ("undo_post", _after_undo),
     ("redo_post", _after_undo),
     ("save_post", _after_save),
