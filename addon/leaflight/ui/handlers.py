@@ -20,10 +20,11 @@ from ..show import (
     slices,
     surface_material,
     surface_object,
+    walls,
     whole_detail,
 )
 from ..stage import lamp_strengths, staleness
-from ..store import frame_bakes, moving
+from ..store import cache, frame_bakes, moving
 
 
 def _follow(scene, depsgraph, by_hand):
@@ -185,8 +186,16 @@ def _after_undo(scene, _depsgraph):
     live.changed(scene)
 
 
+def _after_reading():
+    """Lights walls by a bake that had been read without theirs."""
+    for scene in bpy.data.scenes:
+        walls.update(scene)
+
+
 @persistent
 def _before_render(scene, *_):
+    cache.finish_readings()
+    walls.update(scene)
     whole_detail.make_now([obj for obj in isovalues.isosurfaces(scene) if not obj.hide_render])
 
 
@@ -249,11 +258,14 @@ _HANDLERS = (
 def register():
     for event, handler in _HANDLERS:
         getattr(bpy.app.handlers, event).append(handler)
+    cache.when_whole.append(_after_reading)
 
 
 def unregister():
     for event, handler in _HANDLERS:
         getattr(bpy.app.handlers, event).remove(handler)
+    cache.when_whole.remove(_after_reading)
+    cache.stop_readings()
     jobs.abandon()
     stopped.save_offered()
     session.forget()
