@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A real window: an isovalue goes among noise, which has many times the triangles.
+"""A real window: an isovalue goes among noise, which has many times the triangles; a clip box cuts
+when a file has just been opened.
 
 Runs where there is a Blender with a window and xvfb-run, which gives it a screen.
 """
@@ -16,6 +17,14 @@ pytestmark = pytest.mark.slow
 MOVING_TRIANGLES = 150_000
 
 
-def test_noise_is_coarse_at_first(blender, tmp_path):
-    found = blender.in_window(SCRIPT, tmp_path, size=(900, 640))
+@pytest.fixture(scope="module")
+def found(blender, tmp_path_factory):
+    return blender.in_window(SCRIPT, tmp_path_factory.mktemp("stands"), size=(900, 640))
+
+
+def test_the_window_does_not_wait_for_the_light_of_walls(found):
+    assert found["beside walls"] and found["walls"]
+
+
+def test_noise_is_coarse_at_first(found):
     assert found["among noise"]["at first"] <= MOVING_TRIANGLES

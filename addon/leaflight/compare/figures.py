@@ -48,8 +48,13 @@ def summary(result):
         f"isosurface, of which noise {result['isosurface_noise_percent']:.2f} %; mean off by "
         f"{off:+.2f} +- {within:.2f} %"
         + (", more than noise explains" if abs(off) > within else "")
-        + f"; FLIP {result['flip_mean']:.3f}"
+        + f"; {flip_words(result)}"
     )
+
+
+def flip_words(result):
+    mean = result["flip_mean"]
+    return "no FLIP: flip-evaluator is missing" if mean is None else f"FLIP {mean:.3f}"
 
 
 def doubt(result):

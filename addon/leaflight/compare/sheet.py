@@ -8,6 +8,8 @@ import numpy as np
 from leaflight.io.images import display_colours
 from leaflight.io.output import replaced
 
+from .figures import flip_words
+
 # Pixels: what a still is at least wide, so that its label fits, and at most, so that the whole fits
 # a screen.
 _NARROWEST, _WIDEST = 560, 960
@@ -80,7 +82,7 @@ def _of_difference(result):
     return (
         "Baked minus Cycles",
         f"RMS {result['isosurface_rms_percent']:.2f} % on the isosurface, of which noise "
-        f"{result['isosurface_noise_percent']:.2f} %; FLIP {result['flip_mean']:.3f}",
+        f"{result['isosurface_noise_percent']:.2f} %; {flip_words(result)}",
     )
 
 

@@ -175,10 +175,10 @@ def volume_of(obj):
 def lit_by(obj):
     """(bake, which of its volumes the object is): a pass of one in progress, or the last one.
 
-    The bake is None before the first. Raises LeaflightError.
+    The bake is None before the first, and may still lack its walls. Raises LeaflightError.
     """
     obj = added.volume_object(obj)
     shown = preview.of(obj)
     if shown is not None:
         return shown.bake, shown.index
-    return lamps.bake_of(obj), obj.leaflight.bake_index
+    return lamps.light_of(obj), obj.leaflight.bake_index

@@ -84,7 +84,16 @@ def bake_of(obj):
 
     Raises LeaflightError.
     """
-    bake, factors = cache.bake_of(obj), factors_of(obj.leaflight)
+    return _with_lamps(obj, cache.bake_of(obj))
+
+
+def light_of(obj):
+    """bake_of(), but perhaps still without walls (cache.py). Raises LeaflightError."""
+    return _with_lamps(obj, cache.light_of(obj))
+
+
+def _with_lamps(obj, bake):
+    factors = factors_of(obj.leaflight)
     if bake is None or not factors:
         return bake
     known = _relit.get(bake.id)

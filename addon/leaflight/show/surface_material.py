@@ -17,6 +17,8 @@ from .isosurface import RADIANCE, RADIANCE_BACK
 _BUILT = "leaflight_built"
 # And for which shader_graph.View.
 _VIEW = "leaflight_view"
+# Settings that refer to the materials of an isosurface.
+_SLOTS = ("isosurface_material", "baked_material")
 
 
 def material_of(obj, isovalue):
@@ -59,6 +61,32 @@ def shows_its_view(obj):
     materials = obj.data.materials
     view = materials[0].get(_VIEW) if materials and materials[0] is not None else None
     return view is None or view == repr(look.view_of(obj))
+
+
+def take_off(obj):
+    """Takes its own materials off an isosurface; returns {what refers to it: its name}."""
+    names = {}
+    for slot in _SLOTS:
+        material = getattr(obj.leaflight, slot)
+        if material is None or material.library is not None:
+            continue
+        names[slot] = material.name
+        if obj.data.materials and obj.data.materials[0] == material:
+            names[None] = material.name
+            obj.data.materials[0] = None
+        setattr(obj.leaflight, slot, None)
+    return names
+
+
+def put_on(obj, names):
+    """Puts on what take_off() has returned, as far as it is there and nothing else is."""
+    for slot, name in names.items():
+        material = bpy.data.materials.get((name, None))
+        if slot is None:
+            if obj.data.materials and obj.data.materials[0] is None:
+                obj.data.materials[0] = material
+        elif getattr(obj.leaflight, slot) is None:
+            setattr(obj.leaflight, slot, material)
 
 
 def remove_baked(obj):

@@ -124,7 +124,7 @@ def _bake_of(leader):
     if _pass_with_walls(leader):
         shown = preview.of(leader)
         return shown.walls, shown.index
-    return lamps.bake_of(leader), leader.leaflight.bake_index
+    return lamps.light_of(leader), leader.leaflight.bake_index
 
 
 def _common_isovalue(leader, bake, index):
@@ -135,7 +135,7 @@ def _common_isovalue(leader, bake, index):
 
 
 def _build(scene, leader):
-    bake, _ = _bake_of(leader)
+    bake = _bake_of(leader)[0] if _pass_with_walls(leader) else lamps.bake_of(leader)
     if bake.walls is None:
         return
     collection = bpy.data.collections.new(COLLECTION)

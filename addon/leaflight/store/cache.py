@@ -5,19 +5,25 @@ Nothing here is saved with the scene or refers to a Blender object, so neither u
 file can invalidate it: what is missing is read again from its file.
 """
 
+from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 
 import bpy
 import leaflight
 import numpy as np
 
 from .. import session
-from . import bake_files, source_files
+from . import bake_files, reading, source_files
 
 LeaflightError = leaflight.LeaflightError
 
 _volumes = session.remembered()
 _bakes = session.remembered()
+# Those whose walls are not lit yet.
+_readings = session.remembered()
+# Functions that are called when the walls of a bake are lit.
+when_whole = []
 
 # Bytes of voxels, beyond which what is not shown now is freed: frames that were played are many.
 _MOST = 2 << 30
@@ -43,7 +49,7 @@ def world_volume(obj):
     """volume_of() in world space."""
     # Exactly the one that was baked where the object stands as it did then.
     if _baked_key(obj) is not None and _flat(obj.matrix_world) == list(obj.leaflight.bake_matrix):
-        return bake_of(obj).volumes[obj.leaflight.bake_index]
+        return light_of(obj).volumes[obj.leaflight.bake_index]
     return _in_world(obj, volume_of(obj))
 
 
@@ -75,15 +81,74 @@ def bake_of(obj):
     identifier = obj.leaflight.bake_id
     if not identifier:
         return None
+    if identifier in _readings:
+        _finish(identifier)
     if identifier not in _bakes:
         _make_room()
-        _bakes[identifier] = _load(bake_files.locate(obj))
+        _bakes[identifier] = _load(bake_files.locate(obj), leaflight.load_bake)
     return _bakes[identifier]
+
+
+def light_of(obj):
+    """bake_of(), but in a window perhaps still without walls, whose light takes up to a minute.
+
+    A thread makes it meanwhile. Raises LeaflightError.
+    """
+    identifier = obj.leaflight.bake_id
+    if bpy.app.background or identifier in _bakes or not identifier or obj.leaflight.frames > 1:
+        return bake_of(obj)
+    if identifier not in _readings:
+        _make_room()
+        begun = _load(bake_files.locate(obj), reading.Reading)
+        _readings[identifier] = begun
+        bpy.app.timers.register(partial(_await, identifier, begun), persistent=True)
+    return _readings[identifier].bake
+
+
+def finish_readings():
+    """Waits for the light of all walls."""
+    for identifier in list(_readings):
+        with suppress(LeaflightError):
+            _finish(identifier)
+
+
+def stop_readings():
+    for begun in _readings.values():
+        begun.cancel()
+    _readings.clear()
+
+
+def _await(identifier, begun):
+    """A timer's function."""
+    if _readings.get(identifier) is not begun:
+        begun.cancel()
+        return None
+    if begun.is_alive():
+        return 0.1
+    with suppress(LeaflightError):
+        _finish(identifier)
+    for call in when_whole:
+        call()
+    return None
+
+
+def _finish(identifier):
+    # It stays until its end: a render waits for it in another thread than _await() looks at it.
+    begun = _readings.get(identifier)
+    if begun is None:
+        return
+    try:
+        _bakes[identifier] = begun.result()
+    except LeaflightError as problem:
+        _damaged[begun.path] = bake_files.state_of(begun.path), str(problem)
+        raise
+    finally:
+        _readings.pop(identifier, None)
 
 
 def grid_of(obj):
     """The radiance grid of an object's bake, None before the first. Raises LeaflightError."""
-    bake = bake_of(obj)
+    bake = light_of(obj)
     return bake.grids[obj.leaflight.bake_index] if bake is not None else None
 
 
@@ -112,13 +177,13 @@ def _make_room():
         forget_unused()
 
 
-def _load(path):
+def _load(path, read):
     """Reads a bake. A damaged one is read but once, however often it is asked for."""
     state = bake_files.state_of(path)
     known, error = _damaged.get(path, (None, None))
     if known is None or known != state:
         try:
-            return leaflight.load_bake(path)
+            return read(path)
         except LeaflightError as problem:
             error = str(problem)
             _damaged[path] = state, error
@@ -149,7 +214,7 @@ def _baked_key(obj):
     """A key of the volume that a bake holds; None where the bake cannot give the volume."""
     settings = obj.leaflight
     try:
-        bake = bake_of(obj)
+        bake = light_of(obj)
     except LeaflightError:
         return None
     if bake is None or bake.scene.isosurfaces[settings.bake_index].capped != settings.capped:
@@ -166,7 +231,7 @@ def _key_in_bake(settings):
 def _volume_of_bake(obj):
     settings = obj.leaflight
     local_to_world = np.array(settings.bake_matrix, np.float64).reshape(4, 4)
-    baked = bake_of(obj).volumes[settings.bake_index]
+    baked = light_of(obj).volumes[settings.bake_index]
     index_to_local = np.linalg.inv(local_to_world) @ baked.index_to_world
     return placed(baked, index_to_local)
 

@@ -20,10 +20,11 @@ from ..show import (
     slices,
     surface_material,
     surface_object,
+    walls,
     whole_detail,
 )
 from ..stage import lamp_strengths, staleness
-from ..store import frame_bakes, moving
+from ..store import cache, frame_bakes, moving
 
 
 def _follow(scene, depsgraph, by_hand):
@@ -143,9 +144,32 @@ def _is_ours(obj):
     return obj.leaflight.is_volume or display.is_display(obj)
 
 
+# Name of an isosurface -> what was taken off it before undo.
+_taken_off = session.remembered()
+
+
+@persistent
+def _before_undo(*_):
+    """Undo removes materials that passes of a bake have made after the step was stored.
+
+    Blender 5.2 keeps meshes that refer to them nevertheless, and crashes.
+    """
+    own = [obj for obj in bpy.data.objects if obj.library is None and added.is_isosurface(obj)]
+    _taken_off.update({obj.name: surface_material.take_off(obj) for obj in own})
+
+
+def _put_on():
+    for name, names in _taken_off.items():
+        obj = bpy.data.objects.get((name, None))
+        if obj is not None and added.is_isosurface(obj):
+            surface_material.put_on(obj, names)
+    _taken_off.clear()
+
+
 @persistent
 def _after_undo(scene, _depsgraph):
     """Undo may bring back an isovalue without its surface, made after the step was stored."""
+    _put_on()
     failures.forget()
     staleness.forget()
     surface_object.forget()
@@ -162,8 +186,16 @@ def _after_undo(scene, _depsgraph):
     live.changed(scene)
 
 
+def _after_reading():
+    """Lights walls by a bake that had been read without theirs."""
+    for scene in bpy.data.scenes:
+        walls.update(scene)
+
+
 @persistent
 def _before_render(scene, *_):
+    cache.finish_readings()
+    walls.update(scene)
     whole_detail.make_now([obj for obj in isovalues.isosurfaces(scene) if not obj.hide_render])
 
 
@@ -213,6 +245,8 @@ _HANDLERS = (
     ("depsgraph_update_pre", _before_change),
     ("depsgraph_update_post", _after_change),
     ("render_pre", _before_render),
+    ("undo_pre", _before_undo),
+    ("redo_pre", _before_undo),
     ("undo_post", _after_undo),
     ("redo_post", _after_undo),
     ("save_post", _after_save),
@@ -224,11 +258,14 @@ _HANDLERS = (
 def register():
     for event, handler in _HANDLERS:
         getattr(bpy.app.handlers, event).append(handler)
+    cache.when_whole.append(_after_reading)
 
 
 def unregister():
     for event, handler in _HANDLERS:
         getattr(bpy.app.handlers, event).remove(handler)
+    cache.when_whole.remove(_after_reading)
+    cache.stop_readings()
     jobs.abandon()
     stopped.save_offered()
     session.forget()

@@ -3,6 +3,7 @@
 
 import json
 import os
+from dataclasses import replace
 
 import leaflight._core as _core
 
@@ -19,6 +20,19 @@ from .statistics import statistics_from_record
 
 def load_bake(path: str | os.PathLike[str]) -> Bake:
     """Reads what Bake.save wrote. Raises LeaflightError for any other file."""
+    return with_walls(*open_bake(path), _core.Progress())
+
+
+def with_walls(bake: Bake, walls: _core.WallRadiance | None, progress: _core.Progress) -> Bake:
+    """The whole of what open_bake() returns. Raises LeaflightError, Cancelled."""
+    if walls is None:
+        return bake
+    _core.attach_walls(walls, bake.core_scene(), progress)
+    return replace(bake, walls=walls)
+
+
+def open_bake(path: str | os.PathLike[str]) -> tuple[Bake, _core.WallRadiance | None]:
+    """A bake without its walls, and these, whose direct light may take a minute: with_walls()."""
     identifier = read_bake_id(path)
     if not _core.has_seal(path):
         # Of an earlier Leaflight, cut, or saved by another program: it may not be whole.
@@ -59,9 +73,7 @@ def load_bake(path: str | os.PathLike[str]) -> Bake:
     for volume in volumes:
         volume.field()
     core = core_scene(scene, [volume.field() for volume in volumes], (lo, hi))
-    if walls is not None:
-        _core.attach_walls(walls, core, _core.Progress())
-    bake = Bake(volumes, scene, (lo, hi), grids, walls, statistics, provenance)
+    bake = Bake(volumes, scene, (lo, hi), grids, None, statistics, provenance)
     if bake.id != identifier:
         raise LeaflightError(f"{path}: its metadata were changed; bake the volume again.")
     for number, (grid, record) in enumerate(zip(grids, records)):
@@ -73,7 +85,7 @@ def load_bake(path: str | os.PathLike[str]) -> Bake:
                 grid.has_back and len(grids) == 1,
                 _core.Progress(),
             )
-    return bake
+    return bake, walls
 
 
 def can_be_read(path: str) -> tuple[None, tuple[()]]:

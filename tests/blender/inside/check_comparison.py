@@ -2,7 +2,9 @@
 """Render Comparison: images, figures, and the scene as it was before."""
 
 import csv
+import importlib.util
 import json
+import sys
 import time
 from pathlib import Path
 
@@ -67,10 +69,7 @@ def check_images_and_figures(boxed, small_frame, tmp_path):
     rms = figures.rms_percent(images["baked"], images["cycles"], 1.0, everywhere)
     assert rms == pytest.approx(result["image_rms_percent"], rel=1e-3)
     assert f"{result['isosurface_rms_percent']:.2f}" in boxed.leaflight.comparison
-    assert (
-        0 < result["flip_mean"] < 0.1 and result["flip_mean"] < result["flip_percentile_95"] < 0.3
-    )
-    assert f"FLIP {result['flip_mean']:.3f}" in boxed.leaflight.comparison
+    _flip_of(result, boxed.leaflight.comparison)
     assert abs(result["isosurface_mean_off_percent"]) < 3
     assert 0 < result["isosurface_mean_off_within"] < 0.5
     assert f"mean off by {result['isosurface_mean_off_percent']:+.2f}" in boxed.leaflight.comparison
@@ -78,6 +77,24 @@ def check_images_and_figures(boxed, small_frame, tmp_path):
 
     _local_shading(images, result)
     _labelled_picture_and_table(folder / f"{boxed.name}_47_comparison", result)
+
+
+def _flip_of(result, sentence):
+    if importlib.util.find_spec("flip_evaluator") is None:
+        assert result["flip_mean"] is None and "no FLIP: flip-evaluator is missing" in sentence
+        return
+    assert 0 < result["flip_mean"] < 0.1
+    assert result["flip_mean"] < result["flip_percentile_95"] < 0.3
+    assert f"FLIP {result['flip_mean']:.3f}" in sentence
+
+
+def check_it_is_shown_without_flip(baked, small_frame, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "flip_evaluator", None)
+    bpy.ops.leaflight.render_comparison(samples=2, baked_samples=2, folder=str(tmp_path))
+    assert "no FLIP: flip-evaluator is missing" in baked.leaflight.comparison
+    (numbers,) = tmp_path.glob("*_comparison.json")
+    result = json.loads(numbers.read_text())
+    assert result["flip_mean"] is None and 0 < result["isosurface_rms_percent"] < 100
 
 
 def _local_shading(images, result):

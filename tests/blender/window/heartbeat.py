@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How long Blender's window stands still, and what it does meanwhile."""
 
+import os
 import re
 import sys
 import threading
@@ -9,6 +10,8 @@ import traceback
 
 import bpy
 
+# Of the tests themselves.
+_HERE = os.path.dirname(__file__)
 # Seconds between two beats, and after which the window is looked at while it stands still.
 _BEAT, _LONG = 0.01, 0.25
 
@@ -50,6 +53,6 @@ def _place(frame):
     ours = [
         f"{re.sub('.*/leaflight(_addon)?/', '', part.filename)}:{part.name}"
         for part in traceback.extract_stack(frame)
-        if "leaflight" in part.filename and "/window/" not in part.filename
+        if "leaflight" in part.filename and not part.filename.startswith(_HERE)
     ]
     return " > ".join(ours[-2:])

@@ -4,11 +4,13 @@
 A scan whose background is noise is lit, and then: its file is opened again, a clip box is added,
 the isovalue goes among the noise, and a picture is rendered. Prints a line WINDOW and a JSON
 object: for each, the longest time that the window stood, what Leaflight did then, and for the
-noise how many triangles there were at first.
+noise how many triangles there were at first. "beside walls": whether the clip box was there before
+the light of the walls, whose bake is read then; "walls": whether that came.
 """
 
 import os
 import sys
+import threading
 from pathlib import Path
 
 import bpy
@@ -16,6 +18,7 @@ import numpy as np
 from leaflight_addon.operators import jobs
 from leaflight_addon.show import surface_object
 from leaflight_addon.stage import viewport
+from leaflight_addon.store import cache, reading
 
 sys.path.insert(0, os.path.dirname(__file__))
 import hand  # noqa: E402
@@ -80,9 +83,17 @@ def reopen():
 
 
 def add_clip_box():
+    """The file has just been opened: the walls of its bake have no light before it is there."""
+    may_go_on, with_walls = threading.Event(), reading.with_walls
+    reading.with_walls = lambda *read: may_go_on.wait() and with_walls(*read)
     with hand.in_view():
         bpy.ops.leaflight.add_clip_box()
     yield from hand.steps(2)
+    has_box = seen.volume().leaflight_look.box is not None
+    found["beside walls"] = has_box and bool(cache._readings)
+    may_go_on.set()
+    yield from stepwise.until(lambda: not cache._readings)
+    found["walls"] = cache.bake_of(seen.volume()).walls is not None
 
 
 def go_among_noise():
