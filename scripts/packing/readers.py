@@ -22,7 +22,7 @@ PLATFORMS = {
     "macos-arm64": ("macosx_11_0_arm64",),
     "macos-x64": ("macosx_11_0_x86_64",),
 }
-# What PyPI does not have for a platform or a Python. The program then says that FLIP is missing.
+# Packages that PyPI lacks for a platform or a Python. Without FLIP the program says so.
 WITHOUT = {"macos-x64": ("flip-evaluator",), "cp314": ("flip-evaluator",)}
 # The folders (python/leaflight/io/reader_process.py): for one Python, and for all.
 ONE, ALL = "leaflight_readers", "leaflight_codecs"

@@ -186,7 +186,7 @@ def is_coarse(mesh):
 
 
 def _halvings_in_motion(obj, isovalue):
-    """Of the volume's fineness, for an isosurface of an object. Raises LeaflightError."""
+    """Returns how often to halve the detail of an isosurface that moves. Raises LeaflightError."""
     triangles, halvings = obj.data.get(_TRIANGLES, 0), 0
     if shown_isovalue(obj) != isovalue or not triangles:
         estimate = isosurface.estimate_triangles(isosurface.volume_of(obj), isovalue)

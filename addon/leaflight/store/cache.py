@@ -20,7 +20,7 @@ LeaflightError = leaflight.LeaflightError
 
 _volumes = session.remembered()
 _bakes = session.remembered()
-# Those whose walls are not lit yet.
+# Bakes without the light of their walls, by id, while a thread computes it.
 _readings = session.remembered()
 # Functions that are called when the walls of a bake are lit.
 when_whole = []

@@ -121,9 +121,9 @@ def _clip_boxes(scene):
 
 
 def _concerns_bakes(scene, change, moved):
-    """Whether a change of a data-block may change what would be baked.
+    """Returns True if a change of a data-block may change the result of a bake.
 
-    moved: volumes whose isovalue did; Blender then calls all else of them changed, too.
+    moved: volumes whose isovalue changed. Blender then reports their other properties as changed.
     """
     changed, elsewhere = change.what, change.elsewhere
     if changed in moved:

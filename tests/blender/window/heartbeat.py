@@ -10,7 +10,7 @@ import traceback
 
 import bpy
 
-# Of the tests themselves.
+# The folder of these tests.
 _HERE = os.path.dirname(__file__)
 # Seconds between two beats, and after which the window is looked at while it stands still.
 _BEAT, _LONG = 0.01, 0.25

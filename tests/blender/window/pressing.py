@@ -146,7 +146,7 @@ class Pressing:
         _expect(self._see() != before, f"{self._row.sees} is {before} as before")
 
     def _beside(self):
-        """Where its button is not gray while a bake is at half way, which then comes to its end."""
+        """Presses it while a bake is at half way, and lets the bake end."""
         yield from self._begin_bake()
         yield from self._press()
         gate.open_()

@@ -3,9 +3,9 @@
 
 A scan whose background is noise is lit, and then: its file is opened again, a clip box is added,
 the isovalue goes among the noise, and a picture is rendered. Prints a line WINDOW and a JSON
-object: for each, the longest time that the window stood, what Leaflight did then, and for the
-noise how many triangles there were at first. "beside walls": whether the clip box was there before
-the light of the walls, whose bake is read then; "walls": whether that came.
+object. Each step has the longest time that the window stood and what Leaflight did then. The step
+into the noise also has the number of triangles at first. "beside walls": the clip box was there
+before the light of the walls, which is computed when a bake is read. "walls": that light came.
 """
 
 import os
@@ -28,7 +28,7 @@ import stepwise  # noqa: E402
 
 FOLDER = Path(sys.argv[-1])
 NODES = 96
-# Of the blob, and among the noise about it.
+# Isovalues of the blob, and of the noise around it.
 BLOB, NOISE = 50.0, 5.0
 
 found = {}

@@ -13,7 +13,7 @@ namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-// Uniform over a texel about its centre, in texels.
+// Returns a position relative to the centre of a texel, uniform over the texel; unit: texels.
 template <int D>
 Vec<D> offset_within_texel(std::uint64_t bits) {
   Vec<D> offset;
@@ -65,10 +65,9 @@ struct Walk {
   double wall_z;  // of the nearest mesh behind
 };
 
-// Where a way back hits the isosurface of value h: at coordinate z, after a plane.
+// The point at coordinate z of a line where a way back hits the isosurface of value h.
 struct Hit {
   float h;
-  int plane;
   double z;
   bool on_back;
 };
@@ -198,7 +197,7 @@ void Gathering<D>::add_sample(const LineBundle<D>& line, int k, Walk<D>& walk,
   const Stack& stack = front ? own.higher : own.lower;
   int crossing = stack.entries[stack.top].plane;
   if (crossing < 0 && walk.stretch != walk.begin) crossing = beyond_masked(own, walk, h, front);
-  Hit hit{h, crossing, 0, false};
+  Hit hit{h, 0, false};
   if (crossing >= 0) {
     const float there = own.h[crossing], here = own.h[crossing + walk.step];
     const float t = there != here ? (there - h) / (there - here) : 0;
@@ -245,11 +244,11 @@ int Gathering<D>::beyond_masked(const GatherLines<D>& own, const Walk<D>& walk, 
   return -1;
 }
 
-// The slot of the texel that stands for a hit, or inactive. `receiver`: that of the sample. Two
-// texels are tried, at opposite random places about the hit, so that on average texels count as in
-// linear interpolation. A texel of a thin shell's other face, or near its crest, where isosurfaces
-// have holes, would light a closed cavity, which keeps light for many bounces. So a texel must face
-// the line, and the one whose isosurface is nearer in value counts.
+// Returns the slot of the texel whose light a hit sends, or inactive. `receiver`: slot of the texel
+// that gathers. Two texels are tried, at opposite random places about the hit: on average texels
+// count as in linear interpolation. The texel must face the line, and the one whose isosurface is
+// nearer in value is taken. Others may lie on the far face of a thin shell, or near its crest,
+// where isosurfaces have holes. Their light would stay in a closed cavity for many bounces.
 template <int D>
 std::int32_t Gathering<D>::slot_at(const LineBundle<D>& line, const Walk<D>& walk, const Hit& hit,
                                    std::int32_t receiver) const {

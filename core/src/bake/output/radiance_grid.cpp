@@ -72,8 +72,8 @@ Vec<3, float> lookup(const TexelLattice<D>& lattice, const std::vector<Vec<3, fl
 
 namespace {
 
-// The share by which isosurfaces ahead of a point are those at the point, moved: 1 where they are
-// parallel and as far apart, 0 where the field turns or ends. Gradients in index coordinates.
+// Compares the isosurfaces at a point with those ahead of it, by their gradients in index
+// coordinates. Returns 1 if both are parallel and equally dense, 0 if the field turns or ends.
 template <int D>
 float likeness(const Vec<D>& here, const Vec<D>& ahead) {
   const double square = std::max(here.dot(here), ahead.dot(ahead));
@@ -81,11 +81,11 @@ float likeness(const Vec<D>& here, const Vec<D>& ahead) {
   return static_cast<float>(like * like * (3 - 2 * like));
 }
 
-// The texels of one lookup. Texels behind an isosurface may belong to the other face of a thin
-// shell. So where direct light is exact, indirect light is extrapolated from half a texel and three
-// halves in front of the point, as far as the isosurfaces there are like the point's own; texels
-// around the point give the rest (docs/decisions/2026-11-29-light-of-steep-data.md). Where texels
-// hold all light, those around the point give all.
+// The texels that one lookup reads. Texels behind an isosurface may belong to the other face of a
+// thin shell. Therefore part of the indirect light is extrapolated from 0.5 and 1.5 texels in front
+// of the point. The part is likeness() of the isosurfaces 1.5 texels ahead. Texels around the point
+// give the rest (docs/decisions/2026-11-29-light-of-steep-data.md). They give all light if texels
+// hold the direct light, too.
 template <int D>
 class PointLookup {
  public:
@@ -99,10 +99,10 @@ class PointLookup {
       maps_ = linear_weights(direct_->lattice(), index_position);
       look_ahead(lattice, field, back);
     }
-    if (in_front_ < 1) around_ = linear_weights(lattice, index_position);
+    around_ = linear_weights(lattice, index_position);
   }
   void fetch(const Colours& values, bool back) const {
-    if (in_front_ < 1) prefetch(around_, values);
+    prefetch(around_, values);
     if (in_front_ > 0) {
       prefetch(near_, values);
       prefetch(far_, values);
@@ -141,9 +141,9 @@ class PointLookup {
     far_ = linear_weights(lattice, far);
   }
   Vec<3, float> of_texels(const Colours& values) const {
-    Vec<3, float> light(0);
-    if (in_front_ < 1) light = mean(around_, values) * (1 - in_front_);
-    return in_front_ > 0 ? light + extrapolated(values) * in_front_ : light;
+    const Vec<3, float> around = mean(around_, values);
+    if (!(in_front_ > 0)) return around;
+    return around * (1 - in_front_) + extrapolated(values) * in_front_;
   }
   Vec<3, float> extrapolated(const Colours& values) const {
     const Vec<3, float> near = mean(near_, values), far = mean(far_, values);
